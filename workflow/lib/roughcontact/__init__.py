@@ -1,0 +1,48 @@
+"""True contact area and contact pressures of measured rough surfaces.
+
+The public verbs take and return labelled arrays (`xarray`), in SI units, and follow one another::
+
+    height   = read_height_map(path)
+    levelled = level(height, form="plane")
+    window   = periodic_window(levelled)
+    contact  = solve_contact(window, contact_modulus=1e9, mean_pressure=[1e6, 5e6])
+    stats    = contact_statistics(contact)
+
+Names are imported on first use, so that a job pays only for what it needs.
+"""
+
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+
+try:
+    __version__ = version("roughcontact")
+except PackageNotFoundError:  # used from a checkout that was not installed
+    __version__ = "0+unknown"
+
+_HOME = {
+    "read_height_map": "roughcontact.io",
+    "inspect_file": "roughcontact.io",
+    "level": "roughcontact.levelling",
+    "periodic_window": "roughcontact.window",
+    "solve_contact": "roughcontact.contact",
+    "contact_statistics": "roughcontact.statistics",
+    "read_dataset": "roughcontact.storage",
+    "write_dataset": "roughcontact.storage",
+    "RoughContactError": "roughcontact.errors",
+    "InputFileError": "roughcontact.errors",
+    "SettingsError": "roughcontact.errors",
+    "HeightMapError": "roughcontact.errors",
+    "ConvergenceError": "roughcontact.errors",
+}
+
+__all__ = ["__version__", *_HOME]
+
+
+def __getattr__(name):
+    if name in _HOME:
+        return getattr(import_module(_HOME[name]), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__():
+    return sorted(__all__)

@@ -1,0 +1,24 @@
+"""What can go wrong, one class per thing the user has to look at.
+
+Every message names the file or the key, the value that is wrong, and the way out.
+"""
+
+
+class RoughContactError(Exception):
+    """Base of all errors raised on purpose by this package."""
+
+
+class InputFileError(RoughContactError, ValueError):
+    """A file that cannot be read, is no height map, or does not say its unit or its size."""
+
+
+class SettingsError(RoughContactError, ValueError):
+    """A setting, a table entry or a function argument that has no meaning."""
+
+
+class HeightMapError(RoughContactError, ValueError):
+    """A height map that was read well but cannot be processed (all missing, one pixel, ...)."""
+
+
+class ConvergenceError(RoughContactError, RuntimeError):
+    """A load whose error bound did not reach the tolerance."""

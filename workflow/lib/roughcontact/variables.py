@@ -1,0 +1,90 @@
+"""The table of output variables: one entry per name that a result file can hold.
+
+`describe` hangs units and a sentence on every variable of a dataset, so that no file leaves without them.
+"""
+
+import xarray as xr
+
+from roughcontact.errors import RoughContactError
+
+# name: (unit in UDUNITS spelling, what it is)
+VARIABLES = {
+    # maps
+    "height": ("m", "surface height, positive outwards; NaN where not measured"),
+    "filled": ("1", "1 where the height was not measured but filled in, 0 elsewhere"),
+    "pressure": ("Pa", "contact pressure"),
+    "gap": ("m", "gap between the deformed surfaces"),
+    "contact": ("1", "1 where the surfaces touch (pressure > 0), 0 elsewhere"),
+    # the solution, per load
+    "mean_pressure": ("Pa", "nominal (applied, mean) pressure over the whole window"),
+    "relative_pressure": ("1", "mean pressure / (contact modulus x rms gradient)"),
+    "approach": ("m", "rigid-body approach, with the zero-frequency rule named in the file's attributes"),
+    "iterations": ("1", "outer iterations of the solver, all grids"),
+    "operator_applications": ("1", "forward and inverse FFT pairs, one pair on the solved grid counting 1"),
+    "error_bound": ("1", "rigorous bound of the relative pressure error in the energy norm"),
+    "max_penetration": ("m", "largest interpenetration left outside the contact"),
+    "load_error": ("1", "relative difference of the mean of the pressure from the prescribed one"),
+    "converged": ("1", "1 where error_bound <= tolerance, 0 elsewhere"),
+    # statistics, per load
+    "relative_contact_area": ("1", "share of the area in contact, corrected by the perimeter rule"),
+    "relative_contact_area_pixels": ("1", "share of the pixels in contact, uncorrected"),
+    "contact_perimeter": ("m", "length of the contact line"),
+    "contact_clusters": ("1", "number of connected contact patches, counted over the periodic boundary"),
+    "contact_on_filled_points": ("1", "share of the contact pixels whose height was filled in"),
+    "mean_contact_pressure": ("Pa", "mean pressure over the contact pixels"),
+    "max_pressure": ("Pa", "largest pressure"),
+    "pressure_std": ("Pa", "standard deviation of the pressure over the contact pixels"),
+    "mean_gap": ("m", "mean of the gap over the window"),
+    "contact_stiffness": ("Pa m-1", "- d mean_pressure / d mean_gap"),
+    "elastic_energy": ("J m-2", "elastic energy per nominal area, relative to uniform pressure"),
+    "pressure_density": ("Pa-1", "probability density of the pressure over the contact pixels"),
+    "gap_density": ("m-1", "probability density of the gap over the pixels out of contact"),
+    "points_per_shortest_wavelength": ("1", "pixels per shortest wavelength of the map"),
+    # theory beside the data
+    "area_persson": ("1", "relative contact area after Persson (2001)"),
+    "area_xu": ("1", "relative contact area after Xu et al. (2024)"),
+    "area_bush_gibson_thomas": ("1", "relative contact area after Bush, Gibson and Thomas (1975), low load"),
+    "area_greenwood_williamson": ("1", "relative contact area after Greenwood and Williamson (1966)"),
+    # roughness, per surface
+    "rms_height": ("m", "root mean square height of the solved window"),
+    "rms_gradient": ("1", "spectral root mean square gradient of the solved window"),
+    "rms_curvature": ("m-1", "spectral root mean square of the mean curvature of the solved window"),
+    "nayak_parameter": ("1", "Nayak's bandwidth parameter m0 m4 / m2^2 of the solved window"),
+    # coordinates and bins
+    "x": ("m", "cell centres along x"),
+    "y": ("m", "cell centres along y"),
+    "pressure_bin": ("Pa", "centres of the pressure bins"),
+    "pressure_bin_bounds": ("Pa", "edges of the pressure bins"),
+    "gap_bin": ("m", "centres of the gap bins"),
+    "gap_bin_bounds": ("m", "edges of the gap bins"),
+    # the window
+    "window_length_x": ("m", "length of the window along x"),
+    "window_length_y": ("m", "length of the window along y"),
+    "window_offset_x": ("m", "distance of the window's first cell from the map's first cell along x"),
+    "window_offset_y": ("m", "distance of the window's first cell from the map's first cell along y"),
+    "contact_modulus": ("Pa", "plane-strain contact modulus E*"),
+    # labels
+    "surface_name": (None, "name of the surface, as in the table of surfaces"),
+    "case_name": (None, "name of the case, as in the settings"),
+}
+
+
+def describe(dataset: xr.Dataset) -> xr.Dataset:
+    """Return `dataset` with `units` and `long_name` on every variable, from the table above.
+
+    Raises
+    ------
+    RoughContactError
+        where a variable is not in the table: a name that nobody explained must not reach a user's file.
+    """
+    unknown = [name for name in dataset.variables if name not in VARIABLES]
+    if unknown:
+        raise RoughContactError(f"no description for the output variables {unknown}: add them to variables.py")
+    dataset = dataset.copy()
+    for name in dataset.variables:
+        units, long_name = VARIABLES[name]
+        attrs = dataset[name].attrs
+        attrs["long_name"] = long_name
+        if units is not None:
+            attrs["units"] = units
+    return dataset
