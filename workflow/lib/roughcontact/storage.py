@@ -3,10 +3,12 @@
 import json
 import os
 import platform
+from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from roughcontact import __version__
@@ -49,14 +51,8 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
             encoding[name] = {"_FillValue": np.nan}
         if variable.size >= _COMPRESSED_FROM and variable.dtype.kind in "fiub":
             encoding[name] |= {"zlib": True, "complevel": 1, "shuffle": True}
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
+    with _whole(path) as partial:
         dataset.to_netcdf(partial, engine="netcdf4", encoding=encoding)
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def read_dataset(path: str | Path) -> xr.Dataset:
@@ -72,3 +68,27 @@ def read_dataset(path: str | Path) -> xr.Dataset:
             return dataset.load()
     except OSError as error:
         raise InputFileError(f"{path}: not readable as netCDF ({error}); delete it and run again") from error
+
+
+def write_table(frame: pd.DataFrame, path: str | Path) -> None:
+    """Write `frame` to `path` as CSV (UTF-8, numbers in full), whole or not at all."""
+    write_text(frame.to_csv(index=False, lineterminator="\n"), path)
+
+
+def write_text(text: str, path: str | Path) -> None:
+    """Write `text` to `path` as UTF-8, whole or not at all."""
+    with _whole(path) as partial:
+        partial.write_bytes(text.encode())
+
+
+@contextmanager
+def _whole(path: str | Path):
+    """Yield a temporary name beside `path` that takes its place at the end, so that no half file is ever seen."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        yield partial
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)

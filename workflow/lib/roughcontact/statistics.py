@@ -1,0 +1,270 @@
+"""Numbers per load of a contact solution: areas, clusters, pressures, gaps, energy, stiffness, and theory."""
+
+import numpy as np
+import xarray as xr
+
+from roughcontact import roughness, theory
+from roughcontact.contact import linear_response
+from roughcontact.errors import SettingsError
+from roughcontact.fft import transform
+from roughcontact.fourier import halfplane_weights, spacing, wavenumbers
+
+# Share of a pixel by which each contact/non-contact switch overstates the area: Yastrebov, Anciaux and
+# Molinari (2017), Tribol. Int. 114, 161
+PERIMETER_CORRECTION = (np.pi - 1 + np.log(2)) / 24
+
+# what the solver says of each load, handed on unchanged
+SOLVER_COLUMNS = (
+    "approach",
+    "iterations",
+    "operator_applications",
+    "error_bound",
+    "max_penetration",
+    "load_error",
+    "converged",
+)
+
+_PRESSURE_DECADES = (-3, 3)  # in units of E* g
+_GAP_DECADES = (-4, 0)  # in units of the peak-to-valley height, which no gap exceeds
+_STIFFNESS_TOLERANCE = 1e-6  # relative residual; the contact set is far more uncertain than that
+
+
+def contact_statistics(contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins: int = 20) -> xr.Dataset:
+    """Return the statistics of each load of a contact solution.
+
+    Parameters
+    ----------
+    contact : Dataset
+        As `solve_contact` returns it: `pressure` (load, y, x) Pa, `gap` (load, y, x) m, `height` (y, x) m with
+        the optional coordinate `filled`, `contact_modulus` Pa, coordinate `mean_pressure` (load) Pa.
+    pressure_bins, gap_bins : int
+        Bins per factor of ten. Pressures: [0, 1e-3], then logarithmic to 1e3, in units of E* g. Gaps: [0, 1e-4],
+        then logarithmic to 1, in units of the peak-to-valley height. The bounds depend on the surface and on E*
+        alone, never on the loads; a value above the last bound is counted in the last bin, so nothing is lost.
+
+    Returns
+    -------
+    Dataset, dims (load, pressure_bin, gap_bin), SI units; `roughcontact.variables` explains each name
+
+    Raises
+    ------
+    SettingsError
+        where a number of bins is no whole number of at least 1.
+    """
+    for name, bins in (("pressure_bins", pressure_bins), ("gap_bins", gap_bins)):
+        if int(bins) != bins or bins < 1:
+            raise SettingsError(
+                f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
+            )
+    height, modulus = contact["height"], float(contact["contact_modulus"])
+    steps = spacing(height)
+    mean_pressure = np.asarray(contact["mean_pressure"].values, float)
+    surface = surface_statistics(height)
+    gradient = float(surface["rms_gradient"])
+    # a flat map has neither gradient nor heights to set the scale of the bins
+    edges = {
+        "pressure": (modulus * gradient or modulus) * _logarithmic_edges(_PRESSURE_DECADES, pressure_bins),
+        "gap": (float(np.ptp(height.values)) or steps[1]) * _logarithmic_edges(_GAP_DECADES, gap_bins),
+    }
+    filled = height["filled"].values != 0 if "filled" in height.coords else None
+    rows = [
+        _one_load(
+            contact["pressure"].values[index],
+            contact["gap"].values[index],
+            steps,
+            contact_modulus=modulus,
+            filled=filled,
+            edges=edges,
+        )
+        for index in range(contact.sizes["load"])
+    ]
+    columns = {name: (_DIMS.get(name, "load"), np.array([row[name] for row in rows])) for name in rows[0]}
+    columns |= {name: ("load", contact[name].values) for name in SOLVER_COLUMNS if name in contact}
+    columns |= {
+        name: ("load", values)
+        for name, values in theory_columns(
+            mean_pressure, height.values, steps, contact_modulus=modulus, rms_gradient=gradient
+        ).items()
+    }
+    resolution = np.full(mean_pressure.shape, roughness.points_per_shortest_wavelength(height))
+    columns |= {"points_per_shortest_wavelength": ("load", resolution), "contact_modulus": modulus}
+    coordinates = {"mean_pressure": ("load", mean_pressure)}
+    for name, bounds in edges.items():
+        coordinates[f"{name}_bin"] = (
+            f"{name}_bin",
+            (bounds[1:] + bounds[:-1]) / 2,
+            {"bounds": f"{name}_bin_bounds"},
+        )
+        coordinates[f"{name}_bin_bounds"] = (
+            (f"{name}_bin", "bounds"),
+            np.column_stack([bounds[:-1], bounds[1:]]),
+        )
+    return xr.Dataset(columns | surface, coords=coordinates, attrs=contact.attrs)
+
+
+_DIMS = {"pressure_density": ("load", "pressure_bin"), "gap_density": ("load", "gap_bin")}
+
+
+def surface_statistics(height: xr.DataArray) -> dict:
+    """Return roughness (spectral), size and position of the solved window, a dict of floats in SI units."""
+    (ny, nx), (dy, dx) = height.shape, spacing(height)
+    return {
+        "rms_height": roughness.rms_height(height),
+        "rms_gradient": roughness.rms_gradient(height),
+        "rms_curvature": roughness.rms_curvature(height),
+        "nayak_parameter": roughness.nayak_parameter(height),
+        "window_length_x": nx * dx,
+        "window_length_y": ny * dy,
+        "window_offset_x": float(height.attrs.get("window_offset_x", 0.0)),
+        "window_offset_y": float(height.attrs.get("window_offset_y", 0.0)),
+    }
+
+
+def theory_columns(mean_pressure, height, steps, *, contact_modulus, rms_gradient) -> dict:
+    """Return the load p' = p̄/(E* g) and the contact area of each theory at it, a dict of arrays (load).
+
+    Where a theory says nothing there is NaN: all of them on a flat map (which touches everywhere, but has no
+    p'), those of asperities on a single row or column, which has ridges and no summits.
+    """
+    if rms_gradient == 0:
+        nothing = np.full(mean_pressure.shape, np.nan)
+        names = ("persson", "xu", "bush_gibson_thomas", "greenwood_williamson")
+        return {"relative_pressure": np.full(mean_pressure.shape, np.inf)} | {
+            f"area_{name}": nothing for name in names
+        }
+    relative = mean_pressure / (contact_modulus * rms_gradient)
+    areas = {
+        "relative_pressure": relative,
+        "area_persson": theory.persson_area(relative),
+        "area_xu": theory.xu_area(relative),
+        "area_bush_gibson_thomas": theory.bush_gibson_thomas_area(relative),
+        "area_greenwood_williamson": theory.greenwood_williamson_area(
+            mean_pressure, theory.find_summits(height, steps), contact_modulus=contact_modulus
+        ),
+    }
+    if 1 in height.shape:
+        areas["area_bush_gibson_thomas"] = np.full(mean_pressure.shape, np.nan)
+    return areas
+
+
+def _one_load(pressure, gap, steps, *, contact_modulus, filled, edges) -> dict:
+    """Return all numbers of one load; `pressure` (ny, nx) Pa, `gap` (ny, nx) m, `filled` (ny, nx) or None."""
+    touching = pressure > 0
+    points = int(np.count_nonzero(touching))
+    carried = pressure[touching]
+    compliance = linear_response(touching, steps, contact_modulus, _STIFFNESS_TOLERANCE)
+    return {
+        "relative_contact_area": relative_contact_area(touching),
+        "relative_contact_area_pixels": points / touching.size,
+        "contact_perimeter": contact_perimeter(touching, steps),
+        "contact_clusters": count_clusters(touching),
+        "contact_on_filled_points": 0.0 if filled is None else np.count_nonzero(touching & filled) / points,
+        "mean_contact_pressure": carried.mean(),
+        "max_pressure": carried.max(),
+        "pressure_std": carried.std(),
+        "mean_gap": gap.mean(),
+        "contact_stiffness": 1 / compliance if compliance > 0 else np.inf,
+        "elastic_energy": elastic_energy(pressure, steps, contact_modulus=contact_modulus),
+        "pressure_density": _density(carried, edges["pressure"]),
+        "gap_density": _density(gap[~touching], edges["gap"]),
+    }
+
+
+def count_switches(touching: np.ndarray) -> tuple[int, int]:
+    """Return (along y, along x) how often neighbours differ, the periodic wrap included.
+
+    An axis of a single point has no neighbours along it, so a profile counts along its own axis alone.
+    """
+    return tuple(int(np.count_nonzero(touching != np.roll(touching, 1, axis))) for axis in (0, 1))
+
+
+def relative_contact_area(touching: np.ndarray) -> float:
+    """Return A/A0 = Na/N - c M/N, c = (π - 1 + ln 2)/24, the contact area corrected by its perimeter.
+
+    The pixels of a solved contact overstate its area, in proportion to the length of its boundary. M counts the
+    switches between contact and non-contact along all rows and columns. A switch along x is a piece of boundary
+    as long as dy and overstates the area by c dx of it, so that it weighs c dx dy, as does one along y: the share
+    needs no pitch. It is not allowed below zero.
+
+    Parameters
+    ----------
+    touching : bool array (ny, nx)
+
+    Source: Yastrebov, Anciaux and Molinari (2017), Tribol. Int. 114, 161.
+    """
+    corrected = np.count_nonzero(touching) - PERIMETER_CORRECTION * sum(count_switches(touching))
+    return float(max(corrected, 0.0) / touching.size)
+
+
+def contact_perimeter(touching: np.ndarray, steps: tuple[float, float]) -> float:
+    """Return an estimate of the length of the contact line (m).
+
+    The pixel boundary projects onto the axes with lengths Py = M_x dy and Px = M_y dx (Cauchy and Crofton), which do
+    not suffer from its steps. The estimate is the perimeter of the ellipses with these projections, semi-axes Px/4
+    and Py/4: (π/4)(Px + Py) where the contact line has no preferred direction (Px = Py), Py alone for straight lines
+    along y (ridges, profiles), and exact for ellipses along the axes. Straight lines at 45° come out 11 % long. The
+    length of the steps themselves, the city-block length Px + Py, is 4/π too long for round contacts.
+
+    Parameters
+    ----------
+    touching : bool array (ny, nx)
+    steps : (dy, dx), m
+
+    Source: Cauchy-Crofton formula (Santaló 1976, Integral Geometry and Geometric Probability, ch. 3).
+    """
+    from scipy.special import ellipe
+
+    along_y, along_x = count_switches(touching)
+    minor, major = sorted((along_y * steps[1] / 4, along_x * steps[0] / 4))
+    return float(4 * major * ellipe(1 - (minor / major) ** 2)) if major > 0 else 0.0
+
+
+def count_clusters(touching: np.ndarray) -> int:
+    """Return the number of contact patches; pixels join over shared edges (not corners) and over the period.
+
+    Parameters
+    ----------
+    touching : bool array (ny, nx)
+    """
+    from scipy.ndimage import label
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    labels, patches = label(touching)
+    if patches < 2:
+        return patches
+    ends = np.concatenate([[labels[0], labels[-1]], [labels[:, 0], labels[:, -1]]], axis=1)
+    first, last = ends[:, (ends > 0).all(axis=0)] - 1
+    seams = coo_array((np.ones(first.size, bool), (first, last)), shape=(patches, patches))
+    return int(connected_components(seams, directed=False)[0])
+
+
+def elastic_energy(pressure: np.ndarray, steps: tuple[float, float], *, contact_modulus: float) -> float:
+    """Return the elastic energy per area, ½ Σ_{q≠0} 2/(E*|q|) |p̂(q)|² (J/m²), that of uniform pressure left out.
+
+    Parameters
+    ----------
+    pressure : array (ny, nx), Pa
+    steps : (dy, dx), m
+    contact_modulus : float, Pa
+    """
+    wavenumber = wavenumbers(pressure.shape, steps)
+    wavenumber[0, 0] = np.inf
+    spectrum = transform().forward(np.ascontiguousarray(pressure, float)) / pressure.size
+    power = spectrum.real**2 + spectrum.imag**2
+    return float((halfplane_weights(pressure.shape) * power / wavenumber).sum() / contact_modulus)
+
+
+def _logarithmic_edges(decades: tuple[int, int], per_decade: int) -> np.ndarray:
+    """Return 0 and then `per_decade` bounds per factor of ten."""
+    low, high = decades
+    return np.concatenate([[0.0], 10.0 ** np.linspace(low, high, (high - low) * int(per_decade) + 1)])
+
+
+def _density(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Return the probability density of `values` in the bins; NaN where there are no values."""
+    if values.size == 0:
+        return np.full(edges.size - 1, np.nan)
+    # values above the last bound fall in the last bin, roundings below zero in the first
+    bins = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
+    return np.bincount(bins, minlength=edges.size - 1) / (values.size * np.diff(edges))
