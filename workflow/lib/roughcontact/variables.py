@@ -22,7 +22,7 @@ VARIABLES = {
     "iterations": ("1", "outer iterations of the solver, all grids"),
     "operator_applications": ("1", "forward and inverse FFT pairs, one pair on the solved grid counting 1"),
     "error_bound": ("1", "rigorous bound of the relative pressure error in the energy norm"),
-    "max_penetration": ("m", "largest interpenetration left outside the contact"),
+    "max_penetration": ("m", "largest overlap that the solution leaves anywhere"),
     "load_error": ("1", "relative difference of the mean of the pressure from the prescribed one"),
     "converged": ("1", "1 where error_bound <= tolerance, 0 elsewhere"),
     # statistics, per load
@@ -79,7 +79,9 @@ def describe(dataset: xr.Dataset) -> xr.Dataset:
     """
     unknown = [name for name in dataset.variables if name not in VARIABLES]
     if unknown:
-        raise RoughContactError(f"no description for the output variables {unknown}: add them to variables.py")
+        raise RoughContactError(
+            f"no description for the output variables {unknown}: add them to variables.py"
+        )
     dataset = dataset.copy()
     for name in dataset.variables:
         units, long_name = VARIABLES[name]

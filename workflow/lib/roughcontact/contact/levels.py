@@ -1,0 +1,49 @@
+"""Nested grids: a coarse solution is a cheap first guess for the next finer grid.
+
+Coarse heights are block means, and a coarse pressure is repeated onto the finer grid: both were measured to
+need fewer iterations than injection, Fourier truncation and bilinear interpolation.
+"""
+
+import numpy as np
+
+COARSEST = 32  # cells along an axis: below that a level costs more overhead than it saves
+
+
+def coarsening_factors(shape, lengths) -> tuple[int, int]:
+    """Return the factors (fy, fx) by which a grid is coarsened; (1, 1) where it is the coarsest.
+
+    An axis is halved (or divided by 3 or 5 where it is odd) while it stays at least `COARSEST` / 2 cells long.
+    Where one pitch is finer than the other, that axis alone is coarsened, until the cells are about square.
+    """
+    pitch = [length / n for length, n in zip(lengths, shape, strict=True)]
+    finest = min(p for p, n in zip(pitch, shape, strict=True) if n > 1)
+    factors = []
+    for n, p in zip(shape, pitch, strict=True):
+        divisor = next((f for f in (2, 3, 5) if n % f == 0 and n // f >= COARSEST // 2), 1)
+        factors.append(divisor if p <= 1.5 * finest else 1)
+    if max(shape) <= COARSEST:
+        return 1, 1
+    return factors[0], factors[1]
+
+
+def restrict(field: np.ndarray, factors: tuple[int, int]) -> np.ndarray:
+    """Return the block means of `field` (ny, nx), shape (ny/fy, nx/fx)."""
+    (ny, nx), (fy, fx) = field.shape, factors
+    return field.reshape(ny // fy, fy, nx // fx, fx).mean(axis=(1, 3))
+
+
+def prolong(field: np.ndarray, factors: tuple[int, int]) -> np.ndarray:
+    """Return `field` with every cell repeated `factors` times."""
+    fy, fx = factors
+    return np.repeat(np.repeat(field, fy, axis=0), fx, axis=1)
+
+
+def hierarchy(heights: np.ndarray, lengths) -> list[tuple[np.ndarray, tuple[int, int]]]:
+    """Return [(heights, factors to the next coarser), ...] from the finest grid to the coarsest."""
+    levels = []
+    while True:
+        factors = coarsening_factors(heights.shape, lengths)
+        levels.append((heights, factors))
+        if factors == (1, 1):
+            return levels
+        heights = restrict(heights, factors)

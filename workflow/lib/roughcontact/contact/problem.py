@@ -1,0 +1,101 @@
+"""From a labelled map to a dimensionless problem, with every check the numbers need."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.fourier import halfplane_weights, spacing, wavenumbers
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Dimensionless heights H = (h - h_ref)/(g L), shape (ny, nx), on a cell of `lengths` = (Ly, Lx)/L.
+
+    `reference` h_ref is the middle of the height range: subtracting it first keeps an offset of metres from
+    eating the digits of nanometres. `scale` = g L (m) is the unit of height, L = sqrt(Lx Ly) that of length,
+    E* g that of pressure; `gradient` g is the spectral rms gradient. A flat map has g = 0 and no scale.
+    """
+
+    heights: np.ndarray
+    lengths: tuple[float, float]
+    unit_length: float
+    reference: float
+    gradient: float
+    spacing: tuple[float, float]
+
+    @property
+    def scale(self) -> float:
+        return self.gradient * self.unit_length
+
+    @property
+    def flat(self) -> bool:
+        return self.gradient == 0.0
+
+
+def spectral_gradient(heights: np.ndarray, steps: tuple[float, float]) -> float:
+    """Return the rms gradient sqrt(sum |q|^2 |h_q|^2), the sum over all waves but the mean (Parseval)."""
+    spectrum = np.fft.rfft2(heights)
+    power = halfplane_weights(heights.shape) * np.abs(spectrum / heights.size) ** 2
+    return float(np.sqrt((power * wavenumbers(heights.shape, steps) ** 2).sum()))
+
+
+def check_map(window: xr.DataArray) -> None:
+    """Raise HeightMapError unless `window` is a finite, evenly spaced map (y, x) of at least two cells."""
+    if window.dims != ("y", "x"):
+        raise HeightMapError(f"the height map has dimensions {window.dims}; it must have ('y', 'x')")
+    if window.size < 2:
+        raise HeightMapError("the height map has one pixel only: a contact needs at least two")
+    missing = int(np.count_nonzero(~np.isfinite(window.values)))
+    if missing:
+        raise HeightMapError(
+            f"{missing} of {window.size} heights are missing or infinite; fill or crop them first "
+            "(level fills holes, periodic_window crops missing edges)"
+        )
+    for axis in ("y", "x"):
+        if axis not in window.coords:
+            raise HeightMapError(f"the height map has no coordinate {axis!r}: its pixel size is unknown")
+        steps = np.diff(window[axis].values)
+        if steps.size and not (steps > 0).all():
+            raise HeightMapError(f"coordinate {axis!r} does not increase strictly")
+        # coordinates are sums of rounded steps: allow for their rounding, not for uneven sampling
+        if steps.size and np.ptp(steps) > 1e-3 * steps.mean():
+            raise HeightMapError(
+                f"coordinate {axis!r} is not evenly spaced (steps {steps.min():g} to {steps.max():g}); resample first"
+            )
+
+
+def pose(window: xr.DataArray) -> Problem:
+    """Return the dimensionless problem of the map `window` (y, x)."""
+    check_map(window)
+    heights = np.ascontiguousarray(window.values, dtype=float)
+    steps = spacing(window)
+    lengths = tuple(n * d for n, d in zip(heights.shape, steps, strict=True))
+    reference = 0.5 * (float(heights.min()) + float(heights.max()))
+    heights = heights - reference
+    unit = float(np.sqrt(lengths[0] * lengths[1]))
+    # the gradient of heights of 1e-300 m would underflow when squared: take the size out first
+    size = float(np.abs(heights).max())
+    gradient = size * spectral_gradient(heights / size, steps) if size > 0 else 0.0
+    if gradient > 0:
+        heights = heights / (gradient * unit)
+    return Problem(
+        heights=heights,
+        lengths=(lengths[0] / unit, lengths[1] / unit),
+        unit_length=unit,
+        reference=reference,
+        gradient=gradient,
+        spacing=steps,
+    )
+
+
+def check_positive(name: str, value, *, unit: str) -> float:
+    """Return `value` as a float, or raise SettingsError where it is no finite positive number."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise SettingsError(f"{name} = {value!r} is not a number; give a positive number in {unit}") from None
+    if not (np.isfinite(number) and number > 0):
+        raise SettingsError(f"{name} = {number:g} must be a positive finite number in {unit}")
+    return number

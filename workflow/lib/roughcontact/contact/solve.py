@@ -1,0 +1,151 @@
+"""The public verb: a map, a modulus and some loads in, a labelled dataset out."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.contact.loads import check_loads
+from roughcontact.contact.problem import Problem, check_positive, pose
+from roughcontact.contact.sweep import sweep
+from roughcontact.errors import ConvergenceError, SettingsError
+from roughcontact.halfspace import zero_frequency_compliance
+from roughcontact.variables import describe
+
+FIELDS = ["pressure", "gap", "contact", "height"]
+SMALLEST_TOLERANCE = 1e-13
+
+
+def solve_contact(
+    window: xr.DataArray,
+    *,
+    contact_modulus: float,
+    mean_pressure: float | Sequence[float],
+    tolerance: float = 1e-4,
+    zero_frequency: str = "zero",
+    on_failure: str = "raise",
+    fields: bool = True,
+    reduce: Callable[[xr.Dataset], xr.Dataset] | None = None,
+    threads: int = 1,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> xr.Dataset:
+    """Solve the frictionless contact of a periodic rough map with an elastic half-space, load by load.
+
+    Finds p >= 0 with gap = G p - h + approach >= 0, p gap = 0 and mean(p) = mean_pressure, where
+    G(q) = 2/(E* |q|) (Johnson 1985; Polonsky and Keer 1999 for the discrete problem).
+
+    Parameters
+    ----------
+    window
+        heights (y, x) in m (any unit of length that the coordinates share), periodic, no NaN. A single row or
+        column is a profile, solved in one dimension.
+    contact_modulus
+        E* in Pa (any unit of pressure that the loads share).
+    mean_pressure
+        one load or several, Pa, in any order; the dimension `load` keeps the order.
+    tolerance
+        largest `error_bound` accepted: relative error of the pressure in the norm of the elastic energy.
+    zero_frequency
+        what q = 0 adds to the approach: ``zero``, ``nogi-kato`` or ``lattice``
+        (`roughcontact.halfspace.zero_frequency_compliance`).
+    on_failure
+        ``raise`` ConvergenceError for a load that misses the tolerance, or ``flag`` it (`converged` = 0).
+    fields
+        keep `pressure`, `gap`, `contact` and `height` in the result.
+    reduce
+        called with the dataset of each load (fields included); what it returns replaces the fields, so that
+        statistics need not keep them: ``reduce=contact_statistics``.
+    threads
+        threads of the Fourier transforms.
+    progress
+        called as ``progress(done, total, text)`` after every load.
+
+    Returns
+    -------
+    Dataset
+        with dimension `load` and the variables of `roughcontact.variables`.
+
+    Raises
+    ------
+    HeightMapError
+        for a map with missing points, uneven spacing or a single pixel.
+    SettingsError
+        for a modulus, load, tolerance or rule that has no meaning.
+    ConvergenceError
+        where a load does not reach the tolerance and `on_failure` is ``raise``.
+    """
+    modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
+    loads = check_loads("mean_pressure", mean_pressure, unit="Pa")
+    if not SMALLEST_TOLERANCE <= tolerance < 1:
+        raise SettingsError(
+            f"tolerance = {tolerance!r} must lie between {SMALLEST_TOLERANCE:g} and 1; 1e-4 serves most purposes"
+        )
+    if on_failure not in ("raise", "flag"):
+        raise SettingsError(f"on_failure = {on_failure!r}; choose 'raise' or 'flag'")
+    problem = pose(window)
+    lengths = tuple(length * problem.unit_length for length in problem.lengths)
+    compliance = zero_frequency_compliance(zero_frequency, lengths=lengths) / modulus
+
+    order = np.argsort(loads, kind="stable")
+    unit = modulus * problem.gradient if not problem.flat else modulus
+    solutions = sweep(problem, [loads[i] / unit for i in order], tolerance=tolerance, threads=threads)
+    pieces = [None] * len(loads)
+    for done, (index, solution) in enumerate(zip(order, solutions, strict=True), start=1):
+        load = loads[index]
+        if solution.error_bound > tolerance and on_failure == "raise":
+            raise ConvergenceError(
+                f"mean pressure {load:g} Pa: the error bound stopped at {solution.error_bound:.2g} after "
+                f"{solution.steps} iterations, above the tolerance {tolerance:g}; rounding in double precision "
+                f"allows {solution.floor:.1g} here: raise the tolerance, or set on_failure to 'flag'"
+            )
+        piece = _label(solution, problem, window, load=load, modulus=modulus, compliance=compliance)
+        piece["converged"] = ("load", [np.int8(solution.error_bound <= tolerance)])
+        piece.attrs = {"tolerance": tolerance, "zero_frequency": zero_frequency}
+        if reduce is not None:
+            piece = piece.drop_vars(FIELDS).merge(reduce(piece), compat="override", combine_attrs="override")
+        elif not fields:
+            piece = piece.drop_vars(FIELDS)
+        pieces[index] = piece
+        if progress is not None:
+            progress(done, len(loads), f"mean pressure {load:.4g} Pa")
+    joined = xr.concat(
+        pieces,
+        dim="load",
+        data_vars="minimal",
+        coords="minimal",
+        compat="override",
+        join="override",
+        combine_attrs="override",
+    )
+    return describe(joined)
+
+
+def _label(solution, problem: Problem, window, *, load, modulus, compliance) -> xr.Dataset:
+    """Return one dimensionless solution as a dataset in SI units, with a dimension `load` of size 1."""
+    state = solution.state
+    height_unit = problem.scale if not problem.flat else 1.0
+    pressure_unit = modulus * problem.gradient if not problem.flat else modulus
+    pressure = state.pressure * pressure_unit
+    gap = state.gap * height_unit
+    per_load = {
+        "relative_pressure": load / pressure_unit if not problem.flat else np.inf,
+        "approach": problem.reference - state.level * height_unit - compliance * load,
+        "iterations": solution.steps,
+        "operator_applications": solution.applications,
+        "error_bound": solution.error_bound,
+        "max_penetration": max(0.0, -float(gap.min())),
+        "load_error": abs(float(pressure.mean()) / load - 1),
+    }
+    maps = {
+        "pressure": pressure,
+        "gap": gap,
+        "contact": (pressure > 0).astype(np.int8),
+    }
+    dataset = xr.Dataset(
+        {name: (("load", "y", "x"), field[None]) for name, field in maps.items()}
+        | {name: ("load", [value]) for name, value in per_load.items()},
+        coords={"mean_pressure": ("load", [load])},
+    )
+    dataset["height"] = window.rename("height").variable
+    dataset["contact_modulus"] = modulus
+    return dataset.assign_coords(window.coords)

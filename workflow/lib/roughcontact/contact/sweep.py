@@ -1,0 +1,100 @@
+"""Solve one map for a rising sequence of loads, each starting from what the last one left."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from roughcontact.contact.active_set import solve_on_grid
+from roughcontact.contact.certificate import error_bound, rounding_floor
+from roughcontact.contact.levels import hierarchy, prolong
+from roughcontact.contact.problem import Problem
+from roughcontact.contact.state import State, evaluate
+from roughcontact.fft import transform
+from roughcontact.halfspace import HalfSpace
+
+COARSE_TOLERANCE = 3e-2  # of all grids but the finest: a tighter one chases points the next grid moves anyway
+WARM_RATIO = 2.0  # a load further than this factor from the last one starts from the coarse grids instead
+
+
+@dataclass(frozen=True)
+class Solution:
+    """One load in dimensionless form: the state on the finest grid and how it was reached.
+
+    `applications` counts operator applications (transform pairs) weighted by grid size; `floor` is the relative
+    error below which rounding leaves nothing to measure.
+    """
+
+    state: State
+    error_bound: float
+    steps: int
+    applications: float
+    floor: float
+
+
+def sweep(problem: Problem, loads: Sequence[float], *, tolerance: float, threads: int) -> Iterator[Solution]:
+    """Yield the solution of every load, a rising sequence of mean pressures in units of E* g.
+
+    Flat maps and full contact are known in closed form and take no iteration. Otherwise a load starts from the
+    pressure of the load before, scaled, where that is near, and from nested grids where it is not.
+    """
+    if problem.flat:
+        for load in loads:
+            yield _flat(problem, load)
+        return
+    fft = transform(threads=threads)
+    levels = hierarchy(problem.heights, problem.lengths)
+    grids = [HalfSpace(heights.shape, problem.lengths, fft=fft) for heights, _ in levels]
+    finest = grids[0]
+    # Full contact: p = mean + G^-1 H, wherever that is nowhere negative (Johnson 1985, section 13.2).
+    fluctuation = finest.pressure(problem.heights)
+    full_contact_from = -float(fluctuation.min())
+    previous = None
+    for load in loads:
+        if load >= full_contact_from:
+            state = evaluate(finest, problem.heights, load + fluctuation)
+            bound, steps = error_bound(finest, state), 0
+        else:
+            if previous is not None and load <= WARM_RATIO * previous.pressure.mean():
+                start, steps = previous.pressure, 0
+            else:
+                start, steps = _nested_start(levels, grids, load)
+            solution = solve_on_grid(finest, problem.heights, start, load, tolerance=tolerance)
+            state, bound, steps = solution.state, solution.error_bound, steps + solution.steps
+        previous = state
+        yield Solution(
+            state=state,
+            error_bound=bound,
+            steps=steps,
+            applications=_applications(grids),
+            floor=rounding_floor(finest, state),
+        )
+
+
+def _nested_start(levels, grids, load: float) -> tuple[np.ndarray, int]:
+    """Return a first guess of the pressure on the finest grid, from coarse to fine, and the steps it took."""
+    pressure = np.full(grids[-1].shape, load)
+    steps = 0
+    for (heights, factors), grid, (_, finer_factors) in zip(
+        levels[:0:-1], grids[:0:-1], levels[-2::-1], strict=True
+    ):
+        solution = solve_on_grid(grid, heights, pressure, load, tolerance=COARSE_TOLERANCE)
+        steps += solution.steps
+        pressure = prolong(solution.state.pressure, finer_factors)
+    return pressure, steps
+
+
+def _applications(grids) -> float:
+    """Return the operator applications since the last call, in applications on the finest grid."""
+    finest = np.prod(grids[0].shape)
+    total = sum(grid.applications * np.prod(grid.shape) for grid in grids) / finest
+    for grid in grids:
+        grid.applications = 0.0
+    return float(total)
+
+
+def _flat(problem: Problem, load: float) -> Solution:
+    """Return the uniform pressure under a flat map, which no application of the operator could improve."""
+    pressure = np.full(problem.heights.shape, load)
+    state = State(pressure=pressure, gap=np.zeros_like(pressure), level=0.0, norm=0.0, size=0.0)
+    return Solution(state=state, error_bound=0.0, steps=0, applications=0.0, floor=0.0)
