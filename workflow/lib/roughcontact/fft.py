@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 
-import numpy as np
 import scipy.fft
 
 _SMALL = 128 * 128  # points; below that starting threads costs more than they save
@@ -70,8 +69,3 @@ def available() -> tuple[str, ...]:
 def transform(*, threads: int = 1, backend: str | None = None) -> Transform:
     """Return the fastest installed transform, or the named one."""
     return _BACKENDS[backend or available()[0]](threads)
-
-
-def pair_error(dtype) -> float:
-    """Return the relative rounding error to expect of a forward and inverse pair, of the order of its unit."""
-    return 4 * np.finfo(dtype).eps

@@ -6,9 +6,9 @@ Points whose uncorrected pressure turns negative leave C, points whose gap turns
 (Hintermueller, Ito and Kunisch 2002, SIAM J. Optim. 13, 865: primal-dual active set). The preconditioner is
 the inverse operator restricted to C, centred on input and output.
 
-Nothing is proved for active sets with inexact inner solves. So every outer step must lower the elastic energy;
-one that does not is undone and replaced by projected gradient steps (`roughcontact.contact.projected`), twice
-as many each time, which alone would converge.
+Nothing is proved for active sets with inexact inner solves. So every outer step must lower the elastic
+energy; one that does not is undone and replaced by projected gradient steps
+(`roughcontact.contact.projected`), twice as many each time, which alone would converge.
 
 The pressure and the gap are in double precision, the correction in single: it is small, and the next fresh
 application measures what rounding did to it (iterative refinement).
@@ -20,7 +20,7 @@ import numpy as np
 
 from roughcontact.contact.certificate import error_bound, relative_bound, rounding_floor
 from roughcontact.contact.projected import project_to_load, projected_step
-from roughcontact.contact.state import State, energy_change, evaluate, norm, scale_to_load, total_product
+from roughcontact.contact.state import State, energy_change, evaluate, scale_to_load, total_product
 from roughcontact.halfspace import HalfSpace
 
 PATIENCE = 12  # outer steps that do not improve the bound before the iteration is called stalled
@@ -91,7 +91,7 @@ def _wanted(state: State) -> np.ndarray:
 
 
 def _residual_on(halfspace, state, active):
-    """Return (indices of the set, residual there, preconditioned residual there), the means over it removed."""
+    """Return (indices of the set, residual on it, preconditioned residual on it), means removed."""
     points = np.flatnonzero(active)
     remainder = centred(state.gap.ravel()[points]).astype(np.float32)
     return points, remainder, precondition_on(halfspace, points, remainder)
@@ -115,7 +115,7 @@ def centred(values: np.ndarray) -> np.ndarray:
 
 
 def _correct(halfspace, state, points, remainder, product, *, steps):
-    """Return the pressure after a few conjugate gradient steps on `points`, not clipped, and the set after it.
+    """Return the pressure after some conjugate gradient steps on `points`, not clipped, and the set after it.
 
     Preconditioned conjugate gradients for P_C G P_C d = -r with mean(d) = 0 (Hestenes and Stiefel 1952), the
     gap followed on the whole grid, so that points which came to overlap are seen without another application.

@@ -6,7 +6,8 @@ r = min(w, 0) elsewhere. With e = p - p*, the variational inequality of the solu
 
     ||p - p*||_G <= ||r||_{G^-1} = ( sum_{q != 0} |q|/2 |r_q|^2 )^(1/2),
 
-all in dimensionless form (`roughcontact.halfspace`); ||.||_G is the norm of the elastic energy, the mean left out.
+all in dimensionless form (`roughcontact.halfspace`); ||.||_G is the norm of the elastic energy, without the
+mean.
 """
 
 import numpy as np
@@ -23,7 +24,7 @@ def residual(state: State) -> np.ndarray:
 
 
 def error_bound(halfspace, state: State) -> float:
-    """Return a bound of ||p - p*||_G / ||p||_G for the feasible pressure of `state`; one operator application."""
+    """Return a bound of ||p - p*||_G / ||p||_G for the pressure of `state`; one operator application."""
     remainder = residual(state).astype(np.float32)
     return relative_bound(halfspace, state, norm(remainder, halfspace.pressure(remainder)))
 

@@ -12,8 +12,9 @@ COARSEST = 32  # cells along an axis: below that a level costs more overhead tha
 def coarsening_factors(shape, lengths) -> tuple[int, int]:
     """Return the factors (fy, fx) by which a grid is coarsened; (1, 1) where it is the coarsest.
 
-    An axis is halved (or divided by 3 or 5 where it is odd) while it stays at least `COARSEST` / 2 cells long.
-    Where one pitch is finer than the other, that axis alone is coarsened, until the cells are about square.
+    An axis is halved (or divided by 3 or 5 where it is odd) while it stays at least `COARSEST` / 2 cells
+    long. Where one pitch is finer than the other, that axis alone is coarsened, until the cells are about
+    square.
     """
     pitch = [length / n for length, n in zip(lengths, shape, strict=True)]
     finest = min(p for p, n in zip(pitch, shape, strict=True) if n > 1)

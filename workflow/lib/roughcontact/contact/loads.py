@@ -39,7 +39,7 @@ def plan_loads(
     gradient = pose(window).gradient
     if gradient == 0:
         raise HeightMapError(
-            "the map is flat, so that loads relative to its rms gradient mean nothing; give mean_pressure in Pa"
+            "the map is flat: loads relative to its rms gradient mean nothing; give mean_pressure in Pa"
         )
     return [value * modulus * gradient for value in relative]
 

@@ -6,7 +6,8 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.fourier import halfplane_weights, spacing, wavenumbers
+from roughcontact.fourier import spacing
+from roughcontact.roughness import rms_gradient
 
 
 @dataclass(frozen=True)
@@ -34,13 +35,6 @@ class Problem:
         return self.gradient == 0.0
 
 
-def spectral_gradient(heights: np.ndarray, steps: tuple[float, float]) -> float:
-    """Return the rms gradient sqrt(sum |q|^2 |h_q|^2), the sum over all waves but the mean (Parseval)."""
-    spectrum = np.fft.rfft2(heights)
-    power = halfplane_weights(heights.shape) * np.abs(spectrum / heights.size) ** 2
-    return float(np.sqrt((power * wavenumbers(heights.shape, steps) ** 2).sum()))
-
-
 def check_map(window: xr.DataArray) -> None:
     """Raise HeightMapError unless `window` is a finite, evenly spaced map (y, x) of at least two cells."""
     if window.dims != ("y", "x"):
@@ -62,7 +56,8 @@ def check_map(window: xr.DataArray) -> None:
         # coordinates are sums of rounded steps: allow for their rounding, not for uneven sampling
         if steps.size and np.ptp(steps) > 1e-3 * steps.mean():
             raise HeightMapError(
-                f"coordinate {axis!r} is not evenly spaced (steps {steps.min():g} to {steps.max():g}); resample first"
+                f"coordinate {axis!r} is not evenly spaced (steps {steps.min():g} to {steps.max():g}); "
+                "resample the map first"
             )
 
 
@@ -75,9 +70,7 @@ def pose(window: xr.DataArray) -> Problem:
     reference = 0.5 * (float(heights.min()) + float(heights.max()))
     heights = heights - reference
     unit = float(np.sqrt(lengths[0] * lengths[1]))
-    # the gradient of heights of 1e-300 m would underflow when squared: take the size out first
-    size = float(np.abs(heights).max())
-    gradient = size * spectral_gradient(heights / size, steps) if size > 0 else 0.0
+    gradient = rms_gradient(window)
     if gradient > 0:
         heights = heights / (gradient * unit)
     return Problem(

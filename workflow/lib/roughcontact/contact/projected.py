@@ -13,7 +13,8 @@ def project_to_load(pressure: np.ndarray, mean_pressure: float) -> np.ndarray:
     """Return the nearest field to `pressure` that is nowhere negative and has the prescribed mean.
 
     It is max(p - shift, 0); the shift comes from Newton's method on the mean, which is convex and piecewise
-    linear in the shift, so that it ends after finitely many steps (Michelot 1986, J. Optim. Theory Appl. 50, 195).
+    linear in the shift, so that it ends after finitely many steps (Michelot 1986, J. Optim. Theory Appl. 50,
+    195).
     """
     total = mean_pressure * pressure.size
     kept = pressure.ravel()

@@ -19,8 +19,8 @@ def linear_response(
 ) -> float:
     """Return -d mean_gap / d mean_pressure (m Pa-1) of a fixed contact set, the inverse contact stiffness.
 
-    An increment x of the pressure on the contact set C, of mean 1, leaves no gap there: G x = s on C. The slope
-    s = <x, G x> is the least energy of all such increments, so that it is found by minimising, with an error of
+    An increment x of the pressure on the contact set C, of mean 1, leaves no gap there: G x = s on C. The
+    slope s = <x, G x> is the least energy of all such increments. It is found by minimising, with an error of
     second order: `tolerance` is that of x in the energy norm, s is good to about its square.
 
     Parameters

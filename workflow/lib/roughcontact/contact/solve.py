@@ -78,7 +78,8 @@ def solve_contact(
     loads = check_loads("mean_pressure", mean_pressure, unit="Pa")
     if not SMALLEST_TOLERANCE <= tolerance < 1:
         raise SettingsError(
-            f"tolerance = {tolerance!r} must lie between {SMALLEST_TOLERANCE:g} and 1; 1e-4 serves most purposes"
+            f"tolerance = {tolerance!r} must lie between {SMALLEST_TOLERANCE:g} and 1; "
+            "1e-4 serves most purposes"
         )
     if on_failure not in ("raise", "flag"):
         raise SettingsError(f"on_failure = {on_failure!r}; choose 'raise' or 'flag'")
@@ -95,8 +96,8 @@ def solve_contact(
         if solution.error_bound > tolerance and on_failure == "raise":
             raise ConvergenceError(
                 f"mean pressure {load:g} Pa: the error bound stopped at {solution.error_bound:.2g} after "
-                f"{solution.steps} iterations, above the tolerance {tolerance:g}; rounding in double precision "
-                f"allows {solution.floor:.1g} here: raise the tolerance, or set on_failure to 'flag'"
+                f"{solution.steps} iterations, above the tolerance {tolerance:g}; rounding in double "
+                f"precision allows {solution.floor:.1g} here: raise the tolerance or set on_failure: flag"
             )
         piece = _label(solution, problem, window, load=load, modulus=modulus, compliance=compliance)
         piece["converged"] = ("load", [np.int8(solution.error_bound <= tolerance)])

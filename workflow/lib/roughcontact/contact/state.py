@@ -41,7 +41,7 @@ def energy_change(before: State, after: State) -> float:
 
 
 def norm(left: np.ndarray, right: np.ndarray) -> float:
-    """Return the square root of the mean of left x right, a quadratic form that rounding may turn negative."""
+    """Return the root of the mean of left x right, a quadratic form that rounding may turn negative."""
     return float(np.sqrt(max(mean_product(left, right), 0.0)))
 
 

@@ -21,8 +21,8 @@ WARM_RATIO = 2.0  # a load further than this factor from the last one starts fro
 class Solution:
     """One load in dimensionless form: the state on the finest grid and how it was reached.
 
-    `applications` counts operator applications (transform pairs) weighted by grid size; `floor` is the relative
-    error below which rounding leaves nothing to measure.
+    `applications` counts operator applications (transform pairs) weighted by grid size; `floor` is the
+    relative error below which rounding leaves nothing to measure.
     """
 
     state: State
@@ -35,8 +35,8 @@ class Solution:
 def sweep(problem: Problem, loads: Sequence[float], *, tolerance: float, threads: int) -> Iterator[Solution]:
     """Yield the solution of every load, a rising sequence of mean pressures in units of E* g.
 
-    Flat maps and full contact are known in closed form and take no iteration. Otherwise a load starts from the
-    pressure of the load before, scaled, where that is near, and from nested grids where it is not.
+    Flat maps and full contact are known in closed form and take no iteration. Otherwise a load starts from
+    the pressure of the load before, scaled, where that is near, and from nested grids where it is not.
     """
     if problem.flat:
         for load in loads:
@@ -75,12 +75,10 @@ def _nested_start(levels, grids, load: float) -> tuple[np.ndarray, int]:
     """Return a first guess of the pressure on the finest grid, from coarse to fine, and the steps it took."""
     pressure = np.full(grids[-1].shape, load)
     steps = 0
-    for (heights, factors), grid, (_, finer_factors) in zip(
-        levels[:0:-1], grids[:0:-1], levels[-2::-1], strict=True
-    ):
-        solution = solve_on_grid(grid, heights, pressure, load, tolerance=COARSE_TOLERANCE)
+    for level in range(len(levels) - 1, 0, -1):
+        solution = solve_on_grid(grids[level], levels[level][0], pressure, load, tolerance=COARSE_TOLERANCE)
         steps += solution.steps
-        pressure = prolong(solution.state.pressure, finer_factors)
+        pressure = prolong(solution.state.pressure, levels[level - 1][1])
     return pressure, steps
 
 
