@@ -1,0 +1,20 @@
+"""From measured height maps to contact area and contact pressure: one folder of results per surface."""
+
+from snakemake.utils import min_version
+
+min_version("9.0")
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/surface.smk"
+include: "workflow/rules/contact.smk"
+include: "workflow/rules/report.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        "results/summary.csv",
+        "results/statistics.nc",
+        "results/report.html",
+        LINKS,

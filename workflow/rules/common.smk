@@ -1,0 +1,125 @@
+import os
+import sys
+from pathlib import Path
+
+ROOT = Path(workflow.basedir)
+sys.path.insert(0, str(ROOT / "workflow/lib"))
+
+from roughcontact.errors import SettingsError
+from roughcontact.settings import resolve
+from roughcontact.sources import source_digest
+from roughcontact.stages import SECTIONS, owner, settings_of
+from roughcontact.surfaces import find, read_surfaces
+
+# Without --configfile: the configuration of the working directory, else the one that comes with the workflow. One file
+# only, never two laid over each other, so that what a file says is all that is set.
+if not workflow.configfiles:
+
+    configfile: find("config/config.yaml", [".", ROOT])
+
+
+# Relative paths: in the working directory, then beside the file that names them, then in this checkout.
+FOLDERS = (
+    [".", Path(workflow.configfiles[-1]).parent, ROOT]
+    if workflow.configfiles
+    else [".", ROOT]
+)
+
+try:
+    CASES = resolve(config)  # without cases: {"": settings}
+    table = CASES[next(iter(CASES))]["surfaces"]
+    SURFACES = read_surfaces(find(table, FOLDERS) or table, [".", ROOT])
+except SettingsError as error:
+    raise WorkflowError(str(error)) from None
+
+STUDY = "" not in CASES
+FOLDER = "results/{case}/{surface}" if STUDY else "results/{surface}"
+LOGS = FOLDER.replace("results", "logs", 1)
+RUNS = [
+    {"surface": surface, "case": case} if STUDY else {"surface": surface}
+    for case in CASES
+    for surface in SURFACES
+]
+
+
+wildcard_constraints:
+    surface="|".join(SURFACES),
+    case="|".join(CASES),
+
+
+def owners(stage, **wanted):
+    """Return the constraint on `case` that admits the cases which compute `stage` themselves."""
+    admitted = [case for case in CASES if owner(CASES, case, stage) == case]
+    return "|".join(
+        case for case in admitted if wanted.items() <= CASES[case]["contact"].items()
+    )
+
+
+def stage_file(stage):
+    """Return the input function that finds `stage` in the folder of the case which computes it."""
+
+    def path(wildcards):
+        case = owner(CASES, wildcards.get("case", ""), stage)
+        return f"{FOLDER}/{stage}.nc".format(case=case, surface=wildcards["surface"])
+
+    return path
+
+
+def stage_settings(stage):
+    """Return the parameter function that gives all the settings on which `stage` depends."""
+
+    def settings(wildcards):
+        surface = {"name": wildcards.surface, **SURFACES[wildcards.surface].given}
+        return {
+            "surface": surface,
+            **settings_of(CASES[wildcards.get("case", "")], stage),
+        }
+
+    return settings
+
+
+def code(script):
+    """Return the checksum of the modules that a rule's script depends on."""
+    return source_digest(ROOT / "workflow/scripts" / f"{script}.py")
+
+
+def points(path):
+    """Return the number of points of the map in a result file, from its header."""
+    os.stat(path)  # a file that is not there yet: Snakemake asks again when it is
+    from netCDF4 import Dataset
+
+    with Dataset(path) as file:
+        return file.dimensions["y"].size * file.dimensions["x"].size
+
+
+def megabytes(path):
+    """Return the size of a measured file in MB, 0 where there is none."""
+    return os.path.getsize(path) / 1e6 if os.path.exists(path) else 0
+
+
+def memory(*, bytes_per_point):
+    """Return the resource function that estimates memory (MB): a running Python, and so much for every point."""
+    return lambda wildcards, input, attempt: round(
+        500 + attempt * bytes_per_point * points(input[0]) / 1e6
+    )
+
+
+def minutes(*, microseconds_per_point):
+    """Return the resource function that estimates the run time (minutes): a start, and so much for every point."""
+    return lambda wildcards, input, attempt: round(
+        2 + attempt * microseconds_per_point * points(input[0]) / 60e6
+    )
+
+
+def measured_file(wildcards):
+    """Return the measured file; none where it is missing, so that only the job of this surface fails."""
+    path = SURFACES[wildcards.surface].path
+    return [str(path)] if path.is_file() else []
+
+
+def solver_threads(wildcards):
+    """Return the threads of the solver: one for small maps, where jobs run side by side instead.
+
+    Depends on the measured file alone, so that a run on another machine does the same sums in the same order.
+    """
+    return 1 if megabytes(SURFACES[wildcards.surface].path) < 4 else 4

@@ -1,0 +1,76 @@
+# A case that keeps its fields has two jobs: the solution, and what is counted in it. Without fields there is one job
+# that counts while it solves, since nothing would be left to count in.
+if owners("contact", keep_fields=True) or (
+    not STUDY and CASES[""]["contact"]["keep_fields"]
+):
+
+    rule solve:
+        """Solve the contact problem for every load."""
+        input:
+            stage_file("window"),
+        output:
+            f"{FOLDER}/contact.nc",
+        log:
+            f"{LOGS}/solve.log",
+        wildcard_constraints:
+            case=owners("contact", keep_fields=True),
+        conda:
+            "../envs/roughcontact.yaml"
+        threads: solver_threads
+        resources:
+            mem_mb=memory(bytes_per_point=600),
+            runtime=minutes(microseconds_per_point=100),
+        params:
+            settings=stage_settings("contact"),
+            code=code("solve"),
+        script:
+            "../scripts/solve.py"
+
+    rule statistics:
+        """Count what is in the contact: areas, pressures, gaps, clusters."""
+        input:
+            stage_file("contact"),
+        output:
+            f"{FOLDER}/statistics.nc",
+        log:
+            f"{LOGS}/statistics.log",
+        wildcard_constraints:
+            case=owners("statistics", keep_fields=True),
+        conda:
+            "../envs/roughcontact.yaml"
+        resources:
+            mem_mb=memory(bytes_per_point=600),
+            runtime=minutes(microseconds_per_point=20),
+        params:
+            settings=stage_settings("statistics"),
+            code=code("statistics"),
+        script:
+            "../scripts/statistics.py"
+
+
+if owners("contact", keep_fields=False) or (
+    not STUDY and not CASES[""]["contact"]["keep_fields"]
+):
+
+    rule solve_statistics:
+        """Solve the contact problem for every load and count at once; the fields are not kept."""
+        input:
+            stage_file("window"),
+        output:
+            contact=f"{FOLDER}/contact.nc",
+            statistics=f"{FOLDER}/statistics.nc",
+        log:
+            f"{LOGS}/solve_statistics.log",
+        wildcard_constraints:
+            case=owners("contact", keep_fields=False),
+        conda:
+            "../envs/roughcontact.yaml"
+        threads: solver_threads
+        resources:
+            mem_mb=memory(bytes_per_point=400),
+            runtime=minutes(microseconds_per_point=100),
+        params:
+            settings=stage_settings("statistics"),
+            code=code("solve_statistics"),
+        script:
+            "../scripts/solve_statistics.py"

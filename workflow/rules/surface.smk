@@ -1,0 +1,72 @@
+rule ingest:
+    """Read the measured file into SI units."""
+    input:
+        measured_file,
+    output:
+        f"{FOLDER}/height.nc",
+    log:
+        f"{LOGS}/ingest.log",
+    wildcard_constraints:
+        case=owners("height"),
+    conda:
+        "../envs/roughcontact.yaml"
+    resources:
+        mem_mb=lambda wildcards, attempt: round(
+            700 + attempt * 50 * megabytes(SURFACES[wildcards.surface].path)
+        ),
+        runtime=lambda wildcards, attempt: round(
+            2 + attempt * megabytes(SURFACES[wildcards.surface].path) / 100
+        ),
+    params:
+        settings=stage_settings("height"),
+        file=lambda wildcards: {
+            "path": str(SURFACES[wildcards.surface].path),
+            "origin": SURFACES[wildcards.surface].origin,
+        },
+        code=code("ingest"),
+    script:
+        "../scripts/ingest.py"
+
+
+rule level:
+    """Remove form and outliers, fill in missing points."""
+    input:
+        stage_file("height"),
+    output:
+        f"{FOLDER}/levelled.nc",
+    log:
+        f"{LOGS}/level.log",
+    wildcard_constraints:
+        case=owners("levelled"),
+    conda:
+        "../envs/roughcontact.yaml"
+    resources:
+        mem_mb=memory(bytes_per_point=200),
+        runtime=minutes(microseconds_per_point=20),
+    params:
+        settings=stage_settings("levelled"),
+        code=code("level"),
+    script:
+        "../scripts/level.py"
+
+
+rule window:
+    """Cut out a window without missing points and make it periodic."""
+    input:
+        stage_file("levelled"),
+    output:
+        f"{FOLDER}/window.nc",
+    log:
+        f"{LOGS}/window.log",
+    wildcard_constraints:
+        case=owners("window"),
+    conda:
+        "../envs/roughcontact.yaml"
+    resources:
+        mem_mb=memory(bytes_per_point=200),
+        runtime=minutes(microseconds_per_point=5),
+    params:
+        settings=stage_settings("window"),
+        code=code("window"),
+    script:
+        "../scripts/window.py"

@@ -1,0 +1,68 @@
+"""What all scripts share: import path, log, short error messages, provenance of what is written.
+
+A script is run by Snakemake, which puts the object `snakemake` among its globals. Importing this module first
+opens the log of the job; an error then ends there with its traceback, and on the screen as one sentence.
+"""
+
+import os
+import sys
+import traceback
+import warnings
+from pathlib import Path
+
+from __main__ import snakemake
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
+
+from roughcontact.errors import RoughContactError
+
+_log = open(snakemake.log[0], "w", encoding="utf-8", buffering=1)  # noqa: SIM115 - open until the job ends
+_name = " ".join([snakemake.rule, *map(str, snakemake.wildcards)])
+
+
+def say(text: str) -> None:
+    """Write one line to the log and to the screen."""
+    print(f"[{_name}] {text}", file=_log)
+    print(f"[{_name}] {text}", file=sys.stderr, flush=True)
+
+
+def progress(done: int, total: int, text: str) -> None:
+    """Say how far a sweep over loads has come."""
+    say(f"load {done} of {total}: {text}")
+
+
+def save(result, path: str, settings: dict, *, source: dict) -> None:
+    """Write a result with the settings behind it, the versions, and the checksum of the measured file.
+
+    `source` are the attributes of the height map it was computed from.
+    """
+    from roughcontact.storage import provenance, write_dataset
+
+    if hasattr(result, "to_dataset"):  # a single labelled array
+        result = result.to_dataset()
+    origin = provenance(settings, source_sha256=source["source_sha256"])
+    write_dataset(result.assign_attrs(origin), path)
+
+
+def replace_with(path: str, text: str) -> None:
+    """Write a text file to a temporary name first, so that no half file is ever seen."""
+    partial = Path(f"{path}.partial")
+    partial.write_text(text, encoding="utf-8")
+    os.replace(partial, path)
+
+
+def _report_error(kind, error, trace) -> None:
+    """Write the traceback to the log, and to the screen the one sentence that helps."""
+    traceback.print_exception(kind, error, trace, file=_log)
+    if not isinstance(error, RoughContactError):
+        error = f"{kind.__name__}: {error} (not foreseen, please report it with {snakemake.log[0]})"
+    print(f"[{_name}] ERROR: {error}", file=sys.stderr, flush=True)
+
+
+def _log_warning(message, category, filename, lineno, file=None, line=None) -> None:
+    """Write a warning to the log."""
+    _log.write(warnings.formatwarning(message, category, filename, lineno, line))
+
+
+sys.excepthook = _report_error
+warnings.showwarning = _log_warning

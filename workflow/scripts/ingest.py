@@ -1,0 +1,22 @@
+"""Read a measured file into height.nc: metres, NaN where not measured, metadata and checksum of the file."""
+
+import json
+
+from _job import save, say, snakemake
+
+from roughcontact.errors import InputFileError
+from roughcontact.io import read_height_map
+
+file, settings = snakemake.params.file, snakemake.params.settings
+given = {key: value for key, value in settings["surface"].items() if key != "name"}
+if not snakemake.input:
+    raise InputFileError(
+        f"{file['path']}: no such file ({file['origin']}); correct the path or put # before the row"
+    )
+try:
+    height = read_height_map(file["path"], **given)
+except InputFileError as error:
+    raise InputFileError(f"{error} ({file['origin']})") from error
+for warning in json.loads(height.attrs["ingest_warnings"]):
+    say(f"warning: {warning}")
+save(height, snakemake.output[0], settings, source=height.attrs)
