@@ -1,0 +1,77 @@
+"""Checks before anything is unpacked or parsed: what kind of file, how large, what hides in an archive."""
+
+import hashlib
+import zipfile
+from pathlib import Path
+
+from roughcontact.errors import InputFileError
+
+MAX_FILE_BYTES = 4 * 2**30
+MAX_UNPACKED_BYTES = 2**30
+MAX_XML_BYTES = 2**28
+MAX_POINTS = 2**27  # 1 GiB as float64; a solution needs about ten such arrays
+
+
+def check_file(path: Path) -> None:
+    """Refuse what is no regular file, is empty, or is larger than 4 GiB."""
+    if path.is_dir():
+        raise InputFileError(f"{path}: is a folder; name one file in it")
+    if not path.exists():
+        raise InputFileError(f"{path}: no such file; check the path (relative paths start at the working folder)")
+    if not path.is_file():
+        raise InputFileError(f"{path}: is no regular file")
+    size = path.stat().st_size
+    if size == 0:
+        raise InputFileError(f"{path}: the file is empty")
+    if size > MAX_FILE_BYTES:
+        raise InputFileError(f"{path}: {size} bytes, more than the {MAX_FILE_BYTES} that are read; crop the map")
+
+
+def sha256(path: Path) -> str:
+    """Return the SHA-256 of a file, read in pieces."""
+    with open(path, "rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def check_points(shape, where) -> None:
+    """Refuse a map of more points than a solver can hold in memory, before it is read."""
+    ny, nx = shape
+    if ny * nx > MAX_POINTS:
+        raise InputFileError(f"{where}: {ny} x {nx} points, more than the {MAX_POINTS} that are read; crop the map")
+
+
+def check_archive(path: Path) -> None:
+    """Refuse a ZIP archive that unpacks to more than 1 GiB or whose XML declares entities.
+
+    The sizes are those of the archive's directory; `zipfile` never unpacks more of a member than that.
+    A document type declaration is refused as a whole: no instrument format needs one, and entities are its
+    only use here (expansion bombs, reading of other files).
+    """
+    if not zipfile.is_zipfile(path):
+        return
+    try:
+        with zipfile.ZipFile(path) as archive:
+            members = archive.infolist()
+            total = sum(member.file_size for member in members)
+            if total > MAX_UNPACKED_BYTES:
+                raise InputFileError(
+                    f"{path}: the archive would unpack to {total} bytes, more than the {MAX_UNPACKED_BYTES} "
+                    "that are allowed"
+                )
+            for member in members:
+                if member.filename.lower().endswith(".xml"):
+                    _check_xml(archive, member, path)
+    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError) as error:
+        raise InputFileError(f"{path}: the ZIP archive is damaged or encrypted ({error})") from error
+
+
+def _check_xml(archive, member, path):
+    if member.file_size > MAX_XML_BYTES:
+        raise InputFileError(f"{path}: {member.filename} in the archive has {member.file_size} bytes of XML")
+    text = archive.read(member).replace(b"\0", b"").upper()  # UTF-16 becomes searchable without its zeros
+    for declaration in (b"<!DOCTYPE", b"<!ENTITY"):
+        if declaration in text:
+            raise InputFileError(
+                f"{path}: {member.filename} in the archive declares {declaration.decode()[2:]}, which is refused "
+                "because it can expand without limit or read other files; export the map again"
+            )

@@ -1,0 +1,213 @@
+"""Instrument formats, through SurfaceTopography, fenced.
+
+Only formats that can be told by their content are asked for; readers that accept any bytes (hgt, h5, mat, npz,
+xyz, asc) are not. A physical size, unit or scale is never handed to the library, so what is missing in the file
+stays missing. Its heights are indexed [x, y] and arranged so that their transpose, drawn as a picture, looks as
+in the instrument's software (and as in Gwyddion): row 0 of the transpose is the upper line of that picture.
+Only the transpose is taken here, so that row j is also row j of every other reader; y grows from row to row,
+downwards in the picture.
+"""
+
+import logging
+import re
+import warnings
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.guards import check_points
+from roughcontact.io.source import Channel, SourceFile, as_heights
+from roughcontact.io.units import is_length
+
+_TIFF = (b"II*\0", b"MM\0*")
+_ZIP = (b"PK\x03\x04",)
+# first bytes -> formats to try; none of these readers is asked about a file that starts otherwise
+_BY_FIRST_BYTES = {
+    (b"\\*",): ("di",),
+    (b"[DataSet]",): ("ezd",),
+    (b"fileType",): ("mi",),
+    (b"DIGITAL SURF",): ("sur",),
+    (b"AliconaImaging",): ("al3d",),
+    (b"FRTM_GLIDERV",): ("frt",),
+    (b"WSxM",): ("wsxm",),
+    (b"Binary TrueMap",): ("tmd",),
+    (b"GWYP",): ("gwy",),
+    (b"\x01\xb0\x93\xff",): ("mdt",),
+    (b"Zeta-Instruments",): ("zmg",),
+    (b"KPK0", b"KPK1"): ("zon",),
+    (b"VK3_", b"VK4_", b"VK6", b"VK7"): ("vk",),
+    (b"VCA DATA",): ("opdx",),
+    (b"\x89HDF",): ("datx",),
+    _TIFF: ("ps", "jpk", "lext"),
+    _ZIP: ("plux", "nmm", "poir", "qep", "mitutoyo"),
+}
+_BY_MAGIC = ("bcr", "metropro", "opd", "os3d")  # whose mark lies elsewhere or has several encodings
+_BY_STRUCTURE = ("ibw", "mnt", "oir", "plu", "nms")  # no mark: told by a header that must agree with the file
+
+_NO_HEIGHT_NAME = re.compile(
+    r"phase|amplitude|deflection|error|friction|lateral|current|potential|voltage|intensity|modulation|stiffness|"
+    r"adhesion|dissipation|temperature|image|colou?r|mask|quality",
+    re.IGNORECASE,
+)
+_METADATA_KEYS = re.compile(
+    r"lens|objective|magnif|serial|instrument|wavelength|scan.?(rate|speed|line)|software|version|date|time$|"
+    r"operator|aperture|^mult$",
+    re.IGNORECASE,
+)
+
+
+@contextmanager
+def _silence():
+    """Keep the library's warnings and log lines (whole byte arrays among them) off the user's screen."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        logging.disable(before)
+
+
+def read_instrument(path: Path, head: bytes) -> SourceFile:
+    """Open an instrument file by its content.
+
+    Raises
+    ------
+    InputFileError
+        where no reader knows the file, or the one that knows it finds it damaged.
+    """
+    with _silence():
+        from SurfaceTopography.Exceptions import FileFormatMismatch
+        from SurfaceTopography.IO import lookup_reader_by_format
+        from SurfaceTopography.IO.Reader import MagicMatch
+
+        marked = [name for marks, names in _BY_FIRST_BYTES.items() if head.startswith(marks) for name in names]
+        if not marked:
+            marked = [name for name in _BY_MAGIC if lookup_reader_by_format[name].can_read(head) == MagicMatch.YES]
+        failures = []
+        for name in marked or _BY_STRUCTURE:
+            try:
+                reader = lookup_reader_by_format[name](str(path))
+                if _is_plausible(reader, name):
+                    return _open(reader, name, path)
+            except InputFileError:
+                raise
+            except Exception as error:  # a reader may fail on foreign bytes in any way
+                if not isinstance(error, FileFormatMismatch):
+                    failures.append((lookup_reader_by_format[name].name(), error))
+        if marked and failures:
+            known, error = failures[0]
+            reason = " ".join(str(error).split())[:160] or type(error).__name__
+            raise InputFileError(
+                f"{path}: looks like {known}, but is damaged, cut off or of a kind that holds no map ({reason})"
+            ) from error
+        raise InputFileError(
+            f"{path}: the format is not known (told by content, not by extension); "
+            "export the map as X3P, SDF, netCDF or a text matrix with its size and units"
+        ) from (failures[0][1] if failures else None)
+
+
+def _is_plausible(reader, name) -> bool:
+    """Return whether a file without a mark is what its header fields say: guards against chance matches."""
+    if name != "nms":
+        return True
+    header = reader.channels[0].info["raw_metadata"]
+    steps = np.array([header["dx_mm"], header["dy_mm"]])
+    span = header["zmax"] - header["zmin"]
+    return bool(np.all((steps > 1e-3) & (steps < 1e6)) and 0 < span < 1e5)
+
+
+def _open(reader, name, path) -> SourceFile:
+    infos = list(reader.channels)
+    if not infos:
+        raise InputFileError(f"{path}: this {reader.name()} file holds no map")
+    # Heights are read once here: a channel that the file ends in the middle of shows that it was cut off.
+    channels = [_channel(info, name, path) for info in infos]
+    _check_rest(infos[0], name, path)
+    return SourceFile(reader.name(), channels, first_row="top", instrument=_instrument(infos[0]))
+
+
+def _channel(info, name, path) -> Channel:
+    from SurfaceTopography.Exceptions import CorruptFile
+
+    shape = (1, info.nb_grid_pts[0]) if len(info.nb_grid_pts) == 1 else tuple(info.nb_grid_pts[::-1])
+    check_points(shape, path)
+    channel = Channel(info.channel_id, shape, lambda: None)
+    unit = info.unit
+    if isinstance(info.unit, tuple):
+        channel.no_height = f"values in {info.unit[1] or 'no unit'}, no length"
+    elif not info.is_height_channel or (info.data_unit is not None and not is_length(info.data_unit)):
+        channel.no_height = f"values in {info.data_unit}, no length"
+    elif _NO_HEIGHT_NAME.search(info.name):
+        channel.no_height = "by its name no topography"
+    try:
+        topography = info.topography()
+        values = topography.heights()
+        unit = topography.unit if isinstance(topography.unit, str) else unit
+    except CorruptFile as error:
+        raise InputFileError(f"{path}: channel {info.channel_id!r} is not whole: the file was cut off") from error
+    except Exception as error:
+        if not channel.no_height:
+            raise InputFileError(
+                f"{path}: channel {info.channel_id!r} cannot be read ({' '.join(str(error).split())[:160]})"
+            ) from error
+        return channel
+    if not topography.is_uniform:
+        raise InputFileError(
+            f"{path}: the positions along x are not evenly spaced; interpolate the profile to an even grid first"
+        )
+    heights = as_heights(values, str(path))
+    if topography.dim == 2:
+        heights = heights.T
+    sizes = topography.physical_sizes
+    channel.shape = heights.shape
+    channel.read = lambda: heights
+    if isinstance(unit, str) or unit is None:
+        channel.height_unit = channel.lateral_unit = unit
+    if sizes is not None:
+        steps = np.asarray(sizes, dtype=float) / np.asarray(topography.nb_grid_pts)
+        if name == "nms":
+            # The header gives nanometres where the library reads millimetres: its fields are 160 µm, not 160 m.
+            header = info.info["raw_metadata"]
+            steps = np.array([header["dx_mm"], header["dy_mm"]]) * 1e-3
+        channel.dx = float(steps[0])
+        channel.dy = float(steps[1]) if steps.size > 1 else None
+    return channel
+
+
+def _check_rest(info, name, path):
+    """Refuse files whose header claims more bytes than there are, after the heights: they were cut off."""
+    header = info.info.get("raw_metadata") or {}
+    claimed = 0
+    if name == "al3d" and int(header.get("TextureImageOffset", 0)):
+        planes = len(str(header.get("TexturePtr", "")).split(";"))
+        claimed = int(header["TextureImageOffset"]) + planes * int(header["Rows"]) * int(header["Cols"])
+    elif name == "plu":
+        nx, ny = info.nb_grid_pts
+        layout = header["measurement_configuration"]
+        claimed = layout["num_layers"] * nx * ny * (4 + 3 * layout["num_images"])
+    if path.stat().st_size < claimed:
+        raise InputFileError(f"{path}: {path.stat().st_size} bytes where its header needs {claimed}: it was cut off")
+
+
+def _instrument(info) -> dict:
+    """Return vendor, name, serial, date, lens and the like, as plain JSON values."""
+    stated = info.info
+    found = {key: str(value) for key, value in dict(stated.get("instrument") or {}).items() if value}
+    if stated.get("acquisition_time") is not None:
+        found["acquisition_time"] = stated["acquisition_time"].isoformat()
+    found |= _matching(stated.get("raw_metadata") or {})
+    return found
+
+
+def _matching(header, depth=0) -> dict:
+    found = {}
+    for key, value in header.items() if hasattr(header, "items") else ():
+        if hasattr(value, "items") and depth < 2:
+            found |= _matching(value, depth + 1)
+        elif isinstance(value, str | int | float) and _METADATA_KEYS.search(str(key)) and 0 < len(str(value)) < 100:
+            found[str(key)] = value if not isinstance(value, float) or np.isfinite(value) else str(value)
+    return found
