@@ -7,17 +7,12 @@ import xarray as xr
 from roughcontact.storage import read_dataset
 from roughcontact.variables import VARIABLES
 
-# how a unit is spelled in a column's name; a number of unit 1 has none
-_SUFFIX = {
-    "m": "_m",
-    "Pa": "_Pa",
-    "m-1": "_per_m",
-    "Pa-1": "_per_Pa",
-    "Pa m-1": "_Pa_per_m",
-    "J m-2": "_J_per_m2",
-}
+# how a unit is spelled in a column's name
+_SUFFIX = {"1": "", "m": "_m", "Pa": "_Pa", "m-1": "_per_m", "Pa m-1": "_Pa_per_m", "J m-2": "_J_per_m2"}
 
+_COORDINATES = ("mean_pressure", "pressure_bin_bounds", "gap_bin_bounds")
 _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")
+_WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged")
 
 
 def collect_statistics(entries: list[dict]) -> xr.Dataset:
@@ -31,38 +26,37 @@ def collect_statistics(entries: list[dict]) -> xr.Dataset:
     Returns
     -------
     Dataset, dims (surface, load, ...), or (case, surface, load, ...) where entries have cases. Labels are the
-    coordinates `surface_name` (surface) and `case_name` (case). Surfaces may have different loads and bins: shorter ones
-    are padded with NaN, and `mean_pressure` and the bins depend on the surface.
+    coordinates `surface_name` (surface) and `case_name` (case). Loads and bins may differ between surfaces:
+    shorter ones are padded with NaN, and `mean_pressure` and the bounds of the bins depend on the surface.
+
+    Raises
+    ------
+    InputFileError
+        where a file is missing or is no netCDF file.
     """
     surfaces = list(dict.fromkeys(entry["surface"] for entry in entries))
     cases = list(dict.fromkeys(entry["case"] for entry in entries))
-    place = {}
-    for entry in entries:
-        dataset = read_dataset(entry["statistics"])
-        place[cases.index(entry["case"]), surfaces.index(entry["surface"])] = dataset.reset_coords()
-    sizes = {}
-    variables = {}
-    for dataset in place.values():
-        for name, size in dataset.sizes.items():
-            sizes[name] = max(size, sizes.get(name, 0))
-        variables |= {name: variable.dims for name, variable in dataset.variables.items()}
-    # the bins' centres follow from their bounds, and a dimension's own coordinate cannot differ per surface
-    variables = {name: dims for name, dims in variables.items() if name not in sizes}
-
+    datasets = {
+        (cases.index(entry["case"]), surfaces.index(entry["surface"])): read_dataset(entry["statistics"])
+        for entry in entries
+    }
+    sizes, dims = {}, {}
+    for dataset in datasets.values():
+        sizes |= {dim: max(size, sizes.get(dim, 0)) for dim, size in dataset.sizes.items()}
+        dims |= {name: variable.dims for name, variable in dataset.variables.items()}
     columns = {}
-    for name, dims in variables.items():
-        values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in dims)), np.nan)
-        for (case, surface), dataset in place.items():
-            if name in dataset:
+    for name in dims:
+        # the bins' centres follow from their bounds, and a dimension's own coordinate cannot vary by surface
+        if name in sizes:
+            continue
+        values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in dims[name])), np.nan)
+        for place, dataset in datasets.items():
+            if name in dataset.variables:
                 part = dataset[name].values
-                values[(case, surface, *(slice(size) for size in part.shape))] = part
-        columns[name] = (("case", "surface", *dims), values)
-    collected = xr.Dataset(
-        columns,
-        coords={"surface_name": ("surface", np.array(surfaces, dtype=object))},
-    ).set_coords(
-        [name for name in ("mean_pressure", "pressure_bin_bounds", "gap_bin_bounds") if name in columns]
-    )
+                values[(*place, *map(slice, part.shape))] = part
+        columns[name] = (("case", "surface", *dims[name]), values)
+    collected = xr.Dataset(columns, coords={"surface_name": ("surface", np.array(surfaces, dtype=object))})
+    collected = collected.set_coords([name for name in _COORDINATES if name in columns])
     if cases == [None]:
         return collected.isel(case=0)
     return collected.assign_coords(case_name=("case", np.array(cases, dtype=object)))
@@ -75,23 +69,19 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     """
     names = [
         name
-        for name in statistics.variables
-        if name not in ("surface_name", "case_name")
-        and not {"pressure_bin", "gap_bin"} & set(statistics[name].dims)
+        for name, variable in statistics.variables.items()
+        if not name.endswith("_name") and not {"pressure_bin", "gap_bin"} & set(variable.dims)
     ]
     names.sort(key=lambda name: _LEADING.index(name) if name in _LEADING else len(_LEADING))
-    labels = [name for name in ("case_name", "surface_name") if name in statistics.coords]
     order = [dim for dim in ("case", "surface", "load") if dim in statistics.dims]
     table = statistics[names].reset_coords().to_dataframe(dim_order=order).reset_index()
-    frame = pd.DataFrame(
-        {name.removesuffix("_name"): statistics[name].values[table[name[:-5]]] for name in labels}
-    )
+    labels = [dim for dim in ("case", "surface") if f"{dim}_name" in statistics.coords]
+    frame = pd.DataFrame({dim: statistics[f"{dim}_name"].values[table[dim]] for dim in labels})
     for name in names:
-        unit = VARIABLES[name][0]
-        frame[name + ("" if unit == "1" else _SUFFIX[unit])] = table[name].to_numpy()
+        frame[name + _SUFFIX[VARIABLES[name][0]]] = table[name].to_numpy()
     frame = frame[np.isfinite(table["mean_pressure"].to_numpy())].reset_index(drop=True)
-    # padding made counts and flags floating; without it they are whole numbers again
-    for name in ("contact_clusters", "iterations", "converged"):
+    # padding made counts and flags floating; where none is missing they are whole numbers again
+    for name in _WHOLE_NUMBERS:
         if name in frame and frame[name].notna().all():
             frame[name] = frame[name].astype(int)
     return frame

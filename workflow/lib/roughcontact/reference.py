@@ -84,7 +84,7 @@ def westergaard_mean_gap(amplitude, load_ratio):
 
 
 def westergaard_stiffness(amplitude, wavelength, contact_modulus, load_ratio):
-    """Return -dp̄/dū (Pa/m) of the wave: p*/(D ln(1/r)), infinite from r = 1 on (derivative of the mean gap)."""
+    """Return the stiffness -dp̄/dū (Pa/m) of the wave: p*/(D ln(1/r)), infinite from r = 1 on."""
     full = westergaard_full_contact_pressure(amplitude, wavelength, contact_modulus)
     return full / (amplitude * -np.log(load_ratio)) if load_ratio < 1 else np.inf
 

@@ -26,7 +26,10 @@ SOLVER_COLUMNS = (
 
 _PRESSURE_DECADES = (-3, 3)  # in units of E* g
 _GAP_DECADES = (-4, 0)  # in units of the peak-to-valley height, which no gap exceeds
-_STIFFNESS_TOLERANCE = 1e-6  # relative residual; the contact set is far more uncertain than that
+_STIFFNESS_TOLERANCE = 1e-3  # of the increment; the stiffness is good to its square
+
+
+_DIMS = {"pressure_density": ("load", "pressure_bin"), "gap_density": ("load", "gap_bin")}
 
 
 def contact_statistics(contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins: int = 20) -> xr.Dataset:
@@ -35,12 +38,13 @@ def contact_statistics(contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins
     Parameters
     ----------
     contact : Dataset
-        As `solve_contact` returns it: `pressure` (load, y, x) Pa, `gap` (load, y, x) m, `height` (y, x) m with
-        the optional coordinate `filled`, `contact_modulus` Pa, coordinate `mean_pressure` (load) Pa.
+        As `solve_contact` returns it: `pressure` (load, y, x) Pa, `gap` (load, y, x) m, `height` (y, x) m
+        with the optional coordinate `filled`, `contact_modulus` Pa, coordinate `mean_pressure` (load) Pa.
     pressure_bins, gap_bins : int
-        Bins per factor of ten. Pressures: [0, 1e-3], then logarithmic to 1e3, in units of E* g. Gaps: [0, 1e-4],
-        then logarithmic to 1, in units of the peak-to-valley height. The bounds depend on the surface and on E*
-        alone, never on the loads; a value above the last bound is counted in the last bin, so nothing is lost.
+        Bins per factor of ten. Pressures: [0, 1e-3], then logarithmic to 1e3, in units of E* g. Gaps: [0,
+        1e-4], then logarithmic to 1, in units of the peak-to-valley height. The bounds depend on the
+        surface and on E* alone, never on the loads; a value above the last bound is counted in the last
+        bin, so nothing is lost.
 
     Returns
     -------
@@ -78,16 +82,14 @@ def contact_statistics(contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins
         )
         for index in range(contact.sizes["load"])
     ]
-    columns = {name: (_DIMS.get(name, "load"), np.array([row[name] for row in rows])) for name in rows[0]}
-    columns |= {name: ("load", contact[name].values) for name in SOLVER_COLUMNS if name in contact}
-    columns |= {
-        name: ("load", values)
-        for name, values in theory_columns(
-            mean_pressure, height.values, steps, contact_modulus=modulus, rms_gradient=gradient
-        ).items()
-    }
-    resolution = np.full(mean_pressure.shape, roughness.points_per_shortest_wavelength(height))
-    columns |= {"points_per_shortest_wavelength": ("load", resolution), "contact_modulus": modulus}
+    columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    columns |= {name: contact[name].values for name in SOLVER_COLUMNS if name in contact}
+    columns |= theory_columns(mean_pressure, height, contact_modulus=modulus, rms_gradient=gradient)
+    # a number of the map, listed with each load like everything that says how far to trust it
+    columns["points_per_shortest_wavelength"] = np.full(
+        mean_pressure.shape, surface.pop("points_per_shortest_wavelength")
+    )
+    columns = {name: (_DIMS.get(name, ("load",)), values) for name, values in columns.items()}
     coordinates = {"mean_pressure": ("load", mean_pressure)}
     for name, bounds in edges.items():
         coordinates[f"{name}_bin"] = (
@@ -99,20 +101,17 @@ def contact_statistics(contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins
             (f"{name}_bin", "bounds"),
             np.column_stack([bounds[:-1], bounds[1:]]),
         )
-    return xr.Dataset(columns | surface, coords=coordinates, attrs=contact.attrs)
-
-
-_DIMS = {"pressure_density": ("load", "pressure_bin"), "gap_density": ("load", "gap_bin")}
+    return xr.Dataset(
+        columns | surface | {"contact_modulus": modulus}, coords=coordinates, attrs=contact.attrs
+    )
 
 
 def surface_statistics(height: xr.DataArray) -> dict:
     """Return roughness (spectral), size and position of the solved window, a dict of floats in SI units."""
     (ny, nx), (dy, dx) = height.shape, spacing(height)
-    return {
-        "rms_height": roughness.rms_height(height),
-        "rms_gradient": roughness.rms_gradient(height),
-        "rms_curvature": roughness.rms_curvature(height),
-        "nayak_parameter": roughness.nayak_parameter(height),
+    # the middle of the range first: then a constant map is exactly zero, and flat, whatever its offset
+    middle = (float(height.min()) + float(height.max())) / 2
+    return roughness.roughness_parameters(height - middle) | {
         "window_length_x": nx * dx,
         "window_length_y": ny * dy,
         "window_offset_x": float(height.attrs.get("window_offset_x", 0.0)),
@@ -120,31 +119,27 @@ def surface_statistics(height: xr.DataArray) -> dict:
     }
 
 
-def theory_columns(mean_pressure, height, steps, *, contact_modulus, rms_gradient) -> dict:
+def theory_columns(mean_pressure, height, *, contact_modulus, rms_gradient) -> dict:
     """Return the load p' = p̄/(E* g) and the contact area of each theory at it, a dict of arrays (load).
 
-    Where a theory says nothing there is NaN: all of them on a flat map (which touches everywhere, but has no
-    p'), those of asperities on a single row or column, which has ridges and no summits.
+    NaN where a theory says nothing: those of asperities on a single row or column, which has ridges and no
+    summits, and where they exceed full contact. A flat map has infinite p'.
     """
-    if rms_gradient == 0:
-        nothing = np.full(mean_pressure.shape, np.nan)
-        names = ("persson", "xu", "bush_gibson_thomas", "greenwood_williamson")
-        return {"relative_pressure": np.full(mean_pressure.shape, np.inf)} | {
-            f"area_{name}": nothing for name in names
-        }
-    relative = mean_pressure / (contact_modulus * rms_gradient)
-    areas = {
+    if rms_gradient > 0:
+        relative = mean_pressure / (contact_modulus * rms_gradient)
+    else:
+        relative = np.full(mean_pressure.shape, np.inf)
+    low_load = theory.bush_gibson_thomas_area(relative)
+    summits = roughness.summit_statistics(height)
+    return {
         "relative_pressure": relative,
         "area_persson": theory.persson_area(relative),
         "area_xu": theory.xu_area(relative),
-        "area_bush_gibson_thomas": theory.bush_gibson_thomas_area(relative),
+        "area_bush_gibson_thomas": np.full(relative.shape, np.nan) if 1 in height.shape else low_load,
         "area_greenwood_williamson": theory.greenwood_williamson_area(
-            mean_pressure, theory.find_summits(height, steps), contact_modulus=contact_modulus
+            mean_pressure, summits, contact_modulus=contact_modulus
         ),
     }
-    if 1 in height.shape:
-        areas["area_bush_gibson_thomas"] = np.full(mean_pressure.shape, np.nan)
-    return areas
 
 
 def _one_load(pressure, gap, steps, *, contact_modulus, filled, edges) -> dict:
@@ -181,10 +176,10 @@ def count_switches(touching: np.ndarray) -> tuple[int, int]:
 def relative_contact_area(touching: np.ndarray) -> float:
     """Return A/A0 = Na/N - c M/N, c = (π - 1 + ln 2)/24, the contact area corrected by its perimeter.
 
-    The pixels of a solved contact overstate its area, in proportion to the length of its boundary. M counts the
-    switches between contact and non-contact along all rows and columns. A switch along x is a piece of boundary
-    as long as dy and overstates the area by c dx of it, so that it weighs c dx dy, as does one along y: the share
-    needs no pitch. It is not allowed below zero.
+    The pixels of a solved contact overstate its area, in proportion to the length of its boundary. M counts
+    the switches between contact and non-contact along all rows and columns. A switch along x is a piece of
+    boundary as long as dy and overstates the area by c dx of it, so that it weighs c dx dy, as does one
+    along y: the share needs no pitch. It is not allowed below zero.
 
     Parameters
     ----------
@@ -199,11 +194,12 @@ def relative_contact_area(touching: np.ndarray) -> float:
 def contact_perimeter(touching: np.ndarray, steps: tuple[float, float]) -> float:
     """Return an estimate of the length of the contact line (m).
 
-    The pixel boundary projects onto the axes with lengths Py = M_x dy and Px = M_y dx (Cauchy and Crofton), which do
-    not suffer from its steps. The estimate is the perimeter of the ellipses with these projections, semi-axes Px/4
-    and Py/4: (π/4)(Px + Py) where the contact line has no preferred direction (Px = Py), Py alone for straight lines
-    along y (ridges, profiles), and exact for ellipses along the axes. Straight lines at 45° come out 11 % long. The
-    length of the steps themselves, the city-block length Px + Py, is 4/π too long for round contacts.
+    The pixel boundary projects onto the axes with lengths Py = M_x dy and Px = M_y dx (Cauchy and Crofton),
+    which do not suffer from its steps. The estimate is the perimeter of the ellipses with these
+    projections, semi-axes Px/4 and Py/4: (π/4)(Px + Py) where the contact line has no preferred direction
+    (Px = Py), Py alone for straight lines along y (ridges, profiles), and exact for ellipses along the
+    axes. Straight lines at 45° come out 11 % long. The length of the steps themselves, the city-block
+    length Px + Py, is 4/π too long for round contacts.
 
     Parameters
     ----------
@@ -240,7 +236,7 @@ def count_clusters(touching: np.ndarray) -> int:
 
 
 def elastic_energy(pressure: np.ndarray, steps: tuple[float, float], *, contact_modulus: float) -> float:
-    """Return the elastic energy per area, ½ Σ_{q≠0} 2/(E*|q|) |p̂(q)|² (J/m²), that of uniform pressure left out.
+    """Return the elastic energy per area, ½ Σ_{q≠0} 2/(E*|q|) |p̂(q)|² (J/m²): zero for uniform pressure.
 
     Parameters
     ----------

@@ -83,7 +83,7 @@ def write_text(text: str, path: str | Path) -> None:
 
 @contextmanager
 def _whole(path: str | Path):
-    """Yield a temporary name beside `path` that takes its place at the end, so that no half file is ever seen."""
+    """Yield a temporary name beside `path` that takes its place at the end: no half file is ever seen."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial")

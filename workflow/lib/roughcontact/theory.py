@@ -1,10 +1,9 @@
 """Statistical theories of rough contact, to draw beside the deterministic result.
 
 Each returns the relative contact area for a load p' = p̄/(E* g): mean pressure over contact modulus times
-root mean square gradient. They are estimates from a few numbers of the surface; the solver needs none of them.
+root mean square gradient. They are estimates from a few numbers of the surface; the solver needs none of
+them.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 
@@ -30,8 +29,9 @@ def persson_area(relative_pressure):
 def xu_area(relative_pressure):
     """Return the relative contact area from A = erf(√2 p'/√(0.42 + 0.58 A)).
 
-    Persson's result with the pressure variance V = (E* g/2)² of full contact reduced to (0.42 + 0.58 A) V. The
-    right side falls with A, so there is one root, between erf(√2 p') and erf(√2 p'/√0.42): found by bisection.
+    Persson's result with the pressure variance V = (E* g/2)² of full contact reduced to (0.42 + 0.58 A) V.
+    The right side falls with A, so there is one root, between erf(√2 p') and erf(√2 p'/√0.42): found by
+    bisection.
 
     Parameters
     ----------
@@ -65,45 +65,7 @@ def bush_gibson_thomas_area(relative_pressure):
     return np.where(area <= 1, area, np.nan)
 
 
-class Summits(NamedTuple):
-    """What Greenwood and Williamson need to know of a map: per area, spread of heights, tip curvature."""
-
-    density: float  # summits per area, m-2
-    height_std: float  # m
-    mean_curvature: float  # m-1, of the tips, positive
-
-
-def find_summits(height, spacing) -> Summits:
-    """Return density, height spread and mean tip curvature of the summits of a periodic map.
-
-    A summit is a point higher than its eight neighbours; its curvature is the mean of the two second
-    differences, -(h_xx + h_yy)/2. Both depend on the pixel: that is a weakness of the theory, not of the count.
-
-    Parameters
-    ----------
-    height : array (ny, nx), m
-    spacing : (dy, dx), m
-
-    Source: Greenwood (1984), Proc. R. Soc. A 393, 133, on summits of sampled surfaces.
-    """
-    height = np.asarray(height, float)
-    dy, dx = spacing
-    summit = np.ones(height.shape, bool)
-    for shift in ((0, 1), (1, 0), (1, 1), (1, -1)):
-        for sign in (1, -1):
-            summit &= height > np.roll(height, (sign * shift[0], sign * shift[1]), (0, 1))
-    if not summit.any():
-        return Summits(0.0, 0.0, 0.0)
-    second_x = (np.roll(height, 1, 1) + np.roll(height, -1, 1) - 2 * height)[summit] / dx**2
-    second_y = (np.roll(height, 1, 0) + np.roll(height, -1, 0) - 2 * height)[summit] / dy**2
-    return Summits(
-        density=float(summit.sum() / (height.size * dx * dy)),
-        height_std=float(np.std(height[summit])),
-        mean_curvature=float(-(second_x + second_y).mean() / 2),
-    )
-
-
-def greenwood_williamson_curve(summits: Summits, *, contact_modulus):
+def greenwood_williamson_curve(summits: dict, *, contact_modulus):
     """Return (mean pressure in Pa, relative contact area) of independent equal spheres with Gaussian heights.
 
     With t the separation over the spread s of the summit heights, η their density, R the tip radius and
@@ -111,7 +73,8 @@ def greenwood_williamson_curve(summits: Summits, *, contact_modulus):
 
     Parameters
     ----------
-    summits : Summits
+    summits : dict
+        `density` (m-2), `mean_radius` (m), `height_std` (m), as `roughness.summit_statistics` returns it.
     contact_modulus : float, Pa
 
     Returns
@@ -120,36 +83,35 @@ def greenwood_williamson_curve(summits: Summits, *, contact_modulus):
 
     Source: Greenwood and Williamson (1966), Proc. R. Soc. A 295, 300.
     """
-    radius = 1 / summits.mean_curvature
-    t = _SEPARATIONS[::-1]
-    area = np.pi * summits.density * radius * summits.height_std * _gaussian_moment(1.0, t)
-    pressure = contact_modulus * summits.density * np.sqrt(radius) * summits.height_std**1.5
-    return 4 / 3 * pressure * _gaussian_moment(1.5, t), area
+    density, radius, spread = (summits[name] for name in ("density", "mean_radius", "height_std"))
+    separation = _SEPARATIONS[::-1]
+    area = np.pi * density * radius * spread * _gaussian_moment(1.0, separation)
+    pressure = 4 / 3 * contact_modulus * density * np.sqrt(radius) * spread**1.5
+    return pressure * _gaussian_moment(1.5, separation), area
 
 
-def greenwood_williamson_area(mean_pressure, summits: Summits, *, contact_modulus):
+def greenwood_williamson_area(mean_pressure, summits: dict, *, contact_modulus):
     """Return the relative contact area of `greenwood_williamson_curve` at the given mean pressures.
 
-    NaN where the map has fewer than two summits or all are equally high (no Gaussian spread), and where the
+    NaN where the map has no spread of summit heights (no summit, one, or all equally high), and where the
     area would exceed 1, which the theory does not know to avoid.
 
     Parameters
     ----------
     mean_pressure : array-like, Pa
-    summits : Summits
+    summits : dict
+        As `roughness.summit_statistics` returns it.
     contact_modulus : float, Pa
 
     Source: Greenwood and Williamson (1966), Proc. R. Soc. A 295, 300.
     """
     mean_pressure = np.asarray(mean_pressure, float)
-    if summits.height_std == 0 or summits.mean_curvature <= 0:
+    if not (summits["height_std"] > 0 and summits["mean_radius"] > 0):
         return np.full(mean_pressure.shape, np.nan)
     pressure, area = greenwood_williamson_curve(summits, contact_modulus=contact_modulus)
-    positive = mean_pressure > 0
-    logarithm = np.log(np.where(positive, mean_pressure, pressure[0]))
-    found = np.exp(np.interp(logarithm, np.log(pressure), np.log(area), right=np.nan))
-    found = np.where(logarithm < np.log(pressure[0]), np.nan, found)
-    found = np.where(positive, found, 0.0)
+    with np.errstate(divide="ignore"):
+        load = np.log(mean_pressure)
+    found = np.exp(np.interp(load, np.log(pressure), np.log(area), left=np.nan, right=np.nan))
     return np.where(found <= 1, found, np.nan)
 
 
@@ -159,7 +121,8 @@ def _gaussian_moment(order, separation):
     With u = v² the integrand is smooth at 0 for half-integer n as well.
     """
     nodes, weights = np.polynomial.legendre.leggauss(200)
-    # for t >= 0 the integrand falls like exp(-t u - u²/2); beyond `reach` it is below exp(-72) of its value at 0
+    # for t >= 0 the integrand falls like exp(-t u - u²/2); beyond `reach` it is below exp(-72) of its value
+    # at 0
     t = np.asarray(separation, float)[:, None]
     reach = np.sqrt(-t + np.sqrt(t**2 + 144.0))
     v = reach / 2 * (nodes + 1)

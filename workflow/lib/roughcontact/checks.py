@@ -1,0 +1,191 @@
+"""What to trust: each check of a surface's result, with its outcome in words.
+
+A check passes, asks for a look (the number may be off, and the sentence says by what), or fails (do not use
+the number). The verdict on a surface is that of its worst check.
+"""
+
+import json
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.quantities import number, percent, quantity
+
+PASSED, LOOK, FAILED = "passed", "look", "failed"
+VERDICTS = {PASSED: "trust", LOOK: "look at", FAILED: "do not trust"}
+
+CONTACT_POINTS = 100  # fewer: the contact is a handful of pixels
+POINTS_PER_WAVE = 8  # fewer: pressures and areas still change on a finer grid
+FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points that were not measured: look, fail
+GRADIENT_CHANGE = 0.1  # relative change of the rms gradient by periodisation
+WINDOW_SHARE = 0.5  # share of the measured area that was used
+STEEP = 0.3  # rms gradient from which small-slope elasticity is a rough approximation
+
+
+class Check(NamedTuple):
+    """One check: its name, its outcome (passed, look, failed), and a sentence with the numbers."""
+
+    name: str
+    outcome: str
+    sentence: str
+
+
+def surface_checks(statistics: xr.Dataset, *, height: dict, levelled: dict, window: dict, points: int):
+    """Return the list of checks of one surface under one case.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        As `contact_statistics` returns it.
+    height, levelled, window : dict
+        Attributes of the map as measured, levelled, and made periodic.
+    points : int
+        Number of points of the window.
+    """
+    return [
+        _convergence(statistics),
+        _contact_points(statistics, points),
+        _resolution(statistics),
+        _missing(statistics, height, levelled),
+        _periodicity(window),
+        _window(window),
+        _load_range(statistics),
+        _slope(statistics),
+        _reading(height),
+    ]
+
+
+def verdict(checks) -> str:
+    """Return the worst outcome among the checks."""
+    outcomes = {check.outcome for check in checks}
+    return next(outcome for outcome in (FAILED, LOOK, PASSED) if outcome in outcomes)
+
+
+def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
+    """Return for each load the words that warn of its numbers (mostly none)."""
+    flags = []
+    for index in range(statistics.sizes["load"]):
+        load = statistics.isel(load=index)
+        share = float(load["relative_contact_area_pixels"])
+        words = []
+        if not load["converged"]:
+            words.append("not converged")
+        if share * points < CONTACT_POINTS:
+            words.append("few contact points")
+        if share == 1:
+            words.append("full contact")
+        if load["contact_on_filled_points"] > FILLED_IN_CONTACT[0]:
+            words.append("contact on filled points")
+        flags.append(words)
+    return flags
+
+
+def _convergence(statistics):
+    bound, failed = float(statistics["error_bound"].max()), int((statistics["converged"] == 0).sum())
+    tolerance = float(statistics.attrs["tolerance"])
+    if failed:
+        loads = f"{failed} of {statistics.sizes['load']} loads"
+        text = (
+            f"{loads} missed the tolerance of {number(tolerance)}; the error bound reaches {number(bound)}."
+        )
+        return Check("Solver", FAILED, text)
+    text = f"All loads converged: error bound at most {number(bound)}, tolerance {number(tolerance)}."
+    return Check("Solver", PASSED, text)
+
+
+def _contact_points(statistics, points):
+    counts = np.rint(statistics["relative_contact_area_pixels"].values * points).astype(int)
+    few = int((counts < CONTACT_POINTS).sum())
+    if few:
+        text = (
+            f"{few} of {counts.size} loads have fewer than {CONTACT_POINTS} points in contact (down to "
+            f"{counts.min()}): their areas and pressures are coarse. Use higher loads or a finer map."
+        )
+        return Check("Points in contact", LOOK, text)
+    return Check("Points in contact", PASSED, f"At least {counts.min()} points in contact at every load.")
+
+
+def _resolution(statistics):
+    resolution = float(statistics["points_per_shortest_wavelength"][0])
+    if np.isnan(resolution):
+        return Check("Resolution", PASSED, "The map is flat: there is no wave to resolve.")
+    if resolution < POINTS_PER_WAVE:
+        text = (
+            f"The shortest wave of the map has {number(resolution, digits=2)} points; {POINTS_PER_WAVE} are "
+            "advisable. The map is rough down to its pixels, so area and peak pressure depend on how finely "
+            "the instrument measured."
+        )
+        return Check("Resolution", LOOK, text)
+    return Check("Resolution", PASSED, f"The shortest wave of the map has {number(resolution)} points.")
+
+
+def _missing(statistics, height, levelled):
+    missing, filled = height.get("missing_share", 0.0), levelled.get("filled_share", 0.0)
+    in_contact = float(statistics["contact_on_filled_points"].max())
+    look, fail = FILLED_IN_CONTACT
+    outcome = FAILED if in_contact > fail else LOOK if in_contact > look else PASSED
+    if missing == 0 and filled == 0:
+        return Check("Missing points", PASSED, "Every point was measured.")
+    text = (
+        f"{percent(missing)} of the points were not measured, {percent(filled)} were filled in; at most "
+        f"{percent(in_contact)} of the contact lies on them."
+    )
+    if outcome != PASSED:
+        text += " The contact there is that of the filling, not of the surface."
+    return Check("Missing points", outcome, text)
+
+
+def _periodicity(window):
+    method = window.get("periodisation", "none")
+    if method == "none":
+        return Check("Periodic window", PASSED, "The window was periodic already: nothing was changed.")
+    before, after = window["rms_gradient_before"], window["rms_gradient_after"]
+    change = after / before - 1 if before > 0 else 0.0
+    relative = window.get("periodisation_relative_change", 0.0)
+    text = (
+        f"Making the window periodic ({method}) changed the heights by {percent(relative)} of their rms and "
+        f"the rms gradient by {percent(change)}."
+    )
+    if abs(change) > GRADIENT_CHANGE:
+        text += " Peak pressures follow the gradient: compare another method."
+        return Check("Periodic window", LOOK, text)
+    return Check("Periodic window", PASSED, text)
+
+
+def _window(window):
+    share = window.get("window_share", 1.0)
+    text = f"The solved window covers {percent(share)} of the measured map."
+    if share < WINDOW_SHARE:
+        text += " The rest was cropped away: see the frame on the levelled map."
+        return Check("Window", LOOK, text)
+    return Check("Window", PASSED, text)
+
+
+def _load_range(statistics):
+    full = int((statistics["relative_contact_area_pixels"] == 1).sum())
+    loads = statistics.sizes["load"]
+    if full:
+        text = f"{full} of {loads} loads are in full contact: every point touches, more load adds no area."
+        return Check("Load range", LOOK, text)
+    low, high = (float(f(statistics["relative_contact_area"])) for f in (np.min, np.max))
+    return Check(
+        "Load range", PASSED, f"Partial contact, from {percent(low)} to {percent(high)} of the area."
+    )
+
+
+def _slope(statistics):
+    gradient = float(statistics["rms_gradient"])
+    text = f"The rms gradient is {number(gradient)}"
+    if gradient > STEEP:
+        text += ": steep for a theory of small slopes. Treat the numbers as estimates."
+        return Check("Slopes", LOOK, text)
+    return Check("Slopes", PASSED, f"{text}: small, as the half-space theory assumes.")
+
+
+def _reading(height):
+    warnings = json.loads(height.get("ingest_warnings", "[]"))
+    if warnings:
+        return Check("Reading the file", LOOK, " ".join(warnings))
+    size = " × ".join(quantity(height[f"length_{axis}"], "m") for axis in ("x", "y"))
+    return Check("Reading the file", PASSED, f"Read without a warning; the map measures {size}.")

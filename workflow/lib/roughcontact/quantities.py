@@ -1,0 +1,70 @@
+"""Numbers as people read them: SI prefixes, few digits, no long exponents."""
+
+import math
+
+_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+_PREFIXED = ("m", "Pa")  # units that take a prefix; composed ones are given in powers of ten
+
+
+def prefix(value: float, unit: str) -> tuple[float, str]:
+    """Return (factor, unit with SI prefix) such that value x factor lies between 1 and 1000.
+
+    Examples
+    --------
+    >>> prefix(2.5e7, "Pa")
+    (1e-06, 'MPa')
+    """
+    if unit not in _PREFIXED or not math.isfinite(value) or value == 0:
+        return 1.0, unit
+    # 999.95 would be shown as 1000
+    power = 3 * math.floor(math.log10(abs(value) * (1 + 5e-5)) / 3)
+    power = min(max(power, min(_PREFIXES)), max(_PREFIXES))
+    return float(f"1e{-power}"), _PREFIXES[power] + unit
+
+
+def quantity(value: float, unit: str = "1", *, digits: int = 3) -> str:
+    """Return a number and its unit, as in ``12.3 MPa``.
+
+    Examples
+    --------
+    >>> quantity(1.2345e-6, "m")
+    '1.23 µm'
+    """
+    factor, shown = prefix(value, unit)
+    text = number(value * factor, digits=digits)
+    return text if unit == "1" else f"{text} {shown}"
+
+
+def number(value: float, *, digits: int = 3) -> str:
+    """Return a number with so many significant digits, in powers of ten only where it would be long.
+
+    Examples
+    --------
+    >>> number(0.04567), number(12345.6), number(3.2e-7)
+    ('0.0457', '12346', '3.20×10⁻⁷')
+    """
+    if math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
+    if value == 0:
+        return "0"
+    power = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
+    if -4 <= power < 6:
+        return f"{value:.{max(digits - 1 - power, 0)}f}".replace("-", "−")
+    mantissa = f"{value / 10.0**power:.{digits - 1}f}".replace("-", "−")
+    return f"{mantissa}×10{str(power).translate(_SUPERSCRIPT)}"
+
+
+def percent(share: float) -> str:
+    """Return a share in percent, with three digits at most.
+
+    Examples
+    --------
+    >>> percent(0.12345), percent(0.0001234)
+    ('12.3 %', '0.0123 %')
+    """
+    return f"{number(100 * share)} %"
+
+
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -1,0 +1,331 @@
+"""The page that people read: one part per surface, put together to one self-contained HTML file."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from roughcontact import checks, plots
+from roughcontact.errors import InputFileError
+from roughcontact.fourier import spacing
+from roughcontact.quantities import number, percent, prefix, quantity
+from roughcontact.storage import read_dataset, write_text
+from roughcontact.variables import VARIABLES
+
+_SHOWN_LOADS = 3  # loads whose maps are drawn: the lowest, the middle, the highest
+
+# the columns of the table of numbers: variable, short name, unit (a share is given in percent)
+_COLUMNS = (
+    ("mean_pressure", "mean pressure p̄", "Pa"),
+    ("relative_pressure", "p′ = p̄/(E* g)", "1"),
+    ("relative_contact_area", "contact area A/A₀", "%"),
+    ("relative_contact_area_pixels", "A/A₀, pixels", "%"),
+    ("mean_contact_pressure", "mean pressure in contact", "Pa"),
+    ("max_pressure", "largest pressure", "Pa"),
+    ("pressure_std", "std of pressure in contact", "Pa"),
+    ("mean_gap", "mean gap ū", "m"),
+    ("contact_stiffness", "stiffness −dp̄/dū", "Pa m-1"),
+    ("elastic_energy", "elastic energy", "J m-2"),
+    ("contact_perimeter", "contact perimeter", "m"),
+    ("contact_clusters", "contact patches", "1"),
+    ("contact_on_filled_points", "contact on filled points", "%"),
+    ("error_bound", "error bound", "1"),
+)
+
+
+def write_panel(path, *, surface, case=None, height, levelled, window, contact, statistics, settings) -> None:
+    """Write one surface's part of the report, an HTML fragment with its images inside.
+
+    Parameters
+    ----------
+    path : where to write
+    surface, case : str
+        Names; `case` is None in a run without cases.
+    height, levelled, window, contact, statistics : paths
+        The result files of the surface. Where `contact` keeps no maps of pressure and gap the part says so.
+    settings : dict
+        The settings of the run.
+    """
+    measured, plane, solved = (_read_map(file) for file in (height, levelled, window))
+    numbers = read_dataset(statistics)
+    order = np.argsort(numbers["mean_pressure"].values, kind="stable")
+    numbers = numbers.isel(load=order)
+    shown = _shown_loads(numbers.sizes["load"])
+    lengths = dict(zip(("length_y", "length_x"), _lengths(measured), strict=True))
+    outcome = checks.surface_checks(
+        numbers,
+        height=measured.attrs | lengths,
+        levelled=plane.attrs,
+        window=solved.attrs,
+        points=solved.size,
+    )
+    name = surface if case is None else f"{surface} · {case}"
+    identifier = surface if case is None else f"{case}--{surface}"
+    verdict = checks.verdict(outcome)
+    rough = float(numbers["rms_gradient"]) > 0
+    html = _template("panel.html").render(
+        identifier=identifier,
+        name=name,
+        verdict=verdict,
+        verdict_words=checks.VERDICTS[verdict],
+        checks=outcome,
+        facts=_facts(measured, plane, solved, numbers),
+        maps=[
+            ("As measured", plots.height_map(measured), _measured_caption(measured)),
+            ("Levelled", plots.height_map(plane, rectangle=_frame(solved)), _levelled_caption(plane)),
+            ("Solved window", plots.height_map(solved), solved.attrs.get("window_reason", "")),
+        ],
+        fields=_field_maps(contact, solved, order[shown]),
+        charts=_charts(numbers, solved, shown, rough=rough),
+        table=_table(numbers, checks.load_flags(numbers, solved.size)),
+        summary=_embedded(
+            {
+                "identifier": identifier,
+                "name": name,
+                "verdict": verdict,
+                "reasons": [
+                    f"{check.name}: {check.sentence}" for check in outcome if check.outcome != checks.PASSED
+                ],
+            }
+        ),
+        settings=json.dumps(settings, indent=1, sort_keys=True),
+        versions=_versions(numbers),
+        source_sha256=measured.attrs.get("source_sha256", ""),
+    )
+    write_text(html, path)
+
+
+def write_report(path, *, panels, statistics, title, settings) -> None:
+    """Write the one self-contained page of a run: verdicts, comparison, and the part of every surface.
+
+    Parameters
+    ----------
+    path : where to write
+    panels : list of paths
+        What `write_panel` wrote, in the order they shall appear.
+    statistics : path
+        What `collect_statistics` put together.
+    title : str
+    settings : dict
+        The settings of the run (of each case, where there are cases).
+    """
+    parts = [Path(panel).read_text(encoding="utf-8") for panel in panels]
+    summaries = [_summary(part, panel) for part, panel in zip(parts, panels, strict=True)]
+    series = _series(read_dataset(statistics))
+    rows = [summary | {"numbers": _headline(series[summary["name"]])} for summary in summaries]
+    lines = [
+        (name, data["relative_pressure"].values, data["relative_contact_area"].values)
+        for name, data in series.items()
+        if np.isfinite(data["relative_pressure"]).all()
+    ]
+    html = _template("report.html").render(
+        title=title,
+        rows=rows,
+        words=checks.VERDICTS,
+        counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in checks.VERDICTS},
+        comparison=plots.compare_areas(lines) if lines else None,
+        parts=parts,
+        settings=json.dumps(settings, indent=1, sort_keys=True),
+        limits={
+            "points": checks.CONTACT_POINTS,
+            "resolution": checks.POINTS_PER_WAVE,
+            "filled": [percent(share) for share in checks.FILLED_IN_CONTACT],
+            "gradient": percent(checks.GRADIENT_CHANGE),
+            "window": percent(checks.WINDOW_SHARE),
+            "steep": number(checks.STEEP, digits=1),
+        },
+    )
+    write_text(html, path)
+
+
+def _template(name: str):
+    """Return one of the package's templates, with HTML escaped and no surprise where a name is missing."""
+    import jinja2
+
+    loader = jinja2.FileSystemLoader(Path(__file__).with_name("templates"))
+    environment = jinja2.Environment(
+        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.get_template(name)
+
+
+def _read_map(path) -> xr.DataArray:
+    """Return the height map of a result file, attributes of the file included."""
+    dataset = read_dataset(path)
+    return dataset["height"].assign_attrs(dataset.attrs | dataset["height"].attrs)
+
+
+def _lengths(height) -> tuple[float, float]:
+    """Return (length y, length x) of a map in m."""
+    return tuple(n * pitch for n, pitch in zip(height.shape, spacing(height), strict=True))
+
+
+def _frame(window):
+    """Return (x, y, length x, length y) of the window on the map, m."""
+    offset = (window.attrs.get(f"window_offset_{axis}", 0.0) for axis in ("x", "y"))
+    return (*offset, *_lengths(window)[::-1])
+
+
+def _shown_loads(loads: int) -> list[int]:
+    """Return the places of the lowest, the middle and the highest of so many loads."""
+    return sorted({0, loads // 2, loads - 1})[:_SHOWN_LOADS]
+
+
+def _field_maps(path, window, loads):
+    """Return (caption, pressure map, gap map) of a few loads, an empty list where no maps were kept."""
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as contact:
+            if "pressure" not in contact or "gap" not in contact:
+                return []
+            chosen = contact[["pressure", "gap", "mean_pressure"]].isel(load=loads).load()
+    except OSError as error:
+        raise InputFileError(f"{path}: not readable as netCDF ({error}); delete it and run again") from error
+    fields = []
+    for index in range(chosen.sizes["load"]):
+        pressure, gap = (chosen[name].values[index] for name in ("pressure", "gap"))
+        caption = f"p̄ = {quantity(float(chosen['mean_pressure'][index]), 'Pa')}"
+        area = percent(np.count_nonzero(pressure > 0) / pressure.size)
+        pictures = (plots.pressure_map(window, pressure), plots.gap_map(window, gap, pressure))
+        fields.append((f"{caption}: {area} of the pixels touch", *pictures))
+    return fields
+
+
+def _charts(numbers, window, shown, *, rough) -> list[tuple[str, str]]:
+    """Return (title, image) of the charts; a flat map has nothing to draw."""
+    if not rough:
+        return []
+    return [
+        ("Contact area against load", plots.area_against_load(numbers, window)),
+        ("Mean gap against load", plots.gap_against_load(numbers)),
+        ("Distribution of the contact pressure", plots.pressure_distribution(numbers, shown)),
+    ]
+
+
+def _table(numbers, flags) -> dict:
+    """Return header and rows of the table of numbers, each column in one unit that suits all its values."""
+    header, columns = [], []
+    for name, title, unit in _COLUMNS:
+        values = numbers[name].values.astype(float)
+        finite = np.abs(values[np.isfinite(values) & (values != 0)])
+        middle = float(np.exp(np.log(finite).mean())) if finite.size else 0.0
+        if unit == "%":
+            factor, shown = 100.0, "%"
+        elif unit == "Pa m-1":
+            # a stiffness reads best as pressure per micrometre
+            factor, shown = prefix(middle * 1e-6, "Pa")
+            factor, shown = factor * 1e-6, f"{shown}/µm"
+        elif unit == "J m-2":
+            factor, shown = 1.0, "J/m²"
+        else:
+            factor, shown = prefix(middle, unit)
+        header.append((title, "" if shown == "1" else shown, VARIABLES[name][1]))
+        whole = name == "contact_clusters"
+        columns.append([f"{value:.0f}" if whole else number(value * factor) for value in values])
+    rows = [
+        {"cells": cells, "flags": ", ".join(words)} for *cells, words in zip(*columns, flags, strict=True)
+    ]
+    return {"header": header, "rows": rows}
+
+
+def _facts(measured, levelled, window, numbers) -> list[tuple[str, str]]:
+    """Return what is known of the surface, as (name, text)."""
+    points = " × ".join(str(n) for n in measured.shape[::-1])
+    pitch = " × ".join(quantity(step, "m") for step in spacing(measured)[::-1])
+    solved_points = " × ".join(str(n) for n in window.shape[::-1])
+    instrument = json.loads(measured.attrs.get("instrument", "{}"))
+    source = [str(measured.attrs[key]) for key in ("source_file", "source_format") if key in measured.attrs]
+    resolution = float(numbers["points_per_shortest_wavelength"][0])
+    facts = [
+        ("File", " · ".join(source)),
+        ("Channel", str(measured.attrs.get("channel", ""))),
+        ("Instrument", ", ".join(f"{key} {value}" for key, value in instrument.items())),
+        ("Map", f"{_size(measured)}, {points} points of {pitch}"),
+        ("Missing points", percent(measured.attrs.get("missing_share", 0.0))),
+        ("Removed form", _removed(levelled)),
+        ("Window", f"{_size(window)}, {solved_points} points"),
+        ("Periodisation", str(window.attrs.get("periodisation", "none"))),
+        ("rms height", quantity(float(numbers["rms_height"]), "m")),
+        ("rms gradient g", number(float(numbers["rms_gradient"]))),
+        ("rms curvature", f"{number(float(numbers['rms_curvature']) * 1e-3)} mm⁻¹"),
+        ("Nayak parameter", number(float(numbers["nayak_parameter"]))),
+        ("Points per shortest wave", number(resolution, digits=2)),
+        ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
+    ]
+    return [(name, text) for name, text in facts if text]
+
+
+def _size(height) -> str:
+    """Return the size of a map in words, x first."""
+    return " × ".join(quantity(length, "m") for length in _lengths(height)[::-1])
+
+
+def _removed(levelled) -> str:
+    """Return what levelling removed, in words."""
+    removed = json.loads(levelled.attrs.get("form_removed", "{}"))
+    parts = [
+        f"{name.replace('_', ' ')} {quantity(entry['value'], entry['units'])}"
+        for name, entry in removed.items()
+    ]
+    return f"{levelled.attrs.get('form', 'none')}" + (f": {', '.join(parts)}" if parts else "")
+
+
+def _measured_caption(measured) -> str:
+    missing = measured.attrs.get("missing_points", 0)
+    return f"{missing} points not measured (pink)." if missing else "Every point was measured."
+
+
+def _levelled_caption(levelled) -> str:
+    filled, rejected = levelled.attrs.get("filled_points", 0), levelled.attrs.get("outliers_rejected", 0)
+    return f"{filled} points filled in, {rejected} outliers rejected. The red frame is the solved window."
+
+
+def _versions(numbers) -> str:
+    """Return the versions that wrote the statistics, in words."""
+    versions = json.loads(numbers.attrs.get("versions", "{}"))
+    return ", ".join(f"{name} {version}" for name, version in versions.items())
+
+
+def _embedded(data: dict) -> str:
+    """Return `data` as JSON that can stand inside a script element."""
+    return json.dumps(data, sort_keys=True).replace("<", "\\u003c")
+
+
+def _summary(part: str, path) -> dict:
+    """Return what a part says of itself."""
+    found = re.search(r'<script type="application/json" class="summary">(.*?)</script>', part, re.DOTALL)
+    if found is None:
+        raise InputFileError(f"{path}: is no part of a report; delete it and run again")
+    return json.loads(found[1])
+
+
+def _series(statistics) -> dict:
+    """Return {name: statistics of its loads} of every surface (and case), loads rising, padding left out."""
+    series = {}
+    cases = statistics["case_name"].values if "case" in statistics.dims else [None]
+    for place, case in enumerate(cases):
+        of_case = statistics if case is None else statistics.isel(case=place)
+        for index, surface in enumerate(statistics["surface_name"].values):
+            one = of_case.isel(surface=index)
+            one = one.isel(load=np.isfinite(one["mean_pressure"].values))
+            name = str(surface) if case is None else f"{surface} · {case}"
+            series[name] = one.isel(load=np.argsort(one["mean_pressure"].values))
+    return series
+
+
+def _headline(data) -> list[str]:
+    """Return the few numbers of a surface that stand at the top of the page."""
+    return [
+        quantity(float(data["rms_height"]), "m"),
+        number(float(data["rms_gradient"])),
+        _span(data["mean_pressure"].values, lambda value: quantity(value, "Pa")),
+        _span(data["relative_contact_area"].values, percent),
+        quantity(float(data["max_pressure"].max()), "Pa"),
+    ]
+
+
+def _span(values, show) -> str:
+    """Return the least and the largest of some values in words."""
+    low, high = (show(float(f(values))) for f in (np.min, np.max))
+    return low if low == high else f"{low} to {high}"
