@@ -1,0 +1,191 @@
+"""Filling of missing points by a harmonic surface, the smoothest one that meets the rim of each hole."""
+
+import numpy as np
+
+from roughcontact.errors import HeightMapError
+
+_TOLERANCE = 1e-10  # residual of the Laplace equation, relative to its right-hand side
+_WIDE = 8  # pixels from the rim to the middle of a hole from which on the fast Poisson solver pays
+
+
+def find_holes(missing) -> tuple[np.ndarray, np.ndarray]:
+    """Number the holes of a map: edge-connected groups of missing points that do not touch its border.
+
+    Parameters
+    ----------
+    missing : bool array (ny, nx)
+
+    Returns
+    -------
+    labels : int array (ny, nx)
+        1 ... n in the n holes, 0 elsewhere: measured, or missing and open to the border. An axis of one
+        point has no border.
+    sizes : int array (n,)
+        points in each hole.
+    """
+    from scipy import ndimage
+
+    labels, count = ndimage.label(missing)
+    open_to_border = np.zeros(count + 1, dtype=bool)
+    if missing.shape[0] > 1:
+        open_to_border[labels[[0, -1]]] = True
+    if missing.shape[1] > 1:
+        open_to_border[labels[:, [0, -1]]] = True
+    open_to_border[0] = True
+    number = np.where(open_to_border, 0, np.cumsum(~open_to_border))
+    labels = number[labels]
+    return labels, np.bincount(labels.ravel(), minlength=1)[1:]
+
+
+def fill_harmonic(values, labels, spacing) -> np.ndarray:
+    """Return the map with its holes filled by the solution of Laplace's equation.
+
+    h_xx + h_yy = 0 in each hole, five-point stencil, with the measured heights around it as boundary values;
+    in a profile that is the straight line between the rims.
+
+    Parameters
+    ----------
+    values : array (ny, nx), m
+        NaN where missing.
+    labels : int array (ny, nx)
+        holes as numbered by `find_holes`.
+    spacing : (dy, dx), m
+
+    Raises
+    ------
+    HeightMapError
+        where the heights around a hole are so far apart that the equation cannot be solved.
+
+    Notes
+    -----
+    Narrow holes: conjugate gradients, whose iterations grow with the width of the hole only. Wide holes:
+    conjugate gradients preconditioned by a fast Poisson solver (discrete sine transform) on the box around
+    the hole, the fictitious-domain idea of Buzbee, Dorr, George and Golub, SIAM J. Numer. Anal. 8 (1971) 722.
+    """
+    inside = labels > 0
+    if not inside.any():
+        return values.copy()
+    if min(values.shape) == 1:
+        return _fill_profile(values, inside)
+    # a common scale for heights and weights keeps the sums away from underflow
+    offset, scale = np.nanmin(values), np.ptp(values[~np.isnan(values)]) or 1.0
+    wy, wx = (min(spacing) / np.asarray(spacing)) ** 2
+    filled = (values - offset) / scale
+    wide = _wide_holes(inside, labels)
+    is_wide = np.zeros(labels.max() + 1, dtype=bool)
+    is_wide[wide] = True
+    narrow = inside & ~is_wide[labels]
+    if narrow.any():
+        filled[narrow] = _solve_narrow(filled, narrow, (wy, wx))
+    if wide.size:
+        from scipy import ndimage
+
+        boxes = ndimage.find_objects(labels)
+        for hole in wide:
+            # one more row and column on each side: the rim
+            box = tuple(slice(s.start - 1, s.stop + 1) for s in boxes[hole - 1])
+            part, mask = filled[box], labels[box] == hole
+            part[mask] = _solve_wide(part, mask, (wy, wx))
+    filled *= scale
+    filled += offset
+    return np.where(inside, filled, values)
+
+
+def _fill_profile(values, inside):
+    flat, inside = values.ravel(), inside.ravel()
+    where = np.arange(flat.size)
+    known = ~np.isnan(flat)
+    filled = flat.copy()
+    filled[inside] = np.interp(where[inside], where[known], flat[known])
+    return filled.reshape(values.shape)
+
+
+def _wide_holes(inside, labels):
+    """Return the numbers of the holes with points farther than _WIDE pixels from their rim."""
+    from scipy import ndimage
+
+    core = ndimage.binary_erosion(inside, iterations=_WIDE)
+    return np.unique(labels[core])
+
+
+def _right_hand_side(values, mask, weights):
+    """Return the sum of the known neighbours, weighted, in each point of `mask` (never on the border)."""
+    known = np.where(mask | np.isnan(values), 0.0, values)
+    wy, wx = weights
+    total = np.zeros_like(known)
+    total[1:-1, :] += wy * (known[:-2, :] + known[2:, :])
+    total[:, 1:-1] += wx * (known[:, :-2] + known[:, 2:])
+    return total[mask]
+
+
+def _solve_narrow(values, mask, weights):
+    from scipy import sparse
+    from scipy.sparse import linalg
+
+    wy, wx = weights
+    count = int(mask.sum())
+    number = np.full(mask.shape, -1)
+    number[mask] = np.arange(count)
+    below = mask[:-1, :] & mask[1:, :]
+    right = mask[:, :-1] & mask[:, 1:]
+    first = np.concatenate([number[:-1, :][below], number[:, :-1][right]])
+    second = np.concatenate([number[1:, :][below], number[:, 1:][right]])
+    weight = np.concatenate([np.full(int(below.sum()), -wy), np.full(int(right.sum()), -wx)])
+    upper = sparse.coo_array((weight, (first, second)), shape=(count, count)).tocsr()
+    matrix = (upper + upper.T + sparse.diags_array(np.full(count, 2 * (wy + wx)))).tocsr()
+    rhs = _right_hand_side(values, mask, weights)
+    solution, failed = linalg.cg(matrix, rhs, rtol=_TOLERANCE, maxiter=2000)
+    return linalg.spsolve(matrix.tocsc(), rhs) if failed else solution
+
+
+def _solve_wide(values, mask, weights):
+    """Solve in one hole; `values` and `mask` are cut out with one row and column of rim on each side."""
+    from scipy.fft import dstn, idstn, next_fast_len
+
+    wy, wx = weights
+    box = mask[1:-1, 1:-1]
+    # any larger box serves as well: take one whose transform is fast
+    ny, nx = (next_fast_len(n + 1, real=True) - 1 for n in box.shape)
+    symbol = (
+        4 * wy * np.sin(np.pi * np.arange(1, ny + 1) / (2 * ny + 2))[:, None] ** 2
+        + 4 * wx * np.sin(np.pi * np.arange(1, nx + 1) / (2 * nx + 2))[None, :] ** 2
+    )
+    box_in_larger = np.zeros((ny, nx), dtype=bool)
+    box_in_larger[: box.shape[0], : box.shape[1]] = box
+    field = np.zeros(mask.shape)  # with a rim of zeros, so that neighbours need no care
+
+    def operator(vector):
+        field[mask] = vector
+        inner = field[1:-1, 1:-1]
+        result = 2 * (wy + wx) * inner
+        result -= wy * (field[:-2, 1:-1] + field[2:, 1:-1])
+        result -= wx * (field[1:-1, :-2] + field[1:-1, 2:])
+        return result[box]
+
+    def precondition(vector):
+        residual = np.zeros((ny, nx))
+        residual[box_in_larger] = vector
+        residual = dstn(residual, type=1, overwrite_x=True)
+        residual /= symbol
+        return idstn(residual, type=1, overwrite_x=True)[box_in_larger]
+
+    rhs = _right_hand_side(values, mask, weights)
+    x = np.zeros(rhs.size)
+    r = rhs
+    goal = _TOLERANCE * np.linalg.norm(rhs)
+    z = precondition(r)
+    d, rz = z, r @ z
+    for _ in range(500):
+        if np.linalg.norm(r) <= goal:
+            return x
+        image = operator(d)
+        step = rz / (d @ image)
+        x = x + step * d
+        r = r - step * image
+        z = precondition(r)
+        rz, previous = r @ z, rz
+        d = z + rz / previous * d
+    raise HeightMapError(
+        f"a hole of {rhs.size} missing points could not be filled (Laplace equation, 500 iterations): "
+        "set level.fill to 'none', or cut the map to its measured part"
+    )

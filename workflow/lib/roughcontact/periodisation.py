@@ -1,0 +1,134 @@
+"""Ways to make a map periodic, and the test whether it is so already. Plain arrays (ny, nx)."""
+
+import numpy as np
+
+
+def is_periodic(values) -> bool:
+    """Return whether the map goes on beyond its edges as it does between its points.
+
+    Across the seam of each axis the rms step of the heights, and the rms change of slope on both sides of
+    it, must not exceed what 95 % of the interior pairs of lines show, by more than 20 % + 1.5 / sqrt(points
+    of the seam) for chance. A map with missing points is not periodic; nor is one whose neighbours are as good
+    as unrelated (rms step above 1.2 times the rms height), or that has fewer than 64 points, since then a
+    seam shows nothing.
+    """
+    if values.size < 64 or np.isnan(values).any():
+        return False
+    return _closes(values) and _closes(values.T)
+
+
+def _closes(values):
+    """Return whether the last column is followed by the first one."""
+    columns = values.shape[1]
+    if columns < 3:
+        return True
+    around = np.concatenate([values, values[:, :2]], axis=1)
+    step = np.diff(around, axis=1)
+    bend = np.diff(step, axis=1)
+    step, bend = (np.sqrt(np.mean(d**2, axis=0)) for d in (step[:, :columns], bend))
+    # interior pairs first; the seam is the last step, and the last two changes of slope
+    rms_step = np.sqrt(np.mean(step[:-1] ** 2))
+    if rms_step > 1.2 * np.std(values):
+        return False
+    allowance = 1.2 + 1.5 / np.sqrt(values.shape[0])
+    rounding = 1e-12 * np.ptp(values)
+    return all(
+        seam.max() <= allowance * np.quantile(interior, 0.95) + rounding
+        for seam, interior in ((step[-1:], step[:-1]), (bend[-2:], bend[:-2]))
+    )
+
+
+def periodic_plus_smooth(values, spacing) -> np.ndarray:
+    """Return the periodic component of a map: the map less the smoothest surface that closes its seams.
+
+    The smooth component s minimises the sum of |grad s|^2 inside plus (step of h - s)^2 over the seams. It
+    solves a discrete Poisson equation whose source is the step b of the heights across the seams:
+    s(q) = b(q) / [w_x (2 cos(q_x dx) - 2) + w_y (2 cos(q_y dy) - 2)], with weights w = 1 / pitch^2 (in ratio)
+    that make pixels of any shape fair. The mean stays.
+
+    Parameters
+    ----------
+    values : array (ny, nx), m
+    spacing : (dy, dx), m
+
+    Notes
+    -----
+    Moisan, J. Math. Imaging Vis. 39 (2011) 161, eqs. (10)-(13).
+    """
+    ny, nx = values.shape
+    wy, wx = (min(spacing) / np.asarray(spacing)) ** 2
+    source = np.zeros(values.shape)
+    step_y = wy * (values[-1, :] - values[0, :])
+    source[0, :] += step_y
+    source[-1, :] -= step_y
+    step_x = wx * (values[:, -1] - values[:, 0])
+    source[:, 0] += step_x
+    source[:, -1] -= step_x
+    qy = 2 * np.pi * np.fft.fftfreq(ny)[:, None]
+    qx = 2 * np.pi * np.fft.rfftfreq(nx)[None, :]
+    laplacian = -4 * (wy * np.sin(qy / 2) ** 2 + wx * np.sin(qx / 2) ** 2)
+    laplacian[0, 0] = 1.0
+    smooth = np.fft.rfft2(source) / laplacian
+    smooth[0, 0] = 0.0
+    return values - np.fft.irfft2(smooth, s=values.shape)
+
+
+def mirror(values) -> np.ndarray:
+    """Return the map and its mirror images side by side, (2 ny, 2 nx); an axis of one point stays.
+
+    The heights meet without a step, the slopes turn over at the seams.
+    """
+    for axis, points in enumerate(values.shape):
+        if points > 1:
+            values = np.concatenate([values, np.flip(values, axis)], axis=axis)
+    return values
+
+
+def cross_fade(values, band) -> np.ndarray:
+    """Return the map shortened by a band, in which its end runs over into its beginning.
+
+    On an axis with n + b points: h'(i) = w h(i) + (1 - w) h(i + n) for i < b, h'(i) = h(i) for b <= i < n, with
+    w = sin^2 from 0 to 1 over the band.
+
+    Parameters
+    ----------
+    values : array (ny + by, nx + bx)
+    band : (by, bx)
+        points in the band, 0 to n on each axis.
+
+    Returns
+    -------
+    array (ny, nx)
+    """
+    for axis, points in enumerate(band):
+        if points:
+            values = np.moveaxis(values, axis, -1)
+            weight = np.sin(np.pi / 2 * (np.arange(points) + 0.5) / points) ** 2
+            kept = values[..., : values.shape[-1] - points].copy()
+            kept[..., :points] = weight * kept[..., :points] + (1 - weight) * values[..., -points:]
+            values = np.moveaxis(kept, -1, axis)
+    return values
+
+
+def taper(values, width) -> np.ndarray:
+    """Return the map drawn towards its mean near the edges by a Tukey window.
+
+    Parameters
+    ----------
+    values : array (ny, nx)
+    width : float, 0 to 1
+        share of each axis, both ends together, over which the window falls (cosine) to zero.
+
+    Notes
+    -----
+    Tukey window: Harris, Proc. IEEE 66 (1978) 51, eq. (38).
+    """
+    mean = values.mean()
+    result = values - mean
+    for axis, points in enumerate(values.shape):
+        if points > 1:
+            from_edge = np.minimum(np.arange(points) + 0.5, points - 0.5 - np.arange(points))
+            fall = np.minimum(from_edge / (width * points / 2), 1.0) if width else np.ones(points)
+            window = np.sin(np.pi / 2 * fall) ** 2
+            result = result * np.expand_dims(window, 1 - axis)
+    return result + mean

@@ -1,0 +1,187 @@
+"""Roughness parameters of a periodic height map.
+
+Slopes and curvatures are spectral (Parseval), the same as the solver's half-space sees: in full contact the
+standard deviation of the pressure is E* g / 2 with the rms gradient g below, exactly. A map that is not
+periodic gets the step at its seam counted as roughness; use its periodic window instead.
+"""
+
+import math
+
+import numpy as np
+import xarray as xr
+
+from roughcontact import fourier
+
+# The cut-off of a spectrum: beyond it lies at most this share of the mean square gradient ...
+_SHARE_BEYOND_CUTOFF = 1e-2
+# ... and it ends where the gradient per wavenumber falls below this share of that just before.
+_CLIFF = 0.1
+
+
+def rms_height(height: xr.DataArray) -> float:
+    """Root mean square height, sqrt(mean (h - mean h)^2), in m (Sq of ISO 25178-2)."""
+    return float(np.std(_from_first_point(height.values)))
+
+
+def rms_gradient(height: xr.DataArray) -> float:
+    """Root mean square gradient g = sqrt(sum |q|^2 |h(q)|^2), spectral, dimensionless.
+
+    The waves at the Nyquist limit count with their |q|, as they do in the half-space.
+    """
+    return math.sqrt(_power_moments(height)[1])
+
+
+def rms_curvature(height: xr.DataArray) -> float:
+    """Root mean square of the mean curvature (h_xx + h_yy) / 2, spectral, in 1/m."""
+    return math.sqrt(_power_moments(height)[2]) / 2
+
+
+def spectral_moments(height: xr.DataArray) -> tuple[float, float, float]:
+    """Return Nayak's moments (m0, m2, m4) in m^2, 1, m^-2: variances of height, slope and curvature of profiles.
+
+    m0 = sum |h(q)|^2, m2 = sum |q|^2 |h(q)|^2 / 2, m4 = 3/8 sum |q|^4 |h(q)|^2: the mean over profiles in
+    all directions (mean cos^2 = 1/2, mean cos^4 = 3/8), for an isotropic surface the same in each. For a
+    profile they are its own: no factors.
+
+    Notes
+    -----
+    Longuet-Higgins, Phil. Trans. R. Soc. A 249 (1957) 321; Nayak, J. Lubr. Technol. 93 (1971) 398.
+    """
+    m0, gradient, laplacian = _power_moments(height)
+    if min(height.shape) == 1:
+        return m0, gradient, laplacian
+    return m0, gradient / 2, laplacian * 3 / 8
+
+
+def nayak_parameter(height: xr.DataArray) -> float:
+    """Nayak's bandwidth parameter m0 m4 / m2^2, dimensionless; NaN for a flat map.
+
+    1.5 is the least for an isotropic surface (a single wavelength), 1 for a profile; the wider the band the
+    larger (Nayak, J. Lubr. Technol. 93 (1971) 398).
+    """
+    m0, m2, m4 = spectral_moments(height)
+    return m0 * m4 / m2**2 if m2 > 0 else math.nan
+
+
+def shortest_wavelength(height: xr.DataArray) -> float:
+    """Shortest wavelength that the map holds, in m; NaN for a flat map.
+
+    2 pi / q_s, where the waves with |q| > q_s carry at most 1 % of the mean square gradient; from there q_s
+    goes on up to the edge of the spectrum, where the gradient per wavenumber falls below a tenth of its mean
+    over the third of an octave before. For a surface with a sharp cut-off that is the cut-off, also after
+    it was cut out and made periodic; for a measured map whose spectrum reaches the Nyquist limit it is two
+    pixels.
+    """
+    dy, dx = fourier.spacing(height)
+    return _cutoff_wavelength(height, (dy, dx))
+
+
+def points_per_shortest_wavelength(height: xr.DataArray) -> float:
+    """Points that sample the shortest wave that the map holds; at least 2; NaN for a flat map.
+
+    The wavelength of `shortest_wavelength`, taken in pixels along each axis, so that it counts the points in
+    the direction that samples the map worst where the pixels are not square.
+    """
+    return _cutoff_wavelength(height, (1.0, 1.0))
+
+
+def summit_statistics(height: xr.DataArray) -> dict[str, float]:
+    """Summits of the map, as the model of Greenwood and Williamson takes them.
+
+    A summit is a point higher than its eight neighbours, over the periodic boundary; its curvature is the
+    spectral mean curvature -(h_xx + h_yy) / 2 there.
+
+    Returns
+    -------
+    dict with `density` (m^-2), `mean_radius` (m, 1 / mean curvature), `height_std` (m, standard deviation
+    of the summit heights), `mean_height` (m, above the mean plane). A profile has no summits: all NaN; so
+    are the last three where there is no summit.
+
+    Notes
+    -----
+    Greenwood, Williamson, Proc. R. Soc. A 295 (1966) 300.
+    """
+    names = ("density", "mean_radius", "height_std", "mean_height")
+    if min(height.shape) == 1:
+        return dict.fromkeys(names, math.nan)
+    values = height.values - height.values.mean()
+    summit = _is_summit(values)
+    count = int(summit.sum())
+    dy, dx = fourier.spacing(height)
+    result = dict.fromkeys(names, math.nan) | {"density": count / (values.size * dy * dx)}
+    if count:
+        q = fourier.wavenumbers(values.shape, (dy, dx))
+        curvature = np.fft.irfft2(q**2 / 2 * np.fft.rfft2(values), s=values.shape)[summit]
+        result["mean_radius"] = float(1 / curvature.mean())
+        result["height_std"] = float(values[summit].std())
+        result["mean_height"] = float(values[summit].mean())
+    return result
+
+
+def roughness_parameters(height: xr.DataArray) -> dict[str, float]:
+    """Return `rms_height`, `rms_gradient`, `rms_curvature`, `nayak_parameter` and
+    `points_per_shortest_wavelength` of a periodic map, in SI units."""
+    return {
+        "rms_height": rms_height(height),
+        "rms_gradient": rms_gradient(height),
+        "rms_curvature": rms_curvature(height),
+        "nayak_parameter": nayak_parameter(height),
+        "points_per_shortest_wavelength": points_per_shortest_wavelength(height),
+    }
+
+
+def _from_first_point(values):
+    """Return the heights above the first one: exactly zero for a flat map, wherever it lies."""
+    return values - values.flat[0]
+
+
+def _power(values):
+    """Return |h(q)|^2 of each wave, both half-planes counted, mean removed; their sum is the variance."""
+    values = _from_first_point(values)
+    values -= values.mean()
+    power = np.abs(np.fft.rfft2(values)) ** 2
+    power *= fourier.halfplane_weights(values.shape)
+    power /= values.size**2
+    return power
+
+
+def _power_moments(height):
+    """Return sum |q|^(2k) |h(q)|^2 for k = 0, 1, 2."""
+    power = _power(height.values)
+    q2 = fourier.wavenumbers(height.shape, fourier.spacing(height)) ** 2
+    return float(power.sum()), float((q2 * power).sum()), float((q2 * q2 * power).sum())
+
+
+def _cutoff_wavelength(height, unit):
+    """Return the shortest wavelength, lengths measured with the pitch `unit` = (dy, dx)."""
+    slope = _power(height.values) * fourier.wavenumbers(height.shape, fourier.spacing(height)) ** 2
+    total = slope.sum()
+    if not total > 0:
+        return math.nan
+    q = fourier.wavenumbers(height.shape, unit)
+    # shells one fundamental wide, each named by its middle, so that a cut-off at a whole number of waves
+    # comes out as just that
+    fundamental = 2 * np.pi / max(n * d for n, d in zip(height.shape, unit, strict=True) if n > 1)
+    shell = np.rint(q / fundamental).astype(int)
+    share = np.bincount(shell.ravel(), weights=slope.ravel()) / total
+    beyond = np.cumsum(share[::-1])[::-1]
+    edge = int(np.nonzero(beyond > _SHARE_BEYOND_CUTOFF)[0][-1])
+    before = share[int(np.ceil(edge / 2 ** (1 / 3))) : edge + 1].mean()
+    while edge + 1 < share.size and share[edge + 1] > _CLIFF * before:
+        edge += 1
+    cutoff = fundamental * edge
+    pitch = min(d for n, d in zip(height.shape, unit, strict=True) if n > 1)
+    return float(max(2 * np.pi / cutoff, 2 * pitch))
+
+
+def _is_summit(values):
+    """Return where a point is higher than its eight neighbours; of equal neighbours one counts."""
+    summit = np.ones(values.shape, dtype=bool)
+    for dy in (-1, 0, 1):
+        for dx in (-1, 0, 1):
+            neighbour = np.roll(values, (dy, dx), axis=(0, 1))
+            if (dy, dx) > (0, 0):
+                summit &= values > neighbour
+            elif (dy, dx) < (0, 0):
+                summit &= values >= neighbour
+    return summit

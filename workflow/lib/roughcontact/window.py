@@ -1,0 +1,289 @@
+"""The periodic window: the part of a levelled map that is solved, made periodic."""
+
+import json
+import math
+
+import numpy as np
+import xarray as xr
+
+from roughcontact import periodisation
+from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.form import form_from_record
+from roughcontact.fourier import spacing
+from roughcontact.levelling import check_choice, check_map
+from roughcontact.roughness import rms_gradient
+
+METHODS = ("periodic-plus-smooth", "raw", "mirror", "cross-fade", "taper")
+
+# The solver halves a grid while both sides are even; a side should come down to about this many points.
+_COARSE = 32
+# What one further halving is worth, as a share of the side.
+_HALVING = 0.03
+
+
+def periodic_window(
+    levelled: xr.DataArray,
+    *,
+    method: str = "periodic-plus-smooth",
+    width: float = 0.1,
+    min_share: float = 0.05,
+) -> xr.DataArray:
+    """Cut the largest rectangle without missing points and make it periodic.
+
+    The rectangle's sides are rounded down to numbers whose Fourier transform is fast and that halve
+    well. A map that is periodic already, as it is or with the form put back that levelling took off, is
+    left as it is.
+
+    Parameters
+    ----------
+    levelled : DataArray (y, x), m
+        from `level`; NaN where missing.
+    method : {"periodic-plus-smooth", "raw", "mirror", "cross-fade", "taper"}
+        see `roughcontact.periodisation`; raw changes nothing and leaves the steps at the seams.
+    width : float, 0 to 0.5
+        share of the side over which `cross-fade` blends or `taper` falls; the other methods have none.
+    min_share : float, 0 to 1
+        least share of the map that the rectangle must have.
+
+    Returns
+    -------
+    DataArray (y, x), m, with the attributes of `levelled` and `periodisation`, `periodisation_rms_change`
+    (m), `periodisation_relative_change` (of the rms height), `rms_gradient_before`, `rms_gradient_after`
+    (spectral, of the window), `window_offset_x`, `window_offset_y` (m), `window_share`, `window_reason`; the
+    coordinate `filled` is cut as well.
+
+    Raises
+    ------
+    HeightMapError
+        no rectangle of two points, or none as large as `min_share`.
+    SettingsError
+        an option that has no meaning.
+    """
+    check_choice("window.method", method, METHODS)
+    if not 0 <= width <= 0.5:
+        raise SettingsError(f"window.width = {width!r}: give a share of the side from 0 to 0.5")
+    if not 0 <= min_share <= 1:
+        raise SettingsError(f"window.min_share = {min_share!r}: give a share from 0 to 1")
+    values = check_map(levelled)
+    unchanged = _already_periodic(levelled, values)
+    if unchanged is not None:
+        return unchanged
+
+    ny, nx = values.shape
+    fade = width if method == "cross-fade" else 0.0
+    sides = friendly_sides(max(ny, nx), extra=fade)
+    y0, x0, height, breadth = largest_rectangle(~np.isnan(values), sides)
+    sides_out = sides[height], sides[breadth]
+    band = [round(fade * side) if side > 1 else 0 for side in sides_out]
+    used = [side + b for side, b in zip(sides_out, band, strict=True)]
+    share = used[0] * used[1] / values.size
+    _check_window(levelled, used, share, min_share)
+    # in the middle of the rectangle
+    start = (y0 + (height - used[0]) // 2, x0 + (breadth - used[1]) // 2)
+    cut = levelled.isel({d: slice(s, s + u) for d, s, u in zip("yx", start, used, strict=True)})
+    flags = cut["filled"].values if "filled" in cut.coords else np.zeros(cut.shape, dtype=np.int8)
+    heights = np.asarray(cut.values, dtype=float)
+    step = spacing(levelled)
+
+    before = heights[: sides_out[0], : sides_out[1]]
+    if method == "mirror":
+        after, flags = periodisation.mirror(heights), periodisation.mirror(flags)
+    elif method == "cross-fade":
+        after = periodisation.cross_fade(heights, band)
+        flags = (periodisation.cross_fade(flags.astype(float), band) > 0).astype(np.int8)
+    elif method == "taper":
+        after = periodisation.taper(heights, width)
+    elif method == "periodic-plus-smooth":
+        after = periodisation.periodic_plus_smooth(heights, step)
+    else:
+        after = heights
+    before_map = cut.isel(y=slice(before.shape[0]), x=slice(before.shape[1]))
+    coords = {
+        d: xr.Variable(d, cut[d].values[0] + s * np.arange(n), cut[d].attrs)
+        for d, s, n in zip("yx", step, after.shape, strict=True)
+    }
+    change = after[: before.shape[0], : before.shape[1]] - before
+    return _record(
+        after,
+        coords | {"filled": (("y", "x"), flags)},
+        levelled.attrs,
+        method=method,
+        change=float(np.sqrt(np.mean(change**2))),
+        gradient_before=rms_gradient(before_map),
+        offset=[s * d for s, d in zip(start, step, strict=True)],
+        share=share,
+        reason=_reason(values, used, sides_out, after.shape, method),
+    )
+
+
+def friendly_sides(longest: int, *, extra: float = 0.0) -> np.ndarray:
+    """Return for each number of points 0 ... longest the best side of a window that fits into it.
+
+    Sides have no prime factor above 5. Among those the largest is taken, but one that can be halved once
+    more before it becomes odd, or comes down to 32 points, may be 3 % shorter. Up to 32 points any side is good.
+
+    Parameters
+    ----------
+    longest : int
+    extra : float
+        share of the side that must fit in besides (the band of a cross-fade).
+
+    Returns
+    -------
+    sides : int array (longest + 1,)
+    """
+    sides = np.zeros(longest + 1, dtype=int)
+    best, best_score = 0, -math.inf
+    for points in range(1, longest + 1):
+        side = points if extra == 0 else _largest_side(points, extra)
+        score = _side_score(side)
+        if score >= best_score:
+            best, best_score = side, score
+        sides[points] = best
+    return sides
+
+
+def _largest_side(points, extra):
+    """Return the largest side for which side + round(extra side) <= points."""
+    side = int(points / (1 + extra)) + 1
+    while side > 1 and side + round(extra * side) > points:
+        side -= 1
+    return side
+
+
+def _side_score(side):
+    if side <= _COARSE:
+        return math.log(side)
+    rest = side
+    for factor in (2, 3, 5):
+        while rest % factor == 0:
+            rest //= factor
+    if rest > 1:
+        return -math.inf
+    coarsest = side
+    while coarsest % 2 == 0 and coarsest > _COARSE:
+        coarsest //= 2
+    return math.log(side) - _HALVING * max(0.0, math.log2(coarsest / _COARSE))
+
+
+def largest_rectangle(good, sides) -> tuple[int, int, int, int]:
+    """Return (y0, x0, height, width) of the rectangle of good points that holds the largest window.
+
+    Row by row, the tallest column of good points that ends in each cell is widened as far as it goes; one of
+    these holds the largest rectangle. The work is a few array operations per row.
+
+    Parameters
+    ----------
+    good : bool array (ny, nx)
+    sides : int array
+        `sides[n]` is the side of the window that fits into n points; its area is what counts.
+
+    Notes
+    -----
+    Vandevoorde, Dr. Dobb's Journal 23(4) (1998) 19, in its row-sweep form.
+    """
+    ny, nx = good.shape
+    columns = np.arange(nx)
+    tall = np.zeros(nx, dtype=int)
+    left = np.zeros(nx, dtype=int)
+    right = np.full(nx, nx)
+    best, best_area = (0, 0, 0, 0), 0
+    for row in range(ny):
+        here = good[row]
+        if not here.any():
+            tall[:], left[:], right[:] = 0, 0, nx
+            continue
+        # one past the last bad cell to the left, and the first bad cell to the right
+        from_left = np.maximum.accumulate(np.where(here, 0, columns + 1))
+        to_right = np.minimum.accumulate(np.where(here, nx, columns)[::-1])[::-1]
+        tall = np.where(here, tall + 1, 0)
+        left = np.where(here, np.maximum(left, from_left), 0)
+        right = np.where(here, np.minimum(right, to_right), nx)
+        area = np.where(here, sides[tall] * sides[right - left], 0)
+        column = int(np.argmax(area))
+        if area[column] > best_area:
+            best_area = int(area[column])
+            y0, x0 = row + 1 - tall[column], left[column]
+            best = (int(y0), int(x0), int(tall[column]), int(right[column] - x0))
+    return best
+
+
+def _already_periodic(levelled, values):
+    """Return the map as a window where it is periodic, with or without its form; else None."""
+    if np.isnan(values).any():
+        return None
+    attrs = dict(levelled.attrs)
+    if periodisation.is_periodic(values):
+        reason = "The map is periodic as it is; it was left alone."
+    else:
+        removed = json.loads(attrs.get("form_removed", "{}"))
+        form = form_from_record(removed, levelled["y"].values, levelled["x"].values)
+        values = values + form
+        if not np.ptp(form) or not periodisation.is_periodic(values):
+            return None
+        values = values - values.mean()
+        reason = (
+            "The map is periodic as measured: the form that levelling had taken off was put back but for its "
+            "mean, and the map left alone."
+        )
+        attrs |= {"form": "mean", "form_removed": json.dumps({"mean": removed["mean"]})}
+    flags = levelled.coords.get("filled", np.zeros(values.shape, dtype=np.int8))
+    coords = {"y": levelled["y"], "x": levelled["x"], "filled": (("y", "x"), np.asarray(flags))}
+    return _record(
+        values,
+        coords,
+        attrs,
+        method="none",
+        change=0.0,
+        gradient_before=None,
+        offset=(0.0, 0.0),
+        share=1.0,
+        reason=reason,
+    )
+
+
+def _record(values, coords, attrs, *, method, change, gradient_before, offset, share, reason):
+    window = xr.DataArray(values, dims=("y", "x"), coords=coords, name="height")
+    gradient = rms_gradient(window)
+    rms = float(np.std(values))
+    window.attrs = attrs | {
+        "periodisation": method,
+        "periodisation_rms_change": change,
+        "periodisation_relative_change": change / rms if rms > 0 else 0.0,
+        "rms_gradient_before": gradient if gradient_before is None else gradient_before,
+        "rms_gradient_after": gradient,
+        "window_offset_x": float(offset[1]),
+        "window_offset_y": float(offset[0]),
+        "window_share": float(share),
+        "window_reason": reason,
+    }
+    return window
+
+
+def _check_window(levelled, used, share, min_share):
+    name = levelled.attrs.get("source_file") or "the map"
+    if used[0] * used[1] < 2:
+        raise HeightMapError(f"{name}: no two neighbouring points are measured: fill it with level.fill")
+    if share < min_share:
+        raise HeightMapError(
+            f"{name}: the largest rectangle without missing points has {used[1]} x {used[0]} points, "
+            f"{100 * share:.1f} % of the map, less than window.min_share = {min_share:g}: fill the holes "
+            "(level.fill), cut the map to its measured part, or lower window.min_share"
+        )
+
+
+def _reason(values, used, sides, solved, method):
+    ny, nx = values.shape
+    if (ny, nx) == tuple(used):
+        text = f"The whole map of {nx} x {ny} points is used"
+    else:
+        why = (
+            "the largest rectangle without missing points, with sides that transform and halve well"
+            if np.isnan(values).any()
+            else "sides that transform and halve well"
+        )
+        text = f"{used[1]} x {used[0]} of {nx} x {ny} points are used: {why}"
+    text += f"; made periodic by {method}" if method != "raw" else "; its edges are left as they are"
+    if tuple(solved) != tuple(used):
+        text += f", which leaves {solved[1]} x {solved[0]} points"
+    return text + "."
