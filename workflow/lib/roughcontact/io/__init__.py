@@ -1,7 +1,7 @@
 """Reading: one measured file in, one labelled height map in SI units out.
 
-The format is told by the content of a file, never by its name. Units are converted once, here. What a file does
-not say is never guessed: it is given as an argument (or in the table of surfaces), or the file is refused.
+The format is told by the content of a file, never by its name. Units are converted once, here. What a file
+does not say is never guessed: it is given as an argument (or in the table of surfaces), or the file is refused.
 
 Row j of a map is row j of the file, and y grows from row to row. Where the instrument's software draws row 0,
 at the top or at the bottom of its picture, is kept in the attribute `first_row`.
@@ -24,7 +24,15 @@ __all__ = ["inspect_file", "read_height_map"]
 
 _NETCDF = (b"\x89HDF\r\n\x1a\n", b"CDF\x01", b"CDF\x02", b"CDF\x05")
 _SDF = (b"aISO-", b"bISO-", b"aBCR-", b"bBCR-", b"\xef\xbb\xbfaISO-")
-_TEXT_WITH_BINARY = (b"\\*", b"[DataSet]", b"fileType", b"fileformat", b"WSxM", b"AliconaImaging")
+# text headers before binary heights; the last one is BCR in UTF-16
+_TEXT_WITH_BINARY = (
+    "\ufefffileformat".encode("utf-16-le"),
+    b"\\*",
+    b"[DataSet]",
+    b"fileType",
+    b"fileformat",
+    b"WSxM",
+)
 
 
 def read_height_map(path, *, channel=None, dx=None, dy=None, unit=None, height_unit=None):
@@ -47,10 +55,11 @@ def read_height_map(path, *, channel=None, dx=None, dy=None, unit=None, height_u
     Returns
     -------
     DataArray (y, x)
-        `height` in m, NaN where not measured; coordinates are cell centres in m, evenly spaced and increasing.
-        A profile has one row. Attributes: `units`, `source_file`, `source_sha256`, `source_format`, `channel`,
-        `channels` (JSON list), `instrument` (JSON object), `first_row` ("top" or "bottom": where the
-        instrument's software draws row 0), `missing_points`, `missing_share`, `ingest_warnings` (JSON list).
+        `height` in m, NaN where not measured; coordinates are cell centres in m, evenly spaced and
+        increasing. A profile has one row. Attributes: `units`, `source_file`, `source_sha256`,
+        `source_format`, `channel`, `channels` (JSON list), `instrument` (JSON object), `first_row` ("top" or
+        "bottom": where the instrument's software draws row 0), `missing_points`, `missing_share`,
+        `ingest_warnings` (JSON list of sentences).
 
     Raises
     ------
@@ -70,8 +79,8 @@ def read_height_map(path, *, channel=None, dx=None, dy=None, unit=None, height_u
     notes = list(source.warnings)
     steps, height_factor = _scales(chosen, path, dx, dy, unit, height_unit, notes)
     heights = _checked(chosen.read() * height_factor, path)
-    if len(source.channels) > 1:
-        notes.append(f"channel {sentence}")
+    if len(source.channels) > 1 and _given(channel) is None:
+        notes.append(f"channel {sentence}, was read; name another one with channel")
     ny, nx = heights.shape
     notes += suspicions(heights, *steps)
     missing = int(np.isnan(heights).sum())
@@ -107,11 +116,11 @@ def inspect_file(path) -> dict:
     Returns
     -------
     dict
-        `file`, `bytes`, `sha256`, `format`, `first_row`, `instrument`; `channel` (the one that would be read, or
-        None) and `channel_choice` (why); `channels`, one dict per channel with `name`, `ny`, `nx`, `dx`, `dy`,
-        `lateral_unit`, `height_unit` (None where the file is silent), `is_height`, `reason`, `missing_points`,
-        `missing_share`, `rms_height`, `lowest`, `highest` (in `height_unit`); `problem`: what
-        `read_height_map(path)` would say, or None; `warnings`.
+        `file`, `bytes`, `sha256`, `format`, `first_row`, `instrument`; `channel` (the one that would be read,
+        or None) and `channel_choice` (why); `channels`, one dict per channel with `name`, `ny`, `nx`, `dx`,
+        `dy`, `lateral_unit`, `height_unit` (None where the file is silent), `is_height`, `reason`, and for
+        heights `missing_points`, `missing_share`, `rms_height`, `lowest`, `highest` (in `height_unit`);
+        `problem`: what `read_height_map(path)` would say, or None; `warnings`.
 
     Raises
     ------
@@ -198,7 +207,9 @@ def _scales(channel: Channel, path, dx, dy, unit, height_unit, notes) -> tuple[t
             continue
         if unit is None:
             raise SettingsError(f"{path}: {name} = {argument} is given without a unit; give unit as well")
-        steps[name] = _positive(argument, name, path) * metres(unit, where=f"{path}: unit", error=SettingsError)
+        steps[name] = _positive(argument, name, path) * metres(
+            unit, where=f"{path}: unit", error=SettingsError
+        )
         if stated is not None and channel.lateral_unit is not None and is_length(channel.lateral_unit):
             in_file = stated * metres(channel.lateral_unit)
             if abs(in_file / steps[name] - 1) > 1e-3:
@@ -207,9 +218,8 @@ def _scales(channel: Channel, path, dx, dy, unit, height_unit, notes) -> tuple[t
                 )
     if profile and steps["dy"] is None:
         steps["dy"] = steps["dx"]
-    missing = [name for name, step in steps.items() if step is None]
-    if missing or lateral is None and unit is None and None in (dx, dy):
-        raise InputFileError(_what_is_missing(channel, path, missing or ["unit"]))
+    if None in steps.values():
+        raise InputFileError(_what_is_missing(channel, path))
     if channel.steps_from_size and dx is None and dy is None:
         _refuse_cut_matrix(channel, steps, path)
     return (steps["dx"], steps["dy"]), _height_factor(channel, path, unit, height_unit, notes)
@@ -221,7 +231,12 @@ def _lateral_factor(channel, path, unit, notes, *, needed) -> float | None:
     if unit is None:
         return metres(stated, where=f"{path}: lateral unit") if stated is not None and needed else None
     factor = metres(unit, where=f"{path}: unit", error=SettingsError)
-    if needed and stated is not None and channel.dx is not None and (not is_length(stated) or metres(stated) != factor):
+    if (
+        needed
+        and stated is not None
+        and channel.dx is not None
+        and (not is_length(stated) or metres(stated) != factor)
+    ):
         notes.append(f"the steps are taken in {unit} as given by the user, where the file says {stated}")
     return factor
 
@@ -231,7 +246,9 @@ def _height_factor(channel, path, unit, height_unit, notes) -> float:
     if height_unit is not None:
         factor = metres(height_unit, where=f"{path}: height_unit", error=SettingsError)
         if stated is not None and (not is_length(stated) or metres(stated) != factor):
-            notes.append(f"the heights are taken in {height_unit} as given by the user, where the file says {stated}")
+            notes.append(
+                f"the heights are taken in {height_unit} as given by the user, where the file says {stated}"
+            )
         return factor
     if stated is not None:
         if channel.no_height:
@@ -255,16 +272,15 @@ def _positive(value, name, path) -> float:
     return number
 
 
-def _what_is_missing(channel, path, missing) -> str:
+def _what_is_missing(channel, path) -> str:
     ny, nx = channel.shape
     kind = f"a profile of {nx} points" if ny == 1 else f"a map of {ny} x {nx} points"
     known = f" (its heights are in {channel.height_unit})" if channel.height_unit else ""
-    wanted = ["dx"] if ny == 1 else ["dx", "dy"]
-    needed = wanted if set(missing) & {"dx", "dy"} and channel.dx is None else [m for m in missing if m != "unit"]
-    listing = ", ".join([*needed, "unit"])
+    stated = {"dx": channel.dx} if ny == 1 else {"dx": channel.dx, "dy": channel.dy}
+    absent = [name for name, step in stated.items() if step is None]
     return (
-        f"{path}: {kind} that does not say its {'size' if needed else 'lateral unit'}{known}; "
-        f"give {listing} in the table of surfaces or as arguments"
+        f"{path}: {kind} that does not say its {'size' if absent else 'lateral unit'}{known}; "
+        f"give {', '.join([*absent, 'unit'])} in the table of surfaces or as arguments"
     )
 
 

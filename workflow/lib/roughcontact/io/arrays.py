@@ -20,7 +20,9 @@ def read_npy(path: Path) -> SourceFile:
         ) from error
     shape = (1, *values.shape) if values.ndim == 1 else values.shape
     if len(shape) != 2 or 0 in shape:
-        raise InputFileError(f"{path}: an array of shape {values.shape}; a map has two axes (y, x), a profile one")
+        raise InputFileError(
+            f"{path}: an array of shape {values.shape}; a map has two axes (y, x), a profile one"
+        )
     check_points(shape, path)
     kind = "" if values.dtype.kind in "iuf" else f"values of type {values.dtype}, not real numbers"
     channel = Channel("height", shape, lambda: as_heights(values, str(path)), no_height=kind)
@@ -31,18 +33,25 @@ def read_netcdf(path: Path) -> SourceFile:
     """Open a netCDF file: each variable over two axes, with the units that it and its coordinates carry."""
     import xarray as xr
 
+    with open(path, "rb") as stream:
+        classic = stream.read(4) in (b"CDF\x01", b"CDF\x02")
+    # In a classic file that was cut off, the netCDF library reads zeros; SciPy misses the bytes.
+    engine = "scipy" if classic else "netcdf4"
     try:
-        dataset = xr.open_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False)
-    except (OSError, ValueError, RuntimeError) as error:
+        dataset = xr.open_dataset(path, engine=engine, decode_times=False, decode_timedelta=False)
+    except (OSError, ValueError, RuntimeError, TypeError, IndexError, KeyError) as error:
         raise InputFileError(f"{path}: not readable as netCDF ({error})") from error
     with dataset:
         channels = [
             channel for name in dataset.data_vars if (channel := _variable(dataset, name, path)) is not None
         ]
-        attributes = {key: str(value) for key, value in dataset.attrs.items() if isinstance(value, str | int | float)}
+        attributes = {
+            key: str(value) for key, value in dataset.attrs.items() if isinstance(value, str | int | float)
+        }
     if not channels:
         raise InputFileError(
-            f"{path}: no variable over two axes (y, x) in this netCDF file; it has {sorted(dataset.variables)}"
+            f"{path}: no variable over two axes (y, x) in this netCDF file; "
+            f"it has {sorted(map(str, dataset.variables))}"
         )
     instrument = {key: attributes[key] for key in ("instrument", "title", "history") if key in attributes}
     channels.sort(key=lambda channel: channel.name not in ("height", "heights", "z"))
@@ -75,7 +84,9 @@ def _variable(dataset, name, path):
         raise InputFileError(f"{path}: the axes {x} and {y} have different units, {unit_x!r} and {unit_y!r}")
     values = None
     if not no_height:
-        values = variable.squeeze([axis for axis in variable.dims if axis not in dims]).transpose(*dims).values
+        values = (
+            variable.squeeze([axis for axis in variable.dims if axis not in dims]).transpose(*dims).values
+        )
         values = np.atleast_2d(values)[:: -1 if backwards_y else 1, :: -1 if backwards_x else 1].copy()
     return Channel(
         name=str(name),

@@ -4,6 +4,7 @@ In both standards y grows from row to row in a right-handed system, so row 0 is 
 is drawn at the bottom.
 """
 
+import hashlib
 import io
 import re
 import zipfile
@@ -19,7 +20,9 @@ from roughcontact.io.source import Channel, SourceFile, as_heights, even_step
 def main_xml_of(path: Path) -> str | None:
     """Return the name of the archive's outermost main.xml, or None where it has none."""
     with zipfile.ZipFile(path) as archive:
-        names = [name for name in archive.namelist() if PurePosixPath(name.replace("\\", "/")).name == "main.xml"]
+        names = [
+            name for name in archive.namelist() if PurePosixPath(name.replace("\\", "/")).name == "main.xml"
+        ]
     names = [name for name in names if "__MACOSX" not in name]
     return min(names, key=lambda name: name.replace("\\", "/").count("/"), default=None)
 
@@ -31,13 +34,15 @@ def read_x3p(path: Path) -> SourceFile:
     with zipfile.ZipFile(path) as archive:
         main = archive.read(main_xml_of(path))
     _check_claimed_size(main, path)
+    tidied = _tidied(path, main)
     try:
-        file = x3pio.read(_tidied(path, main))
+        file = x3pio.read(tidied)
     except (x3pio.X3pError, ValueError, zipfile.BadZipFile, EOFError) as error:
         raise InputFileError(f"{path}: not readable as X3P: {error}") from error
     if isinstance(file, x3pio.PointCloud):
         raise InputFileError(
-            f"{path}: this X3P file holds a point cloud, not a map; interpolate it to an even grid and export again"
+            f"{path}: this X3P file holds a point cloud, not a map; "
+            "interpolate it to an even grid and export it again"
         )
     several = len(file.layers) > 1
     channels = [
@@ -90,11 +95,11 @@ def _tidied(path: Path, main: bytes):
 
 
 def _check_md5(main, content, path):
-    import hashlib
-
     stated = re.match(rb"\s*([0-9a-fA-F]{32})", content)
     if stated and stated[1].decode().lower() != hashlib.md5(main, usedforsecurity=False).hexdigest():
-        raise InputFileError(f"{path}: the checksum of main.xml does not match: the file was changed or damaged")
+        raise InputFileError(
+            f"{path}: the checksum of main.xml does not match: the file was changed or damaged"
+        )
 
 
 def _x3p_channel(layer, header, name, path):
@@ -122,7 +127,9 @@ def _x3p_step(stored, axis, name, shape, path):
     along = stored if name == "x" else stored.T
     step = even_step(along[0], name, str(path))
     if not np.nanmax(np.abs(along - along[0])) <= 0.02 * abs(step):
-        raise InputFileError(f"{path}: the points do not lie on a rectangular grid; export the map on an even grid")
+        raise InputFileError(
+            f"{path}: the points do not lie on a rectangular grid; export the map on an even grid"
+        )
     return step
 
 

@@ -17,14 +17,18 @@ def check_file(path: Path) -> None:
     if path.is_dir():
         raise InputFileError(f"{path}: is a folder; name one file in it")
     if not path.exists():
-        raise InputFileError(f"{path}: no such file; check the path (relative paths start at the working folder)")
+        raise InputFileError(
+            f"{path}: no such file; check the path (relative paths start at the working folder)"
+        )
     if not path.is_file():
         raise InputFileError(f"{path}: is no regular file")
     size = path.stat().st_size
     if size == 0:
         raise InputFileError(f"{path}: the file is empty")
     if size > MAX_FILE_BYTES:
-        raise InputFileError(f"{path}: {size} bytes, more than the {MAX_FILE_BYTES} that are read; crop the map")
+        raise InputFileError(
+            f"{path}: {size} bytes, more than the {MAX_FILE_BYTES} that are read; crop the map"
+        )
 
 
 def sha256(path: Path) -> str:
@@ -37,7 +41,9 @@ def check_points(shape, where) -> None:
     """Refuse a map of more points than a solver can hold in memory, before it is read."""
     ny, nx = shape
     if ny * nx > MAX_POINTS:
-        raise InputFileError(f"{where}: {ny} x {nx} points, more than the {MAX_POINTS} that are read; crop the map")
+        raise InputFileError(
+            f"{where}: {ny} x {nx} points, more than the {MAX_POINTS} that are read; crop the map"
+        )
 
 
 def check_archive(path: Path) -> None:
@@ -48,6 +54,11 @@ def check_archive(path: Path) -> None:
     only use here (expansion bombs, reading of other files).
     """
     if not zipfile.is_zipfile(path):
+        with open(path, "rb") as stream:
+            if stream.read(4) == b"PK\x03\x04":
+                raise InputFileError(
+                    f"{path}: a ZIP archive (X3P, PLUX, ...) without its end: the file was cut off"
+                )
         return
     try:
         with zipfile.ZipFile(path) as archive:
@@ -72,6 +83,6 @@ def _check_xml(archive, member, path):
     for declaration in (b"<!DOCTYPE", b"<!ENTITY"):
         if declaration in text:
             raise InputFileError(
-                f"{path}: {member.filename} in the archive declares {declaration.decode()[2:]}, which is refused "
-                "because it can expand without limit or read other files; export the map again"
+                f"{path}: {member.filename} in the archive declares {declaration.decode()[2:]}, which is "
+                "refused because it can expand without limit or read other files; export the map again"
             )

@@ -1,11 +1,11 @@
 """Instrument formats, through SurfaceTopography, fenced.
 
-Only formats that can be told by their content are asked for; readers that accept any bytes (hgt, h5, mat, npz,
-xyz, asc) are not. A physical size, unit or scale is never handed to the library, so what is missing in the file
-stays missing. Its heights are indexed [x, y] and arranged so that their transpose, drawn as a picture, looks as
-in the instrument's software (and as in Gwyddion): row 0 of the transpose is the upper line of that picture.
-Only the transpose is taken here, so that row j is also row j of every other reader; y grows from row to row,
-downwards in the picture.
+Only formats that can be told by their content are asked for; readers that accept any bytes (hgt, h5, mat,
+npz, xyz, asc) are not. A physical size, unit or scale is never handed to the library, so what is missing in the
+file stays missing. Its heights are indexed [x, y] and arranged so that their transpose, drawn as a picture,
+looks as in the instrument's software (and as in Gwyddion): row 0 of the transpose is the upper line of that
+picture. Only the transpose is taken here, so that row j is also row j of every other reader; y grows from row to
+row, downwards in the picture.
 """
 
 import logging
@@ -40,11 +40,13 @@ _BY_FIRST_BYTES = {
     (b"VK3_", b"VK4_", b"VK6", b"VK7"): ("vk",),
     (b"VCA DATA",): ("opdx",),
     (b"\x89HDF",): ("datx",),
+    (b"\xd0\xcf\x11\xe0",): ("mnt",),
+    (b"OLYMPUSRAWFORMAT",): ("oir",),
     _TIFF: ("ps", "jpk", "lext"),
     _ZIP: ("plux", "nmm", "poir", "qep", "mitutoyo"),
 }
 _BY_MAGIC = ("bcr", "metropro", "opd", "os3d")  # whose mark lies elsewhere or has several encodings
-_BY_STRUCTURE = ("ibw", "mnt", "oir", "plu", "nms")  # no mark: told by a header that must agree with the file
+_BY_STRUCTURE = ("ibw", "plu", "nms")  # no mark: told by a header that must agree with the file
 
 _NO_HEIGHT_NAME = re.compile(
     r"phase|amplitude|deflection|error|friction|lateral|current|potential|voltage|intensity|modulation|stiffness|"
@@ -52,8 +54,7 @@ _NO_HEIGHT_NAME = re.compile(
     re.IGNORECASE,
 )
 _METADATA_KEYS = re.compile(
-    r"lens|objective|magnif|serial|instrument|wavelength|scan.?(rate|speed|line)|software|version|date|time$|"
-    r"operator|aperture|^mult$",
+    r"lens|objective|magnification|serial|instrument|wavelength|scan.?(rate|speed)|software|date|operator|aperture",
     re.IGNORECASE,
 )
 
@@ -84,9 +85,13 @@ def read_instrument(path: Path, head: bytes) -> SourceFile:
         from SurfaceTopography.IO import lookup_reader_by_format
         from SurfaceTopography.IO.Reader import MagicMatch
 
-        marked = [name for marks, names in _BY_FIRST_BYTES.items() if head.startswith(marks) for name in names]
+        marked = [
+            name for marks, names in _BY_FIRST_BYTES.items() if head.startswith(marks) for name in names
+        ]
         if not marked:
-            marked = [name for name in _BY_MAGIC if lookup_reader_by_format[name].can_read(head) == MagicMatch.YES]
+            marked = [
+                name for name in _BY_MAGIC if lookup_reader_by_format[name].can_read(head) == MagicMatch.YES
+            ]
         failures = []
         for name in marked or _BY_STRUCTURE:
             try:
@@ -102,7 +107,8 @@ def read_instrument(path: Path, head: bytes) -> SourceFile:
             known, error = failures[0]
             reason = " ".join(str(error).split())[:160] or type(error).__name__
             raise InputFileError(
-                f"{path}: looks like {known}, but is damaged, cut off or of a kind that holds no map ({reason})"
+                f"{path}: looks like {known}, but is damaged, cut off or of a kind that holds no map "
+                f"({reason})"
             ) from error
         raise InputFileError(
             f"{path}: the format is not known (told by content, not by extension); "
@@ -148,7 +154,9 @@ def _channel(info, name, path) -> Channel:
         values = topography.heights()
         unit = topography.unit if isinstance(topography.unit, str) else unit
     except CorruptFile as error:
-        raise InputFileError(f"{path}: channel {info.channel_id!r} is not whole: the file was cut off") from error
+        raise InputFileError(
+            f"{path}: channel {info.channel_id!r} is not whole: the file was cut off"
+        ) from error
     except Exception as error:
         if not channel.no_height:
             raise InputFileError(
@@ -157,7 +165,8 @@ def _channel(info, name, path) -> Channel:
         return channel
     if not topography.is_uniform:
         raise InputFileError(
-            f"{path}: the positions along x are not evenly spaced; interpolate the profile to an even grid first"
+            f"{path}: the positions along x are not evenly spaced; "
+            "interpolate the profile to an even grid first"
         )
     heights = as_heights(values, str(path))
     if topography.dim == 2:
@@ -170,7 +179,7 @@ def _channel(info, name, path) -> Channel:
     if sizes is not None:
         steps = np.asarray(sizes, dtype=float) / np.asarray(topography.nb_grid_pts)
         if name == "nms":
-            # The header gives nanometres where the library reads millimetres: its fields are 160 µm, not 160 m.
+            # The header gives nanometres where the library reads millimetres (fields of 160 m, not 160 µm).
             header = info.info["raw_metadata"]
             steps = np.array([header["dx_mm"], header["dy_mm"]]) * 1e-3
         channel.dx = float(steps[0])
@@ -190,7 +199,9 @@ def _check_rest(info, name, path):
         layout = header["measurement_configuration"]
         claimed = layout["num_layers"] * nx * ny * (4 + 3 * layout["num_images"])
     if path.stat().st_size < claimed:
-        raise InputFileError(f"{path}: {path.stat().st_size} bytes where its header needs {claimed}: it was cut off")
+        raise InputFileError(
+            f"{path}: {path.stat().st_size} bytes where its header needs {claimed}: it was cut off"
+        )
 
 
 def _instrument(info) -> dict:
@@ -208,6 +219,10 @@ def _matching(header, depth=0) -> dict:
     for key, value in header.items() if hasattr(header, "items") else ():
         if hasattr(value, "items") and depth < 2:
             found |= _matching(value, depth + 1)
-        elif isinstance(value, str | int | float) and _METADATA_KEYS.search(str(key)) and 0 < len(str(value)) < 100:
+        elif (
+            isinstance(value, str | int | float)
+            and _METADATA_KEYS.search(str(key))
+            and 0 < len(str(value)) < 100
+        ):
             found[str(key)] = value if not isinstance(value, float) or np.isfinite(value) else str(value)
     return found

@@ -56,15 +56,15 @@ def _extremes(measured, low, high):
     sample = measured[:: max(1, measured.size // _SAMPLE)]
     lower, upper = np.quantile(sample, [0.005, 0.995])
     reach = 3 * (upper - lower)
-    for count, name, worst in (
-        (np.count_nonzero(measured < lower - reach), "below", low),
-        (np.count_nonzero(measured > upper + reach), "above", high),
+    for count, side, worst in (
+        (np.count_nonzero(measured < lower - reach), "below", f"down to {low:.4g} m"),
+        (np.count_nonzero(measured > upper + reach), "above", f"up to {high:.4g} m"),
     ):
         if count:
             found.append(
-                f"{count} points lie far {name} all others (down or up to {worst:.4g} m, where 99 % lie between "
-                f"{lower:.4g} and {upper:.4g} m): spikes, or a marker for missing points that the reader took "
-                "for a height; reject outliers when levelling"
+                f"{count} points lie far {side} all others ({worst}, where 99 % lie between {lower:.4g} and "
+                f"{upper:.4g} m): spikes, dust, or a marker for missing points that was taken for a height; "
+                "reject outliers when levelling"
             )
     levels = np.unique(sample).size
     if levels < 64:
@@ -90,9 +90,13 @@ def _lines(height):
         finite = np.isfinite(values)
         flat = np.all((values == first) | ~finite, axis=1) & (finite.sum(axis=1) > 1)
         if 0 < flat.sum() < count / 2:
-            found.append(f"{flat.sum()} of {count} {name} are constant: lost lines or a marker for missing points")
+            found.append(
+                f"{flat.sum()} of {count} {name} are constant: lost lines or a marker for missing points"
+            )
             continue
-        same = np.all((values[1:] == values[:-1]) | (~finite[1:] & ~finite[:-1]), axis=1) & finite[1:].any(axis=1)
+        same = np.all((values[1:] == values[:-1]) | (~finite[1:] & ~finite[:-1]), axis=1) & finite[1:].any(
+            axis=1
+        )
         if 0 < same.sum() < count / 2:
             found.append(f"{same.sum()} of {count} {name} repeat the one before exactly: lost lines")
     return found
@@ -111,7 +115,7 @@ def _noise(height):
         correlations.append(np.dot(a, b) / norm if norm > 0 else 1.0)
     if max(correlations) < 0.1:
         return [
-            f"neighbouring points are unrelated (correlation {correlations[0]:.2f} along x, {correlations[1]:.2f} "
-            "along y): pure noise, or a binary file whose line ends were converted"
+            f"neighbouring points are unrelated (correlation {correlations[0]:.2f} along x, "
+            f"{correlations[1]:.2f} along y): pure noise, or a binary file whose line ends were converted"
         ]
     return []

@@ -12,8 +12,8 @@ from roughcontact.errors import InputFileError
 class Channel:
     """One map or profile of a file.
 
-    `read()` returns the heights, float64 (ny, nx), NaN where not measured, row j at the j-th y, in `height_unit`.
-    `dx`, `dy` are the steps in `lateral_unit`; None stands for what the file does not say.
+    `read()` returns the heights in `height_unit`, float64 (ny, nx), NaN where not measured, row j at the j-th
+    y. `dx`, `dy` are the steps in `lateral_unit`; None stands for what the file does not say.
     """
 
     name: str

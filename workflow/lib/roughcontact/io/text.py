@@ -20,15 +20,64 @@ _BYTE_ORDER_MARKS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb\xb
 
 # what a line of the header may say: meaning -> spellings (lower case, without _ and -)
 _HEADER_WORDS = {
-    "length_x": ("width", "x size", "size x", "xsize", "x length", "length x", "scan width", "x range", "range x"),
-    "length_y": ("height", "y size", "size y", "ysize", "y length", "length y", "scan height", "y range", "range y"),
+    "length_x": (
+        "width",
+        "x size",
+        "size x",
+        "xsize",
+        "x length",
+        "length x",
+        "scan width",
+        "x range",
+        "range x",
+    ),
+    "length_y": (
+        "height",
+        "y size",
+        "size y",
+        "ysize",
+        "y length",
+        "length y",
+        "scan height",
+        "y range",
+        "range y",
+    ),
     "step": ("pixel size", "pixelsize", "cell size", "cellsize", "spacing", "step", "resolution"),
-    "dx": ("dx", "x step", "step x", "xstep", "pixel width", "x spacing", "spacing x", "x increment", "xscale"),
-    "dy": ("dy", "y step", "step y", "ystep", "pixel height", "y spacing", "spacing y", "y increment", "yscale"),
+    "dx": (
+        "dx",
+        "x step",
+        "step x",
+        "xstep",
+        "pixel width",
+        "x spacing",
+        "spacing x",
+        "x increment",
+        "xscale",
+    ),
+    "dy": (
+        "dy",
+        "y step",
+        "step y",
+        "ystep",
+        "pixel height",
+        "y spacing",
+        "spacing y",
+        "y increment",
+        "yscale",
+    ),
     "nx": ("w", "nx", "columns", "ncols", "x pixels", "xpixels", "x points", "samples", "points per line"),
     "ny": ("h", "ny", "rows", "nrows", "y pixels", "ypixels", "y points", "lines"),
     "height_unit": (
-        *("value units", "value unit", "z unit", "z units", "zunit", "height unit", "height units", "data unit"),
+        *(
+            "value units",
+            "value unit",
+            "z unit",
+            "z units",
+            "zunit",
+            "height unit",
+            "height units",
+            "data unit",
+        ),
         *("exported image units", "image units", "image data unit", "heights in"),
     ),
     "lateral_unit": ("lateral unit", "lateral units", "xy unit", "xy units", "x unit", "xunit"),
@@ -44,7 +93,7 @@ def looks_like_text(head: bytes) -> bool:
     """Return whether the first bytes of a file are text (UTF-8, UTF-16 with its mark, or an 8-bit code)."""
     if any(head.startswith(mark) for mark in _BYTE_ORDER_MARKS):
         return True
-    return bool(head) and not any(byte < 32 and byte not in b"\t\n\r\f" or byte == 127 for byte in head)
+    return bool(head) and not any((byte < 32 and byte not in b"\t\n\r\f") or byte == 127 for byte in head)
 
 
 def read_text(path: Path) -> SourceFile:
@@ -210,8 +259,13 @@ def _matrix(table, said, path) -> SourceFile:
     for word, found, name in (("nx", nx, "columns"), ("ny", ny, "rows")):
         if said.get(word) is not None and said[word] != found:
             raise InputFileError(
-                f"{path}: the header says {said[word]:g} {name}, the file has {found}; it was cut off or changed"
+                f"{path}: the header says {said[word]:g} {name}, the file has {found}; "
+                "it was cut off or changed"
             )
+    if ny == 1 and "length_y" in said:
+        raise InputFileError(
+            f"{path}: the header gives a size along y, the file has one line; it was cut off"
+        )
     steps, units = {}, []
     for axis, points in (("x", nx), ("y", ny)):
         for word, share in (("d" + axis, 1), ("step", 1), ("length_" + axis, points)):
@@ -257,7 +311,9 @@ def _units_of_columns(columns, said, path):
         return said.get("lateral_unit"), said.get("height_unit")
     lateral = [unit for unit in columns[:-1] if unit]
     if len(set(lateral)) > 1:
-        raise InputFileError(f"{path}: the columns x and y have different units, {lateral[0]!r} and {lateral[1]!r}")
+        raise InputFileError(
+            f"{path}: the columns x and y have different units, {lateral[0]!r} and {lateral[1]!r}"
+        )
     return lateral[0] if lateral else said.get("lateral_unit"), columns[-1] or said.get("height_unit")
 
 
@@ -286,9 +342,11 @@ def _points(table, columns, said, path) -> SourceFile:
     if share < 0.5:
         raise InputFileError(
             f"{path}: {len(table)} points x y z do not form an even grid ({x.size} different x, {y.size} "
-            "different y); interpolate them to an even grid first (for instance with scipy.interpolate.griddata)"
+            "different y); interpolate them to an even grid first "
+            "(for instance with scipy.interpolate.griddata)"
         )
     check_points((y.size, x.size), path)
+    _refuse_cut_list(row, column, path)
     heights = np.full((y.size, x.size), np.nan)
     heights[row, column] = table[:, 2]
     steps = {"x": even_step(x, "x", str(path)) if x.size > 1 else None}
@@ -296,6 +354,20 @@ def _points(table, columns, said, path) -> SourceFile:
     lateral_unit, height_unit = _units_of_columns(columns, said, path)
     channel = _channel(heights, said, height_unit, steps, lateral_unit, first=(float(x[0]), float(y[0])))
     return SourceFile("text list of points (x, y, z)", [channel], first_row="bottom")
+
+
+def _refuse_cut_list(row, column, path):
+    """Refuse a list in which only the grid line that stands last in the file is incomplete, at its end."""
+    for line, across in ((row, column), (column, row)):
+        written_by_line = np.count_nonzero(np.diff(line)) == np.unique(line).size - 1
+        counts = np.bincount(line)
+        others = np.delete(counts, line[-1])
+        if written_by_line and others.size and others.min() == others.max() > counts[line[-1]]:
+            before = across[line != line[-1]][: others[0]]
+            if np.array_equal(across[line == line[-1]], before[: counts[line[-1]]]):
+                raise InputFileError(
+                    f"{path}: the list of points ends in the middle of a grid line: the file was cut off"
+                )
 
 
 def _grid_lines(positions, name, path):

@@ -24,9 +24,7 @@ _SPELLINGS = {
     2.54e-5: ("mil", "mils", "thou"),
     2.54e-8: ("uin", "μin", "microinch", "microinches"),
 }
-METRES = {
-    unicodedata.normalize("NFKC", name): value for value, names in _SPELLINGS.items() for name in names
-}
+METRES = {unicodedata.normalize("NFKC", name): value for value, names in _SPELLINGS.items() for name in names}
 
 
 def _clean(unit) -> str:
@@ -52,8 +50,8 @@ def metres(unit: str, *, where: str = "unit", error: type[Exception] = InputFile
     Parameters
     ----------
     unit : str
-        m, mm, um (or with the micro sign or the letter mu), nm, Å, pm, inch, mil, uin, ... and the written-out
-        words.
+        m, mm, um (or with the micro sign or the letter mu), nm, Å, pm, inch, mil, uin, ... and the words
+        written out.
     where : str
         What the message shall name as the place of the unit.
     error : type

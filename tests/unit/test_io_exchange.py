@@ -1,0 +1,281 @@
+"""X3P, SDF, NumPy and netCDF files: written by other libraries here, read back by the project."""
+
+import hashlib
+import io
+import json
+import re
+import zipfile
+
+import numpy as np
+import pytest
+import sdfio
+import x3pio
+import xarray as xr
+
+from roughcontact.errors import HeightMapError, InputFileError
+from roughcontact.io import inspect_file, read_height_map
+from roughcontact.storage import write_dataset
+
+HEIGHTS = np.array([[1.5, -2.25, 3.0, 0.5], [4.0, np.nan, -6.75, 7.0], [0.25, 9.0, 10.5, -1.0]]) * 1e-6
+DX, DY = 2e-6, 3e-6
+
+
+def check(height, first_row="bottom", rtol=1e-12):
+    """Size, orientation, units and the count of missing points of the map above."""
+    np.testing.assert_allclose(height.values, HEIGHTS, rtol=rtol)
+    np.testing.assert_allclose(height.x, DX * (0.5 + np.arange(4)), rtol=1e-12)
+    np.testing.assert_allclose(height.y, DY * (0.5 + np.arange(3)), rtol=1e-12)
+    assert height.name == "height"
+    assert height.dims == ("y", "x")
+    assert height.attrs["units"] == "m"
+    assert height.attrs["first_row"] == first_row
+    assert height.attrs["missing_points"] == 1
+    assert height.attrs["missing_share"] == pytest.approx(1 / 12)
+
+
+def x3p_bytes(**options):
+    stream = io.BytesIO()
+    x3pio.write(stream, HEIGHTS, x_scale=DX, y_scale=DY, **options)
+    return stream.getvalue()
+
+
+def repacked(data, change):
+    """Return the archive with each member replaced by `change(name, content)`: a pair, or None to drop it."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as new:
+        for name in old.namelist():
+            member = change(name, old.read(name))
+            if member is not None:
+                new.writestr(*member)
+    return stream.getvalue()
+
+
+def saved(tmp_path, data, name="map.bin"):
+    path = tmp_path / name
+    path.write_bytes(data)
+    return path
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"storage": x3pio.DataStorage.XML},
+        {"z_type": x3pio.DataType.INT32},
+        {"z_type": x3pio.DataType.FLOAT32},
+    ],
+)
+def test_x3p(tmp_path, options):
+    path = saved(tmp_path, x3p_bytes(**options))
+    height = read_height_map(path)
+    check(height, rtol=1e-6)
+    assert height.attrs["source_sha256"] == hashlib.sha256(path.read_bytes()).hexdigest()
+    assert height.attrs["source_file"] == "map.bin"
+
+
+@pytest.mark.parametrize("folder", ["one/", "one/two/"])
+def test_x3p_in_a_folder_of_the_archive(tmp_path, folder):
+    check(read_height_map(saved(tmp_path, repacked(x3p_bytes(), lambda name, data: (folder + name, data)))))
+
+
+def members(data):
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        return [(name, archive.read(name)) for name in archive.namelist()]
+
+
+def test_x3p_with_another_root_element(tmp_path):
+    """Some tools call the root element ISO5436; a wrong checksum of that main.xml is still noticed."""
+    data = x3p_bytes()
+    original = dict(members(data))["main.xml"]
+    main = original.replace(b"ISO5436_2", b"ISO5436")
+    assert main != original
+
+    def renamed(name, content):
+        if name == "md5checksum.hex":
+            content = hashlib.md5(main).hexdigest().encode() + b" *main.xml"
+        return name, main if name == "main.xml" else content
+
+    check(read_height_map(saved(tmp_path, repacked(data, renamed))))
+
+    def damaged(name, content):
+        name, content = renamed(name, content)
+        return name, content.replace(b"<SizeX>4", b"<SizeX> 4") if name == "main.xml" else content
+
+    with pytest.raises(InputFileError, match=r"map.bin: the checksum of main.xml does not match"):
+        read_height_map(saved(tmp_path, repacked(data, damaged)))
+
+
+def test_x3p_infinite_heights_are_missing(tmp_path):
+    def infinite(name, content):
+        if name.endswith("data.bin"):
+            values = np.frombuffer(content, "<f8").copy()
+            values[np.isnan(values)] = np.inf
+            return name, values.tobytes()
+        return name, content
+
+    changed = repacked(x3p_bytes(), infinite)
+    with pytest.raises(InputFileError, match="not readable as X3P"):  # the checksum of the data
+        read_height_map(saved(tmp_path, changed))
+    digest = hashlib.md5(dict(members(changed))["bindata/data.bin"]).hexdigest().encode()
+
+    def restated(name, content):
+        if name == "md5checksum.hex":
+            return None
+        if name == "main.xml":
+            content = re.sub(rb"(<MD5ChecksumPointData>)[0-9a-fA-F]{32}", rb"\g<1>" + digest, content)
+        return name, content
+
+    check(read_height_map(saved(tmp_path, repacked(changed, restated))))
+
+
+def test_x3p_layers_profile_and_points(tmp_path):
+    stream = io.BytesIO()
+    x3pio.write(stream, np.stack([HEIGHTS, 2 * HEIGHTS]), x_scale=DX, y_scale=DY)
+    path = saved(tmp_path, stream.getvalue())
+    assert read_height_map(path).attrs["channel"] == "layer 1"
+    second = read_height_map(path, channel="layer 2")
+    np.testing.assert_allclose(second.values, 2 * HEIGHTS, rtol=1e-12)
+    with pytest.raises(
+        InputFileError, match=r"no channel is named 'layer 3'; the file has 'layer 1', 'layer 2'"
+    ):
+        read_height_map(path, channel="layer 3")
+    stream = io.BytesIO()
+    x3pio.write(stream, HEIGHTS[0], x_scale=DX)
+    profile = read_height_map(saved(tmp_path, stream.getvalue()))
+    assert profile.shape == (1, 4)
+    np.testing.assert_allclose(profile.values[0], HEIGHTS[0], rtol=1e-12)
+    stream = io.BytesIO()
+    x3pio.write_points(stream, np.random.default_rng(0).random((10, 3)))
+    with pytest.raises(InputFileError, match="point cloud"):
+        read_height_map(saved(tmp_path, stream.getvalue()))
+
+
+@pytest.mark.parametrize("file_format", list(sdfio.FileFormat))
+@pytest.mark.parametrize("revision", [sdfio.Revision.ISO_1_0, sdfio.Revision.ISO_2_0, sdfio.Revision.BCR_1_0])
+def test_sdf(tmp_path, file_format, revision):
+    path = tmp_path / "map.txt"
+    metadata = sdfio.Metadata(revision=revision, manufacturer_id="maker", data_type=sdfio.DataType.INT32)
+    sdfio.write(path, HEIGHTS, x_scale=DX, y_scale=DY, format=file_format, metadata=metadata)
+    height = read_height_map(path)
+    check(height, rtol=1e-6)
+    assert json.loads(height.attrs["instrument"])["vendor"] == "maker"
+    data = path.read_bytes()
+    with pytest.raises(InputFileError, match="not readable as SDF"):
+        read_height_map(saved(tmp_path, data[: int(0.6 * len(data))]))
+
+
+def test_npy_needs_units(tmp_path):
+    path = tmp_path / "map.npy"
+    for array in (HEIGHTS, np.asfortranarray(HEIGHTS)):
+        np.save(path, array * 1e6)
+        with pytest.raises(InputFileError, match="does not say its size; give dx, dy, unit"):
+            read_height_map(path)
+        check(read_height_map(path, dx=2, dy=3, unit="um"))
+        check(read_height_map(path, dx=2e-3, dy=3e-3, unit="mm", height_unit="micrometre"))
+    np.save(path, np.arange(6, dtype=np.int16))
+    assert read_height_map(path, dx=1, unit="nm").shape == (1, 6)
+
+
+@pytest.mark.parametrize(
+    ("array", "words"),
+    [
+        (np.ones((3, 3), complex), "values of type complex128"),
+        (np.full((3, 3), "a"), "values of type <U1"),
+        (np.ones((3, 3), bool), "values of type bool"),
+        (np.ones((2, 3, 3)), r"an array of shape \(2, 3, 3\)"),
+        (np.ones((0, 3)), r"an array of shape \(0, 3\)"),
+    ],
+)
+def test_npy_of_other_things(tmp_path, array, words):
+    path = tmp_path / "map.npy"
+    np.save(path, array)
+    with pytest.raises(InputFileError, match=words):
+        read_height_map(path, dx=1, dy=1, unit="um")
+
+
+def test_npy_never_unpickles(tmp_path):
+    marker = tmp_path / "ran"
+
+    class Payload:
+        def __reduce__(self):
+            return (marker.write_text, ("",))
+
+    path = tmp_path / "map.npy"
+    np.save(path, np.array([[Payload()]], dtype=object), allow_pickle=True)
+    with pytest.raises(InputFileError, match="not readable as a NumPy array"):
+        read_height_map(path, dx=1, dy=1, unit="um")
+    assert not marker.exists()
+
+
+def test_npy_cut_off_or_claiming_too_much(tmp_path):
+    path = tmp_path / "map.npy"
+    np.save(path, np.ones((50, 50)))
+    data = path.read_bytes()
+    with pytest.raises(InputFileError, match="not readable as a NumPy array"):
+        read_height_map(saved(tmp_path, data[: len(data) // 2]), dx=1, dy=1, unit="um")
+    with pytest.raises(InputFileError, match="not readable as a NumPy array"):
+        read_height_map(saved(tmp_path, data.replace(b"(50, 50)", b"(90000, 90000)")), dx=1, dy=1, unit="um")
+    np.save(path, np.full((3, 3), np.nan))
+    with pytest.raises(HeightMapError, match="all 9 points"):
+        read_height_map(path, dx=1, dy=1, unit="um")
+
+
+def test_own_netcdf_comes_back_as_it_was(tmp_path):
+    first = read_height_map(saved(tmp_path, x3p_bytes()))
+    write_dataset(first, tmp_path / "height.nc")
+    again = read_height_map(tmp_path / "height.nc")
+    np.testing.assert_array_equal(again.values, first.values)
+    np.testing.assert_allclose(again.x, first.x, rtol=1e-12)
+    np.testing.assert_allclose(again.y, first.y, rtol=1e-12)
+
+
+def foreign(values=HEIGHTS * 1e9, dims=("y", "x"), units="nm", x=None, y=None, lateral="mm"):
+    x = 1e3 * DX * (0.5 + np.arange(4)) if x is None else x
+    y = 1e3 * DY * (0.5 + np.arange(3)) if y is None else y
+    attrs = {"units": lateral} if lateral else {}
+    return xr.Dataset(
+        {"topo": (dims, values, {"units": units} if units else {})},
+        coords={"x": ("x", x, attrs), "y": ("y", y, attrs)},
+    )
+
+
+@pytest.mark.parametrize("netcdf", ["NETCDF4", "NETCDF3_64BIT"])
+def test_foreign_netcdf_in_its_own_units_and_directions(tmp_path, netcdf):
+    path = tmp_path / "map.dat"
+    foreign().to_netcdf(path, format=netcdf)
+    check(read_height_map(path))
+    foreign(dims=("x", "y"), values=HEIGHTS.T * 1e9).to_netcdf(path, format=netcdf)
+    check(read_height_map(path))
+    upside_down = foreign(values=HEIGHTS[::-1] * 1e9, y=1e3 * DY * (2.5 - np.arange(3)))
+    upside_down.to_netcdf(path, format=netcdf)
+    check(read_height_map(path))
+
+
+def test_foreign_netcdf_without_units(tmp_path):
+    path = tmp_path / "map.nc"
+    foreign(lateral=None).to_netcdf(path)
+    with pytest.raises(InputFileError, match="does not say its lateral unit"):
+        read_height_map(path)
+    check(read_height_map(path, unit="mm"))
+    foreign(units=None).to_netcdf(path)
+    with pytest.raises(InputFileError, match="does not say the unit of its heights"):
+        read_height_map(path)
+    check(read_height_map(path, height_unit="nm"))
+    foreign(units="K").to_netcdf(path)
+    with pytest.raises(InputFileError, match=r"no channel of this file holds heights .*values in 'K'"):
+        read_height_map(path)
+    foreign(x=[1, 2, 3.4, 4]).to_netcdf(path)
+    with pytest.raises(InputFileError, match="positions along x are not evenly spaced"):
+        read_height_map(path)
+    data = foreign().to_netcdf()
+    with pytest.raises(InputFileError):
+        read_height_map(saved(tmp_path, bytes(data)[: len(data) // 2]))
+
+
+def test_inspect_names_channels_and_suspicions(tmp_path):
+    found = inspect_file(saved(tmp_path, x3p_bytes()))
+    assert found["format"] == "X3P (ISO 25178-72)"
+    assert found["problem"] is None
+    assert found["channels"][0]["missing_points"] == 1
+    assert found["channels"][0]["rms_height"] == pytest.approx(np.nanstd(HEIGHTS), rel=1e-9)
+    assert any("pixels are not square" in warning for warning in found["warnings"])

@@ -1,0 +1,261 @@
+"""Text matrices, lists of points and profiles: written here in the variants that programs write."""
+
+import json
+
+import numpy as np
+import pytest
+
+from roughcontact.errors import HeightMapError, InputFileError, SettingsError
+from roughcontact.io import inspect_file, read_height_map
+
+# no symmetry, so that a mirrored or transposed map is told from the right one
+HEIGHTS = np.array([[1.5, -2.25, 3.0, 0.5], [4.0, 5.5, -6.75, 7.0], [0.25, 9.0, 10.5, -1.0]])
+
+
+def matrix(heights=HEIGHTS, separator="\t", comma=False):
+    text = "\n".join(separator.join(f"{value:g}" for value in row) for row in heights) + "\n"
+    return text.replace(".", ",") if comma else text
+
+
+def warnings_of(height):
+    return json.loads(height.attrs["ingest_warnings"])
+
+
+def saved(tmp_path, text, encoding="utf-8"):
+    path = tmp_path / "map.dat"  # the extension says nothing
+    path.write_bytes(text.encode(encoding))
+    return path
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16", "utf-8-sig"])
+def test_header_as_gwyddion_writes_it(tmp_path, encoding):
+    header = "# Channel: Topo\n# Width: 4.00 µm\n# Height: 3,00 µm\n# Value units: nm\n"
+    height = read_height_map(saved(tmp_path, header + matrix(), encoding))
+    np.testing.assert_allclose(height.values, HEIGHTS * 1e-9, rtol=1e-15)
+    np.testing.assert_allclose(height.x, [0.5e-6, 1.5e-6, 2.5e-6, 3.5e-6], rtol=1e-12)
+    np.testing.assert_allclose(height.y, [0.5e-6, 1.5e-6, 2.5e-6], rtol=1e-12)
+    assert height.dims == ("y", "x")
+    assert height.attrs["channel"] == "Topo"
+    assert height.attrs["first_row"] == "top"
+    assert height.attrs["missing_points"] == 0
+
+
+@pytest.mark.parametrize(
+    ("separator", "comma"),
+    [
+        ("\t", False),
+        ("\t", True),
+        (";", False),
+        (";", True),
+        (" ", False),
+        (" ", True),
+        (",", False),
+        (", ", False),
+    ],
+)
+def test_separators_and_decimal_commas(tmp_path, separator, comma):
+    path = saved(tmp_path, matrix(separator=separator, comma=comma))
+    height = read_height_map(path, dx=2, dy=3, unit="um", height_unit="nm")
+    np.testing.assert_allclose(height.values, HEIGHTS * 1e-9, rtol=1e-15)
+    np.testing.assert_allclose(np.diff(height.x), 2e-6, rtol=1e-12)
+    np.testing.assert_allclose(np.diff(height.y), 3e-6, rtol=1e-12)
+
+
+def test_separator_at_the_end_of_lines_and_blank_lines(tmp_path):
+    text = matrix().replace("\n", "\t\n\n")
+    height = read_height_map(saved(tmp_path, text), dx=1, dy=1, unit="µm")
+    np.testing.assert_allclose(height.values, HEIGHTS * 1e-6, rtol=1e-15)
+
+
+def test_conversion_factor_and_counts_in_the_header(tmp_path):
+    header = "h=3 w=4\npixel size=3.5e-007 m\ndata unit=rad\nheight conversion factor (-> m)=2.5e-008\n"
+    height = read_height_map(saved(tmp_path, header + matrix(separator=" ")))
+    np.testing.assert_allclose(height.values, HEIGHTS * 2.5e-8, rtol=1e-15)
+    assert float(height.x[1] - height.x[0]) == pytest.approx(3.5e-7, rel=1e-12)
+    assert float(height.y[1] - height.y[0]) == pytest.approx(3.5e-7, rel=1e-12)
+
+
+def test_missing_points_become_nan_and_are_counted(tmp_path):
+    text = "ncols 4\nnrows 2\ncellsize 2\nNODATA_value -9999\n1 2 -9999 4\nBAD 6 nan 8.5\n"
+    height = read_height_map(saved(tmp_path, text), unit="mm", height_unit="um")
+    expected = np.array([[1, 2, np.nan, 4], [np.nan, 6, np.nan, 8.5]]) * 1e-6
+    np.testing.assert_allclose(height.values, expected, rtol=1e-15)
+    assert height.attrs["missing_points"] == 3
+    assert height.attrs["missing_share"] == 0.375
+    assert float(height.x[1] - height.x[0]) == pytest.approx(2e-3, rel=1e-12)
+
+
+def test_bare_numbers_are_refused_with_what_to_give(tmp_path):
+    path = saved(tmp_path, matrix())
+    with pytest.raises(
+        InputFileError, match=r"map of 3 x 4 points that does not say its size; give dx, dy, unit"
+    ):
+        read_height_map(path)
+    with pytest.raises(InputFileError, match="give dx, dy, unit"):
+        read_height_map(path, unit="um")
+    with pytest.raises(InputFileError, match="does not say its size"):
+        read_height_map(path, dx=1, unit="um")
+    with pytest.raises(SettingsError, match="dx = 1 is given without a unit"):
+        read_height_map(path, dx=1, dy=1)
+    with pytest.raises(SettingsError, match=r"dx = -1 must be a positive number"):
+        read_height_map(path, dx=-1, dy=1, unit="um")
+    with pytest.raises(
+        SettingsError, match=r"unknown length unit 'milimeter'.*nearest accepted spelling is 'millimeter'"
+    ):
+        read_height_map(path, dx=1, dy=1, unit="milimeter")
+
+
+def test_height_unit_of_the_file_stands_beside_the_unit_of_the_steps(tmp_path):
+    path = saved(tmp_path, "\\Exported image units: nm\n" + matrix())
+    height = read_height_map(path, dx=1, dy=1, unit="um")
+    np.testing.assert_allclose(height.values, HEIGHTS * 1e-9, rtol=1e-15)
+    assert not [note for note in warnings_of(height) if "given by the user" in note]
+
+
+def test_arguments_win_over_the_file_and_say_so(tmp_path):
+    header = "# Width: 4 µm\n# Height: 3 µm\n# Value units: nm\n"
+    path = saved(tmp_path, header + matrix())
+    height = read_height_map(path, dx=2, dy=1, unit="um", height_unit="pm")
+    np.testing.assert_allclose(height.values, HEIGHTS * 1e-12, rtol=1e-15)
+    assert float(height.x[1] - height.x[0]) == pytest.approx(2e-6, rel=1e-12)
+    notes = "\n".join(warnings_of(height))
+    assert "dx = 2e-06 m as given by the user, where the file says 1e-06 m" in notes
+    assert "the heights are taken in pm as given by the user, where the file says nm" in notes
+    assert "dy =" not in notes.replace("the pixels are not square: dx = 2e-06 m, dy = 1e-06 m", "")
+
+
+def test_values_that_are_no_lengths_are_refused(tmp_path):
+    path = saved(tmp_path, "# Width: 4 µm\n# Height: 3 µm\n# Value units: V\n" + matrix())
+    with pytest.raises(
+        InputFileError, match=r"no channel of this file holds heights .*values in 'V', no length"
+    ):
+        read_height_map(path)
+
+
+def test_cut_matrices_are_refused(tmp_path):
+    rng = np.random.default_rng(3)
+    square = rng.standard_normal((20, 20))
+    text = "# Width: 20 µm\n# Height: 20 µm\n# Value units: nm\n" + matrix(square)
+    whole = read_height_map(saved(tmp_path, text))
+    assert whole.shape == (20, 20)
+    with pytest.raises(InputFileError, match="the file was cut off"):
+        read_height_map(saved(tmp_path, text[: int(0.6 * len(text))]))
+    lines = text.splitlines(keepends=True)
+    with pytest.raises(InputFileError, match=r"seems to be cut off\. If it is whole, give dx, dy and unit"):
+        read_height_map(saved(tmp_path, "".join(lines[: 3 + 12])))
+    kept = read_height_map(saved(tmp_path, "".join(lines[: 3 + 12])), dx=1, dy=1, unit="um")
+    assert kept.shape == (12, 20)
+    with pytest.raises(InputFileError, match="header says 5 rows, the file has 3"):
+        read_height_map(saved(tmp_path, "ncols 4\nnrows 5\ncellsize 1\n" + matrix(separator=" ")))
+
+
+def test_ragged_rows_and_words_name_the_line(tmp_path):
+    with pytest.raises(InputFileError, match="row 2 has 3 numbers where the others have 4"):
+        read_height_map(saved(tmp_path, "1 2 3 4\n1 2 3\n1 2 3 4\n"))
+    with pytest.raises(InputFileError, match="line 3 is no row of numbers"):
+        read_height_map(saved(tmp_path, "1 2 3 4\n1 2 3 4\n1 2 x 4\n1 2 3 4\n"))
+
+
+def test_ambiguous_comma_is_refused(tmp_path):
+    with pytest.raises(InputFileError, match="may be a decimal sign or a separator"):
+        read_height_map(saved(tmp_path, "1,5\n2,5\n3,0\n4,5\n"), dx=1, unit="um")
+
+
+def points(order="row", scale=1.0):
+    rows, columns = HEIGHTS.shape
+    indices = [(j, i) for j in range(rows) for i in range(columns)]
+    if order == "column":
+        indices.sort(key=lambda index: (index[1], index[0]))
+    if order == "shuffled":
+        indices = [indices[k] for k in np.random.default_rng(0).permutation(len(indices))]
+    return [(scale * (2 + 0.5 * i), scale * (1 + 0.25 * j), HEIGHTS[j, i]) for j, i in indices]
+
+
+@pytest.mark.parametrize("order", ["row", "column", "shuffled"])
+def test_list_of_points_becomes_a_map_at_its_own_positions(tmp_path, order):
+    text = "".join("{:g} {:g} {:g}\n".format(*point) for point in points(order))
+    height = read_height_map(saved(tmp_path, text), unit="mm", height_unit="um")
+    np.testing.assert_allclose(height.values, HEIGHTS * 1e-6, rtol=1e-15)
+    np.testing.assert_allclose(height.x, [2e-3, 2.5e-3, 3e-3, 3.5e-3], rtol=1e-12)
+    np.testing.assert_allclose(height.y, [1e-3, 1.25e-3, 1.5e-3], rtol=1e-12)
+    assert height.attrs["first_row"] == "bottom"
+
+
+def test_list_of_points_with_named_columns_and_a_hole(tmp_path):
+    lines = ["X (mm);Y (mm);Z (µm)"] + [f"{x:g};{y:g};{z:g}" for x, y, z in points()]
+    del lines[6]
+    height = read_height_map(saved(tmp_path, "\n".join(lines).replace(".", ",")))
+    expected = HEIGHTS * 1e-6
+    expected[1, 1] = np.nan
+    np.testing.assert_allclose(height.values, expected, rtol=1e-15)
+    assert height.attrs["missing_points"] == 1
+
+
+def test_rounded_positions_are_even(tmp_path):
+    x = np.round(np.arange(30) / 3, 3)
+    text = "".join(f"{a:.3f},{b:.3f},{a * b + a:.4f}\n" for b in x for a in x)
+    height = read_height_map(saved(tmp_path, text), unit="um")
+    assert height.shape == (30, 30)
+    assert height.attrs["missing_points"] == 0
+    assert float(height.x[1] - height.x[0]) == pytest.approx(1e-6 / 3, rel=1e-4)
+
+
+def test_uneven_points_are_refused_with_a_way_out(tmp_path):
+    x = np.array([0.0, 1.0, 2.3, 3.0, 4.0])
+    text = "".join(f"{a} {b} {a * b + 1}\n" for b in range(4) for a in x)
+    with pytest.raises(InputFileError, match=r"even grid.*interpolate"):
+        read_height_map(saved(tmp_path, text), unit="um")
+    scattered = np.random.default_rng(1).random((50, 3))
+    text = "\n".join(" ".join(f"{value:.6f}" for value in row) for row in scattered)
+    with pytest.raises(InputFileError, match=r"even grid.*griddata"):
+        read_height_map(saved(tmp_path, text), unit="um")
+    doubled = "".join(f"{a} {b} 1.5\n" for b in (0, 1, 1) for a in range(4))
+    with pytest.raises(InputFileError, match="several points of the list have the same position"):
+        read_height_map(saved(tmp_path, doubled), unit="um")
+
+
+@pytest.mark.parametrize("order", ["row", "column"])
+def test_cut_list_of_points_is_refused(tmp_path, order):
+    text = "".join("{:g} {:g} {:g}\n".format(*point) for point in points(order)[:-1])
+    with pytest.raises(InputFileError, match="ends in the middle of a grid line"):
+        read_height_map(saved(tmp_path, text), unit="mm")
+
+
+def test_profile_with_unit_in_the_column_name(tmp_path):
+    text = "X_(microns),y1\n" + "".join(
+        f"{0.5 * i:.4f},{z}\n" for i, z in enumerate(HEIGHTS.ravel(), start=1)
+    )
+    path = saved(tmp_path, text)
+    with pytest.raises(InputFileError, match="does not say the unit of its heights; give height_unit"):
+        read_height_map(path)
+    height = read_height_map(path, height_unit="nm")
+    assert height.shape == (1, 12)
+    np.testing.assert_allclose(height.values[0], HEIGHTS.ravel() * 1e-9, rtol=1e-15)
+    np.testing.assert_allclose(height.x, 0.5e-6 * np.arange(1, 13), rtol=1e-12)
+    uneven = text.replace("2.5000,", "2.7000,")
+    with pytest.raises(InputFileError, match="not evenly spaced"):
+        read_height_map(saved(tmp_path, uneven), height_unit="nm")
+
+
+def test_one_line_is_a_profile_and_one_number_no_map(tmp_path):
+    height = read_height_map(saved(tmp_path, "1.5 2.5 3.5 7\n"), dx=1, unit="um")
+    assert height.shape == (1, 4)
+    with pytest.raises(HeightMapError, match="single point"):
+        read_height_map(saved(tmp_path, "1.5\n"), dx=1, dy=1, unit="um")
+    with pytest.raises(HeightMapError, match="all 6 points of the map are missing"):
+        read_height_map(saved(tmp_path, "nan nan nan\nnan nan nan\n"), dx=1, dy=1, unit="um")
+
+
+def test_text_without_numbers(tmp_path):
+    with pytest.raises(InputFileError, match=r"text without a table of numbers; it starts with 'Dear all'"):
+        read_height_map(saved(tmp_path, "Dear all\nhere is the map\n"))
+
+
+def test_inspect_says_what_is_missing(tmp_path):
+    found = inspect_file(saved(tmp_path, "# Value units: nm\n" + matrix()))
+    assert "give dx, dy, unit" in found["problem"]
+    assert found["channel"] == "height"
+    (channel,) = found["channels"]
+    assert (channel["ny"], channel["nx"], channel["height_unit"], channel["dx"]) == (3, 4, "nm", None)
+    assert channel["rms_height"] == pytest.approx(HEIGHTS.std(), rel=1e-12)
+    assert json.loads(json.dumps(found)) == found
