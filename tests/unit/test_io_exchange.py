@@ -267,9 +267,16 @@ def test_foreign_netcdf_without_units(tmp_path):
     foreign(x=[1, 2, 3.4, 4]).to_netcdf(path)
     with pytest.raises(InputFileError, match="positions along x are not evenly spaced"):
         read_height_map(path)
-    data = foreign().to_netcdf()
-    with pytest.raises(InputFileError):
-        read_height_map(saved(tmp_path, bytes(data)[: len(data) // 2]))
+
+
+@pytest.mark.parametrize("netcdf", ["NETCDF4", "NETCDF3_64BIT", "NETCDF3_CLASSIC"])
+@pytest.mark.parametrize("share", [0.5, 0.9])
+def test_cut_netcdf_is_refused(tmp_path, netcdf, share):
+    path = tmp_path / "map.nc"
+    foreign().to_netcdf(path, format=netcdf)
+    data = path.read_bytes()
+    with pytest.raises(InputFileError, match="cut off"):
+        read_height_map(saved(tmp_path, data[: int(share * len(data))]))
 
 
 def test_inspect_names_channels_and_suspicions(tmp_path):

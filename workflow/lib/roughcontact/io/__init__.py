@@ -1,7 +1,8 @@
 """Reading: one measured file in, one labelled height map in SI units out.
 
 The format is told by the content of a file, never by its name. Units are converted once, here. What a file
-does not say is never guessed: it is given as an argument (or in the table of surfaces), or the file is refused.
+does not say is never guessed: it is given as an argument (or in the table of surfaces), or the file is
+refused.
 
 Row j of a map is row j of the file, and y grows from row to row. Where the instrument's software draws row 0,
 at the top or at the bottom of its picture, is kept in the attribute `first_row`.

@@ -40,7 +40,7 @@ def read_netcdf(path: Path) -> SourceFile:
     try:
         dataset = xr.open_dataset(path, engine=engine, decode_times=False, decode_timedelta=False)
     except (OSError, ValueError, RuntimeError, TypeError, IndexError, KeyError) as error:
-        raise InputFileError(f"{path}: not readable as netCDF ({error})") from error
+        raise InputFileError(f"{path}: damaged or cut off netCDF file ({error})") from error
     with dataset:
         channels = [
             channel for name in dataset.data_vars if (channel := _variable(dataset, name, path)) is not None
