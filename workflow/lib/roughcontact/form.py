@@ -111,8 +111,8 @@ def _fit_weighted(heights, weights, axes, terms):
 
 def _fit_robust(heights, measured, axes, terms):
     coefficients = _fit_weighted(heights, measured.astype(float), axes, terms)
-    least_absolute, settled = True, 0
-    for _ in range(_ITERATIONS):
+    least_absolute = True
+    for iteration in range(_ITERATIONS):
         residual = heights - _evaluate(coefficients, axes)
         size = np.abs(residual)
         scale = 1.4826 * np.median(size[measured])
@@ -125,8 +125,7 @@ def _fit_robust(heights, measured, axes, terms):
         weights[~measured] = 0
         previous, coefficients = coefficients, _fit_weighted(heights, weights, axes, terms)
         change = np.abs(coefficients - previous).max()
-        settled += 1
-        if least_absolute and (change <= 1e-2 * scale or settled >= 20):
+        if least_absolute and (change <= 1e-2 * scale or iteration == 20):
             least_absolute = False
         elif not least_absolute and change <= _CONVERGED * scale:
             break

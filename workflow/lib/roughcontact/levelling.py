@@ -65,7 +65,8 @@ def level(
         raise SettingsError(f"level.order = {order!r}: give a whole number of 1 or more")
     if outlier_threshold is not None and not outlier_threshold > 0:
         raise SettingsError(
-            f"level.outlier_threshold = {outlier_threshold!r}: give a positive number, or none to keep all points"
+            f"level.outlier_threshold = {outlier_threshold!r}: give a positive number, or null to keep every "
+            "point"
         )
     if not 0 <= max_missing <= 1:
         raise SettingsError(f"level.max_missing = {max_missing!r}: give a share from 0 to 1")

@@ -8,9 +8,9 @@ def is_periodic(values) -> bool:
 
     Across the seam of each axis the rms step of the heights, and the rms change of slope on both sides of
     it, must not exceed what 95 % of the interior pairs of lines show, by more than 20 % + 1.5 / sqrt(points
-    of the seam) for chance. A map with missing points is not periodic; nor is one whose neighbours are as good
-    as unrelated (rms step above 1.2 times the rms height), or that has fewer than 64 points, since then a
-    seam shows nothing.
+    of the seam) for chance. A map with missing points is not periodic. A seam shows nothing where neighbours
+    are as good as unrelated (rms step above 1.2 times the rms height) or where there are fewer than 64
+    points: such a map does not count as periodic.
     """
     if values.size < 64 or np.isnan(values).any():
         return False
@@ -87,8 +87,8 @@ def mirror(values) -> np.ndarray:
 def cross_fade(values, band) -> np.ndarray:
     """Return the map shortened by a band, in which its end runs over into its beginning.
 
-    On an axis with n + b points: h'(i) = w h(i) + (1 - w) h(i + n) for i < b, h'(i) = h(i) for b <= i < n, with
-    w = sin^2 from 0 to 1 over the band.
+    On an axis with n + b points: h'(i) = w h(i) + (1 - w) h(i + n) for i < b, h'(i) = h(i) for b <= i < n,
+    with w = sin^2 from 0 to 1 over the band.
 
     Parameters
     ----------

@@ -28,29 +28,26 @@ def rms_gradient(height: xr.DataArray) -> float:
 
     The waves at the Nyquist limit count with their |q|, as they do in the half-space.
     """
-    return math.sqrt(_power_moments(height)[1])
+    return math.sqrt(_moments(height, _power(height.values))[1])
 
 
 def rms_curvature(height: xr.DataArray) -> float:
     """Root mean square of the mean curvature (h_xx + h_yy) / 2, spectral, in 1/m."""
-    return math.sqrt(_power_moments(height)[2]) / 2
+    return math.sqrt(_moments(height, _power(height.values))[2]) / 2
 
 
 def spectral_moments(height: xr.DataArray) -> tuple[float, float, float]:
-    """Return Nayak's moments (m0, m2, m4) in m^2, 1, m^-2: variances of height, slope and curvature of profiles.
+    """Return Nayak's moments (m0, m2, m4): variances of height, slope and curvature of profiles.
 
-    m0 = sum |h(q)|^2, m2 = sum |q|^2 |h(q)|^2 / 2, m4 = 3/8 sum |q|^4 |h(q)|^2: the mean over profiles in
-    all directions (mean cos^2 = 1/2, mean cos^4 = 3/8), for an isotropic surface the same in each. For a
-    profile they are its own: no factors.
+    In m^2, 1 and m^-2: m0 = sum |h(q)|^2, m2 = sum |q|^2 |h(q)|^2 / 2, m4 = 3/8 sum |q|^4 |h(q)|^2. They are
+    the mean over profiles in all directions (mean cos^2 = 1/2, mean cos^4 = 3/8), for an isotropic surface
+    the same in each. For a profile they are its own: no factors.
 
     Notes
     -----
     Longuet-Higgins, Phil. Trans. R. Soc. A 249 (1957) 321; Nayak, J. Lubr. Technol. 93 (1971) 398.
     """
-    m0, gradient, laplacian = _power_moments(height)
-    if min(height.shape) == 1:
-        return m0, gradient, laplacian
-    return m0, gradient / 2, laplacian * 3 / 8
+    return _of_profiles(height, *_moments(height, _power(height.values)))
 
 
 def nayak_parameter(height: xr.DataArray) -> float:
@@ -59,8 +56,7 @@ def nayak_parameter(height: xr.DataArray) -> float:
     1.5 is the least for an isotropic surface (a single wavelength), 1 for a profile; the wider the band the
     larger (Nayak, J. Lubr. Technol. 93 (1971) 398).
     """
-    m0, m2, m4 = spectral_moments(height)
-    return m0 * m4 / m2**2 if m2 > 0 else math.nan
+    return _bandwidth(*spectral_moments(height))
 
 
 def shortest_wavelength(height: xr.DataArray) -> float:
@@ -72,8 +68,7 @@ def shortest_wavelength(height: xr.DataArray) -> float:
     it was cut out and made periodic; for a measured map whose spectrum reaches the Nyquist limit it is two
     pixels.
     """
-    dy, dx = fourier.spacing(height)
-    return _cutoff_wavelength(height, (dy, dx))
+    return _cutoff_wavelength(height, _power(height.values), fourier.spacing(height))
 
 
 def points_per_shortest_wavelength(height: xr.DataArray) -> float:
@@ -82,7 +77,7 @@ def points_per_shortest_wavelength(height: xr.DataArray) -> float:
     The wavelength of `shortest_wavelength`, taken in pixels along each axis, so that it counts the points in
     the direction that samples the map worst where the pixels are not square.
     """
-    return _cutoff_wavelength(height, (1.0, 1.0))
+    return _cutoff_wavelength(height, _power(height.values), (1.0, 1.0))
 
 
 def summit_statistics(height: xr.DataArray) -> dict[str, float]:
@@ -121,12 +116,14 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
 def roughness_parameters(height: xr.DataArray) -> dict[str, float]:
     """Return `rms_height`, `rms_gradient`, `rms_curvature`, `nayak_parameter` and
     `points_per_shortest_wavelength` of a periodic map, in SI units."""
+    power = _power(height.values)
+    m0, gradient, laplacian = _moments(height, power)
     return {
         "rms_height": rms_height(height),
-        "rms_gradient": rms_gradient(height),
-        "rms_curvature": rms_curvature(height),
-        "nayak_parameter": nayak_parameter(height),
-        "points_per_shortest_wavelength": points_per_shortest_wavelength(height),
+        "rms_gradient": math.sqrt(gradient),
+        "rms_curvature": math.sqrt(laplacian) / 2,
+        "nayak_parameter": _bandwidth(*_of_profiles(height, m0, gradient, laplacian)),
+        "points_per_shortest_wavelength": _cutoff_wavelength(height, power, (1.0, 1.0)),
     }
 
 
@@ -145,16 +142,25 @@ def _power(values):
     return power
 
 
-def _power_moments(height):
+def _moments(height, power):
     """Return sum |q|^(2k) |h(q)|^2 for k = 0, 1, 2."""
-    power = _power(height.values)
     q2 = fourier.wavenumbers(height.shape, fourier.spacing(height)) ** 2
     return float(power.sum()), float((q2 * power).sum()), float((q2 * q2 * power).sum())
 
 
-def _cutoff_wavelength(height, unit):
+def _of_profiles(height, m0, gradient, laplacian):
+    if min(height.shape) == 1:
+        return m0, gradient, laplacian
+    return m0, gradient / 2, laplacian * 3 / 8
+
+
+def _bandwidth(m0, m2, m4):
+    return m0 * m4 / m2**2 if m2 > 0 else math.nan
+
+
+def _cutoff_wavelength(height, power, unit):
     """Return the shortest wavelength, lengths measured with the pitch `unit` = (dy, dx)."""
-    slope = _power(height.values) * fourier.wavenumbers(height.shape, fourier.spacing(height)) ** 2
+    slope = power * fourier.wavenumbers(height.shape, fourier.spacing(height)) ** 2
     total = slope.sum()
     if not total > 0:
         return math.nan

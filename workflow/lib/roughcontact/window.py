@@ -120,7 +120,7 @@ def friendly_sides(longest: int, *, extra: float = 0.0) -> np.ndarray:
     """Return for each number of points 0 ... longest the best side of a window that fits into it.
 
     Sides have no prime factor above 5. Among those the largest is taken, but one that can be halved once
-    more before it becomes odd, or comes down to 32 points, may be 3 % shorter. Up to 32 points any side is good.
+    more, down to 32 points, may be 3 % shorter. Up to 32 points any side is good.
 
     Parameters
     ----------

@@ -1,0 +1,181 @@
+"""Make the sample maps of this folder: `python data_samples/make_samples.py [folder]`.
+
+The heights come from the formulas in `roughcontact.synthetic`, with fixed seeds, dates and quantisation steps,
+so that every run writes the same files.
+"""
+
+import io
+import sys
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.synthetic import (
+    ground_surface,
+    rough_reference_surface,
+    self_affine_surface,
+    turned_surface,
+)
+
+_DATE = datetime(2024, 1, 1, tzinfo=UTC)
+_QUANTUM = 1e-10  # m; every instrument has one, and it hides the rounding of the Fourier transform
+
+
+def quantised(values):
+    """Return heights in whole steps of 0.1 nm."""
+    return np.rint(values / _QUANTUM) * _QUANTUM
+
+
+def sandblasted():
+    """Return heights (256, 256) of an isotropic rough surface as an optical profiler delivers it.
+
+    Tilted, slightly domed, blind on steep flanks and in one pit, with spikes. Pitch 1 µm.
+    """
+    surface = self_affine_surface(
+        (256, 256), 1e-6, hurst=0.8, shortest=6e-6, longest=120e-6, rms_height=0.8e-6, seed=1
+    )
+    values = surface.values.copy()
+    generator = np.random.default_rng(2)
+    steep = np.hypot(*np.gradient(values, 1e-6))
+    # one in four of the steepest points is lost, and a pit as a whole
+    lost = (steep > np.quantile(steep, 0.93)) & (generator.random(values.shape) < 0.25)
+    row, column = np.indices(values.shape)
+    lost |= ((row - 170) / 9) ** 2 + ((column - 80) / 14) ** 2 < 1
+    spikes = tuple(generator.integers(4, 252, size=(2, 30)))
+    values[spikes] += generator.choice([-1, 1], 30) * generator.uniform(8e-6, 25e-6, 30)
+    x, y = (np.arange(256) - 127.5) * 1e-6, (np.arange(256) - 127.5)[:, None] * 1e-6
+    values += 0.012 * x - 0.007 * y - (x**2 + y**2) / (2 * 40e-3)
+    return np.where(lost, np.nan, quantised(values))
+
+
+def turned():
+    """Return heights (240, 320) of a face-turned surface, feed 80 µm, lay along y. Pitch 2 µm."""
+    surface = turned_surface(
+        (240, 320),
+        2e-6,
+        feed=80e-6,
+        nose_radius=0.8e-3,
+        groove_scatter=0.15e-6,
+        arc_radius=12e-3,
+        rms_roughness=0.08e-6,
+        seed=3,
+    )
+    return quantised(surface.values - surface.values.mean())
+
+
+def ground():
+    """Return heights (160, 256) of a ground surface, waves eight times longer along y. Pitch 2 and 1 µm."""
+    surface = ground_surface(
+        (320, 512),
+        (2e-6, 1e-6),
+        hurst=0.75,
+        shortest=5e-6,
+        longest=60e-6,
+        rms_height=0.4e-6,
+        stretch=8.0,
+        skewness_power=1.4,
+        seed=4,
+    )
+    # a part of a larger periodic surface: its edges do not meet
+    return quantised(surface.values[60:220, 100:356])
+
+
+def stylus_profile():
+    """Return heights (1, 2400) along a line across turning marks. Pitch 0.5 µm."""
+    surface = turned_surface(
+        (1, 2400),
+        0.5e-6,
+        feed=100e-6,
+        nose_radius=0.6e-3,
+        groove_scatter=0.2e-6,
+        rms_roughness=0.05e-6,
+        seed=5,
+    )
+    return quantised(surface.values - surface.values.mean())
+
+
+def periodic():
+    """Return heights (128, 128) of the rough reference case, 100 µm wide, rms height 0.25 µm."""
+    surface = rough_reference_surface(128).values
+    return quantised(surface * (0.25e-6 / surface.std()))
+
+
+def x3p_bytes(values, pitch):
+    import x3pio
+
+    buffer = io.BytesIO()
+    x3pio.write(
+        buffer,
+        values,
+        x_scale=pitch,
+        y_scale=pitch,
+        z_type=x3pio.DataType.FLOAT32,
+        metadata=x3pio.Metadata.for_software("roughcontact", "sample", date=_DATE),
+    )
+    return buffer.getvalue()
+
+
+def sdf_bytes(values, pitch):
+    import sdfio
+
+    buffer = io.BytesIO()
+    metadata = sdfio.Metadata(
+        revision=sdfio.Revision.ISO_1_0,
+        manufacturer_id="roughcont",
+        create_date=_DATE,
+        mod_date=_DATE,
+        z_resolution=_QUANTUM,
+        data_type=sdfio.DataType.INT32,
+    )
+    sdfio.write(buffer, values, x_scale=pitch, y_scale=pitch, z_scale=_QUANTUM, metadata=metadata)
+    return buffer.getvalue()
+
+
+def matrix_bytes(values, pitches):
+    (ny, nx), (dy, dx) = values.shape, pitches
+    header = [
+        "# Channel: Topography",
+        f"# Width: {nx * dx * 1e6:.1f} µm",
+        f"# Height: {ny * dy * 1e6:.1f} µm",
+        "# Value units: nm",
+    ]
+    rows = ["\t".join(f"{value * 1e9:.1f}" for value in row) for row in values + 0.0]
+    return ("\n".join(header + rows) + "\n").encode()
+
+
+def profile_bytes(values, pitch):
+    rows = [f"{(i + 0.5) * pitch * 1e6:.2f},{value * 1e9:.1f}" for i, value in enumerate(values[0] + 0.0)]
+    return ("\n".join(["x (µm),z (nm)", *rows]) + "\n").encode()
+
+
+def netcdf_bytes(values, length):
+    ny, nx = values.shape
+    dataset = xr.Dataset(
+        {"height": (("y", "x"), values, {"units": "m", "long_name": "surface height"})},
+        coords={
+            "y": ("y", (np.arange(ny) + 0.5) * length / ny, {"units": "m"}),
+            "x": ("x", (np.arange(nx) + 0.5) * length / nx, {"units": "m"}),
+        },
+        attrs={"title": "periodic self-affine surface"},
+    )
+    return bytes(dataset.to_netcdf(engine="scipy", format="NETCDF3_CLASSIC"))
+
+
+def make_samples() -> dict[str, bytes]:
+    """Return the content of each sample file, by name."""
+    return {
+        "sandblasted.x3p": x3p_bytes(sandblasted(), 1e-6),
+        "turned.sdf": sdf_bytes(turned(), 2e-6),
+        "ground.txt": matrix_bytes(ground(), (2e-6, 1e-6)),
+        "stylus-profile.csv": profile_bytes(stylus_profile(), 0.5e-6),
+        "periodic.nc": netcdf_bytes(periodic(), 100e-6),
+    }
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent
+    for name, content in make_samples().items():
+        (folder / name).write_bytes(content)
+        print(folder / name, len(content), "bytes")
