@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, percent, quantity
+from roughcontact.quantities import number, percent
 
 PASSED, LOOK, FAILED = "passed", "look", "failed"
 VERDICTS = {PASSED: "trust", LOOK: "look at", FAILED: "do not trust"}
@@ -82,16 +82,17 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
 
 
 def _convergence(statistics):
-    bound, failed = float(statistics["error_bound"].max()), int((statistics["converged"] == 0).sum())
-    tolerance = float(statistics.attrs["tolerance"])
+    failed, loads = int((statistics["converged"] == 0).sum()), statistics.sizes["load"]
+    bound = number(float(statistics["error_bound"].max()), digits=2)
+    tolerance = number(float(statistics.attrs["tolerance"]), digits=1)
     if failed:
-        loads = f"{failed} of {statistics.sizes['load']} loads"
         text = (
-            f"{loads} missed the tolerance of {number(tolerance)}; the error bound reaches {number(bound)}."
+            f"{failed} of {loads} loads missed the tolerance of {tolerance}; the error bound reaches {bound}."
         )
         return Check("Solver", FAILED, text)
-    text = f"All loads converged: error bound at most {number(bound)}, tolerance {number(tolerance)}."
-    return Check("Solver", PASSED, text)
+    return Check(
+        "Solver", PASSED, f"All loads converged: error bound at most {bound}, tolerance {tolerance}."
+    )
 
 
 def _contact_points(statistics, points):
@@ -187,5 +188,4 @@ def _reading(height):
     warnings = json.loads(height.get("ingest_warnings", "[]"))
     if warnings:
         return Check("Reading the file", LOOK, " ".join(warnings))
-    size = " × ".join(quantity(height[f"length_{axis}"], "m") for axis in ("x", "y"))
-    return Check("Reading the file", PASSED, f"Read without a warning; the map measures {size}.")
+    return Check("Reading the file", PASSED, "Read without a warning.")

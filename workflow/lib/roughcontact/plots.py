@@ -16,6 +16,7 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#0
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 NOT_MEASURED = "#ff4fa3"
 NO_CONTACT = "#e4e4e4"
+CONTACT = "#ffffff"
 
 _STYLE = {
     "svg.hashsalt": "roughcontact",
@@ -122,7 +123,7 @@ def pressure_map(height, pressure) -> str:
 
 
 def gap_map(height, gap, pressure) -> str:
-    """Draw the gap over the window with the contact in black; a profile shows both faces as lines.
+    """Draw the gap over the window with the contact in white; a profile shows both faces as lines.
 
     Parameters
     ----------
@@ -138,14 +139,17 @@ def gap_map(height, gap, pressure) -> str:
         return _profile(height, faces, label="height", unit="m")
     step = _thinning(gap.shape)
     shown = np.where(_blocks(pressure > 0, step, np.any), np.nan, _blocks(gap, step, np.mean))
+    widest = gap[pressure == 0].max(initial=0.0) or np.ptp(
+        height.values
+    )  # full contact leaves no gap to scale by
     return _map(
         height,
         shown,
         label="gap",
         unit="m",
         colours="cividis",
-        bad="#000000",
-        limits=(0, max(gap.max(), 1e-300)),
+        bad=CONTACT,
+        limits=(0, widest),
     )
 
 
@@ -161,7 +165,7 @@ def _map(height, shown, *, label, unit, colours, bad, limits, frame=None) -> str
     aspect = ly / lx
     in_scale = 1 / _LONGEST_ASPECT <= aspect <= _LONGEST_ASPECT
     tall = min(max(aspect, 0.45), 1.5) if in_scale else 1.0
-    with _figure(4.0, 3.1 * tall + 0.6) as figure:
+    with _figure(4.0, 2.9 * tall + 0.6) as figure:
         axes = figure.add_subplot()
         axes.grid(False)
         colour_map = matplotlib.colormaps[colours].with_extremes(bad=bad)
@@ -181,7 +185,8 @@ def _map(height, shown, *, label, unit, colours, bad, limits, frame=None) -> str
                 axes.add_patch(Rectangle((x, y), width, depth, fill=False, edgecolor=colour, linewidth=line))
         axes.set_xlabel(f"x ({length_unit})")
         axes.set_ylabel(f"y ({length_unit})" + ("" if in_scale else ", not to scale"))
-        bar = figure.colorbar(image, ax=axes, shrink=0.9, label=f"{label} ({value_unit})")
+        beside = axes.inset_axes((1.03, 0, 0.05, 1))  # as high as the map, whatever its shape
+        bar = figure.colorbar(image, cax=beside, label=f"{label} ({value_unit})")
         bar.outline.set_linewidth(0.5)
         return _png(figure)
 
@@ -214,7 +219,7 @@ def area_against_load(statistics, window) -> str:
     """
     unit = float(statistics["contact_modulus"] * statistics["rms_gradient"])
     load = statistics["relative_pressure"].values
-    with _figure(5.0, 3.9) as figure:
+    with _figure(4.3, 3.6) as figure:
         axes = figure.add_subplot()
         line = _theory_lines(axes, load)
         modulus = float(statistics["contact_modulus"])
@@ -250,7 +255,7 @@ def compare_areas(series) -> str:
     loads = np.concatenate([load for _, load, _ in series])
     areas = np.concatenate([area for _, _, area in series])
     rows = -(-len(series) // 3)
-    with _figure(8.0, 4.4 + 0.22 * rows) as figure:
+    with _figure(6.6, 4.3 + 0.22 * rows) as figure:
         axes = figure.add_subplot()
         _theory_lines(axes, loads)
         theories = axes.legend(loc="lower right")
@@ -306,7 +311,7 @@ def gap_against_load(statistics) -> str:
     rms = float(statistics["rms_height"])
     factor, load_unit = prefix(float(np.median(load)), "Pa")
     scale, gap_unit = prefix(max(float(gap.max()), rms), "m")
-    with _figure(5.0, 3.9) as figure:
+    with _figure(4.3, 3.6) as figure:
         axes = figure.add_subplot()
         axes.axhline(rms * scale, color="#444444", linestyle="--", linewidth=1.1, label="rms height")
         axes.plot(load * factor, gap * scale, "o-", color=COLOURS[2], markersize=5, label="mean gap")
@@ -335,7 +340,7 @@ def pressure_distribution(statistics, loads) -> str:
     peak = float(statistics["max_pressure"].values[loads].max())
     factor, unit = prefix(peak, "Pa")
     widths = np.log(bounds[1:, 1] / bounds[1:, 0])
-    with _figure(5.0, 3.9) as figure:
+    with _figure(4.3, 3.6) as figure:
         axes = figure.add_subplot()
         for index, load in enumerate(loads):
             label = f"p̄ = {quantity(float(statistics['mean_pressure'][load]), 'Pa')}"
@@ -348,10 +353,10 @@ def pressure_distribution(statistics, loads) -> str:
         carrying = np.nonzero((shares[loads, 1:] > 1e-4).any(axis=0))[0]
         first = carrying[0] if carrying.size else 0
         axes.set_xlim(bounds[1 + first, 0] * factor, peak * factor * 1.3)
-        axes.set_ylim(bottom=0)
+        axes.set_ylim(0, 1.35 * float((shares[loads, 1:] / widths).max()))  # room for the legend
         axes.set_xlabel(f"contact pressure p ({unit})")
-        axes.set_ylabel("p P(p): share of the contact per factor e")
-        axes.legend(title="dotted: mean over the contact")
+        axes.set_ylabel("p P(p), share of the contact per factor e")
+        axes.legend(loc="upper left", title="dotted: mean over the contact", title_fontsize=8)
         return _svg(figure)
 
 

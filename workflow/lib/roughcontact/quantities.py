@@ -7,7 +7,7 @@ _PREFIXED = ("m", "Pa")  # units that take a prefix; composed ones are given in 
 
 
 def prefix(value: float, unit: str) -> tuple[float, str]:
-    """Return (factor, unit with SI prefix) such that value x factor lies between 1 and 1000.
+    """Return (factor, unit with SI prefix) such that value x factor lies between 1 and 1000, where there is one.
 
     Examples
     --------
@@ -18,7 +18,9 @@ def prefix(value: float, unit: str) -> tuple[float, str]:
         return 1.0, unit
     # 999.95 would be shown as 1000
     power = 3 * math.floor(math.log10(abs(value) * (1 + 5e-5)) / 3)
-    power = min(max(power, min(_PREFIXES)), max(_PREFIXES))
+    if power < min(_PREFIXES):
+        return 1.0, unit
+    power = min(power, max(_PREFIXES))
     return float(f"1e{-power}"), _PREFIXES[power] + unit
 
 
@@ -40,8 +42,8 @@ def number(value: float, *, digits: int = 3) -> str:
 
     Examples
     --------
-    >>> number(0.04567), number(12345.6), number(3.2e-7)
-    ('0.0457', '12346', '3.20×10⁻⁷')
+    >>> number(0.04567), number(12345.6), number(3.2e-7), number(1e-4, digits=1)
+    ('0.0457', '12346', '3.20×10⁻⁷', '1×10⁻⁴')
     """
     if math.isnan(value):
         return "–"
@@ -50,7 +52,7 @@ def number(value: float, *, digits: int = 3) -> str:
     if value == 0:
         return "0"
     power = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
-    if -4 <= power < 6:
+    if -3 <= power < 6:
         return f"{value:.{max(digits - 1 - power, 0)}f}".replace("-", "−")
     mantissa = f"{value / 10.0**power:.{digits - 1}f}".replace("-", "−")
     return f"{mantissa}×10{str(power).translate(_SUPERSCRIPT)}"

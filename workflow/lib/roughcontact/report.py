@@ -16,21 +16,24 @@ from roughcontact.variables import VARIABLES
 
 _SHOWN_LOADS = 3  # loads whose maps are drawn: the lowest, the middle, the highest
 
+# the numbers of a surface at the top of the page, as `_headline` gives them
+_HEADINGS = ("rms height", "rms gradient g", "mean pressure p̄", "contact area A/A₀", "largest pressure")
+
 # the columns of the table of numbers: variable, short name, unit (a share is given in percent)
 _COLUMNS = (
     ("mean_pressure", "mean pressure p̄", "Pa"),
-    ("relative_pressure", "p′ = p̄/(E* g)", "1"),
+    ("relative_pressure", "p̄/(E* g)", "1"),
     ("relative_contact_area", "contact area A/A₀", "%"),
-    ("relative_contact_area_pixels", "A/A₀, pixels", "%"),
-    ("mean_contact_pressure", "mean pressure in contact", "Pa"),
+    ("relative_contact_area_pixels", "pixels in contact", "%"),
+    ("mean_contact_pressure", "pressure in contact", "Pa"),
+    ("pressure_std", "its std", "Pa"),
     ("max_pressure", "largest pressure", "Pa"),
-    ("pressure_std", "std of pressure in contact", "Pa"),
     ("mean_gap", "mean gap ū", "m"),
     ("contact_stiffness", "stiffness −dp̄/dū", "Pa m-1"),
     ("elastic_energy", "elastic energy", "J m-2"),
     ("contact_perimeter", "contact perimeter", "m"),
     ("contact_clusters", "contact patches", "1"),
-    ("contact_on_filled_points", "contact on filled points", "%"),
+    ("contact_on_filled_points", "on filled points", "%"),
     ("error_bound", "error bound", "1"),
 )
 
@@ -53,10 +56,9 @@ def write_panel(path, *, surface, case=None, height, levelled, window, contact, 
     order = np.argsort(numbers["mean_pressure"].values, kind="stable")
     numbers = numbers.isel(load=order)
     shown = _shown_loads(numbers.sizes["load"])
-    lengths = dict(zip(("length_y", "length_x"), _lengths(measured), strict=True))
     outcome = checks.surface_checks(
         numbers,
-        height=measured.attrs | lengths,
+        height=measured.attrs,
         levelled=plane.attrs,
         window=solved.attrs,
         points=solved.size,
@@ -77,6 +79,7 @@ def write_panel(path, *, surface, case=None, height, levelled, window, contact, 
             ("Levelled", plots.height_map(plane, rectangle=_frame(solved)), _levelled_caption(plane)),
             ("Solved window", plots.height_map(solved), solved.attrs.get("window_reason", "")),
         ],
+        profile=1 in solved.shape,
         fields=_field_maps(contact, solved, order[shown]),
         charts=_charts(numbers, solved, shown, rough=rough),
         table=_table(numbers, checks.load_flags(numbers, solved.size)),
@@ -85,9 +88,7 @@ def write_panel(path, *, surface, case=None, height, levelled, window, contact, 
                 "identifier": identifier,
                 "name": name,
                 "verdict": verdict,
-                "reasons": [
-                    f"{check.name}: {check.sentence}" for check in outcome if check.outcome != checks.PASSED
-                ],
+                "reasons": [_reason(check) for check in outcome if check.outcome != checks.PASSED],
             }
         ),
         settings=json.dumps(settings, indent=1, sort_keys=True),
@@ -123,6 +124,7 @@ def write_report(path, *, panels, statistics, title, settings) -> None:
     html = _template("report.html").render(
         title=title,
         rows=rows,
+        headings=_HEADINGS,
         words=checks.VERDICTS,
         counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in checks.VERDICTS},
         comparison=plots.compare_areas(lines) if lines else None,
@@ -231,20 +233,18 @@ def _table(numbers, flags) -> dict:
 
 def _facts(measured, levelled, window, numbers) -> list[tuple[str, str]]:
     """Return what is known of the surface, as (name, text)."""
-    points = " × ".join(str(n) for n in measured.shape[::-1])
-    pitch = " × ".join(quantity(step, "m") for step in spacing(measured)[::-1])
-    solved_points = " × ".join(str(n) for n in window.shape[::-1])
+    pitch = " × ".join(dict.fromkeys(quantity(step, "m") for step in spacing(measured)[::-1]))
     instrument = json.loads(measured.attrs.get("instrument", "{}"))
-    source = [str(measured.attrs[key]) for key in ("source_file", "source_format") if key in measured.attrs]
+    source = [str(measured.attrs.get(key, "")) for key in ("source_file", "source_format")]
     resolution = float(numbers["points_per_shortest_wavelength"][0])
     facts = [
-        ("File", " · ".join(source)),
+        ("File", " · ".join(filter(None, source))),
         ("Channel", str(measured.attrs.get("channel", ""))),
         ("Instrument", ", ".join(f"{key} {value}" for key, value in instrument.items())),
-        ("Map", f"{_size(measured)}, {points} points of {pitch}"),
+        ("Map", f"{_size(measured)} of {pitch}"),
         ("Missing points", percent(measured.attrs.get("missing_share", 0.0))),
         ("Removed form", _removed(levelled)),
-        ("Window", f"{_size(window)}, {solved_points} points"),
+        ("Window", _size(window)),
         ("Periodisation", str(window.attrs.get("periodisation", "none"))),
         ("rms height", quantity(float(numbers["rms_height"]), "m")),
         ("rms gradient g", number(float(numbers["rms_gradient"]))),
@@ -257,8 +257,11 @@ def _facts(measured, levelled, window, numbers) -> list[tuple[str, str]]:
 
 
 def _size(height) -> str:
-    """Return the size of a map in words, x first."""
-    return " × ".join(quantity(length, "m") for length in _lengths(height)[::-1])
+    """Return the size of a map in words, x first; of a profile, its length."""
+    sides = [(n, length) for n, length in zip(height.shape, _lengths(height), strict=True) if n > 1][::-1]
+    lengths = " × ".join(quantity(length, "m") for _, length in sides)
+    points = " × ".join(str(n) for n, _ in sides)
+    return f"{lengths}, {points} points"
 
 
 def _removed(levelled) -> str:
@@ -278,13 +281,19 @@ def _measured_caption(measured) -> str:
 
 def _levelled_caption(levelled) -> str:
     filled, rejected = levelled.attrs.get("filled_points", 0), levelled.attrs.get("outliers_rejected", 0)
-    return f"{filled} points filled in, {rejected} outliers rejected. The red frame is the solved window."
+    frame = "" if 1 in levelled.shape else " The red frame is the solved window."
+    return f"{filled} points filled in, {rejected} outliers rejected.{frame}"
 
 
 def _versions(numbers) -> str:
     """Return the versions that wrote the statistics, in words."""
     versions = json.loads(numbers.attrs.get("versions", "{}"))
     return ", ".join(f"{name} {version}" for name, version in versions.items())
+
+
+def _reason(check) -> str:
+    """Return the name of a check and its first sentence, for the top of the page."""
+    return f"{check.name}: {check.sentence.split('. ')[0].rstrip('.')}."
 
 
 def _embedded(data: dict) -> str:
