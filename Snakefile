@@ -18,3 +18,7 @@ rule all:
         "results/statistics.nc",
         "results/report.html",
         LINKS,
+
+
+onerror:
+    print(unfinished(), file=sys.stderr)

@@ -78,6 +78,15 @@ def stage_settings(stage):
     return settings
 
 
+def run_settings(part=dict):
+    """Return the settings of the whole run: of each case, where there are cases."""
+    return (
+        {case: part(settings) for case, settings in CASES.items()}
+        if STUDY
+        else part(CASES[""])
+    )
+
+
 def code(script):
     """Return the checksum of the modules that a rule's script depends on."""
     return source_digest(ROOT / "workflow/scripts" / f"{script}.py")
@@ -123,3 +132,21 @@ def solver_threads(wildcards):
     Depends on the measured file alone, so that a run on another machine does the same sums in the same order.
     """
     return 1 if megabytes(SURFACES[wildcards.surface].path) < 4 else 4
+
+
+def unfinished():
+    """Return what to tell a user whose run ended with an error."""
+    names = [
+        name
+        for name in SURFACES
+        if not all(
+            os.path.exists(stage_file(stage)({**run, "surface": name}))
+            for run in RUNS
+            for stage in SECTIONS
+        )
+    ]
+    return (
+        f"Not finished: {', '.join(names) or 'the report'}. The lines with ERROR above say why; logs/ has more.\n"
+        "The other surfaces go on to their end with --keep-going. A row of the table of surfaces that starts\n"
+        "with # is left out: so run again for the report of the rest, what is done is not done again."
+    )

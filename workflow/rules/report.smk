@@ -60,7 +60,7 @@ rule panel:
         mem_mb=memory(bytes_per_point=600),
         runtime=minutes(microseconds_per_point=20),
     params:
-        settings=lambda wildcards: CASES[wildcards.get("case", "")],
+        settings=stage_settings("statistics"),
         code=code("panel"),
     script:
         "../scripts/panel.py"
@@ -79,7 +79,7 @@ rule collect:
         "../envs/roughcontact.yaml"
     params:
         entries=[{"case": None, **run} for run in RUNS],
-        settings=CASES if STUDY else CASES[""],
+        settings=run_settings(lambda settings: settings_of(settings, "statistics")),
         code=code("collect"),
     script:
         "../scripts/collect.py"
@@ -97,7 +97,8 @@ rule report:
     conda:
         "../envs/roughcontact.yaml"
     params:
-        settings=CASES if STUDY else CASES[""],
+        title=CASES[next(iter(CASES))]["report"]["title"],
+        settings=run_settings(),
         code=code("report"),
     script:
         "../scripts/report.py"

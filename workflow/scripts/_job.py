@@ -4,7 +4,6 @@ A script is run by Snakemake, which puts the object `snakemake` among its global
 opens the log of the job; an error then ends there with its traceback, and on the screen as one sentence.
 """
 
-import os
 import sys
 import traceback
 import warnings
@@ -42,13 +41,6 @@ def save(result, path: str, settings: dict, *, source: dict) -> None:
         result = result.to_dataset()
     origin = provenance(settings, source_sha256=source["source_sha256"])
     write_dataset(result.assign_attrs(origin), path)
-
-
-def replace_with(path: str, text: str) -> None:
-    """Write a text file to a temporary name first, so that no half file is ever seen."""
-    partial = Path(f"{path}.partial")
-    partial.write_text(text, encoding="utf-8")
-    os.replace(partial, path)
 
 
 def _report_error(kind, error, trace) -> None:

@@ -4,7 +4,7 @@ import json
 
 from _job import save, say, snakemake
 
-from roughcontact.errors import InputFileError
+from roughcontact.errors import InputFileError, RoughContactError
 from roughcontact.io import read_height_map
 
 file, settings = snakemake.params.file, snakemake.params.settings
@@ -15,8 +15,8 @@ if not snakemake.input:
     )
 try:
     height = read_height_map(file["path"], **given)
-except InputFileError as error:
-    raise InputFileError(f"{error} ({file['origin']})") from error
+except RoughContactError as error:
+    raise type(error)(f"{error} ({file['origin']})") from error
 for warning in json.loads(height.attrs["ingest_warnings"]):
     say(f"warning: {warning}")
 save(height, snakemake.output[0], settings, source=height.attrs)

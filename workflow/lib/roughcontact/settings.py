@@ -91,6 +91,15 @@ class Window(Section):
     method: Literal["periodic-plus-smooth", "raw", "mirror", "cross-fade", "taper"] = Field(
         "periodic-plus-smooth", description="how the cropped map is made periodic"
     )
+    width: Number = Field(
+        0.1,
+        gt=0,
+        le=0.5,
+        description="share of the side over which cross-fade blends or taper falls; the other methods have none",
+    )
+    min_share: Number = Field(
+        0.05, ge=0, le=1, description="least share of the map that the window must have; else it is refused"
+    )
 
 
 class Body(Section):
@@ -140,8 +149,8 @@ class Contact(Section):
     )
     zero_frequency: Literal["zero", "nogi-kato", "lattice"] = Field(
         "zero",
-        description="mean displacement in the approach: zero, nogi-kato (mean over the zero-frequency patch), "
-        "lattice (of one localised contact per window in free space); pressure and area do not depend on it",
+        description="mean displacement in the approach: zero, nogi-kato (its mean over the q = 0 patch), "
+        "lattice (one contact per window in free space); pressure and area do not depend on it",
     )
     keep_fields: bool = Field(
         True, description="keep the maps of pressure, gap and contact of every load in contact.nc"
@@ -162,6 +171,8 @@ class Statistics(Section):
 
 class Report(Section):
     """The page that shows it."""
+
+    title: str = Field("Contact of rough surfaces", description="title of the page")
 
 
 class Settings(Section):
@@ -187,7 +198,7 @@ class Settings(Section):
 
 # keys of `contact` of which only one may be given: a case that gives one replaces the other of the base
 _ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure"))
-_COMMON = ("surfaces", "cases")  # keys that are the same for all cases
+_COMMON = ("surfaces", "report", "cases")  # keys that are the same for all cases
 
 
 def contact_modulus(bodies: list[dict]) -> float:
@@ -420,7 +431,7 @@ def default_yaml() -> str:
         "# yaml-language-server: $schema=../workflow/schemas/config.schema.json\n"
         "# Settings of roughcontact, with their defaults, written by `python -m roughcontact.settings`.\n"
         "# For a run of your own copy this file, change it, and hand it over with `--configfile`. A key\n"
-        "# that is left out has its default. config/README.md explains the settings and the table of surfaces.\n"
+        "# that is left out has its default. config/README.md explains settings and table of surfaces.\n"
     )
     return head + "\n".join(_yaml(Settings, ""))
 

@@ -12,8 +12,8 @@ def source_digest(script: str | Path) -> str:
     """Return a checksum of the modules that a script imports, directly or through one another.
 
     Only the modules of this package count, and those beside the script whose names start with _. Imports are
-    found in the source, also inside functions, without running anything. The files of a folder beside a module
-    that names it ("templates") count as well.
+    found in the source, also inside functions, without running anything. The files of a folder beside a
+    module that names it ("templates") count as well.
     """
     script = Path(script)
     digest = hashlib.sha256()

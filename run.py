@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+"""Set up everything and run: `python3 run.py` the main job, `python3 run.py test` the tests.
+
+Needs nothing but Python 3.11 or later. The environment lies in .venv beside this file; it is installed once,
+and again only after pyproject.toml has changed. Further arguments go to Snakemake (`python3 run.py -n`) or,
+after `test`, to pytest (`python3 run.py test tests/unit`).
+"""
+
+import hashlib
+import importlib.util
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent
+VENV = ROOT / ".venv"
+BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
+
+
+def main(arguments):
+    check_python()
+    if arguments[:1] == ["test"]:
+        install("workflow,test")
+        return test(arguments[1:])
+    install("workflow")
+    return work(arguments)
+
+
+def check_python():
+    """Leave with a sentence where this Python is too old or cannot make environments."""
+    version = f"{sys.version_info[0]}.{sys.version_info[1]}"
+    if sys.version_info < (3, 11):  # noqa: UP036 - this file runs before anything has asked
+        sys.exit(f"Python 3.11 or later is needed, this is {version}: try `python3.11 run.py` or later")
+    if not (importlib.util.find_spec("venv") and importlib.util.find_spec("ensurepip")):
+        sys.exit(
+            f"This Python cannot make environments. On Debian, Ubuntu: `apt install python{version}-venv`;\n"
+            "elsewhere take the Python of python.org or of conda. Then run this again."
+        )
+
+
+def install(extras):
+    """Install the package (editable) with extras into .venv, unless done for this pyproject.toml."""
+    settings = (ROOT / "pyproject.toml").read_bytes() + sys.version.encode() + str(ROOT).encode()
+    state = hashlib.sha256(settings).hexdigest()
+    stamps = {name: VENV / f"installed.{name}" for name in ("workflow", extras)}
+    current = {name for name, stamp in stamps.items() if stamp.exists() and stamp.read_text() == state}
+    if extras in current:
+        return
+    print(f"Installing into {VENV} (a minute or two, once) ...", file=sys.stderr, flush=True)
+    pip = [BIN / "python", "-m", "pip", "--quiet", "--disable-pip-version-check", "install"]
+    steps = [] if current else [[sys.executable, "-m", "venv", "--clear", VENV]]
+    for step in [*steps, [*pip, "--editable", f"{ROOT}[{extras}]"]]:
+        if run(step):
+            sys.exit(f"failed: {' '.join(map(str, step))}")
+    for stamp in stamps.values():
+        stamp.write_text(state)
+
+
+def work(arguments):
+    """Run the workflow in the working directory, on all cores unless the arguments say otherwise."""
+    command = [BIN / "snakemake", "--snakefile", ROOT / "Snakefile", "--rerun-incomplete"]
+    if not any(word.split("=")[0] in ("--cores", "-c", "--jobs", "-j", "--profile") for word in arguments):
+        command += ["--cores", "all"]
+    return run([*command, *arguments])
+
+
+def test(arguments):
+    """Check format and lint, then run the tests."""
+    os.chdir(ROOT)
+    checks = [
+        [BIN / "ruff", "format", "--check", "."],
+        [BIN / "ruff", "check", "."],
+        [BIN / "snakefmt", "--check", "Snakefile", "workflow/rules"],
+        [BIN / "snakemake", "--lint"],
+        [BIN / "python", "-m", "pytest", *arguments],
+    ]
+    return max([run(check) for check in checks])
+
+
+def run(command):
+    """Run a command with the environment's programs first on the path, and return its exit status."""
+    environment = os.environ | {"PATH": f"{BIN}{os.pathsep}{os.environ.get('PATH', '')}"}
+    process = subprocess.Popen(command, env=environment)
+    while True:
+        try:
+            return process.wait()
+        except KeyboardInterrupt:  # the program was interrupted as well and is closing down
+            continue
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

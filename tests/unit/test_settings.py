@@ -1,0 +1,223 @@
+"""Settings: generated files in step with the models, models in step with the verbs, all mistakes at once."""
+
+import inspect
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+
+from roughcontact.contact import plan_loads, solve_contact
+from roughcontact.errors import SettingsError
+from roughcontact.levelling import level
+from roughcontact.report import write_report
+from roughcontact.settings import Contact, Settings, contact_modulus, default_yaml, json_schema, resolve
+from roughcontact.statistics import contact_statistics
+from roughcontact.window import periodic_window
+
+ROOT = Path(__file__).parents[2]
+STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
+
+
+def only(config):
+    """Return the settings of a configuration without cases."""
+    return resolve(config)[""]
+
+
+def mistakes(config):
+    """Return the lines of the message that `config` provokes, without the heading."""
+    with pytest.raises(SettingsError) as caught:
+        resolve(config)
+    heading, *lines = str(caught.value).split("\n")
+    assert heading == "mistakes in the settings:"
+    return [line.strip() for line in lines]
+
+
+@pytest.mark.parametrize(
+    ("name", "generate"),
+    [("config/config.yaml", default_yaml), ("workflow/schemas/config.schema.json", json_schema)],
+)
+def test_generated_files_are_in_step(name, generate):
+    assert (ROOT / name).read_text(encoding="utf-8") == generate(), (
+        f"{name} is old: run `PYTHONPATH=workflow/lib python -m roughcontact.settings .`"
+    )
+
+
+def test_default_configuration_says_nothing_but_the_defaults():
+    written = yaml.safe_load(default_yaml())
+    assert only(written) == only({"contact": {"contact_modulus": written["contact"]["contact_modulus"]}})
+    documented = default_yaml()
+    for section in ("level", "window", "contact", "statistics", "report"):
+        for key, field in Settings.model_fields[section].annotation.model_fields.items():
+            assert f"{key}:" in documented
+            assert field.description.split()[0] in documented
+
+
+@pytest.mark.parametrize(
+    ("section", "verb"),
+    [("level", level), ("window", periodic_window), ("statistics", contact_statistics)],
+)
+def test_a_section_is_the_keyword_arguments_of_its_verb(section, verb):
+    arguments = {
+        name: parameter.default
+        for name, parameter in inspect.signature(verb).parameters.items()
+        if parameter.kind is parameter.KEYWORD_ONLY
+    }
+    assert Settings.model_fields[section].annotation().model_dump() == arguments
+
+
+def test_contact_section_is_the_keyword_arguments_of_its_verbs():
+    arguments = inspect.signature(plan_loads).parameters | inspect.signature(solve_contact).parameters
+    of_the_run = {"window", "fields", "reduce", "threads", "progress"}
+    assert set(Contact.model_fields) - {"bodies", "keep_fields"} == set(arguments) - of_the_run
+    for name in ("tolerance", "zero_frequency", "on_failure"):
+        assert Contact.model_fields[name].default == arguments[name].default
+    assert "title" in inspect.signature(write_report).parameters
+
+
+def test_every_description_of_a_quantity_names_its_unit():
+    fields = Contact.model_fields
+    for name in ("contact_modulus", "mean_pressure"):
+        assert "Pa" in fields[name].description
+
+
+def test_numbers_as_yaml_reads_them():
+    settings = only(yaml.safe_load("contact: {contact_modulus: 1e9, mean_pressure: [1e5, 2.0E6, 3]}"))
+    assert settings["contact"]["contact_modulus"] == 1e9
+    assert settings["contact"]["mean_pressure"] == [1e5, 2e6, 3.0]
+    assert only({"contact": {"contact_modulus": 1, "relative_pressure": "1e-2"}})["contact"][
+        "relative_pressure"
+    ] == [0.01]
+
+
+def test_two_bodies_give_the_contact_modulus():
+    assert contact_modulus([STEEL, STEEL]) == pytest.approx(2.1e11 / (2 * (1 - 0.09)), rel=1e-15)
+    settings = only({"contact": {"bodies": [STEEL, {"youngs_modulus": 1e6, "poissons_ratio": 0.5}]}})
+    assert settings["contact"]["contact_modulus"] == pytest.approx(1e6 / 0.75, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("config", "said"),
+    [
+        ({"contcat": {}}, ["contcat: unknown key, did you mean contact?"]),
+        (
+            {"contact": {"contact_modulus": 1, "tolerence": 1}},
+            ["contact.tolerence", "did you mean tolerance?"],
+        ),
+        (
+            {"contact": {"contact_modulus": -1e9}},
+            ["contact.contact_modulus = -1000000000.0", "greater than 0"],
+        ),
+        ({"contact": {"contact_modulus": "soft"}}, ["contact.contact_modulus = 'soft'", "number", "Pa"]),
+        ({"contact": {"contact_modulus": True}}, ["contact.contact_modulus = True", "must be a number"]),
+        ({"contact": {"contact_modulus": float("nan")}}, ["contact.contact_modulus = nan"]),
+        (
+            {"contact": {"contact_modulus": 1, "mean_pressure": []}},
+            ["contact.mean_pressure = []", "is empty"],
+        ),
+        ({"contact": {"contact_modulus": 1, "mean_pressure": [1, 0]}}, ["contact.mean_pressure[1] = 0"]),
+        ({"contact": {"contact_modulus": 1, "tolerance": 1e-13}}, ["contact.tolerance = 1e-13", "greater"]),
+        ({"contact": {"contact_modulus": 1, "tolerance": 1}}, ["contact.tolerance = 1", "less than 1"]),
+        ({"contact": {"contact_modulus": 1, "bodies": [STEEL, STEEL]}}, ["contact_modulus and bodies given"]),
+        ({"contact": {"bodies": [STEEL]}}, ["contact.bodies", "exactly two"]),
+        (
+            {"contact": {"bodies": [STEEL, {"youngs_modulus": 1}]}},
+            ["contact.bodies[1].poissons_ratio: missing"],
+        ),
+        (
+            {"contact": {"contact_modulus": 1, "mean_pressure": 1, "relative_pressure": 1}},
+            ["mean_pressure (Pa) and relative_pressure (no unit) given"],
+        ),
+        ({}, ["contact: no elasticity given", "contact_modulus", "bodies"]),
+        (
+            {"contact": {"contact_modulus": 1}, "level": {"form": "plan"}},
+            ["level.form = 'plan'", "mean plane?"],
+        ),
+        ({"contact": {"contact_modulus": 1}, "level": "plane"}, ["level = 'plane'", "group of settings"]),
+        (
+            {"contact": {"contact_modulus": 1}, "level": {"robust": "maybe"}},
+            ["level.robust", "true or false"],
+        ),
+        ({"contact": {"contact_modulus": 1}, "report": {"title": 7}}, ["report.title = 7", "text"]),
+    ],
+)
+def test_a_mistake_names_key_value_and_way_out(config, said):
+    (line,) = mistakes(config)
+    for part in said:
+        assert part in line
+
+
+def test_all_mistakes_at_once():
+    lines = mistakes({"level": {"form": 3, "ordr": 2}, "contact": {"tolerance": 7}, "windows": {}})
+    assert sorted(line.split(":")[0].split(" ")[0] for line in lines) == [
+        "contact",
+        "contact.tolerance",
+        "level.form",
+        "level.ordr",
+        "windows",
+    ]
+
+
+def test_cases_lie_over_the_settings_above():
+    cases = resolve(
+        {
+            "contact": {"contact_modulus": "1e9", "mean_pressure": 1e5},
+            "level": {"form": "mean"},
+            "cases": {
+                "base": {},
+                "steel": {"contact": {"bodies": [STEEL, STEEL]}},
+                "light": {"contact": {"relative_pressure": 0.01}, "level": {"robust": True}},
+            },
+        }
+    )
+    assert list(cases) == ["base", "steel", "light"]
+    assert cases["steel"]["contact"]["contact_modulus"] == pytest.approx(1.1538e11, rel=1e-4)
+    assert cases["steel"]["contact"]["mean_pressure"] == [1e5]
+    assert cases["light"]["contact"]["mean_pressure"] is None
+    assert cases["light"]["level"] == cases["base"]["level"] | {"robust": True}
+
+
+def test_what_all_cases_give_need_not_stand_above():
+    cases = resolve(
+        {"cases": {name: {"contact": {"contact_modulus": value}} for name, value in (("a", 1.0), ("b", 2.0))}}
+    )
+    assert [case["contact"]["contact_modulus"] for case in cases.values()] == [1.0, 2.0]
+
+
+def test_mistakes_in_cases_are_named_once_and_where_they_stand():
+    lines = mistakes(
+        {
+            "level": {"forn": "plane"},
+            "contact": {"contact_modulus": 1},
+            "cases": {
+                "good": {},
+                "bad": {"contact": {"tolerence": 1}},
+                "worse": {"contact": {"bodies": [STEEL, {"youngs_modulus": -1, "poissons_ratio": 0.2}]}},
+            },
+        }
+    )
+    assert lines[0] == "level.forn: unknown key, did you mean form?"
+    assert lines[1] == "cases.bad.contact.tolerence: unknown key, did you mean tolerance?"
+    assert lines[2].startswith("cases.worse.contact.bodies[1].youngs_modulus = -1: must be greater than 0")
+    assert len(lines) == 3
+
+
+@pytest.mark.parametrize(
+    ("cases", "said"),
+    [
+        ({"a b": {}}, "cases.a b: a name has letters, digits and hyphens only"),
+        ({"a": 3}, "cases.a = 3"),
+        ({"a": {"surfaces": "x.tsv"}}, "cases.a.surfaces: is common to all cases"),
+        (["a"], "cases = ['a']: must be a mapping"),
+    ],
+)
+def test_cases_that_are_none(cases, said):
+    (line,) = mistakes({"contact": {"contact_modulus": 1}, "cases": cases})
+    assert line.startswith(said)
+
+
+def test_schema_is_json_and_knows_every_key():
+    schema = json.loads(json_schema())
+    assert set(schema["properties"]) == set(Settings.model_fields)
+    assert set(schema["$defs"]["Contact"]["properties"]) == set(Contact.model_fields)
+    assert schema["$defs"]["Contact"]["additionalProperties"] is False

@@ -1,0 +1,78 @@
+"""The checksum of a script's modules covers whatever the script imports, and nothing else of the package."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from roughcontact import sources
+
+ROOT = Path(__file__).parents[2]
+SCRIPTS = sorted(path for path in (ROOT / "workflow/scripts").glob("[a-z]*.py"))
+_PROBE = """
+import ast, importlib, sys
+tree = ast.parse(open(sys.argv[1]).read())
+for node in ast.walk(tree):
+    if isinstance(node, ast.ImportFrom) and node.module.startswith("roughcontact"):
+        importlib.import_module(node.module)
+print("\\n".join(m.__file__ for name, m in sys.modules.items() if name.split(".")[0] == "roughcontact"))
+"""
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+def test_all_that_is_imported_when_a_script_starts_is_covered(script):
+    run = subprocess.run(
+        [sys.executable, "-c", _PROBE, str(script)],
+        env={"PYTHONPATH": str(ROOT / "workflow/lib")},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    loaded = {Path(line).resolve() for line in run.stdout.split()}
+    assert loaded <= sources._closure(script)
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """Return a copy of the package and its scripts that may be edited."""
+    shutil.copytree(ROOT / "workflow", tmp_path / "workflow", ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(sources, "PACKAGE", tmp_path / "workflow/lib/roughcontact")
+    sources._imported.cache_clear()
+    yield tmp_path / "workflow"
+    sources._imported.cache_clear()
+
+
+def digests(workflow):
+    """Return the checksum of every script."""
+    sources._imported.cache_clear()
+    return {path.stem: sources.source_digest(path) for path in (workflow / "scripts").glob("[a-z]*.py")}
+
+
+@pytest.mark.parametrize(
+    ("edited", "concerned"),
+    [
+        ("lib/roughcontact/levelling.py", {"level"}),
+        ("lib/roughcontact/io/units.py", {"ingest"}),
+        ("lib/roughcontact/contact/solve.py", {"solve", "solve_statistics", "statistics"}),
+        ("lib/roughcontact/collect.py", {"collect"}),
+        ("lib/roughcontact/templates/report.css", {"panel", "report"}),
+        ("lib/roughcontact/settings.py", set()),
+        ("scripts/_solver.py", {"solve", "solve_statistics"}),
+    ],
+)
+def test_an_edit_concerns_what_imports_the_module(package, edited, concerned):
+    before = digests(package)
+    path = package / edited
+    path.write_bytes(path.read_bytes() + b"\n")
+    after = digests(package)
+    assert {name for name in before if before[name] != after[name]} == concerned
+
+
+def test_an_edit_of_what_all_share_concerns_all(package):
+    before = digests(package)
+    path = package / "scripts/_job.py"
+    path.write_bytes(path.read_bytes() + b"\n")
+    after = digests(package)
+    assert all(before[name] != after[name] for name in before)

@@ -1,0 +1,32 @@
+"""Two cases share a stage where all settings up to it are equal."""
+
+from roughcontact.settings import resolve
+from roughcontact.stages import SECTIONS, owner, settings_of
+
+
+def owners(overrides, **contact):
+    """Return, for each stage, whose it is in a case with these overrides next to a case without any."""
+    cases = resolve({"contact": {"contact_modulus": 1, **contact}, "cases": {"base": {}, "other": overrides}})
+    return [owner(cases, "other", stage) for stage in SECTIONS]
+
+
+def test_a_case_owns_what_it_changes_and_all_that_follows():
+    assert owners({}) == ["base"] * 5
+    assert owners({"statistics": {"gap_bins": 5}}) == ["base"] * 4 + ["other"]
+    assert owners({"contact": {"tolerance": 0.1}}) == ["base"] * 3 + ["other"] * 2
+    assert owners({"window": {"method": "raw"}}) == ["base"] * 2 + ["other"] * 3
+    assert owners({"level": {"form": "mean"}}) == ["base"] + ["other"] * 4
+
+
+def test_a_value_that_is_written_out_is_the_default():
+    assert owners({"level": {"form": "plane"}, "contact": {"contact_modulus": "1.0"}}) == ["base"] * 5
+
+
+def test_without_fields_contact_and_statistics_are_one():
+    assert owners({"statistics": {"gap_bins": 5}}, keep_fields=False) == ["base"] * 3 + ["other"] * 2
+
+
+def test_settings_of_a_stage_leave_out_what_comes_later():
+    (settings,) = resolve({"contact": {"contact_modulus": 1}}).values()
+    assert settings_of(settings, "height") == {}
+    assert list(settings_of(settings, "window")) == ["level", "window"]

@@ -1,0 +1,104 @@
+"""The table of surfaces: what it says is read, what is wrong is listed at once."""
+
+import pytest
+
+from roughcontact.errors import SettingsError
+from roughcontact.surfaces import find, read_surfaces
+
+
+@pytest.fixture
+def table(tmp_path):
+    """Return a function that writes a table and returns its path."""
+
+    def write(*lines):
+        path = tmp_path / "surfaces.tsv"
+        path.write_text("\n".join(lines), encoding="utf-8")
+        return path
+
+    return write
+
+
+def mistakes(path):
+    """Return the message that reading `path` provokes."""
+    with pytest.raises(SettingsError) as caught:
+        read_surfaces(path)
+    return str(caught.value)
+
+
+def test_rows_comments_and_optional_columns(table, tmp_path):
+    (tmp_path / "a.txt").touch()
+    path = table(
+        "# made by hand",
+        "surface\tpath\tdx\tunit\tchannel",
+        "ground-1\ta.txt\t1e-3\tmm\t",
+        "#left-out\tb.txt",
+        "",
+        "turned\tmissing.x3p\t\t\tHeight",
+    )
+    surfaces = read_surfaces(path)
+    assert list(surfaces) == ["ground-1", "turned"]
+    assert surfaces["ground-1"].given == {"dx": 1e-3, "unit": "mm"}
+    assert surfaces["ground-1"].path == tmp_path / "a.txt"
+    assert surfaces["ground-1"].origin == f"{path}, line 3"
+    assert surfaces["turned"].given == {"channel": "Height"}
+    assert not surfaces["turned"].path.exists()
+
+
+def test_the_working_directory_comes_before_the_folder_of_the_table(table, tmp_path, monkeypatch):
+    work = tmp_path / "work"
+    work.mkdir()
+    (tmp_path / "a.txt").write_text("beside the table")
+    path = table("surface\tpath", "a\ta.txt")
+    monkeypatch.chdir(work)
+    assert read_surfaces(path)["a"].path.read_text() == "beside the table"
+    (work / "a.txt").write_text("here")
+    assert read_surfaces(path)["a"].path.read_text() == "here"
+    assert str(find("a.txt", [".", tmp_path])) == "a.txt"
+    assert find(tmp_path / "a.txt", ["."]) == tmp_path / "a.txt"
+
+
+def test_mark_at_the_start_and_line_ends_of_other_systems(tmp_path):
+    path = tmp_path / "surfaces.tsv"
+    path.write_bytes(b"\xef\xbb\xbfsurface\tpath\r\na\ta.txt\r\n")
+    assert read_surfaces(path)["a"].path.name == "a.txt"
+
+
+def test_all_mistakes_at_once(table):
+    path = table(
+        "surface\tpath\tdx\tdy",
+        "a b\ta.txt\t1\t1",
+        "c\t\t0,5\t-1",
+        "d\td.txt\t1\t1\textra",
+        "d\te.txt\tinf\t",
+    )
+    said = mistakes(path)
+    for part in (
+        "line 2, surface = 'a b'",
+        "line 3, path: is empty",
+        "line 3, dx = '0,5': must be a number greater than 0",
+        "line 3, dy = '-1'",
+        "line 4: 5 cells, the header has 4",
+        "line 5, surface = d: stands twice",
+        "line 5, dx = 'inf'",
+    ):
+        assert part in said
+    assert len(said.split("\n")) == 8
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        (["surface\tpaht", "a\tb"], "column 'paht': unknown, did you mean path?"),
+        (["surface", "a"], "column 'path': missing"),
+        (["surface\tpath\tpath", "a\tb\tc"], "column 'path': stands twice"),
+        (["surface,path", "a,b"], "columns are separated by tabs"),
+        (["surface\tpath"], "has no row"),
+        ([""], "is empty"),
+    ],
+)
+def test_tables_that_are_none(table, lines, said):
+    assert said in mistakes(table(*lines))
+
+
+def test_a_missing_table_is_named(tmp_path):
+    assert "nowhere.tsv: not readable" in mistakes(tmp_path / "nowhere.tsv")

@@ -1,0 +1,140 @@
+"""What goes wrong is said in one sentence, stops its own surface alone, and leaves nothing half-written."""
+
+import os
+import signal
+import subprocess
+import time
+
+import numpy as np
+import psutil
+import pytest
+from conftest import SETTINGS, TABLE, counted
+
+HEADER, GOOD, _ = TABLE
+
+# surface: (rest of its row in the table, what the message says)
+BROKEN = {
+    "absent": (
+        "measured/nowhere.npy\tum\t1\t1",
+        ["measured/nowhere.npy: no such file", "surfaces.tsv, line 3"],
+    ),
+    "unit": ("measured/ground.npy\tfurlong\t1\t1", ["measured/ground.npy", "'furlong'", "line 4"]),
+    "size": ("measured/ground.npy\tum\t\t", ["measured/ground.npy", "dx", "line 5"]),
+    "empty": ("measured/empty.txt\tum\t1\t1", ["measured/empty.txt", "line 6"]),
+    "cut": ("measured/cut.npy\tum\t1\t1", ["measured/cut.npy", "line 7"]),
+    "nan": ("measured/nan.npy\tum\t1\t1", ["measured/nan.npy", "line 8"]),
+    "dot": ("measured/dot.npy\tum\t1\t1", ["measured/dot.npy", "single point"]),
+    "flat": ("measured/flat.npy\tum\t1\t1", ["the map is flat", "mean_pressure"]),
+}
+
+
+def test_a_broken_surface_stops_itself_alone(project):
+    rows = [f"{name}\t{row}" for name, (row, _) in BROKEN.items()]
+    project.write(table=[HEADER, GOOD, *rows])
+    project.path("measured/empty.txt").touch()
+    project.path("measured/cut.npy").write_bytes(project.path("measured/ground.npy").read_bytes()[:1000])
+    for name, heights in {
+        "nan": np.full((8, 8), np.nan),
+        "dot": np.ones((1, 1)),
+        "flat": np.ones((8, 8)),
+    }.items():
+        np.save(project.path(f"measured/{name}.npy"), heights)
+    run = project.run("--keep-going")
+    assert run.returncode != 0
+    assert "Traceback" not in run.stderr
+    for name, (_, said) in BROKEN.items():
+        (line,) = [line for line in run.stderr.split("\n") if f" {name}] ERROR: " in line]
+        assert len(line) < 500
+        for part in said:
+            assert part in line, line
+        logs = [log.read_text() for log in project.path(f"logs/{name}").iterdir()]
+        assert sum("Traceback" in log for log in logs) == 1
+    assert project.path("results/ground/panel.html").exists()
+    assert not project.path("results/report.html").exists()
+    assert not list(project.path("results").rglob("*.partial"))
+    assert f"Not finished: {', '.join(BROKEN)}." in run.stderr
+    # the way out that the message names: leave the rows out, and the report of the rest is made
+    project.write(table=[HEADER, GOOD, *(f"#{row}" for row in rows)])
+    assert counted(project.run()) == {"collect": 1, "report": 1}
+    assert project.path("results/report.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("settings", "table", "said"),
+    [
+        (
+            SETTINGS | {"contact": {"contact_modulus": -1, "mean_pressure": []}, "levle": {}},
+            TABLE,
+            [
+                "levle: unknown key, did you mean level?",
+                "contact.contact_modulus = -1",
+                "contact.mean_pressure = []",
+            ],
+        ),
+        (
+            SETTINGS,
+            [HEADER.replace("path", "file"), GOOD],
+            ["surfaces.tsv", "column 'file': unknown", "'path': missing"],
+        ),
+        (SETTINGS | {"surfaces": "no.tsv"}, TABLE, ["table of surfaces no.tsv: not readable"]),
+    ],
+)
+def test_a_mistake_in_settings_or_table_is_found_before_anything_runs(project, settings, table, said):
+    project.write(settings, table)
+    run = project.run()
+    assert run.returncode != 0
+    for part in said:
+        assert part in run.stderr
+    assert "Traceback" not in run.stderr
+    assert not project.path("results").exists()
+
+
+def started(project, log, word):
+    """Start the workflow and return its process as soon as `word` stands in a log."""
+    with open(project.path("said"), "w") as said:
+        process = subprocess.Popen(
+            project.command("results/ground/contact.nc"), stderr=said, stdout=said, start_new_session=True
+        )
+    path, end = project.path(log), time.monotonic() + 60
+    while not (path.exists() and word in path.read_text()):
+        assert process.poll() is None, project.path("said").read_text()
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    return process
+
+
+@pytest.fixture
+def slow(project):
+    """A project whose solution takes some seconds."""
+    loads = [0.01 * (1 + number) for number in range(24)]
+    project.write(
+        SETTINGS | {"contact": SETTINGS["contact"] | {"relative_pressure": loads, "tolerance": 1e-10}}
+    )
+    return project
+
+
+def test_a_killed_job_leaves_nothing_and_is_taken_up_again(slow):
+    process = started(slow, "logs/ground/solve.log", "load 3 of 24")
+    solvers = [
+        child
+        for child in psutil.Process(process.pid).children(recursive=True)
+        if child.cmdline()[-1:] and child.cmdline()[-1].endswith(".solve.py")
+    ]
+    solvers[-1].kill()
+    assert process.wait(timeout=60) != 0
+    assert sorted(path.name for path in slow.path("results/ground").iterdir()) == [
+        "height.nc",
+        "levelled.nc",
+        "window.nc",
+    ]
+    assert counted(slow.run("results/ground/contact.nc")) == {"solve": 1}
+    assert slow.path("results/ground/contact.nc").exists()
+
+
+def test_a_run_that_was_cut_off_goes_on_where_it_was(slow):
+    process = started(slow, "logs/ground/solve.log", "load 3 of 24")
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait(timeout=60)
+    assert not slow.path("results/ground/contact.nc").exists()
+    assert slow.run("--unlock").returncode == 0
+    assert counted(slow.run("results/ground/contact.nc", "--rerun-incomplete")) == {"solve": 1}

@@ -1,0 +1,229 @@
+"""What a run leaves, what a second run does, and what an edit runs again."""
+
+import csv
+import hashlib
+import json
+import os
+import shutil
+from contextlib import contextmanager
+
+import pytest
+import xarray as xr
+from conftest import SETTINGS, TABLE, Project, counted, write_maps
+
+from roughcontact.storage import read_dataset
+
+EACH = ["height.nc", "levelled.nc", "window.nc", "contact.nc", "statistics.nc", "panel.html"]
+FILES = [
+    "statistics.nc",
+    "summary.csv",
+    "report.html",
+    *(f"{s}/{f}" for s in ("ground", "turned") for f in EACH),
+]
+FROM_LEVEL = {"level": 2, "window": 2, "solve": 2, "statistics": 2, "panel": 2, "collect": 1, "report": 1}
+FROM_SOLVE = {key: FROM_LEVEL[key] for key in ("solve", "statistics", "panel", "collect", "report")}
+FROM_STATISTICS = {key: FROM_SOLVE[key] for key in ("statistics", "panel", "collect", "report")}
+
+
+def files_of(project):
+    """Return the files below results, named from there."""
+    root = project.path("results")
+    return {str(path.relative_to(root)) for path in root.rglob("*") if path.is_file()}
+
+
+@contextmanager
+def edited(path, old, new):
+    """Replace a piece of a file and put it back at the end, with the time it had."""
+    times, text = os.stat(path), path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    yield
+    path.write_text(text)
+    os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+
+
+def test_a_run_leaves_every_file_and_no_other(finished):
+    assert files_of(finished) == set(FILES)
+
+
+def test_a_run_shows_how_far_it_has_come(finished):
+    for line in ("[solve ground] load 1 of 2", "[solve turned] load 2 of 2", "15 of 15 steps (100%) done"):
+        assert line in finished.first.stderr
+    assert "load 2 of 2" in finished.path("logs/ground/solve.log").read_text()
+
+
+def test_every_file_carries_settings_versions_and_checksum(finished):
+    for surface, name in (("ground", "ground.npy"), ("turned", "turned.txt")):
+        checksum = hashlib.sha256(finished.path(f"measured/{name}").read_bytes()).hexdigest()
+        for file in EACH[:-1]:
+            attrs = read_dataset(finished.path(f"results/{surface}/{file}")).attrs
+            assert attrs["source_sha256"] == checksum
+            assert json.loads(attrs["settings"])["surface"]["name"] == surface
+            assert {"roughcontact", "numpy"} <= set(json.loads(attrs["versions"]))
+    attrs = read_dataset(finished.path("results/statistics.nc")).attrs
+    assert json.loads(attrs["source_sha256"])["turned"] == checksum
+    assert json.loads(attrs["settings"])["contact"]["contact_modulus"] == 1e9
+
+
+def test_the_table_of_surfaces_reaches_the_map(finished):
+    ground = read_dataset(finished.path("results/ground/height.nc"))
+    assert float(ground["y"][1] - ground["y"][0]) == pytest.approx(1e-6)
+    assert float(ground["x"][1] - ground["x"][0]) == pytest.approx(2e-6)
+
+
+def test_the_summary_has_a_row_for_each_surface_and_load(finished):
+    with open(finished.path("results/summary.csv"), newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [(row["surface"], float(row["relative_pressure"])) for row in rows] == [
+        (surface, pytest.approx(load)) for surface in ("ground", "turned") for load in (0.05, 0.2)
+    ]
+    for row in rows:
+        assert 0 < float(row["relative_contact_area"]) < float(row["relative_contact_area_pixels"]) < 1
+        assert float(row["error_bound"]) < 1e-6
+
+
+def test_a_second_run_does_nothing(finished):
+    again = finished.run()
+    assert again.returncode == 0
+    assert "Nothing to be done" in again.stderr
+    assert again.seconds < 5
+
+
+def test_an_equal_run_elsewhere_leaves_equal_bytes(finished, tmp_path, checkout):
+    project = Project(tmp_path / "second", checkout)
+    for name in ("measured", "settings.yaml", "surfaces.tsv"):
+        source, target = finished.path(name), project.path(name)
+        shutil.copytree(source, target, dirs_exist_ok=True) if source.is_dir() else shutil.copy(
+            source, target
+        )
+    run = project.run()
+    assert run.returncode == 0, run.stderr
+    for name in FILES:
+        assert (
+            project.path(f"results/{name}").read_bytes() == finished.path(f"results/{name}").read_bytes()
+        ), name
+
+
+@pytest.mark.parametrize(
+    ("section", "change", "expected"),
+    [
+        ("level", {"form": "mean"}, FROM_LEVEL),
+        ("contact", {"tolerance": 1e-5}, FROM_SOLVE),
+        ("statistics", {"gap_bins": 7}, FROM_STATISTICS),
+        ("report", {"title": "Another title"}, {"report": 1}),
+    ],
+)
+def test_an_edited_setting_reruns_what_depends_on_it(finished, section, change, expected):
+    finished.write(SETTINGS | {section: SETTINGS.get(section, {}) | change})
+    jobs = finished.jobs()
+    finished.write()
+    assert jobs == expected
+
+
+def test_values_written_in_another_way_rerun_nothing(finished):
+    contact = {"relative_pressure": ["5e-2", 0.2], "contact_modulus": 1000000000, "tolerance": 1e-6}
+    finished.write(SETTINGS | {"contact": contact, "level": {"form": "plane"}})
+    jobs = finished.jobs()
+    finished.write()
+    assert jobs == {}
+
+
+def test_pitches_that_changed_places_rerun_that_surface(finished):
+    finished.write(table=[TABLE[0], TABLE[1].replace("2\t1", "1\t2"), TABLE[2]])
+    jobs = finished.jobs()
+    finished.write()
+    assert jobs == {"ingest": 1, **{key: max(1, count // 2) for key, count in FROM_LEVEL.items()}}
+
+
+@pytest.mark.parametrize(
+    ("module", "expected"),
+    [
+        ("levelling.py", FROM_LEVEL),
+        ("contact/solve.py", FROM_SOLVE),
+        ("plots.py", {"panel": 2, "report": 1}),
+        ("settings.py", {}),
+    ],
+)
+def test_an_edited_module_reruns_what_depends_on_it(finished, checkout, module, expected):
+    path = checkout / "workflow/lib/roughcontact" / module
+    with edited(path, '"""', '"""Edited. '):
+        assert finished.jobs() == expected
+
+
+def test_an_edited_measurement_reruns_that_surface(finished):
+    with edited(finished.path("measured/turned.txt"), "\n", "\n "):
+        jobs = finished.jobs()
+    assert jobs == {"ingest": 1, **{key: max(1, count // 2) for key, count in FROM_LEVEL.items()}}
+
+
+CASES = {
+    "base": {},
+    "binned": {"statistics": {"gap_bins": 5}},
+    "lean": {"contact": {"keep_fields": False}},
+}
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory, checkout):
+    """A project with cases in which the workflow has run once, on one surface."""
+    project = Project(tmp_path_factory.mktemp("study") / "project", checkout)
+    write_maps(project.path("measured"))
+    project.write(SETTINGS | {"cases": CASES}, TABLE[:2])
+    project.first = project.run()
+    assert project.first.returncode == 0, project.first.stderr
+    return project
+
+
+def test_a_case_computes_only_what_it_changes(study):
+    assert counted(study.first) == {
+        "ingest": 1,
+        "level": 1,
+        "window": 1,
+        "solve": 1,
+        "statistics": 2,
+        "solve_statistics": 1,
+        "share_binned": 1,
+        "share_lean": 1,
+        "panel": 3,
+        "collect": 1,
+        "report": 1,
+    }
+    assert "Nothing to be done" in study.run().stderr
+
+
+def test_the_folder_of_every_case_is_complete(study):
+    assert files_of(study) == {"statistics.nc", "summary.csv", "report.html"} | {
+        f"{case}/ground/{name}" for case in CASES for name in EACH
+    }
+    first, second = (
+        read_dataset(study.path(f"results/{case}/ground/window.nc")) for case in ("base", "lean")
+    )
+    assert first.identical(second)
+
+
+def test_without_fields_the_numbers_are_the_same(study):
+    full, lean = (
+        read_dataset(study.path(f"results/{case}/ground/statistics.nc")) for case in ("base", "lean")
+    )
+    xr.testing.assert_allclose(full, lean, rtol=1e-14)
+    contact = read_dataset(study.path("results/lean/ground/contact.nc"))
+    assert not {"pressure", "gap", "contact"} & set(contact.variables)
+    assert contact["error_bound"].equals(
+        read_dataset(study.path("results/base/ground/contact.nc"))["error_bound"]
+    )
+
+
+def test_the_summary_compares_the_cases(study):
+    with open(study.path("results/summary.csv"), newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["case"] for row in rows] == [case for case in CASES for _ in range(2)]
+    areas = [row["relative_contact_area"] for row in rows]
+    assert areas[:2] == areas[2:4] == areas[4:]
+
+
+def test_a_change_of_one_case_reruns_that_case(study):
+    changed = CASES | {"binned": {"statistics": {"gap_bins": 6}}}
+    study.write(SETTINGS | {"cases": changed}, TABLE[:2])
+    jobs = study.jobs()
+    study.write(SETTINGS | {"cases": CASES}, TABLE[:2])
+    assert jobs == {"statistics": 1, "panel": 1, "collect": 1, "report": 1}
