@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import x3pio
 
-from roughcontact.errors import InputFileError
+from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io import guards, read_height_map
 from roughcontact.io.plausibility import suspicions
 
@@ -150,6 +150,12 @@ def test_noise_and_flatness():
     noise = np.random.default_rng(5).standard_normal((64, 64)) * 1e-7
     assert "neighbouring points are unrelated" in words(noise)
     assert "all heights are equal" in words(np.zeros((8, 8)))
+
+
+def test_absurd_heights_are_refused(tmp_path):
+    np.save(tmp_path / "map.npy", rough() * 1e12)
+    with pytest.raises(HeightMapError, match="are no measurement; the height unit is wrong"):
+        read_height_map(tmp_path / "map.npy", dx=1e-6, dy=1e-6, unit="m")
 
 
 def test_suspicions_reach_the_user(tmp_path):

@@ -23,6 +23,7 @@ from roughcontact.io.units import is_length, metres
 
 __all__ = ["inspect_file", "read_height_map"]
 
+_LARGEST_HEIGHT = 1e5  # m; higher than any mountain
 _NETCDF = (b"\x89HDF\r\n\x1a\n", b"CDF\x01", b"CDF\x02", b"CDF\x05")
 _SDF = (b"aISO-", b"bISO-", b"aBCR-", b"bBCR-", b"\xef\xbb\xbfaISO-")
 # text headers before binary heights; the last one is BCR in UTF-16
@@ -76,8 +77,11 @@ def read_height_map(path, *, channel=None, dx=None, dy=None, unit=None, height_u
     path = Path(path)
     check_file(path)
     source = _open(path)
-    chosen, sentence = choose_channel(source, _given(channel), str(path))
+    unit_given = _given(height_unit) is not None
+    chosen, sentence = choose_channel(source, _given(channel), str(path), unit_given=unit_given)
     notes = list(source.warnings)
+    if chosen.no_height:
+        notes.append(f"channel {chosen.name!r} is read at the user's word ({chosen.no_height})")
     steps, height_factor = _scales(chosen, path, dx, dy, unit, height_unit, notes)
     heights = _checked(chosen.read() * height_factor, path)
     if len(source.channels) > 1 and _given(channel) is None:
@@ -199,6 +203,8 @@ def _scales(channel: Channel, path, dx, dy, unit, height_unit, notes) -> tuple[t
     An argument wins over the file; where both speak and differ, `notes` gets a sentence.
     """
     dx, dy, unit, height_unit = (_given(value) for value in (dx, dy, unit, height_unit))
+    if channel.no_height and height_unit is None and not is_length(channel.height_unit):
+        raise InputFileError(f"{path}: channel {channel.name!r} holds no heights ({channel.no_height})")
     lateral = _lateral_factor(channel, path, unit, notes, needed=None in (dx, dy))
     profile = channel.shape[0] == 1
     steps = {}
@@ -252,8 +258,6 @@ def _height_factor(channel, path, unit, height_unit, notes) -> float:
             )
         return factor
     if stated is not None:
-        if channel.no_height:
-            raise InputFileError(f"{path}: channel {channel.name!r} holds no heights ({channel.no_height})")
         return metres(stated, where=f"{path}: height unit")
     if unit is None:
         raise InputFileError(
@@ -306,6 +310,12 @@ def _checked(heights, path) -> np.ndarray:
         raise HeightMapError(f"{path}: the map has a single point; a map or a profile needs at least two")
     if not np.isfinite(heights).any():
         raise HeightMapError(f"{path}: all {heights.size} points of the map are missing; check the channel")
+    largest = np.nanmax(np.abs(heights))
+    if largest > _LARGEST_HEIGHT:
+        raise HeightMapError(
+            f"{path}: heights up to {largest:.3g} m are no measurement; the height unit is wrong or the file "
+            "is damaged (for instance a binary file whose line ends were converted)"
+        )
     return heights
 
 

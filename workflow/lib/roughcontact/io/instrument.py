@@ -80,6 +80,7 @@ def read_instrument(path: Path, head: bytes) -> SourceFile:
     InputFileError
         where no reader knows the file, or the one that knows it finds it damaged.
     """
+    _refuse_converted_line_ends(path)
     with _silence():
         from SurfaceTopography.Exceptions import FileFormatMismatch
         from SurfaceTopography.IO import lookup_reader_by_format
@@ -116,6 +117,24 @@ def read_instrument(path: Path, head: bytes) -> SourceFile:
         ) from (failures[0][1] if failures else None)
 
 
+def _refuse_converted_line_ends(path: Path):
+    """Refuse a binary file that went through a text-mode transfer: every line feed follows a carriage return.
+
+    One byte in 256 of binary data is a line feed, so that in more than 50 of them none without a carriage
+    return does not happen by chance. Only the end of the file is looked at, where no header is.
+    """
+    size = path.stat().st_size
+    with open(path, "rb") as stream:
+        stream.seek(max(size // 2, size - 2**24))
+        data = stream.read()
+    feeds = data.count(b"\n")
+    if feeds > 50 and feeds == data.count(b"\r\n"):
+        raise InputFileError(
+            f"{path}: every line feed in this binary file follows a carriage return: it was transferred as "
+            "text and is damaged; copy it again in binary mode"
+        )
+
+
 def _is_plausible(reader, name) -> bool:
     """Return whether a file without a mark is what its header fields say: guards against chance matches."""
     if name != "nms":
@@ -141,18 +160,21 @@ def _channel(info, name, path) -> Channel:
 
     shape = (1, info.nb_grid_pts[0]) if len(info.nb_grid_pts) == 1 else tuple(info.nb_grid_pts[::-1])
     check_points(shape, path)
-    channel = Channel(info.channel_id, shape, lambda: None)
-    unit = info.unit
-    if isinstance(info.unit, tuple):
-        channel.no_height = f"values in {info.unit[1] or 'no unit'}, no length"
-    elif not info.is_height_channel or (info.data_unit is not None and not is_length(info.data_unit)):
-        channel.no_height = f"values in {info.data_unit}, no length"
+    # (lateral unit, unit of the values) where they differ; some readers state the first for the second
+    lateral_unit, unit = info.unit if isinstance(info.unit, tuple) else (info.unit, info.data_unit)
+    channel = Channel(info.channel_id, shape, lambda: None, height_unit=unit, lateral_unit=lateral_unit)
+    if (
+        isinstance(info.unit, tuple)
+        or not info.is_height_channel
+        or (unit is not None and not is_length(unit))
+    ):
+        channel.height_unit = unit or "no unit"
+        channel.no_height = f"values in {channel.height_unit}, no length"
     elif _NO_HEIGHT_NAME.search(info.name):
         channel.no_height = "by its name no topography"
     try:
         topography = info.topography()
         values = topography.heights()
-        unit = topography.unit if isinstance(topography.unit, str) else unit
     except CorruptFile as error:
         raise InputFileError(
             f"{path}: channel {info.channel_id!r} is not whole: the file was cut off"
@@ -174,8 +196,10 @@ def _channel(info, name, path) -> Channel:
     sizes = topography.physical_sizes
     channel.shape = heights.shape
     channel.read = lambda: heights
-    if isinstance(unit, str) or unit is None:
-        channel.height_unit = channel.lateral_unit = unit
+    if isinstance(topography.unit, str):
+        channel.lateral_unit = topography.unit  # the library brings steps and heights to one unit
+        if is_length(channel.height_unit):
+            channel.height_unit = topography.unit
     if sizes is not None:
         steps = np.asarray(sizes, dtype=float) / np.asarray(topography.nb_grid_pts)
         if name == "nms":

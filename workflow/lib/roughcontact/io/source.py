@@ -43,11 +43,11 @@ class SourceFile:
     warnings: list[str] = field(default_factory=list)
 
 
-def choose_channel(source: SourceFile, wanted, where: str) -> tuple[Channel, str]:
+def choose_channel(source: SourceFile, wanted, where: str, *, unit_given=False) -> tuple[Channel, str]:
     """Return the channel to use and a sentence that says how it was chosen.
 
     Without `wanted` it is the first channel that holds heights (a length unit, and no amplitude, phase, error
-    or the like by name).
+    or the like by name); with `unit_given` the user says that the values of the only channel are heights.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def choose_channel(source: SourceFile, wanted, where: str) -> tuple[Channel, str
     listing = ", ".join(repr(name) for name in names)
     if wanted is None:
         for channel in source.channels:
-            if not channel.no_height:
+            if not channel.no_height or (unit_given and len(names) == 1):
                 chosen = f"the first height channel of {len(names)}" if len(names) > 1 else "the only channel"
                 return channel, f"{channel.name!r}, {chosen}"
         reasons = "; ".join(f"{channel.name!r}: {channel.no_height}" for channel in source.channels)
