@@ -1,0 +1,105 @@
+"""Statistics of several surfaces and cases in one dataset and one table."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from roughcontact.collect import collect_statistics, summary_table
+from roughcontact.errors import InputFileError
+from roughcontact.storage import read_dataset, write_dataset, write_table
+
+
+def write_statistics(path, loads, *, bins=3, scale=1.0):
+    """Write a small statistics file whose numbers say where they come from."""
+    loads = np.asarray(loads, float)
+    bounds = np.arange(bins + 1.0) * scale
+    dataset = xr.Dataset(
+        {
+            "relative_contact_area": ("load", loads / 1e7),
+            "contact_clusters": ("load", np.arange(loads.size) + 5),
+            "contact_stiffness": ("load", loads * 2),
+            "pressure_density": (("load", "pressure_bin"), np.full((loads.size, bins), 1 / (bins * scale))),
+            "rms_height": scale * 1e-6,
+        },
+        coords={
+            "mean_pressure": ("load", loads),
+            "pressure_bin": (bounds[1:] + bounds[:-1]) / 2,
+            "pressure_bin_bounds": (("pressure_bin", "bounds"), np.column_stack([bounds[:-1], bounds[1:]])),
+        },
+    )
+    write_dataset(dataset, path)
+    return path
+
+
+def test_surfaces_with_different_loads_and_bins(tmp_path):
+    entries = [
+        {"surface": "b", "case": None, "statistics": write_statistics(tmp_path / "b.nc", [1e5, 2e5, 4e5])},
+        {
+            "surface": "a",
+            "case": None,
+            "statistics": write_statistics(tmp_path / "a.nc", [3e5], bins=5, scale=2.0),
+        },
+    ]
+    collected = collect_statistics(entries)
+    assert dict(collected.sizes) == {"surface": 2, "load": 3, "pressure_bin": 5, "bounds": 2}
+    assert list(collected["surface_name"].values) == ["b", "a"]
+    np.testing.assert_array_equal(collected["mean_pressure"], [[1e5, 2e5, 4e5], [3e5, np.nan, np.nan]])
+    np.testing.assert_array_equal(collected["rms_height"], [1e-6, 2e-6])
+    np.testing.assert_array_equal(collected["pressure_bin_bounds"][1, :, 1], [2, 4, 6, 8, 10])
+    assert np.isnan(collected["pressure_density"][0, :, 3:]).all()
+
+    table = summary_table(collected)
+    assert list(table["surface"]) == ["b", "b", "b", "a"]
+    assert list(table["mean_pressure_Pa"]) == [1e5, 2e5, 4e5, 3e5]
+    assert list(table["contact_clusters"]) == [5, 6, 7, 5]
+    assert table["contact_clusters"].dtype.kind == "i"
+    assert list(table["rms_height_m"]) == [1e-6, 1e-6, 1e-6, 2e-6]
+    assert list(table.columns[:3]) == ["surface", "mean_pressure_Pa", "relative_contact_area"]
+    assert "contact_stiffness_Pa_per_m" in table
+    assert not [name for name in table if "density" in name or "bin" in name]
+
+
+def test_collected_file_and_table_can_be_read_again(tmp_path):
+    entries = [
+        {"surface": name, "case": None, "statistics": write_statistics(tmp_path / f"{name}.nc", loads)}
+        for name, loads in (("a", [1e5, 1.0 / 3]), ("b", [2e5]))
+    ]
+    collected = collect_statistics(entries)
+    write_dataset(collected, tmp_path / "all.nc")
+    again = read_dataset(tmp_path / "all.nc")
+    assert list(again["surface_name"].values) == ["a", "b"]
+    pd.testing.assert_frame_equal(summary_table(again), summary_table(collected))
+
+    write_table(summary_table(collected), tmp_path / "table.csv")
+    assert b"\r" not in (tmp_path / "table.csv").read_bytes()
+    table = pd.read_csv(tmp_path / "table.csv")
+    pd.testing.assert_frame_equal(table, summary_table(collected))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.nc", "all.nc", "b.nc", "table.csv"]
+
+
+def test_cases_come_first_and_may_lack_a_surface(tmp_path):
+    entries = [
+        {
+            "surface": surface,
+            "case": case,
+            "statistics": write_statistics(tmp_path / f"{case}{surface}.nc", loads),
+        }
+        for case, surface, loads in (("soft", "a", [1e5]), ("soft", "b", [2e5]), ("hard", "a", [5e5, 6e5]))
+    ]
+    collected = collect_statistics(entries)
+    assert collected["relative_contact_area"].dims == ("case", "surface", "load")
+    assert list(collected["case_name"].values) == ["soft", "hard"]
+    assert np.isnan(collected["mean_pressure"].values[1, 1]).all()
+    table = summary_table(collected)
+    assert list(zip(table["case"], table["surface"], table["mean_pressure_Pa"], strict=True)) == [
+        ("soft", "a", 1e5),
+        ("soft", "b", 2e5),
+        ("hard", "a", 5e5),
+        ("hard", "a", 6e5),
+    ]
+
+
+def test_missing_file_is_named(tmp_path):
+    with pytest.raises(InputFileError, match=r"gone\.nc"):
+        collect_statistics([{"surface": "a", "case": None, "statistics": tmp_path / "gone.nc"}])

@@ -1,0 +1,371 @@
+"""Statistics of hand-made contacts and of closed-form solutions fed in as if the solver had made them."""
+
+from collections import deque
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.integrate import quad
+
+from roughcontact import reference, statistics
+from roughcontact.contact import solve_contact
+from roughcontact.errors import SettingsError
+from roughcontact.statistics import contact_statistics
+from roughcontact.synthetic import product_wave_surface, rough_reference_surface
+from roughcontact.variables import describe
+
+C = (np.pi - 1 + np.log(2)) / 24
+D, WAVELENGTH, MODULUS = 1.5e-6, 2e-3, 3e9
+FULL = reference.westergaard_full_contact_pressure(D, WAVELENGTH, MODULUS)
+
+
+def solution(pressure, gap, height, steps, *, modulus=MODULUS):
+    """Return fields of one or more loads as a contact dataset."""
+    dy, dx = steps
+    ny, nx = height.shape
+    return xr.Dataset(
+        {
+            "pressure": (("load", "y", "x"), pressure),
+            "gap": (("load", "y", "x"), gap),
+            "height": (("y", "x"), height),
+            "contact_modulus": modulus,
+        },
+        coords={
+            "mean_pressure": ("load", pressure.mean(axis=(1, 2))),
+            "y": np.arange(ny) * dy,
+            "x": np.arange(nx) * dx,
+        },
+        attrs={"tolerance": 1e-4, "zero_frequency": "zero"},
+    )
+
+
+def westergaard(ratios, *, rows, points=1024):
+    """Return Westergaard's solution, crests between the points, rows of it side by side."""
+    x = (np.arange(points) + 0.5) * WAVELENGTH / points
+    pressure = [reference.westergaard_pressure(x, WAVELENGTH, r * FULL, r) for r in ratios]
+    gap = [reference.westergaard_gap(x, WAVELENGTH, D, min(r, 1.0)) for r in ratios]
+    fields = (np.repeat(np.array(field)[:, None], rows, axis=1) for field in (pressure, gap))
+    height = np.tile(D * np.cos(2 * np.pi * x / WAVELENGTH), (rows, 1))
+    return solution(*fields, height, (3e-6, WAVELENGTH / points))
+
+
+def disc(points, radius, steps, centre=(0.37, 0.11)):
+    """Return where the cell centres lie inside a disc, in a period just large enough."""
+    dy, dx = steps
+    y, x = ((np.arange(n) - n // 2 + c) * d for n, c, d in zip(points, centre, (dy, dx), strict=True))
+    return np.hypot(*np.meshgrid(y, x, indexing="ij")) < radius
+
+
+# --- area and perimeter ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shift", [0, 9])
+def test_corrected_area_of_a_square_wherever_it_lies(shift):
+    touching = np.zeros((10, 12), bool)
+    touching[2:5, 3:6] = True
+    touching = np.roll(touching, (shift, shift), (0, 1))
+    assert statistics.count_switches(touching) == (6, 6)
+    assert statistics.relative_contact_area(touching) == pytest.approx((9 - 12 * C) / 120, rel=1e-14)
+
+
+def test_corrected_area_of_everything_and_of_one_column():
+    assert statistics.relative_contact_area(np.ones((5, 7), bool)) == 1.0
+    column = np.zeros((5, 7), bool)
+    column[:, 2] = True
+    assert statistics.relative_contact_area(column) == pytest.approx((5 - 10 * C) / 35, rel=1e-14)
+
+
+def test_corrected_area_of_a_profile_is_that_of_many_equal_rows():
+    row = np.random.default_rng(0).random((1, 60)) < 0.4
+    many = np.repeat(row, 5, axis=0)
+    assert statistics.relative_contact_area(row) == pytest.approx(statistics.relative_contact_area(many))
+
+
+@pytest.mark.parametrize("steps", [(1.0, 1.0), (1.0, 0.4), (0.25, 1.0)])
+def test_disc(steps):
+    radius = 60.0
+    points = tuple(int(2 * radius / d) + 9 for d in steps)
+    touching = disc(points, radius, steps)
+    area = statistics.relative_contact_area(touching) * points[0] * points[1] * steps[0] * steps[1]
+    # the rows and columns through a disc number 2 r/dy and 2 r/dx, with two switches each
+    switches = 4 * radius / steps[0] + 4 * radius / steps[1]
+    assert sum(statistics.count_switches(touching)) == pytest.approx(switches, rel=0.02)
+    expected = np.pi * radius**2 - C * switches * steps[0] * steps[1]
+    assert area == pytest.approx(expected, rel=1e-3)
+    assert area == pytest.approx(np.pi * radius**2, rel=6e-3)
+    assert statistics.contact_perimeter(touching, steps) == pytest.approx(2 * np.pi * radius, rel=0.02)
+
+
+def test_perimeter_of_an_ellipse_and_of_lines():
+    steps = (0.5, 1.0)
+    # stretching x by three makes an ellipse of a disc
+    touching = disc((500, 400), 100.0, (0.5, 1 / 1.5), centre=(0.2, 0.4))
+    circumference = quad(lambda t: np.hypot(150 * np.sin(t), 100 * np.cos(t)), 0, 2 * np.pi)[0]
+    assert statistics.contact_perimeter(touching, steps) == pytest.approx(circumference, rel=0.01)
+    ridges = np.zeros((40, 30), bool)
+    ridges[:, 3:7] = True
+    assert statistics.contact_perimeter(ridges, steps) == pytest.approx(2 * 40 * 0.5, rel=1e-14)
+    assert statistics.contact_perimeter(ridges.T, steps) == pytest.approx(2 * 40 * 1.0, rel=1e-14)
+    diagonal = (np.add.outer(np.arange(40), np.arange(40)) % 40) < 10
+    assert statistics.contact_perimeter(diagonal, (1.0, 1.0)) == pytest.approx(
+        2 * 40 * np.sqrt(2) * np.pi / (2 * np.sqrt(2)), rel=1e-12
+    )
+    assert statistics.contact_perimeter(np.ones((4, 4), bool), steps) == 0.0
+
+
+def test_perimeter_does_not_depend_on_how_often_a_map_is_repeated():
+    touching = np.random.default_rng(5).random((24, 18)) < 0.3
+    one = statistics.contact_perimeter(touching, (1.0, 0.7))
+    assert statistics.contact_perimeter(np.tile(touching, (2, 3)), (1.0, 0.7)) == pytest.approx(
+        6 * one, rel=1e-13
+    )
+
+
+# --- clusters ----------------------------------------------------------------------------------------------
+
+
+def flood(touching):
+    """Count the patches by walking, the period included: slow and plain."""
+    left = set(zip(*np.nonzero(touching), strict=True))
+    ny, nx = touching.shape
+    patches = 0
+    while left:
+        patches += 1
+        queue = deque([left.pop()])
+        while queue:
+            i, j = queue.popleft()
+            for near in (((i + 1) % ny, j), ((i - 1) % ny, j), (i, (j + 1) % nx), (i, (j - 1) % nx)):
+                if near in left:
+                    left.remove(near)
+                    queue.append(near)
+    return patches
+
+
+@pytest.mark.parametrize(
+    ("rows", "patches"),
+    [
+        (["....", "....", "...."], 0),
+        (["####", "####", "####"], 1),
+        (["#..#", "....", "#..#"], 1),  # four corners are one patch over the period
+        (["#...", ".#..", "..#."], 3),  # corners do not join
+        (["#..#", "....", ".##."], 2),
+        ([".#..", "....", ".#.."], 1),
+        (["##.#"], 1),  # a profile
+        (["#.#."], 2),
+    ],
+)
+def test_clusters_of_hand_made_masks(rows, patches):
+    touching = np.array([[cell == "#" for cell in row] for row in rows])
+    assert statistics.count_clusters(touching) == patches
+    assert statistics.count_clusters(touching.T) == patches
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_clusters_against_a_walk_and_under_shifts(seed):
+    rng = np.random.default_rng(seed)
+    touching = rng.random(rng.integers(1, 14, 2)) < rng.uniform(0.2, 0.7)
+    patches = flood(touching)
+    assert statistics.count_clusters(touching) == patches
+    assert statistics.count_clusters(np.roll(touching, (3, 5), (0, 1))) == patches
+
+
+# --- closed forms fed in -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rows", [1, 4])
+def test_westergaard_all_numbers(rows):
+    points = (
+        8192  # sampling the edge, where the pressure rises like a square root, costs (points in contact)^-1.5
+    )
+    ratios = np.array([0.05, 0.4, 0.9])
+    stats = contact_statistics(westergaard(ratios, rows=rows, points=points))
+    pitch = WAVELENGTH / points
+    share = np.array([reference.westergaard_contact_share(r) for r in ratios])
+    length = rows * (3e-6 if rows > 1 else pitch)
+
+    np.testing.assert_allclose(stats["relative_contact_area_pixels"], share, atol=1.01 / points)
+    np.testing.assert_allclose(
+        stats["relative_contact_area"], stats["relative_contact_area_pixels"] - 2 * C / points, rtol=1e-13
+    )
+    np.testing.assert_allclose(stats["contact_perimeter"], 2 * length, rtol=1e-12)
+    np.testing.assert_array_equal(stats["contact_clusters"], 1)
+    np.testing.assert_allclose(stats["mean_pressure"], ratios * FULL, rtol=5e-5)
+    np.testing.assert_allclose(stats["mean_contact_pressure"], ratios * FULL / share, rtol=1e-3)
+    np.testing.assert_allclose(stats["max_pressure"], 2 * FULL * np.sqrt(ratios), rtol=2e-6)
+    np.testing.assert_allclose(stats["mean_gap"], reference.westergaard_mean_gap(D, ratios), rtol=1e-6)
+    energy = [reference.westergaard_energy(D, WAVELENGTH, MODULUS, r) for r in ratios]
+    np.testing.assert_allclose(stats["elastic_energy"], energy, rtol=2e-4)
+    stiffness = [reference.westergaard_stiffness(D, WAVELENGTH, MODULUS, r) for r in ratios]
+    np.testing.assert_allclose(stats["contact_stiffness"], stiffness, rtol=2e-3)
+
+    for ratio, std, mean in zip(ratios, stats["pressure_std"], stats["mean_contact_pressure"], strict=True):
+        half = reference.westergaard_contact_share(ratio) * WAVELENGTH / 2
+        square = quad(
+            lambda x, r=ratio: reference.westergaard_pressure(x, WAVELENGTH, r * FULL, r) ** 2, 0, half
+        )
+        expected = np.sqrt(square[0] / half - float(mean) ** 2)
+        assert float(std) == pytest.approx(expected, rel=2e-3)
+
+    assert float(stats["rms_height"]) == pytest.approx(D / np.sqrt(2), rel=1e-12)
+    gradient = np.sqrt(2) * np.pi * D / WAVELENGTH
+    assert float(stats["rms_gradient"]) == pytest.approx(gradient, rel=1e-12)
+    np.testing.assert_allclose(
+        stats["relative_pressure"], stats["mean_pressure"] / (MODULUS * gradient), rtol=1e-12
+    )
+    assert float(stats["window_length_x"]) == pytest.approx(WAVELENGTH, rel=1e-12)
+    assert float(stats["window_length_y"]) == pytest.approx(length, rel=1e-12)
+    np.testing.assert_allclose(stats["points_per_shortest_wavelength"], points)
+
+
+def test_westergaard_pressure_distribution():
+    """Half the contact has a pressure above that at half of the half width, and so on."""
+    ratio = 0.5
+    stats = contact_statistics(westergaard([ratio], rows=1, points=1 << 15))
+    bounds = stats["pressure_bin_bounds"].values
+    below = np.cumsum(stats["pressure_density"].values[0] * np.diff(bounds).ravel())
+    half = reference.westergaard_contact_share(ratio) * WAVELENGTH / 2
+    x = np.linspace(0, half, 200001)
+    pressure = reference.westergaard_pressure(x, WAVELENGTH, ratio * FULL, ratio)  # falls from the crest
+    for share, bound in zip(below, bounds[:, 1], strict=True):
+        position = np.interp(-bound, -pressure, x) if bound < pressure[0] else 0.0
+        assert share == pytest.approx(1 - position / half, abs=3e-4)
+
+
+def test_densities_are_whole_whatever_the_pressures():
+    rng = np.random.default_rng(1)
+    pressure = np.exp(rng.normal(0, 12, (3, 16, 16))) * (rng.random((3, 16, 16)) < 0.6)
+    gap = np.where(pressure > 0, 0.0, rng.random(pressure.shape) * 1e-6)
+    height = rng.standard_normal((16, 16)) * 1e-6
+    stats = contact_statistics(solution(pressure, gap, height, (1e-6, 2e-6)), pressure_bins=7, gap_bins=3)
+    for name in ("pressure", "gap"):
+        bounds = stats[f"{name}_bin_bounds"].values
+        assert bounds[0, 0] == 0.0
+        np.testing.assert_array_equal(bounds[1:, 0], bounds[:-1, 1])
+        whole = (stats[f"{name}_density"].values * np.diff(bounds).ravel()).sum(axis=1)
+        np.testing.assert_allclose(whole, 1.0, rtol=1e-13)
+        np.testing.assert_allclose(stats[f"{name}_bin"], bounds.mean(axis=1))
+    assert stats.sizes["pressure_bin"] == 6 * 7 + 1
+    assert stats.sizes["gap_bin"] == 4 * 3 + 1
+
+
+def test_full_contact_of_a_rough_map():
+    height = rough_reference_surface(64).values * 1e-4
+    steps = (1e-3, 2e-3)
+    fluctuation = reference.full_contact_fluctuation(height, steps, MODULUS)
+    mean = -1.5 * fluctuation.min()
+    stats = contact_statistics(solution((mean + fluctuation)[None], np.zeros((1, 64, 64)), height, steps))
+    gradient = float(stats["rms_gradient"])
+    assert stats["relative_contact_area"].item() == 1.0
+    assert stats["contact_stiffness"].item() == np.inf
+    assert stats["contact_perimeter"].item() == 0.0
+    assert stats["contact_clusters"].item() == 1
+    assert stats["pressure_std"].item() == pytest.approx(MODULUS * gradient / 2, rel=1e-12)
+    energy = reference.full_contact_energy(height, steps, MODULUS)
+    assert stats["elastic_energy"].item() == pytest.approx(energy, rel=1e-12)
+    assert np.isnan(stats["gap_density"]).all()
+
+
+@pytest.mark.parametrize("shape", [(8, 8), (7, 5), (1, 9)])
+def test_flat_map(shape):
+    fields = np.full((2, *shape), 2e6)
+    fields[1] *= 3
+    stats = contact_statistics(solution(fields, np.zeros_like(fields), np.full(shape, 0.3), (1e-6, 1e-6)))
+    assert float(stats["rms_gradient"]) == 0.0
+    np.testing.assert_array_equal(stats["relative_pressure"], np.inf)
+    np.testing.assert_array_equal(stats["relative_contact_area"], 1.0)
+    np.testing.assert_array_equal(stats["elastic_energy"], 0.0)
+    np.testing.assert_array_equal(stats["pressure_std"], 0.0)
+    np.testing.assert_array_equal(stats["area_persson"], 1.0)
+    assert np.isnan(stats["area_greenwood_williamson"]).all()
+    assert np.isnan(stats["points_per_shortest_wavelength"]).all()
+
+
+# --- the dataset -------------------------------------------------------------------------------------------
+
+
+def test_bins_and_numbers_do_not_depend_on_the_other_loads():
+    contact = westergaard([0.1, 0.6, 1.4], rows=2, points=128)
+    whole = contact_statistics(contact)
+    for index in range(3):
+        xr.testing.assert_identical(contact_statistics(contact.isel(load=[index])), whole.isel(load=[index]))
+
+
+def test_relative_numbers_do_not_depend_on_the_units():
+    contact = westergaard([0.1, 0.6], rows=3, points=128)
+    metre, pascal = 1e6, 1e-6  # micrometres and megapascals
+    other = solution(
+        contact["pressure"].values * pascal,
+        contact["gap"].values * metre,
+        contact["height"].values * metre,
+        (3.0, WAVELENGTH / 128 * metre),
+        modulus=MODULUS * pascal,
+    )
+    first, second = contact_statistics(contact), contact_statistics(other)
+    powers = {"m": metre, "Pa": pascal, "m-1": 1 / metre, "Pa-1": 1 / pascal, "1": 1.0}
+    powers |= {"Pa m-1": pascal / metre, "J m-2": pascal * metre}
+    for name, variable in describe(first).data_vars.items():
+        np.testing.assert_allclose(
+            second[name], variable * powers[variable.attrs["units"]], rtol=1e-9, err_msg=name
+        )
+
+
+def test_solver_columns_are_handed_on_and_everything_is_described():
+    contact = westergaard([0.1, 0.6], rows=2, points=64)
+    contact["iterations"] = ("load", [4, 7])
+    contact["error_bound"] = ("load", [1e-5, 2e-6])
+    contact["converged"] = ("load", np.array([1, 0], np.int8))
+    stats = describe(contact_statistics(contact))
+    for name in ("iterations", "error_bound", "converged"):
+        np.testing.assert_array_equal(stats[name], contact[name])
+    assert stats.attrs == contact.attrs
+    assert not {"y", "x"} & set(stats.dims)
+    assert stats["pressure_bin"].attrs["bounds"] == "pressure_bin_bounds"
+
+
+def test_contact_on_filled_points():
+    contact = westergaard([0.3], rows=4, points=64)
+    assert contact_statistics(contact)["contact_on_filled_points"].item() == 0.0
+    filled = np.zeros((4, 64), np.int8)
+    filled[0] = 1
+    marked = contact.assign_coords(filled=(("y", "x"), filled))
+    assert contact_statistics(marked)["contact_on_filled_points"].item() == 0.25
+
+
+@pytest.mark.parametrize("bins", [0, -3, 2.5])
+@pytest.mark.parametrize("name", ["pressure_bins", "gap_bins"])
+def test_number_of_bins_is_checked(name, bins):
+    with pytest.raises(SettingsError, match=rf"{name} = {bins}"):
+        contact_statistics(westergaard([0.3], rows=1, points=16), **{name: bins})
+
+
+# --- with the solver ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ratio", [0.1, 0.5])
+def test_corrected_area_of_the_product_wave_is_nearer_than_the_pixels(ratio):
+    points = 128
+    wave = product_wave_surface((points, points), 1 / points, amplitude=0.01, wavelength=1.0)
+    # crests half a cell off the points: no accident of the grid
+    middle = np.roll(wave.values, 1, 1) / 2 + wave.values / 2
+    wave = wave.copy(data=middle / middle.max() * 0.01)
+    full = reference.jgh_full_contact_pressure(0.01, 1.0, 1.0)
+    stats = solve_contact(
+        wave, contact_modulus=1.0, mean_pressure=ratio * full, tolerance=1e-6, reduce=contact_statistics
+    )
+    truth = reference.JGH_CONTACT_SHARE[ratio]
+    corrected = abs(stats["relative_contact_area"].item() - truth)
+    raw = abs(stats["relative_contact_area_pixels"].item() - truth)
+    assert corrected < 2e-3
+    assert corrected < raw / 3
+    peak, gap = reference.JGH_PEAK_AND_GAP[ratio]
+    assert stats["max_pressure"].item() / (ratio * full) == pytest.approx(peak, rel=5e-3)
+    assert stats["mean_gap"].item() / 0.01 == pytest.approx(gap, rel=2e-3)
+
+
+def test_statistics_while_solving_are_those_of_the_kept_fields():
+    wave = rough_reference_surface(64)
+    arguments = {"contact_modulus": 1.0, "mean_pressure": [0.05, 0.2]}
+    kept = contact_statistics(solve_contact(wave, **arguments))
+    reduced = solve_contact(wave, **arguments, reduce=contact_statistics)
+    for name in kept.data_vars:
+        np.testing.assert_array_equal(reduced[name].values, kept[name].values, err_msg=name)
