@@ -1,6 +1,6 @@
 """Make the sample maps of this folder: `python data_samples/make_samples.py [folder]`.
 
-The heights come from the formulas in `roughcontact.synthetic`, with fixed seeds, dates and quantisation steps,
+The heights come from the formulas in `roughcontact.synthetic`, with fixed seeds, dates and quantisation,
 so that every run writes the same files.
 """
 

@@ -11,6 +11,7 @@ from roughcontact.form import fit_form
 _SPIKE_SIZE = 12  # points; a larger group is structure (a pit, a particle)
 _NEAR, _FAR = 2, 5  # half widths of the window of the median and of the ring around it, maps
 _FAR_PROFILE = 30  # half width of the ring in a profile, which has fewer points in it
+_SENTINEL_POINTS = 64  # in a smaller map one height may well lie far from the few others
 _LINE = 8  # points that a line must have to be called dead
 _PLANE_POINTS = 250_000  # enough to find the tilt of a map
 
@@ -18,16 +19,16 @@ _PLANE_POINTS = 250_000  # enough to find the tilt of a map
 def find_outliers(values, *, threshold: float) -> tuple[np.ndarray, dict[str, int]]:
     """Find points that are no surface.
 
-    * `sentinel`: the lowest or the highest value, in at most a third of the points, farther from all others
-      than these are from each other. It stands for 'not measured' (a -1 among 440 ... 520).
-    * `dead_line`: whole rows or columns of one single value among others that vary, standing off their
-      neighbours by more than lines usually do.
     * `spike`: a point off the median of its 5 x 5 neighbourhood by more than `threshold` standard
       deviations, both of this difference over the whole map and of the heights in the 11 x 11 ring around,
       in a group of no more than 12 such points. In a profile the neighbourhood has 5 points, the ring 56.
       The first standard deviation is 1.4826 times the median absolute deviation, the second is
       the distance from their median that 90 % of the ring keep, over 1.645: the same for normal heights,
       larger beside steps and ridges.
+    * `sentinel`: the lowest or the highest value, in at most a third of the points, farther from all others
+      than these are from each other. It stands for 'not measured' (a -1 among 440 ... 520).
+    * `dead_line`: whole rows or columns of one single value among others that vary, standing off their
+      neighbours by more than lines usually do.
 
     Parameters
     ----------
@@ -49,9 +50,9 @@ def find_outliers(values, *, threshold: float) -> tuple[np.ndarray, dict[str, in
     found = {}
     outliers = np.zeros(values.shape, dtype=bool)
     for kind, finder in (
+        ("spike", lambda v: _spikes(v, threshold)),
         ("sentinel", _sentinels),
         ("dead_line", _dead_lines),
-        ("spike", lambda v: _spikes(v, threshold)),
     ):
         new = finder(np.where(outliers, np.nan, values))
         if new.any():
@@ -62,7 +63,7 @@ def find_outliers(values, *, threshold: float) -> tuple[np.ndarray, dict[str, in
 
 def _sentinels(values):
     result = np.zeros(values.shape, dtype=bool)
-    found = True
+    found = values.size >= _SENTINEL_POINTS
     while found:  # one after the other: a far one hides a near one
         found = False
         for sign in (1, -1):

@@ -155,7 +155,7 @@ def _of_profiles(height, m0, gradient, laplacian):
 
 
 def _bandwidth(m0, m2, m4):
-    return m0 * m4 / m2**2 if m2 > 0 else math.nan
+    return m0 / m2 * (m4 / m2) if m2 > 0 else math.nan
 
 
 def _cutoff_wavelength(height, power, unit):

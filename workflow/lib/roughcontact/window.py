@@ -18,7 +18,7 @@ METHODS = ("periodic-plus-smooth", "raw", "mirror", "cross-fade", "taper")
 # The solver halves a grid while both sides are even; a side should come down to about this many points.
 _COARSE = 32
 # What one further halving is worth, as a share of the side.
-_HALVING = 0.03
+_HALVING = 0.02
 
 
 def periodic_window(
@@ -120,7 +120,7 @@ def friendly_sides(longest: int, *, extra: float = 0.0) -> np.ndarray:
     """Return for each number of points 0 ... longest the best side of a window that fits into it.
 
     Sides have no prime factor above 5. Among those the largest is taken, but one that can be halved once
-    more, down to 32 points, may be 3 % shorter. Up to 32 points any side is good.
+    more, down to 32 points, may be 2 % shorter. Up to 32 points any side is good.
 
     Parameters
     ----------

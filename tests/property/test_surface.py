@@ -1,0 +1,135 @@
+"""Laws that levelling, filling and the window keep for any map."""
+
+import json
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from roughcontact import periodisation, roughness
+from roughcontact.filling import fill_harmonic, find_holes
+from roughcontact.form import form_from_record
+from roughcontact.levelling import level
+from roughcontact.synthetic import height_map
+from roughcontact.window import METHODS, friendly_sides, largest_rectangle, periodic_window
+
+quick = settings(max_examples=60, deadline=None)
+
+shapes = st.tuples(st.integers(1, 14), st.integers(2, 16))
+pitches = st.tuples(st.floats(0.1, 10), st.floats(0.1, 10))
+
+
+@st.composite
+def maps(draw, missing=False):
+    shape = draw(shapes)
+    values = draw(arrays(float, shape, elements=st.floats(-1, 1, allow_subnormal=False)))
+    if missing:
+        lost = draw(arrays(bool, shape, elements=st.booleans()))
+        lost.flat[draw(st.integers(0, lost.size - 1))] = False
+        values = np.where(lost, np.nan, values)
+    return height_map(values, draw(pitches))
+
+
+@quick
+@given(maps(missing=True), st.sampled_from(["mean", "plane", "polynomial"]), st.booleans())
+def test_form_and_residual_make_up_the_map(height, form, robust):
+    levelled = level(
+        height, form=form, order=3, robust=robust, outlier_threshold=None, fill="none", max_missing=1
+    )
+    record = json.loads(levelled.attrs["form_removed"])
+    taken = form_from_record(record, height["y"].values, height["x"].values)
+    scale = max(1.0, np.abs(taken).max())
+    np.testing.assert_allclose((levelled.values + taken), height.values, atol=1e-9 * scale)
+    np.testing.assert_array_equal(np.isnan(levelled.values), np.isnan(height.values))
+
+
+@quick
+@given(maps(), st.sampled_from(["plane", "polynomial"]))
+def test_levelling_twice_changes_nothing(height, form):
+    once = level(height, form=form, outlier_threshold=None)
+    twice = level(once, form=form, outlier_threshold=None)
+    np.testing.assert_allclose(twice.values, once.values, atol=1e-10)
+
+
+@quick
+@given(maps(), st.floats(-3, 3), st.floats(-3, 3), st.floats(-100, 100))
+def test_a_tilt_makes_no_difference(height, slope_y, slope_x, offset):
+    y, x = height["y"].values[:, None], height["x"].values[None, :]
+    tilted = height.copy(data=height.values + slope_y * y + slope_x * x + offset)
+    plain = level(height, outlier_threshold=None)
+    np.testing.assert_allclose(level(tilted, outlier_threshold=None).values, plain.values, atol=1e-9)
+
+
+@quick
+@given(maps(missing=True))
+def test_filling_obeys_the_maximum_principle(height):
+    values = height.values
+    labels, sizes = find_holes(np.isnan(values))
+    filled = fill_harmonic(values, labels, (1.0, 2.0))
+    assert sizes.sum() == np.count_nonzero(labels)
+    known = values[~np.isnan(values)]
+    inside = filled[labels > 0]
+    tolerance = 1e-7 * (np.ptp(known) + np.abs(known).max())
+    assert ((inside >= known.min() - tolerance) & (inside <= known.max() + tolerance)).all()
+    np.testing.assert_array_equal(filled[labels == 0], values[labels == 0])
+
+
+@quick
+@given(arrays(bool, shapes))
+def test_rectangle_is_good_and_nothing_beside_it_is_larger(good):
+    sides = friendly_sides(max(good.shape))
+    y0, x0, height, width = largest_rectangle(good, sides)
+    assert good[y0 : y0 + height, x0 : x0 + width].all()
+    longest_row = max(
+        (len(run) for row in good for run in "".join(".x"[int(c)] for c in row).split(".")), default=0
+    )
+    assert sides[height] * sides[width] >= sides[min(longest_row, good.shape[1])] * sides[1]
+
+
+@quick
+@given(maps(missing=True), st.sampled_from(METHODS), st.floats(0, 0.5))
+def test_any_window_is_whole_and_its_record_true(height, method, width):
+    levelled = level(height, outlier_threshold=None, max_missing=1)
+    try:
+        window = periodic_window(levelled, method=method, width=width, min_share=0)
+    except ValueError as error:
+        assert "no two neighbouring points" in str(error) or "missing" in str(error)  # noqa: PT017
+        return
+    assert np.isfinite(window.values).all()
+    assert window["filled"].shape == window.shape
+    assert 0 < window.attrs["window_share"] <= 1
+    gradient = roughness.rms_gradient(window)
+    assert abs(window.attrs["rms_gradient_after"] - gradient) <= 1e-12 * max(gradient, 1e-300)
+
+
+@quick
+@given(maps(), st.floats(1e-9, 1e9))
+def test_units_make_no_difference(height, unit):
+    levelled = level(height, outlier_threshold=None)
+    scaled = height_map(levelled.values * unit, 1.0).assign_coords(y=height["y"] * unit, x=height["x"] * unit)
+    a, b = periodic_window(levelled), periodic_window(scaled)
+    np.testing.assert_allclose(b.values, a.values * unit, atol=1e-11 * unit)
+    assert a.attrs["periodisation"] == b.attrs["periodisation"]
+    ratio = roughness.rms_gradient(b) - roughness.rms_gradient(a)
+    assert abs(ratio) <= 1e-9 * max(roughness.rms_gradient(a), 1e-12)
+
+
+@quick
+@given(maps(), st.integers(0, 13), st.integers(0, 15))
+def test_roughness_does_not_depend_on_the_start(height, dy, dx):
+    rolled = height.copy(data=np.roll(height.values, (dy, dx), (0, 1)))
+    for name, value in roughness.roughness_parameters(height).items():
+        other = roughness.roughness_parameters(rolled)[name]
+        if name in ("rms_height", "rms_gradient", "rms_curvature"):
+            assert abs(other - value) <= 1e-9 * max(value, 1e-12)
+
+
+@quick
+@given(maps())
+def test_periodic_plus_smooth_keeps_mean_and_linearity(height):
+    values = height.values
+    once = periodisation.periodic_plus_smooth(values, (2.0, 1.0))
+    assert abs(once.mean() - values.mean()) < 1e-12
+    twice = periodisation.periodic_plus_smooth(3 * values + 5, (2.0, 1.0))
+    np.testing.assert_allclose(twice, 3 * once + 5, atol=1e-11)

@@ -1,0 +1,106 @@
+"""The sample maps: rebuilt from their formulas, as described, and readable."""
+
+import hashlib
+import importlib.util
+import io
+import re
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.fourier import spacing
+from roughcontact.roughness import points_per_shortest_wavelength
+
+FOLDER = Path(__file__).parents[2] / "data_samples"
+
+
+def load_script():
+    spec = importlib.util.spec_from_file_location("make_samples", FOLDER / "make_samples.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def samples():
+    return load_script().make_samples()
+
+
+def content(name, data):
+    """Return what must not differ: inside an archive its members, whatever compressed them."""
+    if name.endswith(".x3p"):
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            return {member: archive.read(member) for member in archive.namelist()}
+    return data
+
+
+def test_files_are_what_the_script_makes(samples):
+    for name, data in samples.items():
+        assert content(name, data) == content(name, (FOLDER / name).read_bytes()), name
+
+
+def test_script_makes_the_same_bytes_twice(samples):
+    assert load_script().make_samples() == samples
+
+
+def test_checksums_and_names_in_the_readme(samples):
+    text = (FOLDER / "README.md").read_text(encoding="utf-8")
+    listed = dict(re.findall(r"\| `([^`]+)` \| `([0-9a-f]{64})` \|", text))
+    assert set(listed) == set(samples)
+    for name, digest in listed.items():
+        assert hashlib.sha256((FOLDER / name).read_bytes()).hexdigest() == digest, name
+
+
+def test_files_are_small(samples):
+    assert all(len(data) < 1_000_000 for data in samples.values())
+
+
+@pytest.mark.parametrize(
+    ("name", "maker", "pitch"),
+    [
+        ("sandblasted.x3p", "sandblasted", (1e-6, 1e-6)),
+        ("turned.sdf", "turned", (2e-6, 2e-6)),
+        ("ground.txt", "ground", (2e-6, 1e-6)),
+        ("stylus-profile.csv", "stylus_profile", (0.5e-6, 0.5e-6)),
+        ("periodic.nc", "periodic", (100e-6 / 128, 100e-6 / 128)),
+    ],
+)
+def test_reader_gives_back_the_heights(name, maker, pitch):
+    height = rc.read_height_map(FOLDER / name)
+    expected = getattr(load_script(), maker)()
+    assert height.shape == expected.shape
+    assert spacing(height) == pytest.approx(pitch, rel=1e-9)
+    np.testing.assert_allclose(height.values, expected, atol=1e-12, rtol=0)
+    assert height.attrs["missing_points"] == int(np.isnan(expected).sum())
+
+
+def test_sandblasted_sample_shows_the_dirt_of_a_measurement():
+    height = rc.read_height_map(FOLDER / "sandblasted.x3p")
+    assert height.attrs["missing_share"] > 0.02
+    levelled = rc.level(height)
+    assert 25 <= levelled.attrs["outliers_rejected"] <= 30
+    assert levelled.attrs["largest_hole"] > 300
+    window = rc.periodic_window(levelled)
+    assert window.attrs["periodisation"] == "periodic-plus-smooth"
+    assert window.attrs["window_share"] > 0.85
+    assert points_per_shortest_wavelength(window) == pytest.approx(6.0, rel=0.05)
+
+
+def test_periodic_sample_is_left_alone():
+    height = rc.read_height_map(FOLDER / "periodic.nc")
+    window = rc.periodic_window(rc.level(height))
+    assert window.attrs["periodisation"] == "none"
+    np.testing.assert_allclose(window.values, height.values - height.values.mean(), atol=1e-20)
+
+
+def test_ground_and_turned_samples_have_their_lay_along_y():
+    for name in ("ground.txt", "turned.sdf"):
+        height = rc.read_height_map(FOLDER / name)
+        steps = [
+            np.sqrt(np.mean((np.diff(height.values, axis=axis) / step) ** 2))
+            for axis, step in enumerate(spacing(height))
+        ]
+        assert steps[1] > 2 * steps[0]

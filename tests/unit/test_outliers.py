@@ -1,0 +1,162 @@
+"""Outliers: every trap that instruments set, and no surface eaten."""
+
+import json
+
+import numpy as np
+import pytest
+
+from roughcontact import synthetic
+from roughcontact.levelling import level
+from roughcontact.outliers import find_outliers
+
+THRESHOLD = 6.0  # the default of `level`
+
+
+def rough(shape=(128, 128), hurst=0.8, shortest=4e-6, seed=5, rms=1e-6):
+    return synthetic.self_affine_surface(
+        shape, 1e-6, hurst=hurst, shortest=shortest, longest=max(shape) * 1e-6, rms_height=rms, seed=seed
+    ).values
+
+
+@pytest.mark.parametrize("hurst", [0.1, 0.5, 0.8, 1.0])
+@pytest.mark.parametrize("shortest", [2e-6, 8e-6])
+def test_self_affine_surfaces_are_not_eaten(hurst, shortest):
+    points = rejected = 0
+    for shape, seeds in (((256, 256), range(4)), ((1, 4096), range(8))):
+        for seed in seeds:
+            outliers, _ = find_outliers(rough(shape, hurst, shortest, seed), threshold=THRESHOLD)
+            points, rejected = points + outliers.size, rejected + outliers.sum()
+    assert rejected / points < 1e-5
+
+
+@pytest.mark.parametrize("shape", [(500, 500), (1, 100_000), (3, 20_000), (2, 3)])
+def test_noise_is_not_eaten(shape):
+    outliers, _ = find_outliers(np.random.default_rng(1).standard_normal(shape), threshold=THRESHOLD)
+    assert outliers.mean() < 1e-5
+
+
+def structured():
+    y, x = np.indices((96, 96)) - 48.0
+    noise = 0.01 * np.random.default_rng(0).standard_normal((96, 96))
+    turned = dict(feed=32e-6, nose_radius=4e-4)
+    return {
+        "turned": synthetic.turned_surface(
+            (96, 96), 1e-6, arc_radius=5e-3, rms_roughness=2e-8, **turned
+        ).values,
+        "turned, no roughness": synthetic.turned_surface((96, 96), 1e-6, **turned).values,
+        "turned profile": synthetic.turned_surface((1, 2000), 1e-6, **turned).values,
+        "wave": synthetic.product_wave_surface((96, 96), 1.0, amplitude=1.0, wavelength=48.0).values,
+        "cone": -np.hypot(x, y),
+        "ball on a flat": np.maximum(0, 10 - x**2 - y**2),
+        "step": np.where(x > 3, 1.0, 0.0) + noise,
+        "pillars": ((x % 12 < 5) & (y % 12 < 5)) + noise,
+        "scratch": np.where(np.abs(x - y) < 1.5, -1.0, 0.0) + noise,
+        "pit": np.where(np.hypot(x, y) < 5, -1.0, 0.0) + noise,
+        "checkerboard": (x + y) % 2,
+        "ridges without noise": np.where(x % 16 == 0, 1.0, 0.0),
+        "two levels": np.where(x > 3, 1.0, 0.0),
+        "tilt": 3.0 * x - y,
+        "flat": np.zeros((96, 96)),
+    }
+
+
+@pytest.mark.parametrize("name", structured())
+def test_structure_is_not_eaten(name):
+    assert find_outliers(structured()[name], threshold=THRESHOLD)[1] == {}
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.5])
+@pytest.mark.parametrize("size", [5.0, 40.0])
+def test_spikes_are_found_each_and_alone(size, tilt):
+    generator = np.random.default_rng(7)
+    values = rough((256, 256)) + tilt * np.arange(256) * 1e-6
+    spikes = np.zeros(values.shape, dtype=bool)
+    spikes[tuple(generator.integers(0, 256, (2, 60)))] = True
+    values[spikes] += size * 1e-6 * generator.choice([-1, 1], spikes.sum())
+    outliers, kinds = find_outliers(values, threshold=THRESHOLD)
+    np.testing.assert_array_equal(outliers, spikes)
+    assert kinds == {"spike": int(spikes.sum())}
+
+
+def test_small_clusters_are_spikes_and_large_ones_are_structure():
+    values = rough()
+    values[40:42, 60:63] += 30e-6
+    values[80:90, 20:30] += 30e-6
+    outliers, _ = find_outliers(values, threshold=THRESHOLD)
+    assert outliers[40:42, 60:63].all()
+    assert outliers.sum() == 6
+
+
+def test_spikes_in_a_profile_and_beside_missing_points():
+    values = rough((1, 1000), shortest=16e-6)
+    values[0, 300] += 5e-6
+    values[0, 700] -= 5e-6
+    outliers, _ = find_outliers(values, threshold=THRESHOLD)
+    assert np.nonzero(outliers[0])[0].tolist() == [300, 700]
+    values = rough()
+    values[50:54, 50:54] = np.nan
+    values[52, 54] += 20e-6
+    outliers, kinds = find_outliers(values, threshold=THRESHOLD)
+    assert kinds == {"spike": 1}
+    assert outliers[52, 54]
+
+
+def test_a_single_marker_value_among_heights():
+    values = np.rint(480 + 1e7 * rough())
+    assert values.min() > 420
+    values[30, 40] = -1
+    outliers, kinds = find_outliers(values, threshold=THRESHOLD)
+    assert kinds == {"spike": 1}
+    assert outliers[30, 40]
+
+
+def test_regions_of_marker_values_at_both_ends():
+    values = np.rint(480 + 1e7 * rough())
+    values[10:30, 10:60] = -1
+    values[:, 120:] = 32767
+    outliers, kinds = find_outliers(values, threshold=THRESHOLD)
+    assert kinds == {"sentinel": 1000 + 8 * 128}
+    assert outliers.sum() == 1000 + 8 * 128
+
+
+def test_a_line_of_zeros_far_from_the_heights():
+    values = np.rint(480 + 1e7 * rough())
+    values[64] = 0
+    outliers, kinds = find_outliers(values, threshold=THRESHOLD)
+    assert kinds == {"sentinel": 128}
+    assert outliers[64].all()
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("lines", [slice(50, 51), slice(0, 1), slice(100, 128)])
+def test_dead_lines_amid_the_heights(lines, axis):
+    values = rough()
+    view = values if axis == 0 else values.T
+    view[lines] = 0.0  # within the range of the heights
+    outliers, kinds = find_outliers(values, threshold=THRESHOLD)
+    assert list(kinds) == ["dead_line"]
+    expected = np.zeros_like(outliers)
+    (expected if axis == 0 else expected.T)[lines] = True
+    np.testing.assert_array_equal(outliers, expected)
+
+
+def test_level_records_and_fills_what_it_rejects():
+    values = rough()
+    values[50, 60] += 40e-6
+    values[70, :] = 0.0
+    levelled = level(synthetic.height_map(values, 1e-6))
+    assert levelled.attrs["outliers_rejected"] == 129
+    assert json.loads(levelled.attrs["outlier_kinds"]) == {"spike": 1, "dead_line": 128}
+    assert levelled["filled"].values[50, 60] == 1
+    assert abs(levelled.values[50, 60]) < 5e-6
+    kept = level(synthetic.height_map(values, 1e-6), outlier_threshold=None)
+    assert kept.attrs["outliers_rejected"] == 0
+    assert kept.values[50, 60] > 30e-6
+
+
+def test_one_spike_moves_the_plane_no_more_than_its_absence():
+    clean = rough()
+    spiked = clean.copy()
+    spiked[3, 4] += 1e-3
+    a, b = (level(synthetic.height_map(v, 1e-6)) for v in (clean, spiked))
+    assert np.abs(a.values - b.values).max() < 1e-7

@@ -1,0 +1,215 @@
+"""The window: the best rectangle, good sides, and a true record of what was done."""
+
+import json
+
+import numpy as np
+import pytest
+
+from roughcontact import synthetic
+from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.fourier import spacing
+from roughcontact.levelling import level
+from roughcontact.roughness import rms_gradient, rms_height
+from roughcontact.window import METHODS, friendly_sides, largest_rectangle, periodic_window
+
+
+def cut_out(shape=(100, 130), pitch=(2e-6, 1e-6), seed=0):
+    large = synthetic.self_affine_surface(
+        (2 * shape[0] if shape[0] > 1 else 1, 2 * shape[1]),
+        pitch,
+        hurst=0.8,
+        shortest=8e-6,
+        longest=100e-6,
+        rms_height=1e-7,
+        seed=seed,
+    )
+    return large.isel(y=slice(shape[0]), x=slice(shape[1]))
+
+
+def largest_by_trying(good, sides):
+    best = 0
+    for top in range(good.shape[0]):
+        for bottom in range(top + 1, good.shape[0] + 1):
+            run = 0
+            for column in good[top:bottom].all(axis=0):
+                run = run + 1 if column else 0
+                best = max(best, sides[bottom - top] * sides[run])
+    return best
+
+
+def test_largest_rectangle_against_trying_all():
+    generator = np.random.default_rng(0)
+    for _ in range(150):
+        good = generator.random(generator.integers(1, 26, 2)) < generator.random()
+        for sides in (np.arange(41), friendly_sides(40, extra=0.2)):
+            y0, x0, height, width = largest_rectangle(good, sides)
+            assert good[y0 : y0 + height, x0 : x0 + width].all()
+            assert sides[height] * sides[width] == largest_by_trying(good, sides)
+
+
+def test_largest_rectangle_of_a_large_map_in_seconds():
+    good = np.random.default_rng(0).random((4096, 4096)) < 0.9999
+    y0, x0, height, width = largest_rectangle(good, friendly_sides(4096))
+    assert good[y0 : y0 + height, x0 : x0 + width].all()
+    assert height * width > 50_000
+
+
+@pytest.mark.parametrize(
+    ("points", "side"),
+    [
+        (512, 512),
+        (563, 540),
+        (480, 480),
+        (640, 640),
+        (1280, 1280),
+        (960, 960),
+        (484, 480),
+        (101, 100),
+        (17, 17),
+    ],
+)
+def test_friendly_sides(points, side):
+    assert friendly_sides(points)[points] == side
+
+
+def test_friendly_sides_fit_have_small_factors_and_lose_little():
+    sides = friendly_sides(3000)
+    for points in range(33, 3001):
+        side = int(sides[points])
+        assert 0.88 * points <= side <= points
+        for factor in (2, 3, 5):
+            while side % factor == 0:
+                side //= factor
+        assert side == 1
+    assert (np.diff(sides) >= 0).all()
+    with_band = friendly_sides(500, extra=0.125)
+    assert all(side + round(0.125 * side) <= n for n, side in enumerate(with_band) if n)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_record_of_each_method(method):
+    levelled = level(cut_out((100, 130)))
+    window = periodic_window(levelled, method=method, width=0.1)
+    attrs = window.attrs
+    assert attrs["periodisation"] == method
+    assert np.isfinite(window.values).all()
+    assert window.dims == ("y", "x")
+    assert spacing(window) == pytest.approx(spacing(levelled))
+    assert window["filled"].shape == window.shape
+    assert attrs["rms_gradient_after"] == pytest.approx(rms_gradient(window), rel=1e-12)
+    change = attrs["periodisation_rms_change"]
+    assert attrs["periodisation_relative_change"] == pytest.approx(change / rms_height(window), rel=1e-9)
+    assert (change == 0) == (method in ("raw", "mirror"))
+    assert all(isinstance(value, (str, int, float)) for value in attrs.values())
+    shapes = {"mirror": (200, 256), "cross-fade": (90, 108)}
+    assert window.shape == shapes.get(method, (100, 128))
+    kept = {"mirror": 100 * 128, "cross-fade": 99 * 119}.get(method, 100 * 128)
+    assert attrs["window_share"] == pytest.approx(kept / 13000)
+    assert f"made periodic by {method}" in attrs["window_reason"] or method == "raw"
+    if method != "mirror":
+        first = {d: float(window[d][0] - levelled[d][0]) for d in "yx"}
+        assert attrs["window_offset_x"] == pytest.approx(first["x"], abs=1e-15)
+        assert attrs["window_offset_y"] == pytest.approx(first["y"], abs=1e-15)
+
+
+def test_raw_window_is_a_plain_cut():
+    levelled = level(cut_out((100, 130)))
+    window = periodic_window(levelled, method="raw")
+    same = levelled.sel(y=window["y"], x=window["x"], method="nearest", tolerance=1e-12)
+    np.testing.assert_array_equal(window.values, same.values)
+    assert window.attrs["rms_gradient_before"] == window.attrs["rms_gradient_after"]
+
+
+def test_missing_border_is_cut_and_flags_are_kept():
+    values = cut_out((96, 160)).values
+    values[:, :30] = np.nan
+    values[90:, 100] = np.nan
+    values[40:44, 60:63] = np.nan
+    levelled = level(synthetic.height_map(values, (2e-6, 1e-6)))
+    window = periodic_window(levelled)
+    assert window.shape == (90, 128)
+    assert np.isfinite(window.values).all()
+    assert window.attrs["window_offset_x"] == pytest.approx(31e-6)
+    assert window.attrs["window_offset_y"] == 0
+    assert int(window["filled"].sum()) == 12
+    assert window["filled"].values[40:44, 29:32].all()
+    assert "largest rectangle without missing points" in window.attrs["window_reason"]
+    fading = periodic_window(levelled, method="cross-fade")
+    assert 0 < int(fading["filled"].sum()) <= 24
+    assert int(periodic_window(levelled, method="mirror")["filled"].sum()) == 48
+
+
+def test_periodic_map_is_left_alone():
+    height = synthetic.rough_reference_surface(101)
+    for method in METHODS:
+        window = periodic_window(level(height, form="mean"), method=method)
+        assert window.attrs["periodisation"] == "none"
+        assert window.attrs["window_share"] == 1
+        assert "left alone" in window.attrs["window_reason"]
+        np.testing.assert_allclose(window.values, height.values, atol=1e-16)
+
+
+@pytest.mark.parametrize(("form", "order"), [("plane", 1), ("polynomial", 3)])
+def test_form_that_broke_a_periodic_map_is_put_back(form, order):
+    height = synthetic.rough_reference_surface(101)
+    levelled = level(height, form=form, order=order)
+    assert np.abs(levelled.values - height.values).max() > 0.05 * rms_height(height)
+    window = periodic_window(levelled)
+    assert window.attrs["periodisation"] == "none"
+    np.testing.assert_allclose(window.values, height.values - height.values.mean(), atol=1e-15)
+    assert list(json.loads(window.attrs["form_removed"])) == ["mean"]
+    assert window.attrs["form"] == "mean"
+
+
+def test_tilted_measurement_does_not_get_its_tilt_back():
+    height = cut_out((96, 128))
+    tilted = height.copy(data=height.values + 0.02 * height["x"].values)
+    window = periodic_window(level(tilted))
+    assert window.attrs["periodisation"] == "periodic-plus-smooth"
+    assert abs(np.polyfit(np.arange(window.shape[1]), window.values.mean(axis=0), 1)[0]) < 1e-3 * 1e-6
+
+
+@pytest.mark.parametrize("shape", [(1, 301), (2, 300), (7, 4), (101, 99), (3, 3), (1, 2)])
+@pytest.mark.parametrize("method", METHODS)
+def test_profiles_thin_small_and_odd_maps(shape, method):
+    height = synthetic.height_map(np.random.default_rng(0).standard_normal(shape), (3e-6, 1e-6))
+    window = periodic_window(level(height, outlier_threshold=None), method=method)
+    assert np.isfinite(window.values).all()
+    assert (window.shape[0] == 1) == (shape[0] == 1)
+    assert window.size >= 2
+
+
+def test_flat_map_is_periodic():
+    window = periodic_window(level(synthetic.height_map(np.full((20, 30), 2.0), 1e-6)))
+    assert window.attrs["periodisation"] == "none"
+    assert window.attrs["periodisation_relative_change"] == 0
+    assert window.attrs["rms_gradient_after"] == 0
+
+
+def test_maps_without_a_window():
+    with pytest.raises(HeightMapError, match="1 point"):
+        periodic_window(synthetic.height_map([[1.0]], 1.0))
+    with pytest.raises(HeightMapError, match="missing"):
+        periodic_window(synthetic.height_map(np.full((5, 5), np.nan), 1.0))
+    scattered = np.where(np.indices((40, 40)).sum(axis=0) % 2, 1.0, np.nan)
+    with pytest.raises(HeightMapError, match="no two neighbouring points"):
+        periodic_window(synthetic.height_map(scattered, 1.0))
+    holes = cut_out((120, 120)).values
+    holes[::8, ::8] = np.nan
+    with pytest.raises(HeightMapError, match=r"window.min_share = 0.1: fill the holes"):
+        periodic_window(synthetic.height_map(holes, 1.0), min_share=0.1)
+    assert periodic_window(synthetic.height_map(holes, 1.0), min_share=0.0).shape == (7, 120)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"method": "miror"}, "window.method = 'miror': did you mean 'mirror'"),
+        ({"method": "hann"}, "window.method = 'hann'"),
+        ({"width": 0.7}, "window.width = 0.7"),
+        ({"min_share": 2}, "window.min_share = 2"),
+    ],
+)
+def test_options_without_meaning(options, message):
+    with pytest.raises(SettingsError, match=message):
+        periodic_window(cut_out(), **options)
