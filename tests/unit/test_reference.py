@@ -126,7 +126,7 @@ def test_hertz_energy_is_the_work_of_the_force():
 
 
 def test_lattice_constant_by_an_ewald_sum():
-    """The potential of a unit square lattice of charges in a uniform background, at a charge, is -3.9002649."""
+    """The potential at a point of a square lattice of charges in a uniform background is -3.9002649."""
     from scipy.special import erfc
 
     n = np.arange(-6, 7)

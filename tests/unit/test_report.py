@@ -1,0 +1,353 @@
+"""The report: its checks in words, its numbers, and the page in a real browser."""
+
+import functools
+import http.server
+import json
+import re
+import shutil
+import subprocess
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from roughcontact import checks, plots
+from roughcontact.collect import collect_statistics
+from roughcontact.contact import plan_loads, solve_contact
+from roughcontact.errors import InputFileError
+from roughcontact.levelling import level
+from roughcontact.quantities import number, percent, prefix, quantity
+from roughcontact.report import write_panel, write_report
+from roughcontact.statistics import contact_statistics
+from roughcontact.storage import provenance, write_dataset
+from roughcontact.synthetic import height_map, self_affine_surface
+from roughcontact.window import periodic_window
+
+STAGES = ("height", "levelled", "window", "contact", "statistics")
+SETTINGS = {"contact": {"contact_modulus": 2e9}, "note": "<b>&"}
+CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome") or shutil.which("chrome")
+
+
+def run_surface(folder, name, height, *, case=None, loads=None, keep_fields=True):
+    """Take one map through all stages and draw its panel; return its path and the entry to collect."""
+    folder = folder / (case or "all") / name
+    solved = {"height": height, "levelled": level(height)}
+    solved["window"] = periodic_window(solved["levelled"])
+    loads = loads or plan_loads(solved["window"], contact_modulus=2e9, relative_pressure=[0.05, 0.01, 0.5])
+    contact = solve_contact(solved["window"], contact_modulus=2e9, mean_pressure=loads)
+    solved["statistics"] = contact_statistics(contact)
+    kept = contact if keep_fields else contact.drop_dims(["y", "x"])
+    solved["contact"] = kept
+    for stage, data in solved.items():
+        data = data.rename("height").to_dataset() if stage in STAGES[:3] else data
+        write_dataset(
+            data.assign_attrs(provenance(SETTINGS, source_sha256="ab" * 32)), folder / f"{stage}.nc"
+        )
+    files = {stage: folder / f"{stage}.nc" for stage in STAGES}
+    panel = folder / "panel.html"
+    write_panel(panel, surface=name, case=case, settings=SETTINGS, **files)
+    return panel, {"surface": name, "case": case, "statistics": files["statistics"]}
+
+
+def assemble(folder, runs, title="Trial"):
+    """Collect the statistics and write the page; return its path."""
+    panels, entries = zip(*runs, strict=True)
+    write_dataset(collect_statistics(list(entries)), folder / "statistics.nc")
+    page = folder / "report.html"
+    write_report(
+        page, panels=list(panels), statistics=folder / "statistics.nc", title=title, settings=SETTINGS
+    )
+    return page
+
+
+def rough(seed=1, shape=(60, 80)):
+    return self_affine_surface(
+        shape, (2e-6, 1.5e-6), hurst=0.8, shortest=12e-6, longest=60e-6, rms_height=3e-7, seed=seed
+    )
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    """A report of four surfaces: rough with holes, a profile, a flat map, one without kept fields."""
+    folder = tmp_path_factory.mktemp("report")
+    holes = rough().copy(deep=True)
+    holes.values[10:14, 20:30] = np.nan
+    values = rough(seed=2, shape=(1, 256)).values
+    profile = height_map(values, 1e-6)
+    flat = height_map(np.full((12, 16), 3e-7), 1e-6)
+    runs = [
+        run_surface(folder, "holes", holes),
+        run_surface(folder, "profile", profile),
+        run_surface(folder, "flat", flat, loads=[1e6, 2e6]),
+        run_surface(folder, "sparse", rough(3), keep_fields=False),
+    ]
+    return assemble(folder, runs, title="Four <surfaces>")
+
+
+# --- the page ----------------------------------------------------------------------------------------------
+
+
+def test_page_is_self_contained_and_complete(page):
+    text = page.read_text(encoding="utf-8")
+    for surface in ("holes", "profile", "flat", "sparse"):
+        assert text.count(f'id="surface-{surface}"') == 1
+        assert f'href="#surface-{surface}"' in text
+    assert "<title>Four &lt;surfaces&gt;</title>" in text
+    assert "&lt;b&gt;&amp;" in text
+    sources = re.findall(r'(?:src|href)="([^"]*)"', text)
+    assert all(source.startswith(("#", "data:")) for source in sources)
+    assert not re.search(r"(?i)url\(|@import|https?://", re.sub(r'"data:[^"]*"', "", text))
+    assert len(set(re.findall(r'\bid="([^"]*)"', text))) == len(re.findall(r'\bid="([^"]*)"', text))
+    anchors = {source[1:] for source in sources if source.startswith("#")}
+    assert anchors <= set(re.findall(r'\bid="([^"]*)"', text))
+    assert all(re.findall(r'<img src="data:[^"]*" alt="([^"]*)"', text))
+    assert text.count("kept no maps of pressure and gap") == 1
+
+
+def test_panels_are_small(page):
+    for panel in page.parent.rglob("panel.html"):
+        assert panel.stat().st_size < 1_500_000
+
+
+def test_page_is_the_same_a_second_time(page, tmp_path):
+    folder = page.parent / "all" / "holes"
+    again = tmp_path / "panel.html"
+    files = {stage: folder / f"{stage}.nc" for stage in STAGES}
+    write_panel(again, surface="holes", case=None, settings=SETTINGS, **files)
+    assert again.read_bytes() == (folder / "panel.html").read_bytes()
+    panels = [page.parent / "all" / name / "panel.html" for name in ("holes", "profile", "flat", "sparse")]
+    write_report(
+        tmp_path / "report.html",
+        panels=panels,
+        statistics=page.parent / "statistics.nc",
+        title="Four <surfaces>",
+        settings=SETTINGS,
+    )
+    assert (tmp_path / "report.html").read_bytes() == page.read_bytes()
+    assert not list(tmp_path.glob(".*"))
+
+
+def test_numbers_of_the_page_are_those_of_the_file(page):
+    from roughcontact.storage import read_dataset
+
+    statistics = read_dataset(page.parent / "all" / "holes" / "statistics.nc").sortby("mean_pressure")
+    text = (page.parent / "all" / "holes" / "panel.html").read_text(encoding="utf-8")
+    body = text[text.index("<tbody>") : text.index("</tbody>")]
+    rows = [re.findall(r"<td>([^<]*)</td>", row) for row in body.split("<tr")[1:]]
+    assert len(rows) == 3
+    for row, area, clusters in zip(
+        rows, statistics["relative_contact_area"], statistics["contact_clusters"], strict=True
+    ):
+        assert row[2] == number(100 * float(area))
+        assert row[11] == str(int(clusters))
+    assert "remarks" in text
+
+
+def test_cases_stand_side_by_side(tmp_path):
+    runs = [run_surface(tmp_path, "one", rough(shape=(32, 32)), case=case) for case in ("soft", "hard")]
+    text = assemble(tmp_path, runs).read_text(encoding="utf-8")
+    for case in ("soft", "hard"):
+        assert f'id="surface-{case}--one"' in text
+        assert f"one · {case}" in text
+
+
+def test_something_else_is_no_panel(page, tmp_path):
+    wrong = tmp_path / "wrong.html"
+    wrong.write_text("<p>no panel</p>", encoding="utf-8")
+    with pytest.raises(InputFileError, match=r"wrong\.html"):
+        write_report(
+            tmp_path / "r.html",
+            panels=[wrong],
+            statistics=page.parent / "statistics.nc",
+            title="x",
+            settings={},
+        )
+    assert not (tmp_path / "r.html").exists()
+
+
+# --- the checks --------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def good():
+    """Statistics of a surface that passes all checks, and the attributes of its maps."""
+    surface = rough(shape=(96, 96))
+    loads = plan_loads(surface, contact_modulus=2e9, relative_pressure=[0.05, 0.2])
+    statistics = contact_statistics(solve_contact(surface, contact_modulus=2e9, mean_pressure=loads))
+    statistics["points_per_shortest_wavelength"][:] = 8.5
+    return statistics
+
+
+def outcomes(statistics, *, height=(), levelled=(), window=(), points=96 * 96):
+    """Return {check: outcome} and the verdict."""
+    found = checks.surface_checks(
+        statistics, height=dict(height), levelled=dict(levelled), window=dict(window), points=points
+    )
+    return {check.name: check for check in found}, checks.verdict(found)
+
+
+def test_a_good_surface_passes_every_check(good):
+    found, verdict = outcomes(good)
+    assert {check.outcome for check in found.values()} == {checks.PASSED}
+    assert checks.VERDICTS[verdict] == "trust"
+
+
+def test_each_check_can_ask_for_a_look(good):
+    poor = good.copy(deep=True)
+    poor["points_per_shortest_wavelength"][:] = 2.0
+    poor["contact_on_filled_points"][:] = 0.05
+    poor["relative_contact_area_pixels"][:] = [50 / 96**2, 1.0]
+    poor["rms_gradient"] = 0.5
+    found, verdict = outcomes(
+        poor,
+        height={"missing_share": 0.1, "ingest_warnings": json.dumps(["The unit was guessed."])},
+        levelled={"filled_share": 0.08},
+        window={
+            "periodisation": "mirror",
+            "rms_gradient_before": 1.0,
+            "rms_gradient_after": 0.85,
+            "window_share": 0.3,
+        },
+    )
+    looks = {name for name, check in found.items() if check.outcome == checks.LOOK}
+    assert looks == set(found) - {"Solver"}
+    assert checks.VERDICTS[verdict] == "look at"
+    assert "down to 50" in found["Points in contact"].sentence
+    assert "−15.0 %" in found["Periodic window"].sentence
+    assert "5.00 %" in found["Missing points"].sentence
+    assert found["Reading the file"].sentence == "The unit was guessed."
+
+
+def test_contact_on_filling_and_missed_tolerance_are_not_to_be_trusted(good):
+    filled = good.copy(deep=True)
+    filled["contact_on_filled_points"][:] = 0.2
+    found, verdict = outcomes(filled, height={"missing_share": 0.3}, levelled={"filled_share": 0.3})
+    assert found["Missing points"].outcome == checks.FAILED
+    assert checks.VERDICTS[verdict] == "do not trust"
+    missed = good.copy(deep=True)
+    missed["converged"][1] = 0
+    missed["error_bound"][1] = 0.02
+    found, verdict = outcomes(missed)
+    assert found["Solver"].outcome == checks.FAILED
+    assert (
+        "1 of 2 loads missed the tolerance of 1×10⁻⁴; the error bound reaches 0.020"
+        in found["Solver"].sentence
+    )
+    assert verdict == checks.FAILED
+    assert checks.load_flags(missed, 96 * 96) == [[], ["not converged"]]
+
+
+# --- numbers as people read them ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (1.2345e-6, "m", "1.23 µm"),
+        (9.9999e8, "Pa", "1.00 GPa"),
+        (999.4, "Pa", "999 Pa"),
+        (0.0, "m", "0 m"),
+        (-3.21e-9, "m", "−3.21 nm"),
+        (3e-25, "m", "3.00×10⁻²⁵ m"),
+        (0.04567, "1", "0.0457"),
+        (1234567.0, "1", "1.23×10⁶"),
+        (1e-4, "1", "1.00×10⁻⁴"),
+        (9.999e-4, "1", "0.00100"),
+        (np.inf, "1", "∞"),
+        (np.nan, "1", "–"),
+        (12.0, "m-1", "12.0 m-1"),
+    ],
+)
+def test_quantity(value, unit, text):
+    assert quantity(value, unit) == text
+
+
+def test_percent_and_prefix():
+    assert percent(0.5) == "50.0 %"
+    assert prefix(2.5e7, "Pa") == (1e-6, "MPa")
+    assert prefix(np.nan, "m") == (1.0, "m")
+
+
+# --- figures -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shape", [(3, 1000), (700, 20), (301, 299), (2, 2)])
+def test_maps_of_odd_shapes_are_drawn(shape):
+    values = np.random.default_rng(0).standard_normal(shape) * 1e-6
+    values[0, 0] = np.nan
+    assert plots.height_map(height_map(values, 1e-6)).startswith("data:image/png;base64,")
+
+
+# --- in a browser ------------------------------------------------------------------------------------------
+
+PROBE = """
+<script>
+const problems = [];
+window.addEventListener("error", event => problems.push(String(event.message)), true);
+document.addEventListener("securitypolicyviolation", event => problems.push("blocked " + event.blockedURI));
+window.addEventListener("load", () => {
+  const images = [...document.images];
+  const result = {
+    problems,
+    images: images.length,
+    empty: images.filter(image => !(image.complete && image.naturalWidth > 0)).length,
+    sections: [...document.querySelectorAll("section.surface")].map(section => section.id),
+    requests: performance.getEntriesByType("resource").map(e => e.name).filter(n => !n.startsWith("data:")),
+    wide: document.documentElement.scrollWidth - window.innerWidth,
+  };
+  document.body.setAttribute("data-probe", JSON.stringify(result));
+});
+</script>
+"""
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+@pytest.mark.parametrize("width", [480, 1200])
+def test_page_in_a_browser(page, tmp_path, width):
+    """The page, served with a probe in its head, must load nothing, break nothing and fit the window."""
+    text = page.read_text(encoding="utf-8")
+    (tmp_path / "page.html").write_text(text.replace("<head>", "<head>" + PROBE), encoding="utf-8")
+    asked = []
+
+    class Handler(http.server.SimpleHTTPRequestHandler):
+        def log_message(self, format, *values):
+            asked.append(self.path)
+
+    handler = functools.partial(Handler, directory=str(tmp_path))
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        browser = subprocess.run(
+            [
+                CHROMIUM,
+                *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync"),
+                *("--disable-background-networking", "--disable-component-update"),
+                "--enable-logging=stderr",
+                f"--user-data-dir={tmp_path / 'profile'}",
+                f"--window-size={width},1000",
+                "--virtual-time-budget=10000",
+                "--dump-dom",
+                f"http://127.0.0.1:{server.server_port}/page.html",
+            ],
+            capture_output=True,
+            text=True,
+            timeout=180,
+            check=True,
+        )
+    finally:
+        server.shutdown()
+        server.server_close()
+    found = re.search(r'data-probe="([^"]*)"', browser.stdout)
+    assert found, browser.stderr[-2000:]
+    result = json.loads(found[1].replace("&quot;", '"'))
+    assert result["problems"] == []
+    assert result["requests"] == []
+    assert asked == ["/page.html"]
+    assert "CONSOLE" not in browser.stderr
+    assert result["empty"] == 0
+    assert result["images"] == text.count("<img ")
+    assert result["sections"] == [f"surface-{name}" for name in ("holes", "profile", "flat", "sparse")]
+    assert result["wide"] <= 0
+    assert not Path(tmp_path / "page_files").exists()
