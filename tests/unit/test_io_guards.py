@@ -7,9 +7,11 @@ import zipfile
 
 import numpy as np
 import pytest
+import sdfio
 import x3pio
+import xarray as xr
 
-from roughcontact.errors import HeightMapError, InputFileError
+from roughcontact.errors import HeightMapError, InputFileError, RoughContactError
 from roughcontact.io import guards, read_height_map
 from roughcontact.io.plausibility import suspicions
 
@@ -20,12 +22,12 @@ def saved(tmp_path, data, name="map.x3p"):
     return path
 
 
-def x3p(change=lambda name, data: data, extra=()):
+def x3p(change=lambda name, data: data, extra=(), folder=""):
     stream, packed = io.BytesIO(), io.BytesIO()
     x3pio.write(stream, np.arange(12.0).reshape(3, 4) * 1e-6, x_scale=1e-6, y_scale=1e-6)
     with zipfile.ZipFile(stream) as old, zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as new:
         for name in old.namelist():
-            new.writestr(name, change(name, old.read(name)))
+            new.writestr(folder + name, change(name, old.read(name)))
         for name, data in extra:
             new.writestr(name, data)
     return packed.getvalue()
@@ -94,6 +96,42 @@ def test_cut_archive_and_other_archives(tmp_path):
     np.savez(stream, a=np.ones((4, 4)))
     with pytest.raises(InputFileError):
         read_height_map(saved(tmp_path, stream.getvalue(), "map.npz"), dx=1, dy=1, unit="um")
+
+
+def made(kind) -> bytes:
+    heights = rough(16)
+    stream = io.BytesIO()
+    if kind == "x3p":
+        x3pio.write(stream, heights, x_scale=1e-6, y_scale=1e-6)
+    elif kind == "x3p in a folder":
+        return x3p(folder="a/b/")
+    elif kind == "sdf":
+        sdfio.write(stream, heights, x_scale=1e-6, y_scale=1e-6)
+    elif kind == "npy":
+        np.save(stream, heights)
+    elif kind == "netCDF":
+        axes = {axis: (axis, 1e-6 * np.arange(16), {"units": "m"}) for axis in ("y", "x")}
+        return bytes(
+            xr.DataArray(heights, coords=axes, dims=("y", "x"), name="z").to_netcdf(format="NETCDF3_CLASSIC")
+        )
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize("kind", ["x3p", "x3p in a folder", "sdf", "npy", "netCDF"])
+def test_flipped_bytes_give_a_map_or_an_error_of_ours(tmp_path, kind):
+    rng = np.random.default_rng(7)
+    data = made(kind)
+    given = {"dx": 1, "dy": 1, "unit": "um", "height_unit": "m"}
+    for number in range(60):
+        damaged = bytearray(data)
+        for place in rng.integers(0, len(data) if number % 2 else min(len(data), 300), 1 + number % 5):
+            damaged[place] = rng.integers(256)
+        said = None
+        try:
+            height = read_height_map(saved(tmp_path, bytes(damaged), "map"), **given)
+        except RoughContactError as error:
+            said = str(error)
+        assert height.dims == ("y", "x") if said is None else len(said) < 500
 
 
 def rough(n=64, seed=0):

@@ -16,7 +16,7 @@ import numpy as np
 
 from roughcontact.errors import HeightMapError, InputFileError, SettingsError
 from roughcontact.io import arrays, exchange, instrument, text
-from roughcontact.io.guards import check_archive, check_file, sha256
+from roughcontact.io.guards import brief, check_archive, check_file, sha256
 from roughcontact.io.plausibility import suspicions
 from roughcontact.io.source import Channel, SourceFile, choose_channel
 from roughcontact.io.units import is_length, metres
@@ -184,7 +184,7 @@ def _open_hdf(path, head):
             with h5py.File(path) as file:
                 zygo = "MetaData" in file
         except OSError as error:
-            raise InputFileError(f"{path}: damaged or cut off HDF5 file ({error})") from error
+            raise InputFileError(f"{path}: damaged or cut off HDF5 file ({brief(error)})") from error
         if zygo:
             return instrument.read_instrument(path, head)
     return arrays.read_netcdf(path)

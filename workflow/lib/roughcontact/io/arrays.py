@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.guards import check_points
+from roughcontact.io.guards import brief, check_points
 from roughcontact.io.source import Channel, SourceFile, as_heights, even_step
 from roughcontact.io.units import is_length
 
@@ -14,9 +14,10 @@ def read_npy(path: Path) -> SourceFile:
     """Open a `.npy` file of one real array, (ny, nx) or (nx,), without pickle and without units."""
     try:
         values = np.load(path, mmap_mode="r", allow_pickle=False)
-    except (ValueError, EOFError, OSError, SyntaxError) as error:
+    except Exception as error:  # NumPy parses the header as Python text and may fail in any way of the parser
         raise InputFileError(
-            f"{path}: not readable as a NumPy array ({error}); save a plain float64 array with numpy.save"
+            f"{path}: not readable as a NumPy array ({brief(error)}); "
+            "save a plain float64 array with numpy.save"
         ) from error
     shape = (1, *values.shape) if values.ndim == 1 else values.shape
     if len(shape) != 2 or 0 in shape:
@@ -40,7 +41,7 @@ def read_netcdf(path: Path) -> SourceFile:
     try:
         dataset = xr.open_dataset(path, engine=engine, decode_times=False, decode_timedelta=False)
     except (OSError, ValueError, RuntimeError, TypeError, IndexError, KeyError) as error:
-        raise InputFileError(f"{path}: damaged or cut off netCDF file ({error})") from error
+        raise InputFileError(f"{path}: damaged or cut off netCDF file ({brief(error)})") from error
     with dataset:
         channels = [
             channel for name in dataset.data_vars if (channel := _variable(dataset, name, path)) is not None

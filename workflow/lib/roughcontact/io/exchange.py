@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.guards import check_points
+from roughcontact.io.guards import ARCHIVE_ERRORS, brief, check_points
 from roughcontact.io.source import Channel, SourceFile, as_heights, even_step
 
 
@@ -31,14 +31,15 @@ def read_x3p(path: Path) -> SourceFile:
     """Open an X3P file with x3pio: checksums verified, integer and XML data, infinite heights as missing."""
     import x3pio
 
-    with zipfile.ZipFile(path) as archive:
-        main = archive.read(main_xml_of(path))
-    _check_claimed_size(main, path)
-    tidied = _tidied(path, main)
     try:
-        file = x3pio.read(tidied)
-    except (x3pio.X3pError, ValueError, zipfile.BadZipFile, EOFError) as error:
-        raise InputFileError(f"{path}: not readable as X3P: {error}") from error
+        with zipfile.ZipFile(path) as archive:
+            main = archive.read(main_xml_of(path))
+        _check_claimed_size(main, path)
+        file = x3pio.read(_tidied(path, main))
+    except InputFileError:
+        raise
+    except (x3pio.X3pError, ValueError, *ARCHIVE_ERRORS) as error:
+        raise InputFileError(f"{path}: not readable as X3P: {brief(error)}") from error
     if isinstance(file, x3pio.PointCloud):
         raise InputFileError(
             f"{path}: this X3P file holds a point cloud, not a map; "
@@ -156,7 +157,7 @@ def read_sdf(path: Path) -> SourceFile:
     try:
         file = sdfio.read(path)
     except (sdfio.SdfError, ValueError, ArithmeticError) as error:
-        raise InputFileError(f"{path}: not readable as SDF: {error}") from error
+        raise InputFileError(f"{path}: not readable as SDF: {brief(error)}") from error
     header = file.header
     check_points(file.data.shape, path)
 

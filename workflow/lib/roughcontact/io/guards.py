@@ -2,6 +2,7 @@
 
 import hashlib
 import zipfile
+import zlib
 from pathlib import Path
 
 from roughcontact.errors import InputFileError
@@ -9,7 +10,15 @@ from roughcontact.errors import InputFileError
 MAX_FILE_BYTES = 4 * 2**30
 MAX_UNPACKED_BYTES = 2**30
 MAX_XML_BYTES = 2**28
+# what zipfile raises on damaged, encrypted or oddly compressed archives
+ARCHIVE_ERRORS = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, OSError)
 MAX_POINTS = 2**27  # 1 GiB as float64; a solution needs about ten such arrays
+
+
+def brief(error: Exception) -> str:
+    """Return the message of a library's error on one line of at most 160 characters."""
+    text = " ".join(str(error).split()) or type(error).__name__
+    return text if len(text) <= 160 else text[:157] + "..."
 
 
 def check_file(path: Path) -> None:
@@ -72,8 +81,8 @@ def check_archive(path: Path) -> None:
             for member in members:
                 if member.filename.lower().endswith(".xml"):
                     _check_xml(archive, member, path)
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError) as error:
-        raise InputFileError(f"{path}: the ZIP archive is damaged or encrypted ({error})") from error
+    except ARCHIVE_ERRORS as error:
+        raise InputFileError(f"{path}: the ZIP archive is damaged or encrypted ({brief(error)})") from error
 
 
 def _check_xml(archive, member, path):

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.guards import check_points
+from roughcontact.io.guards import brief, check_points
 from roughcontact.io.source import Channel, SourceFile, as_heights
 from roughcontact.io.units import is_length
 
@@ -106,10 +106,9 @@ def read_instrument(path: Path, head: bytes) -> SourceFile:
                     failures.append((lookup_reader_by_format[name].name(), error))
         if marked and failures:
             known, error = failures[0]
-            reason = " ".join(str(error).split())[:160] or type(error).__name__
             raise InputFileError(
                 f"{path}: looks like {known}, but is damaged, cut off or of a kind that holds no map "
-                f"({reason})"
+                f"({brief(error)})"
             ) from error
         raise InputFileError(
             f"{path}: the format is not known (told by content, not by extension); "
@@ -182,7 +181,7 @@ def _channel(info, name, path) -> Channel:
     except Exception as error:
         if not channel.no_height:
             raise InputFileError(
-                f"{path}: channel {info.channel_id!r} cannot be read ({' '.join(str(error).split())[:160]})"
+                f"{path}: channel {info.channel_id!r} cannot be read ({brief(error)})"
             ) from error
         return channel
     if not topography.is_uniform:
