@@ -219,3 +219,18 @@ def test_maps_that_cannot_be_levelled():
 def test_options_without_meaning(options, message):
     with pytest.raises(SettingsError, match=message):
         level(rough(), **options)
+
+
+def test_robust_fit_of_a_large_map_does_not_depend_on_its_start(monkeypatch):
+    """A large map starts from a thinned one; the result is that of starting from all points."""
+    from roughcontact import form
+
+    generator = np.random.default_rng(0)
+    values = generator.standard_normal((700, 900)) + 0.01 * np.arange(900)
+    values[generator.random(values.shape) < 0.2] -= 30
+    coordinates = np.arange(700.0), np.arange(900.0)
+    thinned, record = fit_form(values, coordinates, order=2, robust=True)
+    monkeypatch.setattr(form, "_START_POINTS", values.size)
+    whole, _ = fit_form(values, coordinates, order=2, robust=True)
+    np.testing.assert_allclose(thinned, whole, atol=1e-5)
+    assert record["slope_x"]["value"] == pytest.approx(0.01, abs=1e-4)

@@ -1,5 +1,7 @@
 """Form of a map: polynomials fitted by least squares or robustly, in a well-conditioned basis."""
 
+import copy
+
 import numpy as np
 from numpy.polynomial import legendre
 
@@ -7,6 +9,7 @@ from numpy.polynomial import legendre
 # deviations (Holland, Welsch, Comm. Statist. A6 (1977) 813).
 _BIWEIGHT = 4.685
 _ITERATIONS = 100
+_START_POINTS = 250_000  # enough points for a good start
 _CONVERGED = 1e-6  # change of the form between iterations, in standard deviations of the residual
 
 
@@ -87,6 +90,12 @@ class _Axis:
         # all products P_a P_b, for the normal equations
         self.products = (self.basis[:, :, None] * self.basis[:, None, :]).reshape(coordinate.size, -1)
 
+    def thinned(self, every):
+        """Return the same polynomials on every n-th point."""
+        thin = copy.copy(self)
+        thin.basis, thin.products = self.basis[::every], self.products[::every]
+        return thin
+
 
 def _evaluate(coefficients, axes):
     return axes[0].basis @ coefficients @ axes[1].basis.T
@@ -110,8 +119,21 @@ def _fit_weighted(heights, weights, axes, terms):
 
 
 def _fit_robust(heights, measured, axes, terms):
-    coefficients = _fit_weighted(heights, measured.astype(float), axes, terms)
-    least_absolute = True
+    """Iterate on a thinned map first where the map is large: a few passes over all points are then enough."""
+    every = int(np.sqrt(heights.size / _START_POINTS))
+    if every > 1 and measured[::every, ::every].sum() > _START_POINTS / 4:
+        start = _fit_robust(
+            heights[::every, ::every],
+            measured[::every, ::every],
+            [axis.thinned(every) for axis in axes],
+            terms,
+        )
+        return _reweight(heights, measured, axes, terms, start, least_absolute=False)
+    start = _fit_weighted(heights, measured.astype(float), axes, terms)
+    return _reweight(heights, measured, axes, terms, start, least_absolute=True)
+
+
+def _reweight(heights, measured, axes, terms, coefficients, *, least_absolute):
     for iteration in range(_ITERATIONS):
         residual = heights - _evaluate(coefficients, axes)
         size = np.abs(residual)
