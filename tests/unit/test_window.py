@@ -1,6 +1,7 @@
 """The window: the best rectangle, good sides, and a true record of what was done."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from roughcontact import synthetic
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.fourier import spacing
+from roughcontact.io import read_height_map
 from roughcontact.levelling import level
 from roughcontact.roughness import rms_gradient, rms_height
 from roughcontact.window import METHODS, friendly_sides, largest_rectangle, periodic_window
@@ -213,3 +215,35 @@ def test_maps_without_a_window():
 def test_options_without_meaning(options, message):
     with pytest.raises(SettingsError, match=message):
         periodic_window(cut_out(), **options)
+
+
+SHARED = Path(__file__).parents[2].parent / "shared" / "data"
+
+
+@pytest.mark.shared_data
+@pytest.mark.skipif(not SHARED.is_dir(), reason="no folder of real instrument files")
+@pytest.mark.parametrize(
+    ("file", "kinds", "least_share"),
+    [
+        ("frt-1.frt", {"dead_line"}, 0.55),  # a line of one value, a third of the map missing at the border
+        ("valid_zygo_dat_file.dat", set(), 0.4),  # a round pupil
+        ("KautschukInfiniteFocus.x3p", set(), 0.85),
+        ("plu-1.plu", {"spike"}, 0.95),
+        ("opdx-3.opdx", set(), 0.95),  # a profile
+    ],
+)
+def test_real_files_get_a_window(file, kinds, least_share):
+    levelled = level(read_height_map(SHARED / file))
+    assert kinds <= set(json.loads(levelled.attrs["outlier_kinds"]))
+    assert levelled.attrs["outliers_rejected"] < 0.005 * levelled.size
+    window = periodic_window(levelled)
+    assert np.isfinite(window.values).all()
+    assert window.attrs["window_share"] > least_share
+    assert window.attrs["rms_gradient_after"] <= window.attrs["rms_gradient_before"]
+
+
+@pytest.mark.shared_data
+@pytest.mark.skipif(not SHARED.is_dir(), reason="no folder of real instrument files")
+def test_real_file_that_is_mostly_missing_is_refused():
+    with pytest.raises(HeightMapError, match=r"sur-3\.sur: 88\.9 % of the points are missing"):
+        level(read_height_map(SHARED / "sur-3.sur"))

@@ -53,7 +53,7 @@ def periodic_plus_smooth(values, spacing) -> np.ndarray:
 
     Notes
     -----
-    Moisan, J. Math. Imaging Vis. 39 (2011) 161, eqs. (10)-(13).
+    Moisan, J. Math. Imaging Vis. 39 (2011) 161.
     """
     ny, nx = values.shape
     wy, wx = (min(spacing) / np.asarray(spacing)) ** 2
@@ -121,7 +121,7 @@ def taper(values, width) -> np.ndarray:
 
     Notes
     -----
-    Tukey window: Harris, Proc. IEEE 66 (1978) 51, eq. (38).
+    Tukey window: Harris, Proc. IEEE 66 (1978) 51.
     """
     mean = values.mean()
     result = values - mean

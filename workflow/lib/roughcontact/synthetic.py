@@ -83,7 +83,7 @@ def self_affine_surface(
 
     Notes
     -----
-    Persson, Albohr, Tartaglino, Volokitin, Tosatti, J. Phys.: Condens. Matter 17 (2005) R1, section 4.
+    Persson, Albohr, Tartaglino, Volokitin, Tosatti, J. Phys.: Condens. Matter 17 (2005) R1.
     """
     shape, spacing = tuple(shape), _pair(spacing)
     if (rms_height is None) == (rms_gradient is None):
@@ -178,7 +178,7 @@ def turned_surface(
 
     Notes
     -----
-    Ideal turned profile: Shaw, Metal Cutting Principles (2005), ch. 17, peak-to-valley f^2 / (8 R).
+    Ideal turned profile, peak-to-valley f^2 / (8 R): Shaw, Metal Cutting Principles (2005).
     """
     dy, dx = _pair(spacing)
     ny, nx = shape

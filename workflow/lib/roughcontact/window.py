@@ -180,7 +180,7 @@ def largest_rectangle(good, sides) -> tuple[int, int, int, int]:
 
     Notes
     -----
-    Vandevoorde, Dr. Dobb's Journal 23(4) (1998) 19, in its row-sweep form.
+    The maximal rectangle problem: Vandevoorde, Dr. Dobb's Journal 23(4) (1998).
     """
     ny, nx = good.shape
     columns = np.arange(nx)
