@@ -12,8 +12,7 @@ from roughcontact.errors import ConvergenceError, SettingsError
 from roughcontact.halfspace import zero_frequency_compliance
 from roughcontact.variables import describe
 
-FIELDS = ["pressure", "gap", "contact", "height"]
-SMALLEST_TOLERANCE = 1e-13
+SMALLEST_TOLERANCE = 1e-15
 
 
 def solve_contact(
@@ -103,9 +102,10 @@ def solve_contact(
         piece["converged"] = ("load", [np.int8(solution.error_bound <= tolerance)])
         piece.attrs = {"tolerance": tolerance, "zero_frequency": zero_frequency}
         if reduce is not None:
-            piece = piece.drop_vars(FIELDS).merge(reduce(piece), compat="override", combine_attrs="override")
+            reduced = reduce(piece)
+            piece = piece.drop_dims(["y", "x"]).merge(reduced, compat="override", combine_attrs="override")
         elif not fields:
-            piece = piece.drop_vars(FIELDS)
+            piece = piece.drop_dims(["y", "x"])
         pieces[index] = piece
         if progress is not None:
             progress(done, len(loads), f"mean pressure {load:.4g} Pa")

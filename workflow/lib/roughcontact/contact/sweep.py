@@ -9,7 +9,7 @@ from roughcontact.contact.active_set import solve_on_grid
 from roughcontact.contact.certificate import error_bound, rounding_floor
 from roughcontact.contact.levels import hierarchy, prolong
 from roughcontact.contact.problem import Problem
-from roughcontact.contact.state import State, evaluate
+from roughcontact.contact.state import State, evaluate, scale_to_load
 from roughcontact.fft import transform
 from roughcontact.halfspace import HalfSpace
 
@@ -48,11 +48,12 @@ def sweep(problem: Problem, loads: Sequence[float], *, tolerance: float, threads
     finest = grids[0]
     # Full contact: p = mean + G^-1 H, wherever that is nowhere negative (Johnson 1985, section 13.2).
     fluctuation = finest.pressure(problem.heights)
-    full_contact_from = -float(fluctuation.min())
+    # A load that closes the last gap exactly is full contact whatever the last digit says.
+    full_contact_from = -float(fluctuation.min()) - 1e-13 * float(np.ptp(fluctuation))
     previous = None
     for load in loads:
         if load >= full_contact_from:
-            state = evaluate(finest, problem.heights, load + fluctuation)
+            state = evaluate(finest, problem.heights, scale_to_load(load + fluctuation, load))
             bound, steps = error_bound(finest, state), 0
         else:
             if previous is not None and load <= WARM_RATIO * previous.pressure.mean():

@@ -1,0 +1,243 @@
+"""What `solve_contact` returns, refuses and promises, whatever the map."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import roughcontact as rc
+from roughcontact import synthetic
+from roughcontact.contact import linear_response, plan_loads
+from roughcontact.contact.loads import DEFAULT_PLAN
+from roughcontact.fourier import wavenumbers
+
+MODULUS = 2e9
+
+
+def rough(shape=(64, 48), spacing=(1e-6, 1.5e-6), seed=1, gradient=0.1):
+    return synthetic.self_affine_surface(
+        shape, spacing, hurst=0.8, shortest=8e-6, longest=80e-6, rms_gradient=gradient, seed=seed
+    )
+
+
+@pytest.fixture(scope="module")
+def solved():
+    window = rough()
+    loads = [2e7, 2e6, 4e8, 2e6]
+    return window, rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=loads, tolerance=1e-6)
+
+
+def test_names_dimensions_and_units_follow_the_conventions(solved):
+    window, contact = solved
+    assert contact.sizes == {"load": 4, "y": 64, "x": 48}
+    for name in ("pressure", "gap", "contact"):
+        assert contact[name].dims == ("load", "y", "x")
+    units = {"pressure": "Pa", "gap": "m", "approach": "m", "mean_pressure": "Pa", "error_bound": "1"}
+    assert {name: contact[name].attrs["units"] for name in units} == units
+    np.testing.assert_array_equal(contact["x"], window["x"])
+    np.testing.assert_array_equal(contact["height"], window)
+    assert contact["height"].attrs["source_format"] == "synthetic"
+    assert contact["contact"].dtype == np.int8
+
+
+def test_loads_keep_their_order_and_a_repeated_load_repeats_its_solution(solved):
+    _, contact = solved
+    np.testing.assert_array_equal(contact["mean_pressure"], [2e7, 2e6, 4e8, 2e6])
+    np.testing.assert_allclose(contact["pressure"][1], contact["pressure"][3], atol=1e-5 * 2e8)
+
+
+def test_every_load_fulfils_the_contact_conditions(solved):
+    window, contact = solved
+    assert (contact["converged"] == 1).all()
+    assert (contact["error_bound"] <= 1e-6).all()
+    assert (contact["load_error"] < 1e-14).all()
+    for load in range(contact.sizes["load"]):
+        piece = contact.isel(load=load)
+        pressure, gap = piece["pressure"].values, piece["gap"].values
+        assert pressure.min() >= 0
+        assert gap.min() == -float(piece["max_penetration"])
+        assert -gap.min() < 1e-5 * np.ptp(window.values)
+        np.testing.assert_array_equal(piece["contact"], pressure > 0)
+        q = wavenumbers(pressure.shape, (1e-6, 1.5e-6))
+        spectrum = np.fft.rfft2(pressure)
+        spectrum[0, 0] = 0
+        q[0, 0] = 1
+        displacement = np.fft.irfft2(spectrum * 2 / (MODULUS * q), s=pressure.shape)
+        rebuilt = displacement - window.values + float(piece["approach"])
+        np.testing.assert_allclose(gap, rebuilt, rtol=0, atol=1e-12 * np.ptp(window.values))
+
+
+def test_fields_are_optional_and_reduce_replaces_them():
+    window = rough()
+    kwargs = {"contact_modulus": MODULUS, "mean_pressure": [1e7, 5e7]}
+    full = rc.solve_contact(window, **kwargs)
+    scalars = rc.solve_contact(window, fields=False, **kwargs)
+    assert set(full.data_vars) - set(scalars.data_vars) == {"pressure", "gap", "contact", "height"}
+    assert set(scalars.dims) == {"load"}
+    xr.testing.assert_identical(scalars, full.drop_dims(["y", "x"]))
+    reduced = rc.solve_contact(window, reduce=rc.contact_statistics, **kwargs)
+    whole = rc.contact_statistics(full)
+    for name in whole.data_vars:
+        np.testing.assert_array_equal(reduced[name], whole[name], err_msg=name)
+
+
+def test_progress_is_told_after_every_load():
+    calls = []
+    rc.solve_contact(
+        rough(),
+        contact_modulus=MODULUS,
+        mean_pressure=[1e7, 5e6],
+        progress=lambda *call: calls.append(call),
+    )
+    assert [call[:2] for call in calls] == [(1, 2), (2, 2)]
+    assert "5e+06 Pa" in calls[0][2]
+
+
+def test_a_flat_map_takes_no_iteration():
+    flat = synthetic.height_map(np.full((8, 12), 1e6), 1e-6)
+    contact = rc.solve_contact(flat, contact_modulus=MODULUS, mean_pressure=[1e6, 1e7])
+    np.testing.assert_array_equal(contact["pressure"][1], np.full((8, 12), 1e7))
+    assert (contact["gap"] == 0).all()
+    assert (contact["operator_applications"] == 0).all()
+    assert (contact["error_bound"] == 0).all()
+    assert (contact["approach"] == 1e6).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "words"),
+    [
+        ({"contact_modulus": -1.0}, rc.SettingsError, "contact_modulus = -1"),
+        ({"contact_modulus": "steel"}, rc.SettingsError, "steel"),
+        ({"mean_pressure": []}, rc.SettingsError, "empty"),
+        ({"mean_pressure": [1e6, 0.0]}, rc.SettingsError, "mean_pressure = 0"),
+        ({"mean_pressure": np.nan}, rc.SettingsError, "mean_pressure = nan"),
+        ({"tolerance": 1e-16}, rc.SettingsError, "tolerance"),
+        ({"tolerance": 1.0}, rc.SettingsError, "tolerance"),
+        ({"zero_frequency": "periodic"}, rc.SettingsError, "nogi-kato"),
+        ({"zero_frequency": "lattice"}, rc.SettingsError, "square"),
+        ({"on_failure": "ignore"}, rc.SettingsError, "flag"),
+    ],
+)
+def test_meaningless_arguments_are_refused_by_name(change, error, words):
+    arguments = {"contact_modulus": MODULUS, "mean_pressure": 1e6} | change
+    with pytest.raises(error, match=words):
+        rc.solve_contact(rough(), **arguments)
+
+
+def test_maps_that_cannot_be_solved_are_refused():
+    window = rough()
+    holes = window.copy()
+    holes[3, 4] = np.nan
+    holes[0, 0] = np.inf
+    uneven = window.assign_coords(x=window["x"].values ** 1.2)
+    backwards = window[:, ::-1]
+    cases = [
+        (holes, "2 of 3072"),
+        (uneven, "not evenly spaced"),
+        (backwards, "increase"),
+        (window[:1, :1], "one pixel"),
+        (window.rename(x="u"), "dimensions"),
+        (window.drop_vars("x"), "pixel size"),
+    ]
+    for bad, words in cases:
+        with pytest.raises(rc.HeightMapError, match=words):
+            rc.solve_contact(bad, contact_modulus=MODULUS, mean_pressure=1e6)
+
+
+def test_a_tolerance_below_the_rounding_floor_is_raised_or_flagged_never_returned():
+    window = rough(shape=(256, 256))
+    kwargs = {"contact_modulus": MODULUS, "mean_pressure": 6e7, "tolerance": 1e-15}
+    with pytest.raises(rc.ConvergenceError, match=r"rounding in double\s+precision"):
+        rc.solve_contact(window, **kwargs)
+    flagged = rc.solve_contact(window, on_failure="flag", **kwargs)
+    assert float(flagged["converged"][0]) == 0
+    assert 1e-15 < float(flagged["error_bound"][0]) < 1e-11
+
+
+def relative_numbers(window, *, modulus, pressure):
+    stats = rc.contact_statistics(
+        rc.solve_contact(window, contact_modulus=modulus, mean_pressure=pressure, tolerance=3e-12)
+    )
+    rms = float(stats["rms_height"])
+    return np.array(
+        [
+            float(stats["relative_contact_area_pixels"][0]),
+            float(stats["relative_contact_area"][0]),
+            float(stats["max_pressure"][0]) / pressure,
+            float(stats["mean_gap"][0]) / rms,
+            float(stats["elastic_energy"][0]) / (pressure * rms),
+        ]
+    )
+
+
+def test_relative_numbers_do_not_depend_on_units_position_or_orientation():
+    spacing = 1e-6
+    window = synthetic.self_affine_surface(
+        (48, 48), spacing, hurst=0.8, shortest=8e-6, longest=48e-6, rms_gradient=0.1, seed=5
+    )
+    values, pressure = window.values, 0.1 * 0.1 * MODULUS
+    expected = relative_numbers(window, modulus=MODULUS, pressure=pressure)
+
+    def same(heights, pitch=spacing, modulus=MODULUS, load=pressure):
+        numbers = relative_numbers(synthetic.height_map(heights, pitch), modulus=modulus, pressure=load)
+        np.testing.assert_allclose(numbers, expected, rtol=1e-10)
+
+    same(np.roll(values, (7, -5), axis=(0, 1)))
+    same(values[::-1])
+    same(values[:, ::-1])
+    same(values.T)
+    same(np.tile(values, (2, 2)))
+    same(values * 1e6, pitch=1.0)  # µm
+    same(values, modulus=MODULUS * 1e-6, load=pressure * 1e-6)  # MPa
+    same(values * 1e9, load=pressure * 1e9)  # steeper, in proportion to the load
+    same(values * 1e-9, load=pressure * 1e-9)
+
+
+def test_an_offset_of_the_heights_only_shifts_the_approach():
+    window = rough()
+    kwargs = {"contact_modulus": MODULUS, "mean_pressure": 5e7, "tolerance": 1e-6}
+    near, far = (rc.solve_contact(window + offset, **kwargs) for offset in (0.0, 1.0))
+    scale = float(near["pressure"].max())
+    # heights of 1 m keep 1e-16 m: 1e-10 of the rms height here
+    np.testing.assert_allclose(far["pressure"], near["pressure"], rtol=0, atol=1e-5 * scale)
+    assert float(far["approach"][0] - near["approach"][0]) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_the_elastic_energy_the_gap_and_the_load_agree():
+    """dU = -p d(mean gap), by differences over a narrow load step, and the linear response is that slope."""
+    window = rough(shape=(96, 96), spacing=(1e-6, 1e-6))
+    mean = 3e7
+    loads = [mean * 0.995, mean, mean * 1.005]
+    contact = rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=loads, tolerance=1e-9)
+    stats = rc.contact_statistics(contact)
+    energy, gap = stats["elastic_energy"].values, stats["mean_gap"].values
+    assert energy[2] - energy[0] == pytest.approx(-mean * (gap[2] - gap[0]), rel=1e-4)
+    response = linear_response(contact["contact"].values[1] > 0, (1e-6, 1e-6), MODULUS, tolerance=1e-3)
+    # points that join or leave in between make the difference quotient no better than this
+    assert response == pytest.approx(-(gap[2] - gap[0]) / (loads[2] - loads[0]), rel=5e-3)
+
+
+def test_linear_response_limits():
+    with pytest.raises(ValueError, match="no point"):
+        linear_response(np.zeros((4, 4), bool), (1.0, 1.0), MODULUS)
+    assert linear_response(np.ones((4, 4), bool), (1.0, 1.0), MODULUS) == 0
+    # a strip of half the width: d(mean gap)/dp = -(2 L / pi E*) ln sin(pi a / 2), a = share in contact
+    # (periodic flat punches, half-plane: Johnson 1985, section 2.8, by superposition of Westergaard's waves)
+    n, length = 2048, 1e-3
+    strip = np.zeros((1, n), bool)
+    strip[0, : n // 2] = True
+    exact = -2 * length / (np.pi * MODULUS) * np.log(np.sin(np.pi / 4))
+    assert linear_response(strip, (length / n, length / n), MODULUS, 1e-4) == pytest.approx(exact, rel=2e-3)
+
+
+def test_load_plans():
+    window = rough()
+    assert plan_loads(window, contact_modulus=MODULUS, mean_pressure=3e6) == [3e6]
+    planned = plan_loads(window, contact_modulus=MODULUS)
+    np.testing.assert_allclose(planned, np.array(DEFAULT_PLAN) * MODULUS * 0.1, rtol=1e-12)
+    relative = plan_loads(window, contact_modulus=MODULUS, relative_pressure=[0.1, 0.2])
+    np.testing.assert_allclose(relative, [0.1 * MODULUS * 0.1, 0.2 * MODULUS * 0.1], rtol=1e-12)
+    with pytest.raises(rc.SettingsError, match="both"):
+        plan_loads(window, contact_modulus=MODULUS, mean_pressure=1.0, relative_pressure=1.0)
+    flat = synthetic.height_map(np.zeros((4, 4)), 1.0)
+    with pytest.raises(rc.HeightMapError, match="flat"):
+        plan_loads(flat, contact_modulus=MODULUS)
