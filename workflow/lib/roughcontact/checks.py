@@ -187,5 +187,6 @@ def _slope(statistics):
 def _reading(height):
     warnings = json.loads(height.get("ingest_warnings", "[]"))
     if warnings:
-        return Check("Reading the file", LOOK, " ".join(warnings))
+        text = "; ".join(warning.rstrip(".") for warning in warnings)
+        return Check("Reading the file", LOOK, f"{text[0].upper()}{text[1:]}.")
     return Check("Reading the file", PASSED, "Read without a warning.")

@@ -37,14 +37,14 @@ _LONGEST_ASPECT = 4.0  # longer maps are drawn out of scale
 
 
 @contextmanager
-def _figure(width: float, height: float):
+def _figure(width: float, height: float, *, layout="constrained"):
     """Yield a figure of so many inches that belongs to no window and no other figure."""
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     with matplotlib.rc_context(_STYLE):
-        figure = Figure(figsize=(width, height), layout="constrained")
+        figure = Figure(figsize=(width, height), layout=layout)
         FigureCanvasAgg(figure)
         yield figure
 
@@ -94,6 +94,7 @@ def height_map(height, *, rectangle=None) -> str:
         colours="viridis",
         bad=NOT_MEASURED,
         limits=limits,
+        extend="both",
         frame=rectangle,
     )
 
@@ -118,7 +119,8 @@ def pressure_map(height, pressure) -> str:
         unit="Pa",
         colours="viridis",
         bad=NO_CONTACT,
-        limits=(0, pressure.max()),
+        limits=(0, np.percentile(pressure[pressure > 0], 99.5)),  # a few peaks must not take all the colours
+        extend="max",
     )
 
 
@@ -153,8 +155,8 @@ def gap_map(height, gap, pressure) -> str:
     )
 
 
-def _map(height, shown, *, label, unit, colours, bad, limits, frame=None) -> str:
-    """Draw values over the extent of `height`; NaN in the colour `bad`."""
+def _map(height, shown, *, label, unit, colours, bad, limits, extend="neither", frame=None) -> str:
+    """Draw values over the extent of `height`; NaN in the colour `bad`, an arrow where colours end early."""
     import matplotlib
     from matplotlib.patches import Rectangle
 
@@ -164,9 +166,13 @@ def _map(height, shown, *, label, unit, colours, bad, limits, frame=None) -> str
     scale, value_unit = prefix(max(abs(limits[0]), abs(limits[1])), unit)
     aspect = ly / lx
     in_scale = 1 / _LONGEST_ASPECT <= aspect <= _LONGEST_ASPECT
-    tall = min(max(aspect, 0.45), 1.5) if in_scale else 1.0
-    with _figure(4.0, 2.9 * tall + 0.6) as figure:
-        axes = figure.add_subplot()
+    if not in_scale:
+        aspect = 1.0
+    # margins in inches: the labels always fit, and maps of one shape come out alike
+    width = min(2.55, 3.6 / aspect)
+    full = (width + 1.65, width * aspect + 0.65)
+    with _figure(*full, layout=None) as figure:
+        axes = figure.add_axes((0.7 / full[0], 0.5 / full[1], width / full[0], width * aspect / full[1]))
         axes.grid(False)
         colour_map = matplotlib.colormaps[colours].with_extremes(bad=bad)
         image = axes.imshow(
@@ -177,16 +183,18 @@ def _map(height, shown, *, label, unit, colours, bad, limits, frame=None) -> str
             vmin=limits[0] * scale,
             vmax=limits[1] * scale if limits[1] > limits[0] else limits[0] * scale + 1,
             interpolation="nearest",
-            aspect="equal" if in_scale else "auto",
+            aspect="auto",
         )
         if frame is not None:
-            x, y, width, depth = (value * factor for value in frame)
+            x, y, *sides = (value * factor for value in frame)
             for colour, line in (("white", 3.0), ("#d00000", 1.5)):
-                axes.add_patch(Rectangle((x, y), width, depth, fill=False, edgecolor=colour, linewidth=line))
+                axes.add_patch(Rectangle((x, y), *sides, fill=False, edgecolor=colour, linewidth=line))
         axes.set_xlabel(f"x ({length_unit})")
         axes.set_ylabel(f"y ({length_unit})" + ("" if in_scale else ", not to scale"))
-        beside = axes.inset_axes((1.03, 0, 0.05, 1))  # as high as the map, whatever its shape
-        bar = figure.colorbar(image, cax=beside, label=f"{label} ({value_unit})")
+        beside = figure.add_axes(
+            ((0.8 + width) / full[0], 0.5 / full[1], 0.12 / full[0], width * aspect / full[1])
+        )
+        bar = figure.colorbar(image, cax=beside, extend=extend, label=f"{label} ({value_unit})")
         bar.outline.set_linewidth(0.5)
         return _png(figure)
 

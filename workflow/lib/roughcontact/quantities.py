@@ -3,7 +3,7 @@
 import math
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
-_PREFIXED = ("m", "Pa")  # units that take a prefix; composed ones are given in powers of ten
+_PREFIXED = ("m", "Pa", "J")  # units that take a prefix; composed ones are given in powers of ten
 
 
 def prefix(value: float, unit: str) -> tuple[float, str]:

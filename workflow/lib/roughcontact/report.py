@@ -2,6 +2,7 @@
 
 import json
 import re
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -165,9 +166,10 @@ def _lengths(height) -> tuple[float, float]:
 
 
 def _frame(window):
-    """Return (x, y, length x, length y) of the window on the map, m."""
+    """Return (x, y, length x, length y) of the part of the map that the window shows, m."""
     offset = (window.attrs.get(f"window_offset_{axis}", 0.0) for axis in ("x", "y"))
-    return (*offset, *_lengths(window)[::-1])
+    images = 2 if window.attrs.get("periodisation") == "mirror" else 1  # the part and its mirror image
+    return (*offset, *(length / images for length in _lengths(window)[::-1]))
 
 
 def _shown_loads(loads: int) -> list[int]:
@@ -219,7 +221,8 @@ def _table(numbers, flags) -> dict:
             factor, shown = prefix(middle * 1e-6, "Pa")
             factor, shown = factor * 1e-6, f"{shown}/µm"
         elif unit == "J m-2":
-            factor, shown = 1.0, "J/m²"
+            factor, shown = prefix(middle, "J")
+            shown = f"{shown}/m²"
         else:
             factor, shown = prefix(middle, unit)
         header.append((title, "" if shown == "1" else shown, VARIABLES[name][1]))
@@ -235,12 +238,13 @@ def _facts(measured, levelled, window, numbers) -> list[tuple[str, str]]:
     """Return what is known of the surface, as (name, text)."""
     pitch = " × ".join(dict.fromkeys(quantity(step, "m") for step in spacing(measured)[::-1]))
     instrument = json.loads(measured.attrs.get("instrument", "{}"))
+    instrument = ", ".join(f"{key} {value}" for key, value in instrument.items())
     source = [str(measured.attrs.get(key, "")) for key in ("source_file", "source_format")]
     resolution = float(numbers["points_per_shortest_wavelength"][0])
     facts = [
         ("File", " · ".join(filter(None, source))),
         ("Channel", str(measured.attrs.get("channel", ""))),
-        ("Instrument", ", ".join(f"{key} {value}" for key, value in instrument.items())),
+        ("Instrument", textwrap.shorten(instrument, 160, placeholder=" …")),
         ("Map", f"{_size(measured)} of {pitch}"),
         ("Missing points", percent(measured.attrs.get("missing_share", 0.0))),
         ("Removed form", _removed(levelled)),
@@ -293,7 +297,8 @@ def _versions(numbers) -> str:
 
 def _reason(check) -> str:
     """Return the name of a check and its first sentence, for the top of the page."""
-    return f"{check.name}: {check.sentence.split('. ')[0].rstrip('.')}."
+    first = check.sentence.split(". ")[0].rstrip(".")
+    return f"{check.name}: {textwrap.shorten(first, 200, placeholder=' …')}"
 
 
 def _embedded(data: dict) -> str:
