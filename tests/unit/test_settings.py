@@ -99,7 +99,7 @@ def test_two_bodies_give_the_contact_modulus():
 @pytest.mark.parametrize(
     ("config", "said"),
     [
-        ({"contcat": {}}, ["contcat: unknown key, did you mean contact?"]),
+        ({"contact": {"contact_modulus": 1}, "casse": {}}, ["casse: unknown key, did you mean cases?"]),
         (
             {"contact": {"contact_modulus": 1, "tolerence": 1}},
             ["contact.tolerence", "did you mean tolerance?"],

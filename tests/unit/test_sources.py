@@ -53,7 +53,8 @@ def digests(workflow):
 @pytest.mark.parametrize(
     ("edited", "concerned"),
     [
-        ("lib/roughcontact/levelling.py", {"level"}),
+        ("lib/roughcontact/periodisation.py", {"window"}),
+        ("lib/roughcontact/outliers.py", {"level", "window"}),
         ("lib/roughcontact/io/units.py", {"ingest"}),
         ("lib/roughcontact/contact/solve.py", {"solve", "solve_statistics", "statistics"}),
         ("lib/roughcontact/collect.py", {"collect"}),

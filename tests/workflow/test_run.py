@@ -128,6 +128,13 @@ def test_values_written_in_another_way_rerun_nothing(finished):
     assert jobs == {}
 
 
+def test_a_row_that_moved_reruns_nothing(finished):
+    finished.write(table=["# measured in May", *TABLE])
+    jobs = finished.jobs()
+    finished.write()
+    assert jobs == {}
+
+
 def test_pitches_that_changed_places_rerun_that_surface(finished):
     finished.write(table=[TABLE[0], TABLE[1].replace("2\t1", "1\t2"), TABLE[2]])
     jobs = finished.jobs()

@@ -18,8 +18,8 @@ if owners("contact", keep_fields=True) or (
             "../envs/roughcontact.yaml"
         threads: solver_threads
         resources:
-            mem_mb=memory(bytes_per_point=600),
-            runtime=minutes(microseconds_per_point=100),
+            mem_mb=memory(bytes_per_point=300, and_load=50),
+            runtime=minutes(microseconds_per_point=20, and_load=30),
         params:
             settings=stage_settings("contact"),
             code=code("solve"),
@@ -39,8 +39,8 @@ if owners("contact", keep_fields=True) or (
         conda:
             "../envs/roughcontact.yaml"
         resources:
-            mem_mb=memory(bytes_per_point=600),
-            runtime=minutes(microseconds_per_point=20),
+            mem_mb=memory(bytes_per_point=200, and_load=50),
+            runtime=minutes(microseconds_per_point=20, and_load=10),
         params:
             settings=stage_settings("statistics"),
             code=code("statistics"),
@@ -67,8 +67,8 @@ if owners("contact", keep_fields=False) or (
             "../envs/roughcontact.yaml"
         threads: solver_threads
         resources:
-            mem_mb=memory(bytes_per_point=400),
-            runtime=minutes(microseconds_per_point=100),
+            mem_mb=memory(bytes_per_point=500),
+            runtime=minutes(microseconds_per_point=20, and_load=40),
         params:
             settings=stage_settings("statistics"),
             code=code("solve_statistics"),

@@ -57,7 +57,7 @@ rule panel:
     conda:
         "../envs/roughcontact.yaml"
     resources:
-        mem_mb=memory(bytes_per_point=600),
+        mem_mb=memory(bytes_per_point=300, and_load=50),
         runtime=minutes(microseconds_per_point=20),
     params:
         settings=stage_settings("statistics"),

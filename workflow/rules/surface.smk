@@ -12,14 +12,15 @@ rule ingest:
         "../envs/roughcontact.yaml"
     resources:
         mem_mb=lambda wildcards, attempt: round(
-            700 + attempt * 50 * megabytes(SURFACES[wildcards.surface].path)
+            400 + attempt * 50 * megabytes(SURFACES[wildcards.surface].path)
         ),
         runtime=lambda wildcards, attempt: round(
-            2 + attempt * megabytes(SURFACES[wildcards.surface].path) / 100
+            5 + attempt * megabytes(SURFACES[wildcards.surface].path) / 100
         ),
     params:
         settings=stage_settings("height"),
-        file=lambda wildcards: {
+        # where it stands in the table: with `input` among its arguments, so that another line reruns nothing
+        file=lambda wildcards, input: {
             "path": str(SURFACES[wildcards.surface].path),
             "origin": SURFACES[wildcards.surface].origin,
         },
@@ -64,7 +65,7 @@ rule window:
         "../envs/roughcontact.yaml"
     resources:
         mem_mb=memory(bytes_per_point=200),
-        runtime=minutes(microseconds_per_point=5),
+        runtime=minutes(microseconds_per_point=20),
     params:
         settings=stage_settings("window"),
         code=code("window"),

@@ -12,9 +12,7 @@ from roughcontact.storage import read_dataset
 settings = snakemake.params.settings
 window = read_dataset(snakemake.input[0])["height"]
 count = partial(contact_statistics, **settings["statistics"])
-result = solve_contact(window, **solver_arguments(window, settings["contact"]), reduce=count).drop_dims(
-    ["y", "x"]
-)
+result = solve_contact(window, **solver_arguments(window, settings["contact"]), reduce=count)
 save(result, snakemake.output.statistics, settings, source=window.attrs)
 solution = result[[*SOLVER_COLUMNS, "relative_pressure", "contact_modulus"]]
 save(solution, snakemake.output.contact, settings, source=window.attrs)

@@ -1,0 +1,49 @@
+"""What comes with the workflow fits together: configuration, table, environment, profiles."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+
+from roughcontact.settings import resolve
+from roughcontact.surfaces import read_surfaces
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_shipped_configuration_names_maps_that_are_there():
+    (settings,) = resolve(yaml.safe_load((ROOT / "config/config.yaml").read_text())).values()
+    surfaces = read_surfaces(ROOT / settings["surfaces"], [ROOT])
+    assert len(surfaces) >= 3
+    assert len({surface.path.suffix for surface in surfaces.values()}) >= 3
+    for surface in surfaces.values():
+        assert surface.path.is_file()
+        assert surface.path.stat().st_size < 1e6
+
+
+def test_the_conda_environment_has_the_packages_of_the_project():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    environment = yaml.safe_load((ROOT / "workflow/envs/roughcontact.yaml").read_text())["dependencies"]
+    assert sorted(environment[-1]["pip"]) == sorted(project["dependencies"])
+    assert f"python {project['requires-python']}" in environment
+
+
+@pytest.mark.parametrize("rules", sorted((ROOT / "workflow/rules").glob("*.smk")), ids=lambda path: path.stem)
+def test_every_rule_has_the_script_and_the_log_of_its_name(rules):
+    for rule in re.findall(
+        r"^ *rule (\w+):\n(.*?)(?=^ *rule |\Z)", rules.read_text(), re.DOTALL | re.MULTILINE
+    ):
+        name, body = rule
+        assert '"""' in body
+        assert f'"../scripts/{name}.py"' in body
+        assert f"{name}.log" in body
+        assert (ROOT / f"workflow/scripts/{name}.py").is_file()
+
+
+@pytest.mark.parametrize(
+    "script", sorted((ROOT / "workflow/scripts").glob("[a-z]*.py")), ids=lambda p: p.stem
+)
+def test_scripts_are_thin(script):
+    assert len(script.read_text().splitlines()) < 25
