@@ -48,7 +48,7 @@ def install(extras):
     if extras in current:
         return
     print(f"Installing into {VENV} (a minute or two, once) ...", file=sys.stderr, flush=True)
-    pip = [BIN / "python", "-m", "pip", "--quiet", "--disable-pip-version-check", "install"]
+    pip = [BIN / "python", "-m", "pip", "-qq", "--disable-pip-version-check", "install"]
     steps = [] if current else [[sys.executable, "-m", "venv", "--clear", VENV]]
     for step in [*steps, [*pip, "--editable", f"{ROOT}[{extras}]"]]:
         if run(step):
@@ -75,7 +75,8 @@ def test(arguments):
         [BIN / "snakemake", "--lint"],
         [BIN / "python", "-m", "pytest", *arguments],
     ]
-    return max([run(check) for check in checks])
+    codes = [run(check) for check in checks]
+    return int(any(codes))
 
 
 def run(command):

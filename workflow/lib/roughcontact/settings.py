@@ -95,7 +95,7 @@ class Window(Section):
         0.1,
         gt=0,
         le=0.5,
-        description="share of the side over which cross-fade blends or taper falls; the other methods have none",
+        description="share of the side over which cross-fade blends or taper falls; no other method has it",
     )
     min_share: Number = Field(
         0.05, ge=0, le=1, description="least share of the map that the window must have; else it is refused"
