@@ -7,7 +7,7 @@ _PREFIXED = ("m", "Pa", "J")  # units that take a prefix; composed ones are give
 
 
 def prefix(value: float, unit: str) -> tuple[float, str]:
-    """Return (factor, unit with SI prefix) such that value x factor lies between 1 and 1000, where there is one.
+    """Return (factor, unit with SI prefix) that bring the value between 1 and 1000, where there is one.
 
     Examples
     --------
