@@ -46,6 +46,8 @@ def save(result, path: str, settings: dict, *, source: dict) -> None:
 def _report_error(kind, error, trace) -> None:
     """Write the traceback to the log, and to the screen the one sentence that helps."""
     traceback.print_exception(kind, error, trace, file=_log)
+    if kind is KeyboardInterrupt:  # by the user, who knows
+        return
     if not isinstance(error, RoughContactError):
         error = f"{kind.__name__}: {error} (not foreseen, please report it with {snakemake.log[0]})"
     print(f"[{_name}] ERROR: {error}", file=sys.stderr, flush=True)
@@ -56,5 +58,9 @@ def _log_warning(message, category, filename, lineno, file=None, line=None) -> N
     _log.write(warnings.formatwarning(message, category, filename, lineno, line))
 
 
+# what a predecessor that was killed while it wrote may have left
+for _output in map(Path, snakemake.output):
+    for _left in _output.parent.glob(f".{_output.name}.*.partial"):
+        _left.unlink()
 sys.excepthook = _report_error
 warnings.showwarning = _log_warning
