@@ -64,7 +64,7 @@ def counted(run) -> dict[str, int]:
     """Return the jobs of each rule as a run announced them, the final target left out."""
     assert run.returncode == 0, run.stderr
     _, _, table = run.stderr.partition("Job stats:\n")
-    rows = re.findall(r"^(\w+) +(\d+)$", table.partition("\n\n")[0], re.MULTILINE)
+    rows = re.findall(r"^([\w-]+) +(\d+)$", table.partition("\n\n")[0], re.MULTILINE)
     return {rule: int(count) for rule, count in rows if rule not in ("all", "total")}
 
 

@@ -166,7 +166,7 @@ def test_an_edited_measurement_reruns_that_surface(finished):
 CASES = {
     "base": {},
     "binned": {"statistics": {"gap_bins": 5}},
-    "lean": {"contact": {"keep_fields": False}},
+    "no-maps": {"contact": {"keep_fields": False}},
 }
 
 
@@ -190,7 +190,7 @@ def test_a_case_computes_only_what_it_changes(study):
         "statistics": 2,
         "solve_statistics": 1,
         "share_binned": 1,
-        "share_lean": 1,
+        "share_no-maps": 1,
         "panel": 3,
         "collect": 1,
         "report": 1,
@@ -203,17 +203,17 @@ def test_the_folder_of_every_case_is_complete(study):
         f"{case}/ground/{name}" for case in CASES for name in EACH
     }
     first, second = (
-        read_dataset(study.path(f"results/{case}/ground/window.nc")) for case in ("base", "lean")
+        read_dataset(study.path(f"results/{case}/ground/window.nc")) for case in ("base", "no-maps")
     )
     assert first.identical(second)
 
 
 def test_without_fields_the_numbers_are_the_same(study):
     full, lean = (
-        read_dataset(study.path(f"results/{case}/ground/statistics.nc")) for case in ("base", "lean")
+        read_dataset(study.path(f"results/{case}/ground/statistics.nc")) for case in ("base", "no-maps")
     )
     xr.testing.assert_allclose(full, lean, rtol=1e-14)
-    contact = read_dataset(study.path("results/lean/ground/contact.nc"))
+    contact = read_dataset(study.path("results/no-maps/ground/contact.nc"))
     assert not {"pressure", "gap", "contact"} & set(contact.variables)
     assert contact["error_bound"].equals(
         read_dataset(study.path("results/base/ground/contact.nc"))["error_bound"]

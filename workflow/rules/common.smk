@@ -11,8 +11,8 @@ from roughcontact.sources import source_digest
 from roughcontact.stages import SECTIONS, owner, settings_of
 from roughcontact.surfaces import find, read_surfaces
 
-# Without --configfile: the configuration of the working directory, else the one that comes with the workflow. One file
-# only, never two laid over each other, so that what a file says is all that is set.
+# Without --configfile: the configuration of the working directory, else the one that comes with the workflow.
+# One file only, never two laid over each other, so that what a file says is all that is set.
 if not workflow.configfiles:
 
     configfile: find("config/config.yaml", [".", ROOT])
@@ -35,6 +35,10 @@ except SettingsError as error:
 STUDY = "" not in CASES
 FOLDER = "results/{case}/{surface}" if STUDY else "results/{surface}"
 LOGS = FOLDER.replace("results", "logs", 1)
+# stage -> case -> the case that computes it
+OWNERS = {
+    stage: {case: owner(CASES, case, stage) for case in CASES} for stage in SECTIONS
+}
 RUNS = [
     {"surface": surface, "case": case} if STUDY else {"surface": surface}
     for case in CASES
@@ -49,9 +53,11 @@ wildcard_constraints:
 
 def owners(stage, **wanted):
     """Return the constraint on `case` that admits the cases which compute `stage` themselves."""
-    admitted = [case for case in CASES if owner(CASES, case, stage) == case]
     return "|".join(
-        case for case in admitted if wanted.items() <= CASES[case]["contact"].items()
+        case
+        for case in CASES
+        if OWNERS[stage][case] == case
+        and wanted.items() <= CASES[case]["contact"].items()
     )
 
 
@@ -59,7 +65,7 @@ def stage_file(stage):
     """Return the input function that finds `stage` in the folder of the case which computes it."""
 
     def path(wildcards):
-        case = owner(CASES, wildcards.get("case", ""), stage)
+        case = OWNERS[stage][wildcards.get("case", "")]
         return f"{FOLDER}/{stage}.nc".format(case=case, surface=wildcards["surface"])
 
     return path

@@ -1,9 +1,7 @@
 # What each case shares with another one is a link into that case's folder, so that every folder is complete.
 SHARED = {
     case: {
-        stage: first
-        for stage in SECTIONS
-        if (first := owner(CASES, case, stage)) != case
+        stage: OWNERS[stage][case] for stage in SECTIONS if OWNERS[stage][case] != case
     }
     for case in CASES
 }
@@ -26,6 +24,7 @@ for case, owners_of in SHARED.items():
         rule:
             name:
                 f"share_{case}"
+            # links what other cases have computed
             input:
                 [
                     f"results/{first}/{{surface}}/{stage}.nc"
