@@ -44,7 +44,7 @@ def maps(draw):
     heights = draw(hnp.arrays(float, shape, elements=st.floats(-1, 1, width=16)))
     if smooth:
         heights = np.cumsum(np.cumsum(heights, axis=0), axis=1)
-    pitch = (draw(st.floats(0.3, 3)), draw(st.floats(0.3, 3)))
+    pitch = tuple(10.0 ** draw(st.floats(-1.5, 1.5)) for _ in range(2))
     if 1 in shape:  # across a profile nothing varies: its width has no meaning
         pitch = (max(pitch),) * 2
     return heights, pitch

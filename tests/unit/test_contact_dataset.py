@@ -9,6 +9,7 @@ from roughcontact import synthetic
 from roughcontact.contact import linear_response, plan_loads
 from roughcontact.contact.loads import DEFAULT_PLAN
 from roughcontact.fourier import wavenumbers
+from roughcontact.reference import full_contact_fluctuation
 
 MODULUS = 2e9
 
@@ -241,3 +242,49 @@ def test_load_plans():
     flat = synthetic.height_map(np.zeros((4, 4)), 1.0)
     with pytest.raises(rc.HeightMapError, match="flat"):
         plan_loads(flat, contact_modulus=MODULUS)
+
+
+@pytest.mark.parametrize("aspect", [1000.0, 30.0, 1 / 30, 1e-3])
+@pytest.mark.parametrize("relative", [0.01, 0.1, 1.0])
+def test_elongated_pixels_need_no_more_than_a_few_times_the_work(aspect, relative):
+    square = synthetic.self_affine_surface(
+        (128, 128), 1.0, hurst=0.8, shortest=8.0, longest=64.0, rms_gradient=0.1, seed=2
+    )
+    window = synthetic.height_map(square.values, (aspect, 1.0))
+    loads = plan_loads(window, contact_modulus=1.0, relative_pressure=relative)
+    contact = rc.solve_contact(window, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-6)
+    assert float(contact["converged"][0]) == 1
+    assert float(contact["operator_applications"][0]) < 120
+
+
+AWKWARD = {
+    "prime sides": synthetic.self_affine_surface(
+        (61, 53), 1.0, hurst=0.8, shortest=6.0, longest=50.0, rms_gradient=0.1, seed=1
+    ).values,
+    "two rows": synthetic.self_affine_surface(
+        (2, 256), 1.0, hurst=0.8, shortest=6.0, longest=200.0, rms_gradient=0.1, seed=1
+    ).values,
+    "white noise": np.random.default_rng(0).standard_normal((64, 64)),
+    "plateaus": np.round(np.random.default_rng(0).standard_normal((64, 64))),
+    "checkerboard": np.indices((64, 64)).sum(axis=0) % 2.0,
+    "one spike": np.where(np.arange(64 * 64) == 700, 1.0, 0.0).reshape(64, 64),
+    "one pit": np.where(np.arange(64 * 64) == 700, -1.0, 0.0).reshape(64, 64),
+}
+
+
+@pytest.mark.parametrize("name", AWKWARD)
+@pytest.mark.parametrize("share_of_full_contact", [1e-4, 0.1, 0.999, 1.0, 10.0])
+def test_awkward_maps_simply_work(name, share_of_full_contact):
+    heights = AWKWARD[name]
+    threshold = -full_contact_fluctuation(heights, (1.0, 1.0), 1.0).min()
+    contact = rc.solve_contact(
+        synthetic.height_map(heights, 1.0),
+        contact_modulus=1.0,
+        mean_pressure=share_of_full_contact * threshold,
+        tolerance=1e-8,
+    )
+    touching = contact["contact"].values > 0
+    if share_of_full_contact != 1.0:  # there the last digit decides
+        assert touching.all() == (share_of_full_contact > 1)
+    assert touching.any()
+    assert float(contact["error_bound"][0]) <= 1e-8

@@ -19,11 +19,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from roughcontact.contact.certificate import error_bound, relative_bound, rounding_floor
-from roughcontact.contact.projected import project_to_load, projected_step
+from roughcontact.contact.contact_set import ContactSet, centred
+from roughcontact.contact.projected import projected_step
 from roughcontact.contact.state import State, energy_change, evaluate, scale_to_load, total_product
 from roughcontact.halfspace import HalfSpace
 
-PATIENCE = 12  # outer steps that do not improve the bound before the iteration is called stalled
+REDUCTION = 0.25  # of the residual by one inner iteration, where its length is not fixed
+MOST_STEPS = 40  # of one inner iteration
+PATIENCE = 20  # outer steps that do not improve the bound before the iteration is called stalled
 SET_IN_MOTION = 0.05  # relative error above which the contact set moves too much for long inner iterations
 
 
@@ -47,20 +50,22 @@ def solve_on_grid(
 ) -> GridSolution:
     """Improve the pressure `start` (ny, nx) until the bound of its relative error is at most `tolerance`.
 
-    All in dimensionless form: heights in units of g L, pressures in units of E* g; the start is projected to
-    the prescribed load first. Ends early after `max_steps` outer steps, at the rounding floor, or after
-    `PATIENCE` steps in vain: the caller compares `error_bound` with its tolerance.
+    All in dimensionless form: heights in units of g L, pressures in units of E* g; the start, nowhere
+    negative, is scaled to the prescribed load first. Ends early after `max_steps` outer steps, at the
+    rounding floor, or after `PATIENCE` steps in vain: the caller compares `error_bound` with its tolerance.
     """
-    state = evaluate(halfspace, heights, project_to_load(start, mean_pressure))
+    state = evaluate(halfspace, heights, scale_to_load(start, mean_pressure))
     active = _wanted(state)
     lowest, lowest_step, fallbacks = np.inf, 0, 0
     for step in range(max_steps + 1):
-        points, remainder, product = _residual_on(halfspace, state, active)
+        contact_set = ContactSet(halfspace, active)
+        remainder = centred(contact_set.take(state.gap)).astype(np.float32)
+        product = contact_set.precondition(remainder)
         residual_norm = np.sqrt(max(total_product(remainder, product), 0.0) / active.size)
         bound = relative_bound(halfspace, state, residual_norm)
-        if bound < 0.9 * lowest:
+        if bound < 0.99 * lowest:
             lowest, lowest_step = bound, step
-        exact = np.array_equal(active, _wanted(state))
+        exact = contact_set.certifying and np.array_equal(active, _wanted(state))
         hopeless = (
             step == max_steps
             or step - lowest_step > PATIENCE
@@ -71,10 +76,9 @@ def solve_on_grid(
         if bound <= tolerance or hopeless:
             break
 
-        corrected, set_after = _correct(
-            halfspace, state, points, remainder, product, steps=1 if bound > SET_IN_MOTION else 3
-        )
-        trial = evaluate(halfspace, heights, scale_to_load(corrected, mean_pressure))
+        least = 1 if bound > SET_IN_MOTION else 3
+        corrected, set_after = _correct(contact_set, state, remainder, product, least=least)
+        trial = evaluate(halfspace, heights, contact_set.clip(corrected, mean_pressure))
         if energy_change(state, trial) < 0:
             state, active = trial, set_after
             continue
@@ -90,32 +94,8 @@ def _wanted(state: State) -> np.ndarray:
     return (state.pressure > 0) | (state.gap < 0)
 
 
-def _residual_on(halfspace, state, active):
-    """Return (indices of the set, residual on it, preconditioned residual on it), means removed."""
-    points = np.flatnonzero(active)
-    remainder = centred(state.gap.ravel()[points]).astype(np.float32)
-    return points, remainder, precondition_on(halfspace, points, remainder)
-
-
-def precondition_on(halfspace, points, values):
-    """Return the inverse operator applied to `values` on `points`, there, the mean removed."""
-    return centred(apply_on(halfspace.pressure, halfspace.shape, points, values).ravel()[points])
-
-
-def apply_on(operator, shape, points, values):
-    """Return the operator applied to the field that is `values` on `points` and zero elsewhere."""
-    field = np.zeros(shape, dtype=values.dtype)
-    field.ravel()[points] = values
-    return operator(field)
-
-
-def centred(values: np.ndarray) -> np.ndarray:
-    """Return `values` less their mean, taken in double precision."""
-    return values - values.dtype.type(values.mean(dtype=float))
-
-
-def _correct(halfspace, state, points, remainder, product, *, steps):
-    """Return the pressure after some conjugate gradient steps on `points`, not clipped, and the set after it.
+def _correct(contact_set, state, remainder, product, *, least):
+    """Return the pressure after some conjugate gradient steps on the set, not clipped, and the set after it.
 
     Preconditioned conjugate gradients for P_C G P_C d = -r with mean(d) = 0 (Hestenes and Stiefel 1952), the
     gap followed on the whole grid, so that points which came to overlap are seen without another application.
@@ -124,26 +104,28 @@ def _correct(halfspace, state, points, remainder, product, *, steps):
     gap = state.gap.astype(np.float32)
     direction = -product
     rz = total_product(remainder, product)
-    for count in range(1, steps + 1):
-        displaced = apply_on(halfspace.displacement, halfspace.shape, points, direction)
-        curvature = total_product(direction, displaced.ravel()[points])
+    enough = REDUCTION**2 * rz
+    for count in range(1, MOST_STEPS + 1):
+        displaced = contact_set.displacement(direction)
+        curvature = total_product(direction, contact_set.take(displaced))
         if not (curvature > 0 and rz > 0):
             break
         length = np.float32(rz / curvature)
         correction += length * direction
         displaced *= length
         gap += displaced
-        if count == steps:
+        if count == least and contact_set.certifying:
             break
-        remainder = centred(gap.ravel()[points])
-        product = precondition_on(halfspace, points, remainder)
+        remainder = centred(contact_set.take(gap))
+        product = contact_set.precondition(remainder)
         rz_before, rz = rz, total_product(remainder, product)
+        if count >= least and rz <= enough:
+            break
         direction *= np.float32(rz / rz_before)
         direction -= product
 
-    gap -= gap.ravel()[points].mean(dtype=float)
-    corrected = np.zeros(halfspace.shape)
-    corrected.ravel()[points] = state.pressure.ravel()[points] + correction
+    gap -= contact_set.take(gap).mean(dtype=float)
+    corrected = contact_set.spread(contact_set.take(state.pressure) + correction)
     overlapping = gap < 0
-    overlapping.ravel()[points] = corrected.ravel()[points] > 0
+    overlapping.ravel()[contact_set.points] = contact_set.take(corrected) > 0
     return corrected, overlapping

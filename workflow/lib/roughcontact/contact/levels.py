@@ -29,8 +29,13 @@ def coarsening_factors(shape, lengths) -> tuple[int, int]:
 
 def restrict(field: np.ndarray, factors: tuple[int, int]) -> np.ndarray:
     """Return the block means of `field` (ny, nx), shape (ny/fy, nx/fx)."""
+    return block_sum(field, factors) / (factors[0] * factors[1])
+
+
+def block_sum(field: np.ndarray, factors: tuple[int, int]) -> np.ndarray:
+    """Return the sums of `field` (ny, nx) over blocks of `factors`, shape (ny/fy, nx/fx)."""
     (ny, nx), (fy, fx) = field.shape, factors
-    return field.reshape(ny // fy, fy, nx // fx, fx).mean(axis=(1, 3))
+    return field.reshape(ny // fy, fy, nx // fx, fx).sum(axis=(1, 3))
 
 
 def prolong(field: np.ndarray, factors: tuple[int, int]) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from roughcontact.contact.active_set import apply_on, centred, precondition_on
+from roughcontact.contact.contact_set import ContactSet, centred
 from roughcontact.contact.problem import check_positive
 from roughcontact.contact.state import total_product
 from roughcontact.fft import transform
@@ -53,22 +53,22 @@ def linear_response(
     halfspace = HalfSpace(
         contact.shape, tuple(length / unit for length in lengths), fft=transform(threads=threads)
     )
-    points = np.flatnonzero(contact)
+    contact_set = ContactSet(halfspace, contact)
 
-    increment = np.full(points.size, contact.size / points.size)
-    displaced = apply_on(halfspace.displacement, contact.shape, points, increment).ravel()[points]
+    increment = np.full(contact_set.points.size, contact.size / contact_set.points.size)
+    displaced = contact_set.take(contact_set.displacement(increment))
     remainder = centred(displaced)
-    product = precondition_on(halfspace, points, remainder)
+    product = contact_set.precondition(remainder)
     direction, rz = -product, total_product(remainder, product)
     for _ in range(200):
         if rz <= tolerance**2 * total_product(increment, displaced):
             break
-        moved = apply_on(halfspace.displacement, contact.shape, points, direction).ravel()[points]
+        moved = contact_set.take(contact_set.displacement(direction))
         length = rz / total_product(direction, moved)
         increment += length * direction
         displaced += length * moved
         remainder = centred(displaced)
-        product = precondition_on(halfspace, points, remainder)
+        product = contact_set.precondition(remainder)
         rz_before, rz = rz, total_product(remainder, product)
         direction = rz / rz_before * direction - product
     return total_product(increment, displaced) / contact.size * unit / modulus
