@@ -1,71 +1,65 @@
 """One interface to the real two-dimensional FFT, whoever computes it.
 
-`scipy.fft` always works and is the reference. `mkl_fft` is used where it is installed, because it was the
-fastest in every measurement (see `benchmarks/`); it follows the thread count of MKL.
+`scipy.fft` always works. `mkl_fft` is used where it is installed: of the libraries that need no planning it
+was the fastest in every measurement, most of all because it writes into memory that is there already.
 """
 
-from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 
+import numpy as np
 import scipy.fft
 
 _SMALL = 128 * 128  # points; below that starting threads costs more than they save
 
 
-@dataclass(frozen=True)
-class Transform:
-    """A pair of functions: `forward(field) -> spectrum`, `inverse(spectrum, shape) -> field`.
+class Plan:
+    """Transforms of real fields of one shape and precision, between three buffers.
 
-    The spectrum has the layout of `numpy.fft.rfft2`; the inverse carries the factor 1/(ny nx) and may
-    overwrite its argument. Both keep the precision of their argument (single or double).
+    `forward` takes `field` (ny, nx) to `spectrum` (ny, nx//2 + 1), the layout of `numpy.fft.rfft2`; `inverse`
+    takes `spectrum` to `result` (ny, nx), with the factor 1/(ny nx). `field` is kept; the spectrum may be
+    destroyed, and both outputs are overwritten by the next call.
     """
 
-    name: str
-    forward: callable
-    inverse: callable
+    def __init__(self, shape: tuple[int, int], dtype, *, threads: int = 1):
+        self.shape, self.threads = shape, threads if np.prod(shape) >= _SMALL else 1
+        self.field = np.zeros(shape, dtype=dtype)
+        self.spectrum = self.result = None
+
+    def forward(self) -> None:
+        self.spectrum = scipy.fft.rfft2(self.field, workers=self.threads)
+
+    def inverse(self) -> None:
+        self.result = scipy.fft.irfft2(self.spectrum, s=self.shape, workers=self.threads, overwrite_x=True)
 
 
-def _scipy(threads: int) -> Transform:
-    def workers(size):
-        return threads if size >= _SMALL else 1
+class MklPlan(Plan):
+    """The same by MKL; it follows MKL's own number of threads."""
 
-    def forward(field):
-        return scipy.fft.rfft2(field, workers=workers(field.size))
+    def __init__(self, shape, dtype, *, threads=1):
+        super().__init__(shape, dtype, threads=threads)
+        complex_type = np.result_type(dtype, np.complex64)
+        self.spectrum = np.empty((shape[0], shape[1] // 2 + 1), dtype=complex_type)
+        self.result = np.empty(shape, dtype=dtype)
 
-    def inverse(spectrum, shape):
-        return scipy.fft.irfft2(spectrum, s=shape, workers=workers(2 * spectrum.size), overwrite_x=True)
+    def forward(self):
+        import mkl_fft
 
-    return Transform("scipy", forward, inverse)
+        mkl_fft.rfft2(self.field, out=self.spectrum)
 
+    def inverse(self):
+        import mkl_fft
 
-def _mkl(threads: int) -> Transform:
-    import mkl_fft
-
-    scalar = _scipy(1)  # MKL's planner refuses an axis of one point
-
-    def forward(field):
-        if 1 in field.shape:
-            return scalar.forward(field)
-        return mkl_fft.rfft2(field)
-
-    def inverse(spectrum, shape):
-        if 1 in shape:
-            return scalar.inverse(spectrum, shape)
-        return mkl_fft.irfft2(spectrum, s=shape)
-
-    return Transform("mkl_fft", forward, inverse)
-
-
-_BACKENDS = {"mkl_fft": _mkl, "scipy": _scipy}
+        mkl_fft.irfft2(self.spectrum, s=self.shape, out=self.result)
 
 
 @cache
-def available() -> tuple[str, ...]:
-    """Return the names of the backends that can be imported here, fastest first."""
-    return tuple(name for name in _BACKENDS if name == "scipy" or find_spec(name) is not None)
+def mkl_is_installed() -> bool:
+    """Return whether `mkl_fft` can be imported here."""
+    return find_spec("mkl_fft") is not None
 
 
-def transform(*, threads: int = 1, backend: str | None = None) -> Transform:
-    """Return the fastest installed transform, or the named one."""
-    return _BACKENDS[backend or available()[0]](threads)
+def make_plan(shape: tuple[int, int], dtype, *, threads: int = 1) -> Plan:
+    """Return the fastest plan for fields of `shape` and `dtype`; a single row or column is left to SciPy."""
+    kind = MklPlan if mkl_is_installed() and min(shape) > 1 else Plan
+    return kind(tuple(shape), np.dtype(dtype), threads=threads)

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from roughcontact.errors import SettingsError
-from roughcontact.fft import Transform, transform
+from roughcontact.fft import make_plan
 from roughcontact.fourier import wavevectors
 
 _BLOCK = 1 << 16  # elements of the symbol that are made at a time: they stay in the cache
@@ -20,58 +20,94 @@ _BLOCK = 1 << 16  # elements of the symbol that are made at a time: they stay in
 class HalfSpace:
     """The operators u = G p, with symbol 2/|q|, and its inverse p = G^-1 u, with symbol |q|/2, on one grid.
 
-    The mean (q = 0) is left out of both: it is a matter of reference, see `zero_frequency_compliance`.
-    `applications` counts forward and inverse transform pairs.
+    The mean (q = 0) is left out of both: it is a matter of reference, see `zero_frequency_compliance`. What
+    an operator returns lies in a buffer, one per precision: it holds until the next application in that
+    precision. `applications` counts forward and inverse transform pairs.
     """
 
-    def __init__(self, shape: tuple[int, int], lengths: tuple[float, float], *, fft: Transform | None = None):
+    def __init__(self, shape: tuple[int, int], lengths: tuple[float, float], *, threads: int = 1):
         self.shape = tuple(shape)
         self.lengths = tuple(lengths)
-        self.fft = fft or transform()
+        self.threads = threads
         self.applications = 0.0
         spacing = (lengths[0] / shape[0], lengths[1] / shape[1])
         qy, qx = wavevectors(shape, spacing)
         # The real and the imaginary part of a coefficient share a factor: keep q_x^2 twice, so that a
         # spectrum seen as real numbers is multiplied without a detour over complex numbers.
-        self._q2 = {}
-        for dtype in (np.float32, np.float64):
-            self._q2[np.dtype(dtype)] = (
-                (qy**2).astype(dtype),
-                np.repeat(qx**2, 2, axis=1).astype(dtype),
-            )
-
+        self._q2 = {
+            np.dtype(dtype): ((qy**2).astype(dtype), np.repeat(qx**2, 2, axis=1).astype(dtype))
+            for dtype in (np.float32, np.float64)
+        }
         self.mean_wavenumber = float(np.hypot(qy, qx).mean())  # over the half plane, for rounding estimates
+        self._plans = {}
+        self._held_by = {}
 
-    def _blocks(self, dtype):
-        """Yield (rows, |q| of those rows with every column twice), the zero frequency given as inf."""
-        q2_y, q2_x = self._q2[np.dtype(dtype)]
-        step = max(1, _BLOCK // q2_x.size)
-        for start in range(0, self.shape[0], step):
-            rows = slice(start, min(start + step, self.shape[0]))
-            q = np.sqrt(q2_y[rows] + q2_x)
-            if start == 0:
-                q[0, :2] = np.inf
-            yield rows, q
-
-    def displacement(self, pressure: np.ndarray) -> np.ndarray:
-        """Return u = G p, shape (ny, nx), mean zero, in the precision of `pressure`."""
-        spectrum = self.fft.forward(pressure)
-        parts = spectrum.view(pressure.dtype)
-        for rows, q in self._blocks(pressure.dtype):
-            parts[rows] *= 2 / q
-        self.applications += 1
-        return self.fft.inverse(spectrum, self.shape)
+    def displacement(self, pressure: np.ndarray, *, dtype=None) -> np.ndarray:
+        """Return u = G p, shape (ny, nx), mean zero, in the precision `dtype`, or in that of `pressure`."""
+        plan = self._plan(dtype or pressure.dtype)
+        self._held_by[plan.field.dtype] = None
+        plan.field[...] = pressure
+        return self._apply(plan, _comply)
 
     def pressure(self, displacement: np.ndarray) -> np.ndarray:
         """Return p = G^-1 u, shape (ny, nx), mean zero, in the precision of `displacement`."""
-        spectrum = self.fft.forward(displacement)
-        parts = spectrum.view(displacement.dtype)
-        for rows, q in self._blocks(displacement.dtype):
-            if rows.start == 0:
-                q[0, :2] = 0
-            parts[rows] *= 0.5 * q
+        plan = self._plan(displacement.dtype)
+        self._held_by[plan.field.dtype] = None
+        plan.field[...] = displacement
+        return self._apply(plan, _resist)
+
+    def displacement_of(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Return G of the field that is `values` at the flat indices `points` and zero elsewhere."""
+        return self._apply(self._fill(values, points), _comply)
+
+    def pressure_of(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Return G^-1 of the field that is `values` at the flat indices `points` and zero elsewhere."""
+        return self._apply(self._fill(values, points), _resist)
+
+    def _plan(self, dtype):
+        dtype = np.dtype(dtype)
+        if dtype not in self._plans:
+            self._plans[dtype] = make_plan(self.shape, dtype, threads=self.threads)
+        return self._plans[dtype]
+
+    def _fill(self, values, points):
+        """Put values into the plan's field, zero elsewhere already if the same points were last filled."""
+        plan = self._plan(values.dtype)
+        if self._held_by.get(plan.field.dtype) is not points:
+            plan.field.fill(0)
+            self._held_by[plan.field.dtype] = points
+        plan.field.ravel()[points] = values
+        return plan
+
+    def _apply(self, plan, multiply):
+        plan.forward()
+        dtype = plan.field.dtype
+        parts = plan.spectrum.view(dtype)
+        q2_y, q2_x = self._q2[dtype]
+        step = max(1, _BLOCK // q2_x.size)
+        for start in range(0, self.shape[0], step):
+            rows = slice(start, start + step)
+            q = np.add(q2_y[rows], q2_x)
+            np.sqrt(q, out=q)
+            if start == 0:
+                q[0, :2] = 1
+            multiply(parts[rows], q)
+        parts[0, :2] = 0
+        plan.inverse()
         self.applications += 1
-        return self.fft.inverse(spectrum, self.shape)
+        return plan.result
+
+
+def _comply(parts, q):
+    """Multiply a block of the spectrum by |q|^-1, times 2."""
+    np.divide(2, q, out=q)
+    parts *= q
+
+
+def _resist(parts, q):
+    """Multiply a block of the spectrum by |q|/2."""
+    q *= 0.5
+    parts *= q
 
 
 def zero_frequency_compliance(rule: str, *, lengths: tuple[float, float]) -> float:

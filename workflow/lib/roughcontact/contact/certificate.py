@@ -25,7 +25,7 @@ def residual(state: State) -> np.ndarray:
 
 def error_bound(halfspace, state: State) -> float:
     """Return a bound of ||p - p*||_G / ||p||_G for the pressure of `state`; one operator application."""
-    remainder = residual(state).astype(np.float32)
+    remainder = residual(state).astype(np.float32, copy=False)
     return relative_bound(halfspace, state, norm(remainder, halfspace.pressure(remainder)))
 
 
@@ -41,13 +41,13 @@ def relative_bound(halfspace, state: State, residual_norm: float) -> float:
     return residual_norm * (1 + _SINGLE_SLACK) / state.norm + rounding_floor(halfspace, state)
 
 
-def rounding_floor(halfspace, state: State) -> float:
-    """Return the relative error that the rounding of one application in double precision can hide.
+def rounding_floor(halfspace, state: State, dtype=None) -> float:
+    """Return the relative error that the rounding of one application can hide, in the precision of the gap.
 
     The error of a Fourier transform is white, of relative size eps sqrt(log2 n) (Schatzman 1996, SIAM J. Sci.
     Comput. 17, 1150); a white field of standard deviation s has ||.||_{G^-1} = s sqrt(mean |q| / 2).
     """
     if state.norm == 0:
         return 0.0
-    deviation = np.finfo(float).eps * np.sqrt(np.log2(state.gap.size)) * state.size
+    deviation = np.finfo(dtype or state.gap.dtype).eps * np.sqrt(np.log2(state.gap.size)) * state.size
     return float(deviation * np.sqrt(halfspace.mean_wavenumber / 2) / state.norm)

@@ -36,14 +36,13 @@ class ContactSet:
 
     def displacement(self, values: np.ndarray) -> np.ndarray:
         """Return the displacement (ny, nx) of the whole surface under pressures on C."""
-        return self.halfspace.displacement(self.spread(values))
+        return self.halfspace.displacement_of(values, self.points)
 
     def precondition(self, values: np.ndarray) -> np.ndarray:
         """Return nearly the pressures on C, of mean zero, that displace C by `values`, of mean zero."""
-        field = self.spread(values)
         if self._extension is None:
-            return centred(self.take(self.halfspace.pressure(field)))
-        field = self.halfspace.pressure(self._extension.extend(field))
+            return centred(self.take(self.halfspace.pressure_of(values, self.points)))
+        field = self.halfspace.pressure(self._extension.extend(self.spread(values)))
         return centred(self.take(self._extension.transpose(field)))
 
     def clip(self, pressure: np.ndarray, mean_pressure: float) -> np.ndarray:

@@ -6,7 +6,7 @@ energy for every small enough step length (Bertsekas 1976, IEEE Trans. Autom. Co
 
 import numpy as np
 
-from roughcontact.contact.state import State, energy_change, evaluate, mean_product
+from roughcontact.contact.state import State, descend, evaluate, mean_product
 
 
 def project_to_load(pressure: np.ndarray, mean_pressure: float) -> np.ndarray:
@@ -33,7 +33,7 @@ def projected_step(halfspace, heights: np.ndarray, state: State, mean_pressure: 
     """Return a state of lower energy, one projected gradient step away; None where rounding leaves none.
 
     The first step length is that of steepest descent on the contact, <r, r> / <r, G r>; it is halved until
-    the energy falls.
+    the energy falls along the way to the projection.
     """
     wanted = (state.pressure > 0) | (state.gap < 0)
     slope = np.where(wanted, state.gap, 0)
@@ -44,9 +44,13 @@ def projected_step(halfspace, heights: np.ndarray, state: State, mean_pressure: 
     length = mean_product(slope, slope) / curvature
     for _ in range(40):
         trial = evaluate(
-            halfspace, heights, project_to_load(state.pressure - length * state.gap, mean_pressure)
+            halfspace,
+            heights,
+            project_to_load(state.pressure - length * state.gap, mean_pressure),
+            dtype=state.gap.dtype,
         )
-        if energy_change(state, trial) < 0:
-            return trial
+        lower = descend(state, trial)
+        if lower is not None:
+            return lower
         length *= 0.5
     return None

@@ -5,7 +5,6 @@ import numpy as np
 from roughcontact.contact.contact_set import ContactSet, centred
 from roughcontact.contact.problem import check_positive
 from roughcontact.contact.state import total_product
-from roughcontact.fft import transform
 from roughcontact.halfspace import HalfSpace
 
 
@@ -50,9 +49,7 @@ def linear_response(
         return 0.0
     lengths = tuple(n * d for n, d in zip(contact.shape, spacing, strict=True))
     unit = float(np.sqrt(lengths[0] * lengths[1]))
-    halfspace = HalfSpace(
-        contact.shape, tuple(length / unit for length in lengths), fft=transform(threads=threads)
-    )
+    halfspace = HalfSpace(contact.shape, tuple(length / unit for length in lengths), threads=threads)
     contact_set = ContactSet(halfspace, contact)
 
     increment = np.full(contact_set.points.size, contact.size / contact_set.points.size)

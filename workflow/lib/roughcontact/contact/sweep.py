@@ -10,11 +10,9 @@ from roughcontact.contact.certificate import error_bound, rounding_floor
 from roughcontact.contact.levels import hierarchy, prolong
 from roughcontact.contact.problem import Problem
 from roughcontact.contact.state import State, evaluate, scale_to_load
-from roughcontact.fft import transform
 from roughcontact.halfspace import HalfSpace
 
 COARSE_TOLERANCE = 3e-2  # of all grids but the finest: a tighter one chases points the next grid moves anyway
-WARM_RATIO = 2.0  # a load further than this factor from the last one starts from the coarse grids instead
 
 
 @dataclass(frozen=True)
@@ -36,33 +34,29 @@ def sweep(problem: Problem, loads: Sequence[float], *, tolerance: float, threads
     """Yield the solution of every load, a rising sequence of mean pressures in units of E* g.
 
     Flat maps and full contact are known in closed form and take no iteration. Otherwise a load starts from
-    the pressure of the load before, scaled, where that is near, and from nested grids where it is not.
+    coarser grids and from the load before it (`_nested_start`).
     """
     if problem.flat:
         for load in loads:
             yield _flat(problem, load)
         return
-    fft = transform(threads=threads)
     levels = hierarchy(problem.heights, problem.lengths)
-    grids = [HalfSpace(heights.shape, problem.lengths, fft=fft) for heights, _ in levels]
+    grids = [HalfSpace(heights.shape, problem.lengths, threads=threads) for heights, _ in levels]
     finest = grids[0]
     # Full contact: p = mean + G^-1 H, wherever that is nowhere negative (Johnson 1985, section 13.2).
-    fluctuation = finest.pressure(problem.heights)
+    fluctuation = finest.pressure(problem.heights).copy()
     # A load that closes the last gap exactly is full contact whatever the last digit says.
     full_contact_from = -float(fluctuation.min()) - 1e-13 * float(np.ptp(fluctuation))
-    previous = None
+    last = None  # the pressures of the last load, finest grid first
     for load in loads:
         if load >= full_contact_from:
             state = evaluate(finest, problem.heights, scale_to_load(load + fluctuation, load))
             bound, steps = error_bound(finest, state), 0
         else:
-            if previous is not None and load <= WARM_RATIO * previous.pressure.mean():
-                start, steps = previous.pressure, 0
-            else:
-                start, steps = _nested_start(levels, grids, load)
+            start, coarse, steps = _nested_start(levels, grids, load, last)
             solution = solve_on_grid(finest, problem.heights, start, load, tolerance=tolerance)
             state, bound, steps = solution.state, solution.error_bound, steps + solution.steps
-        previous = state
+            last = [state.pressure, *coarse]
         yield Solution(
             state=state,
             error_bound=bound,
@@ -72,15 +66,29 @@ def sweep(problem: Problem, loads: Sequence[float], *, tolerance: float, threads
         )
 
 
-def _nested_start(levels, grids, load: float) -> tuple[np.ndarray, int]:
-    """Return a first guess of the pressure on the finest grid, from coarse to fine, and the steps it took."""
-    pressure = np.full(grids[-1].shape, load)
-    steps = 0
+def _nested_start(levels, grids, load: float, last) -> tuple[np.ndarray, list[np.ndarray], int]:
+    """Return a first guess of the pressure on the finest grid, the coarse pressures, and the steps they took.
+
+    Each grid starts from the pressure of the next coarser one, repeated. After another load, whose pressures
+    on all grids are `last`, it starts from that load's pressure plus the repeated difference that the new
+    load makes on the coarser grid: the detail that only the finer grid resolves is then there already.
+    """
+    pressure = np.full(grids[-1].shape, load) if last is None else last[-1]
+    coarse, steps = [], 0
     for level in range(len(levels) - 1, 0, -1):
-        solution = solve_on_grid(grids[level], levels[level][0], pressure, load, tolerance=COARSE_TOLERANCE)
+        solution = solve_on_grid(
+            grids[level], levels[level][0], pressure, load, tolerance=COARSE_TOLERANCE, finish=np.float32
+        )
         steps += solution.steps
-        pressure = prolong(solution.state.pressure, levels[level - 1][1])
-    return pressure, steps
+        found = solution.state.pressure
+        coarse.insert(0, found)
+        factors = levels[level - 1][1]
+        if last is None:
+            pressure = prolong(found, factors)
+        else:
+            pressure = last[level - 1] + prolong(found - last[level], factors)
+            np.maximum(pressure, 0, out=pressure)
+    return pressure, coarse, steps
 
 
 def _applications(grids) -> float:
