@@ -1,0 +1,48 @@
+"""Worker for this project: everything goes through the public verb `solve_contact`, labels included."""
+
+import os
+import sys
+from importlib.metadata import distributions
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
+
+import worker
+
+import roughcontact as rc
+from roughcontact.synthetic import height_map
+
+THREADS = int(os.environ["OMP_NUM_THREADS"])
+
+
+def solve(window, load, tolerance, *, fields=True):
+    """Return the pressure of the last load (None without fields) and the numbers of all loads."""
+    contact = rc.solve_contact(
+        window,
+        contact_modulus=1.0,
+        mean_pressure=load,
+        tolerance=tolerance,
+        threads=THREADS,
+        fields=fields,
+        on_failure="flag",
+    )
+    details = {
+        "operator_applications": float(contact["operator_applications"].sum()),
+        "error_bound": float(contact["error_bound"].max()),
+        "converged": bool(contact["converged"].all()),
+    }
+    if not fields:
+        return None, details
+    details["contact_share"] = float(contact["contact"][-1].mean())
+    return contact["pressure"].values[-1], details
+
+
+def versions() -> dict:
+    """Return what the solver runs on: the libraries that it uses where they are installed included."""
+    used = ("numpy", "scipy", "mkl_fft", "mkl", "numba")
+    installed = {found.metadata["Name"].replace("-", "_"): found.version for found in distributions()}
+    return {"roughcontact": rc.__version__} | {name: installed[name] for name in used if name in installed}
+
+
+if __name__ == "__main__":
+    worker.serve(lambda heights: height_map(heights, 1 / heights.shape[1]), solve, versions())
