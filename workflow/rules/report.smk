@@ -70,8 +70,14 @@ rule collect:
     input:
         [stage_file("statistics")(run) for run in RUNS],
     output:
-        statistics="results/statistics.nc",
-        summary="results/summary.csv",
+        statistics=report(
+            "results/statistics.nc",
+            caption="../report/statistics.rst",
+            category="Data",
+        ),
+        summary=report(
+            "results/summary.csv", caption="../report/summary.rst", category="Data"
+        ),
     log:
         "logs/collect.log",
     conda:
@@ -90,7 +96,7 @@ rule report:
         statistics="results/statistics.nc",
         panels=[f"{FOLDER}/panel.html".format(**run) for run in RUNS],
     output:
-        "results/report.html",
+        report("results/report.html", caption="../report/page.rst", category="Page"),
     log:
         "logs/report.log",
     conda:
