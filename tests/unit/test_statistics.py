@@ -369,3 +369,10 @@ def test_statistics_while_solving_are_those_of_the_kept_fields():
     reduced = solve_contact(wave, **arguments, reduce=contact_statistics)
     for name in kept.data_vars:
         np.testing.assert_array_equal(reduced[name].values, kept[name].values, err_msg=name)
+
+
+def test_full_contact_leaves_no_gap_at_all():
+    wave = rough_reference_surface(64)
+    stats = solve_contact(wave, contact_modulus=1.0, mean_pressure=10.0, reduce=contact_statistics)
+    assert stats["relative_contact_area"].item() == 1
+    assert stats["mean_gap"].item() == 0
