@@ -1,0 +1,88 @@
+"""Write the golden numbers of the sample maps anew: `python tests/golden/make_golden.py`.
+
+Runs the workflow on `data_samples` with the shipped configuration, but to an error bound of 1e-8: the
+numbers belong to the surfaces, not to the steps of the solver. Look at what changed (`git diff tests/golden`)
+and commit it together with the change that explains it.
+"""
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import pandas as pd
+import yaml
+
+FOLDER = Path(__file__).parent
+ROOT = FOLDER.parents[1]
+DIGITS = 5
+KEYS = {"surfaces": ["surface"], "loads": ["surface", "relative_pressure"]}
+COLUMNS = {
+    "surfaces": [
+        "rms_height_m",
+        "rms_gradient",
+        "rms_curvature_per_m",
+        "nayak_parameter",
+        "points_per_shortest_wavelength",
+        "window_length_x_m",
+        "window_length_y_m",
+        "window_offset_x_m",
+        "window_offset_y_m",
+    ],
+    "loads": [
+        "mean_pressure_Pa",
+        "relative_contact_area",
+        "relative_contact_area_pixels",
+        "contact_perimeter_m",
+        "contact_clusters",
+        "contact_on_filled_points",
+        "mean_contact_pressure_Pa",
+        "max_pressure_Pa",
+        "pressure_std_Pa",
+        "mean_gap_m",
+        "contact_stiffness_Pa_per_m",
+        "elastic_energy_J_per_m2",
+        "area_xu",
+        "area_greenwood_williamson",
+    ],
+}
+
+
+def run_samples(folder: Path, **contact) -> dict[str, pd.DataFrame]:
+    """Run the workflow on the sample maps in `folder` and return the two tables.
+
+    Parameters
+    ----------
+    folder : Path
+        an empty folder.
+    **contact
+        settings of `contact` that differ from the shipped configuration.
+    """
+    settings = yaml.safe_load((ROOT / "config/config.yaml").read_text())
+    settings["contact"] |= contact
+    (folder / "settings.yaml").write_text(yaml.safe_dump(settings))
+    command = [sys.executable, "-m", "snakemake", "--snakefile", ROOT / "Snakefile", "--directory", folder]
+    command += ["--configfile", folder / "settings.yaml", "--cores", "2", "results/summary.csv"]
+    run = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
+    if run.returncode:
+        raise RuntimeError(f"the run on the sample maps failed:\n{run.stderr}")
+    summary = pd.read_csv(folder / "results/summary.csv")
+    return {
+        table: summary[keys + COLUMNS[table]].drop_duplicates(keys).set_index(keys).astype(float)
+        for table, keys in KEYS.items()
+    }
+
+
+def read_golden() -> dict[str, pd.DataFrame]:
+    """Return the two tables as they are kept."""
+    return {table: pd.read_csv(FOLDER / f"{table}.csv", index_col=keys) for table, keys in KEYS.items()}
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        for table, frame in run_samples(Path(folder), tolerance=1e-8).items():
+            frame.to_csv(FOLDER / f"{table}.csv", float_format=f"%.{DIGITS}g")
+
+
+if __name__ == "__main__":
+    main()
