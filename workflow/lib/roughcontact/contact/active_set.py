@@ -2,16 +2,17 @@
 
 One outer step takes a feasible pressure, applies the operator afresh, measures the error bound, and corrects
 the pressure on a working set C by a few steps of conjugate gradients for "constant gap on C, given load".
-Points whose uncorrected pressure turns negative leave C, points whose gap turns negative join it
-(Hintermueller, Ito and Kunisch 2002, SIAM J. Optim. 13, 865: primal-dual active set). The preconditioner is
-the inverse operator restricted to C, centred on input and output.
+C holds the points that carry pressure and those that overlap: points whose pressure turns negative leave it,
+points whose gap turns negative join it (Hintermueller, Ito and Kunisch 2002, SIAM J. Optim. 13, 865:
+primal-dual active set). The preconditioner is the inverse operator restricted to C, centred on input and
+output.
 
 Nothing is proved for active sets with inexact inner solves. So every outer step must lower the elastic
-energy; one that does not is undone and replaced by projected gradient steps
-(`roughcontact.contact.projected`), twice as many each time, which alone would converge.
+energy; one that does not is cut short where the energy is least, or undone, and projected gradient steps
+follow (`roughcontact.contact.projected`), twice as many each time, which alone would converge.
 
-The pressure and the gap are in double precision, the correction in single: it is small, and the next fresh
-application measures what rounding did to it (iterative refinement).
+The pressure and the last gap are in double precision, the correction in single: it is small, and the next
+fresh application measures what rounding did to it (iterative refinement).
 """
 
 from dataclasses import dataclass
@@ -25,6 +26,7 @@ from roughcontact.contact.state import State, descend, evaluate, scale_to_load, 
 from roughcontact.halfspace import HalfSpace
 
 SINGLE = np.float32
+TOO_STIFF = 1e-3  # relative rounding floor of single precision from which all is done in double
 PATIENCE = 20  # outer steps that do not improve the bound before the iteration is called stalled
 MOST_STEPS = 40  # of one inner iteration
 FIRST_RATE = 0.1  # by which the first conjugate gradient step is taken to lower the squared residual
@@ -57,44 +59,48 @@ def solve_on_grid(
     `max_steps` outer steps, at the rounding floor, or after `PATIENCE` steps in vain: the caller compares
     `error_bound` with its tolerance.
     """
-    precision = SINGLE
+    inner = precision = SINGLE
     state = evaluate(halfspace, heights, scale_to_load(start, mean_pressure), dtype=precision)
-    active = _wanted(state)
     lowest, lowest_step, failures = np.inf, 0, 0
     for step in range(max_steps + 1):
-        contact_set = ContactSet(halfspace, active)
-        remainder = centred(contact_set.take(state.gap)).astype(SINGLE, copy=False)
+        single_floor = rounding_floor(halfspace, state, SINGLE)
+        if single_floor > TOO_STIFF:
+            inner = precision = finish = np.float64
+        contact_set = ContactSet(halfspace, wanted(state))
+        remainder = centred(contact_set.take(state.gap)).astype(inner, copy=False)
         product = contact_set.precondition(remainder)
-        residual_norm = np.sqrt(max(total_product(remainder, product), 0.0) / active.size)
+        residual_norm = np.sqrt(max(total_product(remainder, product), 0.0) / state.gap.size)
         bound = relative_bound(halfspace, state, residual_norm)
         if bound < 0.99 * lowest:
             lowest, lowest_step = bound, step
-        exact = contact_set.certifying and np.array_equal(active, _wanted(state))
         hopeless = (
             step == max_steps
             or step - lowest_step > PATIENCE
             or (state.gap.dtype == np.float64 and bound <= 2 * rounding_floor(halfspace, state))
         )
         if bound <= tolerance or hopeless:
-            if state.gap.dtype != finish:
+            rounded = state.gap.dtype != finish
+            if rounded:
                 precision = finish
                 state = evaluate(halfspace, heights, state.pressure, dtype=precision)
-                exact = False
-            if not exact:
+            if rounded or not contact_set.certifying:
                 bound = error_bound(halfspace, state)
             if bound <= tolerance or hopeless:
                 break
+            if rounded:
+                continue
 
         easy = contact_set.certifying and failures == 0
         reduction = _reduction(bound) if easy else 0.1
-        corrected, set_after = _correct(contact_set, state, remainder, product, reduction=reduction)
-        if bound <= max(20 * tolerance, 30 * rounding_floor(halfspace, state, SINGLE)):
+        correction = _correction(contact_set, remainder, product, reduction=reduction)
+        corrected = contact_set.spread(contact_set.take(state.pressure) + correction)
+        if bound <= max(20 * tolerance, 30 * single_floor):
             precision = finish
         trial = evaluate(halfspace, heights, contact_set.clip(corrected, mean_pressure), dtype=precision)
         # where the precision rises, what tells the two energies apart is lost in the rounding of the first
         lower = descend(state, trial) if trial.gap.dtype == state.gap.dtype else trial
         if lower is trial:
-            state, active = trial, set_after
+            state = trial
             continue
         failures += 1
         if lower is None and precision != finish:
@@ -104,8 +110,12 @@ def solve_on_grid(
             state = lower or state
             for _ in range(2 ** min(failures, 6) if lower is None or failures > 1 else 0):
                 state = projected_step(halfspace, heights, state, mean_pressure) or state
-        active = _wanted(state)
     return GridSolution(state, bound, step)
+
+
+def wanted(state: State) -> np.ndarray:
+    """Return the points that carry pressure or overlap: where the residual of the certificate lives."""
+    return (state.pressure > 0) | (state.gap < 0)
 
 
 def _reduction(bound: float) -> float:
@@ -119,43 +129,31 @@ def _reduction(bound: float) -> float:
     return 0.3 if bound > 0.002 else 0.1
 
 
-def _wanted(state: State) -> np.ndarray:
-    """Return the points that carry pressure or overlap: where the residual of the certificate lives."""
-    return (state.pressure > 0) | (state.gap < 0)
+def _correction(contact_set, remainder, product, *, reduction):
+    """Return the change of the pressure on the set, not clipped, that takes most of the residual away.
 
-
-def _correct(contact_set, state, remainder, product, *, reduction):
-    """Return the pressure after some conjugate gradient steps on the set, not clipped, and the set after it.
-
-    Preconditioned conjugate gradients for P_C G P_C d = -r with mean(d) = 0 (Hestenes and Stiefel 1952), the
-    gap followed on the whole grid, so that points which came to overlap are seen without another application.
+    Preconditioned conjugate gradients for P_C G P_C d = -r with mean(d) = 0 (Hestenes and Stiefel 1952), from
+    the residual `remainder` on the set and its preconditioned `product`.
     """
     correction = np.zeros_like(remainder)
-    gap = state.gap.astype(SINGLE)  # a copy: it is followed in place
     direction = -product
     rz = total_product(remainder, product)
     enough = reduction**2 * rz
     rate = FIRST_RATE
     for count in range(1, MOST_STEPS + 1):
-        displaced = contact_set.displacement(direction)
-        curvature = total_product(direction, contact_set.take(displaced))
+        displaced = contact_set.take(contact_set.displacement(direction))
+        curvature = total_product(direction, displaced)
         if not (curvature > 0 and rz > 0):
             break
-        length = np.float32(rz / curvature)
+        length = rz / curvature
         correction += length * direction
-        displaced *= length
-        gap += displaced
         if rz * rate <= enough or count == MOST_STEPS:
             break  # the next residual, foreseen from the last rate, will do: measuring it would cost a step
-        remainder = centred(contact_set.take(gap))
+        displaced *= length
+        remainder = centred(remainder + displaced)
         product = contact_set.precondition(remainder)
         rz_before, rz = rz, total_product(remainder, product)
         rate = rz / rz_before
-        direction *= np.float32(rate)
+        direction *= rate
         direction -= product
-
-    gap -= contact_set.take(gap).mean(dtype=float)
-    corrected = contact_set.spread(contact_set.take(state.pressure) + correction)
-    overlapping = gap < 0
-    overlapping.ravel()[contact_set.points] = contact_set.take(corrected) > 0
-    return corrected, overlapping
+    return correction

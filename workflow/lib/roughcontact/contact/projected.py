@@ -35,9 +35,9 @@ def projected_step(halfspace, heights: np.ndarray, state: State, mean_pressure: 
     The first step length is that of steepest descent on the contact, <r, r> / <r, G r>; it is halved until
     the energy falls along the way to the projection.
     """
-    wanted = (state.pressure > 0) | (state.gap < 0)
-    slope = np.where(wanted, state.gap, 0)
-    slope[wanted] -= slope[wanted].mean()
+    active = (state.pressure > 0) | (state.gap < 0)
+    slope = np.where(active, state.gap, 0)
+    slope[active] -= slope[active].mean()
     curvature = mean_product(slope, halfspace.displacement(slope))
     if curvature <= 0:
         return None
