@@ -121,6 +121,13 @@ def test_robust_fit_of_a_plain_surface_is_nearly_least_squares():
     assert robust["mean"] == pytest.approx(plain["mean"], abs=3e-8)
 
 
+@pytest.mark.parametrize("form", ["plane", "polynomial"])
+def test_tilted_plate_becomes_exactly_flat(form):
+    y, x = np.indices((64, 48)) * 1e-6
+    levelled = level(synthetic.height_map(1e-3 + 0.1 * x + 0.03 * y, 1e-6), form=form, outlier_threshold=None)
+    assert not levelled.values.any()
+
+
 @pytest.mark.parametrize("robust", [False, True])
 @pytest.mark.parametrize("form", ["none", "mean", "plane", "polynomial"])
 def test_constant_map_stays_flat(form, robust):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from roughcontact import roughness, synthetic
+from roughcontact import periodisation, roughness, synthetic
 
 
 def waves(shape, spacing, terms):
@@ -75,6 +75,21 @@ def test_full_contact_pressure_is_half_the_gradient(shape):
     assert pressure.std() == pytest.approx(roughness.rms_gradient(height) / 2, rel=1e-12)
 
 
+@pytest.mark.parametrize("shape", [(32, 32), (31, 48), (1, 64), (5, 1)])
+def test_interior_gradient_is_that_of_the_mirrored_map(shape):
+    values = np.random.default_rng(2).standard_normal(shape)
+    alone, mirrored = (synthetic.height_map(v, (3.0, 2.0)) for v in (values, periodisation.mirror(values)))
+    expected = roughness.rms_gradient(mirrored)
+    assert roughness.interior_rms_gradient(alone) == pytest.approx(expected, rel=1e-12)
+
+
+def test_interior_gradient_counts_no_step_at_the_edges():
+    x = np.arange(4000) * 1e-6
+    tilt = synthetic.height_map((0.02 * x)[None, :], 1e-6)
+    assert roughness.interior_rms_gradient(tilt) == pytest.approx(0.02, rel=1e-3)
+    assert roughness.rms_gradient(tilt) > 10 * 0.02
+
+
 @pytest.mark.parametrize(("waves_per_side", "hurst"), [(16, 0.3), (64, 0.8), (64, 1.0), (128, 0.5)])
 def test_cut_off_of_a_band_limited_surface(waves_per_side, hurst):
     n = 512
@@ -128,6 +143,7 @@ def test_flat_map_is_exactly_flat(shape, level):
     flat = synthetic.height_map(np.full(shape, level), 1e-6)
     parameters = roughness.roughness_parameters(flat)
     assert parameters["rms_height"] == parameters["rms_gradient"] == parameters["rms_curvature"] == 0
+    assert roughness.interior_rms_gradient(flat) == 0
     assert math.isnan(parameters["nayak_parameter"])
     assert math.isnan(parameters["points_per_shortest_wavelength"])
     assert math.isnan(roughness.summit_statistics(flat)["mean_radius"])

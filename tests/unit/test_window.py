@@ -119,7 +119,33 @@ def test_raw_window_is_a_plain_cut():
     window = periodic_window(levelled, method="raw")
     same = levelled.sel(y=window["y"], x=window["x"], method="nearest", tolerance=1e-12)
     np.testing.assert_array_equal(window.values, same.values)
-    assert window.attrs["rms_gradient_before"] == window.attrs["rms_gradient_after"]
+    # the solver sees the steps at the seams, the measured part has none
+    assert window.attrs["rms_gradient_after"] > 1.2 * window.attrs["rms_gradient_before"]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_gradient_before_is_that_of_the_inside(method):
+    window = periodic_window(level(cut_out((256, 300))), method=method)
+    before, after = (window.attrs[f"rms_gradient_{when}"] for when in ("before", "after"))
+    if method == "mirror":
+        assert before == pytest.approx(after, rel=1e-12)
+    elif method == "raw":
+        assert after > 1.2 * before
+    else:
+        assert before == pytest.approx(after, rel={"periodic-plus-smooth": 0.02}.get(method, 0.1))
+
+
+@pytest.mark.parametrize("shape", [(96, 128), (1, 200)])
+def test_share_of_the_form_is_known(shape):
+    height = synthetic.height_map(np.random.default_rng(0).standard_normal(shape), (2e-6, 1e-6))
+    x = np.linspace(-1, 1, shape[1])
+    bow = np.sqrt(45 / 4) * (x**2 - 1 / 3)  # of rms height 1
+    for share in (0.0, 0.5, 0.9):
+        values = np.sqrt(1 - share) * height.values + np.sqrt(share) * bow
+        window = periodic_window(height.copy(data=values), method="raw")
+        assert window.attrs["form_share"] == pytest.approx(share, abs=0.05)
+    flat = periodic_window(height.copy(data=np.full(shape, 0.1)))
+    assert flat.attrs["form_share"] == 0
 
 
 def test_missing_border_is_cut_and_flags_are_kept():
@@ -239,7 +265,7 @@ def test_real_files_get_a_window(file, kinds, least_share):
     window = periodic_window(levelled)
     assert np.isfinite(window.values).all()
     assert window.attrs["window_share"] > least_share
-    assert window.attrs["rms_gradient_after"] <= window.attrs["rms_gradient_before"]
+    assert window.attrs["rms_gradient_after"] == pytest.approx(window.attrs["rms_gradient_before"], rel=0.03)
 
 
 @pytest.mark.shared_data

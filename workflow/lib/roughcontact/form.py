@@ -78,6 +78,26 @@ def form_from_record(removed: dict, y, x) -> np.ndarray:
     )
 
 
+def share_of_form(values, coordinates, *, order: int = 2) -> float:
+    """Return which share of the mean square height (mean off) a polynomial form makes up, 0 to 1.
+
+    Parameters
+    ----------
+    values : array (ny, nx), m
+        without missing points.
+    coordinates : (y, x), arrays in m
+    order : int
+        total order of the polynomial.
+    """
+    rough = values - values.flat[0]  # exactly zero for a flat map, wherever it lies
+    rough -= rough.mean()
+    total = float(np.mean(rough**2))
+    if total == 0:
+        return 0.0
+    form, _ = fit_form(rough, coordinates, order=order)
+    return float(np.mean(form**2)) / total
+
+
 class _Axis:
     """Legendre polynomials along one axis, on its coordinates mapped to [-1, 1]."""
 

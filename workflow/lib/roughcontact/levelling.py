@@ -1,11 +1,11 @@
 """Levelling: outliers out, form off, holes filled; what was done is recorded as numbers with units."""
 
-import difflib
 import json
 
 import numpy as np
 import xarray as xr
 
+from roughcontact.checking import check_choice, check_map
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.filling import fill_harmonic, find_holes
 from roughcontact.form import fit_form
@@ -14,6 +14,8 @@ from roughcontact.outliers import find_outliers
 
 FORMS = ("none", "mean", "plane", "polynomial")
 FILLS = ("harmonic", "none")
+
+_ROUNDING = 16 * np.finfo(float).eps  # of a height less its form, relative to the form
 
 
 def level(
@@ -88,6 +90,9 @@ def level(
             robust=robust,
         )
         values = values - surface
+        # a plane, or a map that never varied, is flat: what the subtraction leaves is rounding
+        if np.nanmax(np.abs(values)) <= _ROUNDING * np.nanmax(np.abs(surface)):
+            values = np.where(missing, np.nan, 0.0)
 
     labels, sizes = find_holes(missing)
     filled = np.zeros(values.shape, dtype=np.int8)
@@ -110,30 +115,6 @@ def level(
     return xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs)
 
 
-def check_map(height: xr.DataArray) -> np.ndarray:
-    """Return the heights as float64, NaN where not finite, or say why they are no height map.
-
-    Raises
-    ------
-    HeightMapError
-        wrong dimensions, fewer than two points, or nothing measured.
-    """
-    name = height.attrs.get("source_file") or "the map"
-    if height.dims != ("y", "x"):
-        raise HeightMapError(f"{name} has the dimensions {height.dims}: transpose it to ('y', 'x')")
-    if height.size < 2:
-        raise HeightMapError(
-            f"{name} has {height.size} point: at least two are needed; check how the file was cut or read"
-        )
-    values = np.asarray(height.values, dtype=float)
-    values = np.where(np.isfinite(values), values, np.nan)
-    if np.isnan(values).all():
-        raise HeightMapError(
-            f"all {values.size} points of {name} are missing: choose another channel, or measure again"
-        )
-    return values
-
-
 def _check_missing(missing, height, kinds, max_missing):
     share = missing.mean()
     if share <= max_missing and not missing.all():
@@ -145,12 +126,3 @@ def _check_missing(missing, height, kinds, max_missing):
         f"{name}: {100 * share:.1f} % of the points are missing{also}, more than level.max_missing = "
         f"{max_missing:g} allows: cut the map to its measured part, or raise level.max_missing"
     )
-
-
-def check_choice(key, value, choices):
-    """Raise SettingsError, with the nearest valid word, where `value` is not among `choices`."""
-    if value in choices:
-        return
-    near = difflib.get_close_matches(str(value), choices, n=1)
-    hint = f"did you mean {near[0]!r}? " if near else ""
-    raise SettingsError(f"{key} = {value!r}: {hint}choose one of {', '.join(choices)}")

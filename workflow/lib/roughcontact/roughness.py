@@ -31,6 +31,24 @@ def rms_gradient(height: xr.DataArray) -> float:
     return math.sqrt(_moments(height, _power(height.values))[1])
 
 
+def interior_rms_gradient(height: xr.DataArray) -> float:
+    """Root mean square gradient of a map that is not periodic, spectral, dimensionless.
+
+    That of the map and its mirror images, which meet without a step: along each axis the sum of
+    (pi k / (n d))^2 |c_k|^2 over the cosine series c of the lines. What happens inside counts as in
+    `rms_gradient`, a step from one edge to the other does not.
+    """
+    values = _from_first_point(height.values)
+    total = 0.0
+    for axis, pitch in enumerate(fourier.spacing(height)):
+        lines = np.moveaxis(values, axis, -1)
+        mirrored = np.concatenate([lines, lines[..., ::-1]], axis=-1)
+        power = np.abs(np.fft.rfft(mirrored)) ** 2 * fourier.halfplane_weights(mirrored.shape)
+        q = 2 * np.pi * np.fft.rfftfreq(mirrored.shape[-1], pitch)
+        total += float((power @ q**2).mean()) / mirrored.shape[-1] ** 2
+    return math.sqrt(total)
+
+
 def rms_curvature(height: xr.DataArray) -> float:
     """Root mean square of the mean curvature (h_xx + h_yy) / 2, spectral, in 1/m."""
     return math.sqrt(_moments(height, _power(height.values))[2]) / 2

@@ -7,11 +7,11 @@ import numpy as np
 import xarray as xr
 
 from roughcontact import periodisation
+from roughcontact.checking import check_choice, check_map
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.form import form_from_record
+from roughcontact.form import form_from_record, share_of_form
 from roughcontact.fourier import spacing
-from roughcontact.levelling import check_choice, check_map
-from roughcontact.roughness import rms_gradient
+from roughcontact.roughness import interior_rms_gradient, rms_gradient
 
 METHODS = ("periodic-plus-smooth", "raw", "mirror", "cross-fade", "taper")
 
@@ -48,9 +48,11 @@ def periodic_window(
     Returns
     -------
     DataArray (y, x), m, with the attributes of `levelled` and `periodisation`, `periodisation_rms_change`
-    (m), `periodisation_relative_change` (of the rms height), `rms_gradient_before`, `rms_gradient_after`
-    (spectral, of the window), `window_offset_x`, `window_offset_y` (m), `window_share`, `window_reason`; the
-    coordinate `filled` is cut as well.
+    (m), `periodisation_relative_change` (of the rms height), `rms_gradient_before` (of the part that was
+    cut out, without its edges), `rms_gradient_after` (of the window, which goes on beyond its edges),
+    `form_share` (of the mean square height of the window, the part that a second-order polynomial makes up),
+    `window_offset_x`, `window_offset_y` (m), `window_share`, `window_reason`; the coordinate `filled` is cut
+    as well.
 
     Raises
     ------
@@ -109,7 +111,7 @@ def periodic_window(
         levelled.attrs,
         method=method,
         change=float(np.sqrt(np.mean(change**2))),
-        gradient_before=rms_gradient(before_map),
+        gradient_before=interior_rms_gradient(before_map),
         offset=[s * d for s, d in zip(start, step, strict=True)],
         share=share,
         reason=_reason(values, used, sides_out, after.shape, method),
@@ -252,6 +254,7 @@ def _record(values, coords, attrs, *, method, change, gradient_before, offset, s
         "periodisation_relative_change": change / rms if rms > 0 else 0.0,
         "rms_gradient_before": gradient if gradient_before is None else gradient_before,
         "rms_gradient_after": gradient,
+        "form_share": share_of_form(values, (window["y"].values, window["x"].values)),
         "window_offset_x": float(offset[1]),
         "window_offset_y": float(offset[0]),
         "window_share": float(share),
