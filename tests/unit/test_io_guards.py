@@ -157,13 +157,15 @@ def test_heights_larger_than_the_field():
 
 def test_pixels_that_are_not_square():
     assert "the pixels are not square" in words(rough(), dy=1.02e-6)
-    assert suspicions(rough(), 1e-6, 1.005e-6) == []
+    assert "dx = 1.000 µm, dy = 1.020 µm" in words(rough(), dy=1.02e-6)
+    for dy in (1.005e-6, 2e-6, 0.125e-6):
+        assert suspicions(rough(), 1e-6, dy) == []
 
 
 def test_sentinels_and_spikes():
     height = rough()
     height[10, 20] = -1e-3 * 0.05
-    assert "1 points lie far below all others (down to -5e-05 m" in words(height)
+    assert "1 points lie far below all others (down to −50.0 µm" in words(height)
     height = rough()
     height[5, 5:8] = 4e-5
     assert "3 points lie far above all others" in words(height)

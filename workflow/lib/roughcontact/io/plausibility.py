@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from roughcontact.quantities import quantity
+
 _SAMPLE = 2**18  # quantiles and distinct values are estimated from about this many points
 
 
@@ -24,7 +26,10 @@ def suspicions(height: np.ndarray, dx: float, dy: float) -> list[str]:
     low, high = measured.min(), measured.max()
     found = _geometry(height.shape, high - low, dx, dy)
     if low == high:
-        return [*found, f"all heights are equal ({low:.4g} m): the map is flat or holds no measurement"]
+        return [
+            *found,
+            f"all heights are equal ({quantity(low, 'm')}): the map is flat or holds no measurement",
+        ]
     found += _extremes(measured, low, high)
     found += _lines(height)
     found += _noise(height)
@@ -37,13 +42,20 @@ def _geometry(shape, span, dx, dy):
     field = max(nx * dx, ny * dy if ny > 1 else 0)
     if span > field:
         found.append(
-            f"the heights span {span:.3g} m, more than the field of {field:.3g} m: check the height unit"
+            f"the heights span {quantity(span, 'm')}, more than the field of {quantity(field, 'm')}: check "
+            "the height unit"
         )
-    if ny > 1 and abs(dx / dy - 1) > 0.01:
-        found.append(f"the pixels are not square: dx = {dx:.6g} m, dy = {dy:.6g} m")
+    # a step that is a multiple of the other was chosen by the user; an odd one comes of a file that was cut
+    ratio = max(dx / dy, dy / dx)
+    if ny > 1 and abs(ratio / round(ratio) - 1) > 0.01:
+        found.append(
+            f"the pixels are not square: dx = {quantity(dx, 'm', digits=4)}, "
+            f"dy = {quantity(dy, 'm', digits=4)}: check the size of the map, or whether the file was cut"
+        )
     if not 1e-11 < min(dx, dy) < 1e-2 or field > 1:
         found.append(
-            f"steps of {dx:.3g} m and a field of {field:.3g} m are unusual for a roughness measurement: "
+            f"steps of {quantity(dx, 'm')} and a field of {quantity(field, 'm')} are unusual for a roughness "
+            "measurement: "
             "check the lateral unit"
         )
     return found
@@ -57,14 +69,14 @@ def _extremes(measured, low, high):
     lower, upper = np.quantile(sample, [0.005, 0.995])
     reach = 3 * (upper - lower)
     for count, side, worst in (
-        (np.count_nonzero(measured < lower - reach), "below", f"down to {low:.4g} m"),
-        (np.count_nonzero(measured > upper + reach), "above", f"up to {high:.4g} m"),
+        (np.count_nonzero(measured < lower - reach), "below", f"down to {quantity(low, 'm')}"),
+        (np.count_nonzero(measured > upper + reach), "above", f"up to {quantity(high, 'm')}"),
     ):
         if count:
             found.append(
-                f"{count} points lie far {side} all others ({worst}, where 99 % lie between {lower:.4g} and "
-                f"{upper:.4g} m): spikes, dust, or a marker for missing points that was taken for a height; "
-                "reject outliers when levelling"
+                f"{count} points lie far {side} all others ({worst}, where 99 % lie between "
+                f"{quantity(lower, 'm')} and {quantity(upper, 'm')}): spikes, dust, or a marker for missing "
+                "points that was taken for a height; level.outlier_threshold finds isolated ones"
             )
     levels = np.unique(sample).size
     if levels < 64:
@@ -74,7 +86,7 @@ def _extremes(measured, low, high):
         share = np.count_nonzero(measured == value) / measured.size
         if share > 0.005:
             found.append(
-                f"{share:.1%} of the points have exactly the {name} height ({value:.4g} m): "
+                f"{share:.1%} of the points have exactly the {name} height ({quantity(value, 'm')}): "
                 "the instrument was saturated there, or this marks missing points"
             )
     return found
