@@ -1,7 +1,9 @@
 """The report: its checks in words, its numbers, and the page in a real browser."""
 
+import base64
 import functools
 import http.server
+import io
 import json
 import re
 import shutil
@@ -9,8 +11,10 @@ import subprocess
 import threading
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 import pytest
+from PIL import Image
 
 from roughcontact import checks, plots
 from roughcontact.collect import collect_statistics
@@ -208,6 +212,7 @@ def test_each_check_can_ask_for_a_look(good):
             "rms_gradient_before": 1.0,
             "rms_gradient_after": 0.85,
             "window_share": 0.3,
+            "form_share": 0.9,
         },
     )
     looks = {name for name, check in found.items() if check.outcome == checks.LOOK}
@@ -216,7 +221,46 @@ def test_each_check_can_ask_for_a_look(good):
     assert "down to 50" in found["Points in contact"].sentence
     assert "−15.0 %" in found["Periodic window"].sentence
     assert "5.00 %" in found["Missing points"].sentence
+    assert "level.form" in found["Form"].sentence
     assert found["Reading the file"].sentence == "The unit was guessed."
+
+
+def test_edges_that_do_not_fit_together_ask_for_a_look(good):
+    window = {"periodisation": "mirror", "rms_gradient_before": 1.0, "rms_gradient_after": 1.02}
+    for change, outcome in ((0.4, checks.PASSED), (0.6, checks.LOOK)):
+        found, _ = outcomes(good, window=window | {"periodisation_relative_change": change})
+        assert found["Periodic window"].outcome == outcome
+    assert "60.0 % of their rms and the rms gradient by 2.00 %" in found["Periodic window"].sentence
+
+
+def test_a_rough_map_with_wide_patches_passes_and_one_with_narrow_patches_does_not(good):
+    rough_down_to_the_pixels = good.copy(deep=True)
+    rough_down_to_the_pixels["points_per_shortest_wavelength"][:] = 2.0
+    found, _ = outcomes(rough_down_to_the_pixels)
+    assert found["Resolution"].outcome == checks.PASSED
+    assert "2.0 points" in found["Resolution"].sentence
+    narrow = good.copy(deep=True)
+    narrow["relative_contact_area"][0] = narrow["relative_contact_area_pixels"][0] / 1.3
+    found, _ = outcomes(narrow)
+    assert found["Resolution"].outcome == checks.LOOK
+    assert "At 1 of 2 loads" in found["Resolution"].sentence
+    assert "up to 30.0 %" in found["Resolution"].sentence
+    assert checks.load_flags(narrow, 96 * 96) == [["coarse patches"], []]
+    narrow["relative_contact_area"][0] = 0
+    assert outcomes(narrow)[0]["Resolution"].outcome == checks.LOOK
+
+
+def test_rejected_outliers_are_no_missing_measurements(good):
+    found, _ = outcomes(good, levelled={"outliers_rejected": 7, "filled_share": 0.001})
+    assert found["Missing points"].sentence.startswith(
+        "Every point was measured; 7 were rejected as outliers"
+    )
+
+
+def test_pressures_beyond_any_hardness_are_remarked(good):
+    hard = good.copy(deep=True)
+    hard["mean_contact_pressure"][1] = 0.2 * hard["contact_modulus"]
+    assert checks.load_flags(hard, 96 * 96) == [[], ["beyond hardness"]]
 
 
 def test_contact_on_filling_and_missed_tolerance_are_not_to_be_trusted(good):
@@ -277,6 +321,28 @@ def test_maps_of_odd_shapes_are_drawn(shape):
     values = np.random.default_rng(0).standard_normal(shape) * 1e-6
     values[0, 0] = np.nan
     assert plots.height_map(height_map(values, 1e-6)).startswith("data:image/png;base64,")
+
+
+@pytest.mark.parametrize(("first_row", "top_is_high"), [("top", False), ("bottom", True), (None, True)])
+def test_the_first_row_is_drawn_where_the_instrument_draws_it(first_row, top_is_high):
+    height = height_map(np.linspace(0, 1e-6, 40)[:, None] + np.zeros((40, 40)), 1e-6)
+    if first_row:
+        height.attrs["first_row"] = first_row
+    coded = plots.height_map(height).partition("base64,")[2]
+    picture = np.asarray(Image.open(io.BytesIO(base64.b64decode(coded))).convert("RGB")).astype(int)
+    column = picture[:, 250]  # within the map; purple is low, yellow is high
+    coloured = column[np.ptp(column, axis=1) > 30]
+    assert (coloured[:20, 0].mean() > coloured[-20:, 0].mean()) == top_is_high
+
+
+def test_a_fine_map_keeps_its_share_of_contact_when_it_is_drawn_smaller():
+    pressure = (np.random.default_rng(0).random((900, 900)) < 0.3) * 1e9
+    height = height_map(pressure * 1e-15, 1e-6)
+    coded = plots.gap_map(height, np.where(pressure > 0, 0, 1e-6), pressure).partition("base64,")[2]
+    picture = np.asarray(Image.open(io.BytesIO(base64.b64decode(coded))).convert("RGB")).astype(float)
+    inside = picture[100:300, 150:400]
+    open_gap = 255 * np.array(matplotlib.colormaps["cividis"](1.0)[:3])
+    assert np.allclose(inside.mean(axis=(0, 1)), 0.3 * 255 + 0.7 * open_gap, atol=3)
 
 
 # --- in a browser ------------------------------------------------------------------------------------------

@@ -16,11 +16,14 @@ PASSED, LOOK, FAILED = "passed", "look", "failed"
 VERDICTS = {PASSED: "trust", LOOK: "look at", FAILED: "do not trust"}
 
 CONTACT_POINTS = 100  # fewer: the contact is a handful of pixels
-POINTS_PER_WAVE = 8  # fewer: pressures and areas still change on a finer grid
+OVERCOUNT = 0.2  # excess of the counted over the corrected area: patches are a few pixels across
 FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points that were not measured: look, fail
 GRADIENT_CHANGE = 0.1  # relative change of the rms gradient by periodisation
+HEIGHT_CHANGE = 0.5  # rms change of the heights by periodisation, of their rms
+FORM = 0.8  # share of the mean square height that a second-order polynomial makes up
 WINDOW_SHARE = 0.5  # share of the measured area that was used
 STEEP = 0.3  # rms gradient from which small-slope elasticity is a rough approximation
+HARDEST = 0.1  # hardness over contact modulus that no material exceeds (diamond comes near)
 
 
 class Check(NamedTuple):
@@ -48,6 +51,7 @@ def surface_checks(statistics: xr.Dataset, *, height: dict, levelled: dict, wind
         _contact_points(statistics, points),
         _resolution(statistics),
         _missing(statistics, height, levelled),
+        _form(levelled, window),
         _periodicity(window),
         _window(window),
         _load_range(statistics),
@@ -75,8 +79,12 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
             words.append("few contact points")
         if share == 1:
             words.append("full contact")
+        if _overcount(load) > OVERCOUNT:
+            words.append("coarse patches")
         if load["contact_on_filled_points"] > FILLED_IN_CONTACT[0]:
             words.append("contact on filled points")
+        if load["mean_contact_pressure"] > HARDEST * load["contact_modulus"]:
+            words.append("beyond hardness")
         flags.append(words)
     return flags
 
@@ -107,34 +115,64 @@ def _contact_points(statistics, points):
     return Check("Points in contact", PASSED, f"At least {counts.min()} points in contact at every load.")
 
 
+def _overcount(statistics):
+    """Return by which share the counted pixels exceed the corrected area; infinite where none is left."""
+    counted, corrected = (statistics[f"relative_contact_area{kind}"] for kind in ("_pixels", ""))
+    return (counted / corrected.where(corrected > 0) - 1).fillna(np.inf)
+
+
 def _resolution(statistics):
     resolution = float(statistics["points_per_shortest_wavelength"][0])
     if np.isnan(resolution):
         return Check("Resolution", PASSED, "The map is flat: there is no wave to resolve.")
-    if resolution < POINTS_PER_WAVE:
+    over = _overcount(statistics).values
+    coarse = int((over > OVERCOUNT).sum())
+    waves = f"The shortest wave of the map has {number(resolution, digits=2)} points"
+    if coarse:
         text = (
-            f"The shortest wave of the map has {number(resolution, digits=2)} points; {POINTS_PER_WAVE} are "
-            "advisable. The map is rough down to its pixels, so area and peak pressure depend on how finely "
-            "the instrument measured."
+            f"At {coarse} of {over.size} loads the contact patches are only a few points across: counting "
+            f"points overstates the area by up to {percent(over.max())}, and the correction is coarse. "
+            f"{waves}."
         )
         return Check("Resolution", LOOK, text)
-    return Check("Resolution", PASSED, f"The shortest wave of the map has {number(resolution)} points.")
+    text = (
+        f"Counting points overstates the area by at most {percent(over.max())}; this is corrected. {waves}."
+    )
+    return Check("Resolution", PASSED, text)
 
 
 def _missing(statistics, height, levelled):
-    missing, filled = height.get("missing_share", 0.0), levelled.get("filled_share", 0.0)
+    missing, rejected = height.get("missing_share", 0.0), levelled.get("outliers_rejected", 0)
+    filled = levelled.get("filled_share", 0.0)
     in_contact = float(statistics["contact_on_filled_points"].max())
     look, fail = FILLED_IN_CONTACT
     outcome = FAILED if in_contact > fail else LOOK if in_contact > look else PASSED
-    if missing == 0 and filled == 0:
+    if not (missing or rejected or filled):
         return Check("Missing points", PASSED, "Every point was measured.")
+    measured = (
+        f"{percent(missing)} of the points were not measured" if missing else "Every point was measured"
+    )
     text = (
-        f"{percent(missing)} of the points were not measured, {percent(filled)} were filled in; at most "
+        f"{measured}; {rejected} were rejected as outliers; {percent(filled)} were filled in, and at most "
         f"{percent(in_contact)} of the contact lies on them."
     )
     if outcome != PASSED:
         text += " The contact there is that of the filling, not of the surface."
     return Check("Missing points", outcome, text)
+
+
+def _form(levelled, window):
+    share = window.get("form_share", 0.0)
+    text = (
+        f"A bow (second-order polynomial) makes up {percent(share)} of the mean square height of the window"
+    )
+    if share <= FORM:
+        return Check("Form", PASSED, f"{text}.")
+    if levelled.get("form") == "polynomial":
+        way_out = "It came with the periodic window: compare another window.method."
+    else:
+        way_out = "Take it off with level.form: polynomial, unless it belongs to the contact."
+    return Check("Form", LOOK, f"{text}: form, not roughness, decides where the surfaces touch. {way_out}")
 
 
 def _periodicity(window):
@@ -149,8 +187,11 @@ def _periodicity(window):
         f"the rms gradient by {percent(change)}."
     )
     if abs(change) > GRADIENT_CHANGE:
-        text += " Peak pressures follow the gradient: compare another method."
-        return Check("Periodic window", LOOK, text)
+        text += " Peak pressures follow the gradient."
+    if relative > HEIGHT_CHANGE:
+        text += " Opposite edges do not fit together, and closing them moved the contact."
+    if abs(change) > GRADIENT_CHANGE or relative > HEIGHT_CHANGE:
+        return Check("Periodic window", LOOK, f"{text} Compare another window.method.")
     return Check("Periodic window", PASSED, text)
 
 
@@ -187,6 +228,6 @@ def _slope(statistics):
 def _reading(height):
     warnings = json.loads(height.get("ingest_warnings", "[]"))
     if warnings:
-        text = "; ".join(warning.rstrip(".") for warning in warnings)
-        return Check("Reading the file", LOOK, f"{text[0].upper()}{text[1:]}.")
+        sentences = (f"{warning[0].upper()}{warning[1:].rstrip('.')}." for warning in warnings)
+        return Check("Reading the file", LOOK, " ".join(sentences))
     return Check("Reading the file", PASSED, "Read without a warning.")

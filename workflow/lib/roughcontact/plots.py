@@ -25,14 +25,17 @@ _STYLE = {
     "axes.titlesize": 10,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "legend.frameon": False,
+    "legend.frameon": True,
+    "legend.framealpha": 0.75,
+    "legend.edgecolor": "none",
     "legend.fontsize": 8,
     "axes.grid": True,
     "grid.color": "#dddddd",
     "grid.linewidth": 0.6,
     "axes.axisbelow": True,
 }
-_MAP_POINTS = 300  # along the longer side of a drawn map; finer maps are thinned
+_MAP_POINTS = 1200  # along the longer side of a drawn map; finer maps are thinned
+_WIDTH = 2.55  # of a square map, inches
 _LONGEST_ASPECT = 4.0  # longer maps are drawn out of scale
 
 
@@ -50,14 +53,19 @@ def _figure(width: float, height: float, *, layout="constrained"):
 
 
 def _png(figure) -> str:
-    """Return the figure as PNG with a palette: a third of the size, and no dates or versions inside."""
+    """Return the figure as PNG with a palette: a third of the size, and no dates or versions inside.
+
+    The palette covers all the colours there are, not the frequent ones: the colour bar stays smooth.
+    """
     from PIL import Image
 
     figure.set_dpi(144)
     figure.canvas.draw()
     image = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB")
     buffer = io.BytesIO()
-    image.quantize(256, dither=Image.Dither.NONE).save(buffer, "png", optimize=True)
+    image.quantize(256, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(
+        buffer, "png", optimize=True
+    )
     return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
 
 
@@ -81,14 +89,10 @@ def height_map(height, *, rectangle=None) -> str:
     if 1 in height.shape:
         return _profile(height, [(height.values.ravel(), "height", COLOURS[0])], label=label, unit="m")
     values = height.values - np.nanmean(height.values)
-    step = _thinning(values.shape)
-    shown = values[:: step[0], :: step[1]].copy()
-    # a single lost point must stay visible when the map is drawn smaller
-    shown[_blocks(np.isnan(values), step, np.any)] = np.nan
     limits = np.nanpercentile(values, [0.1, 99.9])  # spikes must not take all the colours
     return _map(
         height,
-        shown,
+        values,
         label=label,
         unit="m",
         colours="viridis",
@@ -110,11 +114,9 @@ def pressure_map(height, pressure) -> str:
     """
     if 1 in pressure.shape:
         return _profile(height, [(pressure.ravel(), "pressure", COLOURS[1])], label="pressure", unit="Pa")
-    shown = _blocks(pressure, _thinning(pressure.shape), np.max)
-    shown = np.where(shown > 0, shown, np.nan)
     return _map(
         height,
-        shown,
+        np.where(pressure > 0, pressure, np.nan),
         label="pressure",
         unit="Pa",
         colours="viridis",
@@ -139,14 +141,12 @@ def gap_map(height, gap, pressure) -> str:
             ((height.values + gap).ravel(), "deformed surface", COLOURS[1]),
         ]
         return _profile(height, faces, label="height", unit="m")
-    step = _thinning(gap.shape)
-    shown = np.where(_blocks(pressure > 0, step, np.any), np.nan, _blocks(gap, step, np.mean))
     widest = gap[pressure == 0].max(initial=0.0) or np.ptp(
         height.values
     )  # full contact leaves no gap to scale by
     return _map(
         height,
-        shown,
+        np.where(pressure > 0, np.nan, gap),
         label="gap",
         unit="m",
         colours="cividis",
@@ -155,8 +155,12 @@ def gap_map(height, gap, pressure) -> str:
     )
 
 
-def _map(height, shown, *, label, unit, colours, bad, limits, extend="neither", frame=None) -> str:
-    """Draw values over the extent of `height`; NaN in the colour `bad`, an arrow where colours end early."""
+def _map(height, values, *, label, unit, colours, bad, limits, extend="neither", frame=None) -> str:
+    """Draw values over the extent of `height`; NaN in the colour `bad`, an arrow where colours end early.
+
+    The first row is drawn where the instrument's own software draws it. A map finer than the picture is
+    drawn as it looks from afar: colours, not values, are averaged, so that the contact keeps its share.
+    """
     import matplotlib
     from matplotlib.patches import Rectangle
 
@@ -169,22 +173,25 @@ def _map(height, shown, *, label, unit, colours, bad, limits, extend="neither", 
     if not in_scale:
         aspect = 1.0
     # margins in inches: the labels always fit, and maps of one shape come out alike
-    width = min(2.55, 3.6 / aspect)
-    full = (width + 1.65, width * aspect + 0.65)
+    width = min(_WIDTH, 3.6 / aspect)
+    full = (_WIDTH + 1.65, width * aspect + 0.65)
     with _figure(*full, layout=None) as figure:
         axes = figure.add_axes((0.7 / full[0], 0.5 / full[1], width / full[0], width * aspect / full[1]))
         axes.grid(False)
         colour_map = matplotlib.colormaps[colours].with_extremes(bad=bad)
         image = axes.imshow(
-            np.ma.masked_invalid(shown * scale),
+            np.ma.masked_invalid(values[:: _step(values.shape[0]), :: _step(values.shape[1])] * scale),
             origin="lower",
             extent=(0, lx, 0, ly),
             cmap=colour_map,
             vmin=limits[0] * scale,
             vmax=limits[1] * scale if limits[1] > limits[0] else limits[0] * scale + 1,
-            interpolation="nearest",
+            interpolation="auto",
+            interpolation_stage="rgba",
             aspect="auto",
         )
+        if height.attrs.get("first_row") == "top":
+            axes.invert_yaxis()
         if frame is not None:
             x, y, *sides = (value * factor for value in frame)
             for colour, line in (("white", 3.0), ("#d00000", 1.5)):
@@ -368,13 +375,6 @@ def pressure_distribution(statistics, loads) -> str:
         return _svg(figure)
 
 
-def _thinning(shape) -> tuple[int, int]:
-    """Return by how much a map is thinned along each axis to be drawn."""
-    return tuple(-(-n // _MAP_POINTS) for n in shape)
-
-
-def _blocks(values, step, reduce) -> np.ndarray:
-    """Return `reduce` of each block of `step` points, the last blocks filled up with their edge."""
-    (ny, nx), (sy, sx) = values.shape, step
-    padded = np.pad(values, ((0, -ny % sy), (0, -nx % sx)), mode="edge")
-    return reduce(padded.reshape(padded.shape[0] // sy, sy, padded.shape[1] // sx, sx), axis=(1, 3))
+def _step(points: int) -> int:
+    """Return every how manieth of so many points is drawn."""
+    return -(-points // _MAP_POINTS)

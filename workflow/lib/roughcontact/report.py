@@ -133,11 +133,14 @@ def write_report(path, *, panels, statistics, title, settings) -> None:
         settings=json.dumps(settings, indent=1, sort_keys=True),
         limits={
             "points": checks.CONTACT_POINTS,
-            "resolution": checks.POINTS_PER_WAVE,
+            "overcount": percent(checks.OVERCOUNT),
             "filled": [percent(share) for share in checks.FILLED_IN_CONTACT],
             "gradient": percent(checks.GRADIENT_CHANGE),
+            "heights": percent(checks.HEIGHT_CHANGE),
+            "form": percent(checks.FORM),
             "window": percent(checks.WINDOW_SHARE),
             "steep": number(checks.STEEP, digits=1),
+            "hardest": number(checks.HARDEST, digits=1),
         },
     )
     write_text(html, path)
@@ -238,7 +241,7 @@ def _facts(measured, levelled, window, numbers) -> list[tuple[str, str]]:
     """Return what is known of the surface, as (name, text)."""
     pitch = " × ".join(dict.fromkeys(quantity(step, "m") for step in spacing(measured)[::-1]))
     instrument = json.loads(measured.attrs.get("instrument", "{}"))
-    instrument = ", ".join(f"{key} {value}" for key, value in instrument.items())
+    instrument = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in instrument.items())
     source = [str(measured.attrs.get(key, "")) for key in ("source_file", "source_format")]
     resolution = float(numbers["points_per_shortest_wavelength"][0])
     facts = [
@@ -272,10 +275,19 @@ def _removed(levelled) -> str:
     """Return what levelling removed, in words."""
     removed = json.loads(levelled.attrs.get("form_removed", "{}"))
     parts = [
-        f"{name.replace('_', ' ')} {quantity(entry['value'], entry['units'])}"
+        f"{name.replace('_', ' ')} {_removed_part(entry, levelled)}"
         for name, entry in removed.items()
+        if name.startswith(("mean", "slope", "curvature"))  # the rest are coefficients
     ]
     return f"{levelled.attrs.get('form', 'none')}" + (f": {', '.join(parts)}" if parts else "")
+
+
+def _removed_part(entry, levelled) -> str:
+    """Return a mean, slope or curvature in words: 0 where over the whole map it makes no difference."""
+    power = {"m": 0, "1": 1, "m-1": 2}[entry["units"]]
+    over_the_map = abs(entry["value"]) * max(_lengths(levelled)) ** power
+    nothing = over_the_map < 1e-6 * float(np.nanstd(levelled.values))
+    return quantity(0.0 if nothing else entry["value"], entry["units"].replace("m-1", "m⁻¹"))
 
 
 def _measured_caption(measured) -> str:
