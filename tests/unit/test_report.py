@@ -216,13 +216,21 @@ def test_each_check_can_ask_for_a_look(good):
         },
     )
     looks = {name for name, check in found.items() if check.outcome == checks.LOOK}
-    assert looks == set(found) - {"Solver"}
+    assert looks == set(found) - {"Solver", "Load range"}
     assert checks.VERDICTS[verdict] == "look at"
     assert "down to 50" in found["Points in contact"].sentence
     assert "−15.0 %" in found["Periodic window"].sentence
     assert "5.00 %" in found["Missing points"].sentence
     assert "level.form" in found["Form"].sentence
     assert found["Reading the file"].sentence == "The unit was guessed."
+
+
+def test_full_contact_is_worth_a_look_where_there_is_nothing_else(good):
+    closed = good.copy(deep=True)
+    closed["relative_contact_area_pixels"][1] = closed["relative_contact_area"][1] = 1.0
+    assert outcomes(closed)[0]["Load range"].outcome == checks.PASSED
+    closed["relative_contact_area_pixels"][:] = 1.0
+    assert outcomes(closed)[0]["Load range"].outcome == checks.LOOK
 
 
 def test_edges_that_do_not_fit_together_ask_for_a_look(good):
