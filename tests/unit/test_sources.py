@@ -54,7 +54,7 @@ def digests(workflow):
     ("edited", "concerned"),
     [
         ("lib/roughcontact/periodisation.py", {"window"}),
-        ("lib/roughcontact/outliers.py", {"level", "window"}),
+        ("lib/roughcontact/outliers.py", {"level"}),
         ("lib/roughcontact/io/units.py", {"ingest"}),
         ("lib/roughcontact/contact/solve.py", {"solve", "solve_statistics", "statistics"}),
         ("lib/roughcontact/collect.py", {"collect"}),
