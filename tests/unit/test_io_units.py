@@ -45,6 +45,6 @@ def test_what_is_no_length_or_may_mean_something_else(unit):
 
 def test_message_names_the_nearest_spelling():
     with pytest.raises(
-        SettingsError, match=r"unit: unknown length unit 'mircon'; the nearest accepted spelling is 'micron'"
+        SettingsError, match=r"unit: unknown length unit 'mircon'; did you mean 'micron'\? accepted are m,"
     ):
         metres("mircon", where="unit", error=SettingsError)

@@ -24,7 +24,7 @@ BROKEN = {
     "cut": ("measured/cut.npy\tum\t1\t1", ["measured/cut.npy", "line 7"]),
     "nan": ("measured/nan.npy\tum\t1\t1", ["measured/nan.npy", "line 8"]),
     "dot": ("measured/dot.npy\tum\t1\t1", ["measured/dot.npy", "single point"]),
-    "flat": ("measured/flat.npy\tum\t1\t1", ["the map is flat", "mean_pressure"]),
+    "flat": ("measured/flat.npy\tum\t1\t1", ["flat.npy: the map is flat", "mean_pressure"]),
 }
 
 

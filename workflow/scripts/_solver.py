@@ -3,16 +3,16 @@
 from _job import progress, snakemake
 
 from roughcontact.contact import plan_loads
+from roughcontact.errors import HeightMapError
 
 
 def solver_arguments(window, contact: dict) -> dict:
     """Return the keyword arguments of `solve_contact` that the settings `contact` stand for."""
     problem = {"contact_modulus": contact["contact_modulus"]}
-    loads = plan_loads(
-        window,
-        **problem,
-        mean_pressure=contact["mean_pressure"],
-        relative_pressure=contact["relative_pressure"],
-    )
+    given = {key: contact[key] for key in ("mean_pressure", "relative_pressure")}
+    try:
+        loads = plan_loads(window, **problem, **given)
+    except HeightMapError as error:
+        raise HeightMapError(f"{window.attrs['source_file']}: {error} (section contact)") from error
     accuracy = {key: contact[key] for key in ("tolerance", "zero_frequency", "on_failure")}
     return problem | accuracy | {"mean_pressure": loads, "threads": snakemake.threads, "progress": progress}

@@ -65,7 +65,9 @@ def read_surfaces(table: str | Path, folders=(".",)) -> dict[str, Surface]:
     try:
         lines = table.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise SettingsError(f"table of surfaces {table}: not readable ({error})") from error
+        raise SettingsError(
+            f"table of surfaces {table}: not readable ({error}); name a tab-separated text as `surfaces`"
+        ) from error
     folders = [folders[0], table.parent, *folders[1:]]
     rows = [
         (n, line.split("\t")) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")

@@ -111,7 +111,7 @@ def read_instrument(path: Path, head: bytes) -> SourceFile:
                 f"({brief(error)})"
             ) from error
         raise InputFileError(
-            f"{path}: the format is not known (told by content, not by extension); "
+            f"{path}: the format is not known, or the file is damaged (told by content, not by extension); "
             "export the map as X3P, SDF, netCDF or a text matrix with its size and units"
         ) from (failures[0][1] if failures else None)
 

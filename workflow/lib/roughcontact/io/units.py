@@ -55,13 +55,14 @@ def metres(unit: str, *, where: str = "unit", error: type[Exception] = InputFile
     where : str
         What the message shall name as the place of the unit.
     error : type
-        What is raised for an unknown unit; the message names the nearest accepted spelling.
+        What is raised for an unknown unit; the message names the nearest accepted spelling, if any is near.
     """
     factor = _lookup(unit)
     if factor is None:
-        near = difflib.get_close_matches(_clean(unit).lower(), METRES, n=1, cutoff=0.0)[0]
+        near = difflib.get_close_matches(_clean(unit).lower(), METRES, n=1)
+        hint = f"did you mean {near[0]!r}? " if near else ""
         raise error(
-            f"{where}: unknown length unit {str(unit)!r}; the nearest accepted spelling is {near!r} "
-            "(accepted: m, mm, um, µm, nm, Å, pm, inch, mil, uin and the written-out words)"
+            f"{where}: unknown length unit {str(unit)!r}; {hint}accepted are m, mm, um, µm, nm, Å, pm, inch, "
+            "mil, uin and the written-out words"
         )
     return factor
