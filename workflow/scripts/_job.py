@@ -58,9 +58,5 @@ def _log_warning(message, category, filename, lineno, file=None, line=None) -> N
     _log.write(warnings.formatwarning(message, category, filename, lineno, line))
 
 
-# what a predecessor that was killed while it wrote may have left
-for _output in map(Path, snakemake.output):
-    for _left in _output.parent.glob(f".{_output.name}.*.partial"):
-        _left.unlink()
 sys.excepthook = _report_error
 warnings.showwarning = _log_warning

@@ -5,7 +5,7 @@ import json
 from _job import save, snakemake
 
 from roughcontact.collect import collect_statistics, summary_table
-from roughcontact.storage import read_dataset, write_text
+from roughcontact.storage import read_dataset, write_table
 
 files = zip(snakemake.params.entries, snakemake.input, strict=True)
 entries = [{**entry, "statistics": path} for entry, path in files]
@@ -13,4 +13,4 @@ checksums = {entry["surface"]: read_dataset(entry["statistics"]).attrs["source_s
 source = {"source_sha256": json.dumps(checksums, sort_keys=True)}
 statistics = collect_statistics(entries)
 save(statistics, snakemake.output.statistics, snakemake.params.settings, source=source)
-write_text(summary_table(statistics).to_csv(index=False, float_format="%.10g"), snakemake.output.summary)
+write_table(summary_table(statistics), snakemake.output.summary)

@@ -71,8 +71,8 @@ def read_dataset(path: str | Path) -> xr.Dataset:
 
 
 def write_table(frame: pd.DataFrame, path: str | Path) -> None:
-    """Write `frame` to `path` as CSV (UTF-8, numbers in full), whole or not at all."""
-    write_text(frame.to_csv(index=False, lineterminator="\n"), path)
+    """Write `frame` to `path` as CSV (UTF-8, ten digits), whole or not at all."""
+    write_text(frame.to_csv(index=False, float_format="%.10g", lineterminator="\n"), path)
 
 
 def write_text(text: str, path: str | Path) -> None:
@@ -83,10 +83,13 @@ def write_text(text: str, path: str | Path) -> None:
 
 @contextmanager
 def _whole(path: str | Path):
-    """Yield a temporary name beside `path` that takes its place at the end: no half file is ever seen."""
+    """Yield a temporary name beside `path` that takes its place at the end: no half file is ever seen.
+
+    The name is always the same, so that what a killed job has left is written over.
+    """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    partial = path.with_name(f".{path.name}.partial")
     try:
         yield partial
         os.replace(partial, path)
