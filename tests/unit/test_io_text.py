@@ -99,9 +99,7 @@ def test_bare_numbers_are_refused_with_what_to_give(tmp_path):
         read_height_map(path, dx=1, dy=1)
     with pytest.raises(SettingsError, match=r"dx = -1 must be a positive number"):
         read_height_map(path, dx=-1, dy=1, unit="um")
-    with pytest.raises(
-        SettingsError, match=r"unknown length unit 'milimeter'.*nearest accepted spelling is 'millimeter'"
-    ):
+    with pytest.raises(SettingsError, match=r"unknown length unit 'milimeter'; did you mean 'millimeter'"):
         read_height_map(path, dx=1, dy=1, unit="milimeter")
 
 
