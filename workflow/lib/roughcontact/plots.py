@@ -40,7 +40,7 @@ _LONGEST_ASPECT = 4.0  # longer maps are drawn out of scale
 
 
 @contextmanager
-def _figure(width: float, height: float, *, layout="constrained"):
+def new_figure(width: float, height: float, *, layout="constrained"):
     """Yield a figure of so many inches that belongs to no window and no other figure."""
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -52,7 +52,7 @@ def _figure(width: float, height: float, *, layout="constrained"):
         yield figure
 
 
-def _png(figure) -> str:
+def as_png(figure) -> str:
     """Return the figure as PNG with a palette: a third of the size, and no dates or versions inside.
 
     The palette covers all the colours there are, not the frequent ones: the colour bar stays smooth.
@@ -68,7 +68,7 @@ def _png(figure) -> str:
     return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
 
 
-def _svg(figure) -> str:
+def as_svg(figure) -> str:
     """Return the figure as SVG without a date."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None})
@@ -174,7 +174,7 @@ def _map(height, values, *, label, unit, colours, bad, limits, extend="neither",
     # margins in inches: the labels always fit, and maps of one shape come out alike
     width = min(_WIDTH, 3.6 / aspect)
     full = (_WIDTH + 1.65, width * aspect + 0.65)
-    with _figure(*full, layout=None) as figure:
+    with new_figure(*full, layout=None) as figure:
         axes = figure.add_axes((0.7 / full[0], 0.5 / full[1], width / full[0], width * aspect / full[1]))
         axes.grid(False)
         colour_map = matplotlib.colormaps[colours].with_extremes(bad=bad)
@@ -202,7 +202,7 @@ def _map(height, values, *, label, unit, colours, bad, limits, extend="neither",
         )
         bar = figure.colorbar(image, cax=beside, extend=extend, label=f"{label} ({value_unit})")
         bar.outline.set_linewidth(0.5)
-        return _png(figure)
+        return as_png(figure)
 
 
 def _profile(height, lines, *, label, unit) -> str:
@@ -211,7 +211,7 @@ def _profile(height, lines, *, label, unit) -> str:
     position = height[along].values - height[along].values[0]
     factor, length_unit = prefix(float(position[-1]), "m")
     scale, value_unit = prefix(float(np.nanmax([np.nanmax(np.abs(line[0])) for line in lines])), unit)
-    with _figure(4.0, 2.6) as figure:
+    with new_figure(4.0, 2.6) as figure:
         axes = figure.add_subplot()
         for values, name, colour in lines:
             axes.plot(position * factor, values * scale, color=colour, linewidth=0.9, label=name)
@@ -219,7 +219,7 @@ def _profile(height, lines, *, label, unit) -> str:
         axes.set_ylabel(f"{label} ({value_unit})")
         if len(lines) > 1:
             axes.legend()
-        return _svg(figure)
+        return as_svg(figure)
 
 
 def area_against_load(statistics, window) -> str:
@@ -233,7 +233,7 @@ def area_against_load(statistics, window) -> str:
     """
     unit = float(statistics["contact_modulus"] * statistics["rms_gradient"])
     load = statistics["relative_pressure"].values
-    with _figure(4.3, 3.6) as figure:
+    with new_figure(4.3, 3.6) as figure:
         axes = figure.add_subplot()
         line = _theory_lines(axes, load)
         modulus = float(statistics["contact_modulus"])
@@ -256,7 +256,7 @@ def area_against_load(statistics, window) -> str:
         top = axes.secondary_xaxis("top", functions=(lambda p: p * pascal, lambda p: p / pascal))
         top.set_xlabel(f"mean pressure p̄ ({shown})")
         axes.legend(loc="lower right")
-        return _svg(figure)
+        return as_svg(figure)
 
 
 def compare_areas(series) -> str:
@@ -269,7 +269,7 @@ def compare_areas(series) -> str:
     loads = np.concatenate([load for _, load, _ in series])
     areas = np.concatenate([area for _, _, area in series])
     rows = -(-len(series) // 3)
-    with _figure(6.6, 4.3 + 0.22 * rows) as figure:
+    with new_figure(6.6, 4.3 + 0.22 * rows) as figure:
         axes = figure.add_subplot()
         _theory_lines(axes, loads)
         theories = axes.legend(loc="lower right")
@@ -288,7 +288,7 @@ def compare_areas(series) -> str:
         axes.add_artist(theories)
         _area_axes(axes, loads, areas)
         figure.legend(handles=drawn, loc="outside lower center", ncols=3)
-        return _svg(figure)
+        return as_svg(figure)
 
 
 def _theory_lines(axes, loads) -> np.ndarray:
@@ -325,7 +325,7 @@ def gap_against_load(statistics) -> str:
     rms = float(statistics["rms_height"])
     factor, load_unit = prefix(float(np.median(load)), "Pa")
     scale, gap_unit = prefix(max(float(gap.max()), rms), "m")
-    with _figure(4.3, 3.6) as figure:
+    with new_figure(4.3, 3.6) as figure:
         axes = figure.add_subplot()
         axes.axhline(rms * scale, color="#444444", linestyle="--", linewidth=1.1, label="rms height")
         axes.plot(load * factor, gap * scale, "o-", color=COLOURS[2], markersize=5, label="mean gap")
@@ -334,7 +334,7 @@ def gap_against_load(statistics) -> str:
         axes.set_xlabel(f"mean pressure p̄ ({load_unit})")
         axes.set_ylabel(f"mean gap ū ({gap_unit})")
         axes.legend()
-        return _svg(figure)
+        return as_svg(figure)
 
 
 def pressure_distribution(statistics, loads) -> str:
@@ -354,7 +354,7 @@ def pressure_distribution(statistics, loads) -> str:
     peak = float(statistics["max_pressure"].values[loads].max())
     factor, unit = prefix(peak, "Pa")
     widths = np.log(bounds[1:, 1] / bounds[1:, 0])
-    with _figure(4.3, 3.6) as figure:
+    with new_figure(4.3, 3.6) as figure:
         axes = figure.add_subplot()
         for index, load in enumerate(loads):
             label = f"p̄ = {quantity(float(statistics['mean_pressure'][load]), 'Pa')}"
@@ -371,7 +371,7 @@ def pressure_distribution(statistics, loads) -> str:
         axes.set_xlabel(f"contact pressure p ({unit})")
         axes.set_ylabel("p P(p), share of the contact per factor e")
         axes.legend(loc="upper left", title="dotted: mean over the contact", title_fontsize=8)
-        return _svg(figure)
+        return as_svg(figure)
 
 
 def _step(points: int) -> int:

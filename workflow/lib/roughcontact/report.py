@@ -68,7 +68,7 @@ def write_panel(path, *, surface, case=None, height, levelled, window, contact, 
     identifier = surface if case is None else f"{case}--{surface}"
     verdict = checks.verdict(outcome)
     rough = float(numbers["rms_gradient"]) > 0
-    html = _template("panel.html").render(
+    html = template("panel.html").render(
         identifier=identifier,
         name=name,
         verdict=verdict,
@@ -122,7 +122,7 @@ def write_report(path, *, panels, statistics, title, settings) -> None:
         for name, data in series.items()
         if np.isfinite(data["relative_pressure"]).all()
     ]
-    html = _template("report.html").render(
+    html = template("report.html").render(
         title=title,
         rows=rows,
         headings=_HEADINGS,
@@ -146,7 +146,7 @@ def write_report(path, *, panels, statistics, title, settings) -> None:
     write_text(html, path)
 
 
-def _template(name: str):
+def template(name: str):
     """Return one of the package's templates, with HTML escaped and no surprise where a name is missing."""
     import jinja2
 
