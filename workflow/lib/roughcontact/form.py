@@ -60,7 +60,12 @@ def fit_form(values, coordinates, *, order: int, robust: bool = False) -> tuple[
 
 
 def form_from_record(removed: dict, y, x) -> np.ndarray:
-    """Return the form (ny, nx) in m that `fit_form` recorded, on the map's own coordinates in m."""
+    """Return the form (ny, nx) in m that `fit_form` (or `fit_curved_form`) recorded, on the map's own
+    coordinates in m."""
+    if "height_middle" in removed:
+        from roughcontact.curved_form import curved_form_from_record
+
+        return curved_form_from_record(removed, y, x)
     value = {name: entry["value"] for name, entry in removed.items()}
     y, x = np.asarray(y, dtype=float), np.asarray(x, dtype=float)
     if "c_0_0" in value:
@@ -96,6 +101,16 @@ def share_of_form(values, coordinates, *, order: int = 2) -> float:
         return 0.0
     form, _ = fit_form(rough, coordinates, order=order)
     return float(np.mean(form**2)) / total
+
+
+def robust_scale(residual) -> float:
+    """Return the standard deviation of normal residuals, from the median of their absolute values."""
+    return 1.4826 * float(np.median(np.abs(residual)))
+
+
+def biweight(residual, scale) -> np.ndarray:
+    """Return Tukey's biweight (1 - (r / (4.685 s))^2)^2 of each residual, 0 beyond 4.685 s."""
+    return np.maximum(1 - (residual / (_BIWEIGHT * scale)) ** 2, 0) ** 2
 
 
 class _Axis:
@@ -156,14 +171,13 @@ def _fit_robust(heights, measured, axes, terms):
 def _reweight(heights, measured, axes, terms, coefficients, *, least_absolute):
     for iteration in range(_ITERATIONS):
         residual = heights - _evaluate(coefficients, axes)
-        size = np.abs(residual)
-        scale = 1.4826 * np.median(size[measured])
+        scale = robust_scale(residual[measured])
         if not scale > 1e-12 * np.ptp(heights[measured]):
             return coefficients  # more than half of the points lie on the form
         if least_absolute:
-            weights = 1 / np.maximum(size, 1e-3 * scale)
+            weights = 1 / np.maximum(np.abs(residual), 1e-3 * scale)
         else:
-            weights = np.maximum(1 - (residual / (_BIWEIGHT * scale)) ** 2, 0) ** 2
+            weights = biweight(residual, scale)
         weights[~measured] = 0
         previous, coefficients = coefficients, _fit_weighted(heights, weights, axes, terms)
         change = np.abs(coefficients - previous).max()

@@ -62,9 +62,9 @@ class Section(BaseModel):
 
 
 class Level(Section):
-    """Levelling: outliers out, form off, missing points filled in."""
+    """Levelling: outliers out, scan lines aligned, form and waviness off, missing points filled in."""
 
-    form: Literal["none", "mean", "plane", "polynomial"] = Field(
+    form: Literal["none", "mean", "plane", "polynomial", "sphere", "cylinder"] = Field(
         "plane", description="what is fitted to the measured map and taken off"
     )
     order: Count = Field(2, ge=1, description="total order of the polynomial, x^i y^j with i + j <= order")
@@ -75,6 +75,30 @@ class Level(Section):
         6.0,
         description="isolated spikes that stand off their surroundings by more than this many local standard "
         "deviations are taken for missing; null keeps every point",
+    )
+    line_alignment: Literal["none", "median", "matched-steps"] = Field(
+        "none",
+        description="for scanned maps: how rows are shifted to match one another; median: each row's median to "
+        "the same height; matched-steps: the median step from row to row to zero",
+    )
+    scar_threshold: Positive | None = Field(
+        None,
+        description="for scanned maps: pieces of one to four rows that stick out against the rows before and "
+        "after by more than this many standard deviations are taken for missing (4 is a good start); narrow "
+        "grooves along x look the same; null keeps every point",
+        examples=[4.0],
+    )
+    s_filter: Positive | None = Field(
+        None,
+        description="nesting index of the S-filter (areal Gaussian, ISO 16610-61), m: shorter waves are taken "
+        "off; null keeps them",
+        examples=[2.5e-6],
+    )
+    l_filter: Positive | None = Field(
+        None,
+        description="nesting index of the L-filter (areal Gaussian, ISO 16610-61), m: longer waves are taken "
+        "off; null keeps them",
+        examples=[8.0e-4],
     )
     fill: Literal["harmonic", "none"] = Field(
         "harmonic",

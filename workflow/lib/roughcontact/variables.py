@@ -12,6 +12,7 @@ VARIABLES = {
     # maps
     "height": ("m", "surface height, positive outwards; NaN where not measured"),
     "filled": ("1", "1 where the height was not measured but filled in, 0 elsewhere"),
+    "line_offset": ("m", "shift of each row (scan line) that levelling took off"),
     "pressure": ("Pa", "contact pressure"),
     "gap": ("m", "gap between the deformed surfaces"),
     "contact": ("1", "1 where the surfaces touch (pressure > 0), 0 elsewhere"),

@@ -1,0 +1,97 @@
+"""Areal Gaussian filter of ISO 16610-61, fit for maps with edges and missing points.
+
+A filter that takes away short waves is an S-filter, one that takes away long ones an L-filter (ISO 25178-3).
+"""
+
+import numpy as np
+
+# alpha = sqrt(ln 2 / pi) of ISO 16610-61: half of a wave as long as the nesting index passes
+_ALPHA_SQUARED = np.log(2) / np.pi
+_REACH = 1.25  # nesting indices; there the weight has fallen to exp(-pi (1.25 / alpha)^2) = 2e-10
+_STIFF = 1e-11  # of the variance of the positions; holds the slope where it is not determined
+
+
+def gaussian_mean_surface(values, spacing, nesting_index: float) -> np.ndarray:
+    """Return the mean surface of a map: its long waves, the output of an areal Gaussian low-pass filter.
+
+    The weight at the distance r is exp(-pi (r / (alpha lambda_c))^2), alpha^2 = ln 2 / pi, so that a wave of
+    wavelength lambda passes with 2^-((lambda_c / lambda)^2) of its amplitude: with half where lambda is the
+    nesting index lambda_c. At each point a plane is fitted to the measured points around, with these weights;
+    its height there is the mean surface. Away from edges and holes that is the weighted mean of the standard;
+    near them the weights are renormalised, and constants and planes still come out as they are.
+
+    Parameters
+    ----------
+    values : array (ny, nx), m
+        NaN where missing.
+    spacing : (dy, dx), m
+    nesting_index : float, m
+
+    Returns
+    -------
+    array (ny, nx), m
+        NaN where missing.
+
+    Notes
+    -----
+    ISO 16610-61:2015; end effects by retaining the moments of the weights, ISO 16610-28:2016; the local plane
+    is that of Cleveland, J. Am. Stat. Assoc. 74 (1979) 829.
+    """
+    known = ~np.isnan(values)
+    offset = float(values[known].mean())
+    heights = np.where(known, values - offset, 0.0)
+    kernels = [_kernels(n, d, nesting_index) for n, d in zip(values.shape, spacing, strict=True)]
+    if known.all():
+        # each moment of the weights is a product of one along y and one along x
+        along = [
+            [_correlate(np.ones((1, n)), kernel, axis=1)[0] for kernel in axis]
+            for n, axis in zip(values.shape, kernels, strict=True)
+        ]
+        moment = {(j, i): along[0][j][:, None] * along[1][i][None, :] for j, i in _MOMENTS}
+    else:
+        moment = _moments(known.astype(float), kernels, _MOMENTS)
+    of_heights = _moments(heights, kernels, _MOMENTS[:3])
+
+    weight = np.where(known, moment[0, 0], 1.0)
+    middle_y, middle_x = moment[1, 0] / weight, moment[0, 1] / weight
+    mean = of_heights[0, 0] / weight
+    # variances of the positions, and their covariances with the heights
+    longest = max(n * d for n, d in zip(values.shape, spacing, strict=True))
+    stiff = _STIFF * min(_ALPHA_SQUARED * nesting_index**2 / (2 * np.pi), longest**2 / 12)
+    vyy = moment[2, 0] / weight - middle_y**2 + stiff
+    vxx = moment[0, 2] / weight - middle_x**2 + stiff
+    vxy = moment[1, 1] / weight - middle_y * middle_x
+    cy = of_heights[1, 0] / weight - middle_y * mean
+    cx = of_heights[0, 1] / weight - middle_x * mean
+    determinant = np.where(known, vyy * vxx - vxy**2, 1.0)
+    slope_y = (vxx * cy - vxy * cx) / determinant
+    slope_x = (vyy * cx - vxy * cy) / determinant
+    smooth = mean - slope_y * middle_y - slope_x * middle_x + offset
+    return np.where(known, smooth, np.nan)
+
+
+_MOMENTS = ((0, 0), (1, 0), (0, 1), (2, 0), (0, 2), (1, 1))  # powers of y and x
+
+
+def _kernels(points, pitch, nesting_index):
+    """Return the weights along one axis, times the distance to the powers 0, 1, 2."""
+    reach = min(points - 1, int(np.ceil(_REACH * nesting_index / pitch)))
+    distance = pitch * np.arange(-reach, reach + 1)
+    weights = np.exp(-np.pi / _ALPHA_SQUARED * (distance / nesting_index) ** 2)
+    return [weights * distance**power for power in range(3)]
+
+
+def _correlate(field, kernel, *, axis):
+    """Return sum_k kernel[k] field[i + k] along an axis, nothing beyond the border."""
+    from scipy.signal import oaconvolve
+
+    if kernel.size == 1:
+        return field * kernel[0]
+    reversed_kernel = kernel[::-1].reshape((-1, 1) if axis == 0 else (1, -1))
+    return oaconvolve(field, reversed_kernel, mode="same", axes=axis)
+
+
+def _moments(field, kernels, powers):
+    """Return the sums of the field times weight y^j x^i, over the surroundings of each point."""
+    along_x = {i: _correlate(field, kernels[1][i], axis=1) for i in {i for _, i in powers}}
+    return {(j, i): _correlate(along_x[i], kernels[0][j], axis=0) for j, i in powers}
