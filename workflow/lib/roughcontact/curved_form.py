@@ -36,10 +36,10 @@ def fit_curved_form(values, coordinates, *, shape: str, robust: bool = False) ->
     form : array (ny, nx), m
     removed : dict
         what the form is, each entry with value and units: `mean` (of the form over the map), `radius` (m; not
-        for a flat map), `curvature` (1/m, negative where the form is a hill), `height_middle` (z0), `slope_x`,
-        `slope_y` at the middle (`middle_x`, `middle_y`), of a sphere `centre_x`, `centre_y`, `centre_z`, of a
-        cylinder `axis_azimuth` (degree from x towards y, -90 to 90) and `axis_inclination` (degree from the
-        x, y plane, upwards in the direction of the azimuth).
+        for a flat map), `curvature` (1/m, negative where the form is a hill), `height_middle` (z0), `slope_x`
+        and `slope_y` at the middle (`middle_x`, `middle_y`), of a sphere `centre_x`, `centre_y`, `centre_z`,
+        of a cylinder `axis_azimuth` (degree from x towards y, -90 to 90) and `axis_inclination` (degree from
+        the x, y plane, upwards in the direction of the azimuth).
 
     Raises
     ------
@@ -69,8 +69,8 @@ def fit_curved_form(values, coordinates, *, shape: str, robust: bool = False) ->
     beyond = np.count_nonzero(measured & ~inside)
     if beyond:
         raise HeightMapError(
-            f"level.form = {shape!r}: {beyond} points lie beyond the rim of the fitted {shape}, where it has no "
-            "height: cut the map to the curved part, or take level.form: polynomial"
+            f"level.form = {shape!r}: {beyond} points lie beyond the rim of the fitted {shape}, where it has "
+            "no height: cut the map to the curved part, or take level.form: polynomial"
         )
     form = reference + half * fitted
     return form, _record(parameters, form, reference, half, (middle_y, middle_x))

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_choice, check_map
-from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.curved_form import fit_curved_form
+from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.filling import fill_harmonic, find_holes
 from roughcontact.filters import gaussian_mean_surface
 from roughcontact.form import fit_form
@@ -90,7 +90,8 @@ def level(
     )
     if s_filter and l_filter and s_filter >= l_filter:
         raise SettingsError(
-            f"level.s_filter = {s_filter:g} m is not below level.l_filter = {l_filter:g} m: nothing would be left"
+            f"level.s_filter = {s_filter:g} m is not below level.l_filter = {l_filter:g} m: nothing would be "
+            "left"
         )
     values = check_map(height)
     step = spacing(height)
@@ -200,7 +201,8 @@ def _filter(values, step, s_filter, l_filter):
         long = [d for n, d in zip(values.shape, step, strict=True) if n > 1]
         if name == "l_filter" and index < 2 * max(long):
             raise HeightMapError(
-                f"level.l_filter = {index:g} m is less than two pixels ({2 * max(long):g} m): it would leave no wave"
+                f"level.l_filter = {index:g} m is less than two pixels ({2 * max(long):g} m): it would leave "
+                "no wave"
             )
         smooth = gaussian_mean_surface(values, step, index)
         kept, off = (smooth, values - smooth) if name == "s_filter" else (values - smooth, smooth)

@@ -31,8 +31,9 @@ def height_parameters(height: xr.DataArray) -> dict[str, float]:
     * `Sa` = mean |z|, `Sq` = sqrt(mean z^2), m
     * `Ssk` = mean z^3 / Sq^3, `Sku` = mean z^4 / Sq^4; NaN for a flat map
     * `Sp` = max z, `Sv` = -min z, `Sz` = Sp + Sv, m
-    * `Sdq` = sqrt(mean (dz/dx)^2 + mean (dz/dy)^2) with the differences of neighbouring points, each direction
-      averaged over its own pairs of measured points. It depends on the pitch; `rms_gradient` is spectral.
+    * `Sdq` = sqrt(mean (dz/dx)^2 + mean (dz/dy)^2) with the differences of neighbouring points, each
+      direction averaged over its own pairs of measured points. It depends on the pitch (`rms_gradient` is
+      spectral).
 
     Parameters
     ----------

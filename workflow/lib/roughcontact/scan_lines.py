@@ -16,8 +16,8 @@ def line_offsets(values, *, method: str) -> np.ndarray:
     """Return by how much each row of a scanned map is shifted.
 
     * `median`: o_j = median over x of h_j, the height at which half of the row lies.
-    * `matched-steps`: o_j - o_(j-1) = median over x of (h_j - h_(j-1)). Structure that goes on from row to row
-      cancels, so that a row across a deep valley is not lifted; but the errors of the steps add up.
+    * `matched-steps`: o_j - o_(j-1) = median over x of (h_j - h_(j-1)). Structure that goes on from row to
+      row cancels, so that a row across a deep valley is not lifted; but the errors of the steps add up.
 
     The mean over the rows is taken off: the offsets shift rows against one another, not the map.
 
@@ -69,8 +69,8 @@ def find_scars(values, *, threshold: float) -> np.ndarray:
 
     Notes
     -----
-    A groove or a ridge along x that is no wider than four points looks the same and is found as well. A map of
-    fewer than three rows, or of fewer than 16 columns, has no scars.
+    A groove or a ridge along x that is no wider than four points looks the same and is found as well. A map
+    of fewer than three rows, or of fewer than 16 columns, has no scars.
     """
     ny, nx = values.shape
     scars = np.zeros(values.shape, dtype=bool)

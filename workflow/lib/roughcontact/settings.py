@@ -78,8 +78,8 @@ class Level(Section):
     )
     line_alignment: Literal["none", "median", "matched-steps"] = Field(
         "none",
-        description="for scanned maps: how rows are shifted to match one another; median: each row's median to "
-        "the same height; matched-steps: the median step from row to row to zero",
+        description="for scanned maps: how rows are shifted to match one another; median: each row's median "
+        "to the same height; matched-steps: the median step from row to row to zero",
     )
     scar_threshold: Positive | None = Field(
         None,
@@ -90,8 +90,8 @@ class Level(Section):
     )
     s_filter: Positive | None = Field(
         None,
-        description="nesting index of the S-filter (areal Gaussian, ISO 16610-61), m: shorter waves are taken "
-        "off; null keeps them",
+        description="nesting index of the S-filter (areal Gaussian, ISO 16610-61), m: shorter waves are "
+        "taken off; null keeps them",
         examples=[2.5e-6],
     )
     l_filter: Positive | None = Field(
