@@ -153,10 +153,58 @@ def test_zero_frequency_of_nogi_and_kato_by_quadrature():
 def test_periodic_hertz_tends_to_hertz():
     alone = reference.hertz(1e-3, 1e-3, 1e9)
     repeated = reference.periodic_hertz(1e-3, 1e-3, 1e9, period=1.0)
-    assert repeated["contact_radius"] == pytest.approx(alone["contact_radius"], rel=1e-9)
-    assert repeated["max_pressure"] == pytest.approx(alone["max_pressure"], rel=1e-9)
+    for name in ("contact_radius", "max_pressure"):
+        assert repeated[name] == pytest.approx(alone[name], rel=1e-9)
     shift = reference.LATTICE_CONSTANT * 1e-3 / (1e9 * 1.0)
     assert repeated["approach"] == pytest.approx(alone["approach"] - shift, rel=1e-9)
+    assert repeated["energy"] == pytest.approx(alone["energy"] - 1e-3 * shift / 2, rel=1e-9)
+
+
+def test_periodic_hertz_energy_is_the_work_of_the_force():
+    radius, modulus, period = 3e-3, 5e9, 1e-3  # a_H/L up to 0.1: every correction has a say
+    force = 0.7 * (0.1 * period) ** 3 * 4 * modulus / (3 * radius)
+    steps = np.linspace(0, 1, 20001) ** 1.5 * force
+    approach = np.array([reference.periodic_hertz(f, radius, modulus, period)["approach"] for f in steps])
+    work = np.trapezoid(steps, approach)
+    result = reference.periodic_hertz(force, radius, modulus, period)
+    assert result["energy"] == pytest.approx(work, rel=1e-6)
+
+
+def test_periodic_hertz_peak_and_radius_carry_the_force():
+    """To first order: (2/3)π a² p0 is the force, whatever the neighbours do."""
+    result = reference.periodic_hertz(1.0, 0.75, 1.0, period=50.0)  # a_H = 0.825, x³ = 4.5e-6
+    force = 2 / 3 * np.pi * result["contact_radius"] ** 2 * result["max_pressure"]
+    assert force == pytest.approx(1.0, rel=1e-10)
+
+
+def test_sum_of_inverse_cubes_over_the_square_lattice():
+    """Direct sum to 400 shells, and the integral of 1/r³ beyond."""
+    n = np.arange(-400, 401)
+    distance = np.hypot(*np.meshgrid(n, n))
+    inside = distance[(distance > 0) & (distance <= 400)]
+    total = (inside**-3.0).sum() + 2 * np.pi / 400
+    assert total == pytest.approx(reference.LATTICE_CUBES, rel=1e-5)
+
+
+def test_hertz_displacement_is_the_approach_less_the_sphere():
+    force, radius, modulus = 0.7, 3e-3, 5e9
+    hertz = reference.hertz(force, radius, modulus)
+    r = np.linspace(0, hertz["contact_radius"], 9)
+    found = reference.hertz_displacement(r, hertz["contact_radius"], hertz["max_pressure"], modulus)
+    np.testing.assert_allclose(found, hertz["approach"] - r**2 / (2 * radius), rtol=1e-12)
+
+
+@pytest.mark.parametrize("wavenumber", [1e-2, 0.7, 3.0, 20.0])
+def test_hertz_spectrum_by_quadrature(wavenumber):
+    from scipy.special import j0
+
+    a, p0 = 1.3, 2.0
+
+    def ring(t):  # r = a sin t takes the edge out of the root
+        return 2 * np.pi * a**2 * p0 * np.cos(t) ** 2 * np.sin(t) * j0(wavenumber * a * np.sin(t))
+
+    value = quad(ring, 0, np.pi / 2, epsabs=0, epsrel=1e-10)[0]
+    assert reference.hertz_spectrum(wavenumber, a, p0) == pytest.approx(value, rel=1e-7)
 
 
 @pytest.mark.parametrize("shape", [(16, 24), (15, 21), (1, 32)])

@@ -138,6 +138,8 @@ def jgh_contact_share_high(load_ratio):
 # Zero-frequency displacement of a point force in a square period, in L/E*: the value that gives a single
 # contact its approach in free space (lattice sum), and the mean of 1/q over the zero-frequency cell.
 LATTICE_CONSTANT = 3.900264920001956 / np.pi
+# Sum of 1/n³ over the square lattice, 4 ζ(3/2) β(3/2): the curvature that the other contacts add
+LATTICE_CUBES = 9.033621683100950
 NOGI_KATO_CONSTANT = 4 * np.arcsinh(1.0) / np.pi
 
 
@@ -158,21 +160,66 @@ def hertz(force, radius, contact_modulus):
     }
 
 
+def hertz_displacement(distance, contact_radius, max_pressure, contact_modulus):
+    """Return the displacement (m) inside a Hertz contact, u = π p0 (2a² - r²)/(4 E* a), r <= a.
+
+    Parameters
+    ----------
+    distance : array, m
+        r, distance from the middle of the contact.
+    contact_radius : float, m
+    max_pressure : float, Pa
+    contact_modulus : float, Pa
+
+    Source: Johnson (1985), eq. (3.41a). "A numerical approach to the contact of nominally flat surfaces"
+    prints it as eq. (16) with 2 E* a in the denominator, twice too much: u(0) must be the approach a²/R.
+    """
+    r, a = np.asarray(distance, float), contact_radius
+    return np.pi * max_pressure * (2 * a**2 - r**2) / (4 * contact_modulus * a)
+
+
+def hertz_spectrum(wavenumber, contact_radius, max_pressure):
+    """Return the Fourier transform (N) of a Hertz pressure, ∫ p exp(-i q·x) dx dy, at |q| > 0 in rad/m.
+
+    2π p0 a² [sin(qa) - qa cos(qa)]/(qa)³; the force (2/3)π a² p0 for q → 0.
+
+    Source: Hankel transform of order zero of p0 √(1 - r²/a²).
+    """
+    qa = np.asarray(wavenumber, float) * contact_radius
+    return 2 * np.pi * max_pressure * contact_radius**2 * (np.sin(qa) - qa * np.cos(qa)) / qa**3
+
+
 def periodic_hertz(force, radius, contact_modulus, period):
-    """Return contact radius, peak pressure and approach of a sphere repeated with a square period L.
+    """Return contact radius, peak pressure, approach and energy of a sphere repeated with a square period L.
 
-    a = a_H (1 - 0.639 x³), p0 = p0_H (1 - 0.639 x³)^-2, x = a_H/L, and with the mean displacement set to
-    zero δ = a²/R - 3.900265 F/(π E* L). First order in x³: for x below about 0.1.
+    With x = a_H/L and s = 0.6391 x³, the mean displacement set to zero, and the energy that of the part
+    of the displacement that is not uniform::
 
-    Source: lattice sum of point forces (as in Johnson, Greenwood and Higginson 1985, low-load expansion).
+        a  = a_H (1 - s)          δ = a_H²/R (1 + 8s/5) - 3.900265 F/(π E* L)
+        p0 = p0_H (1 + 2s)        U = (2/5) F a_H²/R (1 + 5s/2) - 3.900265 F²/(2π E* L)
+
+    Around one contact the others act like F/(π E* L) (-3.900265 + 9.033622/4 (r² + 2a²/5)/L²): a shift, and
+    a flatter sphere 1/R + 2c with c = 9.033622 F/(4π E* L³), hence 2cR = 3s. U is the integral of F dδ. First
+    order in x³: the error is about x⁵.
+
+    Parameters
+    ----------
+    force : float, N
+    radius : float, m
+    contact_modulus : float, Pa
+    period : float, m
+
+    Source: lattice sums Σ 1/n = -3.900265 (uniform background) and Σ 1/n³ = 9.033622 of the square lattice
+    (Glasser and Zucker 1980, Theoretical Chemistry 5, 67), second moment of the Hertz pressure 2a²/5.
     """
     single = hertz(force, radius, contact_modulus)
-    shrink = 1 - 0.639 * (single["contact_radius"] / period) ** 3
-    a = single["contact_radius"] * shrink
+    s = LATTICE_CUBES / (6 * np.pi) * 4 / 3 * (single["contact_radius"] / period) ** 3
+    shift = LATTICE_CONSTANT * force / (contact_modulus * period)
     return {
-        "contact_radius": a,
-        "max_pressure": single["max_pressure"] / shrink**2,
-        "approach": a**2 / radius - LATTICE_CONSTANT * force / (contact_modulus * period),
+        "contact_radius": single["contact_radius"] * (1 - s),
+        "max_pressure": single["max_pressure"] * (1 + 2 * s),
+        "approach": single["approach"] * (1 + 8 / 5 * s) - shift,
+        "energy": single["energy"] * (1 + 5 / 2 * s) - force * shift / 2,
     }
 
 
