@@ -301,7 +301,7 @@ def test_relative_numbers_do_not_depend_on_the_units():
         modulus=MODULUS * pascal,
     )
     first, second = contact_statistics(contact), contact_statistics(other)
-    powers = {"m": metre, "Pa": pascal, "m-1": 1 / metre, "Pa-1": 1 / pascal, "1": 1.0}
+    powers = {"m": metre, "Pa": pascal, "m-1": 1 / metre, "Pa-1": 1 / pascal, "1": 1.0, "degree": 1.0}
     powers |= {"Pa m-1": pascal / metre, "J m-2": pascal * metre}
     for name, variable in describe(first).data_vars.items():
         np.testing.assert_allclose(

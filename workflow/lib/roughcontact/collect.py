@@ -8,7 +8,15 @@ from roughcontact.storage import read_dataset
 from roughcontact.variables import VARIABLES
 
 # how a unit is spelled in a column's name
-_SUFFIX = {"1": "", "m": "_m", "Pa": "_Pa", "m-1": "_per_m", "Pa m-1": "_Pa_per_m", "J m-2": "_J_per_m2"}
+_SUFFIX = {
+    "1": "",
+    "m": "_m",
+    "Pa": "_Pa",
+    "m-1": "_per_m",
+    "Pa m-1": "_Pa_per_m",
+    "J m-2": "_J_per_m2",
+    "degree": "_degree",
+}
 
 _COORDINATES = ("mean_pressure", "pressure_bin_bounds", "gap_bin_bounds")
 _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")

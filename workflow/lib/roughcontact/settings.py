@@ -124,6 +124,17 @@ class Window(Section):
     min_share: Number = Field(
         0.05, ge=0, le=1, description="least share of the map that the window must have; else it is refused"
     )
+    shortest_wavelength: Positive | None = Field(
+        None, description="shorter waves are taken out of the window, m; null keeps them", examples=[2.0e-6]
+    )
+    longest_wavelength: Positive | None = Field(
+        None, description="longer waves are taken out of the window, m; null keeps them", examples=[1.0e-4]
+    )
+    reliable_band: bool = Field(
+        False,
+        description="take out the waves that are shorter than the instrument resolves (two pixels, or the "
+        "limit of the lens where the file states its numerical aperture)",
+    )
 
 
 class Body(Section):

@@ -7,6 +7,7 @@ from roughcontact import roughness, theory
 from roughcontact.contact import linear_response
 from roughcontact.errors import SettingsError
 from roughcontact.fourier import halfplane_weights, spacing, wavenumbers
+from roughcontact.texture import texture_parameters
 
 # Share of a pixel by which each contact/non-contact switch overstates the area: Yastrebov, Anciaux and
 # Molinari (2017), Tribol. Int. 114, 161
@@ -22,6 +23,9 @@ SOLVER_COLUMNS = (
     "load_error",
     "converged",
 )
+
+# of ISO 25178-2, as `roughness.height_parameters` returns them
+HEIGHT_PARAMETERS = ("Sa", "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sdq")
 
 _PRESSURE_DECADES = (-3, 3)  # in units of E* g
 _GAP_DECADES = (-4, 0)  # in units of the peak-to-valley height, which no gap exceeds
@@ -105,11 +109,14 @@ def contact_statistics(contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins
 
 
 def surface_statistics(height: xr.DataArray) -> dict:
-    """Return roughness (spectral), size and position of the solved window, a dict of floats in SI units."""
+    """Return roughness (spectral), texture, size and position of the solved window, and the height parameters
+    that levelling left in its attributes; a dict of floats in SI units (`Std`: degree)."""
     (ny, nx), (dy, dx) = height.shape, spacing(height)
     # the middle of the range first: then a constant map is exactly zero, and flat, whatever its offset
     middle = (float(height.min()) + float(height.max())) / 2
-    return roughness.roughness_parameters(height - middle) | {
+    parameters = {name: float(height.attrs[name]) for name in HEIGHT_PARAMETERS if name in height.attrs}
+    parameters |= roughness.roughness_parameters(height - middle) | texture_parameters(height)
+    return parameters | {
         "window_length_x": nx * dx,
         "window_length_y": ny * dy,
         "window_offset_x": float(height.attrs.get("window_offset_x", 0.0)),

@@ -51,6 +51,18 @@ VARIABLES = {
     "rms_gradient": ("1", "spectral root mean square gradient of the solved window"),
     "rms_curvature": ("m-1", "spectral root mean square of the mean curvature of the solved window"),
     "nayak_parameter": ("1", "Nayak's bandwidth parameter m0 m4 / m2^2 of the solved window"),
+    # ISO 25178-2, per surface: heights of the levelled map (measured points), texture of the solved window
+    "Sa": ("m", "arithmetical mean height of the levelled map"),
+    "Sq": ("m", "root mean square height of the levelled map"),
+    "Ssk": ("1", "skewness of the heights of the levelled map"),
+    "Sku": ("1", "kurtosis of the heights of the levelled map"),
+    "Sp": ("m", "maximum peak height of the levelled map"),
+    "Sv": ("m", "maximum pit depth of the levelled map"),
+    "Sz": ("m", "maximum height of the levelled map, Sp + Sv"),
+    "Sdq": ("1", "root mean square gradient of the levelled map, from differences of neighbours"),
+    "Sal": ("m", "autocorrelation length of the solved window: shortest decay to 0.2"),
+    "Str": ("1", "texture aspect ratio of the solved window: Sal over the longest decay to 0.2"),
+    "Std": ("degree", "direction of the strongest waves of the solved window, from x towards y"),
     # coordinates and bins
     "x": ("m", "cell centres along x"),
     "y": ("m", "cell centres along y"),

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact import periodisation
+from roughcontact.band import limit_band
 from roughcontact.checking import check_choice, check_map
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.form import form_from_record, share_of_form
@@ -27,6 +28,9 @@ def periodic_window(
     method: str = "periodic-plus-smooth",
     width: float = 0.1,
     min_share: float = 0.05,
+    shortest_wavelength: float | None = None,
+    longest_wavelength: float | None = None,
+    reliable_band: bool = False,
 ) -> xr.DataArray:
     """Cut the largest rectangle without missing points and make it periodic.
 
@@ -44,14 +48,20 @@ def periodic_window(
         share of the side over which `cross-fade` blends or `taper` falls; the other methods have none.
     min_share : float, 0 to 1
         least share of the map that the rectangle must have.
+    shortest_wavelength, longest_wavelength : float (m) or None
+        waves outside this band are taken out of the window; None sets no limit.
+    reliable_band : bool
+        waves that are shorter than the map shows reliably are taken out. See `roughcontact.band`.
 
     Returns
     -------
     DataArray (y, x), m, with the attributes of `levelled` and `periodisation`, `periodisation_rms_change`
     (m), `periodisation_relative_change` (of the rms height), `rms_gradient_before` (of the part that was
-    cut out, without its edges), `rms_gradient_after` (of the window, which goes on beyond its edges),
+    cut out, without its edges), `rms_gradient_after` (of the window as it is solved),
     `form_share` (of the mean square height of the window, the part that a second-order polynomial makes up),
-    `window_offset_x`, `window_offset_y` (m), `window_share`, `window_reason`; the coordinate `filled` is cut
+    `band_shortest`, `band_longest` (m, the waves that are left), `band_reason` (what limits them),
+    `band_removed_rms_height` (m), `band_removed_rms_gradient`, `reliable_wavelength` (m), `window_offset_x`,
+    `window_offset_y` (m), `window_share`, `window_reason`; the coordinate `filled` is cut
     as well.
 
     Raises
@@ -67,7 +77,8 @@ def periodic_window(
     if not 0 <= min_share <= 1:
         raise SettingsError(f"window.min_share = {min_share!r}: give a share from 0 to 1")
     values = check_map(levelled)
-    unchanged = _already_periodic(levelled, values)
+    waves = {"shortest": shortest_wavelength, "longest": longest_wavelength, "reliable": reliable_band}
+    unchanged = _already_periodic(levelled, values, waves)
     if unchanged is not None:
         return unchanged
 
@@ -109,6 +120,7 @@ def periodic_window(
         after,
         coords | {"filled": (("y", "x"), flags)},
         levelled.attrs,
+        waves=waves,
         method=method,
         change=float(np.sqrt(np.mean(change**2))),
         gradient_before=interior_rms_gradient(before_map),
@@ -210,7 +222,7 @@ def largest_rectangle(good, sides) -> tuple[int, int, int, int]:
     return best
 
 
-def _already_periodic(levelled, values):
+def _already_periodic(levelled, values, waves):
     """Return the map as a window where it is periodic, with or without its form; else None."""
     if np.isnan(values).any():
         return None
@@ -235,6 +247,7 @@ def _already_periodic(levelled, values):
         values,
         coords,
         attrs,
+        waves=waves,
         method="none",
         change=0.0,
         gradient_before=None,
@@ -244,17 +257,17 @@ def _already_periodic(levelled, values):
     )
 
 
-def _record(values, coords, attrs, *, method, change, gradient_before, offset, share, reason):
-    window = xr.DataArray(values, dims=("y", "x"), coords=coords, name="height")
-    gradient = rms_gradient(window)
-    rms = float(np.std(values))
-    window.attrs = attrs | {
+def _record(values, coords, attrs, *, waves, method, change, gradient_before, offset, share, reason):
+    periodic = xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs)
+    whole_gradient, rms = rms_gradient(periodic), float(np.std(values))
+    window = limit_band(periodic, **waves)
+    window.attrs |= {
         "periodisation": method,
         "periodisation_rms_change": change,
         "periodisation_relative_change": change / rms if rms > 0 else 0.0,
-        "rms_gradient_before": gradient if gradient_before is None else gradient_before,
-        "rms_gradient_after": gradient,
-        "form_share": share_of_form(values, (window["y"].values, window["x"].values)),
+        "rms_gradient_before": whole_gradient if gradient_before is None else gradient_before,
+        "rms_gradient_after": rms_gradient(window),
+        "form_share": share_of_form(window.values, (window["y"].values, window["x"].values)),
         "window_offset_x": float(offset[1]),
         "window_offset_y": float(offset[0]),
         "window_share": float(share),
