@@ -1,7 +1,7 @@
 """The table of surfaces: which file is which surface, and what the file itself does not say.
 
 A tab-separated text with a header; columns `surface` and `path`, optionally `channel`, `dx`, `dy`, `unit`,
-`height_unit`; empty cells mean "as the file says". Lines that start with # are left out.
+`height_unit`, `resample`; empty cells mean "as the file says". Lines that start with # are left out.
 """
 
 import math
@@ -13,7 +13,7 @@ from roughcontact.settings import NAME, NAME_RULE, nearest
 
 REQUIRED = ("surface", "path")
 NUMBERS = ("dx", "dy")
-TEXTS = ("channel", "unit", "height_unit")
+TEXTS = ("channel", "unit", "height_unit", "resample")
 COLUMNS = (*REQUIRED, *TEXTS, *NUMBERS)
 
 

@@ -10,14 +10,17 @@ at the top or at the bottom of its picture, is kept in the attribute `first_row`
 
 import json
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from roughcontact.checking import check_choice
 from roughcontact.errors import HeightMapError, InputFileError, SettingsError
-from roughcontact.io import arrays, exchange, instrument, text
+from roughcontact.io import arrays, exchange, instrument, kinds, text
 from roughcontact.io.guards import brief, check_archive, check_file, sha256
-from roughcontact.io.plausibility import suspicions
+from roughcontact.io.plausibility import quantisation_step, roughness_off_plane, suspicions
+from roughcontact.io.resampling import METHODS, resampled
 from roughcontact.io.source import Channel, SourceFile, choose_channel
 from roughcontact.io.units import is_length, metres
 
@@ -37,7 +40,7 @@ _TEXT_WITH_BINARY = (
 )
 
 
-def read_height_map(path, *, channel=None, dx=None, dy=None, unit=None, height_unit=None):
+def read_height_map(path, *, channel=None, dx=None, dy=None, unit=None, height_unit=None, resample=None):
     """Read a measured height map (or a profile) into metres.
 
     Parameters
@@ -53,6 +56,9 @@ def read_height_map(path, *, channel=None, dx=None, dy=None, unit=None, height_u
         heights where neither `height_unit` nor the file says it.
     height_unit : str, optional
         Unit of the file's heights.
+    resample : str, optional
+        ``linear``: points that lie on no even grid are interpolated to one of steps `dx` and `dy` (where they
+        are not given: the mean distance of the points). Without it such a file is refused.
 
     Returns
     -------
@@ -77,17 +83,12 @@ def read_height_map(path, *, channel=None, dx=None, dy=None, unit=None, height_u
     path = Path(path)
     check_file(path)
     source = _open(path)
-    unit_given = _given(height_unit) is not None
-    chosen, sentence = choose_channel(source, _given(channel), str(path), unit_given=unit_given)
-    notes = list(source.warnings)
-    if chosen.no_height:
-        notes.append(f"channel {chosen.name!r} is read at the user's word ({chosen.no_height})")
-    steps, height_factor = _scales(chosen, path, dx, dy, unit, height_unit, notes)
-    heights = _checked(chosen.read() * height_factor, path)
+    given = {"dx": dx, "dy": dy, "unit": unit, "height_unit": height_unit}
+    chosen, sentence, heights, steps, notes = _read(source, path, channel, resample, given)
     if len(source.channels) > 1 and _given(channel) is None:
         notes.append(f"channel {sentence}, was read; name another one with channel")
+    notes += suspicions(heights, *steps, kind=kinds.of_name(source.instrument.get("kind")))
     ny, nx = heights.shape
-    notes += suspicions(heights, *steps)
     missing = int(np.isnan(heights).sum())
     lateral_factor = steps[0] / chosen.dx if chosen.dx else None
     coordinates = {
@@ -115,8 +116,10 @@ def read_height_map(path, *, channel=None, dx=None, dy=None, unit=None, height_u
     )
 
 
-def inspect_file(path) -> dict:
-    """Return what is in a file, without arguments and without asking for units that it does not say.
+def inspect_file(path, *, channel=None, dx=None, dy=None, unit=None, height_unit=None, resample=None) -> dict:
+    """Return what is in a file, without asking for units that it does not say.
+
+    The arguments are those of `read_height_map`.
 
     Returns
     -------
@@ -125,7 +128,10 @@ def inspect_file(path) -> dict:
         or None) and `channel_choice` (why); `channels`, one dict per channel with `name`, `ny`, `nx`, `dx`,
         `dy`, `lateral_unit`, `height_unit` (None where the file is silent), `is_height`, `reason`, and for
         heights `missing_points`, `missing_share`, `rms_height`, `lowest`, `highest` (in `height_unit`);
-        `problem`: what `read_height_map(path)` would say, or None; `warnings`.
+        `map`, what `read_height_map` would return, None where it would not: `ny`, `nx`, `dx`, `dy`, `size_x`,
+        `size_y`, `missing_points`, `missing_share`, `lowest`, `highest`, `rms_height` and `rms_gradient` (off
+        the mean plane), `quantisation_step` (None where heights are not quantised), in m;
+        `problem`: what `read_height_map` would say, or None; `warnings`.
 
     Raises
     ------
@@ -135,14 +141,16 @@ def inspect_file(path) -> dict:
     path = Path(path)
     check_file(path)
     source = _open(path)
-    problem, warnings, name, sentence = None, list(source.warnings), None, None
+    given = {"dx": dx, "dy": dy, "unit": unit, "height_unit": height_unit}
+    problem, warnings, name, sentence, measured = None, list(source.warnings), None, None, None
     try:
-        chosen, sentence = choose_channel(source, None, str(path))
-        name = chosen.name
-        steps, factor = _scales(chosen, path, None, None, None, None, warnings)
-        warnings += suspicions(_checked(chosen.read() * factor, path), *steps)
+        chosen, sentence, heights, steps, warnings = _read(source, path, channel, resample, given)
+        name, measured = chosen.name, _measured(heights, steps)
+        warnings += suspicions(heights, *steps, kind=kinds.of_name(source.instrument.get("kind")))
     except (InputFileError, HeightMapError) as error:
         problem = str(error)
+        if _given(channel) is None:
+            name = next((each.name for each in source.channels if not each.no_height), None)
     return {
         "file": path.name,
         "bytes": path.stat().st_size,
@@ -153,8 +161,66 @@ def inspect_file(path) -> dict:
         "channel": name,
         "channel_choice": sentence,
         "channels": [_described(each) for each in source.channels],
+        "map": measured,
         "problem": problem,
         "warnings": warnings,
+    }
+
+
+def _read(source: SourceFile, path, channel, resample, given):
+    """Return channel, why it was chosen, heights (m), steps (dx, dy) in m, and sentences for the user."""
+    given = {key: _given(value) for key, value in given.items()}
+    chosen, sentence = choose_channel(
+        source, _given(channel), str(path), unit_given=given["height_unit"] is not None
+    )
+    notes = source.warnings + chosen.notes
+    if chosen.no_height:
+        notes.append(f"channel {chosen.name!r} is read at the user's word ({chosen.no_height})")
+    if chosen.points is not None:
+        chosen, done = _on_even_grid(chosen, path, _given(resample), given)
+        notes.append(done)
+        given |= {"dx": None, "dy": None}
+    steps, height_factor = _scales(chosen, path, **given, notes=notes)
+    return chosen, sentence, _checked(chosen.read() * height_factor, path), steps, notes
+
+
+def _on_even_grid(channel: Channel, path, resample, given) -> tuple[Channel, str]:
+    """Return the channel on an even grid, where the user asks for that, and a sentence that says it."""
+    if resample is None:
+        raise InputFileError(
+            f"{path}: {channel.uneven}; give resample = linear (table of surfaces or argument) to "
+            "interpolate to an even grid, or interpolate and export it with the instrument's software"
+        )
+    check_choice(f"{path}: resample", resample, METHODS)
+    steps = [None if given[name] is None else _positive(given[name], name, path) for name in ("dx", "dy")]
+    if any(steps):  # the steps are in `unit`: so shall be the positions
+        own = _unit_of_steps(given["unit"], f"dx = {given['dx']}, dy = {given['dy']}", path)
+        if is_length(channel.lateral_unit):
+            x, y, z = channel.points
+            factor = metres(channel.lateral_unit) / own
+            channel = replace(channel, points=(x * factor, None if y is None else y * factor, z))
+        channel = replace(channel, lateral_unit=given["unit"])
+    return resampled(channel, tuple(steps), path)
+
+
+def _measured(heights, steps) -> dict:
+    """Return what is known of a map (m) before anything is done to it."""
+    (ny, nx), missing = heights.shape, int(np.isnan(heights).sum())
+    rms_height, rms_gradient = roughness_off_plane(heights, *steps)
+    return {
+        "ny": ny,
+        "nx": nx,
+        "dx": steps[0],
+        "dy": steps[1],
+        "size_x": nx * steps[0],
+        "size_y": ny * steps[1],
+        "missing_points": missing,
+        "missing_share": missing / heights.size,
+        "lowest": float(np.nanmin(heights)),
+        "highest": float(np.nanmax(heights)),
+        "rms_height": rms_height,
+        "rms_gradient": rms_gradient,
+        "quantisation_step": quantisation_step(heights),
     }
 
 
@@ -197,12 +263,11 @@ def _given(value):
     return value
 
 
-def _scales(channel: Channel, path, dx, dy, unit, height_unit, notes) -> tuple[tuple[float, float], float]:
+def _scales(channel: Channel, path, *, dx, dy, unit, height_unit, notes) -> tuple[tuple[float, float], float]:
     """Return the steps (dx, dy) in m and the metres per unit of the file's heights.
 
     An argument wins over the file; where both speak and differ, `notes` gets a sentence.
     """
-    dx, dy, unit, height_unit = (_given(value) for value in (dx, dy, unit, height_unit))
     if channel.no_height and height_unit is None and not is_length(channel.height_unit):
         raise InputFileError(f"{path}: channel {channel.name!r} holds no heights ({channel.no_height})")
     lateral = _lateral_factor(channel, path, unit, notes, needed=None in (dx, dy))
@@ -212,11 +277,7 @@ def _scales(channel: Channel, path, dx, dy, unit, height_unit, notes) -> tuple[t
         if argument is None:
             steps[name] = None if stated is None or lateral is None else stated * lateral
             continue
-        if unit is None:
-            raise SettingsError(f"{path}: {name} = {argument} is given without a unit; give unit as well")
-        steps[name] = _positive(argument, name, path) * metres(
-            unit, where=f"{path}: unit", error=SettingsError
-        )
+        steps[name] = _positive(argument, name, path) * _unit_of_steps(unit, f"{name} = {argument}", path)
         if stated is not None and channel.lateral_unit is not None and is_length(channel.lateral_unit):
             in_file = stated * metres(channel.lateral_unit)
             if abs(in_file / steps[name] - 1) > 1e-3:
@@ -264,6 +325,13 @@ def _height_factor(channel, path, unit, height_unit, notes) -> float:
             f"{path}: the file does not say the unit of its heights; give height_unit (or unit) "
             "in the table of surfaces or as an argument"
         )
+    return metres(unit, where=f"{path}: unit", error=SettingsError)
+
+
+def _unit_of_steps(unit, argument, path) -> float:
+    """Return the metres per unit of steps that the user gives."""
+    if unit is None:
+        raise SettingsError(f"{path}: {argument} is given without a unit; give unit as well")
     return metres(unit, where=f"{path}: unit", error=SettingsError)
 
 

@@ -1,12 +1,14 @@
 """Files of scientific Python: NumPy arrays and netCDF. Row j is the j-th y; row 0 is the lowest line."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.guards import brief, check_points
-from roughcontact.io.source import Channel, SourceFile, as_heights, even_step
+from roughcontact.io.metadata import instrument_words
+from roughcontact.io.source import Channel, SourceFile, UnevenPositions, as_heights, even_step, scattered
 from roughcontact.io.units import is_length
 
 
@@ -46,17 +48,30 @@ def read_netcdf(path: Path) -> SourceFile:
         channels = [
             channel for name in dataset.data_vars if (channel := _variable(dataset, name, path)) is not None
         ]
-        attributes = {
-            key: str(value) for key, value in dataset.attrs.items() if isinstance(value, str | int | float)
-        }
+        attributes = dict(dataset.attrs)
+        own = dataset["height"].attrs if "height" in dataset else {}
     if not channels:
         raise InputFileError(
             f"{path}: no variable over two axes (y, x) in this netCDF file; "
             f"it has {sorted(map(str, dataset.variables))}"
         )
-    instrument = {key: attributes[key] for key in ("instrument", "title", "history") if key in attributes}
     channels.sort(key=lambda channel: channel.name not in ("height", "heights", "z"))
-    return SourceFile("netCDF", channels, first_row="bottom", instrument=instrument)
+    return SourceFile(
+        "netCDF",
+        channels,
+        # a file of this project says how its own source was drawn, and measured with what
+        first_row="top" if own.get("first_row") == "top" else "bottom",
+        instrument=_instrument(own.get("instrument"), attributes),
+    )
+
+
+def _instrument(own, attributes) -> dict:
+    """Return what this project wrote of the instrument, else what the attributes of the file say of it."""
+    try:
+        stated = json.loads(own)
+    except (TypeError, ValueError):
+        stated = None
+    return stated if isinstance(stated, dict) else instrument_words({}, attributes)
 
 
 def _variable(dataset, name, path):
@@ -79,28 +94,43 @@ def _variable(dataset, name, path):
         no_height = f"values of type {variable.dtype}"
     elif unit is not None and not is_length(unit):
         no_height = f"values in {unit!r}, no length"
-    dx, first_x, backwards_x, unit_x = _axis(dataset, x, path)
-    dy, first_y, backwards_y, unit_y = _axis(dataset, y, path) if y else (None, None, False, None)
+    unit_x, unit_y = (_unit(dataset[axis]) if axis in dataset.coords else None for axis in (x, y))
     if unit_x and unit_y and unit_x != unit_y:
         raise InputFileError(f"{path}: the axes {x} and {y} have different units, {unit_x!r} and {unit_y!r}")
-    values = None
-    if not no_height:
-        values = (
-            variable.squeeze([axis for axis in variable.dims if axis not in dims]).transpose(*dims).values
-        )
-        values = np.atleast_2d(values)[:: -1 if backwards_y else 1, :: -1 if backwards_x else 1].copy()
+    words = {"height_unit": unit, "lateral_unit": unit_x or unit_y, "no_height": no_height}
+    if variable.dtype.kind not in "iuf":
+        return Channel(str(name), (ny, nx), lambda: None, **words)
+    values = variable.squeeze([axis for axis in variable.dims if axis not in dims]).transpose(*dims).values
+    values = as_heights(values, str(path))
+    if str(variable.attrs.get("positive", "")).lower() == "down":  # CF's word for depths
+        values = -values
+        words["notes"] = [f"the file counts {name!r} positive downwards: its sign was changed"]
+    try:
+        dx, first_x, backwards_x = _axis(dataset, x)
+        dy, first_y, backwards_y = _axis(dataset, y)
+    except UnevenPositions as error:
+        return _off_grid(dataset, str(name), (y, x), values, error, path, words)
+    values = values[:: -1 if backwards_y else 1, :: -1 if backwards_x else 1]
     return Channel(
-        name=str(name),
-        shape=(ny, nx),
-        read=lambda: as_heights(values, str(path)),
-        height_unit=unit,
+        str(name),
+        (ny, nx),
+        lambda: values.copy(),
         dx=dx,
         dy=dy,
-        lateral_unit=unit_x or unit_y,
         first_x=first_x,
         first_y=first_y,
-        no_height=no_height,
+        **words,
     )
+
+
+def _off_grid(dataset, name, dims, values, error, path, words):
+    """Return the points of a map whose coordinates are not evenly spaced."""
+    y, x = (dataset[axis].values if axis in dataset.coords else None for axis in dims)
+    if x is None or (y is None and dims[0] is not None):
+        raise InputFileError(f"{path}: {error}, and the other axis has no positions") from error
+    if y is not None:
+        y, x = np.meshgrid(y, x, indexing="ij")
+    return scattered(name, x, y, values, error, **words)
 
 
 def _unit(variable):
@@ -108,13 +138,12 @@ def _unit(variable):
     return None if unit is None or not str(unit).strip() else str(unit)
 
 
-def _axis(dataset, name, path):
-    """Return step, first position, whether the axis runs backwards, and the unit, of a coordinate."""
+def _axis(dataset, name):
+    """Return step, first position, and whether the axis runs backwards, of a coordinate."""
     if name not in dataset.coords or dataset[name].dtype.kind not in "iuf":
-        return None, None, False, None
+        return None, None, False
     positions = dataset[name].values.astype(float)
-    unit = _unit(dataset[name])
     if positions.size == 1:
-        return None, float(positions[0]), False, unit
-    step = even_step(positions, name, str(path))
-    return abs(step), float(min(positions[0], positions[-1])), step < 0, unit
+        return None, float(positions[0]), False
+    step = even_step(positions, name)
+    return abs(step), float(min(positions[0], positions[-1])), step < 0

@@ -13,8 +13,10 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 
 from roughcontact.errors import InputFileError
+from roughcontact.io import kinds
 from roughcontact.io.guards import ARCHIVE_ERRORS, brief, check_points
-from roughcontact.io.source import Channel, SourceFile, as_heights, even_step
+from roughcontact.io.metadata import instrument_words
+from roughcontact.io.source import Channel, SourceFile, UnevenPositions, as_heights, even_step, scattered
 
 
 def main_xml_of(path: Path) -> str | None:
@@ -40,16 +42,9 @@ def read_x3p(path: Path) -> SourceFile:
         raise
     except (x3pio.X3pError, ValueError, *ARCHIVE_ERRORS) as error:
         raise InputFileError(f"{path}: not readable as X3P: {brief(error)}") from error
-    if isinstance(file, x3pio.PointCloud):
-        raise InputFileError(
-            f"{path}: this X3P file holds a point cloud, not a map; "
-            "interpolate it to an even grid and export it again"
-        )
-    several = len(file.layers) > 1
-    channels = [
-        _x3p_channel(layer, file.header, f"layer {number}" if several else "height", path)
-        for number, layer in enumerate(file.layers, start=1)
-    ]
+    channels = _x3p_channels(file, path)
+    for channel in channels:
+        channel.notes += _x3p_rotation(file.placement)
     # A <Origin>NW</Origin>, as x3ptools writes it, says that the first line is the upper one.
     top = re.search(rb"<Origin>\s*N[WE]\s*</Origin>", main) is not None
     return SourceFile(
@@ -103,51 +98,89 @@ def _check_md5(main, content, path):
         )
 
 
-def _x3p_channel(layer, header, name, path):
-    z = np.atleast_2d(layer.z)
-    check_points(z.shape, path)
-    dx = _x3p_step(layer.x, header.x, "x", z.shape, path)
-    dy = _x3p_step(layer.y, header.y, "y", z.shape, path) if z.shape[0] > 1 else None
-    # A negative increment counts the columns or rows backwards.
-    flipped = z[:: -1 if dy is not None and dy < 0 else 1, :: -1 if dx < 0 else 1]
-    return Channel(
-        name=name,
-        shape=z.shape,
-        read=lambda: as_heights(flipped, str(path)),
-        height_unit="m",
-        dx=abs(dx),
-        dy=None if dy is None else abs(dy),
-        lateral_unit="m",
-    )
+def _x3p_channels(file, path) -> list[Channel]:
+    import x3pio
+
+    units = {"height_unit": "m", "lateral_unit": "m"}
+    if isinstance(file, x3pio.PointCloud):
+        cloud = UnevenPositions("this X3P file holds a point cloud, not a map")
+        return [scattered("height", file.layer.x, file.layer.y, file.layer.z, cloud, **units)]
+    names = [f"layer {number}" for number in range(1, len(file.layers) + 1)]
+    channels = []
+    for name, layer in zip(names if len(names) > 1 else ["height"], file.layers, strict=True):
+        z = np.atleast_2d(layer.z)
+        check_points(z.shape, path)
+        try:
+            dx = _x3p_step(layer.x, file.header.x, "x", z.shape)
+            dy = _x3p_step(layer.y, file.header.y, "y", z.shape) if z.shape[0] > 1 else None
+        except UnevenPositions as error:
+            x, y = (_x3p_positions(file, layer, axis, z.shape) for axis in ("x", "y"))
+            heights = as_heights(z, str(path))
+            channels.append(scattered(name, x, y if z.shape[0] > 1 else None, heights, error, **units))
+            continue
+        # A negative increment counts the columns or rows backwards.
+        flipped = z[:: -1 if dy is not None and dy < 0 else 1, :: -1 if dx < 0 else 1]
+        channels.append(
+            Channel(
+                name,
+                z.shape,
+                lambda values=flipped: as_heights(values, str(path)),
+                dx=abs(dx),
+                dy=None if dy is None else abs(dy),
+                **units,
+            )
+        )
+    return channels
 
 
-def _x3p_step(stored, axis, name, shape, path):
+def _x3p_step(stored, axis, name, shape):
     if stored is None:
         return float(axis.increment)
     stored = np.asarray(stored, dtype=float).reshape(shape)
     along = stored if name == "x" else stored.T
-    step = even_step(along[0], name, str(path))
+    step = even_step(along[0], name)
     if not np.nanmax(np.abs(along - along[0])) <= 0.02 * abs(step):
-        raise InputFileError(
-            f"{path}: the points do not lie on a rectangular grid; export the map on an even grid"
-        )
+        raise UnevenPositions("the points do not lie on a rectangular grid")
     return step
+
+
+def _x3p_positions(file, layer, name, shape):
+    """Return the position of every point along one axis, stored or counted."""
+    stored = getattr(layer, name)
+    if stored is not None:
+        return np.asarray(stored, dtype=float).reshape(shape)
+    return getattr(file.header, name).increment * np.indices(shape)[1 if name == "x" else 0]
+
+
+def _x3p_rotation(placement) -> list[str]:
+    """Return a sentence where the file turns its map: a mirrored or overturned one shows only there."""
+    rotation = np.asarray(placement.rotation, dtype=float).reshape(3, 3)
+    if not placement.has_rotation or np.allclose(rotation, np.eye(3), atol=1e-3):
+        return []
+    if rotation[2, 2] < 0:
+        return ["the file turns its map upside down (Rotation): check that peaks point up; not applied"]
+    return ["the file turns its map (Rotation): that is not applied, x and y are those of the instrument"]
 
 
 def _x3p_instrument(metadata):
     if metadata is None:
         return {}
     instrument, probe = metadata.instrument, metadata.probing_system
-    stated = {
-        "vendor": instrument and instrument.manufacturer,
-        "name": instrument and instrument.model,
-        "serial": instrument and instrument.serial,
-        "software": instrument and instrument.version,
-        "probe": probe and probe.identification,
-        "acquisition_time": metadata.date and metadata.date.isoformat(),
-        "comment": metadata.comment,
-    }
-    return {key: value for key, value in stated.items() if value and value != "not available"}
+    contacting = str(getattr(probe, "type", "")) == "Contacting"
+    optical = str(getattr(probe, "type", "")) == "NonContacting"
+    return instrument_words(
+        {
+            "kind": kinds.OPTICAL.name if optical else kinds.STYLUS.name if contacting else None,
+            "vendor": instrument and instrument.manufacturer,
+            "name": instrument and instrument.model,
+            "serial": instrument and instrument.serial,
+            "software": instrument and instrument.version,
+            "lens" if optical else "probe": probe and probe.identification,
+            "acquisition_time": metadata.date,
+            "calibration_time": metadata.calibration_date,
+            "comment": metadata.comment,
+        }
+    )
 
 
 def read_sdf(path: Path) -> SourceFile:
@@ -164,10 +197,13 @@ def read_sdf(path: Path) -> SourceFile:
     def step(value):  # zero or a negative number stands for "not said"
         return float(value) if value and np.isfinite(value) and value > 0 else None
 
-    dates = {"acquisition_time": header.create_date, "modified": header.mod_date}
-    instrument = {key: date.isoformat() for key, date in dates.items() if date is not None}
-    if header.manufacturer_id.strip():
-        instrument["vendor"] = header.manufacturer_id.strip()
+    instrument = instrument_words(
+        {
+            "vendor": header.manufacturer_id,
+            "acquisition_time": header.create_date,
+            "modified": header.mod_date,
+        }
+    )
     channel = Channel(
         name="height",
         shape=file.data.shape,

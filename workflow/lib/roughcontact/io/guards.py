@@ -1,8 +1,10 @@
 """Checks before anything is unpacked or parsed: what kind of file, how large, what hides in an archive."""
 
 import hashlib
+import os
 import zipfile
 import zlib
+from contextlib import suppress
 from pathlib import Path
 
 from roughcontact.errors import InputFileError
@@ -13,6 +15,7 @@ MAX_XML_BYTES = 2**28
 # what zipfile raises on damaged, encrypted or oddly compressed archives
 ARCHIVE_ERRORS = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, OSError)
 MAX_POINTS = 2**27  # 1 GiB as float64; a solution needs about ten such arrays
+BYTES_PER_POINT = 32  # while a map is read: as it lies in the file, in double precision, once more as a copy
 
 
 def brief(error: Exception) -> str:
@@ -47,12 +50,33 @@ def sha256(path: Path) -> str:
 
 
 def check_points(shape, where) -> None:
-    """Refuse a map of more points than a solver can hold in memory, before it is read."""
+    """Refuse a map of more points than are read, or than this computer can hold, before it is read."""
     ny, nx = shape
     if ny * nx > MAX_POINTS:
         raise InputFileError(
             f"{where}: {ny} x {nx} points, more than the {MAX_POINTS} that are read; crop the map"
         )
+    check_memory(ny * nx * BYTES_PER_POINT, f"{ny} x {nx} points", where)
+
+
+def check_memory(needed: float, what: str, where) -> None:
+    """Refuse what needs more memory (bytes) to be read than this computer has."""
+    total = memory_bytes()
+    if total is not None and needed > total:
+        raise InputFileError(
+            f"{where}: {what} need {needed / 2**30:.1f} GiB of memory to be read, this computer has "
+            f"{total / 2**30:.1f} GiB; crop the map, or read it on a larger computer"
+        )
+
+
+def memory_bytes() -> float | None:
+    """Return the memory that this process may use (bytes), None where the system does not say it."""
+    found = []
+    with suppress(AttributeError, ValueError, OSError):
+        found.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    with suppress(OSError, ValueError):  # the limit of a container or a batch job; "max" where there is none
+        found.append(int(Path("/sys/fs/cgroup/memory.max").read_text()))
+    return min(found, default=None)
 
 
 def check_archive(path: Path) -> None:

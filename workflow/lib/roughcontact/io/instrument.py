@@ -17,8 +17,10 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.errors import InputFileError
+from roughcontact.io import kinds
 from roughcontact.io.guards import brief, check_points
-from roughcontact.io.source import Channel, SourceFile, as_heights
+from roughcontact.io.metadata import instrument_words
+from roughcontact.io.source import Channel, SourceFile, UnevenPositions, as_heights, scattered
 from roughcontact.io.units import is_length
 
 _TIFF = (b"II*\0", b"MM\0*")
@@ -51,10 +53,6 @@ _BY_STRUCTURE = ("ibw", "plu", "nms")  # no mark: told by a header that must agr
 _NO_HEIGHT_NAME = re.compile(
     r"phase|amplitude|deflection|error|friction|lateral|current|potential|voltage|intensity|modulation|stiffness|"
     r"adhesion|dissipation|temperature|image|colou?r|mask|quality",
-    re.IGNORECASE,
-)
-_METADATA_KEYS = re.compile(
-    r"lens|objective|magnification|serial|instrument|wavelength|scan.?(rate|speed)|software|date|operator|aperture",
     re.IGNORECASE,
 )
 
@@ -151,7 +149,7 @@ def _open(reader, name, path) -> SourceFile:
     # Heights are read once here: a channel that the file ends in the middle of shows that it was cut off.
     channels = [_channel(info, name, path) for info in infos]
     _check_rest(infos[0], name, path)
-    return SourceFile(reader.name(), channels, first_row="top", instrument=_instrument(infos[0]))
+    return SourceFile(reader.name(), channels, first_row="top", instrument=_instrument(infos[0], name))
 
 
 def _channel(info, name, path) -> Channel:
@@ -184,21 +182,24 @@ def _channel(info, name, path) -> Channel:
                 f"{path}: channel {info.channel_id!r} cannot be read ({brief(error)})"
             ) from error
         return channel
+    if isinstance(topography.unit, str):
+        channel.lateral_unit = topography.unit  # the library brings steps and heights to one unit
+        if is_length(channel.height_unit):
+            channel.height_unit = topography.unit
     if not topography.is_uniform:
-        raise InputFileError(
-            f"{path}: the positions along x are not evenly spaced; "
-            "interpolate the profile to an even grid first"
-        )
+        words = {key: getattr(channel, key) for key in ("lateral_unit", "height_unit", "no_height")}
+        uneven = UnevenPositions("the positions along x are not evenly spaced")
+        return scattered(channel.name, topography.positions(), None, values, uneven, **words)
     heights = as_heights(values, str(path))
     if topography.dim == 2:
         heights = heights.T
     sizes = topography.physical_sizes
     channel.shape = heights.shape
+    outside = _outside_range(info, name, heights)
+    if outside is not None:
+        heights[outside] = np.nan
     channel.read = lambda: heights
-    if isinstance(topography.unit, str):
-        channel.lateral_unit = topography.unit  # the library brings steps and heights to one unit
-        if is_length(channel.height_unit):
-            channel.height_unit = topography.unit
+    channel.notes = _sign_notes(info, name)
     if sizes is not None:
         steps = np.asarray(sizes, dtype=float) / np.asarray(topography.nb_grid_pts)
         if name == "nms":
@@ -227,25 +228,45 @@ def _check_rest(info, name, path):
         )
 
 
-def _instrument(info) -> dict:
-    """Return vendor, name, serial, date, lens and the like, as plain JSON values."""
-    stated = info.info
-    found = {key: str(value) for key, value in dict(stated.get("instrument") or {}).items() if value}
-    if stated.get("acquisition_time") is not None:
-        found["acquisition_time"] = stated["acquisition_time"].isoformat()
-    found |= _matching(stated.get("raw_metadata") or {})
-    return found
+def _instrument(info, name) -> dict:
+    """Return vendor, name, serial number, lens, date and the like."""
+    kind, vendor = kinds.of_format(name)
+    stated = dict(info.info.get("instrument") or {})
+    stated.setdefault("vendor", vendor)
+    stated |= {"kind": kind.name, "acquisition_time": info.info.get("acquisition_time")}
+    if info.info.get("comment"):
+        stated["comment"] = info.info["comment"]
+    return instrument_words(stated, info.info.get("raw_metadata"))
 
 
-def _matching(header, depth=0) -> dict:
-    found = {}
-    for key, value in header.items() if hasattr(header, "items") else ():
-        if hasattr(value, "items") and depth < 2:
-            found |= _matching(value, depth + 1)
-        elif (
-            isinstance(value, str | int | float)
-            and _METADATA_KEYS.search(str(key))
-            and 0 < len(str(value)) < 100
-        ):
-            found[str(key)] = value if not isinstance(value, float) or np.isfinite(value) else str(value)
-    return found
+def _sign_notes(info, name) -> list[str]:
+    """Return a sentence where the header says that heights were inverted, or are those of an imprint."""
+    header = info.info.get("raw_metadata") or {}
+    notes = []
+    if name == "sur" and int(header.get("imprint") or 0):
+        notes.append(
+            "the header says that an imprint (replica) was measured: hills of the map are valleys of the "
+            "surface"
+        )
+    inverted = {
+        "sur": int(header.get("inversion") or 0) != 0,
+        "metropro": int(header.get("sign") or 0) != 0,
+        "opd": str(header.get("Data_Invert", "No")).strip().lower() not in ("no", ""),
+    }
+    if inverted.get(name):
+        notes.append("the header says that the map was inverted or mirrored: check that peaks point up")
+    return notes
+
+
+def _outside_range(info, name, heights) -> np.ndarray | None:
+    """Return which points of a FRT file carry one of the codes that its header sets apart, None elsewhere.
+
+    Counts below `first_valid` and above `last_valid` are no heights; the library knows only one of the codes.
+    """
+    header = info.info.get("raw_metadata") or {}
+    scale = (header.get("0x6c") or {}).get("height_scale_factor")
+    limits = header.get("0x70")
+    if name != "frt" or not scale or not limits:
+        return None
+    counts = np.rint(heights / scale)
+    return (counts < limits["first_valid"]) | (counts > limits["last_valid"])

@@ -2,12 +2,18 @@
 
 import numpy as np
 
-from roughcontact.quantities import quantity
+from roughcontact.io.kinds import ANY, Kind
+from roughcontact.quantities import number, percent, quantity
 
 _SAMPLE = 2**18  # quantiles and distinct values are estimated from about this many points
+_STEEPEST = 3.0  # rms gradient (72°) that nothing measures
+_FLATTEST = 1e-8  # rms gradient below what optics are polished to
+_COARSE = 0.1  # quantisation step over rms height from which it shapes the contact
+_PLATEAU = 0.005  # share of the points at one and the same height
+_FEW_LEVELS = 64
 
 
-def suspicions(height: np.ndarray, dx: float, dy: float) -> list[str]:
+def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = ANY) -> list[str]:
     """Return what looks wrong in a map.
 
     Parameters
@@ -16,6 +22,8 @@ def suspicions(height: np.ndarray, dx: float, dy: float) -> list[str]:
         Heights, m; NaN where not measured; at least one point is measured.
     dx, dy : float
         Steps, m.
+    kind : Kind
+        The kind of instrument, with the ranges that it can measure.
 
     Returns
     -------
@@ -24,49 +32,146 @@ def suspicions(height: np.ndarray, dx: float, dy: float) -> list[str]:
     """
     measured = height[np.isfinite(height)]
     low, high = measured.min(), measured.max()
-    found = _geometry(height.shape, high - low, dx, dy)
+    found = _geometry(height.shape, dx, dy)
+    found += _ranges(height.shape, high - low, dx, dy, kind)
     if low == high:
         return [
             *found,
             f"all heights are equal ({quantity(low, 'm')}): the map is flat or holds no measurement",
         ]
+    found += _slopes(height, dx, dy)
     found += _extremes(measured, low, high)
+    found += _levels(height, measured, low, high)
     found += _lines(height)
     found += _noise(height)
     return found
 
 
-def _geometry(shape, span, dx, dy):
-    found = []
+def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float, float]:
+    """Return rms height (m) and rms gradient of a map off its mean plane, missing points left out.
+
+    The plane is that of least squares; the gradient, sqrt(var(dh/dx) + var(dh/dy)), is taken between
+    neighbouring measured points. NaN where there are no neighbours.
+
+    Parameters
+    ----------
+    height : array (ny, nx), m
+    dx, dy : float, m
+    """
+    measured = np.isfinite(height)
+    count = np.count_nonzero(measured)
+    z = np.where(measured, height, 0.0)
+    z = np.where(measured, z - z.sum() / count, 0.0)
+    y, x = (np.arange(n) - (n - 1) / 2 for n in height.shape)
+    # normal equations of 1, x, y from sums along rows and columns: no array of the map's size for x and y
+    columns, rows = measured.sum(axis=0), measured.sum(axis=1)
+    sum_x, sum_y = columns @ x, rows @ y
+    normal = np.array(
+        [
+            [count, sum_x, sum_y],
+            [sum_x, columns @ x**2, y @ (measured @ x)],
+            [sum_y, y @ (measured @ x), rows @ y**2],
+        ]
+    )
+    right = np.array([0.0, z.sum(axis=0) @ x, z.sum(axis=1) @ y])
+    plane = np.linalg.lstsq(normal, right, rcond=None)[0]
+    off = np.where(measured, z - plane[0] - plane[1] * x - (plane[2] * y)[:, None], 0.0)
+    slopes = [np.diff(height, axis=1) / dx, np.diff(height, axis=0) / dy]
+    spread = [part[np.isfinite(part)].var() for part in slopes if np.isfinite(part).any()]
+    rms_gradient = float(np.sqrt(sum(spread))) if spread else np.nan
+    return float(np.sqrt((off**2).sum() / count)), rms_gradient
+
+
+def quantisation_step(height: np.ndarray) -> float | None:
+    """Return the step (m) of which all heights are multiples, None where there is none.
+
+    It is the usual distance of neighbouring levels, if the levels lie on its lattice to a tenth of it.
+    """
+    measured = height[np.isfinite(height)]
+    levels = np.unique(_sample(measured))
+    if levels.size < 3:
+        return None
+    gaps = np.diff(levels)
+    # levels closer than single precision tells apart are one level
+    rounding = 4e-7 * max(abs(levels[0]), abs(levels[-1]))
+    gaps = gaps[gaps > rounding]
+    if gaps.size < 2:
+        return None
+    step = np.median(gaps[gaps < 1.5 * gaps.min()])
+    # what would be found in continuous heights by chance is far smaller than their mean distance
+    places = (levels - levels[0]) / step
+    drift = np.abs(places - np.rint(places))
+    if step < 2 * rounding or np.mean(drift < 0.1) < 0.9:
+        return None
+    return float(step)
+
+
+def _sample(measured):
+    return measured[:: max(1, measured.size // _SAMPLE)]
+
+
+def _geometry(shape, dx, dy):
     ny, nx = shape
-    field = max(nx * dx, ny * dy if ny > 1 else 0)
-    if span > field:
-        found.append(
-            f"the heights span {quantity(span, 'm')}, more than the field of {quantity(field, 'm')}: check "
-            "the height unit"
-        )
     # a step that is a multiple of the other was chosen by the user; an odd one comes of a file that was cut
     ratio = max(dx / dy, dy / dx)
-    if ny > 1 and abs(ratio / round(ratio) - 1) > 0.01:
+    if ny == 1 or abs(ratio / round(ratio) - 1) <= 0.01:
+        return []
+    found = (
+        f"the pixels are not square: dx = {quantity(dx, 'm', digits=4)}, dy = {quantity(dy, 'm', digits=4)}: "
+    )
+    if abs(nx * dx / ny / (ny * dy / nx) - 1) <= 0.01:
+        return [
+            f"{found}they would be with {nx} rows of {ny} points: rows and columns, or the two sizes, were "
+            "exchanged"
+        ]
+    return [f"{found}check the size of the map, or whether the file was cut"]
+
+
+def _ranges(shape, span, dx, dy, kind):
+    """Compare steps, field and heights with each other and with what the kind of instrument can measure."""
+    ny, nx = shape
+    fields = [nx * dx, ny * dy] if ny > 1 else [nx * dx]
+    steps = [dx, dy] if ny > 1 else [dx]
+    found = []
+    if span > max(fields):
         found.append(
-            f"the pixels are not square: dx = {quantity(dx, 'm', digits=4)}, "
-            f"dy = {quantity(dy, 'm', digits=4)}: check the size of the map, or whether the file was cut"
+            f"the heights span {quantity(span, 'm')}, more than the field of {quantity(max(fields), 'm')}: "
+            "check the height unit"
         )
-    if not 1e-11 < min(dx, dy) < 1e-2 or field > 1:
-        found.append(
-            f"steps of {quantity(dx, 'm')} and a field of {quantity(field, 'm')} are unusual for a roughness "
-            "measurement: "
-            "check the lateral unit"
-        )
+    for values, (low, high), what, unit in (
+        (steps, kind.step, "steps of", "lateral"),
+        (fields, kind.field, "a field of", "lateral"),
+        ([span] if span > 0 else [], kind.span, "heights that span", "height"),
+    ):
+        wrong = [value for value in values if not low <= value <= high]
+        if wrong:
+            found.append(
+                f"{what} {quantity(wrong[0], 'm')} are unusual for {kind.words} ({quantity(low, 'm')} to "
+                f"{quantity(high, 'm')}): check the {unit} unit"
+            )
     return found
+
+
+def _slopes(height, dx, dy):
+    _, gradient = roughness_off_plane(height, dx, dy)
+    if gradient > _STEEPEST:
+        return [
+            f"the slopes are steeper than anything that is measured (rms gradient {number(gradient)}, "
+            f"{np.degrees(np.arctan(gradient)):.0f}°): check the units of heights and steps"
+        ]
+    if 0 < gradient < _FLATTEST:
+        return [
+            f"the slopes are smaller than those of polished optics (rms gradient {number(gradient)}): check "
+            "the units of heights and steps"
+        ]
+    return []
 
 
 def _extremes(measured, low, high):
     found = []
     if measured.size < 100:
         return found
-    sample = measured[:: max(1, measured.size // _SAMPLE)]
-    lower, upper = np.quantile(sample, [0.005, 0.995])
+    lower, upper = np.quantile(_sample(measured), [0.005, 0.995])
     reach = 3 * (upper - lower)
     for count, side, worst in (
         (np.count_nonzero(measured < lower - reach), "below", f"down to {quantity(low, 'm')}"),
@@ -78,17 +183,41 @@ def _extremes(measured, low, high):
                 f"{quantity(lower, 'm')} and {quantity(upper, 'm')}): spikes, dust, or a marker for missing "
                 "points that was taken for a height; level.outlier_threshold finds isolated ones"
             )
-    levels = np.unique(sample).size
-    if levels < 64:
-        found.append(f"only {levels} different heights occur: the height is coarsely quantised")
-        return found
+    return found
+
+
+def _levels(height, measured, low, high):
+    """Suspect few levels, plateaus, and heights quantised coarsely."""
+    if measured.size < 100:
+        return []
+    levels, counts = np.unique(_sample(measured), return_counts=True)
+    if levels.size < _FEW_LEVELS:
+        return [f"only {levels.size} different heights occur: the height is coarsely quantised"]
+    found = []
+    step = quantisation_step(height)
+    roughness, _ = roughness_off_plane(height, 1.0, 1.0)
+    if step is not None and step > _COARSE * roughness:
+        found.append(
+            f"the heights are multiples of {quantity(step, 'm')}, {percent(step / roughness)} of the rms height "
+            f"off the mean plane ({quantity(roughness, 'm')}): contact at low loads follows these steps, not the "
+            "surface"
+        )
     for value, name in ((low, "lowest"), (high, "highest")):
         share = np.count_nonzero(measured == value) / measured.size
-        if share > 0.005:
+        if share > _PLATEAU:
             found.append(
-                f"{share:.1%} of the points have exactly the {name} height ({quantity(value, 'm')}): "
+                f"{percent(share)} of the points have exactly the {name} height ({quantity(value, 'm')}): "
                 "the instrument was saturated there, or this marks missing points"
             )
+    # a level inside the range that is far more frequent than those beside it
+    most = int(np.argmax(counts))
+    beside = np.delete(counts[max(most - 10, 0) : most + 11], min(most, 10))
+    share = counts[most] / counts.sum()
+    if 0 < most < levels.size - 1 and share > _PLATEAU and counts[most] > 10 * max(beside.max(), 1):
+        found.append(
+            f"{percent(share)} of the points have exactly the height {quantity(levels[most], 'm')}, far more "
+            "than any other: a plateau that was filled in, or a marker for missing points"
+        )
     return found
 
 
@@ -100,15 +229,14 @@ def _lines(height):
             continue
         first = np.take_along_axis(values, np.argmax(np.isfinite(values), axis=1)[:, None], axis=1)
         finite = np.isfinite(values)
-        flat = np.all((values == first) | ~finite, axis=1) & (finite.sum(axis=1) > 1)
+        enough = finite.sum(axis=1) > max(3, length // 100)  # a line of three points says nothing
+        flat = np.all((values == first) | ~finite, axis=1) & enough
         if 0 < flat.sum() < count / 2:
             found.append(
                 f"{flat.sum()} of {count} {name} are constant: lost lines or a marker for missing points"
             )
             continue
-        same = np.all((values[1:] == values[:-1]) | (~finite[1:] & ~finite[:-1]), axis=1) & finite[1:].any(
-            axis=1
-        )
+        same = np.all((values[1:] == values[:-1]) | (~finite[1:] & ~finite[:-1]), axis=1) & enough[1:]
         if 0 < same.sum() < count / 2:
             found.append(f"{same.sum()} of {count} {name} repeat the one before exactly: lost lines")
     return found

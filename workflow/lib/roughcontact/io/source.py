@@ -8,6 +8,10 @@ import numpy as np
 from roughcontact.errors import InputFileError
 
 
+class UnevenPositions(InputFileError):
+    """Positions that form no even grid; readers catch it and hand over the points as they are."""
+
+
 @dataclass
 class Channel:
     """One map or profile of a file.
@@ -27,13 +31,18 @@ class Channel:
     first_y: float | None = None
     no_height: str = ""  # why this channel holds no heights; empty for a height channel
     steps_from_size: bool = False  # the steps are a total size divided by the points that were found
+    # positions that form no even grid: (x, y, z), one entry per point, y None for a profile; what is wrong
+    points: tuple | None = None
+    uneven: str = ""
+    notes: list[str] = field(default_factory=list)  # what the header says that the user should know
 
 
 @dataclass
 class SourceFile:
     """One opened file: its format, its channels in the file's order, and what it says of the instrument.
 
-    `first_row` is where the instrument's own software draws row 0: at the top or at the bottom.
+    `first_row` is where the instrument's own software draws row 0: at the top or at the bottom. `instrument`
+    has the words of `roughcontact.io.metadata`.
     """
 
     format: str
@@ -94,12 +103,12 @@ def as_heights(values, where: str, *, missing=None) -> np.ndarray:
     return heights
 
 
-def even_step(positions, name: str, where: str) -> float:
+def even_step(positions, name: str) -> float:
     """Return the step of evenly spaced positions (signed).
 
     Raises
     ------
-    InputFileError
+    UnevenPositions
         where a position is off the even grid by more than 2 % of a step, which rounding does not explain.
     """
     positions = np.asarray(positions, dtype=float)
@@ -107,8 +116,25 @@ def even_step(positions, name: str, where: str) -> float:
     off = np.max(np.abs(positions - positions[0] - step * np.arange(positions.size)))
     if not np.isfinite(step) or step == 0 or not off <= 0.02 * abs(step):
         worst = "" if not step or not np.isfinite(off) else f": up to {off / abs(step):.2g} of a step off"
-        raise InputFileError(
-            f"{where}: the positions along {name} are not evenly spaced{worst}; "
-            f"interpolate the map to an even grid first (for instance with scipy.interpolate.griddata)"
-        )
+        raise UnevenPositions(f"the positions along {name} are not evenly spaced{worst}")
     return step
+
+
+def scattered(name: str, x, y, z, error: UnevenPositions, **words) -> Channel:
+    """Return a channel of points that form no even grid: it can be read only by resampling.
+
+    Parameters
+    ----------
+    x, y, z : arrays of equal size, in the file's units
+        `y` is None for a profile. Points without a height are left out.
+    error : UnevenPositions
+        What is wrong with the positions.
+    words
+        Further entries of the channel, `lateral_unit` and `height_unit` above all.
+    """
+    x, z = (np.asarray(values, dtype=float).ravel() for values in (x, z))
+    y = None if y is None else np.asarray(y, dtype=float).ravel()
+    measured = np.isfinite(z) & np.isfinite(x) & (True if y is None else np.isfinite(y))
+    points = x[measured], None if y is None else y[measured], z[measured]
+    shape = (1, int(np.count_nonzero(measured)))
+    return Channel(name, shape, lambda: points[2][None, :].copy(), points=points, uneven=str(error), **words)

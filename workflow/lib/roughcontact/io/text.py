@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.guards import check_points
-from roughcontact.io.source import Channel, SourceFile, even_step
+from roughcontact.io.guards import check_memory, check_points
+from roughcontact.io.metadata import instrument_words
+from roughcontact.io.source import Channel, SourceFile, UnevenPositions, even_step, scattered
 from roughcontact.io.units import is_length, metres
 
 _MISSING = {"nan", "na", "n/a", "bad", "null", "none", "-", "--", "***", "void", "inf", "+inf", "-inf", ""}
@@ -84,8 +85,22 @@ _HEADER_WORDS = {
     "z_factor": ("height conversion factor", "z factor", "zfactor"),
     "missing": ("nodata value", "nodata", "missing value", "no data value"),
     "channel": ("channel", "channel name"),
+    "instrument": ("instrument", "instrument name", "microscope", "device"),
+    "serial": ("serial", "serial number", "serial no", "instrument serial number"),
+    "lens": ("lens", "objective", "objective lens"),
+    "date": ("date", "date time", "acquisition date", "acquisition time", "measured"),
 }
+_WORDS = (
+    "channel",
+    "height_unit",
+    "lateral_unit",
+    "instrument",
+    "serial",
+    "lens",
+    "date",
+)  # that are no numbers
 _MEANING = {word: meaning for meaning, words in _HEADER_WORDS.items() for word in words}
+_BYTES_PER_BYTE = 12  # memory for each byte of text: lines, their pieces, numbers
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
 
@@ -98,6 +113,8 @@ def looks_like_text(head: bytes) -> bool:
 
 def read_text(path: Path) -> SourceFile:
     """Open a text file and find out by its content whether it is a matrix, a list of points or a profile."""
+    size = path.stat().st_size
+    check_memory(size * _BYTES_PER_BYTE, f"{size} bytes of text", path)
     lines = _decode(path.read_bytes(), path).replace("−", "-").splitlines()
     header, body, first = _split(lines, path)
     said = _parse_header(header)
@@ -109,10 +126,14 @@ def read_text(path: Path) -> SourceFile:
     ny, nx = table.shape
     declared = said.get("nx"), said.get("ny")
     if declared[0] is None and ny > 2 and nx == 3:
-        return _points(table, columns, said, path)
-    if declared[0] is None and ny > 2 and nx == 2:
-        return _profile(table, columns, said, path)
-    return _matrix(table, said, path)
+        source = _points(table, columns, said, path)
+    elif declared[0] is None and ny > 2 and nx == 2:
+        source = _profile(table, columns, said, path)
+    else:
+        source = _matrix(table, said, path)
+    words = {"name": "instrument", "serial": "serial", "lens": "lens", "acquisition_time": "date"}
+    source.instrument = instrument_words({word: said.get(key) for word, key in words.items()})
+    return source
 
 
 def _decode(data: bytes, path) -> str:
@@ -231,7 +252,7 @@ def _note(said, key, unit, value):
     meaning = _MEANING.get(re.sub(r"[\s_-]+", " ", key).strip().lower())
     if meaning is None or meaning in said:
         return
-    if meaning in ("channel", "height_unit", "lateral_unit"):
+    if meaning in _WORDS:
         if value.strip():
             said[meaning] = value.strip()
         return
@@ -319,11 +340,15 @@ def _units_of_columns(columns, said, path):
 
 def _profile(table, columns, said, path) -> SourceFile:
     table = table[np.argsort(table[:, 0], kind="stable")]
-    step = even_step(table[:, 0], "x", str(path))
     lateral_unit, height_unit = _units_of_columns(columns, said, path)
-    channel = _channel(
-        table[:, 1][None, :], said, height_unit, {"x": step}, lateral_unit, first=(float(table[0, 0]), None)
-    )
+    x, heights = table.T
+    try:
+        step = even_step(x, "x")
+        channel = _channel(
+            heights[None, :], said, height_unit, {"x": step}, lateral_unit, first=(float(x[0]), None)
+        )
+    except UnevenPositions as error:
+        channel = _scattered(x, None, heights, said, height_unit, lateral_unit, error)
     return SourceFile("text profile (x, z)", [channel], first_row="bottom")
 
 
@@ -334,26 +359,44 @@ def _points(table, columns, said, path) -> SourceFile:
     """
     if not np.isfinite(table[:, :2]).all():
         raise InputFileError(f"{path}: a point of the list has no position")
-    x, column = _grid_lines(table[:, 0], "x", path)
-    y, row = _grid_lines(table[:, 1], "y", path)
-    share = len(table) / (x.size * y.size)
-    if len(table) > x.size * y.size or np.unique(row * x.size + column).size != len(table):
-        raise InputFileError(f"{path}: several points of the list have the same position")
-    if share < 0.5:
-        raise InputFileError(
-            f"{path}: {len(table)} points x y z do not form an even grid ({x.size} different x, {y.size} "
-            "different y); interpolate them to an even grid first "
-            "(for instance with scipy.interpolate.griddata)"
+    lateral_unit, height_unit = _units_of_columns(columns, said, path)
+    try:
+        heights, steps, first = _on_grid(table, path)
+        channel = _channel(heights, said, height_unit, steps, lateral_unit, first=first)
+    except UnevenPositions as error:
+        if np.unique(table[:, 0] + 1j * table[:, 1]).size != len(table):
+            raise _same_position(path) from error
+        channel = _scattered(*table.T, said, height_unit, lateral_unit, error)
+    return SourceFile("text list of points (x, y, z)", [channel], first_row="bottom")
+
+
+def _on_grid(table, path):
+    """Return the heights (ny, nx) of a list of points, the steps and the position of the first grid point."""
+    x, column = _grid_lines(table[:, 0], "x")
+    y, row = _grid_lines(table[:, 1], "y")
+    if len(table) < 0.5 * x.size * y.size:
+        raise UnevenPositions(
+            f"{len(table)} points x y z do not form an even grid ({x.size} different x, {y.size} different y)"
         )
     check_points((y.size, x.size), path)
+    if np.unique(row * x.size + column).size != len(table):
+        raise _same_position(path)
     _refuse_cut_list(row, column, path)
     heights = np.full((y.size, x.size), np.nan)
     heights[row, column] = table[:, 2]
-    steps = {"x": even_step(x, "x", str(path)) if x.size > 1 else None}
-    steps["y"] = even_step(y, "y", str(path)) if y.size > 1 else None
-    lateral_unit, height_unit = _units_of_columns(columns, said, path)
-    channel = _channel(heights, said, height_unit, steps, lateral_unit, first=(float(x[0]), float(y[0])))
-    return SourceFile("text list of points (x, y, z)", [channel], first_row="bottom")
+    steps = {name: even_step(lines, name) if lines.size > 1 else None for name, lines in (("x", x), ("y", y))}
+    return heights, steps, (float(x[0]), float(y[0]))
+
+
+def _same_position(path):
+    return InputFileError(f"{path}: several points of the list have the same position")
+
+
+def _scattered(x, y, z, said, height_unit, lateral_unit, error):
+    """Return the channel of points off any grid, with the units that `_channel` finds for the heights."""
+    full = _channel(np.asarray(z)[None, :], said, height_unit, {}, lateral_unit)
+    words = {"height_unit": full.height_unit, "lateral_unit": lateral_unit, "no_height": full.no_height}
+    return scattered(full.name, x, y, full.read(), error, **words)
 
 
 def _refuse_cut_list(row, column, path):
@@ -370,7 +413,7 @@ def _refuse_cut_list(row, column, path):
                 )
 
 
-def _grid_lines(positions, name, path):
+def _grid_lines(positions, name):
     """Return the distinct positions of the grid lines and the line of each point."""
     distinct = np.unique(positions)
     if distinct.size == 1:
@@ -378,10 +421,9 @@ def _grid_lines(positions, name, path):
     gaps = np.diff(distinct)
     limit = 0.5 * np.max(gaps)
     if np.any((gaps < limit) & (gaps > 0.02 * np.max(gaps))):
-        raise InputFileError(
-            f"{path}: the points x y z do not lie on an even grid (steps along {name} between "
-            f"{gaps.min():g} and {gaps.max():g}); interpolate them to an even grid first "
-            "(for instance with scipy.interpolate.griddata)"
+        raise UnevenPositions(
+            f"the points x y z do not lie on an even grid (steps along {name} between "
+            f"{gaps.min():g} and {gaps.max():g})"
         )
     starts = np.concatenate([[0], np.flatnonzero(gaps > limit) + 1])
     centres = np.add.reduceat(distinct, starts) / np.diff(np.append(starts, distinct.size))

@@ -1,0 +1,73 @@
+"""Kinds of instruments, and which steps, fields and heights each of them can measure.
+
+The ranges are wide: they follow the largest scanners, stages and columns that are sold, and the finest
+sampling that makes sense (a tenth of what light, a tip or a stylus resolves, and less). What lies outside has a
+wrong unit rather than an unusual instrument.
+"""
+
+from typing import NamedTuple
+
+
+class Kind(NamedTuple):
+    """One kind of instrument: its name, and lowest and highest step, field and span of the heights, m."""
+
+    name: str
+    step: tuple[float, float]
+    field: tuple[float, float]
+    span: tuple[float, float]
+
+    @property
+    def words(self) -> str:
+        """The kind with its article, for a sentence."""
+        name = self.name or "roughness measurement"
+        return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+
+
+# Scanners of atomic force and tunnelling microscopes reach 100 to 200 µm, along z 50 µm at most.
+PROBE = Kind("scanning probe microscope", step=(1e-12, 5e-6), field=(1e-10, 5e-4), span=(1e-12, 1e-4))
+# Light resolves 0.2 µm; stitched fields and Fizeau interferometers reach decimetres, columns 0.1 m.
+OPTICAL = Kind("optical profiler", step=(1e-8, 1e-3), field=(1e-6, 0.7), span=(1e-11, 0.15))
+# Traces of up to 0.3 m, tips of 0.1 to 10 µm radius, ranges of up to 50 mm.
+STYLUS = Kind("stylus profiler", step=(1e-9, 1e-3), field=(1e-6, 0.5), span=(1e-10, 0.1))
+# where the file does not say with what it was measured
+ANY = Kind("", step=(1e-12, 1e-2), field=(1e-10, 1.0), span=(1e-12, 0.15))
+
+# format of SurfaceTopography -> kind, and the vendor where the format has but one
+OF_FORMAT = {
+    "di": (PROBE, "Bruker"),
+    "ezd": (PROBE, "Nanosurf"),
+    "ibw": (PROBE, ""),
+    "jpk": (PROBE, "JPK"),
+    "mdt": (PROBE, "NT-MDT"),
+    "mi": (PROBE, "Molecular Imaging"),
+    "nmm": (PROBE, ""),
+    "ps": (PROBE, "Park Systems"),
+    "wsxm": (PROBE, "Nanotec"),
+    "al3d": (OPTICAL, "Alicona"),
+    "datx": (OPTICAL, "Zygo"),
+    "frt": (OPTICAL, "FRT"),
+    "lext": (OPTICAL, "Olympus"),
+    "metropro": (OPTICAL, "Zygo"),
+    "nms": (OPTICAL, "NanoFocus"),
+    "oir": (OPTICAL, "Olympus"),
+    "opd": (OPTICAL, "Wyko"),
+    "plu": (OPTICAL, "Sensofar"),
+    "plux": (OPTICAL, "Sensofar"),
+    "poir": (OPTICAL, "Olympus"),
+    "vk": (OPTICAL, "Keyence"),
+    "zmg": (OPTICAL, "KLA Zeta"),
+    "zon": (OPTICAL, "Keyence"),
+    "mitutoyo": (STYLUS, "Mitutoyo"),
+    "opdx": (STYLUS, "Bruker"),
+    "qep": (STYLUS, "Mahr"),
+}
+
+
+def of_format(name: str) -> tuple[Kind, str]:
+    """Return kind and vendor of an instrument format, `ANY` and nothing where several write it."""
+    return OF_FORMAT.get(name, (ANY, ""))
+
+
+def of_name(name: str | None) -> Kind:
+    """Return the kind that a file's `instrument` names, `ANY` where it names none."""
+    return next((kind for kind in (PROBE, OPTICAL, STYLUS) if kind.name == name), ANY)

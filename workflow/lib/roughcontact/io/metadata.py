@@ -1,0 +1,113 @@
+"""What a file says of instrument, lens, date and serial number, in the same words for all formats.
+
+`kind`, `vendor`, `name`, `serial`, `scanner_serial`, `lens`, `magnification`, `numerical_aperture`, `probe`,
+`acquisition_time` (ISO 8601 where the reader knows it), `calibration_time`, `software`, `sample`, `comment`; a
+word is there only where the file says it. Names of persons are left out.
+"""
+
+import datetime
+import math
+import re
+
+WORDS = (
+    *("kind", "vendor", "name", "serial", "scanner_serial", "lens", "magnification", "numerical_aperture"),
+    *("probe", "acquisition_time", "calibration_time", "software", "sample", "comment"),
+)
+# how headers spell them, letters and digits only, lower case; where several are there, the first one counts
+_SPELLINGS = {
+    "vendor": ("vendor", "manufacturer", "instrumentmanufacturer"),
+    "name": (
+        "instrumentname",
+        "instrument",
+        "instrumentmodel",
+        "microscopemodel",
+        "machineid",
+        "devicemodelname",
+    ),
+    "serial": (
+        "serialnum",
+        "serialnumber",
+        "serial",
+        "instrumentserial",
+        "instrumentserialnumber",
+        "deviceserialid",
+    ),
+    "lens": (
+        "objectivelabel",
+        "objname",
+        "objective",
+        "objectivename",
+        "objectivelens",
+        "objectivelensname",
+        "lens",
+    ),
+    "magnification": ("objectivemag", "magnification", "objectivemagnification"),
+    "numerical_aperture": ("numaperture", "numericalaperture"),
+    "probe": ("cantilevername", "probename", "tipname"),
+    "acquisition_time": ("acquisitiontime", "acquisitiondate", "datetime", "date"),
+    "software": ("acquiredwithversion", "software", "creatingapplication"),
+    "sample": ("samplename", "sample", "objectname", "partname", "title"),
+}
+_MEANING = {spelling: word for word, spellings in _SPELLINGS.items() for spelling in spellings}
+_SILENT = {"", "0", "-", "none", "(none)", "null", "unknown", "not available", "n/a", "na", "default"}
+_LONGEST = 200  # characters; what is longer is no name
+
+
+def instrument_words(stated: dict, header=None) -> dict:
+    """Return what is known of the instrument, as plain JSON values in the order of `WORDS`.
+
+    Parameters
+    ----------
+    stated : dict
+        What a reader found under the words of this module. It wins over the header.
+    header : mapping, optional
+        The file's own header, searched (two levels deep) for the usual spellings of the words. Sections on
+        software are passed over: their serial number is that of a licence.
+    """
+    found = {}
+    _search(header, found, depth=0)
+    found = {word: value for word, (_, value) in found.items()}
+    for word, value in stated.items():
+        if (plain := _plain(value)) is not None:
+            found[word] = plain
+    aperture = found.get("numerical_aperture")
+    if aperture is not None and not (isinstance(aperture, float | int) and 0 < aperture < 2):
+        del found["numerical_aperture"]
+    # the zero of the computer's clock is no date
+    for word in ("acquisition_time", "calibration_time"):
+        if str(found.get(word, "")).startswith(("1970-01-01", "1969-12-31", "1601-01-01", "0001-01-01")):
+            del found[word]
+    return {word: found.pop(word) for word in WORDS if word in found} | found
+
+
+def _search(header, found, depth):
+    """Note in `found` (word -> rank of its spelling, value) what a header says."""
+    for key, value in header.items() if hasattr(header, "items") else ():
+        name = re.sub(r"[^a-z0-9]", "", str(key).lower())
+        if hasattr(value, "items"):
+            if depth < 2 and name != "software":
+                _search(value, found, depth + 1)
+            continue
+        if name.endswith("serialnumber") and name.startswith(("tip", "software")):
+            continue
+        word = _MEANING.get(name)
+        plain = _plain(value) if word else None
+        if plain is None:
+            continue
+        rank = _SPELLINGS[word].index(name)
+        if word not in found or rank < found[word][0]:
+            found[word] = rank, plain
+
+
+def _plain(value):
+    """Return a value as text or number on one line, None where it says nothing."""
+    if isinstance(value, bytes):
+        value = value.decode("latin-1")
+    if isinstance(value, datetime.datetime | datetime.date):
+        value = value.isoformat()
+    if isinstance(value, str):
+        value = " ".join(value.replace("\0", " ").split())
+        return None if value.lower() in _SILENT or len(value) > _LONGEST else value
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    return None if value == 0 or not math.isfinite(value) else value
