@@ -1,8 +1,8 @@
 """Kinds of instruments, and which steps, fields and heights each of them can measure.
 
 The ranges are wide: they follow the largest scanners, stages and columns that are sold, and the finest
-sampling that makes sense (a tenth of what light, a tip or a stylus resolves, and less). What lies outside has a
-wrong unit rather than an unusual instrument.
+sampling that makes sense (a tenth of what light, a tip or a stylus resolves, and less). What lies outside has
+a wrong unit rather than an unusual instrument.
 """
 
 from typing import NamedTuple

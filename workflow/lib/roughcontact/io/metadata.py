@@ -1,8 +1,8 @@
 """What a file says of instrument, lens, date and serial number, in the same words for all formats.
 
 `kind`, `vendor`, `name`, `serial`, `scanner_serial`, `lens`, `magnification`, `numerical_aperture`, `probe`,
-`acquisition_time` (ISO 8601 where the reader knows it), `calibration_time`, `software`, `sample`, `comment`; a
-word is there only where the file says it. Names of persons are left out.
+`acquisition_time` (ISO 8601 where the reader knows it), `calibration_time`, `software`, `sample`, `comment`;
+a word is there only where the file says it. Names of persons are left out.
 """
 
 import datetime

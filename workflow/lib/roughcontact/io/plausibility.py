@@ -198,9 +198,9 @@ def _levels(height, measured, low, high):
     roughness, _ = roughness_off_plane(height, 1.0, 1.0)
     if step is not None and step > _COARSE * roughness:
         found.append(
-            f"the heights are multiples of {quantity(step, 'm')}, {percent(step / roughness)} of the rms height "
-            f"off the mean plane ({quantity(roughness, 'm')}): contact at low loads follows these steps, not the "
-            "surface"
+            f"the heights are multiples of {quantity(step, 'm')}, {percent(step / roughness)} of the rms "
+            f"height off the mean plane ({quantity(roughness, 'm')}): contact at low loads follows these "
+            "steps, not the surface"
         )
     for value, name in ((low, "lowest"), (high, "highest")):
         share = np.count_nonzero(measured == value) / measured.size

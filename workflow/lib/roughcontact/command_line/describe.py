@@ -1,0 +1,178 @@
+"""What the program prints, for people and for machines."""
+
+import json
+import math
+import textwrap
+
+from roughcontact.quantities import number, percent, quantity
+
+_WIDTH = 100
+_LABELS = {
+    "kind": "kind",
+    "vendor": "vendor",
+    "name": "instrument",
+    "serial": "serial number",
+    "scanner_serial": "serial number of scanner",
+    "lens": "lens",
+    "magnification": "magnification",
+    "numerical_aperture": "numerical aperture",
+    "probe": "probe",
+    "acquisition_time": "date",
+    "calibration_time": "calibrated",
+    "software": "software",
+    "sample": "sample",
+    "comment": "comment",
+}
+# headline numbers of a load: name, heading, unit for people
+_COLUMNS = (
+    ("mean_pressure", "mean pressure", "Pa"),
+    ("relative_contact_area", "A/A0", "%"),
+    ("relative_contact_area_pixels", "counted", "%"),
+    ("mean_contact_pressure", "in contact", "Pa"),
+    ("max_pressure", "largest", "Pa"),
+    ("mean_gap", "mean gap", "m"),
+    ("error_bound", "error bound", "1"),
+)
+
+
+def as_json(value) -> str:
+    """Return JSON of plain values; what is not finite becomes null, which every reader knows."""
+    return json.dumps(_finite(value), indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def _finite(value):
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def inspection(found: dict, file: str) -> str:
+    """Return in plain words what `inspect_file` found."""
+    lines = [
+        ("format", f"{found['format']}, {found['bytes']} bytes"),
+        ("channel", found["channel_choice"] or found["channel"] or "none that holds heights"),
+    ]
+    if len(found["channels"]) > 1:
+        lines += [("", _channel(each)) for each in found["channels"]]
+    lines += _map_lines(found["map"]) if found["map"] else _silent_lines(found)
+    lines.append(("row 0", f"drawn at the {found['first_row']} by the instrument's software"))
+    # 5e0 of a magnification as 5, 50.321998 as 50.3
+    lines += [
+        (_LABELS.get(word, word), number(value) if isinstance(value, float) else str(value))
+        for word, value in found["instrument"].items()
+    ]
+    if found["problem"]:
+        lines.append(("to be given", found["problem"].removeprefix(f"{file}: ")))
+    if found["map"]:
+        lines += [("suspicion", warning) for warning in found["warnings"]] or [("suspicion", "none")]
+    return "\n".join([str(file), *(_line(label, text) for label, text in lines)])
+
+
+def _line(label, text):
+    return textwrap.fill(
+        text,
+        _WIDTH,
+        initial_indent=f"  {label:<16}",
+        subsequent_indent=" " * 18,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def _map_lines(found):
+    pitch = " × ".join(dict.fromkeys(quantity(found[step], "m", digits=4) for step in ("dx", "dy")))
+    if found["ny"] == 1:
+        points = f"profile of {found['nx']} points"
+        field = quantity(found["size_x"], "m", digits=4)
+    else:
+        points = f"{found['nx']} × {found['ny']} points (x, y)"
+        field = " × ".join(quantity(found[size], "m", digits=4) for size in ("size_x", "size_y"))
+    step = found["quantisation_step"]
+    return [
+        ("size", points),
+        ("field", field),
+        ("spacing", pitch),
+        ("missing", f"{percent(found['missing_share'])}, {found['missing_points']} points"),
+        (
+            "heights",
+            f"{quantity(found['lowest'], 'm')} to {quantity(found['highest'], 'm')}"
+            + (f", multiples of {quantity(step, 'm')}" if step else ""),
+        ),
+        (
+            "off mean plane",
+            f"rms height {quantity(found['rms_height'], 'm')}, "
+            f"rms gradient {number(found['rms_gradient'])} (between neighbours)",
+        ),
+    ]
+
+
+def _silent_lines(found):
+    """Return what is known of a map whose size or unit the file does not say."""
+    channel = next((each for each in found["channels"] if each["name"] == found["channel"]), None)
+    if channel is None:
+        return []
+    lines = [("size", f"{channel['nx']} × {channel['ny']} points (x, y)")]
+    for label, unit, names in (
+        ("spacing", "lateral_unit", ("dx", "dy")),
+        ("heights", "height_unit", ("lowest", "highest")),
+    ):
+        known = [number(channel[name], digits=4) for name in names if channel.get(name) is not None]
+        text = (" to " if label == "heights" else " × ").join(known) or "not said"
+        lines.append((label, f"{text}, in {channel[unit]}" if channel[unit] else f"{text}, unit not said"))
+    if "missing_share" in channel:
+        lines.append(("missing", f"{percent(channel['missing_share'])}, {channel['missing_points']} points"))
+    return lines
+
+
+def _channel(channel):
+    what = f"in {channel['height_unit'] or 'a unit not said'}" if channel["is_height"] else channel["reason"]
+    return f"{channel['name']!r}: {channel['nx']} × {channel['ny']} points, {what}"
+
+
+def solution(result: dict) -> str:
+    """Return the headline numbers of `solve_file` as a table with its checks."""
+    surface, window = result["surface"], result["window"]
+    lengths = [quantity(surface[f"window_length_{axis}"], "m") for axis in ("x", "y")]
+    size = f"{window['nx']} × {window['ny']} points, {' × '.join(lengths)}"
+    if 1 in (window["nx"], window["ny"]):
+        size = f"profile of {max(window['nx'], window['ny'])} points, {lengths[window['nx'] == 1]}"
+    lines = [
+        str(result["file"]),
+        _line(
+            "window",
+            f"{size}, {percent(window['share'])} of the map, made periodic: {window['periodisation']}",
+        ),
+        _line("rms height", quantity(surface["rms_height"], "m")),
+        _line("rms gradient", number(surface["rms_gradient"])),
+        _line("contact modulus", quantity(surface["contact_modulus"], "Pa")),
+        "",
+        *_table(result["loads"]),
+        "",
+        _line("verdict", result["verdict"]),
+    ]
+    lines += [
+        _line(check["name"], check["sentence"]) for check in result["checks"] if check["outcome"] != "passed"
+    ]
+    return "\n".join(lines)
+
+
+def _table(loads):
+    rows = [[heading for _, heading, _ in _COLUMNS] + [""]]
+    for load in sorted(loads, key=lambda load: load["mean_pressure"]):
+        cells = [
+            percent(load[name])
+            if unit == "%"
+            else quantity(load[name], unit, digits=4 if unit == "Pa" else 3)
+            for name, _, unit in _COLUMNS
+        ]
+        rows.append([*cells, ", ".join(load["flags"])])
+    widths = [max(len(row[column]) for row in rows) for column in range(len(_COLUMNS))]
+    return [
+        (
+            "  "
+            + "  ".join([cell.rjust(width) for cell, width in zip(row, widths, strict=False)] + [row[-1]])
+        ).rstrip()
+        for row in rows
+    ]
