@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from roughcontact import checks, plots
+from roughcontact import checks, plots, texture_plots
 from roughcontact.errors import InputFileError
 from roughcontact.fourier import spacing
 from roughcontact.quantities import number, percent, prefix, quantity
 from roughcontact.storage import read_dataset, write_text
 from roughcontact.variables import VARIABLES
 
+_NO_LAY = 0.5  # texture aspect ratio from which on a surface has no lay
 _SHOWN_LOADS = 3  # loads whose maps are drawn: the lowest, the middle, the highest
 
 # the numbers of a surface at the top of the page, as `_headline` gives them
@@ -82,6 +83,7 @@ def write_panel(path, *, surface, case=None, height, levelled, window, contact, 
         ],
         profile=1 in solved.shape,
         fields=_field_maps(contact, solved, order[shown]),
+        waves=_waves(solved, numbers) if rough else [],
         charts=_charts(numbers, solved, shown, rough=rough),
         table=_table(numbers, checks.load_flags(numbers, solved.size)),
         summary=_embedded(
@@ -199,6 +201,37 @@ def _field_maps(path, window, loads):
     return fields
 
 
+def _waves(window, numbers) -> list[tuple[str, str, str]]:
+    """Return (title, image, caption) of the pictures of the waves of a window that is not flat."""
+    removed = window.attrs["band_removed_rms_height"]
+    band = (
+        f"Waves from {quantity(window.attrs['band_shortest'], 'm')} to "
+        f"{quantity(window.attrs['band_longest'], 'm')} are solved"
+    )
+    if removed:
+        gradient = number(window.attrs["band_removed_rms_gradient"])
+        band += f"; taken out: rms height {quantity(removed, 'm')}, rms gradient {gradient}"
+    length = f"Falls to 0.2 over {quantity(float(numbers['Sal']), 'm')} (Sal)"
+    pictures = [
+        ("Power spectrum", texture_plots.spectrum(window), f"Mean over all directions. {band}."),
+    ]
+    if 1 not in window.shape:
+        pictures.append(
+            ("Waves by direction", texture_plots.directional_spectrum(window), f"{_lay(numbers)}.")
+        )
+        length += f" in the direction of the fastest fall; Str = {number(float(numbers['Str']))}"
+    pictures.append(("Autocorrelation", texture_plots.autocorrelation_map(window), f"{length}."))
+    return pictures
+
+
+def _lay(numbers) -> str:
+    """Return the direction of the lay in words; a surface that is the same in all directions has none."""
+    if float(numbers["Str"]) > _NO_LAY:
+        return "No lay: much the same in all directions"
+    waves = float(numbers["Std"])
+    return f"Strongest waves at {waves:.0f}° (Std), lay at {(waves + 90) % 180:.0f}°, from x towards y"
+
+
 def _charts(numbers, window, shown, *, rough) -> list[tuple[str, str]]:
     """Return (title, image) of the charts; a flat map has nothing to draw."""
     if not rough:
@@ -251,8 +284,13 @@ def _facts(measured, levelled, window, numbers) -> list[tuple[str, str]]:
         ("Map", f"{_size(measured)} of {pitch}"),
         ("Missing points", percent(measured.attrs.get("missing_share", 0.0))),
         ("Removed form", _removed(levelled)),
+        ("Scan lines", _lines(levelled)),
+        ("Filters", _filters(levelled)),
+        ("Sa, Sq, Sz", _parameters(levelled, ("Sa", "Sq", "Sz"), "m")),
+        ("Ssk, Sku, Sdq", _parameters(levelled, ("Ssk", "Sku", "Sdq"), "1")),
         ("Window", _size(window)),
         ("Periodisation", str(window.attrs.get("periodisation", "none"))),
+        ("Sal, Str, lay", _texture(numbers)),
         ("rms height", quantity(float(numbers["rms_height"]), "m")),
         ("rms gradient g", number(float(numbers["rms_gradient"]))),
         ("rms curvature", f"{number(float(numbers['rms_curvature']) * 1e-3)} mm⁻¹"),
@@ -261,6 +299,41 @@ def _facts(measured, levelled, window, numbers) -> list[tuple[str, str]]:
         ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
     ]
     return [(name, text) for name, text in facts if text]
+
+
+def _parameters(levelled, names, unit) -> str:
+    """Return some height parameters of the levelled map in words; they are those of the measured points."""
+    return ", ".join(quantity(levelled.attrs[name], unit) for name in names if name in levelled.attrs)
+
+
+def _texture(numbers) -> str:
+    """Return length and direction of the texture in words, nothing for a flat map."""
+    if not np.isfinite(numbers["Sal"]):
+        return ""
+    length = quantity(float(numbers["Sal"]), "m")
+    if not np.isfinite(numbers["Str"]):
+        return length
+    return f"{length}, {number(float(numbers['Str']))}, " + (
+        "none" if float(numbers["Str"]) > _NO_LAY else f"{(float(numbers['Std']) + 90) % 180:.0f}°"
+    )
+
+
+def _lines(levelled) -> str:
+    """Return how the scan lines were aligned, nothing where they were not."""
+    method = levelled.attrs.get("line_alignment", "none")
+    if method == "none":
+        return ""
+    return f"aligned ({method}), shifts of {quantity(levelled.attrs['line_shift_rms'], 'm')} rms"
+
+
+def _filters(levelled) -> str:
+    """Return which waves levelling took off, nothing where it took none."""
+    names = {"s_filter": "S-filter", "l_filter": "L-filter"}
+    return "; ".join(
+        f"{names[name]} {quantity(entry['nesting_index']['value'], 'm')}, "
+        f"{quantity(entry['rms_removed']['value'], 'm')} rms taken off"
+        for name, entry in json.loads(levelled.attrs.get("filters_removed", "{}")).items()
+    )
 
 
 def _size(height) -> str:
@@ -277,13 +350,15 @@ def _removed(levelled) -> str:
     parts = [
         f"{name.replace('_', ' ')} {_removed_part(entry, levelled)}"
         for name, entry in removed.items()
-        if name.startswith(("mean", "slope", "curvature"))  # the rest are coefficients
+        if name.startswith(("mean", "slope", "curvature", "radius", "axis"))  # the rest are coefficients
     ]
     return f"{levelled.attrs.get('form', 'none')}" + (f": {', '.join(parts)}" if parts else "")
 
 
 def _removed_part(entry, levelled) -> str:
     """Return a mean, slope or curvature in words: 0 where over the whole map it makes no difference."""
+    if entry["units"] == "degree":
+        return f"{entry['value']:.2f}°".replace("-", "−")
     power = {"m": 0, "1": 1, "m-1": 2}[entry["units"]]
     over_the_map = abs(entry["value"]) * max(_lengths(levelled)) ** power
     nothing = over_the_map < 1e-6 * float(np.nanstd(levelled.values))
@@ -298,7 +373,14 @@ def _measured_caption(measured) -> str:
 def _levelled_caption(levelled) -> str:
     filled, rejected = levelled.attrs.get("filled_points", 0), levelled.attrs.get("outliers_rejected", 0)
     frame = "" if 1 in levelled.shape else " The red frame is the solved window."
-    return f"{filled} points filled in, {rejected} outliers rejected.{frame}"
+    kinds = json.loads(levelled.attrs.get("outlier_kinds", "{}"))
+    named = ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in kinds.items())
+    hole = f" (largest hole {levelled.attrs['largest_hole']})" if filled else ""
+    return (
+        f"{filled} points filled in{hole}, {rejected} outliers rejected"
+        + (f" ({named})" if named else "")
+        + f".{frame}"
+    )
 
 
 def _versions(numbers) -> str:

@@ -125,7 +125,10 @@ class Window(Section):
         0.05, ge=0, le=1, description="least share of the map that the window must have; else it is refused"
     )
     shortest_wavelength: Positive | None = Field(
-        None, description="shorter waves are taken out of the window, m; null keeps them", examples=[2.0e-6]
+        None,
+        description="shorter waves are taken out of the window, m; null keeps them; the cut is sharp, so that "
+        "steps and particles ring: level.s_filter is soft",
+        examples=[2.0e-6],
     )
     longest_wavelength: Positive | None = Field(
         None, description="longer waves are taken out of the window, m; null keeps them", examples=[1.0e-4]
