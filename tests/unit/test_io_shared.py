@@ -73,6 +73,10 @@ OTHERWISE = {
     # eight points 38.6 nm apart: the catalogue has seven steps, and no unit
     "csv-1.csv": {"size_x": 8 / 7 * 0.2703e-6, "size_y": None},
     "opdx-3.opdx": {"size_y": None},
+    # The header sets the counts below 5 apart as no heights (first_valid), and one whole line of 500 points
+    # carries the count 0: it was not scanned (meas_ended is empty). SurfaceTopography and Gwyddion know only
+    # the count 1 as missing and read that line as 0 m, 77 µm below all others.
+    "frt-1.frt": {"missing": (76456 + 500) / 250000, "rms": 2.504539e-6},
     # heights are said to be in nm; the steps are given
     "AFM.txt": {"size_x": 1024e-9, "size_y": 1024e-9, "rms": 4.136829e-9},
     # one missing point is an empty element; the size is 4 increments of 16.016 mm
@@ -112,6 +116,95 @@ SECOND_READER = {
     "test_1.opd": [1.91423729e-06, 4.68474576e-07, -6.16610169e-07],
     "test_uncompressed.sur": [-3.3610633e-08, -1.09475683e-07, 1.74253542e-07],
     "Hamby252_Barrel1_Bullet1_Land4.x3p": [-8.5677496e-05, -1.2227534e-05, -7.3085126e-05],
+}
+
+
+# Gwyddion 2.62: dx, dy (m), missing points, and heights at the same points as above, minus that in the middle.
+GWYDDION = {
+    "KautschukInfiniteFocus.x3p": (
+        2.27998421e-06,
+        2.27979452e-06,
+        5296,
+        [7.42733232e-06, 1.98471071e-06, 9.72818543e-06],
+    ),
+    "al3d-1.al3d": (4.38027e-07, 4.38027e-07, 0, [1.23903155e-05, -8.94069672e-08, -2.14576721e-06]),
+    "bcrf-1.bcrf": (1.8514625e-06, 1.85146333e-06, 0, [-9.05990601e-09, -7.26318359e-09, -6.96563721e-09]),
+    "di-1.di": (9.765625e-10, 9.765625e-10, 0, [7.2762307e-09, 2.36942263e-08, 2.38736579e-08]),
+    "di-3.di": (3.90625e-08, 3.90625e-08, 0, [3.98338366e-07, -1.20627764e-07, 5.48308019e-08]),
+    "example_ps.tiff": (1.953125e-09, 1.953125e-09, 0, [-8.43841979e-09, -1.00016182e-08, -1.08261568e-08]),
+    "frt-1.frt": (2.4e-05, 2.4e-05, 76456, [-5.70329905e-06, 8.6916715e-07, -1.88482315e-06]),
+    "grid.nid": (1.171875e-08, 1.171875e-08, 0, [9.81686185e-08, 4.19329229e-08, -7.5548072e-08]),
+    "metropro-1.dat": (1.09825203e-06, 1.09825203e-06, 0, [-1.15555114e-07, 6.84667966e-08, -8.74012752e-08]),
+    "mi-1.mi": (7.8125e-08, 7.8125e-08, 0, [3.81768036e-08, -4.00369263e-08, 2.29415131e-08]),
+    "nid-1.nid": (7.8125e-08, 7.8125e-08, 0, [3.66045833e-07, -2.36214743e-07, 1.79334084e-07]),
+    "opd-1.opd": (1.96733032e-07, 1.96733032e-07, 116, [1.21023241e-09, 4.17797972e-09, -6.16048089e-09]),
+    "plu-1.plu": (1.66000009e-06, 1.66000009e-06, 0, [-3.57421875e-06, 3.484375e-06, -2.90234375e-06]),
+    "sample-land-cran.x3p": (2.58e-06, 2.58e-06, 25292, [-7.10476015e-05, np.nan, -6.0158276e-05]),
+    "sdf-1.sdf": (1e-06, 1e-06, 0, [1.508e-08, 1.508e-08, -5.04e-09]),
+    "spot_1-1000nm.ibw": (
+        7.84313725e-08,
+        7.84313725e-08,
+        0,
+        [1.0622054e-07, -1.08634822e-07, 1.09026956e-07],
+    ),
+    "stp-1.stp": (2.34375e-09, 2.34375e-09, 0, [-3.56081034e-09, -9.8222533e-11, -3.53569043e-09]),
+    "sur-2.sur": (3.48400022e-06, 3.48400022e-06, 0, [9.30000011e-09, 1.44000002e-08, -9.50000011e-09]),
+    "test_1.opd": (1.6342412e-06, 1.90661467e-06, 809, [1.91423729e-06, 4.68474576e-07, -6.16610169e-07]),
+    "valid_zygo_dat_file.dat": (
+        0.000117924203,
+        0.000117924203,
+        47241,
+        [-9.76776827e-08, 6.63833599e-08, 6.14492658e-08],
+    ),
+    "x3p-2.x3p": (1.2765651e-07, 3.14582114e-07, 0, [-4.04768e-08, -1.258867e-07, 2.7231e-09]),
+}
+# Points that it takes for heights: those with the marker of Digital Surf (zmin - 2), which surfalize and
+# SurfaceTopography know, and the line of FRT that was not scanned.
+MORE_MISSING = {"sur-2.sur": 117, "frt-1.frt": 500}
+
+# What Gwyddion or the bytes of the file say of instrument, lens, date and serial number.
+INSTRUMENT = {
+    "al3d-1.al3d": {"kind": "optical profiler", "vendor": "Alicona Imaging"},
+    "di-1.di": {
+        "name": "Dimension V",
+        "scanner_serial": "Hybrid 306",
+        "acquisition_time": "2016-01-12T09:57:48",
+    },
+    "di-3.di": {
+        "name": "Dimension Icon",
+        "scanner_serial": "1BEC3",
+        "acquisition_time": "2014-12-15T13:33:51",
+    },
+    "example_ps.tiff": {"kind": "scanning probe microscope", "vendor": "Park Systems", "probe": "NCHR"},
+    "frt-1.frt": {"vendor": "FRT", "serial": "SN_1036", "acquisition_time": "2023-03-10T15:57:20"},
+    "grid.nid": {"name": "SH_B", "serial": "096-20-011", "acquisition_time": "2020-08-20T16:30:46"},
+    "nid-1.nid": {"name": "DriveAFM", "serial": "091-21-061", "acquisition_time": "2022-11-03T11:46:25"},
+    "mi-1.mi": {"acquisition_time": "2014-02-18T15:00:51"},
+    "nms-1.nms": {"vendor": "NanoFocus", "acquisition_time": "2022-02-09T13:25"},
+    "opd-1.opd": {"acquisition_time": "2015-07-07T16:19:48"},
+    "test_1.opd": {"serial": "NT1106279", "lens": "5 X", "acquisition_time": "2009-10-26T11:16:55"},
+    "opdx-3.opdx": {"kind": "stylus profiler", "name": "Dektak Profiler"},
+    "plu-1.plu": {"lens": "Nikon CFI Plan Interferential 10X", "acquisition_time": "2023-03-10T16:35:59"},
+    "metropro-1.dat": {"lens": "20X Mirau", "serial": "59407", "acquisition_time": "2011-07-23T16:49:36"},
+    "valid_zygo_dat_file.dat": {"serial": "652222", "acquisition_time": "2015-04-24T19:54:52"},
+    "spot_1-1000nm.ibw": {"name": "Cypher", "acquisition_time": "2019-10-24T12:14:13"},
+    "stp-1.stp": {"serial": "24", "acquisition_time": "2011-03-11T20:23:46.484000"},
+    "sur-3.sur": {"acquisition_time": "2023-06-22T10:08:53"},
+    "test_uncompressed.sur": {"sample": "* DVD *"},
+    "sdf-1.sdf": {"acquisition_time": "2010-01-04T08:53:00+00:00"},
+    "KautschukInfiniteFocus.x3p": {"vendor": "Alicona Imaging GmbH", "serial": "H271106000"},
+    "Hamby252_Barrel1_Bullet1_Land4.x3p": {"name": "usurf", "lens": "20x"},
+    "sample-land-cran.x3p": {
+        **{"serial": "350262016", "lens": "Nikon - EPI 20X"},
+        "acquisition_time": "2018-09-15T17:46:09+00:00",
+    },
+}
+# words that a file does not say, though something in it looks like it
+SILENT = {
+    "mnt-2.mnt": "serial",  # that in the file is the licence of the software
+    "x3p-2.x3p": "acquisition_time",  # 1970-01-01 is a clock that was never set
+    "sur-2.sur": "acquisition_time",  # 0. 0. 0
+    "spot_1-1000nm.ibw": "serial",
 }
 
 
@@ -173,6 +266,47 @@ def test_orientation_and_scale_against_a_second_reader(name):
     points = [(ny // 5, nx // 7), (ny // 3, 6 * nx // 7), (4 * ny // 5, nx // 5)]
     found = [height[point] - height[ny // 2, nx // 2] for point in points]
     np.testing.assert_allclose(found, SECOND_READER[name], rtol=1e-5, atol=1e-6 * np.nanstd(height))
+
+
+@pytest.mark.parametrize("name", sorted(GWYDDION))
+def test_steps_heights_and_missing_points_against_gwyddion(name):
+    dx, dy, missing, heights = GWYDDION[name]
+    height = read_height_map(DATA / name)
+    values = height.values
+    ny, nx = values.shape
+    points = [(ny // 5, nx // 7), (ny // 3, 6 * nx // 7), (4 * ny // 5, nx // 5)]
+    found = [values[point] - values[ny // 2, nx // 2] for point in points]
+    np.testing.assert_allclose(found, heights, rtol=1e-5, atol=1e-6 * np.nanstd(values))
+    assert float(height.x[1] - height.x[0]) == pytest.approx(dx, rel=1e-8)
+    assert float(height.y[1] - height.y[0]) == pytest.approx(dy, rel=1e-8)
+    assert height.attrs["missing_points"] == missing + MORE_MISSING.get(name, 0)
+
+
+def test_a_profile_against_gwyddion():
+    height = read_height_map(DATA / "opdx-3.opdx")
+    np.testing.assert_allclose(height.values[0, :3], [1.37183058e-9, 1.31224077e-9, 1.31728306e-9], rtol=1e-8)
+    assert float(height.std()) == pytest.approx(5.3075085771e-9, rel=1e-9)
+    assert float(height.x[-1] - height.x[0]) == pytest.approx(4.99666888628e-5, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "skip", "factor"),
+    [("AFM.txt", 1, 1e-9), ("matrix-4.txt", 4, 2.91818e-8), ("matrix-3.txt", 4, 1)],
+)
+def test_matrices_of_numbers_against_numpy(name, skip, factor):
+    height = read_height_map(DATA / name, **GIVEN.get(name, {}))
+    table = np.loadtxt(DATA / name, skiprows=skip, encoding="latin-1") * factor
+    np.testing.assert_allclose(height.values, table, rtol=1e-12)
+
+
+def test_bytes_of_a_binary_map_without_a_second_reader():
+    """The coin: floats behind a header of 80 bytes; size and heights in mm."""
+    data = (DATA / "tmd-1.tmd").read_bytes()
+    size = np.frombuffer(data, "<f4", 2, offset=64)
+    values = np.frombuffer(data, "<f4", 300 * 300, offset=80).reshape(300, 300)
+    height = read_height_map(DATA / "tmd-1.tmd")
+    np.testing.assert_allclose(height.values, 1e-3 * values, rtol=1e-6)
+    assert 300 * float(height.x[1] - height.x[0]) == pytest.approx(1e-3 * size[0], rel=1e-6)
 
 
 def without_plane(values):
@@ -246,19 +380,25 @@ def test_inspection_lists_channels_instrument_and_choice():
     assert found["problem"] is None
 
 
-def test_lens_date_and_serial_are_kept():
-    instrument = json.loads(read_height_map(DATA / "sample-land-cran.x3p").attrs["instrument"])
-    assert instrument["serial"] == "350262016"
-    assert instrument["probe"] == "Nikon - EPI 20X"
-    assert instrument["acquisition_time"].startswith("2018-09-15T17:46:09")
-    lens = json.loads(read_height_map(DATA / "plu-1.plu").attrs["instrument"])
-    assert lens["objective"] == "Nikon CFI Plan Interferential 10X"
+@pytest.mark.parametrize("name", sorted(INSTRUMENT))
+def test_instrument_lens_date_and_serial_are_kept(name):
+    instrument = json.loads(read_height_map(DATA / name).attrs["instrument"])
+    assert {word: instrument.get(word) for word in INSTRUMENT[name]} == INSTRUMENT[name]
+    assert instrument == inspect_file(DATA / name)["instrument"]
+
+
+@pytest.mark.parametrize("name", sorted(SILENT))
+def test_what_only_looks_like_a_serial_number_or_a_date(name):
+    instrument = inspect_file(DATA / name)["instrument"]
+    assert SILENT[name] not in instrument
+    assert "DS-781758056" not in instrument.values()
 
 
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("frt-1.frt", "far below all others"),  # missing points that the file left at 0
+        ("frt-1.frt", "4 points lie far below all others"),  # and no more: those at 0 are missing
+        ("plu-1.plu", "multiples of 3.91 nm"),
         ("ISO5436-sample1.x3p", "more than the field"),
         ("test_1.opd", "pixels are not square"),
         ("example_ps.tiff", None),

@@ -48,6 +48,7 @@ _BY_FIRST_BYTES = {
     _ZIP: ("plux", "nmm", "poir", "qep", "mitutoyo"),
 }
 _BY_MAGIC = ("bcr", "metropro", "opd", "os3d")  # whose mark lies elsewhere or has several encodings
+_NMS_DATE = 1076  # where the header of NanoFocus has it, bytes
 _BY_STRUCTURE = ("ibw", "plu", "nms")  # no mark: told by a header that must agree with the file
 
 _NO_HEIGHT_NAME = re.compile(
@@ -149,7 +150,7 @@ def _open(reader, name, path) -> SourceFile:
     # Heights are read once here: a channel that the file ends in the middle of shows that it was cut off.
     channels = [_channel(info, name, path) for info in infos]
     _check_rest(infos[0], name, path)
-    return SourceFile(reader.name(), channels, first_row="top", instrument=_instrument(infos[0], name))
+    return SourceFile(reader.name(), channels, first_row="top", instrument=_instrument(infos[0], name, path))
 
 
 def _channel(info, name, path) -> Channel:
@@ -228,12 +229,17 @@ def _check_rest(info, name, path):
         )
 
 
-def _instrument(info, name) -> dict:
+def _instrument(info, name, path) -> dict:
     """Return vendor, name, serial number, lens, date and the like."""
     kind, vendor = kinds.of_format(name)
     stated = dict(info.info.get("instrument") or {})
     stated.setdefault("vendor", vendor)
     stated |= {"kind": kind.name, "acquisition_time": info.info.get("acquisition_time")}
+    if name == "nms":  # the library passes the date over
+        with open(path, "rb") as stream:
+            stream.seek(_NMS_DATE)
+            date = re.match(rb"\d{4}-\d\d-\d\dT\d\d:\d\d", stream.read(16))
+        stated["acquisition_time"] = date and date[0].decode()
     if info.info.get("comment"):
         stated["comment"] = info.info["comment"]
     return instrument_words(stated, info.info.get("raw_metadata"))
