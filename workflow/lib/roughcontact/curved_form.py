@@ -29,6 +29,7 @@ def fit_curved_form(values, coordinates, *, shape: str, robust: bool = False) ->
         NaN where missing.
     coordinates : (y, x), arrays in m
     shape : {"sphere", "cylinder"}
+        a profile is fitted by a circle, whichever it is.
     robust : bool
 
     Returns
@@ -51,6 +52,8 @@ def fit_curved_form(values, coordinates, *, shape: str, robust: bool = False) ->
     Levenberg-Marquardt (Marquardt, SIAM J. Appl. Math. 11 (1963) 431), started from the second-order
     polynomial. The parameters stay finite where the radius does not: a flat map has kappa = 0.
     """
+    if min(values.shape) == 1:
+        shape = "sphere"  # of a profile: a circle, the section of either
     y, x = (np.asarray(c, dtype=float) for c in coordinates)
     middle_y, middle_x = ((c[0] + c[-1]) / 2 for c in (y, x))
     half = max(np.ptp(y), np.ptp(x)) / 2
@@ -135,7 +138,8 @@ def _least_squares(parameters, points, *, robust):
         else:
             scale, weights = np.sqrt(np.mean(residual**2)), np.ones(z.size)
         matrix, rhs = _normal_equations(parameters, y, x, weights, residual)
-        size = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+        size = np.sqrt(np.diag(matrix))
+        size = np.maximum(size, 1e-12 * size.max())  # what changes nothing stays as it is
         cost = np.sum(weights * residual**2)
         for _ in range(12):
             damped = matrix / np.outer(size, size) + damping * np.eye(len(size))

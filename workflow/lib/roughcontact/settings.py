@@ -126,8 +126,8 @@ class Window(Section):
     )
     shortest_wavelength: Positive | None = Field(
         None,
-        description="shorter waves are taken out of the window, m; null keeps them; the cut is sharp, so that "
-        "steps and particles ring: level.s_filter is soft",
+        description="shorter waves are taken out of the window, m; null keeps them; the cut is sharp, so "
+        "that steps and particles ring: level.s_filter is soft",
         examples=[2.0e-6],
     )
     longest_wavelength: Positive | None = Field(
