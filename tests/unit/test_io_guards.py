@@ -12,8 +12,8 @@ import x3pio
 import xarray as xr
 
 from roughcontact.errors import HeightMapError, InputFileError, RoughContactError
-from roughcontact.io import guards, read_height_map
-from roughcontact.io.plausibility import suspicions
+from roughcontact.io import guards, inspect_file, kinds, read_height_map
+from roughcontact.io.plausibility import quantisation_step, roughness_off_plane, suspicions
 
 
 def saved(tmp_path, data, name="map.x3p"):
@@ -143,8 +143,8 @@ def rough(n=64, seed=0):
     return 1e-6 * height / height.std()
 
 
-def words(height, dx=1e-6, dy=1e-6):
-    return "\n".join(suspicions(height, dx, dy))
+def words(height, dx=1e-6, dy=1e-6, kind=kinds.ANY):
+    return "\n".join(suspicions(height, dx, dy, kind=kind))
 
 
 def test_a_sound_map_raises_no_suspicion():
@@ -203,3 +203,122 @@ def test_suspicions_reach_the_user(tmp_path):
     np.save(path, rough() * 1e3)
     height = read_height_map(path, dx=1e-6, dy=1e-6, unit="m")
     assert any("more than the field" in note for note in json.loads(height.attrs["ingest_warnings"]))
+
+
+@pytest.mark.parametrize(
+    ("kind", "scale", "step", "said"),
+    [
+        (kinds.PROBE, 1e-2, 1e-8, None),
+        (kinds.PROBE, 1e-2, 1e-5, "steps of 10.0 µm are unusual for a scanning probe microscope"),
+        (kinds.PROBE, 100, 5e-6, "heights that span"),
+        (kinds.OPTICAL, 1, 1e-6, None),
+        (kinds.OPTICAL, 1e-3, 1e-9, "steps of 1.00 nm are unusual for an optical profiler"),
+        (kinds.OPTICAL, 1, 2e-2, "a field of 1.28 m is unusual for an optical profiler"),
+        (kinds.STYLUS, 1, 1e-6, None),
+        (kinds.STYLUS, 1, 2e-3, "steps of 2.00 mm are unusual for a stylus profiler"),
+        (kinds.STYLUS, 1e-6, 1e-6, "heights that span"),
+        (kinds.ANY, 1, 2e-2, "a field of 1.28 m is unusual for a roughness measurement"),
+    ],
+)
+def test_ranges_of_the_kind_of_instrument(kind, scale, step, said):
+    found = words(scale * rough(), step, step, kind)
+    assert "unusual" not in found if said is None else said in found
+
+
+def test_the_kind_comes_from_the_file(tmp_path):
+    """Steps of 1 nm are no matter for an unknown instrument; with light they cannot be."""
+    probing = x3pio.ProbingSystem(type=x3pio.ProbingType.NON_CONTACTING, identification="50x")
+    metadata = x3pio.Metadata(
+        instrument=x3pio.Instrument(model="maker 1", serial="7"), probing_system=probing
+    )
+    for name, options in (("light.x3p", {"metadata": metadata}), ("unknown.x3p", {})):
+        x3pio.write(tmp_path / name, 1e-3 * rough(), x_scale=1e-9, y_scale=1e-9, **options)
+    light = read_height_map(tmp_path / "light.x3p")
+    assert "unusual for an optical profiler" in light.attrs["ingest_warnings"]
+    instrument = json.loads(light.attrs["instrument"])
+    assert (instrument["name"], instrument["serial"], instrument["lens"]) == ("maker 1", "7", "50x")
+    assert read_height_map(tmp_path / "unknown.x3p").attrs["ingest_warnings"] == "[]"
+
+
+def test_exchanged_sizes():
+    found = words(rough()[:48], dx=48e-6 / 64, dy=64e-6 / 48)
+    assert (
+        "they would be with 64 rows of 48 points: rows and columns, or the two sizes, were exchanged" in found
+    )
+
+
+def test_slopes_that_cannot_be():
+    assert "steeper than anything that is measured" in words(100 * rough())
+    assert "smaller than those of polished optics" in words(1e-9 * rough())
+
+
+def test_roughness_off_the_plane():
+    """A tilted wave of whole periods: rms a/√2 and gradient √2 π a/λ, whatever the tilt."""
+    y, x = np.indices((64, 128)) * 1e-6
+    wave = 2e-7 * np.cos(2 * np.pi * x / 32e-6)
+    tilted = wave + 0.01 * x - 0.02 * y + 5e-4
+    rms_height, rms_gradient = roughness_off_plane(tilted, 1e-6, 1e-6)
+    assert rms_height == pytest.approx(2e-7 / np.sqrt(2), rel=1e-3)
+    # a central difference over one step shrinks the slope by sin(πd/λ)/(πd/λ)
+    exact = np.sqrt(2) * np.pi * 2e-7 / 32e-6 * np.sinc(1 / 32)
+    assert rms_gradient == pytest.approx(exact, rel=1 / 127)  # 127 differences are no whole periods
+    tilted[10:20, 30:50] = np.nan
+    assert roughness_off_plane(tilted, 1e-6, 1e-6)[0] == pytest.approx(rms_height, rel=2e-2)
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_quantisation_step_is_found(dtype):
+    height = (np.round(rough(128) / 3.7e-8) * 3.7e-8).astype(dtype).astype(float)
+    assert quantisation_step(height) == pytest.approx(3.7e-8, rel=1e-3)
+    assert quantisation_step(rough(128).astype(dtype).astype(float)) is None
+    assert quantisation_step(np.zeros((8, 8))) is None
+
+
+def test_quantisation_is_compared_with_the_roughness_and_not_with_the_tilt():
+    tilt = 1e-3 * np.arange(64) * 1e-4
+    coarse = np.round((rough() * 1e-2 + tilt) / 2e-9) * 2e-9
+    assert "the heights are multiples of 2.00 nm, 2" in words(coarse)
+    fine = np.round((rough() * 1e-2 + tilt) / 2e-10) * 2e-10
+    assert "multiples" not in words(fine)
+
+
+def test_a_plateau_between_the_extremes():
+    height = rough()
+    height[20:28, 30:36] = height.mean()
+    assert "1.17 % of the points have exactly the height" in words(height)
+
+
+def test_memory_is_asked_for_before_reading(tmp_path, monkeypatch):
+    monkeypatch.setattr(guards, "memory_bytes", lambda: 2.0**17)
+    np.save(tmp_path / "map.npy", rough(128))
+    with pytest.raises(InputFileError, match=r"128 x 128 points need 0.0 GiB of memory to be read"):
+        read_height_map(tmp_path / "map.npy", dx=1, dy=1, unit="um")
+    with pytest.raises(InputFileError, match=r"bytes of text need"):
+        read_height_map(saved(tmp_path, b"1.5 2.5\n" * 2000, "map.txt"), dx=1, dy=1, unit="um")
+    monkeypatch.undo()
+    assert guards.memory_bytes() > 2**20
+    assert read_height_map(tmp_path / "map.npy", dx=1, dy=1, unit="um").shape == (128, 128)
+
+
+def test_depths_are_turned_into_heights(tmp_path):
+    axes = {axis: (axis, 1e-6 * np.arange(64), {"units": "m"}) for axis in ("y", "x")}
+    attrs = {"units": "m", "positive": "down"}
+    xr.DataArray(rough(), coords=axes, dims=("y", "x"), name="depth", attrs=attrs).to_netcdf(
+        tmp_path / "map.nc"
+    )
+    height = read_height_map(tmp_path / "map.nc")
+    np.testing.assert_array_equal(height.values, -rough())
+    assert "its sign was changed" in height.attrs["ingest_warnings"]
+
+
+@pytest.mark.parametrize(
+    ("turn", "said"),
+    [(np.diag([1.0, -1.0, -1.0]), "upside down"), (np.diag([-1.0, -1.0, 1.0]), "turns its map")],
+)
+def test_a_turned_map_is_said(tmp_path, turn, said):
+    file = x3pio.Surface.from_array(rough(), x_scale=1e-6, y_scale=1e-6)
+    file.with_placement(x3pio.Placement(rotation=turn)).save(tmp_path / "map.x3p")
+    height = read_height_map(tmp_path / "map.x3p")
+    np.testing.assert_array_equal(height.values, rough())
+    assert said in height.attrs["ingest_warnings"]
+    assert any(said in note for note in inspect_file(tmp_path / "map.x3p")["warnings"])

@@ -119,7 +119,7 @@ SECOND_READER = {
 }
 
 
-# Gwyddion 2.62: dx, dy (m), missing points, and heights at the same points as above, minus that in the middle.
+# Gwyddion 2.62: dx, dy (m), missing points, heights at the same points as above minus that in the middle (m).
 GWYDDION = {
     "KautschukInfiniteFocus.x3p": (
         2.27998421e-06,
@@ -420,3 +420,21 @@ def test_converted_line_ends_are_refused(name, tmp_path):
     (tmp_path / name).write_bytes(data.replace(b"\r\n", b"\n").replace(b"\n", b"\r\n"))
     with pytest.raises(InputFileError, match="it was transferred as text"):
         read_height_map(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "words"),
+    [
+        ("sur-3.sur", 288, "an imprint (replica) was measured"),
+        ("sur-3.sur", 290, "the map was inverted or mirrored"),
+        ("metropro-1.dat", 233, "the map was inverted or mirrored"),
+    ],
+)
+def test_a_header_that_speaks_of_the_sign_is_passed_on(name, place, words, tmp_path):
+    data = bytearray((DATA / name).read_bytes())
+    assert data[place] == 0
+    data[place] = 1
+    (tmp_path / name).write_bytes(data)
+    notes = json.loads(read_height_map(tmp_path / name).attrs["ingest_warnings"])
+    assert any(words in note for note in notes)
+    assert not any(words in note for note in inspect_file(DATA / name)["warnings"])

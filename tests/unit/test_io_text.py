@@ -201,11 +201,11 @@ def test_rounded_positions_are_even(tmp_path):
 def test_uneven_points_are_refused_with_a_way_out(tmp_path):
     x = np.array([0.0, 1.0, 2.3, 3.0, 4.0])
     text = "".join(f"{a} {b} {a * b + 1}\n" for b in range(4) for a in x)
-    with pytest.raises(InputFileError, match=r"even grid.*resample = linear"):
+    with pytest.raises(InputFileError, match=r"even.*resample = linear"):
         read_height_map(saved(tmp_path, text), unit="um")
     scattered = np.random.default_rng(1).random((50, 3))
     text = "\n".join(" ".join(f"{value:.6f}" for value in row) for row in scattered)
-    with pytest.raises(InputFileError, match=r"even grid.*resample = linear"):
+    with pytest.raises(InputFileError, match=r"even.*resample = linear"):
         read_height_map(saved(tmp_path, text), unit="um")
     doubled = "".join(f"{a} {b} 1.5\n" for b in (0, 1, 1) for a in range(4))
     with pytest.raises(InputFileError, match="several points of the list have the same position"):

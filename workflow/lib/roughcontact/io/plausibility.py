@@ -139,14 +139,14 @@ def _ranges(shape, span, dx, dy, kind):
             "check the height unit"
         )
     for values, (low, high), what, unit in (
-        (steps, kind.step, "steps of", "lateral"),
-        (fields, kind.field, "a field of", "lateral"),
-        ([span] if span > 0 else [], kind.span, "heights that span", "height"),
+        (steps, kind.step, "steps of {} are", "lateral"),
+        (fields, kind.field, "a field of {} is", "lateral"),
+        ([span] if span > 0 else [], kind.span, "heights that span {} are", "height"),
     ):
         wrong = [value for value in values if not low <= value <= high]
         if wrong:
             found.append(
-                f"{what} {quantity(wrong[0], 'm')} are unusual for {kind.words} ({quantity(low, 'm')} to "
+                f"{what.format(quantity(wrong[0], 'm'))} unusual for {kind.words} ({quantity(low, 'm')} to "
                 f"{quantity(high, 'm')}): check the {unit} unit"
             )
     return found
