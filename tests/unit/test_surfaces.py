@@ -1,9 +1,13 @@
 """The table of surfaces: what it says is read, what is wrong is listed at once."""
 
+import inspect
+
 import pytest
 
+from roughcontact.command_line import _FILE_OPTIONS
 from roughcontact.errors import SettingsError
-from roughcontact.surfaces import find, read_surfaces
+from roughcontact.io import inspect_file, read_height_map
+from roughcontact.surfaces import COLUMNS, REQUIRED, find, read_surfaces
 
 
 @pytest.fixture
@@ -102,3 +106,10 @@ def test_tables_that_are_none(table, lines, said):
 
 def test_a_missing_table_is_named(tmp_path):
     assert "nowhere.tsv: not readable" in mistakes(tmp_path / "nowhere.tsv")
+
+
+@pytest.mark.parametrize("verb", [read_height_map, inspect_file])
+def test_columns_and_options_are_the_arguments_of_reading(verb):
+    arguments = [name for name in inspect.signature(verb).parameters if name != "path"]
+    assert set(COLUMNS) - set(REQUIRED) == set(arguments)
+    assert [name.replace("-", "_") for name in _FILE_OPTIONS] == arguments

@@ -57,8 +57,8 @@ def inspection(found: dict, file: str) -> str:
     if len(found["channels"]) > 1:
         lines += [("", _channel(each)) for each in found["channels"]]
     lines += _map_lines(found["map"]) if found["map"] else _silent_lines(found)
-    lines.append(("row 0", f"drawn at the {found['first_row']} by the instrument's software"))
-    # 5e0 of a magnification as 5, 50.321998 as 50.3
+    if not (found["map"] and found["map"]["ny"] == 1):
+        lines.append(("row 0", f"drawn at the {found['first_row']} by the instrument's software"))
     lines += [
         (_LABELS.get(word, word), number(value) if isinstance(value, float) else str(value))
         for word, value in found["instrument"].items()
@@ -74,8 +74,8 @@ def _line(label, text):
     return textwrap.fill(
         text,
         _WIDTH,
-        initial_indent=f"  {label:<16}",
-        subsequent_indent=" " * 18,
+        initial_indent=f"  {label:<18}",
+        subsequent_indent=" " * 20,
         break_long_words=False,
         break_on_hyphens=False,
     )

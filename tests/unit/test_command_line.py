@@ -1,0 +1,259 @@
+"""The program: what it prints is what the verbs return, and bad input ends in one sentence."""
+
+import json
+import os
+import pty
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.command_line import main
+from roughcontact.command_line.options import in_options
+from roughcontact.io import inspect_file
+from roughcontact.settings import Contact, Level, Window, resolve
+
+ROOT = Path(__file__).parents[2]
+SAMPLES = ROOT / "data_samples"
+SHARED = ROOT.parent / "shared" / "data"
+GROUND = str(SAMPLES / "ground.txt")
+PERIODIC = str(SAMPLES / "periodic.nc")
+
+
+def said(capsys, *arguments):
+    """Return exit code, standard output and standard error of a run."""
+    try:
+        code = main(list(arguments))
+    except SystemExit as left:  # by argparse
+        code = left.code
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_inspect_says_in_words_what_is_in_a_file(capsys):
+    code, out, err = said(capsys, "inspect", str(SAMPLES / "sandblasted.x3p"))
+    assert (code, err) == (0, "")
+    contents = inspect_file(SAMPLES / "sandblasted.x3p")
+    for words in (
+        "X3P (ISO 25178-72)",
+        "'height', the only channel",
+        "256 × 256 points (x, y)",
+        "256.0 µm × 256.0 µm",
+        "1.000 µm",
+        f"{contents['map']['missing_points']} points",
+        "rms height",
+        "rms gradient",
+        "drawn at the bottom",
+    ):
+        assert words in out
+
+
+def test_inspect_for_machines_is_what_inspect_file_returns(capsys):
+    code, out, _ = said(capsys, "inspect", "--json", GROUND, PERIODIC)
+    assert code == 0
+    assert json.loads(out) == [json.loads(json.dumps(inspect_file(path))) for path in (GROUND, PERIODIC)]
+
+
+def test_inspect_goes_on_after_a_file_that_is_none(capsys, tmp_path):
+    (tmp_path / "letter.txt").write_text("Dear Sir,")
+    code, out, err = said(capsys, "inspect", str(tmp_path / "letter.txt"), GROUND)
+    assert code == 2
+    assert "text without a table of numbers" in err
+    assert len(err.strip().split("\n")) == 1
+    assert "text matrix" in out
+
+
+def test_inspect_tells_what_is_to_be_given_and_takes_it(capsys, tmp_path):
+    np.save(tmp_path / "map.npy", np.random.default_rng(0).random((20, 30)))
+    path = str(tmp_path / "map.npy")
+    code, out, _ = said(capsys, "inspect", path)
+    assert code == 0
+    assert "to be given" in out
+    assert "30 × 20 points" in out
+    assert "unit not said" in out
+    code, out, _ = said(
+        capsys, "inspect", path, "--dx", "2", "--dy", "2", "--unit", "um", "--height-unit", "nm"
+    )
+    assert code == 0
+    assert "60.00 µm × 40.00 µm" in out
+    assert "to be given" not in out
+
+
+def test_solve_gives_the_numbers_of_the_verbs(capsys):
+    loads = ["2e4", "1e5"]
+    options = ["--contact-modulus", "1e9", "--tolerance", "1e-5", "--level-form", "mean"]
+    code, out, err = said(capsys, "solve", PERIODIC, *options, "--mean-pressure", *loads, "--json")
+    assert (code, err) == (0, "")
+    found = json.loads(out)
+    window = rc.periodic_window(rc.level(rc.read_height_map(PERIODIC), form="mean"))
+    contact = rc.solve_contact(window, contact_modulus=1e9, mean_pressure=[2e4, 1e5], tolerance=1e-5)
+    expected = rc.contact_statistics(contact)
+    assert found["units"]["mean_gap"] == "m"
+    assert found["settings"]["contact"]["tolerance"] == 1e-5
+    for index, load in enumerate(found["loads"]):
+        for name in ("relative_contact_area", "relative_contact_area_pixels", "max_pressure", "mean_gap"):
+            assert load[name] == pytest.approx(float(expected[name][index]), rel=1e-6)
+        assert 0 < load["error_bound"] <= 1e-5
+        assert load["converged"] == 1
+        assert isinstance(load["flags"], list)
+    assert {check["outcome"] for check in found["checks"]} <= {"passed", "look", "failed"}
+    assert found["verdict"] in ("trust", "look at", "do not trust")
+
+
+def test_solve_prints_a_table(capsys):
+    code, out, err = said(capsys, "solve", PERIODIC, "--body", "2e9", "0", "--body", "2e9", "0")
+    assert (code, err) == (0, "")
+    assert "contact modulus   1.00 GPa" in out
+    rows = [line for line in out.split("\n") if "Pa" in line and "%" in line]
+    assert len(rows) == 8  # the plan of loads
+    for heading in ("mean pressure", "A/A0", "counted", "in contact", "largest", "mean gap", "error bound"):
+        assert heading in out
+    assert "verdict" in out
+
+
+def test_a_profile_is_solved(capsys):
+    path = str(SAMPLES / "stylus-profile.csv")
+    code, out, _ = said(capsys, "solve", path, "--contact-modulus", "1e11", "--relative-pressure", "0.1")
+    assert code == 0
+    assert "profile of" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "the following arguments are required"),
+        (["solve"], "FILE"),
+        (["solve", PERIODIC], "give --contact-modulus"),
+        (["solve", "nowhere.x3p", "--contact-modulus", "1e9"], "nowhere.x3p: no such file"),
+        (
+            ["solve", PERIODIC, "--contact-modulus", "soft"],
+            "--contact-modulus = 'soft': must be a finite number",
+        ),
+        (["solve", PERIODIC, "--contact-modulus", "1e9", "--level-form", "plan"], "did you mean plane?"),
+        (
+            ["solve", PERIODIC, "--contact-modulus", "1e9", "--window-method", "hann"],
+            "--window-method = 'hann'",
+        ),
+        (["solve", PERIODIC, "--body", "1e9", "0.3"], "--body is given 1 times; give it twice"),
+        (
+            ["solve", PERIODIC, "--contact-modulus", "1e9", "--colour", "red"],
+            "unrecognized arguments: --colour",
+        ),
+        (["solve", PERIODIC, "--contact-modulus", "1e9", "--mean-pressure", "0"], "--mean-pressure"),
+        (["solve", PERIODIC, "--contact-modulus", "1e9", "--dx", "1"], "is given without a unit"),
+        (["inspect", GROUND, "--dx", "one"], "argument --dx: invalid float value: 'one'"),
+    ],
+)
+def test_bad_input_ends_with_code_2_and_one_sentence(capsys, arguments, words):
+    code, out, err = said(capsys, *arguments)
+    assert (code, out) == (2, "")
+    assert words in err
+    assert len(err.strip().split("\n")) == 1
+    assert err.startswith("roughcontact")
+
+
+def test_a_load_that_misses_the_tolerance_ends_with_code_1(capsys, monkeypatch):
+    def missed(*_, **__):
+        raise rc.ConvergenceError("mean pressure 1e5 Pa: the error bound stopped at 2e-4")
+
+    monkeypatch.setattr("roughcontact.command_line.solving.solve_contact", missed)
+    code, out, err = said(capsys, "solve", PERIODIC, "--contact-modulus", "1e9", "--mean-pressure", "1e5")
+    assert (code, out) == (1, "")
+    assert err == "roughcontact: mean pressure 1e5 Pa: the error bound stopped at 2e-4\n"
+
+
+def test_every_setting_of_the_stages_is_an_option(capsys):
+    assert said(capsys, "solve", "--help")[0] == 0
+    main_help = said(capsys, "solve", "--help")[1]
+    for prefix, model in (("", Contact), ("level-", Level), ("window-", Window)):
+        for key in set(model.model_fields) - {"bodies", "keep_fields"}:
+            assert f"--{prefix}{key.replace('_', '-')}" in main_help
+
+
+def test_messages_speak_of_options():
+    with pytest.raises(rc.SettingsError) as caught:
+        resolve({"contact": {"contact_modulus": 0}, "level": {"fill": "x"}, "window": {"width": 2}})
+    sentence = in_options(str(caught.value))
+    assert "\n" not in sentence
+    for option in ("--contact-modulus = 0", "--level-fill = 'x'", "--window-width = 2"):
+        assert option in sentence
+
+
+def run(*arguments, **options):
+    environment = os.environ | {"PYTHONPATH": str(ROOT / "workflow/lib")}
+    command = [sys.executable, "-m", "roughcontact.command_line", *arguments]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=False, **options)
+
+
+def test_no_bar_where_nobody_looks():
+    done = run("solve", PERIODIC, "--contact-modulus", "1e9", "--mean-pressure", "1e5")
+    assert done.returncode == 0
+    assert done.stderr == ""
+
+
+def test_a_bar_on_a_terminal():
+    master, slave = pty.openpty()
+    environment = os.environ | {"PYTHONPATH": str(ROOT / "workflow/lib"), "TERM": "xterm", "COLUMNS": "100"}
+    command = [
+        sys.executable,
+        "-m",
+        "roughcontact.command_line",
+        "solve",
+        PERIODIC,
+        "--contact-modulus",
+        "1e9",
+    ]
+    with subprocess.Popen(
+        [*command, "--relative-pressure", "0.05", "0.2"],
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=slave,
+        text=True,
+    ) as process:
+        os.close(slave)
+        shown = b""
+        try:
+            while piece := os.read(master, 4096):
+                shown += piece
+        except OSError:  # the other end was closed
+            pass
+        out = process.stdout.read()
+    os.close(master)
+    assert process.returncode == 0
+    assert "2 of 2 loads" in shown.decode()
+    assert "loads" not in out  # the numbers are not mixed with the bar
+
+
+@pytest.mark.shared_data
+@pytest.mark.skipif(not SHARED.is_dir(), reason="no folder of real instrument files")
+def test_real_files_are_inspected_in_less_than_a_second(capsys):
+    paths = sorted(path for path in SHARED.iterdir() if path.suffix not in (".md", ".tsv", ".json"))
+    said(capsys, "inspect", str(SHARED / "nid-1.nid"), str(SHARED / "sur-2.sur"))  # imports
+    for path in paths:
+        start = time.process_time()
+        code, out, err = said(capsys, "inspect", str(path))
+        assert time.process_time() - start < 1.0, path.name
+        assert (code == 0) == (path.name in out), path.name
+        assert err.count("\n") == (code == 2), path.name
+
+
+@pytest.mark.shared_data
+@pytest.mark.skipif(not SHARED.is_dir(), reason="no folder of real instrument files")
+def test_lens_date_and_serial_are_printed(capsys):
+    _, out, _ = said(capsys, "inspect", str(SHARED / "metropro-1.dat"))
+    for words in (
+        "optical profiler",
+        "Zygo",
+        "59407",
+        "20X Mirau",
+        "2011-07-23T16:49:36",
+        "suspicion         none",
+    ):
+        assert words in out
+    _, out, _ = said(capsys, "inspect", str(SHARED / "mi-1.mi"))
+    assert "'Topography', the first height channel of 4" in out
+    assert "values in V, no length" in out
