@@ -72,6 +72,11 @@ def limit_band(
     SettingsError
         where the band is empty.
     """
+    for name, value in (("shortest", shortest), ("longest", longest)):
+        if value is not None and not 0 < value < math.inf:
+            raise SettingsError(
+                f"window.{name}_wavelength = {value!r}: give a positive length in m, or null for no limit"
+            )
     if shortest and longest and shortest >= longest:
         raise SettingsError(
             f"window.shortest_wavelength = {shortest:g} m is not below window.longest_wavelength = "

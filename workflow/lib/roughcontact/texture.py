@@ -95,7 +95,7 @@ def decay_lengths(correlation, spacing) -> tuple[float, float]:
     for angle in angles:
         direction = np.sin(angle), np.cos(angle)
         reach = min(
-            (n - 1) // 2 * d / abs(u) if n > 1 else math.inf
+            n / 2 * d / abs(u) if n > 1 else math.inf
             for n, d, u in zip(correlation.shape, spacing, direction, strict=True)
             if abs(u) > 1e-12
         )

@@ -1,0 +1,80 @@
+"""Power spectra against closed forms and against SurfaceTopography."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+from roughcontact.fourier import spacing
+from roughcontact.spectrum import angular_spectrum, areal_spectrum, isotropic_spectrum
+from roughcontact.synthetic import height_map, self_affine_surface
+
+
+def area(height):
+    return np.prod([n * d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1])
+
+
+@pytest.mark.parametrize("shape", [(32, 48), (33, 40), (1, 64), (64, 1)])
+def test_the_waves_make_up_the_mean_square_height(shape):
+    height = height_map(np.random.default_rng(0).standard_normal(shape) + 5, (2e-6, 1e-6))
+    _, _, power = areal_spectrum(height)
+    assert power.sum() / area(height) == pytest.approx(height.values.var(), rel=1e-12)
+
+
+def test_a_single_wave():
+    """a cos(q x): |h(q)|^2 = a^2/4 at +q and at -q, and nothing elsewhere."""
+    ny, nx, a = 20, 30, 3e-7
+    x = np.arange(nx)[None, :] + np.zeros((ny, 1))
+    height = height_map(a * np.cos(2 * np.pi * 4 * x / nx + 0.4), (2e-6, 1e-6))
+    qy, qx, power = areal_spectrum(height)
+    assert power[0, 4] == pytest.approx(area(height) * a**2 / 4, rel=1e-12)
+    assert power[0, -4] == pytest.approx(power[0, 4], rel=1e-12)
+    assert power.sum() == pytest.approx(2 * power[0, 4], rel=1e-12)
+    assert qx[4] == pytest.approx(2 * np.pi * 4 / 30e-6)
+    assert qy[0] == 0
+
+
+@pytest.mark.parametrize("hurst", [0.3, 0.8])
+def test_slope_of_a_self_affine_surface(hurst):
+    """C(q) ~ q^(-2 - 2H) for a surface, q^(-1 - 2H) for a profile (Persson et al. 2005)."""
+    options = {"hurst": hurst, "shortest": 6e-6, "longest": 400e-6, "rms_height": 1e-6}
+    for shape, slope in (((256, 320), -2 - 2 * hurst), ((1, 4096), -1 - 2 * hurst)):
+        height = self_affine_surface(shape, (1.5e-6, 1e-6), **options)
+        q, power = isotropic_spectrum(height)
+        inside = (q > 2 * np.pi / 100e-6) & (q < 2 * np.pi / 10e-6)
+        found = np.polyfit(np.log(q[inside]), np.log(power[inside]), 1)[0]
+        assert found == pytest.approx(slope, abs=0.05)
+
+
+def test_other_software_finds_the_same_spectrum():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        from SurfaceTopography import Topography
+    height = self_affine_surface(
+        (96, 128), (2.0, 1.1), hurst=0.7, shortest=4.0, longest=100.0, rms_height=1.0, seed=3
+    )
+    topography = Topography(height.values.T, (140.8, 192.0), periodic=True)
+    q, averaged, areal = topography.power_spectrum_from_area(
+        collocation=np.arange(0.5, 32) * 2 * np.pi / 192, return_map=True
+    )
+    np.testing.assert_allclose(areal_spectrum(height)[2], np.asarray(areal).T, rtol=1e-9, atol=1e-20)
+    ours_q, ours = isotropic_spectrum(height)
+    shared = [int(np.argmin(np.abs(ours_q - value))) for value in q[:30]]
+    np.testing.assert_allclose(ours[shared], averaged[:30], rtol=1e-9, atol=1e-20)
+
+
+def test_shells_end_at_the_nyquist_limit_of_the_coarser_pitch():
+    height = height_map(np.random.default_rng(1).standard_normal((40, 60)), (3.0, 1.0))
+    q, power = isotropic_spectrum(height)
+    assert (np.diff(q) > 0).all()
+    assert q[-1] <= np.pi / 3 * 1.03
+    assert (power > 0).all()
+
+
+def test_white_noise_is_the_same_in_all_directions():
+    height = height_map(np.random.default_rng(2).standard_normal((400, 400)), 1.0)
+    theta, power = angular_spectrum(height)
+    assert theta.size == 360
+    assert power.std() / power.mean() < 0.15
+    # the circle within the Nyquist limits holds pi/4 of the waves
+    assert power.sum() * np.deg2rad(0.5) == pytest.approx(np.pi / 4, rel=2e-2)

@@ -1,0 +1,109 @@
+"""Autocorrelation, its lengths and the lay, against closed forms and numbers of other software."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import fftconvolve
+
+from roughcontact.fourier import spacing
+from roughcontact.io import read_height_map
+from roughcontact.levelling import level
+from roughcontact.synthetic import height_map, self_affine_surface
+from roughcontact.texture import autocorrelation, decay_lengths, texture_parameters
+
+DATA = Path(__file__).parents[2].parent / "shared" / "data"
+
+# Sal of surfalize 0.19.2, m, plane removed (heights read by SurfaceTopography 1.27.1)
+OTHER_SAL = {"al3d-1.al3d": 12.394400975709353e-6, "x3p-2.x3p": 2.6646858855237e-6}
+
+
+def directed(angle, *, spread=3.0, points=256):
+    """Random waves whose directions scatter by `spread` degrees around `angle`."""
+    k = np.fft.fftfreq(points, 1 / points)
+    ky, kx = np.meshgrid(k, k, indexing="ij")
+    off = (np.rad2deg(np.arctan2(ky, kx)) - angle + 90) % 180 - 90
+    size = np.hypot(kx, ky)
+    amplitude = np.where((size > 3) & (size < 60), np.maximum(size, 1) ** -1.8, 0) * np.exp(
+        -(off**2) / (2 * spread**2)
+    )
+    noise = np.fft.fft2(np.random.default_rng(1).standard_normal((points, points)))
+    return height_map(np.fft.ifft2(noise * amplitude).real, 1e-6)
+
+
+@pytest.mark.parametrize("length", [4.0, 20.0])
+def test_lengths_of_a_gaussian_autocorrelation(length):
+    """exp(-(x/l)^2 - (y/3l)^2) falls to 0.2 at l sqrt(ln 5) and at 3 l sqrt(ln 5)."""
+    y, x = np.arange(-128, 128)[:, None] * 1.0, np.arange(-100, 100)[None, :] * 0.7
+    shortest, longest = decay_lengths(np.exp(-((x / length) ** 2) - (y / 3 / length) ** 2), (1.0, 0.7))
+    assert shortest == pytest.approx(length * np.sqrt(np.log(5)), rel=2e-3)
+    assert longest == pytest.approx(3 * length * np.sqrt(np.log(5)), rel=2e-3)
+
+
+def test_the_autocorrelation_is_the_mean_of_products():
+    values = np.random.default_rng(0).standard_normal((12, 9))
+    found = autocorrelation(height_map(values, 1.0))
+    z = values - values.mean()
+    for dy, dx in ((0, 0), (1, 0), (0, 2), (3, -2)):
+        expected = np.mean(z * np.roll(z, (-dy, -dx), (0, 1))) / np.mean(z**2)
+        assert found[6 + dy, 4 + dx] == pytest.approx(expected, abs=1e-12)
+
+
+def test_grooves_in_closed_form():
+    """cos(2 pi x / L): correlated by 0.2 at acos(0.2) L / 2 pi across, for ever along."""
+    y, x = np.indices((64, 96))
+    found = texture_parameters(height_map(np.cos(2 * np.pi * x * 4 / 96), 1e-6))
+    assert found["Sal"] == pytest.approx(24e-6 / 2 / np.pi * np.arccos(0.2), rel=1e-3)
+    # the longest ray that stays on a ridge leans a little
+    assert found["Str"] == pytest.approx(found["Sal"] / np.hypot(32e-6, found["Sal"]), rel=5e-3)
+    assert found["Std"] == 0
+    turned = texture_parameters(height_map(np.cos(2 * np.pi * y * 4 / 64), 1e-6))
+    assert turned["Std"] == 90
+
+
+@pytest.mark.parametrize("angle", [0.0, 20.0, 45.0, 90.0, 133.7])
+def test_the_lay_is_found_at_any_angle(angle):
+    found = texture_parameters(directed(angle))
+    assert abs((found["Std"] - angle + 90) % 180 - 90) <= 1
+    assert found["Str"] < 0.15
+
+
+def test_an_isotropic_surface_has_no_lay():
+    height = self_affine_surface(
+        (512, 512), 1e-6, hurst=0.8, shortest=8e-6, longest=60e-6, rms_height=1e-6, seed=5
+    )
+    assert texture_parameters(height)["Str"] > 0.75
+
+
+def test_stretched_waves_give_the_stretch():
+    options = {"hurst": 0.8, "shortest": 6e-6, "longest": 24e-6, "rms_height": 1e-6, "seed": 6}
+    found = texture_parameters(self_affine_surface((1024, 512), 1e-6, stretch=3.0, **options))
+    assert found["Str"] == pytest.approx(1 / 3, rel=0.1)
+
+
+@pytest.mark.shared_data
+@pytest.mark.skipif(not (DATA / "CATALOG.tsv").is_file(), reason="no folder of real instrument files")
+@pytest.mark.parametrize("name", OTHER_SAL)
+def test_other_software_finds_the_same_length(name):
+    """With the autocorrelation that the other software takes: each shift over the points that overlap."""
+    levelled = level(read_height_map(DATA / name), outlier_threshold=None)
+    z = levelled.values - levelled.values.mean()
+    ny, nx = z.shape
+    overlap = np.outer(ny - np.abs(np.arange(1 - ny, ny)), nx - np.abs(np.arange(1 - nx, nx)))
+    products = fftconvolve(z, z[::-1, ::-1]) / overlap
+    shortest, _ = decay_lengths(products / products[ny - 1, nx - 1], spacing(levelled))
+    assert shortest == pytest.approx(OTHER_SAL[name], rel=2e-3)
+
+
+def test_profiles_and_flat_maps():
+    profile = self_affine_surface((1, 2000), 1e-6, hurst=0.8, shortest=8e-6, longest=60e-6, rms_height=1e-6)
+    found = texture_parameters(profile)
+    column = texture_parameters(profile.transpose("x", "y").rename(x="y", y="x"))
+    assert found["Sal"] == pytest.approx(column["Sal"], rel=1e-12)
+    ray = autocorrelation(profile)[0, 1000:]
+    first = int(np.argmax(ray < 0.2))
+    assert (first - 1) * 1e-6 <= found["Sal"] <= first * 1e-6
+    assert np.isnan(found["Str"])
+    assert np.isnan(found["Std"])
+    flat = texture_parameters(height_map(np.full((8, 9), 0.3), 1e-6))
+    assert all(np.isnan(value) for value in flat.values())
