@@ -121,6 +121,8 @@ SECOND_READER = {
 
 # Gwyddion 2.62: dx, dy (m), missing points, heights at the same points as above minus that in the middle (m).
 GWYDDION = {
+    "ISO5436-sample1.x3p": (0.016016, 0.016016, 1, [1.04367851, np.nan, 1.23285654]),
+    "ISO5436-sample4_bin.x3p": (0.016016, 0.016016, 1, [1.043, np.nan, 1.232]),
     "KautschukInfiniteFocus.x3p": (
         2.27998421e-06,
         2.27979452e-06,
@@ -324,6 +326,24 @@ def test_a_map_and_its_export_as_text_are_one():
     np.testing.assert_allclose(without_plane(binary.values), without_plane(text.values), rtol=0, atol=1e-11)
     np.testing.assert_allclose(binary.x, text.x, rtol=1e-9)
     assert binary.attrs["first_row"] == text.attrs["first_row"] == "top"
+
+
+def test_the_same_map_packed_in_two_ways():
+    """One archive holds its files in a folder, as doubles; the other at the top, in single precision."""
+    folder, top = (read_height_map(DATA / f"sample-land{name}.x3p") for name in ("", "-cran"))
+    np.testing.assert_allclose(folder.values, top.values, rtol=1e-6, atol=1e-11)
+    np.testing.assert_allclose(folder.x, top.x, rtol=1e-9)
+
+
+def test_lists_of_points_against_numpy():
+    table = np.loadtxt(DATA / "test1.txt", delimiter=",")
+    height = read_height_map(DATA / "test1.txt", **GIVEN["test1.txt"])
+    column, row = np.rint(table[:, :2].T / 0.005).astype(int)
+    np.testing.assert_allclose(height.values[row, column], 1e-6 * table[:, 2], rtol=1e-12)
+    trace = np.loadtxt(DATA / "csv-1.csv", delimiter=",", skiprows=1)
+    profile = read_height_map(DATA / "csv-1.csv", **GIVEN["csv-1.csv"])
+    np.testing.assert_allclose(profile.values[0], 1e-6 * trace[:, 1], rtol=1e-12)
+    np.testing.assert_allclose(profile.x, 1e-6 * trace[:, 0], rtol=2e-3)  # positions are rounded to 0.1 nm
 
 
 @pytest.mark.parametrize("name", ["opd-1.opd", "x3p-2.x3p"])
