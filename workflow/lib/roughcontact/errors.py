@@ -22,3 +22,7 @@ class HeightMapError(RoughContactError, ValueError):
 
 class ConvergenceError(RoughContactError, RuntimeError):
     """A load whose error bound did not reach the tolerance."""
+
+
+class DeviationError(RoughContactError, RuntimeError):
+    """A line of the validation whose deviation is beyond its tolerance."""

@@ -252,6 +252,19 @@ def full_contact_energy(height, spacing, contact_modulus):
     return contact_modulus / 4 * weighted.sum()
 
 
+# --- Rough maps that other codes have solved ---------------------------------------------------------------
+
+# `synthetic.rough_reference_surface` at 1024 x 1024 points, by an independent code. Load p̄/(E* g): (relative
+# contact area, perimeter-corrected; mean gap over the rms height), to five decimals
+ROUGH_AREA_AND_GAP = {0.05: (0.11614, 0.99125), 0.2: (0.36845, 0.32548), 1.0: (0.96078, 0.00458)}
+# `validation.rough.ensemble_map(256, seed=0)`, by Tamaas 2.9.0. Load p̄/E*: (points in contact; largest
+# pressure over E*; mean gap over the length of the side)
+OUTSIDE_CODES = {
+    0.01: (1598, 1.38192689113, 0.0292639610734),
+    0.1: (14708, 1.79459795770, 0.0107318478434),
+    0.5: (49218, 2.34777477247, 0.00120520856749),
+}
+
 # --- Zero frequency ----------------------------------------------------------------------------------------
 
 

@@ -148,11 +148,15 @@ def write_report(path, *, panels, statistics, title, settings) -> None:
     write_text(html, path)
 
 
-def template(name: str):
-    """Return one of the package's templates, with HTML escaped and no surprise where a name is missing."""
+def template(name: str, *, folder: Path | None = None):
+    """Return one of the package's templates, with HTML escaped and no surprise where a name is missing.
+
+    Those in `folder`, where one is given, come before those of the report.
+    """
     import jinja2
 
-    loader = jinja2.FileSystemLoader(Path(__file__).with_name("templates"))
+    folders = [Path(__file__).with_name("templates")]
+    loader = jinja2.FileSystemLoader(folders if folder is None else [folder, *folders])
     environment = jinja2.Environment(
         loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )

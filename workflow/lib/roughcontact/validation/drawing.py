@@ -1,0 +1,143 @@
+"""The figures of the validation page."""
+
+import numpy as np
+
+from roughcontact.plots import COLOURS, MARKERS, as_png, as_svg, new_figure
+
+_KNOWN = {"color": "#444444", "linewidth": 1.2}
+_LINES = ("-", "--", ":", "-.")
+
+
+def chart(known, found, *, x, y, scales=("linear", "linear"), limits=None, note=None, more=()) -> str:
+    """Draw what is known as dark lines and what was computed as coloured marks.
+
+    Parameters
+    ----------
+    known, found : list of (label, x values, y values)
+    x, y : str
+        labels of the axes.
+    scales : (str, str)
+        ``linear`` or ``log``, of x and y.
+    limits : ((x low, x high), (y low, y high)) or None
+    note : str or None
+        printed into the picture.
+    more : list of (x values, y values)
+        further lines like the first of `known`.
+    """
+    with new_figure(4.3, 3.4) as figure:
+        axes = figure.add_subplot()
+        for index, (label, horizontal, vertical) in enumerate(known):
+            axes.plot(horizontal, vertical, linestyle=_LINES[index % len(_LINES)], label=label, **_KNOWN)
+        for index, (label, horizontal, vertical) in enumerate(found):
+            axes.plot(
+                horizontal,
+                vertical,
+                linestyle="none",
+                marker=MARKERS[index],
+                markersize=4,
+                color=COLOURS[index],
+                label=label,
+            )
+        for horizontal, vertical in more:
+            axes.plot(horizontal, vertical, **_KNOWN)
+        axes.set(xscale=scales[0], yscale=scales[1], xlabel=x, ylabel=y)
+        if limits:
+            axes.set(xlim=limits[0], ylim=limits[1])
+        _note(figure, axes, note)
+        axes.legend()
+        return as_svg(figure)
+
+
+def error_chart(errors, sizes, *, x, y, title=None) -> str:
+    """Draw errors against the number of points, logarithmic, with lines of slope 1 and 2 beside them.
+
+    Parameters
+    ----------
+    errors : list of (label, errors at the sizes, fitted order)
+    sizes : sequence of int
+    """
+    with new_figure(4.3, 3.8) as figure:
+        axes = figure.add_subplot()
+        largest = max(float(np.max(values)) for _, values, _ in errors)
+        for order in (1, 2):
+            guide = largest * 2 * (sizes[0] / np.asarray(sizes, float)) ** order
+            axes.plot(sizes, guide, linestyle=_LINES[order], label=f"order {order}", **_KNOWN)
+        for index, (label, values, order) in enumerate(errors):
+            axes.plot(
+                sizes,
+                values,
+                marker=MARKERS[index],
+                markersize=4,
+                linewidth=0.8,
+                color=COLOURS[index],
+                label=f"{label}: {order:.2f}",
+            )
+        axes.set(xscale="log", yscale="log", xlabel=x, ylabel=y)
+        axes.set_xticks(sizes, [str(size) for size in sizes])
+        axes.minorticks_off()
+        figure.legend(loc="outside lower center", ncols=2, title=title, title_fontsize=8)
+        return as_svg(figure)
+
+
+def area_chart(loads, lines, areas, *, note=None) -> str:
+    """Draw the areas of an ensemble over its mean theory lines, as area over load so that slopes are heights.
+
+    Parameters
+    ----------
+    loads : array (load)
+        p' = p̄/(E* g).
+    lines : list of (label, areas at the loads)
+    areas : array (map, load)
+    """
+    with new_figure(5.2, 3.8) as figure:
+        axes = figure.add_subplot()
+        for index, (label, values) in enumerate(lines):
+            axes.plot(
+                loads, values / loads, linestyle=_LINES[index % 4], label=label, **_KNOWN | _shade(index)
+            )
+        low, high = areas.min(axis=0) / loads, areas.max(axis=0) / loads
+        axes.fill_between(loads, low, high, color=COLOURS[0], alpha=0.25, linewidth=0)
+        axes.plot(
+            loads,
+            areas.mean(axis=0) / loads,
+            "o",
+            color=COLOURS[0],
+            markersize=5,
+            label="solved: mean and range",
+        )
+        axes.set(
+            xscale="log", xlabel="relative pressure p′ = p̄ / (E* g)", ylabel="(A/A₀) / p′", ylim=(0, None)
+        )
+        _note(figure, axes, note)
+        axes.legend(loc="lower left")
+        return as_svg(figure)
+
+
+def _shade(index):
+    """Return a colour of its own for each theory, dark enough beside the marks."""
+    return {"color": ("#444444", "#7a4a00", "#00563d", "#96210a")[index % 4]}
+
+
+def pressure_relief(x, y, pressure, *, labels, note) -> str:
+    """Draw a pressure over one period as a relief, the way the paper's figure 2 does.
+
+    Parameters
+    ----------
+    x, y : array (n)
+    pressure : array (n, n)
+    labels : (x, y, z)
+    """
+    with new_figure(4.6, 3.8, layout=None) as figure:
+        axes = figure.add_axes((0.0, 0.02, 0.88, 0.9), projection="3d")
+        axes.plot_surface(*np.meshgrid(x, y), pressure, cmap="viridis", rcount=64, ccount=64, linewidth=0)
+        axes.set_xlabel(labels[0])
+        axes.set_ylabel(labels[1])
+        axes.set_zlabel(labels[2])
+        figure.text(0.02, 0.95, note, fontsize=9, color=COLOURS[1])
+        return as_png(figure)
+
+
+def _note(figure, axes, note):
+    """Print a note above the axes."""
+    if note:
+        axes.set_title(note, fontsize=9, color=COLOURS[1], loc="left")

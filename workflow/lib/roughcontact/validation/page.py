@@ -1,0 +1,138 @@
+"""The page of the validation, its table, and the sentence that lists what does not hold."""
+
+import csv
+import io
+import json
+from dataclasses import asdict
+from itertools import groupby
+from pathlib import Path
+
+from roughcontact.errors import DeviationError
+from roughcontact.quantities import number
+from roughcontact.report import template
+from roughcontact.storage import provenance, write_text
+from roughcontact.validation.lines import Line, Part, from_json
+
+MEASURES = {
+    "relative": "relative",
+    "absolute": "absolute",
+    "largest": "largest, of the largest value",
+    "rms": "rms, of the rms value",
+}
+_TEMPLATES = Path(__file__).with_name("templates")
+
+
+def read_parts(paths) -> list[Part]:
+    """Return the parts that were written as JSON, in the given order."""
+    return [from_json(Path(path).read_text(encoding="utf-8")) for path in paths]
+
+
+def write_page(path, parts: list[Part]) -> None:
+    """Write the page for people, one self-contained HTML file; what does not hold is marked and listed."""
+    lines = [line for part in parts for line in part.lines]
+    html = template("validation.html", folder=_TEMPLATES).render(
+        parts=[_shown(part) for part in parts],
+        count=len(lines),
+        failures=[
+            {"id": part.name, "text": _sentence(line)}
+            for part in parts
+            for line in part.lines
+            if not line.holds
+        ],
+        versions=_versions(),
+    )
+    write_text(html, path)
+
+
+def write_table(path, parts: list[Part]) -> None:
+    """Write all lines as CSV, one row each, every digit kept."""
+    rows = [_record(part, line) for part in parts for line in part.lines]
+    buffer = io.StringIO()
+    writer = csv.DictWriter(buffer, fieldnames=list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    write_text(buffer.getvalue(), path)
+
+
+def check(parts: list[Part], page) -> int:
+    """Return how many lines there are, all of which hold.
+
+    Raises
+    ------
+    DeviationError
+        where a line does not hold: each with its numbers, and the page to look at.
+    """
+    lines = [line for part in parts for line in part.lines]
+    failures = [_sentence(line) for line in lines if not line.holds]
+    if failures:
+        listed = "\n".join(f"  {sentence}" for sentence in failures)
+        raise DeviationError(
+            f"{len(failures)} of {len(lines)} lines of the validation do not hold:\n{listed}\n"
+            f"{page} has them marked, with formula, source and test."
+        )
+    return len(lines)
+
+
+def _record(part: Part, line: Line) -> dict:
+    """Return a line as a row of the table."""
+    numbers = {name: repr(float(getattr(line, name))) for name in ("reference", "value", "deviation")}
+    return (
+        {"part": part.name, "what": line.what, **numbers, "measure": line.measure}
+        | {"tolerance": repr(line.tolerance), "reason": line.reason, "holds": "yes" if line.holds else "no"}
+        | asdict(line.evidence)
+    )
+
+
+def _sentence(line: Line) -> str:
+    """Return what a line says, in words."""
+    return (
+        f"{line.what}: {_value(line.value)} instead of {_value(line.reference)}, deviation "
+        f"{number(line.deviation, digits=2)} ({MEASURES[line.measure]}), tolerance "
+        f"{number(line.tolerance, digits=2)}"
+    )
+
+
+def _shown(part: Part) -> dict:
+    """Return a part as the template wants it: lines with the same evidence together, numbers as text."""
+    evidences = list(dict.fromkeys(line.evidence for line in part.lines))
+    ordered = sorted(part.lines, key=lambda line: evidences.index(line.evidence))
+    groups = [
+        {"evidence": evidence, "lines": [_row(line) for line in lines]}
+        for evidence, lines in groupby(ordered, key=lambda line: line.evidence)
+    ]
+    return {
+        "name": part.name,
+        "title": part.title,
+        "text": part.text,
+        "holding": sum(line.holds for line in part.lines),
+        "count": len(part.lines),
+        "groups": groups,
+        "figures": part.figures,
+        "tables": part.tables,
+    }
+
+
+def _row(line: Line) -> dict:
+    return {
+        "what": line.what,
+        "reference": _value(line.reference),
+        "value": _value(line.value),
+        "deviation": number(line.deviation, digits=2),
+        "measure": MEASURES[line.measure],
+        "tolerance": number(line.tolerance, digits=2),
+        "reason": line.reason,
+        "holds": line.holds,
+    }
+
+
+def _value(value: float) -> str:
+    """Return a number with six digits, a whole one without decimals."""
+    if value == round(value) and abs(value) < 1e6:
+        return f"{value:.0f}".replace("-", "−")
+    return number(value, digits=6)
+
+
+def _versions() -> str:
+    """Return the versions behind the numbers."""
+    versions = json.loads(provenance({})["versions"])
+    return ", ".join(f"{name} {version}" for name, version in versions.items())
