@@ -251,7 +251,7 @@ SHARED = Path(__file__).parents[2].parent / "shared" / "data"
 @pytest.mark.parametrize(
     ("file", "kinds", "least_share"),
     [
-        ("frt-1.frt", {"spike"}, 0.55),  # a third of the map missing at the border, a line amid it not scanned
+        ("frt-1.frt", {"spike"}, 0.55),  # a third missing at the border, one line not scanned
         ("valid_zygo_dat_file.dat", set(), 0.4),  # a round pupil
         ("KautschukInfiniteFocus.x3p", set(), 0.85),
         ("plu-1.plu", {"spike"}, 0.95),
