@@ -14,7 +14,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io import kinds
-from roughcontact.io.guards import ARCHIVE_ERRORS, brief, check_points
+from roughcontact.io.guards import ARCHIVE_ERRORS, brief, check_memory, check_points
 from roughcontact.io.metadata import instrument_words
 from roughcontact.io.source import Channel, SourceFile, UnevenPositions, as_heights, even_step, scattered
 
@@ -187,6 +187,8 @@ def read_sdf(path: Path) -> SourceFile:
     """Open an SDF file with sdfio: ASCII and binary, the BCR and ISO revisions, bad points as missing."""
     import sdfio
 
+    size = path.stat().st_size
+    check_memory(size * 12, f"{size} bytes of SDF", path)
     try:
         file = sdfio.read(path)
     except (sdfio.SdfError, ValueError, ArithmeticError) as error:

@@ -18,7 +18,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io import kinds
-from roughcontact.io.guards import brief, check_points
+from roughcontact.io.guards import brief, check_memory, check_points
 from roughcontact.io.metadata import instrument_words
 from roughcontact.io.source import Channel, SourceFile, UnevenPositions, as_heights, scattered
 from roughcontact.io.units import is_length
@@ -48,6 +48,7 @@ _BY_FIRST_BYTES = {
     _ZIP: ("plux", "nmm", "poir", "qep", "mitutoyo"),
 }
 _BY_MAGIC = ("bcr", "metropro", "opd", "os3d")  # whose mark lies elsewhere or has several encodings
+_BYTES_PER_BYTE = 8  # memory for each byte of a file: integers of two bytes become numbers of eight, twice
 _NMS_DATE = 1076  # where the header of NanoFocus has it, bytes
 _BY_STRUCTURE = ("ibw", "plu", "nms")  # no mark: told by a header that must agree with the file
 
@@ -79,6 +80,8 @@ def read_instrument(path: Path, head: bytes) -> SourceFile:
     InputFileError
         where no reader knows the file, or the one that knows it finds it damaged.
     """
+    size = path.stat().st_size
+    check_memory(size * _BYTES_PER_BYTE, f"{size} bytes of this format", path)
     _refuse_converted_line_ends(path)
     with _silence():
         from SurfaceTopography.Exceptions import FileFormatMismatch
