@@ -74,7 +74,7 @@ OTHERWISE = {
     "csv-1.csv": {"size_x": 8 / 7 * 0.2703e-6, "size_y": None},
     "opdx-3.opdx": {"size_y": None},
     # The header sets the counts below 5 apart as no heights (first_valid), and one whole line of 500 points
-    # carries the count 0, beside 33 lines that are missing: it was not scanned. SurfaceTopography and Gwyddion
+    # carries the count 0, beside 33 missing lines: it was not scanned. SurfaceTopography and Gwyddion
     # know only the count 1 as missing and read that line as 0 m, 77 µm below all others.
     "frt-1.frt": {"missing": (76456 + 500) / 250000, "rms": 2.504539e-6},
     # heights are said to be in nm; the steps are given
