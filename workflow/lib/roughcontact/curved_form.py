@@ -6,8 +6,10 @@ from roughcontact.errors import HeightMapError
 from roughcontact.form import biweight, fit_form, robust_scale
 
 _ITERATIONS = 60
-_CONVERGED = 1e-9  # change of the form between iterations, relative to its residual
+_CONVERGED = 1e-9  # change of the form between iterations, in standard deviations of the residual
+_CONVERGED_ROBUST = 1e-6  # the same where weights change with the residual
 _STEP = 1e-6  # of the numerical derivatives; lengths are in half the longer side of the map
+_START_POINTS = 50_000  # enough for a good start on a large map
 _CHUNK = 200_000  # points worked on at a time
 _TURN = 0.3  # rad; the axis of a cylinder that is nearly flat is poorly known and must not jump
 
@@ -67,6 +69,9 @@ def fit_curved_form(values, coordinates, *, shape: str, robust: bool = False) ->
         (values[measured] - reference) / half,
     )
     parameters = _start(start, start_form, reference, half, shape)
+    if points[0].size > 2 * _START_POINTS:
+        few = np.random.default_rng(0).choice(points[0].size, _START_POINTS, replace=False)
+        parameters = _least_squares(parameters, [c[few] for c in points], robust=robust)
     parameters = _least_squares(parameters, points, robust=robust)
     fitted, inside = _surface(parameters, (y[:, None] - middle_y) / half, (x[None, :] - middle_x) / half)
     beyond = np.count_nonzero(measured & ~inside)
@@ -153,7 +158,8 @@ def _least_squares(parameters, points, *, robust):
             return parameters  # no step makes it better: rounding
         change = np.abs(trial - residual).max()
         parameters, residual, damping = parameters + step, trial, max(damping / 30, 1e-12)
-        if change <= _CONVERGED * scale + 1e-15 * np.abs(z).max():
+        enough = _CONVERGED_ROBUST if robust else _CONVERGED
+        if change <= enough * scale + 1e-15 * np.abs(z).max():
             break
     return parameters
 
