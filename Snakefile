@@ -12,6 +12,7 @@ include: "workflow/rules/common.smk"
 include: "workflow/rules/surface.smk"
 include: "workflow/rules/contact.smk"
 include: "workflow/rules/report.smk"
+include: "workflow/rules/validation.smk"
 
 
 rule all:

@@ -10,6 +10,7 @@ import pytest
 from roughcontact import sources
 
 ROOT = Path(__file__).parents[2]
+VALIDATION_PAGE = {"validation", "validation_page"}
 SCRIPTS = sorted(path for path in (ROOT / "workflow/scripts").glob("[a-z]*.py"))
 _PROBE = """
 import ast, importlib, sys
@@ -53,12 +54,12 @@ def digests(workflow):
 @pytest.mark.parametrize(
     ("edited", "concerned"),
     [
-        ("lib/roughcontact/periodisation.py", {"window"}),
-        ("lib/roughcontact/outliers.py", {"level"}),
-        ("lib/roughcontact/io/units.py", {"ingest"}),
-        ("lib/roughcontact/contact/solve.py", {"solve", "solve_statistics", "statistics"}),
+        ("lib/roughcontact/periodisation.py", {"window", "validate"}),
+        ("lib/roughcontact/outliers.py", {"level", "validate"}),
+        ("lib/roughcontact/io/units.py", {"ingest", "validate"}),
+        ("lib/roughcontact/contact/solve.py", {"solve", "solve_statistics", "statistics", "validate"}),
         ("lib/roughcontact/collect.py", {"collect"}),
-        ("lib/roughcontact/templates/report.css", {"panel", "report"}),
+        ("lib/roughcontact/templates/report.css", {"panel", "report", *VALIDATION_PAGE}),
         ("lib/roughcontact/settings.py", set()),
         ("scripts/_solver.py", {"solve", "solve_statistics"}),
     ],

@@ -213,6 +213,16 @@ class Report(Section):
     title: str = Field("Contact of rough surfaces", description="title of the page")
 
 
+class Validation(Section):
+    """The target `validation`: the program against closed forms and published numbers."""
+
+    finest_grid: Count = Field(
+        2048,
+        ge=256,
+        description="points along the finest grid, a power of 2 from 256 on; tolerances follow the grid",
+    )
+
+
 class Settings(Section):
     """Settings of roughcontact."""
 
@@ -226,6 +236,7 @@ class Settings(Section):
     contact: Contact = Field(default_factory=Contact)
     statistics: Statistics = Field(default_factory=Statistics)
     report: Report = Field(default_factory=Report)
+    validation: Validation = Field(default_factory=Validation)
     cases: dict[str, dict[str, Any]] = Field(
         default_factory=dict,
         description="a study: name of a case -> settings that differ from those above; every surface runs "
@@ -236,7 +247,7 @@ class Settings(Section):
 
 # keys of `contact` of which only one may be given: a case that gives one replaces the other of the base
 _ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure"))
-_COMMON = ("surfaces", "report", "cases")  # keys that are the same for all cases
+_COMMON = ("surfaces", "report", "validation", "cases")  # keys that are the same for all cases
 
 
 def contact_modulus(bodies: list[dict]) -> float:

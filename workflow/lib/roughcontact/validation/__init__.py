@@ -1,7 +1,9 @@
 """Validation: what the program computes, held line by line against what is known from elsewhere.
 
 Every line states what was compared, the reference, our value, their deviation, its tolerance, and where
-formula, source and test are. Rooms: `lines` (a line, a part, what holds), one module for each part (`paper`,
-`waves`, `hertz`, `full_contact`, `convergence`, `rough`, `consistency`), `parts` (their names and the public
-verb), `drawing` (figures), `page` (the page for people).
+formula, source and test are. Rooms: `lines` (a line, a part, what holds), one module for each part, `parts`
+(the public verb that computes one), `drawing` (figures), `page` (the page for people, and what fails).
 """
+
+# in the order of the page; each is a module of this package with a function `part`
+PARTS = ("paper", "waves", "hertz", "full_contact", "convergence", "rough", "consistency")

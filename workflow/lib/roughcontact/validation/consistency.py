@@ -17,7 +17,7 @@ _STEP = 1e-5  # relative step of load: so small that no point comes or goes
 _CODE = "tests/unit/test_validation.py::test_consistency_of_the_closed_forms"
 WORK = Evidence(
     "dU/dū = −p̄: the work of the load is stored",
-    "Johnson (1985), sec. 9.5; Persson (2007), Phys. Rev. Lett. 99, 125502",
+    "Persson (2007), Phys. Rev. Lett. 99, 125502",
     "statistics.elastic_energy, gap of solve_contact",
     _CODE,
 )
@@ -31,7 +31,7 @@ TILED = Evidence(
     "the same surface, repeated, is the same problem (q = 0: zero)",
     "periodicity",
     "contact.solve_contact",
-    "tests/property/test_contact.py",
+    "tests/unit/test_contact_dataset.py::test_relative_numbers_do_not_depend_on_units_position_or_orientation",
 )
 
 

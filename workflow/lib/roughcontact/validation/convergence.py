@@ -22,24 +22,24 @@ _CREST_LOADS = np.linspace(0.1, 0.85, 6)
 _TEST = "tests/unit/test_validation.py::test_fitted_order_of_a_power_law"
 
 FIRST = Evidence(
-    "error ~ n^−1: the edge of the contact is known to a pixel, the pressure starts there like a square root",
+    "error ~ 1/n: the edge of the contact is known to a pixel, the pressure starts there like a square root",
     "Yastrebov, Anciaux and Molinari (2017) for the area; closed forms of Westergaard (1939)",
     "validation.convergence.fitted_order",
     _TEST,
 )
 SECOND = Evidence(
-    "error ~ n^−2: energy is stationary, so an edge that is off by ε changes it, and the mean gap, by ε²",
-    "Johnson (1985), sec. 13.2 and 9.5 (variational principle); closed forms of Westergaard (1939)",
+    "error ~ 1/n²: energy is stationary, so an edge that is off by ε changes it, and the mean gap, by ε²",
+    "Johnson (1985), sec. 5.9 (minimum of energy); closed forms of Westergaard (1939)",
     "validation.convergence.fitted_order",
     _TEST,
 )
 CORRECTED = Evidence(
     "A/A₀ = Na/N − c M/N, c = (π − 1 + ln 2)/24: takes the first order out; what is left is scatter along "
     "the "
-    "contact line, ~ n^−3/2",
+    "contact line, ~ 1/n^1.5",
     "Yastrebov, Anciaux and Molinari (2017)",
     "statistics.relative_contact_area",
-    "tests/unit/test_statistics.py",
+    "tests/unit/test_statistics.py::test_corrected_area_of_the_product_wave_is_nearer_than_the_pixels",
 )
 
 
@@ -48,7 +48,7 @@ def part(*, finest_grid: int) -> Part:
     ridges, ridge_figures = _ridges(_doubled(64, finest_grid))
     crests, crest_figures = _crests(_doubled(32, max(finest_grid // 4, 256)))
     text = (
-        "The order k says how an error falls with the number of points n, as n^−k. The errors are rms over "
+        "The order k says how an error falls with the number of points n, as n⁻ᵏ. The errors are rms over "
         "many "
         "loads and positions of the wave between the points. Area and pressure field are of first order; "
         "energy, gap, approach and peak of second."

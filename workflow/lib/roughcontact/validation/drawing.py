@@ -8,7 +8,9 @@ _KNOWN = {"color": "#444444", "linewidth": 1.2}
 _LINES = ("-", "--", ":", "-.")
 
 
-def chart(known, found, *, x, y, scales=("linear", "linear"), limits=None, note=None, more=()) -> str:
+def chart(
+    known, found, *, x, y, published=(), scales=("linear", "linear"), limits=None, note=None, more=()
+) -> str:
     """Draw what is known as dark lines and what was computed as coloured marks.
 
     Parameters
@@ -16,6 +18,8 @@ def chart(known, found, *, x, y, scales=("linear", "linear"), limits=None, note=
     known, found : list of (label, x values, y values)
     x, y : str
         labels of the axes.
+    published : list of (label, x values, y values)
+        numbers of others, drawn as open circles around the marks.
     scales : (str, str)
         ``linear`` or ``log``, of x and y.
     limits : ((x low, x high), (y low, y high)) or None
@@ -38,6 +42,9 @@ def chart(known, found, *, x, y, scales=("linear", "linear"), limits=None, note=
                 color=COLOURS[index],
                 label=label,
             )
+        for label, horizontal, vertical in published:
+            style = {"linestyle": "none", "marker": "o", "markersize": 9, "fillstyle": "none"}
+            axes.plot(horizontal, vertical, color="#444444", label=label, **style)
         for horizontal, vertical in more:
             axes.plot(horizontal, vertical, **_KNOWN)
         axes.set(xscale=scales[0], yscale=scales[1], xlabel=x, ylabel=y)

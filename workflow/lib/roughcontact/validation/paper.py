@@ -20,6 +20,7 @@ from roughcontact.window import periodic_window
 TITLE = "The paper's figures and its three steps"
 PAPER = "A numerical approach to the contact of nominally flat surfaces"
 ROUNDING = 1e-12
+_MODULUS = 1e9  # E* of the measured map, Pa
 _SERIES = 2048  # waves along each axis in the sum of figure 1
 
 _CLOSED_FORMS = "tests/unit/test_contact_closed_forms.py"
@@ -260,15 +261,15 @@ def _onset_of_full_contact(points=64):
 def _three_steps(sample):
     """Return lines and figures of a map that goes through the paper's three steps."""
     window = periodic_window(level(io.read_height_map(sample), form="polynomial"))
-    steps, gradient = spacing(window), roughness.rms_gradient(window)
-    rms = roughness.rms_height(window)
-    fluctuation = reference.full_contact_fluctuation(window.values, steps, 1.0)
-    loads = [0.05 * gradient, 0.2 * gradient, -1.01 * fluctuation.min()]
-    contact = solve_contact(window, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-8)
+    steps, rms = spacing(window), roughness.rms_height(window)
+    unit = _MODULUS * roughness.rms_gradient(window)
+    fluctuation = reference.full_contact_fluctuation(window.values, steps, _MODULUS)
+    loads = [0.05 * unit, 0.2 * unit, -1.01 * fluctuation.min()]
+    contact = solve_contact(window, contact_modulus=_MODULUS, mean_pressure=loads, tolerance=1e-8)
     pressures = contact["pressure"].values
     lines = []
     for load, pressure, name in zip(loads[:2], pressures[:2], ("0.05", "0.2"), strict=True):
-        gap = gap_of(pressure, window.values, steps, 1.0) / rms
+        gap = gap_of(pressure, window.values, steps, _MODULUS) / rms
         checks = (
             ("mean pressure over the prescribed one", pressure.mean() / load, 1.0),
             ("least pressure over the mean", min(pressure.min() / load, 0.0), 0.0),
@@ -307,7 +308,7 @@ def _three_steps(sample):
         Figure(
             "Step 3: the solution of one period",
             plots.pressure_map(window, pressures[0]),
-            f"Contact pressure over E* at p̄ = 0.05 E* g: {area} of the area in contact.",
+            f"Contact pressure at p̄ = 0.05 E* g, E* = 1 GPa: {area} of the area in contact.",
         ),
     ]
     return lines, figures

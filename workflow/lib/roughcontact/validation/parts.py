@@ -1,12 +1,19 @@
-"""The parts of the validation, by name, and the verb that computes one."""
-
-from importlib import import_module
+"""The verb that computes one part of the validation."""
 
 from roughcontact.errors import SettingsError
+from roughcontact.validation import (
+    PARTS,
+    consistency,
+    convergence,
+    full_contact,
+    hertz,
+    paper,
+    rough,
+    waves,
+)
 from roughcontact.validation.lines import Part
 
-# in the order of the page; each is a module of this package with a function `part`
-PARTS = ("paper", "waves", "hertz", "full_contact", "convergence", "rough", "consistency")
+_SMALLEST_GRID = 256
 
 
 def validate(part: str, sample=None, *, finest_grid: int = 2048) -> Part:
@@ -27,23 +34,22 @@ def validate(part: str, sample=None, *, finest_grid: int = 2048) -> Part:
     SettingsError
         for a part that there is not, or a grid of another size.
     """
-    from roughcontact.validation import (  # noqa: F401 - named here so that an edit of one reruns the job
-        consistency,
-        convergence,
-        full_contact,
-        hertz,
-        paper,
-        rough,
-        waves,
-    )
-
     if part not in PARTS:
         raise SettingsError(f"part = {part!r} of the validation; there are {', '.join(PARTS)}")
-    if finest_grid < 256 or finest_grid & (finest_grid - 1):
+    if finest_grid < _SMALLEST_GRID or finest_grid & (finest_grid - 1):
         raise SettingsError(
-            f"validation.finest_grid = {finest_grid}: must be a power of 2, 256 or more (2048 takes a minute "
-            f"or two)"
+            f"validation.finest_grid = {finest_grid}: must be a power of 2, {_SMALLEST_GRID} or more; 2048 "
+            f"takes a "
+            "minute or two"
         )
-    module = import_module(f"roughcontact.validation.{part}")
-    given = {"sample": sample} if part == "paper" else {}
-    return module.part(finest_grid=finest_grid, **given)
+    if part == "paper":
+        return paper.part(sample, finest_grid=finest_grid)
+    modules = {
+        "waves": waves,
+        "hertz": hertz,
+        "full_contact": full_contact,
+        "convergence": convergence,
+        "rough": rough,
+        "consistency": consistency,
+    }
+    return modules[part].part(finest_grid=finest_grid)

@@ -19,7 +19,7 @@ MAP = Evidence(
     "1",
     "rough reference case, see docs/validation.md",
     "synthetic.rough_reference_surface",
-    "tests/unit/test_synthetic.py::test_rough_reference_surface",
+    "tests/unit/test_synthetic.py::test_rough_reference_case_is_the_published_one",
 )
 INDEPENDENT = Evidence(
     "area corrected by the perimeter, mean gap over the rms height 0.023699516",

@@ -275,10 +275,8 @@ def _crests(points):
             ("low asymptote", line[line < 0.4], reference.jgh_contact_share_low(line[line < 0.4])),
             ("high asymptote", line[near], reference.jgh_contact_share_high(line[near])),
         ],
-        [
-            ("computed", ratios, [areas[r] for r in ratios]),
-            ("independent code", list(table), list(table.values())),
-        ],
+        [("computed", ratios, [areas[r] for r in ratios])],
+        published=[("independent code", list(table), list(table.values()))],
         x="r = p̄ / p*",
         y="relative contact area A/A₀",
         scales=("log", "log"),

@@ -1,0 +1,215 @@
+"""The validation: it holds at a small size, a wrong number makes it fail, every line has its evidence."""
+
+import csv
+import importlib
+import json
+import os
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from roughcontact import reference, synthetic
+from roughcontact.contact import solve_contact
+from roughcontact.errors import DeviationError, SettingsError
+from roughcontact.fourier import spacing
+from roughcontact.validation import PARTS, convergence, page, paper
+from roughcontact.validation.lines import (
+    Evidence,
+    Part,
+    compare,
+    compare_largest,
+    compare_rms,
+    from_json,
+    to_json,
+)
+from roughcontact.validation.parts import validate
+
+ROOT = Path(__file__).parents[2]
+SAMPLE = ROOT / "data_samples/sandblasted.x3p"
+EVIDENCE = Evidence("1 + 1 = 2", "Peano (1889)", "reference.hertz", "tests/unit/test_reference.py")
+KNOWN = {"tolerance": 0.1, "reason": "for the test", "evidence": EVIDENCE}
+
+
+_JOB = """
+import sys
+from roughcontact.validation.lines import to_json
+from roughcontact.validation.parts import PARTS, validate
+for name in PARTS:
+    with open(f"{name}.json", "w", encoding="utf-8") as file:
+        file.write(to_json(validate(name, sys.argv[1], finest_grid=256)))
+"""
+
+
+@pytest.fixture(scope="module")
+def parts(tmp_path_factory):
+    """All parts at the smallest size, computed as a job does it: in a process with one thread."""
+    folder = tmp_path_factory.mktemp("parts")
+    environment = os.environ | {"OMP_NUM_THREADS": "1", "PYTHONPATH": str(ROOT / "workflow/lib")}
+    subprocess.run([sys.executable, "-c", _JOB, SAMPLE], cwd=folder, env=environment, check=True)
+    return {part.name: part for part in page.read_parts(folder / f"{name}.json" for name in PARTS)}
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_parts_hold_at_a_small_size(parts, name):
+    part = parts[name]
+    assert part.name == name
+    assert part.lines
+    assert [line.what for line in part.lines if not line.holds] == []
+
+
+def test_no_two_lines_are_called_the_same(parts):
+    names = [line.what for part in parts.values() for line in part.lines]
+    assert len(set(names)) == len(names) > 100
+
+
+def test_the_evidence_of_every_line_is_there(parts):
+    for evidence in {line.evidence for part in parts.values() for line in part.lines}:
+        assert evidence.formula
+        assert evidence.source
+        for name in re.findall(r"[\w.]+\.\w+", evidence.code):
+            module, _, function = name.rpartition(".")
+            assert hasattr(importlib.import_module(f"roughcontact.{module}"), function), name
+        file, _, test = evidence.test.partition("::")
+        assert f"def {test}(" in (ROOT / file).read_text(), evidence.test
+
+
+def test_the_papers_figures_carry_their_deviation(parts):
+    titles = [figure.title for figure in parts["paper"].figures]
+    assert titles[:4] == ["Figure 1", "Figure 2", "Figure 3a", "Figure 3b"]
+    full = [line for line in parts["paper"].lines if line.what.startswith(("Fig. 2", "Fig. 3"))]
+    assert len(full) == 2
+    assert all(line.deviation < 1e-13 for line in full)
+
+
+def test_a_part_comes_back_from_its_file(parts):
+    part = parts["rough"]
+    text = to_json(part)
+    back = from_json(text)
+    assert list(back.lines) == list(part.lines)
+    assert to_json(back) == text
+
+
+def test_the_page_states_all_of_every_line(parts, tmp_path):
+    page.write_page(tmp_path / "page.html", list(parts.values()))
+    html = (tmp_path / "page.html").read_text()
+    lines = [line for part in parts.values() for line in part.lines]
+    assert f"all {len(lines)} lines hold" in html
+    assert html.count('<tr class="passed">') == len(lines)
+    assert 'class="failed"' not in html
+    assert "http" not in re.sub(r'http://www.w3.org/[^"]*', "", html)  # nothing from the network
+    for column in ("reference", "ours", "deviation", "tolerance"):
+        assert html.count(f'data-label="{column}"') == len(lines)
+    assert page.check(list(parts.values()), "page.html") == len(lines)
+
+
+def test_the_table_keeps_every_digit(parts, tmp_path):
+    page.write_table(tmp_path / "lines.csv", list(parts.values()))
+    with open(tmp_path / "lines.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    lines = [line for part in parts.values() for line in part.lines]
+    assert [float(row["value"]) for row in rows] == [line.value for line in lines]
+    assert {row["holds"] for row in rows} == {"yes"}
+
+
+def test_a_line_that_does_not_hold_is_marked_and_fails(tmp_path):
+    good = compare("right", 2.0, 2.0, **KNOWN)
+    bad = compare("wrong", 2.5, 2.0, **KNOWN)
+    part = Part("sums", "Sums", "Sums of small numbers.", [good, bad])
+    page.write_page(tmp_path / "page.html", [part])
+    html = (tmp_path / "page.html").read_text()
+    assert "1 of 2 lines do not hold" in html
+    assert html.count('<tr class="failed">') == 1
+    with pytest.raises(
+        DeviationError, match=r"wrong: 2\.50000 instead of 2, deviation 0\.25 .* tolerance 0\.10"
+    ):
+        page.check([part], "page.html")
+
+
+def test_a_deviation_that_is_no_number_does_not_hold():
+    assert not compare("nan", np.nan, 1.0, **KNOWN).holds
+    assert not compare_largest("nan", [1.0, np.nan], [1.0, 1.0], **KNOWN).holds
+    assert not compare_rms("nan", [1.0, np.nan], [1.0, 1.0], **KNOWN).holds
+
+
+def test_measures_of_a_deviation():
+    assert compare("relative", 11.0, 10.0, **KNOWN).deviation == pytest.approx(0.1)
+    assert compare("absolute", 11.0, 10.0, measure="absolute", **KNOWN).deviation == pytest.approx(1.0)
+    largest = compare_largest("field", [1.0, 5.0, 2.0], [1.0, 4.0, 2.0], **KNOWN)
+    assert (largest.reference, largest.value, largest.deviation) == (4.0, 5.0, 0.25)
+    rms = compare_rms("field", [3.0, 5.0], [3.0, 4.0], **KNOWN)
+    assert rms.deviation == pytest.approx(np.sqrt(1 / 25))
+    assert replace(rms, tolerance=rms.deviation).holds
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [
+        ("JGH_CONTACT_SHARE", {0.05: 0.11294, 0.1: 0.19061, 0.3: 0.52418, 0.5: 0.70423, 0.9: 0.95063}),
+        ("jgh_contact_share_low", lambda r: 0.9 * np.pi * (3 * np.asarray(r) / (8 * np.pi)) ** (2 / 3)),
+        (
+            "westergaard_energy",
+            lambda *a: 1.01 * a[0] * np.pi * min(a[3], 1) ** 2 * (0.25 - np.log(a[3]) / 2),
+        ),
+    ],
+)
+def test_a_wrong_reference_is_noticed(monkeypatch, name, wrong):
+    monkeypatch.setattr(reference, name, wrong)
+    part = validate("waves", finest_grid=256)
+    with pytest.raises(DeviationError):
+        page.check([part], "page.html")
+
+
+@pytest.mark.parametrize("grid", [128, 300])
+def test_a_grid_that_does_not_serve_is_named(grid):
+    with pytest.raises(SettingsError, match=f"finest_grid = {grid}"):
+        validate("waves", finest_grid=grid)
+
+
+def test_a_part_that_there_is_not():
+    with pytest.raises(SettingsError, match=r"'wave'.*waves"):
+        validate("wave")
+
+
+def test_fitted_order_of_a_power_law():
+    sizes = np.array([64, 128, 512])
+    assert convergence.fitted_order(sizes, 7 * sizes**-1.7) == pytest.approx(1.7, rel=1e-12)
+
+
+def test_the_gap_of_a_pressure_is_that_of_the_solver():
+    height = synthetic.rough_reference_surface(64)
+    contact = solve_contact(height, contact_modulus=2.0, mean_pressure=0.1, tolerance=1e-10)
+    gap = paper.gap_of(contact["pressure"].values[0], height.values, spacing(height), 2.0)
+    np.testing.assert_allclose(gap, contact["gap"].values[0], atol=1e-10 * np.ptp(height.values))
+
+
+def test_the_series_of_figure_1_has_the_mean_of_a_hertz_contact_in_its_middle():
+    """With the lattice value at q = 0 and a wide period the middle must approach as a single contact does."""
+    period = 200.0
+    zero = reference.LATTICE_CONSTANT * period
+    (middle,) = paper.hertz_displacement_by_series(np.zeros(1), period, zero)
+    assert middle == pytest.approx(
+        np.pi / 2, rel=2e-3
+    )  # u(0) = π p₀ a/(2E*), tail of the sum beyond 2048 waves
+
+
+def test_consistency_of_the_closed_forms():
+    """Westergaard: energy, gap and stiffness belong together, as `consistency` asks of the solver."""
+    ratio, step = 0.3, 1e-6
+    full = reference.westergaard_full_contact_pressure(1.0, 1.0, 1.0)
+    low, high = ratio * (1 - step), ratio * (1 + step)
+    energy = [reference.westergaard_energy(1.0, 1.0, 1.0, r) for r in (low, high)]
+    gap = [reference.westergaard_mean_gap(1.0, r) for r in (low, high)]
+    assert -(energy[1] - energy[0]) / (gap[1] - gap[0]) == pytest.approx(ratio * full, rel=1e-6)
+    stiffness = -2 * step * ratio * full / (gap[1] - gap[0])
+    assert stiffness == pytest.approx(reference.westergaard_stiffness(1.0, 1.0, 1.0, ratio), rel=1e-6)
+
+
+def test_parts_are_written_the_same_twice(parts):
+    again = validate("hertz", finest_grid=256)
+    assert to_json(again) == to_json(parts["hertz"])
+    assert json.loads(to_json(again))["name"] == "hertz"
