@@ -11,6 +11,7 @@ report: "workflow/report/workflow.rst"
 include: "workflow/rules/common.smk"
 include: "workflow/rules/surface.smk"
 include: "workflow/rules/contact.smk"
+include: "workflow/rules/crosscheck.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/validation.smk"
 

@@ -183,7 +183,7 @@ def test_fitted_order_of_a_power_law():
 def test_the_gap_of_a_pressure_is_that_of_the_solver():
     height = synthetic.rough_reference_surface(64)
     contact = solve_contact(height, contact_modulus=2.0, mean_pressure=0.1, tolerance=1e-10)
-    gap = paper.gap_of(contact["pressure"].values[0], height.values, spacing(height), 2.0)
+    gap = reference.gap_left_by(contact["pressure"].values[0], height.values, spacing(height), 2.0)
     np.testing.assert_allclose(gap, contact["gap"].values[0], atol=1e-10 * np.ptp(height.values))
 
 

@@ -49,6 +49,7 @@ rule panel:
         window=stage_file("window"),
         contact=stage_file("contact"),
         statistics=stage_file("statistics"),
+        crosscheck=crosscheck_file,
     output:
         f"{FOLDER}/panel.html",
     log:

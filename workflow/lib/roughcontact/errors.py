@@ -26,3 +26,7 @@ class ConvergenceError(RoughContactError, RuntimeError):
 
 class DeviationError(RoughContactError, RuntimeError):
     """A line of the validation whose deviation is beyond its tolerance."""
+
+
+class CrossCheckError(RoughContactError, RuntimeError):
+    """Another code, asked for a cross-check, that does not run or does not converge."""

@@ -252,6 +252,26 @@ def full_contact_energy(height, spacing, contact_modulus):
     return contact_modulus / 4 * weighted.sum()
 
 
+def gap_left_by(pressure, height, spacing, contact_modulus):
+    """Return u - h less its mean over the contact (m), by NumPy's transforms alone: apart from the solver.
+
+    û = 2 p̂/(E*|q|), q ≠ 0.
+
+    Parameters
+    ----------
+    pressure, height : array (ny, nx), Pa and m
+    spacing : (dy, dx), m
+    contact_modulus : float, Pa
+
+    Source: Johnson (1985), sec. 13.2, one wave at a time.
+    """
+    q = wavenumbers(height.shape, spacing)
+    q[0, 0] = np.inf
+    displaced = np.fft.irfft2(2 / (contact_modulus * q) * np.fft.rfft2(pressure), s=height.shape)
+    gap = displaced - height
+    return gap - gap[pressure > 0].mean()
+
+
 # --- Rough maps that other codes have solved ---------------------------------------------------------------
 
 # `synthetic.rough_reference_surface` at 1024 x 1024 points, by an independent code. Load p̄/(E* g): (relative

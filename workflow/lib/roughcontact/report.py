@@ -40,7 +40,9 @@ _COLUMNS = (
 )
 
 
-def write_panel(path, *, surface, case=None, height, levelled, window, contact, statistics, settings) -> None:
+def write_panel(
+    path, *, surface, case=None, height, levelled, window, contact, statistics, settings, crosscheck=None
+) -> None:
     """Write one surface's part of the report, an HTML fragment with its images inside.
 
     Parameters
@@ -52,6 +54,8 @@ def write_panel(path, *, surface, case=None, height, levelled, window, contact, 
         The result files of the surface. Where `contact` keeps no maps of pressure and gap the part says so.
     settings : dict
         The settings of the run.
+    crosscheck : path or None
+        What another code found, where the run was cross-checked.
     """
     measured, plane, solved = (_read_map(file) for file in (height, levelled, window))
     numbers = read_dataset(statistics)
@@ -86,6 +90,7 @@ def write_panel(path, *, surface, case=None, height, levelled, window, contact, 
         waves=_waves(solved, numbers) if rough else [],
         charts=_charts(numbers, solved, shown, rough=rough),
         table=_table(numbers, checks.load_flags(numbers, solved.size)),
+        crosscheck=_crosscheck(crosscheck, numbers, order) if crosscheck else None,
         summary=_embedded(
             {
                 "identifier": identifier,
@@ -272,6 +277,38 @@ def _table(numbers, flags) -> dict:
         {"cells": cells, "flags": ", ".join(words)} for *cells, words in zip(*columns, flags, strict=True)
     ]
     return {"header": header, "rows": rows}
+
+
+def _crosscheck(path, numbers, order) -> dict:
+    """Return who cross-checked, and a row of differences for each load."""
+    other = read_dataset(path).isel(load=order)
+    header = (
+        "mean pressure p̄",
+        "pixels in contact",
+        "by the other code",
+        "points that differ",
+        "pressure, rms difference",
+        "largest pressure, difference",
+        "mean gap, difference",
+    )
+    rows = []
+    for own, theirs in ((numbers.isel(load=i), other.isel(load=i)) for i in range(order.size)):
+        relative = [
+            float(theirs[f"other_{name}"]) / float(own[name]) - 1 if own[name] > 0 else 0.0
+            for name in ("max_pressure", "mean_gap")
+        ]
+        points = float(theirs["contact_difference"])
+        rows.append(
+            [
+                quantity(float(own["mean_pressure"]), "Pa"),
+                f"{100 * float(own['relative_contact_area_pixels']):.4f} %",
+                f"{100 * float(theirs['other_contact_area_pixels']):.4f} %",
+                "–" if np.isnan(points) else f"{points:.0f}",
+                number(float(theirs["pressure_difference"]), digits=2),
+                *(number(value, digits=2) for value in relative),
+            ]
+        )
+    return {"code": f"{other.attrs['code']} {other.attrs['version']}", "header": header, "rows": rows}
 
 
 def _facts(measured, levelled, window, numbers) -> list[tuple[str, str]]:

@@ -213,6 +213,19 @@ class Report(Section):
     title: str = Field("Contact of rough surfaces", description="title of the page")
 
 
+class Crosscheck(Section):
+    """Cross-check of every result by another code, run as an outside program; see docs/validation.md."""
+
+    code: Literal["none", "tamaas", "contactmechanics"] = Field(
+        "none", description="the other code; its differences stand in the report, load by load"
+    )
+    python: str | None = Field(
+        None,
+        description="path of the Python that has the other code",
+        examples=["/opt/tamaas/bin/python"],
+    )
+
+
 class Validation(Section):
     """The target `validation`: the program against closed forms and published numbers."""
 
@@ -236,6 +249,7 @@ class Settings(Section):
     contact: Contact = Field(default_factory=Contact)
     statistics: Statistics = Field(default_factory=Statistics)
     report: Report = Field(default_factory=Report)
+    crosscheck: Crosscheck = Field(default_factory=Crosscheck)
     validation: Validation = Field(default_factory=Validation)
     cases: dict[str, dict[str, Any]] = Field(
         default_factory=dict,
@@ -247,7 +261,7 @@ class Settings(Section):
 
 # keys of `contact` of which only one may be given: a case that gives one replaces the other of the base
 _ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure"))
-_COMMON = ("surfaces", "report", "validation", "cases")  # keys that are the same for all cases
+_COMMON = ("surfaces", "report", "crosscheck", "validation", "cases")  # keys that are the same for all cases
 
 
 def contact_modulus(bodies: list[dict]) -> float:
@@ -304,6 +318,10 @@ def resolve(config: dict) -> dict[str, dict]:
         except ValidationError as error:
             mistakes += [_sentence(name, overrides, detail) for detail in error.errors()]
             continue
+        if settings["crosscheck"]["code"] != "none" and not settings["crosscheck"]["python"]:
+            mistakes.append(
+                f"crosscheck.python: missing (path of the Python that has {settings['crosscheck']['code']})"
+            )
         if settings["contact"]["bodies"]:
             settings["contact"]["contact_modulus"] = contact_modulus(settings["contact"]["bodies"])
         resolved[name] = settings

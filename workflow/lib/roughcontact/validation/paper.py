@@ -8,7 +8,7 @@ import numpy as np
 
 from roughcontact import io, plots, reference, roughness, synthetic
 from roughcontact.contact import solve_contact
-from roughcontact.fourier import spacing, wavenumbers
+from roughcontact.fourier import spacing
 from roughcontact.halfspace import HalfSpace, zero_frequency_compliance
 from roughcontact.levelling import level
 from roughcontact.quantities import number, percent
@@ -53,7 +53,7 @@ TURNED = Evidence(
 CONDITIONS = Evidence(
     "p ≥ 0, gap ≥ 0, p · gap = 0, mean(p) = p̄, gap = u − h + const, û = 2 p̂/(E*|q|)",
     f"{PAPER}, sec. 2 and 4; Polonsky and Keer (1999)",
-    "validation.paper.gap_of",
+    "reference.gap_left_by",
     "tests/unit/test_validation.py::test_the_gap_of_a_pressure_is_that_of_the_solver",
 )
 FULL_MAP = Evidence(
@@ -83,22 +83,6 @@ def full_contact_of_the_wave(points, mean_pressure, unit):
     """Return eq. (4), p̄ + P [cos(2πx/λ) + cos(2πy/λ)], at `points` per wavelength; (points, points), Pa."""
     wave = np.cos(2 * np.pi * np.arange(points) / points)
     return mean_pressure + unit * (wave[:, None] + wave[None, :])
-
-
-def gap_of(pressure, height, steps, contact_modulus):
-    """Return u - h less its mean over the contact (m), by NumPy's transforms alone: apart from the solver.
-
-    Parameters
-    ----------
-    pressure, height : array (ny, nx), Pa and m
-    steps : (dy, dx), m
-    contact_modulus : float, Pa
-    """
-    q = wavenumbers(height.shape, steps)
-    q[0, 0] = np.inf
-    displaced = np.fft.irfft2(2 / (contact_modulus * q) * np.fft.rfft2(pressure), s=height.shape)
-    gap = displaced - height
-    return gap - gap[pressure > 0].mean()
 
 
 def hertz_displacement_on_a_grid(period, points, rule):
@@ -269,7 +253,7 @@ def _three_steps(sample):
     pressures = contact["pressure"].values
     lines = []
     for load, pressure, name in zip(loads[:2], pressures[:2], ("0.05", "0.2"), strict=True):
-        gap = gap_of(pressure, window.values, steps, _MODULUS) / rms
+        gap = reference.gap_left_by(pressure, window.values, steps, _MODULUS) / rms
         checks = (
             ("mean pressure over the prescribed one", pressure.mean() / load, 1.0),
             ("least pressure over the mean", min(pressure.min() / load, 0.0), 0.0),

@@ -1,0 +1,36 @@
+"""Another code for tests of the cross-check: projected gradients, nothing of ours.
+
+Called as the Python of such a code is: PROGRAM CODE PROBLEM SOLUTION, of which it ignores the program.
+"""
+
+import sys
+
+import numpy as np
+
+
+def on_the_simplex(p, total):
+    """Return the nearest pressures that are not negative and sum to `total`."""
+    falling = np.sort(p)[::-1]
+    excess = (np.cumsum(falling) - total) / np.arange(1, p.size + 1)
+    return np.maximum(p - excess[falling > excess][-1], 0)
+
+
+def solve(heights, pitches, load, steps=4000):
+    """Return the pressures, E* = 1."""
+    qy = 2 * np.pi * np.fft.fftfreq(heights.shape[0], pitches[0])[:, None]
+    qx = 2 * np.pi * np.fft.fftfreq(heights.shape[1], pitches[1])[None, :]
+    q = np.hypot(qy, qx)
+    q[0, 0] = np.inf
+    p = np.full(heights.shape, load)
+    for _ in range(steps):
+        gradient = np.fft.ifft2(2 / q * np.fft.fft2(p)).real - heights
+        p = on_the_simplex((p - q.min() / 2 * gradient).ravel(), load * p.size).reshape(p.shape)
+    return p
+
+
+if __name__ == "__main__":
+    _, code, problem, solution = sys.argv[1:]
+    given = np.load(problem)
+    pitches = given["lengths"] / given["heights"].shape
+    pressures = np.array([solve(given["heights"], pitches, load) for load in given["loads"]])
+    np.savez(solution, pressures=pressures, version=f"{code} 1.0")

@@ -1,0 +1,133 @@
+"""The cross-check: another program solves the same problem, and whatever goes wrong with it is said."""
+
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact import synthetic
+from roughcontact.crosscheck import crosscheck
+from roughcontact.errors import CrossCheckError, HeightMapError, SettingsError
+from roughcontact.settings import resolve
+
+MODULUS = 2e9
+OTHER_CODE = Path(__file__).parents[1] / "other_code.py"
+OTHER_PYTHON = os.environ.get("CROSSCHECK_PYTHON")
+
+
+@pytest.fixture
+def other(tmp_path):
+    """A program that behaves like a Python with another code, in a folder with a space in its name."""
+    path = tmp_path / "other code" / "python"
+    path.parent.mkdir()
+    path.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{OTHER_CODE}" "$@"\n')
+    path.chmod(0o755)
+    return str(path)
+
+
+def solved(height, *, fields=True):
+    """Return (contact, statistics) at two loads."""
+    gradient = rc.contact_statistics(rc.solve_contact(height, contact_modulus=MODULUS, mean_pressure=MODULUS))
+    unit = MODULUS * float(gradient["rms_gradient"])
+    contact = rc.solve_contact(
+        height, contact_modulus=MODULUS, mean_pressure=[0.3 * unit, 0.05 * unit], tolerance=1e-9
+    )
+    statistics = rc.contact_statistics(contact)
+    return (contact if fields else contact.drop_dims(["y", "x"])), statistics
+
+
+MAPS = {
+    "map": synthetic.self_affine_surface(
+        (20, 16), (2e-6, 1e-6), hurst=0.8, shortest=8e-6, longest=16e-6, rms_gradient=0.1, seed=1
+    ),
+    "row": synthetic.westergaard_surface((1, 32), 1e-6, amplitude=1e-6, wavelength=32e-6),
+    "column": synthetic.height_map(1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)[:, None], 1e-6),
+}
+
+
+def assert_equal_results(result, statistics):
+    """The other code's numbers are ours to seven digits."""
+    assert result["other_max_pressure"].values == pytest.approx(statistics["max_pressure"].values, rel=1e-7)
+    assert result["other_mean_gap"].values == pytest.approx(statistics["mean_gap"].values, rel=1e-7)
+    own = statistics["relative_contact_area_pixels"].values
+    assert result["other_contact_area_pixels"].values == pytest.approx(own, abs=1e-12)
+
+
+@pytest.mark.parametrize("kind", MAPS)
+def test_another_program_finds_the_same(other, kind):
+    contact, statistics = solved(MAPS[kind])
+    result = crosscheck(MAPS[kind], contact, statistics, code="tamaas", python=other)
+    assert result.attrs == {"code": "Tamaas", "version": "tamaas 1.0"}
+    assert_equal_results(result, statistics)
+    assert (result["pressure_difference"] < 1e-7).all()
+    assert (result["contact_difference"] == 0).all()
+    assert result["mean_pressure"].values.tolist() == statistics["mean_pressure"].values.tolist()
+
+
+def test_without_fields_the_numbers_are_compared(other):
+    contact, statistics = solved(MAPS["map"], fields=False)
+    result = crosscheck(MAPS["map"], contact, statistics, code="contactmechanics", python=other)
+    assert_equal_results(result, statistics)
+    assert np.isnan(result["pressure_difference"]).all()
+    assert np.isnan(result["contact_difference"]).all()
+
+
+def test_a_difference_is_shown(other):
+    contact, statistics = solved(MAPS["map"])
+    contact["pressure"][0] = contact["pressure"][0] * 1.01
+    result = crosscheck(MAPS["map"], contact, statistics, code="tamaas", python=other)
+    assert float(result["pressure_difference"][0]) == pytest.approx(0.01 / 1.01, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("python", "said"),
+    [
+        ("/nowhere/python", "'/nowhere/python' does not start"),
+        (sys.executable, "No module named 'tamaas'"),
+    ],
+)
+def test_a_code_that_does_not_run_is_named(python, said):
+    contact, statistics = solved(MAPS["row"])
+    with pytest.raises(CrossCheckError, match=said):
+        crosscheck(MAPS["row"], contact, statistics, code="tamaas", python=python)
+
+
+def test_a_flat_map_and_an_unknown_code_are_refused():
+    flat = synthetic.height_map(np.zeros((4, 4)), 1e-6)
+    contact = rc.solve_contact(flat, contact_modulus=MODULUS, mean_pressure=1e6)
+    with pytest.raises(HeightMapError, match="flat"):
+        crosscheck(flat, contact, rc.contact_statistics(contact), code="tamaas", python=sys.executable)
+    with pytest.raises(SettingsError, match="'abaqus'"):
+        crosscheck(flat, contact, rc.contact_statistics(contact), code="abaqus", python=sys.executable)
+
+
+def test_settings_ask_for_the_python():
+    contact = {"contact_modulus": 1e9}
+    with pytest.raises(SettingsError, match=r"crosscheck\.python: missing"):
+        resolve({"contact": contact, "crosscheck": {"code": "tamaas"}})
+    (settings,) = resolve({"contact": contact, "crosscheck": {"code": "tamaas", "python": "p"}}).values()
+    assert settings["crosscheck"] == {"code": "tamaas", "python": "p"}
+
+
+def test_no_other_code_is_imported():
+    """Tamaas is AGPL: it is run by its own Python, never imported by this package."""
+    package = Path(rc.__file__).parent
+    importing = [
+        path.relative_to(package)
+        for path in package.rglob("*.py")
+        if "tamaas as" in path.read_text() or "import ContactMechanics" in path.read_text()
+    ]
+    assert importing == [Path("outside/solve.py")]
+
+
+@pytest.mark.skipif(OTHER_PYTHON is None, reason="CROSSCHECK_PYTHON names no Python with the other codes")
+@pytest.mark.parametrize("code", ["tamaas", "contactmechanics"])
+@pytest.mark.parametrize("kind", MAPS)
+def test_the_other_codes_themselves(code, kind):
+    contact, statistics = solved(MAPS[kind])
+    result = crosscheck(MAPS[kind], contact, statistics, code=code, python=OTHER_PYTHON)
+    assert_equal_results(result, statistics)
+    assert (result["contact_difference"] == 0).all()

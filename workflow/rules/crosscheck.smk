@@ -1,0 +1,34 @@
+# Another code, run as an outside program by its own Python, solves every window again; the report shows both.
+CROSSCHECK = CASES[next(iter(CASES))]["crosscheck"]
+
+
+def crosscheck_file(wildcards):
+    """Return the file of the cross-check; none where there is no other code."""
+    file = f"{FOLDER}/crosscheck.nc".format(**wildcards)
+    return [] if CROSSCHECK["code"] == "none" else file
+
+
+if CROSSCHECK["code"] != "none":
+
+    rule crosscheck:
+        """Solve the same problem by another code and compare."""
+        input:
+            window=stage_file("window"),
+            contact=stage_file("contact"),
+            statistics=stage_file("statistics"),
+            program=ROOT / "workflow/lib/roughcontact/outside/solve.py",
+        output:
+            f"{FOLDER}/crosscheck.nc",
+        log:
+            f"{LOGS}/crosscheck.log",
+        conda:
+            "../envs/roughcontact.yaml"
+        resources:
+            mem_mb=memory(bytes_per_point=600, and_load=50),
+            runtime=minutes(microseconds_per_point=20, and_load=1000),
+        params:
+            settings=stage_settings("statistics"),
+            crosscheck=CROSSCHECK,
+            code=code("crosscheck"),
+        script:
+            "../scripts/crosscheck.py"
