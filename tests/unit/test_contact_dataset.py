@@ -55,7 +55,7 @@ def test_every_load_fulfils_the_contact_conditions(solved):
         piece = contact.isel(load=load)
         pressure, gap = piece["pressure"].values, piece["gap"].values
         assert pressure.min() >= 0
-        assert gap.min() == -float(piece["max_penetration"])
+        assert max(0.0, -gap.min()) == float(piece["max_penetration"])
         assert -gap.min() < 1e-5 * np.ptp(window.values)
         np.testing.assert_array_equal(piece["contact"], pressure > 0)
         q = wavenumbers(pressure.shape, (1e-6, 1.5e-6))

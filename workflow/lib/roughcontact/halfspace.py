@@ -12,9 +12,7 @@ import numpy as np
 
 from roughcontact.errors import SettingsError
 from roughcontact.fft import make_plan
-from roughcontact.fourier import wavevectors
-
-_BLOCK = 1 << 16  # elements of the symbol that are made at a time: they stay in the cache
+from roughcontact.fourier import wavenumbers
 
 
 class HalfSpace:
@@ -30,39 +28,44 @@ class HalfSpace:
         self.lengths = tuple(lengths)
         self.threads = threads
         self.applications = 0.0
-        spacing = (lengths[0] / shape[0], lengths[1] / shape[1])
-        qy, qx = wavevectors(shape, spacing)
-        # The real and the imaginary part of a coefficient share a factor: keep q_x^2 twice, so that a
-        # spectrum seen as real numbers is multiplied without a detour over complex numbers.
-        self._q2 = {
-            np.dtype(dtype): ((qy**2).astype(dtype), np.repeat(qx**2, 2, axis=1).astype(dtype))
-            for dtype in (np.float32, np.float64)
-        }
-        self.mean_wavenumber = float(np.hypot(qy, qx).mean())  # over the half plane, for rounding estimates
+        q = wavenumbers(shape, [length / n for length, n in zip(lengths, shape, strict=True)])
+        self.mean_wavenumber = float(q.mean())  # over the half plane, for rounding estimates
+        self.stiffest = float(q.max()) / 2  # largest symbol of G^-1
+        q[0, 0] = np.inf
+        self._symbols = {np.dtype(np.float64): np.divide(2, q, out=q)}
         self._plans = {}
-        self._held_by = {}
 
-    def displacement(self, pressure: np.ndarray, *, dtype=None) -> np.ndarray:
-        """Return u = G p, shape (ny, nx), mean zero, in the precision `dtype`, or in that of `pressure`."""
-        plan = self._plan(dtype or pressure.dtype)
-        self._held_by[plan.field.dtype] = None
-        plan.field[...] = pressure
-        return self._apply(plan, _comply)
+    def displacement(self, pressure):
+        """Return u = G p, shape (ny, nx), mean zero, in the precision of `pressure`."""
+        plan = self._load(pressure)
+        plan.forward()
+        plan.spectrum *= self._symbol(pressure.dtype)
+        return self._finish(plan)
 
-    def pressure(self, displacement: np.ndarray) -> np.ndarray:
+    def pressure(self, displacement):
         """Return p = G^-1 u, shape (ny, nx), mean zero, in the precision of `displacement`."""
-        plan = self._plan(displacement.dtype)
-        self._held_by[plan.field.dtype] = None
-        plan.field[...] = displacement
-        return self._apply(plan, _resist)
+        plan = self._load(displacement)
+        plan.forward()
+        plan.spectrum[0, 0] = 0
+        symbol = self._symbol(displacement.dtype)
+        plan.spectrum[0, 1:] /= symbol[0, 1:]
+        plan.spectrum[1:] /= symbol[1:]
+        return self._finish(plan)
 
-    def displacement_of(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
-        """Return G of the field that is `values` at the flat indices `points` and zero elsewhere."""
-        return self._apply(self._fill(values, points), _comply)
+    def room(self, dtype):
+        """Return the array from which the next application reads: what is put there is not copied."""
+        return self._plan(dtype).field
 
-    def pressure_of(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
-        """Return G^-1 of the field that is `values` at the flat indices `points` and zero elsewhere."""
-        return self._apply(self._fill(values, points), _resist)
+    def _load(self, field):
+        plan = self._plan(field.dtype)
+        if field is not plan.field:
+            plan.field[...] = field
+        return plan
+
+    def _finish(self, plan):
+        plan.inverse()
+        self.applications += 1
+        return plan.result
 
     def _plan(self, dtype):
         dtype = np.dtype(dtype)
@@ -70,44 +73,10 @@ class HalfSpace:
             self._plans[dtype] = make_plan(self.shape, dtype, threads=self.threads)
         return self._plans[dtype]
 
-    def _fill(self, values, points):
-        """Put values into the plan's field, zero elsewhere already if the same points were last filled."""
-        plan = self._plan(values.dtype)
-        if self._held_by.get(plan.field.dtype) is not points:
-            plan.field.fill(0)
-            self._held_by[plan.field.dtype] = points
-        plan.field.ravel()[points] = values
-        return plan
-
-    def _apply(self, plan, multiply):
-        plan.forward()
-        dtype = plan.field.dtype
-        parts = plan.spectrum.view(dtype)
-        q2_y, q2_x = self._q2[dtype]
-        step = max(1, _BLOCK // q2_x.size)
-        for start in range(0, self.shape[0], step):
-            rows = slice(start, start + step)
-            q = np.add(q2_y[rows], q2_x)
-            np.sqrt(q, out=q)
-            if start == 0:
-                q[0, :2] = 1
-            multiply(parts[rows], q)
-        parts[0, :2] = 0
-        plan.inverse()
-        self.applications += 1
-        return plan.result
-
-
-def _comply(parts, q):
-    """Multiply a block of the spectrum by |q|^-1, times 2."""
-    np.divide(2, q, out=q)
-    parts *= q
-
-
-def _resist(parts, q):
-    """Multiply a block of the spectrum by |q|/2."""
-    q *= 0.5
-    parts *= q
+    def _symbol(self, dtype):
+        if dtype not in self._symbols:
+            self._symbols[dtype] = self._symbols[np.dtype(np.float64)].astype(dtype)
+        return self._symbols[dtype]
 
 
 def zero_frequency_compliance(rule: str, *, lengths: tuple[float, float]) -> float:

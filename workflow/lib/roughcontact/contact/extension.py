@@ -1,66 +1,147 @@
-"""Extend values from the contact set to the whole grid, and the transpose of doing so.
+"""Extend a residual from the contact set over the gaps between, and the transpose of doing so.
 
-The preconditioner G^-1 restricted to the contact set C sees a residual that is zero outside C. The exact
-inverse sees the extension of least energy instead (it is the Schur complement of G^-1 on C). Where pixels are
-much longer than wide the difference decides: rows are then almost independent problems, coupled by their
-loads alone, and a residual that is constant along a row must stay constant across its gaps. So values are
-pulled into the gaps from means over ever longer blocks along the finer axis ("push and pull"), and smoothed
-once there.
+The operator restricted to the contact set C has an exact inverse: extend the residual over the rest of the
+surface such that the elastic energy of the extension is least, apply G^-1 to that, and keep the values on C
+(the Schur complement of G^-1). The extension of least energy decays from a contact as a displacement does,
+neither at once nor never. It is imitated here from coarse to fine: on every grid of a pyramid an empty cell
+takes the mean of its eight neighbours, weighted by the inverse cube of the distance, the decay of G^-1 in
+space. Cells that are empty in part are mixed by their empty share, so that isolated contacts reach as far as
+they should and no farther.
+
+With W for the extension, W^T G^-1 W is nowhere less than the exact inverse, and measured to be at most about
+twice it, whatever the grid: that is why few iterations suffice.
 """
 
 import numpy as np
 
-from roughcontact.contact.levels import block_sum, prolong
-
-ELONGATED = 3.0  # ratio of the pitches from which the extension pays
+ELONGATED = (
+    3.0  # ratio of the pitches above which lines along the finer axis are taken as contacts of their own
+)
+SMALLEST = 4  # cells along an axis below which the pyramid is not continued
+MOST_SWEEPS = 16  # on the coarsest grid, which is not small where the number of cells has large prime factors
 
 
 class Extension:
-    """The linear map W from values on C, given as a field that is zero elsewhere, to a field without gaps.
+    """The linear map W from fields that are zero outside C to fields without gaps, on one grid.
 
-    `lengths` = (Ly, Lx). `extend` applies W, `transpose` its transpose, whose values outside C mean nothing.
+    `kernels`: `roughcontact.contact.kernels` or its compiled twin. Grid by grid of the pyramid, finest first,
+    it holds the empty share of every cell, which `complete` brings up to date when C changes, and room to
+    work in.
     """
 
-    def __init__(self, active: np.ndarray, lengths: tuple[float, float]):
-        self.levels = []
-        count = active.astype(np.float32)
+    def __init__(self, like, lengths: tuple[float, float], kernels):
+        self.kernels = kernels
+        self.empty, self.weights, self.factors, self.rooms = [], [], [], []
+        self.collapsed = (
+            None  # the grid on which every line along the finer axis is one cell, where there is one
+        )
+        xp, shape = like.__array_namespace__(), like.shape
         while True:
-            pitch_y, pitch_x = (length / n for length, n in zip(lengths, count.shape, strict=True))
-            along_x = pitch_x <= pitch_y
-            n = count.shape[1 if along_x else 0]
-            factor = next((f for f in (2, 3, 5) if n % f == 0), 1)
-            factors = (1, factor) if along_x else (factor, 1)
-            empty = count == 0
-            mean = np.where(empty, 0, 1 / np.where(empty, 1, count))
-            self.levels.append((empty, mean, factors, 1 if along_x else 0))
-            if factor == 1 or not empty.any():
+            pitches = [length / n for length, n in zip(lengths, shape, strict=True)]
+            self.weights.append(stencil(pitches, shape, dtype=like.dtype))
+            self.empty.append(xp.empty(shape, dtype=like.dtype))
+            self.rooms.append([xp.empty(shape, dtype=like.dtype) for _ in range(2 if self.factors else 1)])
+            factors = coarsening(pitches, shape)
+            if factors == (1, 1) and self.collapsed is None:
+                factors = collapse(pitches, shape)
+                self.collapsed = len(self.empty) if factors != (1, 1) else None
+            if factors == (1, 1):
                 break
-            count = block_sum(count, factors)
+            self.factors.append(factors)
+            shape = tuple(n // f for n, f in zip(shape, factors, strict=True))
+        self.sweeps = min(MOST_SWEEPS, max(shape))
+        self.last_rooms = [xp.empty(shape, dtype=like.dtype) for _ in range(2)]
 
-    def extend(self, values: np.ndarray) -> np.ndarray:
-        """Return W values, shape (ny, nx)."""
-        sums = [values]
-        for _, _, factors, _ in self.levels[:-1]:
-            sums.append(block_sum(sums[-1], factors))
-        field = sums[-1] * self.levels[-1][1]
-        for total, (empty, mean, factors, axis) in zip(sums[-2::-1], self.levels[-2::-1], strict=True):
-            field = np.where(empty, prolong(field, factors), total * mean)
-            field = np.where(empty, _neighbours(field, axis), field)
-        return field
+    def complete(self) -> None:
+        """Bring the empty shares of the coarser grids up to date with `empty[0]`, 1 outside C and 0 on it."""
+        for level, factors in enumerate(self.factors, start=1):
+            self.kernels.block_mean(self.empty[level - 1], factors, self.empty[level])
+            if level == self.collapsed:
+                xp, share = self.empty[level].__array_namespace__(), 1 - self.empty[level]
+                self._inverse_share = xp.where(share > 0, 1 / xp.where(share > 0, share, 1), 0)
+                self.empty[level][...] = xp.astype(share == 0, share.dtype)
 
-    def transpose(self, field: np.ndarray) -> np.ndarray:
-        """Return W^T field, shape (ny, nx), right on C."""
-        kept = []
-        for empty, mean, factors, axis in self.levels[:-1]:
-            field = np.where(empty, 0, field) + _neighbours(np.where(empty, field, 0), axis)
-            kept.append(np.where(empty, 0, field) * mean)
-            field = block_sum(np.where(empty, field, 0), factors)
-        total = field * self.levels[-1][1]
-        for own, (_, _, factors, _) in zip(kept[::-1], self.levels[-2::-1], strict=True):
-            total = own + prolong(total, factors)
-        return total
+    def extend(self, values, out) -> None:
+        """Put W values into `out`; both of shape (ny, nx)."""
+        kernels, rooms = self.kernels, self.rooms
+        means = [values]
+        for level, factors in enumerate(self.factors, start=1):
+            kernels.block_mean(means[-1], factors, rooms[level][0])
+            if level == self.collapsed:
+                rooms[level][0] *= self._inverse_share
+            means.append(rooms[level][0])
+        mixed = self._sweep(means[-1])
+        for level in range(len(self.factors), 0, -1):
+            filled = rooms[level][1]
+            if level == self.collapsed:
+                filled[...] = mixed
+            else:
+                kernels.neighbours(mixed, self.weights[level], filled)
+            mixed = rooms[level - 1][0]  # the room of the means, which are needed no more
+            kernels.mix(means[level - 1], self.empty[level - 1], filled, self.factors[level - 1], mixed)
+        kernels.fill(values, self.empty[0], mixed, self.weights[0], out)
+
+    def _sweep(self, means):
+        """Return the coarsest grid's mixed field, of which the neighbours' means are taken once more."""
+        mixed, other = means, self.last_rooms
+        for sweep in range(1, self.sweeps):
+            self.kernels.fill(means, self.empty[-1], mixed, self.weights[-1], other[sweep % 2])
+            mixed = other[sweep % 2]
+        return mixed
+
+    def transpose(self, field, values) -> tuple[float, float]:
+        """Put W^T field, zero outside C, into `field`; return its sum and that of its product with `values`."""
+        kernels, rooms, last = self.kernels, self.rooms, len(self.factors)
+        kernels.empty_neighbours(field, self.empty[0], self.weights[0], rooms[0][0])
+        for level, factors in enumerate(self.factors, start=1):
+            kernels.gather(rooms[level - 1][0], self.empty[level - 1], factors, rooms[level][1])
+            if level == self.collapsed:
+                rooms[level][0][...] = rooms[level][1]
+            else:
+                kernels.neighbours(rooms[level][1], self.weights[level], rooms[level][0])
+        passed, other = rooms[last][0], self.last_rooms
+        for sweep in range(1, self.sweeps):
+            kernels.empty_neighbours(passed, self.empty[-1], self.weights[-1], other[sweep % 2])
+            passed = other[sweep % 2]
+            rooms[last][0] += passed
+        for level in range(last, 0, -1):
+            if level == self.collapsed:
+                rooms[level][0] *= self._inverse_share
+            fy, fx = self.factors[level - 1]
+            kernels.spread(rooms[level - 1][0], rooms[level][0], (fy, fx), 1 / (fy * fx))
+        return kernels.conclude(field, rooms[0][0], values, self.empty[0])
 
 
-def _neighbours(field, axis):
-    """Return the mean of the two neighbours along an axis, over the periodic boundary."""
-    return (np.roll(field, 1, axis) + np.roll(field, -1, axis)) * field.dtype.type(0.5)
+def coarsening(pitches, shape) -> tuple[int, int]:
+    """Return the factors (fy, fx) to the next coarser grid of the pyramid; (1, 1) on the coarsest.
+
+    An axis whose pitch is finer is coarsened alone, until the cells are about square.
+    """
+    finest = min(p for p, n in zip(pitches, shape, strict=True) if n > 1)
+    factors = []
+    for n, p in zip(shape, pitches, strict=True):
+        divisor = next((f for f in (2, 3, 5) if n % f == 0 and n // f >= SMALLEST), 1)
+        factors.append(divisor if p <= 1.5 * finest else 1)
+    return factors[0], factors[1]
+
+
+def collapse(pitches, shape) -> tuple[int, int]:
+    """Return the factors that make one cell of every line along the finer axis; (1, 1) where pixels are square.
+
+    A line whose whole length is short against the distance to the next is a contact of its own, coupled to
+    the others by its load alone: a residual that is constant along it must stay constant across its gaps. So
+    its one cell takes the mean over its contact.
+    """
+    (ny, nx), (dy, dx) = shape, pitches
+    if min(shape) == 1 or max(pitches) <= ELONGATED * min(pitches):
+        return 1, 1
+    return (ny, 1) if dy < dx else (1, nx)
+
+
+def stencil(pitches, shape, *, dtype) -> tuple:
+    """Return the weights of a neighbour across y, across x, and diagonal; those of all eight sum to 1."""
+    dy, dx = pitches
+    weights = np.array([dy**-3.0, dx**-3.0, np.hypot(dy, dx) ** -3.0])
+    weights *= [shape[0] > 1, shape[1] > 1, min(shape) > 1]
+    weights /= 2 * weights[0] + 2 * weights[1] + 4 * weights[2]
+    return tuple(np.asarray(weights, dtype=str(np.dtype(str(dtype).split(".")[-1]))))

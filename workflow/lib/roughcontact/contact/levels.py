@@ -1,10 +1,12 @@
 """Nested grids: a coarse solution is a cheap first guess for the next finer grid.
 
-Coarse heights are block means, and a coarse pressure is repeated onto the finer grid: both were measured to
-need fewer iterations than injection, Fourier truncation and bilinear interpolation.
+Coarse heights are block means, measured to need fewer iterations than injection and Fourier truncation. How a
+coarse pressure comes onto the finer grid: `roughcontact.contact.kernels.refine`.
 """
 
 import numpy as np
+
+from roughcontact.contact.kernels import kernels_for
 
 COARSEST = 32  # cells along an axis: below that a level costs more overhead than it saves
 
@@ -27,29 +29,17 @@ def coarsening_factors(shape, lengths) -> tuple[int, int]:
     return factors[0], factors[1]
 
 
-def restrict(field: np.ndarray, factors: tuple[int, int]) -> np.ndarray:
-    """Return the block means of `field` (ny, nx), shape (ny/fy, nx/fx)."""
-    return block_sum(field, factors) / (factors[0] * factors[1])
-
-
-def block_sum(field: np.ndarray, factors: tuple[int, int]) -> np.ndarray:
-    """Return the sums of `field` (ny, nx) over blocks of `factors`, shape (ny/fy, nx/fx)."""
-    (ny, nx), (fy, fx) = field.shape, factors
-    return field.reshape(ny // fy, fy, nx // fx, fx).sum(axis=(1, 3))
-
-
-def prolong(field: np.ndarray, factors: tuple[int, int]) -> np.ndarray:
-    """Return `field` with every cell repeated `factors` times."""
-    fy, fx = factors
-    return np.repeat(np.repeat(field, fy, axis=0), fx, axis=1)
-
-
 def hierarchy(heights: np.ndarray, lengths) -> list[tuple[np.ndarray, tuple[int, int]]]:
-    """Return [(heights, factors to the next coarser), ...] from the finest grid to the coarsest."""
+    """Return [(heights, factors to the next coarser), ...] from the finest grid to the coarsest.
+
+    The coarse heights are in single precision, which is all their tolerance asks for.
+    """
     levels = []
     while True:
         factors = coarsening_factors(heights.shape, lengths)
         levels.append((heights, factors))
         if factors == (1, 1):
             return levels
-        heights = restrict(heights, factors)
+        coarse = np.empty([n // f for n, f in zip(heights.shape, factors, strict=True)], dtype=np.float32)
+        kernels_for(heights).block_mean(heights, factors, coarse)
+        heights = coarse

@@ -1,55 +1,56 @@
 """The safe step: projected gradient, slow but always downhill.
 
-The projection onto {p >= 0, mean(p) = given} is that of the Euclidean norm, whose projected steps lower the
-energy for every small enough step length (Bertsekas 1976, IEEE Trans. Autom. Control 21, 174).
+The projection onto {0 <= p <= cap, mean(p) = given} is that of the Euclidean norm, whose projected steps
+lower the energy for every small enough step length (Bertsekas 1976, IEEE Trans. Autom. Control 21, 174).
 """
 
 import numpy as np
 
-from roughcontact.contact.state import State, descend, evaluate, mean_product
+from roughcontact.contact.state import State, between, mean_product
 
 
-def project_to_load(pressure: np.ndarray, mean_pressure: float) -> np.ndarray:
-    """Return the nearest field to `pressure` that is nowhere negative and has the prescribed mean.
+def project_to_load(pressure, mean_pressure: float, *, cap: float = np.inf):
+    """Return the nearest field to `pressure` between 0 and `cap` that has the prescribed mean.
 
-    It is max(p - shift, 0); the shift comes from Newton's method on the mean, which is convex and piecewise
-    linear in the shift, so that it ends after finitely many steps (Michelot 1986, J. Optim. Theory Appl. 50,
-    195).
+    It is max(min(p - shift, cap), 0); the mean falls with the shift, which bisection finds to the last digit.
     """
-    total = mean_pressure * pressure.size
-    kept = pressure.ravel()
+    xp = pressure.__array_namespace__()
+    kind = pressure.dtype.type
+    top = None if cap == np.inf else kind(cap)
+    low, high = float(xp.min(pressure)) - mean_pressure, float(xp.max(pressure))
+    if top is not None:
+        low -= cap
     while True:
-        shift = (kept.sum() - total) / kept.size
-        above = kept > shift
-        if above.all():
+        shift = 0.5 * (low + high)
+        projected = xp.clip(pressure - kind(shift), 0, top)
+        if not low < shift < high:
             break
-        kept = kept[above]
-    projected = np.maximum(pressure - shift, 0)
-    projected *= mean_pressure / projected.mean()  # rounding of the shift only
+        if float(xp.mean(projected, dtype=xp.float64)) > mean_pressure:
+            low = shift
+        else:
+            high = shift
     return projected
 
 
-def projected_step(halfspace, heights: np.ndarray, state: State, mean_pressure: float) -> State | None:
+def projected_step(grid, state: State, mean_pressure: float) -> State | None:
     """Return a state of lower energy, one projected gradient step away; None where rounding leaves none.
 
-    The first step length is that of steepest descent on the contact, <r, r> / <r, G r>; it is halved until
-    the energy falls along the way to the projection.
+    The first step length is that of steepest descent on the unsettled points, <r, r> / <r, G r>; it is halved
+    until the energy falls along the way to the projection.
     """
-    active = (state.pressure > 0) | (state.gap < 0)
-    slope = np.where(active, state.gap, 0)
-    slope[active] -= slope[active].mean()
-    curvature = mean_product(slope, halfspace.displacement(slope))
+    xp = state.pressure.__array_namespace__()
+    gap, pressure = state.gap, state.pressure
+    none, full = pressure <= 0, pressure >= grid.cap
+    unsettled = (none & (gap < 0)) | (full & (gap > 0)) | ~(none | full)
+    slope = xp.where(unsettled, gap, xp.zeros_like(gap))
+    curvature = mean_product(slope, grid.halfspace.displacement(slope))
     if curvature <= 0:
         return None
     length = mean_product(slope, slope) / curvature
     for _ in range(40):
-        trial = evaluate(
-            halfspace,
-            heights,
-            project_to_load(state.pressure - length * state.gap, mean_pressure),
-            dtype=state.gap.dtype,
-        )
-        lower = descend(state, trial)
+        moved = project_to_load(pressure - pressure.dtype.type(length) * gap, mean_pressure, cap=grid.cap)
+        trial, way = grid.evaluate(moved, before=state)
+        lower = trial if way.falls else between(state, trial, way, cap=grid.cap)
         if lower is not None:
             return lower
         length *= 0.5

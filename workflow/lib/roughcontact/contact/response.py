@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from roughcontact.contact.contact_set import ContactSet, centred
+from roughcontact.contact.grid import Grid
 from roughcontact.contact.problem import check_positive
-from roughcontact.contact.state import total_product
-from roughcontact.halfspace import HalfSpace
+from roughcontact.contact.state import mean_product
 
 
 def linear_response(
@@ -49,23 +48,34 @@ def linear_response(
         return 0.0
     lengths = tuple(n * d for n, d in zip(contact.shape, spacing, strict=True))
     unit = float(np.sqrt(lengths[0] * lengths[1]))
-    halfspace = HalfSpace(contact.shape, tuple(length / unit for length in lengths), threads=threads)
-    contact_set = ContactSet(halfspace, contact)
+    grid = Grid(np.zeros(contact.shape), tuple(length / unit for length in lengths), threads=threads)
+    share = contact.mean()
 
-    increment = np.full(contact_set.points.size, contact.size / contact_set.points.size)
-    displaced = contact_set.take(contact_set.displacement(increment))
-    remainder = centred(displaced)
-    product = contact_set.precondition(remainder)
-    direction, rz = -product, total_product(remainder, product)
+    increment = contact / share
+    displaced = grid.halfspace.displacement(increment).copy()
+    remainder = _centred(displaced, contact)
+    product, rz = _preconditioned(grid, remainder, contact)
+    direction = -product
     for _ in range(200):
-        if rz <= tolerance**2 * total_product(increment, displaced):
+        if rz <= tolerance**2 * mean_product(increment, displaced):
             break
-        moved = contact_set.take(contact_set.displacement(direction))
-        length = rz / total_product(direction, moved)
+        moved = grid.halfspace.displacement(direction)
+        length = rz / mean_product(direction, moved)
         increment += length * direction
         displaced += length * moved
-        remainder = centred(displaced)
-        product = contact_set.precondition(remainder)
-        rz_before, rz = rz, total_product(remainder, product)
-        direction = rz / rz_before * direction - product
-    return total_product(increment, displaced) / contact.size * unit / modulus
+        remainder = _centred(displaced, contact)
+        product, rz_after = _preconditioned(grid, remainder, contact)
+        direction = rz_after / rz * direction - product
+        rz = rz_after
+    return mean_product(increment, displaced) * unit / modulus
+
+
+def _preconditioned(grid, remainder, contact):
+    """Return M r, of mean zero on the contact, and <r, M r>."""
+    product = _centred(grid.precondition_on(contact, remainder), contact)
+    return product, mean_product(remainder, product)
+
+
+def _centred(field, contact):
+    """Return `field` on the contact less its mean there, and zero elsewhere."""
+    return np.where(contact, field - field[contact].mean(), 0)

@@ -1,88 +1,135 @@
-"""A feasible pressure, the gap it leaves by a fresh application of the operator, and their energy."""
+"""A feasible pressure, what one application of the operator tells of it, and the way between two of them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 
 @dataclass(frozen=True)
 class State:
-    """A feasible pressure p, shape (ny, nx), and what one application of the operator tells of it.
+    """A pressure 0 <= p <= cap of the prescribed mean, shape (ny, nx), and its separation G p - H.
 
-    `gap` = G p - H - level, where `level` makes its mean over the contact {p > 0} zero; `norm` = ||p||_G;
-    `size` is the root mean square of G p plus that of H, against which rounding is measured. The gap is in
-    the precision of the application, the pressure in double.
+    The gap is the separation less `level`, which makes the mean gap over the free contact {0 < p < cap} zero.
+    `norm` = ||p||_G; `size` is the root mean square of G p plus that of H, against which rounding is measured.
     """
 
     pressure: np.ndarray
-    gap: np.ndarray
+    separation: np.ndarray
     level: float
     norm: float
     size: float
 
-
-def evaluate(halfspace, heights: np.ndarray, pressure: np.ndarray, *, dtype=np.float64) -> State:
-    """Return the state of a feasible `pressure`; one operator application in the precision `dtype`."""
-    displaced = halfspace.displacement(pressure, dtype=dtype)
-    own = norm(pressure, displaced)
-    size = norm(displaced, displaced) + norm(heights, heights)
-    gap = np.empty(heights.shape, dtype=dtype)
-    np.subtract(displaced, heights, out=gap, casting="same_kind")
-    level = contact_mean(pressure, gap)
-    gap -= level
-    return State(pressure=pressure, gap=gap, level=level, norm=own, size=size)
+    @property
+    def gap(self):
+        return self.separation - self.separation.dtype.type(self.level)
 
 
-def contact_mean(pressure: np.ndarray, field: np.ndarray) -> float:
-    """Return the mean of `field` over the points of positive pressure."""
-    return float(field[pressure > 0].mean(dtype=float))
+@dataclass(frozen=True)
+class Way:
+    """The elastic energy along the straight way from one state to another of equal load.
 
-
-def descend(before: State, after: State) -> State | None:
-    """Return the state of least energy between two states of equal load; None where none is below `before`.
-
-    E(p) = <p, G p>/2 - <p, H> is quadratic along s = p' - p: its change is t <s, v> + t^2 <s, v' - v>/2, with
-    v = G p - H up to a constant, which drops out. Both states are linear in t, so that no application is
-    needed, and no digits cancel.
+    E(p) = <p, G p>/2 - <p, H> is quadratic along s = p' - p: it changes by t <s, v> + t^2 <s, v' - v>/2, with
+    the separations v = G p - H. `slope` = <s, v> and `slope_after` = <s, v'> are means over the grid.
     """
-    step = after.pressure - before.pressure
-    slope, slope_after = mean_product(step, before.gap), mean_product(step, after.gap)
-    if slope + slope_after < 0:
-        return after
-    if slope >= 0:
+
+    slope: float
+    slope_after: float
+
+    @property
+    def least(self) -> float:
+        """The share t of the way at which the energy is least; it may lie beyond the end."""
+        curvature = self.slope_after - self.slope
+        return -self.slope / curvature if curvature > 0 else np.inf
+
+    @property
+    def falls(self) -> bool:
+        return self.slope + self.slope_after < 0
+
+
+def between(before: State, after: State, way: Way, *, cap: float) -> State | None:
+    """Return the state of least energy on the way; None where the energy rises from the start.
+
+    Both states are linear in the share, so that no application of the operator is needed.
+    """
+    if way.slope >= 0:
         return None
-    curvature = slope_after - slope
-    share = -slope / curvature
-    pressure = before.pressure + share * step
-    gap = before.gap + share * (after.gap - before.gap)
-    shift = contact_mean(pressure, gap)
-    gap -= shift
-    level = before.level + share * (after.level - before.level) + shift
-    square = (1 - share) * before.norm**2 + share * after.norm**2 - share * (1 - share) * curvature
-    return State(
-        pressure=pressure, gap=gap, level=level, norm=float(np.sqrt(max(square, 0))), size=after.size
+    share = way.least
+    kind = after.pressure.dtype.type
+    pressure = before.pressure + kind(share) * (after.pressure - before.pressure)
+    separation = before.separation + kind(share) * (after.separation - before.separation)
+    square = (1 - share) * before.norm**2 + share * after.norm**2
+    square -= share * (1 - share) * (way.slope_after - way.slope)
+    return replace(
+        after,
+        pressure=pressure,
+        separation=separation,
+        level=contact_mean(pressure, separation, cap=cap),
+        norm=float(np.sqrt(max(square, 0))),
     )
 
 
-def norm(left: np.ndarray, right: np.ndarray) -> float:
+def contact_mean(pressure, separation, *, cap: float) -> float:
+    """Return the mean separation over the free contact {0 < p < cap}.
+
+    Where every point in contact has reached the cap, any level between the separations of the points at the
+    cap and of those without pressure will do: the middle.
+    """
+    xp = pressure.__array_namespace__()
+    free = (pressure > 0) & (pressure < cap)
+    if xp.any(free):
+        return float(xp.mean(separation[free], dtype=xp.float64))
+    full = pressure >= cap
+    if xp.all(full):
+        return float(xp.max(separation))
+    return 0.5 * (float(xp.max(separation[full])) + float(xp.min(separation[~full])))
+
+
+def scale_to_load(pressure, mean_pressure: float, *, cap: float = np.inf):
+    """Return max(pressure, 0) x factor, at most `cap`, with the factor that gives the prescribed mean.
+
+    Without a cap that is one multiplication. With one, the mean is a concave, piecewise linear function of
+    the factor; every pass takes the points beyond the cap as given, which ends after finitely many passes.
+    """
+    xp = pressure.__array_namespace__()
+    kind = pressure.dtype.type
+    positive = xp.where(pressure > 0, pressure, xp.zeros_like(pressure))
+    total = mean_pressure * pressure.size
+    load = float(xp.sum(positive, dtype=xp.float64))
+    if cap == np.inf:
+        positive *= kind(total / load)
+        return positive
+    if mean_pressure >= cap:
+        raise ValueError(f"a mean pressure of {mean_pressure:g} cannot be carried below the cap {cap:g}")
+    held = xp.zeros(pressure.shape, dtype=bool)
+    while True:
+        factor = (total - cap * int(xp.count_nonzero(held))) / float(
+            xp.sum(positive[~held], dtype=xp.float64)
+        )
+        beyond = (positive * kind(factor) > cap) & ~held
+        if not xp.any(beyond):
+            break
+        held |= beyond
+    return xp.where(held, kind(cap), positive * kind(factor))
+
+
+def keep_line_loads(held, pressure, product, length: float, *, axis: int):
+    """Return the pressure `held` at 0 with every line along `axis` scaled to the load it had before.
+
+    Where pixels are much longer than wide the lines along the finer axis hardly share load, so that a common
+    factor would spoil what a step has found.
+    """
+    change = length * (product.field - product.mean) * (product.field != 0)
+    wanted = np.maximum((pressure - change).sum(axis=axis, keepdims=True), 0)
+    found = held.sum(axis=axis, keepdims=True)
+    return held * np.divide(wanted, found, out=np.zeros_like(found), where=found > 0)
+
+
+def norm(left, right) -> float:
     """Return the root of the mean of left x right, a quadratic form that rounding may turn negative."""
     return float(np.sqrt(max(mean_product(left, right), 0.0)))
 
 
-def mean_product(left: np.ndarray, right: np.ndarray) -> float:
+def mean_product(left, right) -> float:
     """Return the mean over the grid of left x right, summed in double precision."""
-    return total_product(left, right) / left.size
-
-
-def total_product(left: np.ndarray, right: np.ndarray) -> float:
-    """Return the sum of left x right, in double precision whatever theirs."""
-    if left.dtype == right.dtype == np.float64:
-        return float(np.vdot(left, right))
-    return float(np.einsum("i,i->", left.ravel(), right.ravel(), dtype=float))
-
-
-def scale_to_load(pressure: np.ndarray, mean_pressure: float) -> np.ndarray:
-    """Return max(pressure, 0), scaled to the prescribed mean."""
-    positive = np.maximum(pressure, 0)
-    positive *= mean_pressure / positive.mean()
-    return positive
+    xp = left.__array_namespace__()
+    return float(xp.sum(left * right, dtype=xp.float64)) / left.size

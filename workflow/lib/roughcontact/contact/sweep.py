@@ -5,14 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from roughcontact.contact.active_set import solve_on_grid
-from roughcontact.contact.certificate import error_bound, rounding_floor
-from roughcontact.contact.levels import hierarchy, prolong
+from roughcontact.contact.certificate import bound_without_transform, rounding_floor
+from roughcontact.contact.grid import Grid
+from roughcontact.contact.iteration import SINGLE, solve_on_grid
+from roughcontact.contact.levels import hierarchy
 from roughcontact.contact.problem import Problem
-from roughcontact.contact.state import State, evaluate, scale_to_load
-from roughcontact.halfspace import HalfSpace
+from roughcontact.contact.state import State, scale_to_load
 
-COARSE_TOLERANCE = 3e-2  # of all grids but the finest: a tighter one chases points the next grid moves anyway
+COARSE_TOLERANCE = 1e-2  # of all grids but the finest: a tighter one chases points the next grid moves anyway
+OFTEN_FULL = 1.0  # load in units of E* g; the full-contact pressure has a standard deviation of half that
 
 
 @dataclass(frozen=True)
@@ -41,20 +42,19 @@ def sweep(problem: Problem, loads: Sequence[float], *, tolerance: float, threads
             yield _flat(problem, load)
         return
     levels = hierarchy(problem.heights, problem.lengths)
-    grids = [HalfSpace(heights.shape, problem.lengths, threads=threads) for heights, _ in levels]
+    grids = [Grid(heights, problem.lengths, threads=threads) for heights, _ in levels]
+    factors = [factors for _, factors in levels]
     finest = grids[0]
     # Full contact: p = mean + G^-1 H, wherever that is nowhere negative (Johnson 1985, section 13.2).
-    fluctuation = finest.pressure(problem.heights).copy()
-    # A load that closes the last gap exactly is full contact whatever the last digit says.
-    full_contact_from = -float(fluctuation.min()) - 1e-13 * float(np.ptp(fluctuation))
+    fluctuation, full_contact_from = _full_contact(finest, max(loads))
     last = None  # the pressures of the last load, finest grid first
     for load in loads:
         if load >= full_contact_from:
-            state = evaluate(finest, problem.heights, scale_to_load(load + fluctuation, load))
-            bound, steps = error_bound(finest, state), 0
+            state, _ = finest.evaluate(scale_to_load(load + fluctuation, load))
+            bound, steps = bound_without_transform(finest, state), 0
         else:
-            start, coarse, steps = _nested_start(levels, grids, load, last)
-            solution = solve_on_grid(finest, problem.heights, start, load, tolerance=tolerance)
+            start, coarse, steps = _nested_start(grids, factors, load, last)
+            solution = solve_on_grid(finest, start, load, tolerance=tolerance)
             state, bound, steps = solution.state, solution.error_bound, steps + solution.steps
             last = [state.pressure, *coarse]
         yield Solution(
@@ -62,46 +62,61 @@ def sweep(problem: Problem, loads: Sequence[float], *, tolerance: float, threads
             error_bound=bound,
             steps=steps,
             applications=_applications(grids),
-            floor=rounding_floor(finest, state),
+            floor=rounding_floor(finest.halfspace, state),
         )
 
 
-def _nested_start(levels, grids, load: float, last) -> tuple[np.ndarray, list[np.ndarray], int]:
+def _full_contact(grid: Grid, load: float) -> tuple[np.ndarray | None, float]:
+    """Return the fluctuation of the full-contact pressure and the load from which it is nowhere negative.
+
+    Where even the largest `load` is far from that, single precision says so, and the load alone is returned.
+    """
+    if load < OFTEN_FULL:
+        roughly = -float(grid.halfspace.pressure(grid.heights.astype(SINGLE)).min())
+        if load < 0.99 * roughly:
+            return None, roughly
+    fluctuation = grid.halfspace.pressure(grid.heights).copy()
+    # A load that closes the last gap exactly is full contact whatever the last digit says.
+    return fluctuation, -float(fluctuation.min()) - 1e-13 * float(np.ptp(fluctuation))
+
+
+def _nested_start(grids, factors, load: float, last) -> tuple[np.ndarray, list[np.ndarray], int]:
     """Return a first guess of the pressure on the finest grid, the coarse pressures, and the steps they took.
 
-    Each grid starts from the pressure of the next coarser one, repeated. After another load, whose pressures
-    on all grids are `last`, it starts from that load's pressure plus the repeated difference that the new
-    load makes on the coarser grid: the detail that only the finer grid resolves is then there already.
+    Each grid starts from the pressure of the next coarser one, refined. After another load, whose pressures
+    on all grids are `last`, it starts from that load's pressure plus the refined difference that the new load
+    makes on the coarser grid: the detail that only the finer grid resolves is then there already.
     """
-    pressure = np.full(grids[-1].shape, load) if last is None else last[-1]
+    pressure = np.full(grids[-1].shape, load, dtype=SINGLE) if last is None else last[-1]
     coarse, steps = [], 0
-    for level in range(len(levels) - 1, 0, -1):
-        solution = solve_on_grid(
-            grids[level], levels[level][0], pressure, load, tolerance=COARSE_TOLERANCE, finish=np.float32
-        )
+    for level in range(len(grids) - 1, 0, -1):
+        solution = solve_on_grid(grids[level], pressure, load, tolerance=COARSE_TOLERANCE, finish=SINGLE)
         steps += solution.steps
         found = solution.state.pressure
         coarse.insert(0, found)
-        factors = levels[level - 1][1]
-        if last is None:
-            pressure = prolong(found, factors)
-        else:
-            pressure = last[level - 1] + prolong(found - last[level], factors)
+        pressure = _refine(grids, factors, level, found)
+        if last is not None:
+            pressure += last[level - 1] - _refine(grids, factors, level, last[level])
             np.maximum(pressure, 0, out=pressure)
     return pressure, coarse, steps
 
 
+def _refine(grids, factors, level, pressure):
+    finer = np.empty(grids[level - 1].shape, dtype=pressure.dtype)
+    grids[level].kernels.refine(pressure, factors[level - 1], finer)
+    return finer
+
+
 def _applications(grids) -> float:
     """Return the operator applications since the last call, in applications on the finest grid."""
-    finest = np.prod(grids[0].shape)
-    total = sum(grid.applications * np.prod(grid.shape) for grid in grids) / finest
+    total = sum(grid.halfspace.applications * np.prod(grid.shape) for grid in grids) / np.prod(grids[0].shape)
     for grid in grids:
-        grid.applications = 0.0
+        grid.halfspace.applications = 0.0
     return float(total)
 
 
 def _flat(problem: Problem, load: float) -> Solution:
     """Return the uniform pressure under a flat map, which no application of the operator could improve."""
     pressure = np.full(problem.heights.shape, load)
-    state = State(pressure=pressure, gap=np.zeros_like(pressure), level=0.0, norm=0.0, size=0.0)
+    state = State(pressure=pressure, separation=np.zeros_like(pressure), level=0.0, norm=0.0, size=0.0)
     return Solution(state=state, error_bound=0.0, steps=0, applications=0.0, floor=0.0)

@@ -1,0 +1,135 @@
+"""The iteration on one grid: a preconditioned step, held between the bounds of the pressure, again and again.
+
+One step takes a feasible pressure, applies the operator afresh, extends the residual of the unsettled points
+(those that carry pressure, and those that overlap) over the rest of the surface, applies the inverse operator
+to that, and subtracts the result from the pressure, which is then held at 0 and scaled to its load:
+
+    p <- [ p - t (M r - mean) ]+ .
+
+M = W^T G^-1 W is nowhere less than the inverse of the operator on the unsettled points and at most about
+twice it (`roughcontact.contact.extension`), so that a step is nearly Newton's on the current contact set, and
+the set moves with every step: two transform pairs cut the error by four to ten. It is a primal-dual active
+set (Hintermueller, Ito and Kunisch 2002, SIAM J. Optim. 13, 865) whose linear systems are solved by one
+application of a nearly exact inverse.
+
+The step length t follows from the energy along the last step, which is quadratic and known. Nothing is proved
+for steps of this kind: so every one must lower the elastic energy. One that does not is cut short where the
+energy is least, or undone, and projected gradient steps follow (`roughcontact.contact.projected`), twice as
+many each time, which alone would converge.
+
+The first steps are taken in single precision. Then pressure and separation are in double precision and the
+correction stays in single: it is small, and the next fresh application measures what rounding did to it
+(iterative refinement).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from roughcontact.contact.certificate import error_bound, relative_bound, rounding_floor
+from roughcontact.contact.conjugate import conjugate_gradients, is_slow
+from roughcontact.contact.grid import Grid
+from roughcontact.contact.projected import projected_step
+from roughcontact.contact.state import State, between, scale_to_load
+
+SINGLE, DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
+TOO_STIFF = 1e-3  # relative rounding floor of single precision from which all is done in double
+PATIENCE = 20  # steps that do not improve the bound before the iteration is called stalled
+FIRST_LENGTH = 0.87
+SHORTEST = 0.4  # step length; the longest is 1, because M is nowhere less than the inverse
+GAIN = 8  # by which a step is counted on to lower the bound, where the precision of the last ones is chosen
+
+
+@dataclass(frozen=True)
+class GridSolution:
+    """The state that was reached on one grid, the bound of its relative error, and the steps taken."""
+
+    state: State
+    error_bound: float
+    steps: int
+
+
+def solve_on_grid(
+    grid: Grid,
+    start,
+    mean_pressure: float,
+    *,
+    tolerance: float,
+    finish=DOUBLE,
+    max_steps: int = 200,
+) -> GridSolution:
+    """Improve the pressure `start` (ny, nx) until the bound of its relative error is at most `tolerance`.
+
+    All in dimensionless form: heights in units of g L, pressures in units of E* g; the start, nowhere
+    negative, is scaled to the prescribed load first. The last application is in the precision `finish`, the
+    first ones in single, while the error is far above what single precision can tell. Ends early after
+    `max_steps` steps, at the rounding floor, or after `PATIENCE` steps in vain: the caller compares
+    `error_bound` with its tolerance.
+    """
+    cap, halfspace = grid.cap, grid.halfspace
+    inner = precision = SINGLE
+    state, _ = grid.evaluate(scale_to_load(_cast(start, precision), mean_pressure, cap=cap))
+    lowest, lowest_step, failures, bound_before = np.inf, 0, 0, np.inf
+    length = FIRST_LENGTH
+    spare = None
+    for step in range(max_steps + 1):
+        single_floor = rounding_floor(halfspace, state, SINGLE)
+        if single_floor > TOO_STIFF:
+            inner = precision = finish = DOUBLE
+        product = grid.precondition(state, dtype=inner)
+        bound = relative_bound(halfspace, state, np.sqrt(max(product.energy, 0.0)))
+        if bound < 0.99 * lowest:
+            lowest, lowest_step = bound, step
+        double = state.pressure.dtype == DOUBLE
+        hopeless = (
+            step == max_steps
+            or step - lowest_step > PATIENCE
+            or (double and bound <= 2 * rounding_floor(halfspace, state))
+        )
+        if bound <= tolerance or hopeless:
+            rounded = state.pressure.dtype != finish
+            if rounded:
+                precision = finish
+                state = _in_precision(grid, state, precision, mean_pressure)
+                product = grid.precondition(state, dtype=inner)
+            bound = error_bound(grid, state, product)
+            if bound <= tolerance or hopeless:
+                break
+            product = grid.precondition(state, dtype=inner)
+        if bound <= max(GAIN * tolerance, 30 * single_floor):
+            precision = finish
+        rises = precision != state.pressure.dtype
+        moved = np.empty(grid.shape, dtype=precision) if spare is None or rises else spare.pressure
+        accurate = step > 0 and is_slow(bound, bound_before)
+        if accurate:
+            product = conjugate_gradients(grid, product)
+        bound_before = bound
+        moved = grid.advance(state, product, 1.0 if accurate else length, mean_pressure, moved)
+        trial, way = grid.evaluate(moved, before=state, room=None if spare is None else spare.separation)
+        # where the precision rises, what tells the two energies apart is lost in the rounding of the first
+        if rises or way.falls:
+            if not accurate:
+                length = min(1.0, max(SHORTEST, length * way.least))
+            state, spare = trial, None if rises else state
+            continue
+        failures += 1
+        spare = None
+        length = max(SHORTEST, 0.5 * length)
+        lower = between(state, trial, way, cap=cap)
+        if lower is None and precision != finish:
+            precision = finish
+            state = _in_precision(grid, state, precision, mean_pressure)
+        else:
+            state = lower or state
+            for _ in range(2 ** min(failures, 6) if lower is None or failures > 1 else 0):
+                state = projected_step(grid, state, mean_pressure) or state
+    return GridSolution(state, bound, step)
+
+
+def _in_precision(grid, state, precision, mean_pressure):
+    pressure = scale_to_load(_cast(state.pressure, precision), mean_pressure, cap=grid.cap)
+    return grid.evaluate(pressure)[0]
+
+
+def _cast(field, dtype):
+    return field.__array_namespace__().astype(field, dtype)

@@ -1,0 +1,203 @@
+"""The passes over the grid that the iteration is made of, for any array library.
+
+They ask their arrays for the library they belong to (the Python array API: NumPy, CuPy and others) and write
+into arrays that are there already. `roughcontact.contact.compiled` has the same functions, compiled for
+NumPy's arrays; `kernels_for` chooses.
+"""
+
+import sys
+from functools import cache
+from importlib.util import find_spec
+
+import numpy as np
+
+
+def kernels_for(field, *, threads: int = 1):
+    """Return the namespace of kernels for arrays like `field`: compiled where Numba is installed."""
+    if isinstance(field, np.ndarray) and numba_is_installed():
+        from roughcontact.contact.compiled import Compiled
+
+        return Compiled(threads if field.size >= Compiled.SMALL else 1)
+    return sys.modules[__name__]
+
+
+@cache
+def numba_is_installed() -> bool:
+    """Return whether `numba` can be imported here."""
+    return find_spec("numba") is not None
+
+
+def measure(displaced, heights, before_pressure, before_separation, level, pressure, separation, cap):
+    """Put `displaced` - `heights` into `separation` and return what one pass over the grid can tell.
+
+    Six sums, in double precision: pressure x displacement; displacement squared; separation over the free
+    contact {0 < p < cap}, and the number of its points; change of pressure x separation before, and after,
+    both less `level`, which drops out but for rounding.
+    """
+    xp = pressure.__array_namespace__()
+    separation[...] = displaced - heights
+    free = (pressure > 0) & (pressure < cap)
+    change = pressure - before_pressure
+    return (
+        _sum(xp, pressure * displaced),
+        _sum(xp, displaced * displaced),
+        _sum(xp, xp.where(free, separation, xp.zeros_like(separation))),
+        int(xp.count_nonzero(free)),
+        _sum(xp, change * (before_separation - level)),
+        _sum(xp, change * (separation - level)),
+    )
+
+
+def remainder(pressure, separation, level, cap, values, empty) -> int:
+    """Put the gap at unsettled points into `values` and 1 elsewhere into `empty`; return their number.
+
+    Unsettled are the points that carry pressure below the cap, overlap without pressure, or gape at the cap:
+    there the gap should vanish. `values` is zero at the settled points, `empty` at the others.
+    """
+    xp = pressure.__array_namespace__()
+    gap = separation - level
+    unsettled = _unsettled(pressure, gap, cap)
+    values[...] = xp.astype(xp.where(unsettled, gap, xp.zeros_like(gap)), values.dtype)
+    empty[...] = xp.astype(~unsettled, empty.dtype)
+    return int(xp.count_nonzero(unsettled))
+
+
+def advance(pressure, separation, product, level, mean, length, cap, out) -> float:
+    """Put p - length (product - mean), held between 0 and `cap`, into `out` and return its sum.
+
+    Settled points keep the pressure they have.
+    """
+    xp = pressure.__array_namespace__()
+    moved = xp.clip(pressure - length * (product - mean), 0, None if cap == float("inf") else cap)
+    out[...] = xp.astype(xp.where(_unsettled(pressure, separation - level, cap), moved, pressure), out.dtype)
+    return _sum(xp, out)
+
+
+def hold(pressure, separation, level, cap, values) -> float:
+    """Hold `values` to what a certificate allows: at most the gap where p = 0, at least it at the cap.
+
+    Returns the sum of the squares of what that changes.
+    """
+    xp = pressure.__array_namespace__()
+    gap = xp.astype(separation - level, values.dtype)
+    held = xp.where(pressure <= 0, xp.minimum(values, gap), values)
+    held = xp.where(pressure >= cap, xp.maximum(held, gap), held)
+    change = held - values
+    values[...] = held
+    return _sum(xp, change * change)
+
+
+def block_mean(field, factors, out) -> None:
+    """Put the means of `field` over blocks of `factors` cells into `out`."""
+    xp = field.__array_namespace__()
+    (ny, nx), (fy, fx) = out.shape, factors
+    out[...] = xp.mean(xp.reshape(field, (ny, fy, nx, fx)), axis=(1, 3))
+
+
+def mix(values, empty, coarse, factors, out) -> None:
+    """Put `values` + `empty` x `coarse`, each coarse cell repeated `factors` times, into `out`."""
+    out[...] = values + empty * repeat(coarse, factors)
+
+
+def neighbours(field, weights, out) -> None:
+    """Put the weighted means of the eight neighbours, over the periodic boundary, into `out`.
+
+    `weights`: those of a neighbour across y, across x, and diagonal.
+    """
+    xp = field.__array_namespace__()
+    across_y, across_x, diagonal = weights
+    column = xp.roll(field, 1, axis=0) + xp.roll(field, -1, axis=0)
+    row = across_x * field + diagonal * column
+    out[...] = xp.roll(row, 1, axis=1) + xp.roll(row, -1, axis=1) + across_y * column
+
+
+def fill(values, empty, mixed, weights, out) -> None:
+    """Put `values` + `empty` x the neighbours' means of `mixed` into `out`."""
+    neighbours(mixed, weights, out)
+    out[...] = values + empty * out
+
+
+def empty_neighbours(field, empty, weights, out) -> None:
+    """Put the neighbours' means of `empty` x `field` into `out`, the transpose of filling."""
+    neighbours(empty * field, weights, out)
+
+
+def gather(field, empty, factors, out) -> None:
+    """Put the sums of `empty` x `field` over blocks of `factors` cells into `out`, the transpose of mixing."""
+    block_mean(empty * field, factors, out)
+    out *= factors[0] * factors[1]
+
+
+def spread(field, coarse, factors, share) -> None:
+    """Add `share` x `coarse`, each coarse cell repeated `factors` times, to `field`."""
+    field += share * repeat(coarse, factors)
+
+
+def conclude(field, passed, values, empty) -> tuple[float, float]:
+    """Add `passed` to `field` at the unsettled points and zero the others; return two sums.
+
+    They are the sum of the field and that of the field x `values`, in double precision.
+    """
+    xp = field.__array_namespace__()
+    field[...] = (field + passed) * (1 - empty)
+    return _sum(xp, field), _sum(xp, field * values)
+
+
+def refine(coarse, factors, out) -> None:
+    """Put the pressure `coarse` onto a grid `factors` times finer, into `out`, with edges between the cells.
+
+    Towards the edge of a contact the pressure falls as the root of the distance (Johnson 1985, chapter 4), so
+    that its square is linear there and can be continued beyond: it is interpolated linearly, and its root
+    shares out the load of every coarse cell among its fine ones.
+    """
+    xp = coarse.__array_namespace__()
+    square = _continued(xp, coarse * coarse)
+    (fy, fx), (ny, nx) = factors, coarse.shape
+    parts = xp.reshape(out, (ny, fy, nx, fx))
+    for ky in range(fy):
+        for kx in range(fx):
+            at_y, at_x = (ky + 0.5) / fy - 0.5, (kx + 0.5) / fx - 0.5
+            along_x = _between(xp, square, at_x, 1)
+            parts[:, ky, :, kx] = xp.sqrt(xp.clip(_between(xp, along_x, at_y, 0), 0, None))
+    total = xp.sum(parts, axis=(1, 3))
+    flat = (total == 0) & (coarse > 0)
+    share = fy * fx * coarse / xp.where(total == 0, xp.ones_like(total), total)
+    parts *= share[:, None, :, None]
+    parts += xp.where(flat, coarse, xp.zeros_like(coarse))[:, None, :, None]
+    out[...] = xp.reshape(parts, out.shape)
+
+
+def _continued(xp, square):
+    """Return `square`, continued linearly from the contact {> 0} into the cells beside it, below zero."""
+    total, count = xp.zeros_like(square), xp.zeros_like(square)
+    for ey in (-1, 0, 1):
+        for ex in (-1, 0, 1):
+            if (ey, ex) != (0, 0):
+                near = xp.roll(square, (ey, ex), axis=(0, 1))
+                far = xp.roll(square, (2 * ey, 2 * ex), axis=(0, 1))
+                guess = xp.where(far > 0, 2 * near - far, -near)
+                total += xp.where(near > 0, guess, xp.zeros_like(near))
+                count += xp.astype(near > 0, square.dtype)
+    beyond = xp.clip(total / xp.where(count == 0, xp.ones_like(count), count), None, 0)
+    return xp.where(square > 0, square, beyond)
+
+
+def _between(xp, field, offset, axis):
+    """Return `field` interpolated linearly at `offset` cells, |offset| < 1, along an axis."""
+    share = abs(offset)
+    return (1 - share) * field + share * xp.roll(field, -1 if offset > 0 else 1, axis=axis)
+
+
+def repeat(field, factors):
+    """Return `field` with every cell repeated `factors` times."""
+    xp = field.__array_namespace__()
+    return xp.repeat(xp.repeat(field, factors[0], axis=0), factors[1], axis=1)
+
+
+def _unsettled(pressure, gap, cap):
+    none, full = pressure <= 0, pressure >= cap
+    return (none & (gap < 0)) | (full & (gap > 0)) | ~(none | full)
+
+
+def _sum(xp, field) -> float:
+    return float(xp.sum(field, dtype=xp.float64))
