@@ -1,8 +1,9 @@
 """The contact solver: a rough surface pressed on a periodic elastic half-space by a mean pressure.
 
-Rooms: `problem` (checks and dimensionless form), `levels` (nested grids), `active_set` (the iteration on one
-grid), `projected` (the safe step it falls back on), `certificate` (the error bound), `response` (linear
-response of a contact set), `loads` (load plans), `solve` (the public verb).
+Rooms: `problem` (checks and dimensionless form), `loads` (load plans), `sweep` (loads one after another, on
+`levels` of nested grids), `iteration` (on one `grid`; `conjugate` and `projected` are what it falls back on),
+`extension` (what makes the preconditioner good), `kernels` and `compiled` (passes over memory), `state`,
+`certificate` (the error bound), `response` (linear response of a contact set), `solve` (the public verb).
 """
 
 from roughcontact.contact.loads import plan_loads

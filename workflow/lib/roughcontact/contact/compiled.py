@@ -6,6 +6,7 @@ What they compute is said there; tests compare the two. Every function works on 
 
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from itertools import pairwise
 
 import numba
 import numpy as np
@@ -86,8 +87,7 @@ class Compiled:
             return [kernel(0, rows, *arguments)]
         edges = [rows * k // self.threads for k in range(self.threads + 1)]
         jobs = [
-            _pool(self.threads).submit(kernel, first, last, *arguments)
-            for first, last in zip(edges[1:-1], edges[2:], strict=True)
+            _pool(self.threads).submit(kernel, first, last, *arguments) for first, last in pairwise(edges[1:])
         ]
         return [kernel(0, edges[1], *arguments), *(job.result() for job in jobs)]
 

@@ -14,9 +14,8 @@ twice it, whatever the grid: that is why few iterations suffice.
 
 import numpy as np
 
-ELONGATED = (
-    3.0  # ratio of the pitches above which lines along the finer axis are taken as contacts of their own
-)
+# Ratio of the pitches above which the lines along the finer axis are taken as contacts of their own.
+ELONGATED = 3.0
 SMALLEST = 4  # cells along an axis below which the pyramid is not continued
 MOST_SWEEPS = 16  # on the coarsest grid, which is not small where the number of cells has large prime factors
 
@@ -90,7 +89,7 @@ class Extension:
         return mixed
 
     def transpose(self, field, values) -> tuple[float, float]:
-        """Put W^T field, zero outside C, into `field`; return its sum and that of its product with `values`."""
+        """Put W^T field, zero outside C, into `field`; return its sum and that of field x `values`."""
         kernels, rooms, last = self.kernels, self.rooms, len(self.factors)
         kernels.empty_neighbours(field, self.empty[0], self.weights[0], rooms[0][0])
         for level, factors in enumerate(self.factors, start=1):
@@ -126,11 +125,11 @@ def coarsening(pitches, shape) -> tuple[int, int]:
 
 
 def collapse(pitches, shape) -> tuple[int, int]:
-    """Return the factors that make one cell of every line along the finer axis; (1, 1) where pixels are square.
+    """Return the factors that make one cell of every line along the finer axis, or (1, 1).
 
-    A line whose whole length is short against the distance to the next is a contact of its own, coupled to
-    the others by its load alone: a residual that is constant along it must stay constant across its gaps. So
-    its one cell takes the mean over its contact.
+    Where pixels are far longer than wide, a line whose whole length is short against the distance to the next
+    is a contact of its own, coupled to the others by its load alone: a residual that is constant along it
+    must stay constant across its gaps. So its one cell takes the mean over its contact.
     """
     (ny, nx), (dy, dx) = shape, pitches
     if min(shape) == 1 or max(pitches) <= ELONGATED * min(pitches):

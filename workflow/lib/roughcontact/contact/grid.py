@@ -88,8 +88,10 @@ class Grid:
         return Product(field, total / max(unsettled, 1), unsettled, energy / values.size)
 
     def advance(self, state: State, product: Product, length: float, mean_pressure: float, out):
-        """Return [p - length (M r - mean)] on the unsettled points, held between 0 and the cap and scaled to the
-        load, in the array `out`."""
+        """Return the pressure after a step, in the array `out`.
+
+        That is p - length (M r - mean) on the unsettled points, held between 0 and the cap and scaled.
+        """
         total = self.kernels.advance(
             state.pressure, state.separation, product.field, state.level, product.mean, length, self.cap, out
         )

@@ -27,23 +27,23 @@ def numba_is_installed() -> bool:
     return find_spec("numba") is not None
 
 
-def measure(displaced, heights, before_pressure, before_separation, level, pressure, separation, cap):
+def measure(displaced, heights, start, before, level, pressure, separation, cap):
     """Put `displaced` - `heights` into `separation` and return what one pass over the grid can tell.
 
     Six sums, in double precision: pressure x displacement; displacement squared; separation over the free
-    contact {0 < p < cap}, and the number of its points; change of pressure x separation before, and after,
-    both less `level`, which drops out but for rounding.
+    contact {0 < p < cap}, and the number of its points; change of pressure x separation `before`, and after,
+    both less `level`, which drops out but for rounding. The change is that from the pressure `start`.
     """
     xp = pressure.__array_namespace__()
     separation[...] = displaced - heights
     free = (pressure > 0) & (pressure < cap)
-    change = pressure - before_pressure
+    change = pressure - start
     return (
         _sum(xp, pressure * displaced),
         _sum(xp, displaced * displaced),
         _sum(xp, xp.where(free, separation, xp.zeros_like(separation))),
         int(xp.count_nonzero(free)),
-        _sum(xp, change * (before_separation - level)),
+        _sum(xp, change * (before - level)),
         _sum(xp, change * (separation - level)),
     )
 
@@ -123,7 +123,7 @@ def empty_neighbours(field, empty, weights, out) -> None:
 
 
 def gather(field, empty, factors, out) -> None:
-    """Put the sums of `empty` x `field` over blocks of `factors` cells into `out`, the transpose of mixing."""
+    """Put the sums of `empty` x `field` over blocks of cells into `out`, the transpose of mixing."""
     block_mean(empty * field, factors, out)
     out *= factors[0] * factors[1]
 

@@ -10,7 +10,7 @@ class State:
     """A pressure 0 <= p <= cap of the prescribed mean, shape (ny, nx), and its separation G p - H.
 
     The gap is the separation less `level`, which makes the mean gap over the free contact {0 < p < cap} zero.
-    `norm` = ||p||_G; `size` is the root mean square of G p plus that of H, against which rounding is measured.
+    `norm` = ||p||_G; `size`, the scale of rounding, is the root mean square of G p plus that of H.
     """
 
     pressure: np.ndarray
