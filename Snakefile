@@ -14,6 +14,7 @@ include: "workflow/rules/contact.smk"
 include: "workflow/rules/crosscheck.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/validation.smk"
+include: "workflow/rules/cost.smk"
 
 
 rule all:

@@ -10,7 +10,8 @@ import pytest
 from roughcontact import sources
 
 ROOT = Path(__file__).parents[2]
-VALIDATION_PAGE = {"validation", "validation_page"}
+PAGES = {"panel", "report", "validation", "validation_page", "cost"}
+SOLVERS = {"solve", "solve_statistics", "measure_cost"}
 SCRIPTS = sorted(path for path in (ROOT / "workflow/scripts").glob("[a-z]*.py"))
 _PROBE = """
 import ast, importlib, sys
@@ -57,11 +58,11 @@ def digests(workflow):
         ("lib/roughcontact/periodisation.py", {"window", "validate"}),
         ("lib/roughcontact/outliers.py", {"level", "validate"}),
         ("lib/roughcontact/io/units.py", {"ingest", "validate"}),
-        ("lib/roughcontact/contact/solve.py", {"solve", "solve_statistics", "statistics", "validate"}),
+        ("lib/roughcontact/contact/solve.py", {*SOLVERS, "statistics", "validate"}),
         ("lib/roughcontact/collect.py", {"collect"}),
-        ("lib/roughcontact/templates/report.css", {"panel", "report", *VALIDATION_PAGE}),
+        ("lib/roughcontact/templates/report.css", PAGES),
         ("lib/roughcontact/settings.py", set()),
-        ("scripts/_solver.py", {"solve", "solve_statistics"}),
+        ("scripts/_solver.py", SOLVERS),
     ],
 )
 def test_an_edit_concerns_what_imports_the_module(package, edited, concerned):

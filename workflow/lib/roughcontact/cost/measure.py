@@ -1,0 +1,184 @@
+"""Solve one map on several grids to several tolerances, with times and errors."""
+
+import time
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from roughcontact import synthetic
+from roughcontact.contact import solve_contact
+from roughcontact.errors import HeightMapError
+from roughcontact.fourier import spacing
+from roughcontact.statistics import relative_contact_area
+
+QUANTITIES = {
+    "relative_contact_area": 1.5,
+    "mean_gap": 2.0,
+    "max_pressure": 1.0,
+}  # each with the order of its error in the number of points, see the validation
+TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
+_REFERENCE_TOLERANCE = 1e-6
+_MOST_POINTS = 2048**2  # of the reference
+_MOST_REFINED = 4  # per axis: finer than that tells nothing new of a measured map
+_FEWEST_POINTS = 32  # per axis
+_REPEAT_BELOW = 0.3  # seconds: shorter sweeps are timed three times, the fastest counts
+
+
+def run_time_against_error(
+    window: xr.DataArray, *, contact_modulus: float, mean_pressure, threads: int = 1
+) -> pd.DataFrame:
+    """Return time and errors of a sweep of loads on every grid, to every tolerance.
+
+    The map stands for the surface that its Fourier series draws through its points. A coarser grid takes
+    every second, fourth, ... point of it, a finer one fills in points of the series. The reference is the
+    finest grid (at most 4 times as fine as the map, at most 2048² points), solved to 1e-6. Its own error is
+    estimated from the grid half as fine, |q(h) - q(2h)|/(2^k - 1) with the order k of the quantity, and added
+    to all errors.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+    contact_modulus : float, Pa
+    mean_pressure : list of float, Pa
+        all loads are solved in one sweep, as a run does.
+    threads : int
+
+    Returns
+    -------
+    DataFrame, a row for each grid, tolerance and load: `points_x`, `points_y`, `tolerance`, `mean_pressure`
+    (Pa), `seconds` (of the whole sweep), and for each of `QUANTITIES` its value and its relative error
+    `..._error`
+
+    Raises
+    ------
+    HeightMapError
+        for a flat map, and for one so small that there is no coarser grid.
+    """
+    if np.ptp(window.values) == 0:
+        raise HeightMapError(
+            "the window is flat: every grid gives the same pressure, there is nothing to measure"
+        )
+    finest = _finest(window)
+    grids = [finest]
+    while (coarser := _every_second(grids[-1])) is not None:
+        grids.append(coarser)
+    if len(grids) < 2:
+        sides = " × ".join(str(n) for n in window.shape[::-1])
+        raise HeightMapError(
+            f"the window of {sides} points has no coarser grid to compare with: it is too small"
+        )
+    problem = {"contact_modulus": contact_modulus, "mean_pressure": mean_pressure, "threads": threads}
+    _solve(grids[-1], tolerance=1e-1, **problem)  # loads the libraries
+    reference, _ = _solve(finest, tolerance=_REFERENCE_TOLERANCE, **problem)
+    own = {name: np.zeros(len(mean_pressure)) for name in QUANTITIES}
+    for step, grid in enumerate(grids[1:], start=1):
+        found, _ = _solve(grid, tolerance=_REFERENCE_TOLERANCE, **problem)
+        for name, order in QUANTITIES.items():
+            difference = np.abs(found[name] - reference[name])
+            own[name] = np.maximum(own[name], difference / (2 ** (step * order) - 1))
+    rows = []
+    for grid in grids[1:]:
+        for tolerance in TOLERANCES:
+            found, seconds = _solve(grid, tolerance=tolerance, **problem)
+            errors = {
+                f"{name}_error": _relative(np.abs(found[name] - reference[name]) + own[name], reference[name])
+                for name in QUANTITIES
+            }
+            rows.append(
+                pd.DataFrame(
+                    {
+                        "points_x": grid.shape[1],
+                        "points_y": grid.shape[0],
+                        "tolerance": tolerance,
+                        "mean_pressure": mean_pressure,
+                        "seconds": seconds,
+                    }
+                    | found
+                    | errors
+                )
+            )
+    return pd.concat(rows, ignore_index=True)
+
+
+def _finest(window):
+    """Return the map on the finest grid: its Fourier series at 4, 2 or 1 times as many points per axis."""
+    axes = sum(n > 1 for n in window.shape)
+    factor = _MOST_REFINED
+    while factor > 1 and window.size * factor**axes > _MOST_POINTS:
+        factor //= 2
+    return refined(window, factor)
+
+
+def refined(window: xr.DataArray, factor: int) -> xr.DataArray:
+    """Return a periodic map at `factor` times as many points per axis, by its own Fourier series.
+
+    Every `factor`-th point is a point of the map. The wave at the Nyquist limit of an even side is shared
+    between both signs, so that the series is real and goes through the points.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+    factor : int, 1 or more
+
+    Returns
+    -------
+    DataArray (y, x), m
+    """
+    values = window.values
+    for axis, points in enumerate(values.shape):
+        if points == 1 or factor == 1:
+            continue
+        spectrum = np.moveaxis(np.fft.fft(values, axis=axis), axis, 0)
+        padded = np.zeros((points * factor, *spectrum.shape[1:]), complex)
+        upper = (points + 1) // 2
+        padded[:upper] = spectrum[:upper]
+        padded[points * factor - (points - upper) :] = spectrum[upper:]
+        if points % 2 == 0:  # the Nyquist wave, at -points/2
+            padded[points * factor - points // 2] /= 2
+            padded[points // 2] = padded[points * factor - points // 2]
+        values = np.moveaxis(np.fft.ifft(padded, axis=0).real * factor, 0, axis)
+    return synthetic.height_map(values, tuple(_pitch(window, factor)))
+
+
+def _pitch(window, factor):
+    """Return (dy, dx) of the refined map; that of an axis with a single point stays."""
+    return (step / factor if n > 1 else step for n, step in zip(window.shape, spacing(window), strict=True))
+
+
+def _every_second(grid):
+    """Return every second point along each axis; None where that is no periodic grid or too coarse a one."""
+    sides = [n for n in grid.shape if n > 1]
+    if any(n % 2 or n // 2 < _FEWEST_POINTS for n in sides):
+        return None
+    return grid[tuple(slice(None, None, 2 if n > 1 else 1) for n in grid.shape)]
+
+
+def _solve(grid, *, tolerance, **problem):
+    """Return (quantities, each an array (load); seconds) of one sweep."""
+
+    def count(contact):
+        pressure, gap = (contact[name].values[0] for name in ("pressure", "gap"))
+        touching = pressure > 0
+        numbers = {
+            "relative_contact_area": relative_contact_area(touching),
+            "mean_gap": gap[~touching].sum() / gap.size,
+            "max_pressure": pressure.max(),
+        }
+        return xr.Dataset({name: ("load", [number]) for name, number in numbers.items()})
+
+    best = np.inf
+    for _ in range(3):
+        start = time.perf_counter()
+        result = solve_contact(grid, tolerance=tolerance, reduce=count, **problem)
+        seconds = time.perf_counter() - start
+        best = min(best, seconds)
+        if seconds > _REPEAT_BELOW or tolerance == _REFERENCE_TOLERANCE:
+            break
+    return {name: result[name].values for name in QUANTITIES}, best
+
+
+def _relative(difference, reference):
+    """Return difference / |reference|, zero where both are zero (the gap in full contact)."""
+    return np.divide(difference, np.abs(reference), out=np.zeros_like(difference), where=difference > 0)

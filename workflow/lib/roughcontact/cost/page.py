@@ -1,0 +1,74 @@
+"""The page that shows what each grid and tolerance costs and gives, surface by surface."""
+
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact.cost.advice import WORDS, advice, choices, in_words
+from roughcontact.plots import COLOURS, MARKERS, as_svg, new_figure
+from roughcontact.quantities import number, percent
+from roughcontact.report import template
+from roughcontact.storage import write_text
+
+_LEAST_DRAWN = 1e-8  # of an error, on a logarithmic axis
+_TEMPLATES = Path(__file__).with_name("templates")
+
+
+def write_page(path, tables: dict) -> None:
+    """Write the page, one self-contained HTML file.
+
+    Parameters
+    ----------
+    path : where to write
+    tables : dict
+        name of a surface (and case) -> DataFrame as `measure.run_time_against_error` returns it.
+    """
+    surfaces = [
+        {
+            "name": name,
+            "loads": table["mean_pressure"].nunique(),
+            "advice": advice(table),
+            "charts": [(words, chart(table, quantity)) for quantity, words in WORDS.items()],
+            "rows": [
+                [in_words(row), f"{number(row['seconds'], digits=2)} s"]
+                + [percent(row[f"{quantity}_error"]) for quantity in WORDS]
+                for _, row in choices(table).iterrows()
+            ],
+        }
+        for name, table in tables.items()
+    ]
+    html = template("cost.html", folder=_TEMPLATES).render(
+        surfaces=surfaces, header=["choice", "time of all loads", *WORDS.values()]
+    )
+    write_text(html, path)
+
+
+def chart(table, quantity: str) -> str:
+    """Draw the time of all loads against the error to count on: a line per grid, a mark per tolerance."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    options = choices(table)
+    with new_figure(4.3, 3.8) as figure:
+        axes = figure.add_subplot()
+        grids = options.groupby(["points_x", "points_y"], sort=True)
+        for index, (sides, rows) in enumerate(grids):
+            axes.plot(
+                100 * np.maximum(rows[f"{quantity}_error"], _LEAST_DRAWN),
+                rows["seconds"],
+                marker=MARKERS[index % len(MARKERS)],
+                markersize=5,
+                linewidth=0.8,
+                color=COLOURS[index % len(COLOURS)],
+                label=" × ".join(str(side) for side in sides if side > 1),
+            )
+        axes.set(xscale="log", yscale="log")
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = axis.get_data_interval()
+            axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 100 * low else (1,)))
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter(NullFormatter())
+        axes.invert_xaxis()
+        axes.set_xlabel(f"error of the {WORDS[quantity]} (%)")
+        axes.set_ylabel("time of all loads (s)")
+        figure.legend(loc="outside lower center", ncols=3)
+        return as_svg(figure)
