@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact import synthetic
+from roughcontact import reference, synthetic
 from roughcontact.crosscheck import crosscheck
 from roughcontact.errors import CrossCheckError, HeightMapError, SettingsError
 from roughcontact.settings import resolve
+from roughcontact.validation.rough import ensemble_map
 
 MODULUS = 2e9
 OTHER_CODE = Path(__file__).parents[1] / "other_code.py"
@@ -131,3 +132,18 @@ def test_the_other_codes_themselves(code, kind):
     result = crosscheck(MAPS[kind], contact, statistics, code=code, python=OTHER_PYTHON)
     assert_equal_results(result, statistics)
     assert (result["contact_difference"] == 0).all()
+
+
+@pytest.mark.skipif(OTHER_PYTHON is None, reason="CROSSCHECK_PYTHON names no Python with the other codes")
+@pytest.mark.parametrize("code", ["tamaas", "contactmechanics"])
+def test_the_stored_numbers_of_the_other_codes(code):
+    """Where the numbers of `reference.OUTSIDE_CODES` come from: repeat them."""
+    height = ensemble_map(256, seed=0)
+    loads = list(reference.OUTSIDE_CODES)
+    contact = rc.solve_contact(height, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-9)
+    statistics = rc.contact_statistics(contact)
+    other = crosscheck(height, contact, statistics, code=code, python=OTHER_PYTHON)
+    for index, (points, peak, gap) in enumerate(reference.OUTSIDE_CODES.values()):
+        assert round(float(other["other_contact_area_pixels"][index]) * height.size) == points
+        assert float(other["other_max_pressure"][index]) == pytest.approx(peak, rel=1e-7)
+        assert float(other["other_mean_gap"][index]) == pytest.approx(gap, rel=1e-7)

@@ -5,6 +5,7 @@ import numpy as np
 from roughcontact.plots import COLOURS, MARKERS, as_png, as_svg, new_figure
 
 _KNOWN = {"color": "#444444", "linewidth": 1.2}
+_SHADES = ("#444444", "#7a4a00", "#00563d", "#96210a")  # a dark colour for each theory
 _LINES = ("-", "--", ":", "-.")
 
 
@@ -50,7 +51,8 @@ def chart(
         axes.set(xscale=scales[0], yscale=scales[1], xlabel=x, ylabel=y)
         if limits:
             axes.set(xlim=limits[0], ylim=limits[1])
-        _note(figure, axes, note)
+        if note:
+            axes.set_title(note, fontsize=9, color=COLOURS[1], loc="left")
         axes.legend()
         return as_svg(figure)
 
@@ -86,43 +88,32 @@ def error_chart(errors, sizes, *, x, y, title=None) -> str:
         return as_svg(figure)
 
 
-def area_chart(loads, lines, areas, *, note=None) -> str:
-    """Draw the areas of an ensemble over its mean theory lines, as area over load so that slopes are heights.
+def area_chart(line_loads, lines, loads, areas) -> str:
+    """Draw area over load, so that slopes are heights: an ensemble of maps, and theories.
 
     Parameters
     ----------
+    line_loads : array
+        p' = p̄/(E* g) of the theories.
+    lines : list of (label, areas at those loads)
     loads : array (load)
-        p' = p̄/(E* g).
-    lines : list of (label, areas at the loads)
+        p' of the maps.
     areas : array (map, load)
     """
     with new_figure(5.2, 3.8) as figure:
         axes = figure.add_subplot()
         for index, (label, values) in enumerate(lines):
-            axes.plot(
-                loads, values / loads, linestyle=_LINES[index % 4], label=label, **_KNOWN | _shade(index)
-            )
+            style = _KNOWN | {"color": _SHADES[index], "linestyle": _LINES[index]}
+            axes.plot(line_loads, values / line_loads, label=label, **style)
         low, high = areas.min(axis=0) / loads, areas.max(axis=0) / loads
         axes.fill_between(loads, low, high, color=COLOURS[0], alpha=0.25, linewidth=0)
-        axes.plot(
-            loads,
-            areas.mean(axis=0) / loads,
-            "o",
-            color=COLOURS[0],
-            markersize=5,
-            label="solved: mean and range",
-        )
-        axes.set(
-            xscale="log", xlabel="relative pressure p′ = p̄ / (E* g)", ylabel="(A/A₀) / p′", ylim=(0, None)
-        )
-        _note(figure, axes, note)
+        mean = areas.mean(axis=0) / loads
+        axes.plot(loads, mean, "o", color=COLOURS[0], markersize=5, label="solved: mean and range")
+        axes.set(xscale="log", ylim=(0, None))
+        axes.set_xlabel("relative pressure p′ = p̄ / (E* g)")
+        axes.set_ylabel("(A/A₀) / p′")
         axes.legend(loc="lower left")
         return as_svg(figure)
-
-
-def _shade(index):
-    """Return a colour of its own for each theory, dark enough beside the marks."""
-    return {"color": ("#444444", "#7a4a00", "#00563d", "#96210a")[index % 4]}
 
 
 def pressure_relief(x, y, pressure, *, labels, note) -> str:
@@ -142,9 +133,3 @@ def pressure_relief(x, y, pressure, *, labels, note) -> str:
         axes.set_zlabel(labels[2])
         figure.text(0.02, 0.95, note, fontsize=9, color=COLOURS[1])
         return as_png(figure)
-
-
-def _note(figure, axes, note):
-    """Print a note above the axes."""
-    if note:
-        axes.set_title(note, fontsize=9, color=COLOURS[1], loc="left")
