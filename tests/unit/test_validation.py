@@ -20,6 +20,7 @@ from roughcontact.fourier import spacing
 from roughcontact.validation import PARTS, convergence, page, paper
 from roughcontact.validation.lines import (
     Evidence,
+    Line,
     Part,
     compare,
     compare_largest,
@@ -213,3 +214,35 @@ def test_parts_are_written_the_same_twice(parts):
     again = validate("hertz", finest_grid=256)
     assert to_json(again) == to_json(parts["hertz"])
     assert json.loads(to_json(again))["name"] == "hertz"
+
+
+def test_the_numbers_of_the_readme_are_those_of_the_page():
+    """Each row of the table in README.md is a line of docs/validation.csv, rounded as the page rounds it."""
+    with open(ROOT / "docs/validation.csv", newline="", encoding="utf-8") as file:
+        kept = {row["what"]: row for row in csv.DictReader(file)}
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert f"{len(kept)} lines" in readme
+    table = readme.partition("| line | reference |")[2].partition("\n\n")[0]
+    shown = [
+        [cell.strip().replace("\\*", "*") for cell in row.split("|")[1:-1]] for row in table.split("\n")[2:]
+    ]
+    assert len(shown) > 10
+    for what, *numbers in shown:
+        row = kept[what]
+        values = [float(row[name]) for name in ("reference", "value", "deviation")]
+        line = Line(what, *values, row["measure"], float(row["tolerance"]), row["reason"], EVIDENCE)
+        cells = page.cells(line)
+        assert numbers == [cells[name] for name in ("reference", "value", "deviation", "tolerance")]
+        assert line.holds
+
+
+def test_the_kept_table_has_the_lines_of_this_version(parts):
+    """docs/validation.csv is a copy of results/validation/lines.csv: copy it again where this fails."""
+    with open(ROOT / "docs/validation.csv", newline="", encoding="utf-8") as file:
+        kept = [row["what"] for row in csv.DictReader(file)]
+
+    def without_sizes(names):
+        return [re.sub(r"\d+ to \d+ points|at \d+ points", "", name) for name in names]
+
+    names = [line.what for part in parts.values() for line in part.lines]
+    assert without_sizes(kept) == without_sizes(names)

@@ -97,7 +97,7 @@ def _shown(part: Part) -> dict:
     evidences = list(dict.fromkeys(line.evidence for line in part.lines))
     ordered = sorted(part.lines, key=lambda line: evidences.index(line.evidence))
     groups = [
-        {"evidence": evidence, "lines": [_row(line) for line in lines]}
+        {"evidence": evidence, "lines": [cells(line) for line in lines]}
         for evidence, lines in groupby(ordered, key=lambda line: line.evidence)
     ]
     return {
@@ -112,7 +112,8 @@ def _shown(part: Part) -> dict:
     }
 
 
-def _row(line: Line) -> dict:
+def cells(line: Line) -> dict:
+    """Return what the page shows of a line, numbers as text."""
     return {
         "what": line.what,
         "reference": _value(line.reference),
