@@ -12,7 +12,8 @@ import numpy as np
 
 from roughcontact.errors import SettingsError
 from roughcontact.fft import make_plan
-from roughcontact.fourier import wavenumbers
+from roughcontact.fourier import wavevectors
+from roughcontact.kernels import kernels_for
 
 
 class HalfSpace:
@@ -28,28 +29,26 @@ class HalfSpace:
         self.lengths = tuple(lengths)
         self.threads = threads
         self.applications = 0.0
-        q = wavenumbers(shape, [length / n for length, n in zip(lengths, shape, strict=True)])
-        self.mean_wavenumber = float(q.mean())  # over the half plane, for rounding estimates
-        self.stiffest = float(q.max()) / 2  # largest symbol of G^-1
-        q[0, 0] = np.inf
-        self._symbols = {np.dtype(np.float64): np.divide(2, q, out=q)}
-        self._plans = {}
+        self._kernels = kernels_for(np.empty(self.shape, dtype=np.float32), threads=threads)
+        self._symbols, self._plans = {}, {}
+        symbol = self._symbol(np.dtype(np.float32))
+        # of the inverse operator, over the half plane: for estimates of rounding, and for a coarse bound
+        stiffness = np.divide(1, symbol)
+        self.mean_stiffness = float(stiffness.mean(dtype=float))
+        self.largest_stiffness = float(stiffness.max())
 
     def displacement(self, pressure):
         """Return u = G p, shape (ny, nx), mean zero, in the precision of `pressure`."""
         plan = self._load(pressure)
         plan.forward()
-        plan.spectrum *= self._symbol(pressure.dtype)
+        self._kernels.scale(plan.spectrum, self._symbol(pressure.dtype), False)
         return self._finish(plan)
 
     def pressure(self, displacement):
         """Return p = G^-1 u, shape (ny, nx), mean zero, in the precision of `displacement`."""
         plan = self._load(displacement)
         plan.forward()
-        plan.spectrum[0, 0] = 0
-        symbol = self._symbol(displacement.dtype)
-        plan.spectrum[0, 1:] /= symbol[0, 1:]
-        plan.spectrum[1:] /= symbol[1:]
+        self._kernels.scale(plan.spectrum, self._symbol(displacement.dtype), True)
         return self._finish(plan)
 
     def room(self, dtype):
@@ -74,8 +73,14 @@ class HalfSpace:
         return self._plans[dtype]
 
     def _symbol(self, dtype):
+        """Return 2/|q|, shape (ny, nx//2 + 1), infinite at q = 0, which neither operator lets through."""
         if dtype not in self._symbols:
-            self._symbols[dtype] = self._symbols[np.dtype(np.float64)].astype(dtype)
+            spacing = [length / n for length, n in zip(self.lengths, self.shape, strict=True)]
+            qy, qx = (q.astype(dtype) for q in wavevectors(self.shape, spacing))
+            symbol = np.sqrt(qy * qy + qx * qx)
+            with np.errstate(divide="ignore"):
+                np.divide(2, symbol, out=symbol)
+            self._symbols[dtype] = symbol
         return self._symbols[dtype]
 
 

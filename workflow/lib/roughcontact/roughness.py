@@ -8,6 +8,7 @@ periodic gets the step at its seam counted as roughness; use its periodic window
 import math
 
 import numpy as np
+import scipy.fft
 import xarray as xr
 
 from roughcontact import fourier
@@ -72,7 +73,14 @@ def rms_gradient(height: xr.DataArray) -> float:
 
     The waves at the Nyquist limit count with their |q|, as they do in the half-space.
     """
-    return math.sqrt(_moments(height, _power(height.values))[1])
+    # |q|^2 = q_y^2 + q_x^2: sums over rows and columns spare the array of |q|; q = 0 carries no weight
+    spectrum = scipy.fft.rfft2(_from_first_point(height.values))
+    power = spectrum.real**2
+    power += spectrum.imag**2
+    power *= fourier.halfplane_weights(height.shape)
+    qy, qx = fourier.wavevectors(height.shape, fourier.spacing(height))
+    total = power.sum(axis=1) @ qy[:, 0] ** 2 + power.sum(axis=0) @ qx[0] ** 2
+    return math.sqrt(total) / height.size
 
 
 def interior_rms_gradient(height: xr.DataArray) -> float:

@@ -32,7 +32,9 @@ def bound_without_transform(grid, state) -> float:
     """Return a coarser bound, from ||r||_{G^-1}^2 <= mean(r^2) max|q|/2, for a residual of rounding alone."""
     gap = state.gap
     held = np.where(state.pressure > 0, gap, np.minimum(gap, 0))
-    return relative_bound(grid.halfspace, state, float(np.sqrt(np.mean(held**2) * grid.halfspace.stiffest)))
+    return relative_bound(
+        grid.halfspace, state, float(np.sqrt(np.mean(held**2) * grid.halfspace.largest_stiffness))
+    )
 
 
 def relative_bound(halfspace, state, residual_norm: float) -> float:
@@ -56,4 +58,4 @@ def rounding_floor(halfspace, state, dtype=None) -> float:
         return 0.0
     size = state.pressure.size
     deviation = np.finfo(dtype or state.separation.dtype).eps * np.sqrt(np.log2(size)) * state.size
-    return float(deviation * np.sqrt(halfspace.mean_wavenumber / 2) / state.norm)
+    return float(deviation * np.sqrt(halfspace.mean_stiffness) / state.norm)

@@ -23,7 +23,7 @@ MOST_SWEEPS = 16  # on the coarsest grid, which is not small where the number of
 class Extension:
     """The linear map W from fields that are zero outside C to fields without gaps, on one grid.
 
-    `kernels`: `roughcontact.contact.kernels` or its compiled twin. Grid by grid of the pyramid, finest first,
+    `kernels`: `roughcontact.kernels` or its compiled twin. Grid by grid of the pyramid, finest first,
     it holds the empty share of every cell, which `complete` brings up to date when C changes, and room to
     work in.
     """

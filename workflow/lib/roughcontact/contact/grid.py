@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from roughcontact.contact.extension import ELONGATED, Extension
-from roughcontact.contact.kernels import kernels_for
+from roughcontact.kernels import kernels_for
 from roughcontact.contact.state import State, Way, contact_mean, keep_line_loads, norm, scale_to_load
 from roughcontact.halfspace import HalfSpace
 
@@ -134,7 +134,7 @@ class Grid:
         extended = self.halfspace.room(product.field.dtype)
         norm_of_extended = np.sqrt(max(product.energy, 0.0))
         taken = self.kernels.hold(state.pressure, state.separation, state.level, self.cap, extended)
-        taken = np.sqrt(taken / extended.size * self.halfspace.stiffest)
+        taken = np.sqrt(taken / extended.size * self.halfspace.largest_stiffness)
         if taken <= SMALL_CHANGE * norm_of_extended:
             return norm_of_extended + taken
         return norm(extended, self.halfspace.pressure(extended))

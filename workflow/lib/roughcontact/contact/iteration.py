@@ -37,7 +37,6 @@ TOO_STIFF = 1e-3  # relative rounding floor of single precision from which all i
 PATIENCE = 20  # steps that do not improve the bound before the iteration is called stalled
 FIRST_LENGTH = 0.87
 SHORTEST = 0.4  # step length; the longest is 1, because M is nowhere less than the inverse
-GAIN = 8  # by which a step is counted on to lower the bound, where the precision of the last ones is chosen
 
 
 @dataclass(frozen=True)
@@ -96,7 +95,9 @@ def solve_on_grid(
             if bound <= tolerance or hopeless:
                 break
             product = grid.precondition(state, dtype=inner)
-        if bound <= max(GAIN * tolerance, 30 * single_floor):
+        # the last step, as far as the one before tells, is taken in the precision of the result
+        foreseen = bound * min(1.0, bound / bound_before) if np.isfinite(bound_before) else bound
+        if foreseen <= tolerance or bound <= 30 * single_floor:
             precision = finish
         rises = precision != state.pressure.dtype
         moved = np.empty(grid.shape, dtype=precision) if spare is None or rises else spare.pressure

@@ -1,12 +1,12 @@
 """Nested grids: a coarse solution is a cheap first guess for the next finer grid.
 
 Coarse heights are block means, measured to need fewer iterations than injection and Fourier truncation. How a
-coarse pressure comes onto the finer grid: `roughcontact.contact.kernels.refine`.
+coarse pressure comes onto the finer grid: `roughcontact.kernels.refine`.
 """
 
 import numpy as np
 
-from roughcontact.contact.kernels import kernels_for
+from roughcontact.kernels import kernels_for
 
 COARSEST = 32  # cells along an axis: below that a level costs more overhead than it saves
 

@@ -72,7 +72,7 @@ def pose(window: xr.DataArray) -> Problem:
     unit = float(np.sqrt(lengths[0] * lengths[1]))
     gradient = rms_gradient(window)
     if gradient > 0:
-        heights = heights / (gradient * unit)
+        heights /= gradient * unit
     return Problem(
         heights=heights,
         lengths=(lengths[0] / unit, lengths[1] / unit),

@@ -1,7 +1,7 @@
 """The passes over the grid that the iteration is made of, for any array library.
 
 They ask their arrays for the library they belong to (the Python array API: NumPy, CuPy and others) and write
-into arrays that are there already. `roughcontact.contact.compiled` has the same functions, compiled for
+into arrays that are there already. `roughcontact.compiled` has the same functions, compiled for
 NumPy's arrays; `kernels_for` chooses.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 def kernels_for(field, *, threads: int = 1):
     """Return the namespace of kernels for arrays like `field`: compiled where Numba is installed."""
     if isinstance(field, np.ndarray) and numba_is_installed():
-        from roughcontact.contact.compiled import Compiled
+        from roughcontact.compiled import Compiled
 
         return Compiled(threads if field.size >= Compiled.SMALL else 1)
     return sys.modules[__name__]
@@ -25,6 +25,16 @@ def kernels_for(field, *, threads: int = 1):
 def numba_is_installed() -> bool:
     """Return whether `numba` can be imported here."""
     return find_spec("numba") is not None
+
+
+def scale(spectrum, symbol, inverse) -> None:
+    """Multiply `spectrum` by `symbol`, or divide it where `inverse`; q = 0 becomes zero."""
+    if inverse:
+        spectrum /= symbol
+    else:
+        spectrum[0, 0] = 0
+        spectrum *= symbol
+    spectrum[0, 0] = 0
 
 
 def measure(displaced, heights, start, before, level, pressure, separation, cap):

@@ -1,4 +1,4 @@
-"""The kernels of `roughcontact.contact.kernels`, compiled by Numba: one sweep through memory each.
+"""The kernels of `roughcontact.kernels`, compiled by Numba: one sweep through memory each.
 
 What they compute is said there; tests compare the two. Every function works on the rows from `first` to
 `last`, so that threads can share a grid: Numba releases Python's lock meanwhile.
@@ -22,6 +22,10 @@ class Compiled:
 
     def __init__(self, threads: int = 1):
         self.threads = threads
+
+    def scale(self, spectrum, symbol, inverse):
+        self._share(_scale, len(spectrum), spectrum, symbol, inverse)
+        spectrum[0, 0] = 0
 
     def measure(
         self, displaced, heights, before_pressure, before_separation, level, pressure, separation, cap
@@ -95,6 +99,14 @@ class Compiled:
 @cache
 def _pool(threads):
     return ThreadPoolExecutor(threads - 1)
+
+
+@_compile
+def _scale(first, last, spectrum, symbol, inverse):
+    for i in range(first, last):
+        for j in range(symbol.shape[1]):
+            factor = symbol[i, j]
+            spectrum[i, j] = spectrum[i, j] / factor if inverse else spectrum[i, j] * factor
 
 
 @_compile
