@@ -33,6 +33,7 @@ except SettingsError as error:
     raise WorkflowError(str(error)) from None
 
 STUDY = "" not in CASES
+CROSSCHECK = CASES[next(iter(CASES))]["crosscheck"]  # the same for all cases
 FOLDER = "results/{case}/{surface}" if STUDY else "results/{surface}"
 LOGS = FOLDER.replace("results", "logs", 1)
 # stage -> case -> the case that computes it
@@ -151,6 +152,12 @@ def solver_threads(wildcards):
     not) a run comes out the same wherever there are as many cores.
     """
     return 1 if megabytes(SURFACES[wildcards.surface].path) < 4 else 4
+
+
+def crosscheck_file(wildcards):
+    """Return the file of the cross-check; none where there is no other code."""
+    file = f"{FOLDER}/crosscheck.nc".format(**wildcards)
+    return [] if CROSSCHECK["code"] == "none" else file
 
 
 def unfinished():

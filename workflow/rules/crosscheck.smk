@@ -1,11 +1,5 @@
 # Another code, run as an outside program by its own Python, solves every window again; the report shows both.
-CROSSCHECK = CASES[next(iter(CASES))]["crosscheck"]
-
-
-def crosscheck_file(wildcards):
-    """Return the file of the cross-check; none where there is no other code."""
-    file = f"{FOLDER}/crosscheck.nc".format(**wildcards)
-    return [] if CROSSCHECK["code"] == "none" else file
+if CROSSCHECK["code"] == "none" else file
 
 
 if CROSSCHECK["code"] != "none":
