@@ -1,7 +1,4 @@
 # Another code, run as an outside program by its own Python, solves every window again; the report shows both.
-if CROSSCHECK["code"] == "none" else file
-
-
 if CROSSCHECK["code"] != "none":
 
     rule crosscheck:
