@@ -58,7 +58,7 @@ class MklPlan(Plan):
 
 @contextmanager
 def _mkl_threads(threads):
-    """Let MKL use so many threads: left alone it takes all there are, and rounds differently with each number."""
+    """Let MKL use so many threads; left alone it takes all, and rounds differently with each number."""
     import mkl
 
     before = mkl.set_num_threads_local(threads)

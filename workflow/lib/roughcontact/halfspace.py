@@ -13,21 +13,31 @@ import numpy as np
 from roughcontact.errors import SettingsError
 from roughcontact.fft import make_plan
 from roughcontact.fourier import wavevectors
+from roughcontact.influence import INFLUENCE
 from roughcontact.kernels import kernels_for
 
 
 class HalfSpace:
     """The operators u = G p, with symbol 2/|q|, and its inverse p = G^-1 u, with symbol |q|/2, on one grid.
 
+    `influence` names another symbol (`roughcontact.influence`).
     The mean (q = 0) is left out of both: it is a matter of reference, see `zero_frequency_compliance`. What
     an operator returns lies in a buffer, one per precision: it holds until the next application in that
     precision. `applications` counts forward and inverse transform pairs.
     """
 
-    def __init__(self, shape: tuple[int, int], lengths: tuple[float, float], *, threads: int = 1):
+    def __init__(
+        self,
+        shape: tuple[int, int],
+        lengths: tuple[float, float],
+        *,
+        influence: str = "sampled",
+        threads: int = 1,
+    ):
         self.shape = tuple(shape)
         self.lengths = tuple(lengths)
         self.threads = threads
+        self._influence = INFLUENCE[influence]
         self.applications = 0.0
         self._kernels = kernels_for(np.empty(self.shape, dtype=np.float32), threads=threads)
         self._symbols, self._plans = {}, {}
@@ -73,14 +83,11 @@ class HalfSpace:
         return self._plans[dtype]
 
     def _symbol(self, dtype):
-        """Return 2/|q|, shape (ny, nx//2 + 1), infinite at q = 0, which neither operator lets through."""
+        """Return the symbol of G, shape (ny, nx//2 + 1); q = 0 is let through by neither operator."""
         if dtype not in self._symbols:
             spacing = [length / n for length, n in zip(self.lengths, self.shape, strict=True)]
             qy, qx = (q.astype(dtype) for q in wavevectors(self.shape, spacing))
-            symbol = np.sqrt(qy * qy + qx * qx)
-            with np.errstate(divide="ignore"):
-                np.divide(2, symbol, out=symbol)
-            self._symbols[dtype] = symbol
+            self._symbols[dtype] = self._influence(qy, qx, spacing)
         return self._symbols[dtype]
 
 

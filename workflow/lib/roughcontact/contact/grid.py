@@ -32,11 +32,13 @@ class Grid:
     `cap` is the largest pressure allowed (the hardness), or infinity.
     """
 
-    def __init__(self, heights, lengths, *, cap: float = np.inf, threads: int = 1):
+    def __init__(
+        self, heights, lengths, *, cap: float = np.inf, influence: str = "sampled", threads: int = 1
+    ):
         self.heights = heights
         self._heights_in = {heights.dtype: heights}
         self.cap = cap
-        self.halfspace = HalfSpace(heights.shape, lengths, threads=threads)
+        self.halfspace = HalfSpace(heights.shape, lengths, influence=influence, threads=threads)
         self.kernels = kernels_for(heights, threads=threads)
         self._extensions = {}
         pitches = [length / n for length, n in zip(lengths, heights.shape, strict=True)]

@@ -1,0 +1,60 @@
+"""Influence functions: how a pressure of wave vector q displaces the surface, u = S(q) p / E*.
+
+A new one, for instance that of a coated half-space, is one more function (qy, qx, spacing) -> S here and its
+name in `INFLUENCE`; S must be positive and have the dimension of a length.
+"""
+
+import numpy as np
+from scipy.interpolate import RectBivariateSpline
+
+_NODES = 129  # along each axis of the first quarter of the Brillouin zone
+_IMAGES = 40  # aliases that are summed on each side
+
+
+def sampled(qy, qx, spacing):
+    """Return 2/|q|: the half-space (Johnson 1985, chapter 13) at the waves that the grid can hold.
+
+    `qy` (ny, 1) and `qx` (1, nx//2 + 1) in rad per unit length; infinite at q = 0.
+    """
+    symbol = np.sqrt(qy * qy + qx * qx)
+    with np.errstate(divide="ignore"):
+        return np.divide(2, symbol, out=symbol)
+
+
+def elements(qy, qx, spacing):
+    """Return the symbol of pressures constant on every pixel, displacements taken at their centres.
+
+    It is the sum over the aliases Q = q + 2 pi (m/dy, n/dx) of 2/|Q| sinc(Q_y dy/2) sinc(Q_x dx/2): Love's
+    rectangle (Love 1929, Phil. Trans. R. Soc. A 228, 377), repeated with the period of the grid. Its ratio to
+    2/|q| depends on q_y dy and q_x dx alone and is smooth: it is summed at a few nodes and interpolated.
+    """
+    angles = np.linspace(0, np.pi, _NODES)
+    ratio = RectBivariateSpline(angles, angles, _elements_over_sampled(angles, spacing))
+    phase_y, phase_x = (np.clip(np.abs(q).ravel() * d, 0, np.pi) for q, d in zip((qy, qx), spacing, strict=True))
+    row, back_y = np.unique(phase_y, return_inverse=True)
+    column, back_x = np.unique(phase_x, return_inverse=True)
+    symbol = sampled(qy, qx, spacing)
+    symbol *= ratio(row, column)[np.ix_(back_y, back_x)].astype(symbol.dtype)
+    return symbol
+
+
+def _elements_over_sampled(angles, spacing):
+    """Return the ratio of the symbols at q_y dy and q_x dx = `angles`."""
+    dy, dx = spacing
+    half_y, half_x = 0.5 * angles[:, None], 0.5 * angles[None, :]
+    total = np.zeros((angles.size, angles.size))
+    orders = np.arange(-_IMAGES, _IMAGES + 1)
+    # the signs of the terms alternate: the outermost count half, which leaves the mean of two partial sums
+    weights = np.where(np.abs(orders) == _IMAGES, 0.5, 1.0)
+    own = np.hypot(2 * half_y / dy, 2 * half_x / dx)
+    for m, weight_y in zip(orders, weights, strict=True):
+        y = half_y + np.pi * m
+        for n, weight_x in zip(orders, weights, strict=True):
+            x = half_x + np.pi * n
+            alias = np.hypot(2 * y / dy, 2 * x / dx)
+            share = np.divide(own, alias, out=np.ones_like(own), where=alias > 0)
+            total += weight_y * weight_x * share * np.sinc(y / np.pi) * np.sinc(x / np.pi)
+    return total
+
+
+INFLUENCE = {"sampled": sampled, "elements": elements}
