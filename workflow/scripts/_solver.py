@@ -2,7 +2,7 @@
 
 from _job import progress, snakemake
 
-from roughcontact.contact import plan_loads
+from roughcontact.contact import SOLVER_SETTINGS, plan_loads
 from roughcontact.errors import HeightMapError
 
 
@@ -14,5 +14,5 @@ def solver_arguments(window, contact: dict) -> dict:
         loads = plan_loads(window, **problem, **given)
     except HeightMapError as error:
         raise HeightMapError(f"{window.attrs['source_file']}: {error} (section contact)") from error
-    accuracy = {key: contact[key] for key in ("tolerance", "zero_frequency", "on_failure")}
-    return problem | accuracy | {"mean_pressure": loads, "threads": snakemake.threads, "progress": progress}
+    chosen = {key: contact[key] for key in SOLVER_SETTINGS}
+    return problem | chosen | {"mean_pressure": loads, "threads": snakemake.threads, "progress": progress}

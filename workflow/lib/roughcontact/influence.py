@@ -30,7 +30,9 @@ def elements(qy, qx, spacing):
     """
     angles = np.linspace(0, np.pi, _NODES)
     ratio = RectBivariateSpline(angles, angles, _elements_over_sampled(angles, spacing))
-    phase_y, phase_x = (np.clip(np.abs(q).ravel() * d, 0, np.pi) for q, d in zip((qy, qx), spacing, strict=True))
+    phase_y, phase_x = (
+        np.clip(np.abs(q).ravel() * d, 0, np.pi) for q, d in zip((qy, qx), spacing, strict=True)
+    )
     row, back_y = np.unique(phase_y, return_inverse=True)
     column, back_x = np.unique(phase_x, return_inverse=True)
     symbol = sampled(qy, qx, spacing)

@@ -190,6 +190,20 @@ class Contact(Section):
         description="mean displacement in the approach: zero, nogi-kato (its mean over the q = 0 patch), "
         "lattice (one contact per window in free space); pressure and area do not depend on it",
     )
+    hardness: Number | None = Field(
+        None,
+        gt=0,
+        description="largest pressure the softer body carries before it yields, Pa; none: elastic throughout",
+        examples=[2.0e9],
+    )
+    influence: Literal["sampled", "elements"] = Field(
+        "sampled",
+        description="elastic influence function: sampled (exact for each wave of the grid) or elements "
+        "(pressure constant on every pixel)",
+    )
+    precision: Literal["double", "single"] = Field(
+        "double", description="of the result: double, or single for maps that fill the memory"
+    )
     keep_fields: bool = Field(
         True, description="keep the maps of pressure, gap and contact of every load in contact.nc"
     )

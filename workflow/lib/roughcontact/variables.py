@@ -23,6 +23,11 @@ VARIABLES = {
     "iterations": ("1", "outer iterations of the solver, all grids"),
     "operator_applications": ("1", "forward and inverse FFT pairs, one pair on the solved grid counting 1"),
     "error_bound": ("1", "rigorous bound of the relative pressure error in the energy norm"),
+    "rounding_floor": (
+        "1",
+        "relative pressure error that rounding alone can make, in the precision solved in",
+    ),
+    "yielded_area": ("1", "share of the area whose pressure has reached the hardness, where one is given"),
     "max_penetration": ("m", "largest overlap that the solution leaves anywhere"),
     "load_error": ("1", "relative difference of the mean of the pressure from the prescribed one"),
     "converged": ("1", "1 where error_bound <= tolerance, 0 elsewhere"),

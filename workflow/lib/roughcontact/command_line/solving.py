@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from functools import partial
 
 from roughcontact import checks
-from roughcontact.contact import plan_loads, solve_contact
+from roughcontact.contact import SOLVER_SETTINGS, plan_loads, solve_contact
 from roughcontact.io import read_height_map
 from roughcontact.levelling import level
 from roughcontact.statistics import contact_statistics
@@ -51,7 +51,7 @@ def solve_file(path, given: dict, settings: dict, *, threads: int = 1) -> dict:
             window,
             **elastic,
             mean_pressure=loads,
-            **{key: contact[key] for key in ("tolerance", "zero_frequency", "on_failure")},
+            **{key: contact[key] for key in SOLVER_SETTINGS},
             reduce=partial(contact_statistics, **settings["statistics"]),
             threads=threads,
             progress=show,

@@ -8,6 +8,6 @@ Rooms: `problem` (checks and dimensionless form), `loads` (load plans), `sweep` 
 
 from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.response import linear_response
-from roughcontact.contact.solve import solve_contact
+from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
 
-__all__ = ["linear_response", "plan_loads", "solve_contact"]
+__all__ = ["SOLVER_SETTINGS", "linear_response", "plan_loads", "solve_contact"]

@@ -61,18 +61,18 @@ def check_map(window: xr.DataArray) -> None:
             )
 
 
-def pose(window: xr.DataArray) -> Problem:
-    """Return the dimensionless problem of the map `window` (y, x)."""
+def pose(window: xr.DataArray, *, dtype=np.float64) -> Problem:
+    """Return the dimensionless problem of the map `window` (y, x), its heights in the precision `dtype`."""
     check_map(window)
-    heights = np.ascontiguousarray(window.values, dtype=float)
     steps = spacing(window)
-    lengths = tuple(n * d for n, d in zip(heights.shape, steps, strict=True))
-    reference = 0.5 * (float(heights.min()) + float(heights.max()))
-    heights = heights - reference
+    lengths = tuple(n * d for n, d in zip(window.shape, steps, strict=True))
+    reference = 0.5 * (float(window.values.min()) + float(window.values.max()))
+    heights = np.empty(window.shape, dtype=dtype)
+    np.subtract(window.values, reference, out=heights, casting="same_kind")
     unit = float(np.sqrt(lengths[0] * lengths[1]))
     gradient = rms_gradient(window)
     if gradient > 0:
-        heights /= gradient * unit
+        heights /= heights.dtype.type(gradient * unit)
     return Problem(
         heights=heights,
         lengths=(lengths[0] / unit, lengths[1] / unit),

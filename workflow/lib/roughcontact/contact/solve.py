@@ -10,9 +10,12 @@ from roughcontact.contact.problem import Problem, check_positive, pose
 from roughcontact.contact.sweep import sweep
 from roughcontact.errors import ConvergenceError, SettingsError
 from roughcontact.halfspace import zero_frequency_compliance
+from roughcontact.influence import INFLUENCE
 from roughcontact.variables import describe
 
 SMALLEST_TOLERANCE = 1e-15
+# keyword arguments of `solve_contact` that a section of settings may hold
+SOLVER_SETTINGS = ("tolerance", "hardness", "influence", "zero_frequency", "precision", "on_failure")
 
 
 def solve_contact(
@@ -21,7 +24,10 @@ def solve_contact(
     contact_modulus: float,
     mean_pressure: float | Sequence[float],
     tolerance: float = 1e-4,
+    hardness: float | None = None,
+    influence: str = "sampled",
     zero_frequency: str = "zero",
+    precision: str = "double",
     on_failure: str = "raise",
     fields: bool = True,
     reduce: Callable[[xr.Dataset], xr.Dataset] | None = None,
@@ -44,6 +50,16 @@ def solve_contact(
         one load or several, Pa, in any order; the dimension `load` keeps the order.
     tolerance
         largest `error_bound` accepted: relative error of the pressure in the norm of the elastic energy.
+    hardness
+        largest pressure, Pa, that the softer body carries before it yields: 0 <= p <= hardness, perfectly
+        plastic beyond (Almqvist, Sahlin, Larsson and Glavatskih 2007, Tribol. Int. 40, 574). None: elastic
+        whatever the pressure.
+    influence
+        ``sampled``: 2/|q| at the waves of the grid; ``elements``: pressures constant on every pixel
+        (`roughcontact.influence`).
+    precision
+        of the result: ``double``, or ``single`` for maps that fill the memory; `rounding_floor` then says
+        what bound can be reached.
     zero_frequency
         what q = 0 adds to the approach: ``zero``, ``nogi-kato`` or ``lattice``
         (`roughcontact.halfspace.zero_frequency_compliance`).
@@ -82,25 +98,43 @@ def solve_contact(
         )
     if on_failure not in ("raise", "flag"):
         raise SettingsError(f"on_failure = {on_failure!r}; choose 'raise' or 'flag'")
-    problem = pose(window)
+    if influence not in INFLUENCE:
+        raise SettingsError(f"influence = {influence!r}; choose {' or '.join(map(repr, INFLUENCE))}")
+    if precision not in ("double", "single"):
+        raise SettingsError(f"precision = {precision!r}; choose 'double' or 'single'")
+    cap = np.inf if hardness is None else check_positive("hardness", hardness, unit="Pa")
+    if max(loads) >= cap:
+        raise SettingsError(
+            f"mean_pressure {max(loads):g} Pa is not below the hardness {cap:g} Pa: no contact carries it"
+        )
+    problem = pose(window, dtype=np.float64 if precision == "double" else np.float32)
     lengths = tuple(length * problem.unit_length for length in problem.lengths)
     compliance = zero_frequency_compliance(zero_frequency, lengths=lengths) / modulus
 
     order = np.argsort(loads, kind="stable")
     unit = modulus * problem.gradient if not problem.flat else modulus
-    solutions = sweep(problem, [loads[i] / unit for i in order], tolerance=tolerance, threads=threads)
+    solutions = sweep(
+        problem,
+        [loads[i] / unit for i in order],
+        tolerance=tolerance,
+        cap=cap / unit,
+        influence=influence,
+        threads=threads,
+    )
     pieces = [None] * len(loads)
     for done, (index, solution) in enumerate(zip(order, solutions, strict=True), start=1):
         load = loads[index]
         if solution.error_bound > tolerance and on_failure == "raise":
             raise ConvergenceError(
                 f"mean pressure {load:g} Pa: the error bound stopped at {solution.error_bound:.2g} after "
-                f"{solution.steps} iterations, above the tolerance {tolerance:g}; rounding in double "
+                f"{solution.steps} iterations, above the tolerance {tolerance:g}; rounding in {precision} "
                 f"precision allows {solution.floor:.1g} here: raise the tolerance or set on_failure: flag"
             )
-        piece = _label(solution, problem, window, load=load, modulus=modulus, compliance=compliance)
+        piece = _label(
+            solution, problem, window, load=load, modulus=modulus, compliance=compliance, hardness=hardness
+        )
         piece["converged"] = ("load", [np.int8(solution.error_bound <= tolerance)])
-        piece.attrs = {"tolerance": tolerance, "zero_frequency": zero_frequency}
+        piece.attrs = {"tolerance": tolerance, "zero_frequency": zero_frequency, "influence": influence}
         if reduce is not None:
             reduced = reduce(piece)
             piece = piece.drop_dims(["y", "x"]).merge(reduced, compat="override", combine_attrs="override")
@@ -121,21 +155,32 @@ def solve_contact(
     return describe(joined)
 
 
-def _label(solution, problem: Problem, window, *, load, modulus, compliance) -> xr.Dataset:
-    """Return one dimensionless solution as a dataset in SI units, with a dimension `load` of size 1."""
+def _label(solution, problem: Problem, window, *, load, modulus, compliance, hardness) -> xr.Dataset:
+    """Return one dimensionless solution as a dataset in SI units, with a dimension `load` of size 1.
+
+    Points at the hardness have yielded until the gap was closed: it is zero there.
+    """
     state = solution.state
     height_unit = problem.scale if not problem.flat else 1.0
     pressure_unit = modulus * problem.gradient if not problem.flat else modulus
     pressure = state.pressure * pressure_unit
-    gap = state.gap * height_unit
+    gap = state.gap
+    gap *= gap.dtype.type(height_unit)
+    yielded = 0.0
+    if hardness is not None:
+        at_hardness = state.pressure >= state.pressure.dtype.type(hardness / pressure_unit)
+        pressure[at_hardness], gap[at_hardness] = hardness, 0.0
+        yielded = float(at_hardness.mean())
     per_load = {
         "relative_pressure": load / pressure_unit if not problem.flat else np.inf,
         "approach": problem.reference - state.level * height_unit - compliance * load,
         "iterations": solution.steps,
         "operator_applications": solution.applications,
         "error_bound": solution.error_bound,
+        "rounding_floor": solution.floor,
+        "yielded_area": yielded,
         "max_penetration": max(0.0, -float(gap.min())),
-        "load_error": abs(float(pressure.mean()) / load - 1),
+        "load_error": abs(float(pressure.mean(dtype=float)) / load - 1),
     }
     maps = {
         "pressure": pressure,

@@ -87,8 +87,8 @@ def contact_mean(pressure, separation, *, cap: float) -> float:
 def scale_to_load(pressure, mean_pressure: float, *, cap: float = np.inf):
     """Return max(pressure, 0) x factor, at most `cap`, with the factor that gives the prescribed mean.
 
-    Without a cap that is one multiplication. With one, the mean is a concave, piecewise linear function of
-    the factor; every pass takes the points beyond the cap as given, which ends after finitely many passes.
+    Without a cap that is one multiplication. With one, points at the cap stay there, the others are scaled, and
+    those that the factor takes beyond the cap are held in turn, which ends after finitely many passes.
     """
     xp = pressure.__array_namespace__()
     kind = pressure.dtype.type
@@ -100,16 +100,18 @@ def scale_to_load(pressure, mean_pressure: float, *, cap: float = np.inf):
         return positive
     if mean_pressure >= cap:
         raise ValueError(f"a mean pressure of {mean_pressure:g} cannot be carried below the cap {cap:g}")
-    held = xp.zeros(pressure.shape, dtype=bool)
+    held = pressure >= cap
+    if mean_pressure * pressure.size < cap * int(xp.count_nonzero(held)):
+        held = xp.zeros(pressure.shape, dtype=bool)  # more than the load: all must give way
     while True:
-        factor = (total - cap * int(xp.count_nonzero(held))) / float(
-            xp.sum(positive[~held], dtype=xp.float64)
-        )
-        beyond = (positive * kind(factor) > cap) & ~held
+        missing = total - cap * int(xp.count_nonzero(held))
+        rest = float(xp.sum(positive[~held], dtype=xp.float64))
+        if rest == 0:  # all that carried something is at the cap: the others share what is missing
+            return xp.where(held, kind(cap), kind(missing / int(xp.count_nonzero(~held))))
+        beyond = (positive * kind(missing / rest) > cap) & ~held
         if not xp.any(beyond):
-            break
+            return xp.where(held, kind(cap), positive * kind(missing / rest))
         held |= beyond
-    return xp.where(held, kind(cap), positive * kind(factor))
 
 
 def keep_line_loads(held, pressure, product, length: float, *, axis: int):

@@ -31,8 +31,19 @@ class Solution:
     floor: float
 
 
-def sweep(problem: Problem, loads: Sequence[float], *, tolerance: float, threads: int) -> Iterator[Solution]:
+def sweep(
+    problem: Problem,
+    loads: Sequence[float],
+    *,
+    tolerance: float,
+    cap: float = np.inf,
+    influence: str = "sampled",
+    threads: int,
+) -> Iterator[Solution]:
     """Yield the solution of every load, a rising sequence of mean pressures in units of E* g.
+
+    `cap` is the largest pressure allowed, `influence` the symbol of the operator; the result is in the
+    precision of the heights.
 
     Flat maps and full contact are known in closed form and take no iteration. Otherwise a load starts from
     coarser grids and from the load before it (`_nested_start`).
@@ -42,7 +53,8 @@ def sweep(problem: Problem, loads: Sequence[float], *, tolerance: float, threads
             yield _flat(problem, load)
         return
     levels = hierarchy(problem.heights, problem.lengths)
-    grids = [Grid(heights, problem.lengths, threads=threads) for heights, _ in levels]
+    operator = {"cap": cap, "influence": influence, "threads": threads}
+    grids = [Grid(heights, problem.lengths, **operator) for heights, _ in levels]
     factors = [factors for _, factors in levels]
     finest = grids[0]
     # Full contact: p = mean + G^-1 H, wherever that is nowhere negative (Johnson 1985, section 13.2).
@@ -54,7 +66,8 @@ def sweep(problem: Problem, loads: Sequence[float], *, tolerance: float, threads
             bound, steps = bound_without_transform(finest, state), 0
         else:
             start, coarse, steps = _nested_start(grids, factors, load, last)
-            solution = solve_on_grid(finest, start, load, tolerance=tolerance)
+            finish = finest.heights.dtype
+            solution = solve_on_grid(finest, start, load, tolerance=tolerance, finish=finish)
             state, bound, steps = solution.state, solution.error_bound, steps + solution.steps
             last = [state.pressure, *coarse]
         yield Solution(
@@ -70,12 +83,15 @@ def _full_contact(grid: Grid, load: float) -> tuple[np.ndarray | None, float]:
     """Return the fluctuation of the full-contact pressure and the load from which it is nowhere negative.
 
     Where even the largest `load` is far from that, single precision says so, and the load alone is returned.
+    Where the cap is in the way there is no such load.
     """
     if load < OFTEN_FULL:
         roughly = -float(grid.halfspace.pressure(grid.heights.astype(SINGLE)).min())
         if load < 0.99 * roughly:
             return None, roughly
     fluctuation = grid.halfspace.pressure(grid.heights).copy()
+    if load + float(fluctuation.max()) > grid.cap:
+        return None, np.inf
     # A load that closes the last gap exactly is full contact whatever the last digit says.
     return fluctuation, -float(fluctuation.min()) - 1e-13 * float(np.ptp(fluctuation))
 
@@ -117,6 +133,6 @@ def _applications(grids) -> float:
 
 def _flat(problem: Problem, load: float) -> Solution:
     """Return the uniform pressure under a flat map, which no application of the operator could improve."""
-    pressure = np.full(problem.heights.shape, load)
+    pressure = np.full(problem.heights.shape, load, dtype=problem.heights.dtype)
     state = State(pressure=pressure, separation=np.zeros_like(pressure), level=0.0, norm=0.0, size=0.0)
     return Solution(state=state, error_bound=0.0, steps=0, applications=0.0, floor=0.0)
