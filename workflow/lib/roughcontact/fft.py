@@ -19,12 +19,13 @@ class Plan:
 
     `forward` takes `field` (ny, nx) to `spectrum` (ny, nx//2 + 1), the layout of `numpy.fft.rfft2`; `inverse`
     takes `spectrum` to `result` (ny, nx), with the factor 1/(ny nx). `field` is kept; the spectrum may be
-    destroyed, and both outputs are overwritten by the next call.
+    destroyed, and both outputs are overwritten by the next call. A plan that is to `share` lies in the memory
+    of another one of the same shape and higher precision, so that only one of the two holds anything.
     """
 
-    def __init__(self, shape: tuple[int, int], dtype, *, threads: int = 1):
+    def __init__(self, shape: tuple[int, int], dtype, *, threads: int = 1, share: "Plan | None" = None):
         self.shape, self.threads = shape, threads if np.prod(shape) >= _SMALL else 1
-        self.field = np.zeros(shape, dtype=dtype)
+        self.field = _room(shape, dtype, None if share is None else share.field)
         self.spectrum = self.result = None
 
     def forward(self) -> None:
@@ -37,11 +38,12 @@ class Plan:
 class MklPlan(Plan):
     """The same by MKL."""
 
-    def __init__(self, shape, dtype, *, threads=1):
-        super().__init__(shape, dtype, threads=threads)
+    def __init__(self, shape, dtype, *, threads=1, share=None):
+        super().__init__(shape, dtype, threads=threads, share=share)
         complex_type = np.result_type(dtype, np.complex64)
-        self.spectrum = np.empty((shape[0], shape[1] // 2 + 1), dtype=complex_type)
-        self.result = np.empty(shape, dtype=dtype)
+        waves = (shape[0], shape[1] // 2 + 1)
+        self.spectrum = _room(waves, complex_type, None if share is None else share.spectrum)
+        self.result = _room(shape, dtype, None if share is None else share.result)
 
     def forward(self):
         import mkl_fft
@@ -74,7 +76,15 @@ def mkl_is_installed() -> bool:
     return find_spec("mkl_fft") is not None
 
 
-def make_plan(shape: tuple[int, int], dtype, *, threads: int = 1) -> Plan:
+def make_plan(shape: tuple[int, int], dtype, *, threads: int = 1, share: Plan | None = None) -> Plan:
     """Return the fastest plan for fields of `shape` and `dtype`; a single row or column is left to SciPy."""
     kind = MklPlan if mkl_is_installed() and min(shape) > 1 else Plan
-    return kind(tuple(shape), np.dtype(dtype), threads=threads)
+    return kind(tuple(shape), np.dtype(dtype), threads=threads, share=share)
+
+
+def _room(shape, dtype, shared):
+    """Return an array of `shape` and `dtype`, in the memory of the array `shared` where one is given."""
+    if shared is None:
+        return np.empty(shape, dtype=dtype)
+    size = int(np.prod(shape)) * np.dtype(dtype).itemsize
+    return shared.reshape(-1).view(np.uint8)[:size].view(dtype).reshape(shape)

@@ -17,13 +17,15 @@ from roughcontact.influence import INFLUENCE
 from roughcontact.kernels import kernels_for
 
 
+_SINGLE, _DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
+
+
 class HalfSpace:
     """The operators u = G p, with symbol 2/|q|, and its inverse p = G^-1 u, with symbol |q|/2, on one grid.
 
     `influence` names another symbol (`roughcontact.influence`).
     The mean (q = 0) is left out of both: it is a matter of reference, see `zero_frequency_compliance`. What
-    an operator returns lies in a buffer, one per precision: it holds until the next application in that
-    precision. `applications` counts forward and inverse transform pairs.
+    an operator returns lies in a buffer: it holds until the next application. `applications` counts forward and inverse transform pairs.
     """
 
     def __init__(
@@ -79,7 +81,10 @@ class HalfSpace:
     def _plan(self, dtype):
         dtype = np.dtype(dtype)
         if dtype not in self._plans:
-            self._plans[dtype] = make_plan(self.shape, dtype, threads=self.threads)
+            plan = make_plan(self.shape, dtype, threads=self.threads, share=self._plans.get(_DOUBLE))
+            if dtype == _DOUBLE and _SINGLE in self._plans:  # give up its memory and lie in this one's
+                self._plans[_SINGLE] = make_plan(self.shape, _SINGLE, threads=self.threads, share=plan)
+            self._plans[dtype] = plan
         return self._plans[dtype]
 
     def _symbol(self, dtype):

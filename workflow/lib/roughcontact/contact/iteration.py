@@ -100,7 +100,9 @@ def solve_on_grid(
         if foreseen <= tolerance or bound <= 30 * single_floor:
             precision = finish
         rises = precision != state.pressure.dtype
-        moved = np.empty(grid.shape, dtype=precision) if spare is None or rises else spare.pressure
+        if rises:
+            spare = None
+        moved = np.empty(grid.shape, dtype=precision) if spare is None else spare.pressure
         accurate = step > 0 and is_slow(bound, bound_before)
         if accurate:
             product = conjugate_gradients(grid, product)

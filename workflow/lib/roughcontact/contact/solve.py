@@ -163,14 +163,17 @@ def _label(solution, problem: Problem, window, *, load, modulus, compliance, har
     state = solution.state
     height_unit = problem.scale if not problem.flat else 1.0
     pressure_unit = modulus * problem.gradient if not problem.flat else modulus
-    pressure = state.pressure * pressure_unit
-    gap = state.gap
-    gap *= gap.dtype.type(height_unit)
+    # in place: nobody needs the dimensionless fields any more
+    pressure, gap = state.pressure, state.separation
+    kind = pressure.dtype.type
+    gap -= kind(state.level)
+    gap *= kind(height_unit)
     yielded = 0.0
     if hardness is not None:
-        at_hardness = state.pressure >= state.pressure.dtype.type(hardness / pressure_unit)
-        pressure[at_hardness], gap[at_hardness] = hardness, 0.0
+        at_hardness = pressure >= kind(hardness / pressure_unit)
+        pressure[at_hardness], gap[at_hardness] = hardness / pressure_unit, 0.0
         yielded = float(at_hardness.mean())
+    pressure *= kind(pressure_unit)
     per_load = {
         "relative_pressure": load / pressure_unit if not problem.flat else np.inf,
         "approach": problem.reference - state.level * height_unit - compliance * load,

@@ -43,7 +43,7 @@ def sweep(
     """Yield the solution of every load, a rising sequence of mean pressures in units of E* g.
 
     `cap` is the largest pressure allowed, `influence` the symbol of the operator; the result is in the
-    precision of the heights.
+    precision of the heights. The fields of a solution are the caller's to change.
 
     Flat maps and full contact are known in closed form and take no iteration. Otherwise a load starts from
     coarser grids and from the load before it (`_nested_start`).
@@ -69,7 +69,7 @@ def sweep(
             finish = finest.heights.dtype
             solution = solve_on_grid(finest, start, load, tolerance=tolerance, finish=finish)
             state, bound, steps = solution.state, solution.error_bound, steps + solution.steps
-            last = [state.pressure, *coarse]
+            last = [state.pressure.astype(SINGLE), *coarse]
         yield Solution(
             state=state,
             error_bound=bound,
