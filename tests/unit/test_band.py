@@ -111,7 +111,7 @@ def test_a_cut_window_is_limited_after_it_is_made_periodic():
     )
     levelled = level(rough.isel(y=slice(0, 100), x=slice(0, 90)))
     window = periodic_window(levelled, shortest_wavelength=12e-6)
-    assert window.attrs["periodisation"] == "periodic-plus-smooth"
+    assert window.attrs["periodisation"] == "smooth-cross-fade"
     assert roughness.shortest_wavelength(window) >= 12e-6 * 0.95
     whole = periodic_window(levelled)
     before, removed = (

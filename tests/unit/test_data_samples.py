@@ -84,7 +84,7 @@ def test_sandblasted_sample_shows_the_dirt_of_a_measurement():
     assert 25 <= levelled.attrs["outliers_rejected"] <= 30
     assert levelled.attrs["largest_hole"] > 300
     window = rc.periodic_window(levelled)
-    assert window.attrs["periodisation"] == "periodic-plus-smooth"
+    assert window.attrs["periodisation"] == "smooth-cross-fade"
     assert window.attrs["window_share"] > 0.85
     assert points_per_shortest_wavelength(window) == pytest.approx(6.0, rel=0.05)
 

@@ -6,7 +6,7 @@ import pytest
 from roughcontact import periodisation, synthetic
 from roughcontact.levelling import level
 from roughcontact.roughness import rms_gradient
-from roughcontact.window import periodic_window
+from roughcontact.window import METHODS, periodic_window
 
 
 def rough(shape, seed=0, shortest=8.0, hurst=0.8):
@@ -69,16 +69,93 @@ def test_cross_fade_blends_the_end_into_the_beginning():
     values = np.random.default_rng(0).standard_normal((12, 34))
     blended = periodisation.cross_fade(values, (2, 10))
     assert blended.shape == (10, 24)
-    np.testing.assert_array_equal(blended[2:, 10:], values[2:10, 10:24])
+    # half a band is blended at each end, the rest is as it was
+    np.testing.assert_allclose(blended[1:-1, 5:-5], values[2:10, 10:24], atol=1e-15)
+    weight = np.sin(np.pi / 2 * (7 + 0.5) / 10) ** 2
+    expected = weight * values[2:10, 7] + (1 - weight) * values[2:10, 31]
+    np.testing.assert_allclose(blended[1:-1, 2], expected, atol=1e-14)
     # a periodic map goes through unchanged
     x = np.arange(34)
     wave = np.cos(2 * np.pi * x / 24)[None, :]
-    np.testing.assert_allclose(periodisation.cross_fade(wave, (0, 10)), wave[:, :24], atol=1e-14)
-    # the blended line goes on from the last kept point to what followed it
+    for keep_variance in (False, True):
+        blended = periodisation.cross_fade(wave, (0, 10), keep_variance=keep_variance)
+        np.testing.assert_allclose(blended, wave[:, 5:29], atol=1e-14)
+    # the blended line goes on from the last point to the first one
     smooth = np.sin(0.05 * x)[None, :]
     blended = periodisation.cross_fade(smooth, (0, 10))
-    assert abs(blended[0, 0] - smooth[0, 24]) < 0.03
-    assert abs(blended[0, 9] - smooth[0, 9]) < 0.03
+    assert np.abs(np.diff(np.append(blended, blended[0, 0]))).max() < 0.2
+
+
+def test_cross_fade_keeps_the_variance_of_unrelated_ends():
+    values = np.random.default_rng(3).standard_normal((4000, 60)) + 5.0
+    plain = periodisation.cross_fade(values, (0, 20)).std(axis=0)
+    kept = periodisation.cross_fade(values, (0, 20), keep_variance=True)
+    seam = [-1, 0]  # where both ends have the same weight
+    assert plain[seam] == pytest.approx(np.sqrt(0.5) * np.ones(2), rel=0.05)
+    assert kept.std(axis=0) == pytest.approx(np.ones(40), rel=0.05)
+    assert kept.mean() == pytest.approx(5.0, abs=0.02)
+
+
+def test_smooth_cross_fade_closes_the_seam_and_keeps_the_roughness():
+    """Cut-outs of a periodic map: the gradient is that inside; the rim loses less height than by closing."""
+    rim, drawn, seam, plain, gradient = [], [], [], [], []
+    for seed in range(12):
+        large = rough((320, 320), seed)
+        cut = large.values[:141, 30:171]
+        closed = periodisation.smooth_cross_fade(cut, (13, 13), (1.0, 1.0))
+        assert closed.shape == (128, 128)
+        step_y, step_x = (np.roll(closed, -1, axis) - closed for axis in (0, 1))
+        inside = np.mean(step_x[20:-20, 20:-20] ** 2)
+        seam.append(np.mean(step_x[:, -1] ** 2) / inside)
+        fade = periodisation.cross_fade(cut, (13, 13))
+        plain.append(np.mean((fade[:, 0] - fade[:, -1]) ** 2) / inside)
+        frame = np.ones((128, 128), dtype=bool)
+        frame[8:-8, 8:-8] = False
+        inner = cut[6:134, 6:134]
+        smooth = periodisation.periodic_plus_smooth(inner, (1.0, 1.0))
+        rim.append(np.var(closed[frame]) / np.var(inner[frame]))
+        drawn.append(np.var(smooth[frame]) / np.var(inner[frame]))
+        gradient.append(np.mean(step_x**2 + step_y**2) / np.mean(np.diff(cut, axis=1) ** 2) / 2)
+    assert np.mean(drawn) + 0.05 < np.mean(rim) < 1.1
+    # steeper than inside, but by far not as steep as a plain cross-fade makes it
+    assert 1.0 < np.mean(seam) < 0.6 * np.mean(plain)
+    assert np.mean(gradient) == pytest.approx(1.0, abs=0.05)
+
+
+def test_smooth_cross_fade_keeps_noise_on_correlated_ends():
+    """Ends that agree in their long waves only: the noise on them keeps its gradient."""
+    generator = np.random.default_rng(4)
+    x = np.arange(110)
+    wave = 30 * np.cos(2 * np.pi * x / 100)
+    cut = wave + wave[:, None] + generator.standard_normal((110, 110))
+    closed = periodisation.smooth_cross_fade(cut, (10, 10), (1.0, 1.0))
+    noise = closed - wave[5:105] - wave[5:105, None]
+    assert np.std(noise[0]) == pytest.approx(1.0, abs=0.2)
+    assert np.std(np.diff(noise, axis=0)) == pytest.approx(np.sqrt(2), rel=0.03)
+
+
+def test_smooth_cross_fade_commutes_with_mirror_transpose_and_units():
+    values = np.random.default_rng(2).standard_normal((22, 30))
+    result = periodisation.smooth_cross_fade(values, (4, 6), (2.0, 1.0))
+    assert result.shape == (18, 24)
+    flipped = periodisation.smooth_cross_fade(values[::-1], (4, 6), (2.0, 1.0))
+    np.testing.assert_allclose(flipped, result[::-1], atol=1e-12)
+    scaled = periodisation.smooth_cross_fade(1e-9 * values + 1e-6, (4, 6), (2e-6, 1e-6))
+    np.testing.assert_allclose(scaled, 1e-9 * result + 1e-6, atol=1e-20)
+    assert np.ptp(periodisation.smooth_cross_fade(np.full((8, 9), 3.0), (2, 2), (1.0, 1.0))) < 1e-14
+    profile = periodisation.smooth_cross_fade(values[:1], (0, 6), (1.0, 1.0))
+    assert profile.shape == (1, 24)
+    np.testing.assert_allclose(
+        periodisation.smooth_cross_fade(values[:1].T, (6, 0), (1.0, 1.0)), profile.T, atol=1e-12
+    )
+
+
+def test_gaussian_mean_is_that_of_scipy():
+    from scipy.ndimage import gaussian_filter
+
+    values = np.random.default_rng(5).standard_normal((40, 57))
+    expected = gaussian_filter(values, [3.0, 5.5], mode="reflect", truncate=8)
+    np.testing.assert_allclose(periodisation._gaussian_mean(values, [3.0, 5.5]), expected, atol=1e-13)
 
 
 def test_taper_is_the_tukey_window():
@@ -142,9 +219,10 @@ def ratios(method, width=0.125):
 
 def test_gradient_of_cut_outs_against_the_truth():
     """The gradient that a window solves with, over the true one; the scatter between windows is 2-3 %."""
-    mean = {m: ratios(m).mean() for m in ("raw", "periodic-plus-smooth", "mirror", "cross-fade", "taper")}
+    mean = {method: ratios(method).mean() for method in METHODS}
     assert mean["raw"] > 1.3
     assert mean["periodic-plus-smooth"] == pytest.approx(1.0, abs=0.03)
     assert mean["mirror"] == pytest.approx(1.0, abs=0.03)
     assert mean["cross-fade"] == pytest.approx(1.0, abs=0.05)
+    assert mean["smooth-cross-fade"] == pytest.approx(1.0, abs=0.03)
     assert mean["taper"] == pytest.approx(1.0, abs=0.1)

@@ -2,6 +2,9 @@
 
 import numpy as np
 
+_LONG = 2 / 3  # of the band: standard deviation of the Gaussian mean that long waves pass
+_CLOSED = 0.75  # share of their smooth component that is taken off
+
 
 def is_periodic(values) -> bool:
     """Return whether the map goes on beyond its edges as it does between its points.
@@ -84,30 +87,101 @@ def mirror(values) -> np.ndarray:
     return values
 
 
-def cross_fade(values, band) -> np.ndarray:
+def cross_fade(values, band, *, keep_variance: bool = False) -> np.ndarray:
     """Return the map shortened by a band, in which its end runs over into its beginning.
 
     On an axis with n + b points: h'(i) = w h(i) + (1 - w) h(i + n) for i < b, h'(i) = h(i) for b <= i < n,
-    with w = sin^2 from 0 to 1 over the band.
+    with w = sin^2 from 0 to 1 over the band. The result starts at i = b // 2, so that the seam is in the
+    middle of what was blended.
+
+    Two ends that know nothing of one another lose up to half of their variance by blending. With
+    `keep_variance` the blended heights, counted from the mean of the map, are divided by
+    sqrt(w^2 + (1 - w)^2 + 2 r w (1 - w)), r the correlation of the two ends: the variance then stays, and
+    ends that are equal (r = 1) stay as they are.
 
     Parameters
     ----------
     values : array (ny + by, nx + bx)
     band : (by, bx)
         points in the band, 0 to n on each axis.
+    keep_variance : bool
 
     Returns
     -------
     array (ny, nx)
     """
+    mean = values.mean()
+    values = values - mean
     for axis, points in enumerate(band):
         if points:
             values = np.moveaxis(values, axis, -1)
+            length = values.shape[-1] - points
+            first, last = values[..., :points], values[..., length:]
             weight = np.sin(np.pi / 2 * (np.arange(points) + 0.5) / points) ** 2
-            kept = values[..., : values.shape[-1] - points].copy()
-            kept[..., :points] = weight * kept[..., :points] + (1 - weight) * values[..., -points:]
-            values = np.moveaxis(kept, -1, axis)
-    return values
+            blended = weight * first + (1 - weight) * last
+            if keep_variance:
+                both = weight * (1 - weight)
+                blended /= np.sqrt(1 - 2 * both * (1 - _correlation(first, last)))
+            circle = np.concatenate([blended, values[..., points:length]], axis=-1)
+            values = np.moveaxis(np.roll(circle, -(points // 2), axis=-1), -1, axis)
+    return values + mean
+
+
+def _correlation(first, last) -> float:
+    """Return the correlation of two arrays of zero mean, 0 to 1; 1 where one of them is flat."""
+    scale = np.sqrt(np.mean(first**2) * np.mean(last**2))
+    return float(np.clip(np.mean(first * last) / scale, 0, 1)) if scale > 0 else 1.0
+
+
+def smooth_cross_fade(values, band, spacing) -> np.ndarray:
+    """Return the map shortened by a band: its long waves closed in part, then cross-faded with its variance.
+
+    A cross-fade alone has to climb from one end to the other within the band: long waves make it steep.
+    Closing the seams by a smooth surface alone draws the heights on both sides to their mean: the rim gets
+    flat and carries too little. Here three quarters of the smooth component (`periodic_plus_smooth`) of the
+    long waves are taken off first. What is left of them, and the short waves by themselves, is cross-faded
+    (`cross_fade`, `keep_variance`): the ends of the one may be correlated where those of the other are not.
+    Long waves are what a Gaussian mean over two thirds of the band (standard deviation) lets pass.
+
+    Parameters
+    ----------
+    values : array (ny + by, nx + bx), m
+    band : (by, bx)
+        points in the band, 0 to n on each axis.
+    spacing : (dy, dx), m
+
+    Returns
+    -------
+    array (ny, nx), m
+
+    Notes
+    -----
+    Both shares were found by trying on cut-outs of periodic surfaces: docs/window.md.
+    """
+    long_waves = _gaussian_mean(values, [_LONG * b for b in band])
+    # the smooth component of the part that stays, continued into the half bands on both sides
+    inner = tuple(slice(b // 2, n - (b - b // 2)) for b, n in zip(band, values.shape, strict=True))
+    smooth = long_waves[inner] - periodic_plus_smooth(long_waves[inner], spacing)
+    smooth = np.pad(smooth, [(b // 2, b - b // 2) for b in band], mode="edge")
+    return sum(
+        cross_fade(part, band, keep_variance=True)
+        for part in (long_waves - _CLOSED * smooth, values - long_waves)
+    )
+
+
+def _gaussian_mean(values, deviations):
+    """Return the Gaussian mean of a map that goes on as its mirror image beyond its edges.
+
+    Its cosine series c_k, multiplied by exp(-(pi k s / n)^2 / 2) along each axis, s the standard deviation
+    in points: two transforms, however wide the mean.
+    """
+    from scipy.fft import dctn, idctn
+
+    series = dctn(values)
+    for axis, (points, deviation) in enumerate(zip(values.shape, deviations, strict=True)):
+        passed = np.exp(-((np.pi * np.arange(points) * deviation / points) ** 2) / 2)
+        series *= np.expand_dims(passed, 1 - axis)
+    return idctn(series)
 
 
 def taper(values, width) -> np.ndarray:

@@ -14,12 +14,23 @@ from roughcontact.fourier import spacing
 from roughcontact.quantities import number, percent, prefix, quantity
 from roughcontact.storage import read_dataset, write_text
 from roughcontact.variables import VARIABLES
+from roughcontact.window_search import WEIGHTS
 
 _NO_LAY = 0.5  # texture aspect ratio from which on a surface has no lay
 _SHOWN_LOADS = 3  # loads whose maps are drawn: the lowest, the middle, the highest
 
 # the numbers of a surface at the top of the page, as `_headline` gives them
 _HEADINGS = ("rms height", "rms gradient g", "mean pressure p̄", "contact area A/A₀", "largest pressure")
+
+# the parts of the score of a window, as `window_search.WEIGHTS` names them, and whether in percent
+_SCORE_PARTS = (
+    ("height_mismatch", "heights at the seams", False),
+    ("slope_mismatch", "slopes at the seams", False),
+    ("missing", "filled points", True),
+    ("stationarity", "gradient among quarters", True),
+    ("representativeness", "spectrum off the map's", True),
+    ("size", "sampling error", True),
+)
 
 # the columns of the table of numbers: variable, short name, unit (a share is given in percent)
 _COLUMNS = (
@@ -85,6 +96,7 @@ def write_panel(
             ("Levelled", plots.height_map(plane, rectangle=_frame(solved)), _levelled_caption(plane)),
             ("Solved window", plots.height_map(solved), solved.attrs.get("window_reason", "")),
         ],
+        scores=_scores(solved),
         profile=1 in solved.shape,
         fields=_field_maps(contact, solved, order[shown]),
         waves=_waves(solved, numbers) if rough else [],
@@ -189,6 +201,27 @@ def _frame(window):
 def _shown_loads(loads: int) -> list[int]:
     """Return the places of the lowest, the middle and the highest of so many loads."""
     return sorted({0, loads // 2, loads - 1})[:_SHOWN_LOADS]
+
+
+def _scores(window) -> dict | None:
+    """Return header and rows of the table of scores, None where the window was not searched for."""
+    if "window_scores" not in window.attrs:
+        return None
+    candidates = json.loads(window.attrs["window_scores"])
+    header = ["window, points", "corner, x and y", "score"] + [
+        f"{title} (weight {WEIGHTS[name]:g})" for name, title, _ in _SCORE_PARTS
+    ]
+    rows = []
+    for index, candidate in enumerate(candidates):
+        corner = ", ".join(quantity(value, "m") for value in candidate["offset"][::-1])
+        parts = [
+            percent(candidate[name]) if in_percent else f"{candidate[name]:.2f}"
+            for name, _, in_percent in _SCORE_PARTS
+        ]
+        size = " × ".join(str(points) for points in candidate["points"][::-1])
+        words = ["solved"] * (index == 0) + ["largest rectangle"] * candidate["largest_rectangle"]
+        rows.append({"cells": [size, corner, f"{candidate['score']:.3f}", *parts], "words": ", ".join(words)})
+    return {"header": header, "rows": rows}
 
 
 def _field_maps(path, window, loads):

@@ -112,14 +112,20 @@ class Level(Section):
 class Window(Section):
     """The periodic window that is solved."""
 
-    method: Literal["periodic-plus-smooth", "raw", "mirror", "cross-fade", "taper"] = Field(
-        "periodic-plus-smooth", description="how the cropped map is made periodic"
+    placement: Literal["largest", "search"] = Field(
+        "largest",
+        description="which part of the map is solved; largest: the largest rectangle without missing points; "
+        "search: the position and size with the best score, whole periods of a lay included",
+    )
+    method: Literal["smooth-cross-fade", "periodic-plus-smooth", "cross-fade", "mirror", "taper", "raw"] = (
+        Field("smooth-cross-fade", description="how that part is made periodic; docs/window.md compares them")
     )
     width: Number = Field(
         0.1,
         gt=0,
         le=0.5,
-        description="share of the side over which cross-fade blends or taper falls; no other method has it",
+        description="share of the side over which the two cross-fades blend or taper falls; no other method "
+        "has it",
     )
     min_share: Number = Field(
         0.05, ge=0, le=1, description="least share of the map that the window must have; else it is refused"

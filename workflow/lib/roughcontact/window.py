@@ -2,6 +2,7 @@
 
 import json
 import math
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -13,39 +14,47 @@ from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.form import form_from_record, share_of_form
 from roughcontact.fourier import spacing
 from roughcontact.roughness import interior_rms_gradient, rms_gradient
+from roughcontact.window_search import search_window
 
-METHODS = ("periodic-plus-smooth", "raw", "mirror", "cross-fade", "taper")
+METHODS = ("smooth-cross-fade", "periodic-plus-smooth", "cross-fade", "mirror", "taper", "raw")
+_FADES = ("smooth-cross-fade", "cross-fade")  # need a band beyond the window
+PLACEMENTS = ("largest", "search")
 
 # The solver halves a grid while both sides are even; a side should come down to about this many points.
 _COARSE = 32
 # What one further halving is worth, as a share of the side.
 _HALVING = 0.02
+# Candidates of the search that are kept in the record, besides the largest rectangle.
+_KEPT = 6
 
 
 def periodic_window(
     levelled: xr.DataArray,
     *,
-    method: str = "periodic-plus-smooth",
+    placement: str = "largest",
+    method: str = "smooth-cross-fade",
     width: float = 0.1,
     min_share: float = 0.05,
     shortest_wavelength: float | None = None,
     longest_wavelength: float | None = None,
     reliable_band: bool = False,
 ) -> xr.DataArray:
-    """Cut the largest rectangle without missing points and make it periodic.
+    """Cut out a rectangle without missing points and make it periodic.
 
-    The rectangle's sides are rounded down to numbers whose Fourier transform is fast and that halve
-    well. A map that is periodic already, as it is or with the form put back that levelling took off, is
-    left as it is.
+    The rectangle is the largest one, or the best one of a search (`roughcontact.window_search`). Its sides
+    are numbers whose Fourier transform is fast; those of the largest one halve well, too. A map that is
+    periodic already, as it is or with the form put back that levelling took off, is left as it is.
 
     Parameters
     ----------
     levelled : DataArray (y, x), m
         from `level`; NaN where missing.
-    method : {"periodic-plus-smooth", "raw", "mirror", "cross-fade", "taper"}
+    placement : {"largest", "search"}
+        the largest rectangle without missing points, or the position and size with the best score.
+    method : {"smooth-cross-fade", "periodic-plus-smooth", "cross-fade", "mirror", "taper", "raw"}
         see `roughcontact.periodisation`; raw changes nothing and leaves the steps at the seams.
     width : float, 0 to 0.5
-        share of the side over which `cross-fade` blends or `taper` falls; the other methods have none.
+        share of the side over which the two cross-fades blend or `taper` falls; the other methods have none.
     min_share : float, 0 to 1
         least share of the map that the rectangle must have.
     shortest_wavelength, longest_wavelength : float (m) or None
@@ -61,8 +70,9 @@ def periodic_window(
     `form_share` (of the mean square height of the window, the part that a second-order polynomial makes up),
     `band_shortest`, `band_longest` (m, the waves that are left), `band_reason` (what limits them),
     `band_removed_rms_height` (m), `band_removed_rms_gradient`, `reliable_wavelength` (m), `window_offset_x`,
-    `window_offset_y` (m), `window_share`, `window_reason`; the coordinate `filled` is cut
-    as well.
+    `window_offset_y` (m), `window_share`, `window_reason`, and after a search `window_scores` (JSON: the best
+    candidates and the largest rectangle, with the parts of their scores); the coordinate `filled` is cut as
+    well.
 
     Raises
     ------
@@ -71,6 +81,7 @@ def periodic_window(
     SettingsError
         an option that has no meaning.
     """
+    check_choice("window.placement", placement, PLACEMENTS)
     check_choice("window.method", method, METHODS)
     if not 0 <= width <= 0.5:
         raise SettingsError(f"window.width = {width!r}: give a share of the side from 0 to 0.5")
@@ -82,41 +93,50 @@ def periodic_window(
     if unchanged is not None:
         return unchanged
 
-    ny, nx = values.shape
-    fade = width if method == "cross-fade" else 0.0
-    sides = friendly_sides(max(ny, nx), extra=fade)
-    y0, x0, height, breadth = largest_rectangle(~np.isnan(values), sides)
-    sides_out = sides[height], sides[breadth]
-    band = [round(fade * side) if side > 1 else 0 for side in sides_out]
-    used = [side + b for side, b in zip(sides_out, band, strict=True)]
-    share = used[0] * used[1] / values.size
-    _check_window(levelled, used, share, min_share)
-    # in the middle of the rectangle
-    start = (y0 + (height - used[0]) // 2, x0 + (breadth - used[1]) // 2)
+    fade = width if method in _FADES else 0.0
+    flags = (
+        levelled["filled"].values if "filled" in levelled.coords else np.zeros(values.shape, dtype=np.int8)
+    )
+    start, sides = _largest(levelled, values, fade, min_share)
+    scores = None
+    if placement == "search":
+        found = search_window(values, flags, (start, sides), friendly=is_friendly, band=partial(_band, fade))
+        least = min_share * values.size
+        found = [c for c in found if _points(c.sides, fade) >= least]
+        scores = _scores(found, (start, sides), fade, spacing(levelled))
+        start, sides = found[0].start, found[0].sides
+    band = [_band(fade, side) for side in sides]
+    used = [side + b for side, b in zip(sides, band, strict=True)]
     cut = levelled.isel({d: slice(s, s + u) for d, s, u in zip("yx", start, used, strict=True)})
-    flags = cut["filled"].values if "filled" in cut.coords else np.zeros(cut.shape, dtype=np.int8)
+    flags = flags[tuple(slice(s, s + u) for s, u in zip(start, used, strict=True))]
     heights = np.asarray(cut.values, dtype=float)
     step = spacing(levelled)
 
-    before = heights[: sides_out[0], : sides_out[1]]
+    # the part that stays, where it stays
+    kept = tuple(slice(b // 2, b // 2 + side) for b, side in zip(band, sides, strict=True))
+    before = heights[kept]
     if method == "mirror":
         after, flags = periodisation.mirror(heights), periodisation.mirror(flags)
-    elif method == "cross-fade":
-        after = periodisation.cross_fade(heights, band)
-        flags = (periodisation.cross_fade(flags.astype(float), band) > 0).astype(np.int8)
+    elif method in _FADES:
+        fading = periodisation.cross_fade(flags.astype(float), band)
+        flags = (fading > 1e-9).astype(np.int8)
+        if method == "cross-fade":
+            after = periodisation.cross_fade(heights, band)
+        else:
+            after = periodisation.smooth_cross_fade(heights, band, step)
     elif method == "taper":
         after = periodisation.taper(heights, width)
     elif method == "periodic-plus-smooth":
         after = periodisation.periodic_plus_smooth(heights, step)
     else:
         after = heights
-    before_map = cut.isel(y=slice(before.shape[0]), x=slice(before.shape[1]))
+    before_map = cut.isel(y=kept[0], x=kept[1])
     coords = {
-        d: xr.Variable(d, cut[d].values[0] + s * np.arange(n), cut[d].attrs)
+        d: xr.Variable(d, before_map[d].values[0] + s * np.arange(n), cut[d].attrs)
         for d, s, n in zip("yx", step, after.shape, strict=True)
     }
     change = after[: before.shape[0], : before.shape[1]] - before
-    return _record(
+    window = _record(
         after,
         coords | {"filled": (("y", "x"), flags)},
         levelled.attrs,
@@ -124,10 +144,54 @@ def periodic_window(
         method=method,
         change=float(np.sqrt(np.mean(change**2))),
         gradient_before=interior_rms_gradient(before_map),
-        offset=[s * d for s, d in zip(start, step, strict=True)],
-        share=share,
-        reason=_reason(values, used, sides_out, after.shape, method),
+        offset=[(s + k.start) * d for s, k, d in zip(start, kept, step, strict=True)],
+        share=used[0] * used[1] / values.size,
+        reason=_reason(values, used, after.shape, method, searched=scores is not None),
     )
+    return window if scores is None else window.assign_attrs(window_scores=scores)
+
+
+def is_friendly(side: int) -> bool:
+    """Return whether a side has no prime factor above 5, or is at most 32 points long."""
+    return math.isfinite(_side_score(side))
+
+
+def _band(fade, side):
+    """Return the points of the band that a side needs for blending."""
+    return round(fade * side) if side > 1 else 0
+
+
+def _points(sides, fade):
+    """Return the points of the map that a window and its bands need."""
+    return math.prod(side + _band(fade, side) for side in sides)
+
+
+def _largest(levelled, values, fade, min_share):
+    """Return start and sides of the window in the largest rectangle without missing points."""
+    fitting = friendly_sides(max(values.shape), extra=fade)
+    y0, x0, height, breadth = largest_rectangle(~np.isnan(values), fitting)
+    sides = int(fitting[height]), int(fitting[breadth])
+    used = [side + _band(fade, side) for side in sides]
+    _check_window(levelled, used, used[0] * used[1] / values.size, min_share)
+    # in the middle of the rectangle
+    return (y0 + (height - used[0]) // 2, x0 + (breadth - used[1]) // 2), sides
+
+
+def _scores(found, largest, fade, step):
+    """Return the record of a search: the best sizes and the largest rectangle, as JSON."""
+    own = [c for c in found if (c.start, c.sides) == largest]
+    shown = found[:_KEPT] + [c for c in own if c not in found[:_KEPT]]
+    rows = [
+        {
+            "points": list(c.sides),
+            "offset": [(s + _band(fade, n) // 2) * d for s, n, d in zip(c.start, c.sides, step, strict=True)],
+            "largest_rectangle": (c.start, c.sides) == largest,
+            "score": c.score,
+            **c.parts,
+        }
+        for c in shown
+    ]
+    return json.dumps(rows)
 
 
 def friendly_sides(longest: int, *, extra: float = 0.0) -> np.ndarray:
@@ -288,16 +352,18 @@ def _check_window(levelled, used, share, min_share):
         )
 
 
-def _reason(values, used, sides, solved, method):
+def _reason(values, used, solved, method, *, searched):
     ny, nx = values.shape
     if (ny, nx) == tuple(used):
         text = f"The whole map of {nx} x {ny} points is used"
     else:
-        why = (
-            "the largest rectangle without missing points, with sides that transform and halve well"
-            if np.isnan(values).any()
-            else "sides that transform and halve well"
-        )
+        missing = np.isnan(values).any()
+        if searched:
+            why = "the best score of the search"
+        elif missing:
+            why = "the largest rectangle without missing points, with sides that transform and halve well"
+        else:
+            why = "sides that transform and halve well"
         text = f"{used[1]} x {used[0]} of {nx} x {ny} points are used: {why}"
     text += f"; made periodic by {method}" if method != "raw" else "; its edges are left as they are"
     if tuple(solved) != tuple(used):
