@@ -154,6 +154,43 @@ def test_a_tolerance_below_the_rounding_floor_is_raised_or_flagged_never_returne
     assert 1e-15 < float(flagged["error_bound"][0]) < 1e-11
 
 
+def test_single_precision_says_its_floor_and_keeps_to_it():
+    window, load = rough(shape=(256, 256)), {"contact_modulus": MODULUS, "mean_pressure": 2e7}
+    double = rc.solve_contact(window, tolerance=1e-8, **load)
+    single = rc.solve_contact(window, tolerance=1e-4, precision="single", **load)
+    assert single["pressure"].dtype == single["gap"].dtype == np.float32
+    floor = float(single["rounding_floor"][0])
+    assert 1e-7 < floor < float(single["error_bound"][0]) <= 1e-4
+    error = np.linalg.norm(single["pressure"] - double["pressure"]) / np.linalg.norm(double["pressure"])
+    assert error < 3e-4
+    with pytest.raises(rc.ConvergenceError, match="rounding in single"):
+        rc.solve_contact(window, tolerance=1e-3 * floor, precision="single", **load)
+    with pytest.raises(rc.SettingsError, match="precision = 'half'"):
+        rc.solve_contact(window, precision="half", **load)
+
+
+def test_runs_repeat_exactly_and_thread_counts_agree_to_the_certificate():
+    window, load = rough(shape=(512, 512)), {"contact_modulus": MODULUS, "mean_pressure": 2e7}
+    first, again = (rc.solve_contact(window, tolerance=1e-5, **load) for _ in range(2))
+    np.testing.assert_array_equal(first["pressure"], again["pressure"])
+    two = rc.solve_contact(window, tolerance=1e-5, threads=2, **load)
+    assert float(two["contact"].mean()) == pytest.approx(float(first["contact"].mean()), rel=1e-4)
+    assert np.linalg.norm(two["pressure"] - first["pressure"]) <= 4e-5 * np.linalg.norm(first["pressure"])
+
+
+def test_loads_from_one_pixel_to_ten_times_full_contact():
+    window = rough()
+    spacing = (1e-6, 1.5e-6)
+    full = -full_contact_fluctuation(window.values, spacing, MODULUS).min()
+    loads = [1e-7 * full, 1e-4 * full, 0.5 * full, 0.999 * full, 1.001 * full, 10 * full]
+    contact = rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=loads, tolerance=1e-8)
+    points = contact["contact"].sum(["y", "x"]).values
+    assert points[0] == 1
+    assert (np.diff(points[:5]) > 0).all()
+    assert points[-1] == points[-2] == window.size
+    assert (contact["converged"] == 1).all()
+
+
 def relative_numbers(window, *, modulus, pressure):
     stats = rc.contact_statistics(
         rc.solve_contact(window, contact_modulus=modulus, mean_pressure=pressure, tolerance=3e-12)

@@ -170,7 +170,8 @@ def _label(solution, problem: Problem, window, *, load, modulus, compliance, har
     gap *= kind(height_unit)
     yielded = 0.0
     if hardness is not None:
-        at_hardness = pressure >= kind(hardness / pressure_unit)
+        rounding = 8 * float(np.finfo(kind).eps)
+        at_hardness = pressure >= kind(hardness / pressure_unit * (1 - rounding))
         pressure[at_hardness], gap[at_hardness] = hardness / pressure_unit, 0.0
         yielded = float(at_hardness.mean())
     pressure *= kind(pressure_unit)

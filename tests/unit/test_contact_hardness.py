@@ -1,0 +1,87 @@
+"""Contact whose pressure stops at a hardness: against a dense reference solution, and its limits."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.optimize import lsq_linear
+
+import roughcontact as rc
+from roughcontact import synthetic
+
+MODULUS = 1e9
+
+
+def dense_solution(heights, lengths, *, shift, hardness):
+    """Return the pressure with 0 <= p <= hardness of least energy for heights raised by `shift`, E* = 1.
+
+    The mean displacement has stiffness 1 instead of none, so that the load follows from the shift. Bounded
+    least squares of the root of the operator (Stark and Parker 1995, Comput. Stat. 10, 129), by SciPy.
+    """
+    ny, nx = heights.shape
+    q = (
+        2
+        * np.pi
+        * np.hypot(np.fft.fftfreq(ny, lengths[0] / ny)[:, None], np.fft.fftfreq(nx, lengths[1] / nx))
+    )
+    root = np.sqrt(np.where(q > 0, 2 / np.where(q > 0, q, 1), 1.0))
+    waves = np.fft.fft2(np.eye(ny * nx).reshape(-1, ny, nx))
+    matrix = np.fft.ifft2(waves * root).real.reshape(ny * nx, ny * nx)
+    raised = np.fft.ifft2(np.fft.fft2(heights + shift) / root).real.ravel()
+    found = lsq_linear(matrix, raised, bounds=(0, hardness), tol=1e-14, method="bvls")
+    return found.x.reshape(heights.shape)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_random_maps_equal_a_dense_solution(seed):
+    generator = np.random.default_rng(seed)
+    shape = tuple(generator.integers(2, 12, 2))
+    heights = generator.standard_normal(shape)
+    if seed % 3 == 0:
+        heights = np.round(2 * heights) / 2  # plateaus
+    pitch = (float(10 ** generator.uniform(-1, 1)), 1.0)
+    lengths = (shape[0] * pitch[0], shape[1] * pitch[1])
+    shift = -heights.max() + np.ptp(heights) * 10 ** generator.uniform(-1.5, 0)
+    elastic = dense_solution(heights, lengths, shift=shift, hardness=np.inf)
+    hardness = 0.6 * elastic.max()
+    exact = dense_solution(heights, lengths, shift=shift, hardness=hardness)
+    window = xr.DataArray(
+        heights,
+        dims=("y", "x"),
+        coords={axis: (np.arange(n) + 0.5) * d for axis, n, d in zip("yx", shape, pitch, strict=True)},
+    )
+    contact = rc.solve_contact(
+        window, contact_modulus=1.0, mean_pressure=exact.mean(), tolerance=1e-9, hardness=hardness
+    )
+    pressure = contact["pressure"].values[0]
+    np.testing.assert_allclose(pressure, exact, rtol=0, atol=1e-7 * hardness)
+    at_hardness = exact >= hardness * (1 - 1e-9)
+    assert float(contact["yielded_area"][0]) == pytest.approx(at_hardness.mean(), abs=1e-12)
+    assert (contact["gap"].values[0][pressure == hardness] == 0).all()
+    assert (contact["contact"].values[0] == (exact > 0)).mean() > 1 - 1.5 / exact.size
+
+
+def rough():
+    return synthetic.self_affine_surface(
+        (128, 128), 1e-6, hurst=0.8, shortest=8e-6, longest=64e-6, rms_gradient=0.1, seed=2
+    )
+
+
+def test_hardness_above_the_peak_changes_nothing_and_a_low_one_makes_the_area_plastic():
+    window, load = rough(), {"contact_modulus": MODULUS, "mean_pressure": 1e6, "tolerance": 1e-6}
+    elastic = rc.solve_contact(window, **load)
+    peak = float(elastic["pressure"].max())
+    same = rc.solve_contact(window, hardness=1.01 * peak, **load)
+    np.testing.assert_allclose(same["pressure"], elastic["pressure"], rtol=0, atol=1e-5 * peak)
+    assert float(same["yielded_area"][0]) == 0
+    soft = rc.solve_contact(window, hardness=0.05 * peak, **load)
+    # nearly all of the contact has yielded: area = load / hardness (Bowden and Tabor 1950)
+    assert float(soft["contact"].mean()) == pytest.approx(1e6 / (0.05 * peak), rel=0.02)
+    assert float(soft["pressure"].max()) <= 0.05 * peak
+    assert float(soft["load_error"][0]) < 1e-12
+
+
+def test_a_load_that_no_contact_carries_is_refused():
+    with pytest.raises(rc.SettingsError, match=r"2e\+06 Pa is not below the hardness 1e\+06 Pa"):
+        rc.solve_contact(rough(), contact_modulus=MODULUS, mean_pressure=2e6, hardness=1e6)
+    with pytest.raises(rc.SettingsError, match="hardness = -1"):
+        rc.solve_contact(rough(), contact_modulus=MODULUS, mean_pressure=2e6, hardness=-1)

@@ -1,0 +1,61 @@
+"""The influence functions, and what the choice of one changes."""
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact import influence, synthetic
+from roughcontact.fourier import wavevectors
+
+
+def loves_rectangle(x, y):
+    """Return the displacement at (x, y) under a unit pressure on the unit square, E* = 1 (Love 1929)."""
+
+    def corner(u, v):
+        return u * np.arcsinh(v / np.abs(u)) + v * np.arcsinh(u / np.abs(v))
+
+    a, b = x + 0.5, x - 0.5
+    c, d = y + 0.5, y - 0.5
+    return (corner(a, c) - corner(b, c) - corner(a, d) + corner(b, d)) / np.pi
+
+
+def test_elements_are_loves_rectangle_over_all_periods():
+    """Differences of displacement converge when the images are summed; the rest of the sum falls as 1/R."""
+    n = 16
+    symbol = influence.elements(*wavevectors((n, n), (1.0, 1.0)), (1.0, 1.0))
+    symbol[0, 0] = 0
+    kernel = np.fft.irfft2(symbol, s=(n, n))
+
+    def difference(j, i, reach):
+        x, y = np.meshgrid(*2 * [n * np.arange(-reach, reach + 1)])
+        return (loves_rectangle(x, y) - loves_rectangle(x + i, y + j)).sum()
+
+    for j, i in [(0, 1), (3, 2), (8, 8)]:
+        near, far = difference(j, i, 30), difference(j, i, 60)
+        assert kernel[0, 0] - kernel[j, i] == pytest.approx(2 * far - near, abs=2e-5)
+
+
+def test_elements_are_softer_in_the_middle_and_stiffer_at_the_end_of_the_spectrum():
+    """Ratio to 2/|q| at half Nyquist and at Nyquist along an axis: the known -4 % and +17 %."""
+    qy, qx = wavevectors((4, 8), (1.0, 1.0))
+    ratio = influence.elements(qy, qx, (1.0, 1.0))[0] / influence.sampled(qy, qx, (1.0, 1.0))[0]
+    assert ratio[2] == pytest.approx(0.9586, abs=1e-4)
+    assert ratio[4] == pytest.approx(1.1662, abs=1e-4)
+
+
+def test_the_choice_matters_less_the_finer_the_grid():
+    differences = []
+    for n in (64, 128, 256):
+        window = synthetic.height_map(1e-2 * np.cos(2 * np.pi * (np.arange(n) + 0.5) / n)[None, :], 1.0 / n)
+        window = synthetic.height_map(np.repeat(window.values, n, axis=0), 1.0 / n)
+        areas = [
+            rc.solve_contact(window, contact_modulus=1.0, mean_pressure=3e-3, influence=name)[
+                "pressure"
+            ].max()
+            for name in ("sampled", "elements")
+        ]
+        differences.append(abs(float(areas[1] / areas[0]) - 1))
+    assert differences[0] > differences[1] > differences[2]
+    assert differences[2] < 5e-3
+    with pytest.raises(rc.SettingsError, match="influence = 'love'"):
+        rc.solve_contact(window, contact_modulus=1.0, mean_pressure=3e-3, influence="love")
