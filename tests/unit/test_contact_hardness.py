@@ -18,14 +18,11 @@ def dense_solution(heights, lengths, *, shift, hardness):
     least squares of the root of the operator (Stark and Parker 1995, Comput. Stat. 10, 129), by SciPy.
     """
     ny, nx = heights.shape
-    q = (
-        2
-        * np.pi
-        * np.hypot(np.fft.fftfreq(ny, lengths[0] / ny)[:, None], np.fft.fftfreq(nx, lengths[1] / nx))
-    )
+    waves = np.fft.fftfreq(ny, lengths[0] / ny)[:, None], np.fft.fftfreq(nx, lengths[1] / nx)
+    q = 2 * np.pi * np.hypot(*waves)
     root = np.sqrt(np.where(q > 0, 2 / np.where(q > 0, q, 1), 1.0))
-    waves = np.fft.fft2(np.eye(ny * nx).reshape(-1, ny, nx))
-    matrix = np.fft.ifft2(waves * root).real.reshape(ny * nx, ny * nx)
+    columns = np.fft.fft2(np.eye(ny * nx).reshape(-1, ny, nx))
+    matrix = np.fft.ifft2(columns * root).real.reshape(ny * nx, ny * nx)
     raised = np.fft.ifft2(np.fft.fft2(heights + shift) / root).real.ravel()
     found = lsq_linear(matrix, raised, bounds=(0, hardness), tol=1e-14, method="bvls")
     return found.x.reshape(heights.shape)

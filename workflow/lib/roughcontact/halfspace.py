@@ -16,7 +16,6 @@ from roughcontact.fourier import wavevectors
 from roughcontact.influence import INFLUENCE
 from roughcontact.kernels import kernels_for
 
-
 _SINGLE, _DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
 
 
@@ -25,7 +24,8 @@ class HalfSpace:
 
     `influence` names another symbol (`roughcontact.influence`).
     The mean (q = 0) is left out of both: it is a matter of reference, see `zero_frequency_compliance`. What
-    an operator returns lies in a buffer: it holds until the next application. `applications` counts forward and inverse transform pairs.
+    an operator returns lies in a buffer: it holds until the next application. `applications` counts forward
+    and inverse transform pairs.
     """
 
     def __init__(

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from roughcontact.contact.extension import ELONGATED, Extension
-from roughcontact.kernels import kernels_for
 from roughcontact.contact.state import State, Way, contact_mean, keep_line_loads, norm, scale_to_load
 from roughcontact.halfspace import HalfSpace
+from roughcontact.kernels import kernels_for
 
 SMALL_CHANGE = 0.1  # of the residual's norm, that is simply added to it
 

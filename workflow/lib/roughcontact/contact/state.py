@@ -87,8 +87,8 @@ def contact_mean(pressure, separation, *, cap: float) -> float:
 def scale_to_load(pressure, mean_pressure: float, *, cap: float = np.inf):
     """Return max(pressure, 0) x factor, at most `cap`, with the factor that gives the prescribed mean.
 
-    Without a cap that is one multiplication. With one, points at the cap stay there, the others are scaled, and
-    those that the factor takes beyond the cap are held in turn, which ends after finitely many passes.
+    Without a cap that is one multiplication. With one, points at the cap stay there, the others are scaled,
+    and those that the factor takes beyond the cap are held in turn, which ends after finitely many passes.
     """
     xp = pressure.__array_namespace__()
     kind = pressure.dtype.type
