@@ -1,0 +1,239 @@
+"""The extension over the gaps, its transpose, and how near it comes to the inverse of the operator."""
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from roughcontact import kernels, synthetic
+from roughcontact.compiled import Compiled
+from roughcontact.contact.extension import Extension, coarsening, collapse, stencil
+from roughcontact.contact.grid import Grid
+
+# shape and pitches: square, odd, prime, pixels longer than wide (with and without lines that become one
+# cell), profiles, two rows
+GRIDS = [
+    ((16, 16), (1.0, 1.0)),
+    ((27, 45), (1.0, 1.0)),
+    ((23, 31), (1.0, 1.0)),
+    ((24, 40), (2.0, 1.0)),
+    ((16, 24), (1.0, 30.0)),
+    ((24, 16), (1000.0, 1.0)),
+    ((11, 13), (1.0, 50.0)),
+    ((1, 64), (1.0, 1.0)),
+    ((37, 1), (1.0, 1.0)),
+    ((2, 48), (1.0, 1.0)),
+    ((30, 2), (1.0, 40.0)),
+]
+COLLAPSED = [
+    ((16, 24), (1.0, 30.0)),
+    ((24, 16), (1000.0, 1.0)),
+    ((11, 13), (1.0, 50.0)),
+    ((30, 2), (1.0, 40.0)),
+]
+
+
+def make(shape, pitches, contact, engine=kernels, dtype=float):
+    """Return the extension W from the contact set `contact` (ny, nx) and W as a function."""
+    lengths = tuple(n * d for n, d in zip(shape, pitches, strict=True))
+    extension = Extension(np.empty(shape, dtype=dtype), lengths, engine)
+    extension.empty[0][...] = ~contact
+    extension.complete()
+
+    def extend(values):
+        out = np.full(shape, np.nan, dtype=dtype)
+        extension.extend(values, out)
+        return out
+
+    return extension, extend
+
+
+def scattered(shape, share, seed=0):
+    """Return a contact set of single points, at least one of them."""
+    contact = np.random.default_rng([seed, *shape]).random(shape) < share
+    contact.flat[contact.size // 2] = True
+    return contact
+
+
+def patches(shape, share, *, shortest=8.0, seed=0):
+    """Return the `share` highest points of a self-affine map, a contact set as surfaces make it."""
+    height = synthetic.self_affine_surface(
+        shape, 1.0, hurst=0.8, shortest=shortest, longest=min(shape) / 2, rms_gradient=1, seed=seed
+    )
+    return height.values > np.quantile(height.values, 1 - share)
+
+
+@pytest.mark.parametrize("engine", [kernels, Compiled(1), Compiled(2)], ids=["plain", "one", "two"])
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("share", [0.05, 0.4, 0.9, 1.0])
+@pytest.mark.parametrize(("shape", "pitches"), GRIDS)
+def test_the_transpose_is_the_transpose_and_the_contact_keeps_its_values(
+    shape, pitches, share, dtype, engine
+):
+    rng = np.random.default_rng(1)
+    contact = scattered(shape, share)
+    extension, extend = make(shape, pitches, contact, engine, dtype)
+    values = np.where(contact, rng.standard_normal(shape), 0).astype(dtype)
+    field = rng.standard_normal(shape).astype(dtype)
+    extended = extend(values)
+    np.testing.assert_array_equal(extended[contact], values[contact])
+    transposed = field.copy()
+    total, product = extension.transpose(transposed, values)
+    assert not transposed[~contact].any()
+    rounding = 16 * float(np.finfo(dtype).eps)
+    scale = float(np.linalg.norm(extended) * np.linalg.norm(field))
+    inner = np.vdot(extended.astype(float), field.astype(float))
+    assert np.vdot(values.astype(float), transposed.astype(float)) == pytest.approx(
+        inner, rel=0, abs=rounding * scale
+    )
+    assert product == pytest.approx(inner, rel=0, abs=rounding * scale)
+    assert total == pytest.approx(
+        transposed.sum(dtype=float), rel=0, abs=rounding * float(np.abs(transposed).sum(dtype=float))
+    )
+
+
+@pytest.mark.parametrize(("shape", "pitches"), GRIDS)
+def test_the_extension_is_linear_and_between_the_values(shape, pitches):
+    rng = np.random.default_rng(2)
+    contact = scattered(shape, 0.2)
+    _, extend = make(shape, pitches, contact)
+    one, other = (np.where(contact, rng.standard_normal(shape), 0) for _ in range(2))
+    np.testing.assert_allclose(
+        extend(2 * one - 3 * other), 2 * extend(one) - 3 * extend(other), rtol=0, atol=1e-13
+    )
+    # positive weights that sum to at most one
+    reach = extend(contact.astype(float))
+    assert reach.min() >= 0
+    assert reach.max() <= 1 + 1e-14
+
+
+def test_the_weights_are_the_inverse_cube_of_the_distance():
+    across_y, across_x, diagonal = stencil((2.0, 3.0), (8, 8), dtype=np.dtype(float))
+    assert across_y / across_x == pytest.approx((3 / 2) ** 3)
+    assert diagonal / across_x == pytest.approx(3**3 / 13**1.5)
+    assert 2 * across_y + 2 * across_x + 4 * diagonal == pytest.approx(1)
+    assert stencil((2.0, 3.0), (1, 8), dtype=np.dtype(float)) == pytest.approx((0, 0.5, 0))
+    assert stencil((2.0, 3.0), (8, 1), dtype=np.dtype(float)) == pytest.approx((0.5, 0, 0))
+
+
+def test_grids_of_the_pyramid():
+    assert coarsening((1.0, 1.0), (12, 45)) == (2, 3)
+    assert coarsening((1.0, 1.0), (7, 25)) == (1, 5)  # 7 is prime
+    assert coarsening((1.0, 1.0), (6, 4)) == (1, 1)  # 3 cells would be too few
+    assert coarsening((2.0, 1.0), (64, 64)) == (1, 2)  # the finer axis alone
+    assert coarsening((1.0, 1.0), (1, 64)) == (1, 2)
+    assert collapse((1.0, 2.9), (8, 8)) == (1, 1)
+    assert collapse((1.0, 3.1), (8, 6)) == (8, 1)
+    assert collapse((3.1, 1.0), (8, 6)) == (1, 6)
+    assert collapse((3.1, 1.0), (1, 6)) == (1, 1)
+    assert make((64, 64), (1.0, 1.0), np.ones((64, 64), bool))[0].collapsed is None
+
+
+@pytest.mark.parametrize(("shape", "pitches"), COLLAPSED)
+def test_what_is_constant_along_lines_stays_so(shape, pitches):
+    rng = np.random.default_rng(3)
+    contact = scattered(shape, 0.3)
+    finer = int(np.argmin(pitches))
+    contact.swapaxes(finer, 0)[0] = True  # every line touches
+    extension, extend = make(shape, pitches, contact)
+    assert extension.collapsed is not None
+    lines = np.broadcast_to(np.expand_dims(rng.uniform(-1, 1, shape[1 - finer]), finer), shape)
+    # all that lines take from each other are the neighbours' weights across, grid by grid of the pyramid
+    taken = sum(
+        2 * weights[1 - finer] + 4 * weights[2] for weights in extension.weights[: extension.collapsed]
+    )
+    found = extend(np.where(contact, lines, 0))
+    assert taken < 0.2
+    np.testing.assert_allclose(found, lines, rtol=0, atol=2 * taken)
+
+
+def in_dense_form(grid, contact):
+    """Return the matrices of G and of M = W^T G^-1 W on the pressures of mean zero on `contact`."""
+    unit = np.zeros((contact.sum(), *contact.shape))
+    unit[:, contact] = np.eye(len(unit))
+    operator = np.array([grid.halfspace.displacement(field)[contact] for field in unit])
+    inverse = np.array([grid.precondition_on(contact, field)[contact] for field in unit])
+    np.testing.assert_allclose(inverse, inverse.T, rtol=0, atol=1e-12 * np.abs(inverse).max())
+    basis = np.linalg.svd(np.ones((1, len(unit))))[2][1:]
+    return basis @ operator @ basis.T, basis @ inverse @ basis.T
+
+
+@pytest.mark.parametrize("share", [0.05, 0.3, 0.8])
+@pytest.mark.parametrize(("shape", "pitches"), GRIDS)
+def test_nowhere_less_than_the_inverse_on_small_grids(shape, pitches, share):
+    """All eigenvalues of W^T G^-1 W P G P, by dense matrices."""
+    contact = scattered(shape, share)
+    contact.flat[0] = True
+    grid = Grid(np.zeros(shape), tuple(n * d for n, d in zip(shape, pitches, strict=True)))
+    operator, inverse = in_dense_form(grid, contact)
+    values = eigh(inverse, np.linalg.inv(operator), eigvals_only=True)
+    assert values[0] >= 1 - 1e-10
+    elongated = max(pitches) > 3 * min(pitches)
+    assert values[-1] <= (2.5 if elongated else 1.6)
+
+
+def extreme_eigenvalues(grid, contact, *, dtype=float, steps=40):
+    """Return the least and the largest eigenvalue of W^T G^-1 W P G P on the pressures of mean zero.
+
+    The coefficients of preconditioned conjugate gradients make a tridiagonal matrix whose extreme
+    eigenvalues are soon those of the product (Golub and Van Loan 2013, Matrix Computations, section 11.3).
+    """
+
+    def centred(field):
+        return np.where(contact, field - field[contact].mean(dtype=float).astype(field.dtype), 0)
+
+    remainder = centred(np.random.default_rng(4).standard_normal(contact.shape).astype(dtype))
+    product = centred(grid.precondition_on(contact, remainder))
+    direction, rz = product, np.vdot(remainder, product)
+    first, lengths, ratios = rz, [], []
+    while len(lengths) < steps and rz > 1e3 * np.finfo(dtype).eps ** 2 * first:
+        displaced = centred(grid.halfspace.displacement(direction))
+        lengths.append(float(rz / np.vdot(direction, displaced)))
+        remainder = remainder - dtype(lengths[-1]) * displaced
+        product = centred(grid.precondition_on(contact, remainder))
+        before, rz = rz, np.vdot(remainder, product)
+        ratios.append(float(rz / before))
+        direction = product + rz / before * direction
+    lengths, ratios = np.array(lengths), np.array(ratios)[:-1]
+    diagonal = 1 / lengths + np.concatenate([[0], ratios / lengths[:-1]])
+    beside = np.sqrt(ratios) / lengths[:-1]
+    values = np.linalg.eigvalsh(np.diag(diagonal) + np.diag(beside, 1) + np.diag(beside, -1))
+    return values[0], values[-1]
+
+
+def test_the_measure_of_eigenvalues_agrees_with_the_dense_one():
+    shape = (20, 25)
+    grid, contact = Grid(np.zeros(shape), (1.0, 1.25)), scattered(shape, 0.2)
+    operator, inverse = in_dense_form(grid, contact)
+    dense = eigh(inverse, np.linalg.inv(operator), eigvals_only=True)
+    low, high = extreme_eigenvalues(grid, contact)
+    assert high == pytest.approx(dense[-1], abs=1e-4)
+    assert dense[0] - 1e-12 <= low <= dense[0] + 2e-3  # the many near 1 are not told apart
+
+
+@pytest.mark.parametrize("share", [0.003, 0.03, 0.1, 0.3, 0.5, 0.8, 0.97])
+@pytest.mark.parametrize(
+    ("make_contact", "largest"), [(patches, 1.6), (scattered, 2.5)], ids=["patches", "single points"]
+)
+def test_at_most_about_twice_the_inverse(make_contact, largest, share):
+    shape = (128, 128)
+    low, high = extreme_eigenvalues(Grid(np.zeros(shape), (1.0, 1.0)), make_contact(shape, share))
+    assert low >= 1 - 1e-10
+    assert high <= largest
+
+
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.8])
+@pytest.mark.parametrize("size", [64, 256, 512, 125, 211])
+def test_patches_need_no_more_steps_on_finer_grids(size, share):
+    """With pixels ever finer beside the patches the largest eigenvalue stays."""
+    shape = (size, size)
+    contact = patches(shape, share, shortest=size / 16)
+    _, high = extreme_eigenvalues(Grid(np.zeros(shape), (1.0, 1.0)), contact, steps=20)
+    assert high <= 1.7
+
+
+def test_single_precision_keeps_the_bounds():
+    shape = (128, 128)
+    contact = patches(shape, 0.1)
+    low, high = extreme_eigenvalues(Grid(np.zeros(shape), (1.0, 1.0)), contact, dtype=np.float32)
+    assert low >= 1 - 1e-5
+    assert high <= 1.6

@@ -1,0 +1,233 @@
+"""The passes over the grid: plain against compiled, on NumPy and on another array library."""
+
+import array_api_strict
+import numpy as np
+import pytest
+
+from roughcontact import kernels
+from roughcontact.compiled import Compiled
+
+# shape of the grid and factors to the coarser one
+GRIDS = [
+    ((8, 12), (2, 2)),
+    ((40, 54), (2, 3)),
+    ((9, 25), (3, 5)),
+    ((7, 11), (7, 1)),
+    ((10, 9), (5, 3)),
+    ((1, 12), (1, 2)),
+    ((15, 1), (5, 1)),
+    ((2, 20), (1, 5)),
+    ((2, 6), (2, 3)),
+    ((4, 6), (1, 6)),
+]
+SINGLE, DOUBLE = np.float32, np.float64
+# pressure and residual both single, both double, and the mixture of iterative refinement
+PRECISIONS = [(SINGLE, SINGLE), (DOUBLE, DOUBLE), (DOUBLE, SINGLE)]
+WEIGHTS = (0.11, 0.23, 0.08)
+LEVEL = 0.1
+
+
+def make_fields(shape, factors, precisions, cap):
+    """Return random fields as the iteration has them; about a third carries no pressure."""
+    rng = np.random.default_rng(shape)
+    outer, inner = precisions
+    coarse_shape = tuple(n // f for n, f in zip(shape, factors, strict=True))
+
+    def random(size, dtype):
+        return rng.standard_normal(size).astype(dtype)
+
+    top = outer(cap)
+    fields = {
+        "pressure": np.clip(random(shape, outer) + outer(0.4), 0, top),
+        "start": np.clip(random(shape, outer) + outer(0.4), 0, top),
+        "displaced": random(shape, outer),
+        "heights": random(shape, outer),
+        "separation": random(shape, outer),
+        "before": random(shape, outer),
+        "product": random(shape, inner),
+        "values": random(shape, inner),
+        "field": random(shape, inner),
+        "passed": random(shape, inner),
+        "empty": (rng.random(shape) < 0.5).astype(inner),
+        "share": rng.random(shape).astype(inner),
+        "coarse": random(coarse_shape, inner),
+        "coarse_pressure": np.clip(random(coarse_shape, inner), 0, None),
+        "symbol": (0.1 + rng.random((shape[0], shape[1] // 2 + 1))).astype(inner),
+    }
+    spectrum = random(fields["symbol"].shape, inner) + 1j * random(fields["symbol"].shape, inner)
+    fields["spectrum"] = spectrum.astype(np.result_type(inner, np.complex64))
+    fields["symbol"][0, 0] = np.inf  # as that of the half-space
+    fields["outer_out"], fields["inner_out"], fields["other_out"] = (
+        np.full(shape, np.nan, dtype) for dtype in (outer, inner, inner)
+    )
+    fields["coarse_out"] = np.full(coarse_shape, np.nan, inner)
+    return fields
+
+
+# every kernel, called with what it is for
+CALLS = {
+    "scale": lambda k, f, factors, cap: k.scale(f["spectrum"], f["symbol"], False),
+    "scale back": lambda k, f, factors, cap: k.scale(f["spectrum"], f["symbol"], True),
+    "measure": lambda k, f, factors, cap: k.measure(
+        f["displaced"], f["heights"], f["start"], f["before"], LEVEL, f["pressure"], f["outer_out"], cap
+    ),
+    "remainder": lambda k, f, factors, cap: k.remainder(
+        f["pressure"], f["separation"], LEVEL, cap, f["inner_out"], f["other_out"]
+    ),
+    "advance": lambda k, f, factors, cap: k.advance(
+        f["pressure"], f["separation"], f["product"], LEVEL, 0.2, 0.87, cap, f["outer_out"]
+    ),
+    "hold": lambda k, f, factors, cap: k.hold(f["pressure"], f["separation"], LEVEL, cap, f["values"]),
+    "block_mean": lambda k, f, factors, cap: k.block_mean(f["field"], factors, f["coarse_out"]),
+    "mix": lambda k, f, factors, cap: k.mix(f["values"], f["share"], f["coarse"], factors, f["inner_out"]),
+    "neighbours": lambda k, f, factors, cap: k.neighbours(f["field"], WEIGHTS, f["inner_out"]),
+    "fill": lambda k, f, factors, cap: k.fill(f["values"], f["share"], f["field"], WEIGHTS, f["inner_out"]),
+    "empty_neighbours": lambda k, f, factors, cap: k.empty_neighbours(
+        f["field"], f["share"], WEIGHTS, f["inner_out"]
+    ),
+    "gather": lambda k, f, factors, cap: k.gather(f["field"], f["share"], factors, f["coarse_out"]),
+    "spread": lambda k, f, factors, cap: k.spread(f["field"], f["coarse"], factors, 0.3),
+    "conclude": lambda k, f, factors, cap: k.conclude(f["field"], f["passed"], f["values"], f["empty"]),
+    "refine": lambda k, f, factors, cap: k.refine(f["coarse_pressure"], factors, f["inner_out"]),
+}
+BOUNDED = ("measure", "remainder", "advance", "hold")
+
+
+def outcome(name, engine, fields, factors, cap, convert=np.array):
+    """Return the numbers that a kernel returns and every field after the call, as NumPy arrays."""
+    fields = {key: convert(field) for key, field in fields.items()}
+    returned = CALLS[name](engine, fields, factors, cap)
+    numbers = () if returned is None else returned if isinstance(returned, tuple) else (returned,)
+    return numbers, {key: np.asarray(field) for key, field in fields.items()}
+
+
+def assert_same(found, expected, precisions):
+    """Equal to the rounding of the coarser precision; fields of order one."""
+    eps = max(float(np.finfo(precision).eps) for precision in precisions)
+    for key, field in expected[1].items():
+        assert found[1][key].dtype == field.dtype
+        np.testing.assert_allclose(found[1][key], field, rtol=16 * eps, atol=16 * eps, err_msg=key)
+    size = expected[1]["pressure"].size
+    assert len(found[0]) == len(expected[0])
+    for number, reference in zip(found[0], expected[0], strict=True):
+        if isinstance(reference, int):
+            assert number == reference
+        else:
+            assert number == pytest.approx(reference, rel=4 * eps, abs=16 * eps * size)
+
+
+def test_every_kernel_stands_here():
+    twins = {name for name in vars(Compiled) if not name.startswith("_") and name.islower()}
+    assert twins == {name.split()[0] for name in CALLS}
+    assert all(callable(getattr(kernels, name)) for name in twins)
+
+
+@pytest.mark.parametrize("precisions", PRECISIONS, ids=lambda pair: "-".join(p.__name__ for p in pair))
+@pytest.mark.parametrize(("shape", "factors"), GRIDS)
+@pytest.mark.parametrize(
+    ("name", "cap"), [(name, np.inf) for name in CALLS] + [(name, 0.9) for name in BOUNDED]
+)
+def test_plain_and_compiled_agree(name, shape, factors, precisions, cap):
+    fields = make_fields(shape, factors, precisions, cap)
+    with np.errstate(all="raise", invalid="ignore" if name == "scale" else "raise"):
+        expected = outcome(name, kernels, fields, factors, cap)
+    assert any(not np.array_equal(expected[1][key], field, equal_nan=True) for key, field in fields.items())
+    for threads in (1, 2):
+        assert_same(outcome(name, Compiled(threads), fields, factors, cap), expected, precisions)
+    strict = outcome(name, kernels, fields, factors, cap, convert=array_api_strict.asarray)
+    assert_same(strict, expected, precisions)
+
+
+def test_compiled_kernels_are_chosen_for_numpy_arrays_and_threads_for_large_ones(monkeypatch):
+    field = np.zeros((6, 7))
+    monkeypatch.setattr(Compiled, "SMALL", field.size)
+    assert kernels.kernels_for(field, threads=2).threads == 2
+    assert kernels.kernels_for(field[1:], threads=2).threads == 1
+    assert kernels.kernels_for(array_api_strict.asarray(field)) is kernels
+    monkeypatch.setattr(kernels, "numba_is_installed", lambda: False)
+    assert kernels.kernels_for(field) is kernels
+
+
+ENGINES = [kernels, Compiled(1), Compiled(2)]
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+def test_unsettled_points_are_those_whose_gap_should_vanish(engine):
+    # columns: no pressure, pressure below the cap, at the cap; rows: overlap, touch, gap
+    pressure = np.array([[0.0, 0.5, 1.0]] * 3)
+    separation = np.array([[-1.0] * 3, [0.0] * 3, [2.0] * 3]) + 0.25
+    values, empty = np.empty((2, 3, 3))
+    assert engine.remainder(pressure, separation, 0.25, 1.0, values, empty) == 5
+    np.testing.assert_array_equal(values, [[-1, -1, 0], [0, 0, 0], [0, 2, 2]])
+    np.testing.assert_array_equal(empty, [[0, 0, 1], [1, 0, 1], [1, 0, 0]])
+    moved = np.empty((3, 3))
+    product = np.array([[-2.0, -0.2, 9], [9, 0.1, 9], [9, 2, 0.3]])
+    engine.advance(pressure, separation, product, 0.25, 0.1, 0.5, 1.0, moved)
+    np.testing.assert_allclose(moved, [[1, 0.65, 1], [0, 0.5, 1], [0, 0, 0.9]])
+    held = np.full((3, 3), 0.5)
+    assert engine.hold(pressure, separation, 0.25, 1.0, held) == 1.5**2 + 0.5**2 + 1.5**2
+    np.testing.assert_array_equal(held, [[-1, 0.5, 0.5], [0, 0.5, 0.5], [0.5, 0.5, 2]])
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@pytest.mark.parametrize(("shape", "factors"), GRIDS)
+def test_sums_and_means_are_transposes(engine, shape, factors):
+    """Mixing and gathering, filling and its transpose: equal inner products with random fields."""
+    f = make_fields(shape, factors, (DOUBLE, DOUBLE), np.inf)
+    zero = np.zeros(shape)
+    mixed, gathered = np.empty(shape), np.empty_like(f["coarse"])
+    engine.mix(zero, f["share"], f["coarse"], factors, mixed)
+    engine.gather(f["field"], f["share"], factors, gathered)
+    assert np.vdot(mixed, f["field"]) == pytest.approx(np.vdot(f["coarse"], gathered), rel=1e-12)
+    filled, passed = np.empty(shape), np.empty(shape)
+    engine.fill(zero, f["share"], f["values"], WEIGHTS, filled)
+    engine.empty_neighbours(f["field"], f["share"], WEIGHTS, passed)
+    assert np.vdot(filled, f["field"]) == pytest.approx(np.vdot(f["values"], passed), rel=1e-12)
+    means, spread = np.empty_like(f["coarse"]), np.zeros(shape)
+    engine.block_mean(f["field"], factors, means)
+    engine.spread(spread, f["coarse"], factors, 1 / np.prod(factors))
+    assert np.vdot(means, f["coarse"]) == pytest.approx(np.vdot(f["field"], spread), rel=1e-12)
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+def test_neighbours_of_a_wave(engine):
+    """A wave keeps its form: the means multiply it by the weights' own symbol."""
+    ny, nx, ky, kx = 12, 15, 5, 3
+    y, x = 2 * np.pi * ky / ny, 2 * np.pi * kx / nx
+    wave = np.cos(y * np.arange(ny)[:, None] + x * np.arange(nx)[None, :] + 0.3)
+    found = np.empty_like(wave)
+    engine.neighbours(wave, WEIGHTS, found)
+    across_y, across_x, diagonal = WEIGHTS
+    symbol = 2 * across_y * np.cos(y) + 2 * across_x * np.cos(x) + 4 * diagonal * np.cos(y) * np.cos(x)
+    np.testing.assert_allclose(found, symbol * wave, atol=1e-14)
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@pytest.mark.parametrize(("shape", "factors"), GRIDS)
+def test_refined_pressure_keeps_the_load_of_every_cell(engine, shape, factors):
+    coarse = make_fields(shape, factors, (DOUBLE, DOUBLE), np.inf)["coarse_pressure"]
+    fine = np.full(shape, np.nan)
+    engine.refine(coarse, factors, fine)
+    means = np.empty_like(coarse)
+    kernels.block_mean(fine, factors, means)
+    np.testing.assert_allclose(means, coarse, rtol=1e-13)
+    assert fine.min() >= 0
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+def test_refined_pressure_finds_the_edge_between_the_cells(engine):
+    """The pressure sqrt(a² - x²) under a cylinder: far nearer than by repeating the cells."""
+    n, factor, edge = 32, 8, 0.3
+
+    def pressure(size):
+        x = (np.arange(size) + 0.5) / size - 0.5
+        # mean over the cell, by many points
+        points = x[:, None] + (np.arange(64) + 0.5) / 64 / size - 0.5 / size
+        return np.sqrt(np.maximum(edge**2 - points**2, 0)).mean(axis=1)[None, :]
+
+    coarse, exact = pressure(n), pressure(n * factor)
+    fine = np.empty_like(exact)
+    engine.refine(coarse, (1, factor), fine)
+    error = np.abs(fine - exact).mean()
+    assert error < 0.15 * np.abs(np.repeat(coarse, factor, axis=1) - exact).mean()
+    assert abs(np.count_nonzero(fine) - np.count_nonzero(exact)) <= 4
