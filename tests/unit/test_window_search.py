@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from roughcontact import synthetic
+from roughcontact import report, synthetic
 from roughcontact.contact import solve_contact
 from roughcontact.levelling import level
 from roughcontact.window import _band, is_friendly, periodic_window
@@ -167,3 +167,17 @@ def test_search_costs_less_than_one_solve():
     searched, window = least(lambda: periodic_window(levelled, placement="search"))
     solved, _ = least(lambda: solve_contact(window, contact_modulus=1.0, mean_pressure=0.1))
     assert searched - plain < solved
+
+
+def test_the_report_lists_the_scores():
+    levelled = level(synthetic.height_map(rough((512, 512), seed=5)[:282, :300], 1e-6))
+    window = periodic_window(levelled, placement="search")
+    table = report._scores(window)
+    best, scores = table["rows"][0], json.loads(window.attrs["window_scores"])
+    assert len(table["rows"]) == len(scores)
+    assert best["cells"][0] == f"{window.shape[1]} × {window.shape[0]}"
+    assert best["cells"][2] == f"{scores[0]['score']:.3f}"
+    assert best["words"].startswith("solved")
+    assert sum("largest rectangle" in row["words"] for row in table["rows"]) == 1
+    assert all(len(row["cells"]) == len(table["header"]) for row in table["rows"])
+    assert report._scores(periodic_window(levelled)) is None

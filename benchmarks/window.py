@@ -1,0 +1,263 @@
+"""Compare the ways to make a cut-out periodic, and to place the window, with the truth.
+
+    python benchmarks/window.py --page docs/window.md
+    python benchmarks/window.py --quick --page /tmp/window.md      # a minute, too few windows to decide by
+
+The truth is known where the map is cut out of a larger surface that is periodic: that one is solved whole.
+Periodic surfaces of four kinds are cut into windows without rest, so that what one window has too much
+another one has too little. Every window is made periodic by every method and solved twice: under the mean
+pressure of the whole surface, as a user would do, and under the mean pressure that this very part carries on
+the large surface, which leaves out most of the scatter between windows.
+"""
+
+import argparse
+import json
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import window_page
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
+
+import roughcontact as rc
+from roughcontact.roughness import rms_gradient
+from roughcontact.statistics import PERIMETER_CORRECTION
+from roughcontact.synthetic import height_map, self_affine_surface
+from roughcontact.window import METHODS
+
+KINDS = ("isotropic", "anisotropic", "turned", "bimodal")
+LOADS = (0.02, 0.1, 0.4)  # mean pressure / (E* rms gradient)
+TOLERANCE = 1e-3
+RIM = 0.03  # of each side, at both ends
+FIRST_SEED = 50
+PARTS = ("methods", "placements")
+DEFECTS = ("", "hole", "bump")
+DEFECT_WIDTH = 0.2  # of a hole or a bump over the least side
+BUMP_HEIGHT = 3.0  # over the rms height
+
+
+def master(kind: str, seed: int, points: int, *, longest: float | None = None, shortest: float = 8.0):
+    """Return a periodic surface of unit pitch and unit rms gradient, points x points.
+
+    isotropic: self-affine, Hurst exponent 0.8, waves up to `longest`, or half of the side; anisotropic: up to
+    half of that, six times as long along y; turned: parabolic grooves of scattered depth along y,
+    self-affine roughness on them; bimodal: fine roughness on long waves that carry nearly all of the height.
+    """
+    shape = (points, points)
+    longest = longest or points / 2
+
+    def waves(first, last, seed=seed, **options):
+        options = {"rms_height": 1.0} | options
+        return self_affine_surface(
+            shape, 1.0, hurst=0.8, shortest=first, longest=last, seed=seed, **options
+        ).values
+
+    if kind == "isotropic":
+        heights = waves(shortest, longest)
+    elif kind == "anisotropic":
+        heights = waves(shortest, longest / 2, stretch=6.0)
+    elif kind == "turned":
+        heights = waves(shortest, 8 * shortest, rms_height=0.25) + _grooves(points, seed, 4.7 * shortest)
+        heights = _smooth(heights, shortest / 4)
+    else:
+        heights = waves(12.5 * shortest, 32 * shortest) + waves(
+            shortest, 3 * shortest, seed=seed + 1000, rms_height=0.1
+        )
+    surface = height_map(heights - heights.mean(), 1.0)
+    return surface / rms_gradient(surface)
+
+
+def _grooves(points, seed, feed):
+    """Return parabolic grooves (1, points) of unit depth, a whole number of them, about one feed apart."""
+    count = round(points / feed)
+    x = (np.arange(points) + 0.5) / points * count
+    depth = 0.1 * np.random.default_rng(seed).standard_normal(count)
+    groove = np.floor(x).astype(int)
+    # neighbouring passes cut into each other: the lowest parabola is what stays
+    passes = [4 * (x - groove - s - 0.5) ** 2 + depth[(groove + s) % count] for s in (-1, 0, 1)]
+    return np.min(passes, axis=0)[None, :]
+
+
+def _smooth(heights, deviation):
+    """Return the Gaussian mean of a periodic map."""
+    q = (
+        2
+        * np.pi
+        * np.hypot(np.fft.fftfreq(heights.shape[0])[:, None], np.fft.rfftfreq(heights.shape[1])[None, :])
+    )
+    return np.fft.irfft2(np.fft.rfft2(heights) * np.exp(-((q * deviation) ** 2) / 2), s=heights.shape)
+
+
+def solve(window, loads) -> np.ndarray:
+    """Return the pressures (load, y, x) over E*; zero where the load is."""
+    loads = np.asarray(loads, dtype=float)
+    pressure = np.zeros((loads.size, *window.shape))
+    some = loads > 1e-4
+    if some.any():
+        contact = rc.solve_contact(
+            window, contact_modulus=1.0, mean_pressure=list(loads[some]), tolerance=TOLERANCE
+        )
+        pressure[some] = contact["pressure"].values
+    return pressure
+
+
+def area(pressure, *, periodic=True) -> float:
+    """Return the contact area, corrected by the perimeter, in parts of the whole."""
+    touching = pressure > 0
+    if periodic:
+        touching = np.pad(touching, ((0, 1), (0, 1)), mode="wrap")
+    switches = np.count_nonzero(touching[1:] != touching[:-1]) + np.count_nonzero(
+        touching[:, 1:] != touching[:, :-1]
+    )
+    return np.count_nonzero(pressure > 0) / pressure.size - PERIMETER_CORRECTION * switches / pressure.size
+
+
+def rim_load(pressure) -> float:
+    """Return the mean pressure on the rim, the outer 3 % of each side at both ends."""
+    width = [max(1, round(RIM * n)) for n in pressure.shape]
+    rim = np.ones(pressure.shape, dtype=bool)
+    rim[width[0] : -width[0], width[1] : -width[1]] = False
+    return float(pressure[rim].mean())
+
+
+def compare_methods(kind, seed, *, points, side) -> list[dict]:
+    """Return a row for each window, method and load of one periodic surface."""
+    surface = master(kind, seed, points)
+    truth = solve(surface, LOADS)
+    whole = [area(pressure) for pressure in truth]
+    rows = []
+    for y0 in range(0, points, side):
+        for x0 in range(0, points, side):
+            levelled = rc.level(surface[y0 : y0 + side, x0 : x0 + side], outlier_threshold=None)
+            for method in METHODS:
+                window = rc.periodic_window(levelled, method=method)
+                images = 2 if method == "mirror" else 1
+                size = [n // images for n in window.shape]
+                corner = [
+                    start + round(window.attrs[f"window_offset_{axis}"])
+                    for start, axis in zip((y0, x0), "yx", strict=True)
+                ]
+                part = truth[:, corner[0] : corner[0] + size[0], corner[1] : corner[1] + size[1]]
+                carried = part.mean(axis=(1, 2))
+                given, same = solve(window, LOADS), solve(window, carried)
+                for i, load in enumerate(LOADS):
+                    own = given[i, : size[0], : size[1]]
+                    rows.append(
+                        {
+                            "kind": kind,
+                            "seed": seed,
+                            "method": method,
+                            "load": load,
+                            "area": area(given[i]) / whole[i],
+                            "same_area": area(same[i]),
+                            "part_area": area(part[i], periodic=False),
+                            "peak": float(own.max() / part[i].max()) if part[i].any() else None,
+                            "gradient": float(window.attrs["rms_gradient_after"]),
+                            "rim": rim_load(own) / load,
+                            "part_rim": rim_load(part[i]) / load,
+                        }
+                    )
+    return rows
+
+
+def natural_windows(kind, seeds, *, points, side, whole) -> list[dict]:
+    """Return rows for windows that are periodic by nature: what the size alone does.
+
+    They hold the same waves as a surface of `points` x `points`, as far as these fit in.
+    """
+    rows = []
+    for seed in seeds:
+        pressure = solve(master(kind, seed, side, longest=points / 2), LOADS)
+        rows += [
+            {"kind": kind, "method": "periodic by nature", "load": load, "area": area(p) / a}
+            for load, p, a in zip(LOADS, pressure, whole, strict=True)
+        ]
+    return rows
+
+
+def compare_placements(kind, seed, *, points, side, defect="") -> list[dict]:
+    """Return a row for each map and way to place the window: the largest rectangle, or a search."""
+    surface = master(kind, seed, points)
+    truth = area(solve(surface, [0.1])[0])
+    generator = np.random.default_rng([7, seed])
+    rows = []
+    for _ in range(8):
+        ny, nx = generator.integers(side, round(1.3 * side), 2)
+        rolled = surface.roll(y=generator.integers(points), x=generator.integers(points))
+        measured = height_map(rolled.values[:ny, :nx], 1.0)
+        if defect:
+            y, x = np.indices(measured.shape)
+            cy, cx = (generator.uniform(0, n) for n in measured.shape)
+            distance = np.hypot(y - cy, x - cx) / (DEFECT_WIDTH * side / 2)
+            height = np.nan if defect == "hole" else BUMP_HEIGHT * measured.values.std() * (1 - distance**2)
+            values = np.where(distance < 1, measured.values + height, measured.values)
+            measured = height_map(values, 1.0)
+        levelled = rc.level(measured, outlier_threshold=None)
+        for placement in ("largest", "search"):
+            begin = time.perf_counter()
+            window = rc.periodic_window(levelled, placement=placement)
+            placing = time.perf_counter() - begin
+            begin = time.perf_counter()
+            pressure = solve(window, [0.1])[0]
+            rows.append(
+                {
+                    "kind": f"{kind}, {defect}" if defect else kind,
+                    "placement": placement,
+                    "area": area(pressure) / truth,
+                    "gradient": float(window.attrs["rms_gradient_after"]),
+                    "points": window.size / measured.size,
+                    "placing": placing,
+                    "solving": time.perf_counter() - begin,
+                }
+            )
+    return rows
+
+
+def run(part, *, points, side, seeds, say=print) -> list[dict]:
+    """Return the rows of one comparison, "methods" or "placements"."""
+    rows = []
+    for kind in KINDS:
+        for seed in seeds:
+            begin = time.perf_counter()
+            if part == "methods":
+                rows += compare_methods(kind, seed, points=points, side=side)
+            else:
+                for defect in DEFECTS:
+                    rows += compare_placements(kind, seed, points=points, side=side, defect=defect)
+            say(f"{part}, {kind}, seed {seed}: {time.perf_counter() - begin:.0f} s", flush=True)
+        if part == "methods":  # as many windows as were cut out
+            whole = [area(p) for p in solve(master(kind, seeds[0], points), LOADS)]
+            more = range(1000, 1000 + len(seeds) * (points // side) ** 2)
+            rows += natural_windows(kind, more, points=points, side=side, whole=whole)
+    return rows
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--page", type=Path, help="Markdown file to write; the figure goes beside it")
+    parser.add_argument("--parts", nargs="*", default=list(PARTS), choices=PARTS, help="what is measured")
+    parser.add_argument("--seeds", type=int, default=5, help="surfaces of each kind (default %(default)s)")
+    parser.add_argument("--quick", action="store_true", help="small surfaces, one of each kind")
+    parser.add_argument(
+        "--results",
+        type=Path,
+        default=Path(__file__).parent / "work" / "window.json",
+        help="JSON file in which the rows are kept; parts that are not measured again stay (%(default)s)",
+    )
+    options = parser.parse_args()
+    results = json.loads(options.results.read_text("utf-8")) if options.results.is_file() else {}
+    size = {"points": 256, "side": 128} if options.quick else {"points": 1024, "side": 256}
+    # not those that parameters were found with
+    seeds = range(FIRST_SEED, FIRST_SEED + (1 if options.quick else options.seeds))
+    for part in options.parts:
+        results[part] = size | {"seeds": len(seeds), "rows": run(part, seeds=seeds, **size)}
+        options.results.parent.mkdir(parents=True, exist_ok=True)
+        options.results.write_text(json.dumps(results), encoding="utf-8")
+    if options.page:
+        window_page.write(results, options.page)
+
+
+if __name__ == "__main__":
+    main()
