@@ -106,12 +106,12 @@ def solve(window, loads) -> np.ndarray:
 def area(pressure, *, periodic=True) -> float:
     """Return the contact area, corrected by the perimeter, in parts of the whole."""
     touching = pressure > 0
-    if periodic:
-        touching = np.pad(touching, ((0, 1), (0, 1)), mode="wrap")
-    switches = np.count_nonzero(touching[1:] != touching[:-1]) + np.count_nonzero(
-        touching[:, 1:] != touching[:, :-1]
-    )
-    return np.count_nonzero(pressure > 0) / pressure.size - PERIMETER_CORRECTION * switches / pressure.size
+    switches = 0
+    for lines in (touching, touching.T):
+        switches += np.count_nonzero(lines[1:] != lines[:-1])
+        if periodic:
+            switches += np.count_nonzero(lines[0] != lines[-1])
+    return (np.count_nonzero(touching) - PERIMETER_CORRECTION * switches) / pressure.size
 
 
 def rim_load(pressure) -> float:
