@@ -153,20 +153,21 @@ def test_the_record_says_where_the_window_lies():
 
 
 def test_search_costs_less_than_one_solve():
-    levelled = level(synthetic.height_map(rough((512, 512), seed=1)[:282, :282], 1.0), outlier_threshold=None)
+    """The least of some times, so that other work on the machine does not count."""
+    levelled = level(synthetic.height_map(rough((900, 900), seed=1)[:450, :450], 1.0), outlier_threshold=None)
 
-    def least(job):
+    def least(job, repeats):
         times = []
-        for _ in range(5):
+        for _ in range(repeats):
             begin = time.perf_counter()
-            result = job()
+            job()
             times.append(time.perf_counter() - begin)
-        return min(times), result
+        return min(times)
 
-    plain, _ = least(lambda: periodic_window(levelled))
-    searched, window = least(lambda: periodic_window(levelled, placement="search"))
-    solved, _ = least(lambda: solve_contact(window, contact_modulus=1.0, mean_pressure=0.1))
-    assert searched - plain < solved
+    searched = least(lambda: search(levelled.values, ((0, 0), (400, 400))), 10)
+    window = periodic_window(levelled, placement="search")
+    solved = least(lambda: solve_contact(window, contact_modulus=1.0, mean_pressure=0.1), 3)
+    assert searched < solved
 
 
 def test_the_report_lists_the_scores():
