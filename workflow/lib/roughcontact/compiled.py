@@ -44,10 +44,14 @@ class Compiled:
             )
         )
 
-    def advance(self, pressure, separation, product, level, mean, length, cap, out):
+    def advance(self, pressure, separation, product, level, mean, length, cap, block, out, wanted, found):
         kind, inner = pressure.dtype.type, product.dtype.type
         scalars = kind(level), inner(mean), inner(length), kind(cap)
-        return sum(self._share(_advance, len(out), pressure, separation, product, *scalars, out))
+        arrays = pressure, separation, product, *scalars, *block, out, wanted, found
+        self._share(_advance, len(wanted), *arrays)
+
+    def rescale(self, field, share, block, cap):
+        self._share(_rescale, len(share), field, share, *block, field.dtype.type(cap))
 
     def hold(self, pressure, separation, level, cap, values):
         kind = separation.dtype.type
@@ -145,20 +149,46 @@ def _remainder(first, last, pressure, separation, level, cap, values, empty):
 
 
 @_compile
-def _advance(first, last, pressure, separation, product, level, mean, length, cap, out):
-    total = 0.0
+def _advance(
+    first, last, pressure, separation, product, level, mean, length, cap, by, bx, out, wanted, found
+):
+    # rows are counted in blocks
     zero = out.dtype.type(0)
-    for i in range(first, last):
-        for j in range(pressure.shape[1]):
-            p, gap = pressure[i, j], separation[i, j] - level
-            none, full = p <= 0, p >= cap
-            unsettled = (none & (gap < 0)) | (full & (gap > 0)) | ((not none) & (not full))
-            moved = p - length * (product[i, j] - mean)
-            moved = min(max(moved, zero), cap)
-            moved = moved if unsettled else p
-            out[i, j] = moved
-            total += moved
-    return total
+    row_wanted = np.empty(out.shape[1], dtype=out.dtype)
+    row_found = np.empty(out.shape[1], dtype=out.dtype)
+    for block in range(first, last):
+        row_wanted[:] = 0
+        row_found[:] = 0
+        for i in range(block * by, block * by + by):
+            for j in range(pressure.shape[1]):
+                p, gap = pressure[i, j], separation[i, j] - level
+                none, full = p <= 0, p >= cap
+                unsettled = (none & (gap < 0)) | (full & (gap > 0)) | ((not none) & (not full))
+                moved = p - length * (product[i, j] - mean) if unsettled else p
+                held = min(max(moved, zero), cap)
+                beyond = held >= cap
+                out[i, j] = held
+                row_wanted[j] += moved - held if beyond else moved
+                row_found[j] += zero if beyond else held
+        for column in range(wanted.shape[1]):
+            total = total_found = 0.0
+            for j in range(column * bx, column * bx + bx):
+                total += row_wanted[j]
+                total_found += row_found[j]
+            wanted[block, column], found[block, column] = total, total_found
+
+
+@_compile
+def _rescale(first, last, field, share, by, bx, cap):
+    # rows are counted in blocks
+    factor = np.empty(field.shape[1], dtype=field.dtype)
+    for block in range(first, last):
+        for j in range(field.shape[1]):
+            factor[j] = share[block, j // bx]
+        for i in range(block * by, block * by + by):
+            for j in range(field.shape[1]):
+                value = field[i, j]
+                field[i, j] = value * factor[j] if value < cap else value
 
 
 @_compile

@@ -72,15 +72,27 @@ def remainder(pressure, separation, level, cap, values, empty) -> int:
     return int(xp.count_nonzero(unsettled))
 
 
-def advance(pressure, separation, product, level, mean, length, cap, out) -> float:
-    """Put p - length (product - mean), held between 0 and `cap`, into `out` and return its sum.
+def advance(pressure, separation, product, level, mean, length, cap, block, out, wanted, found) -> None:
+    """Put p - length (product - mean), held between 0 and `cap`, into `out`, and sums over blocks of cells.
 
-    Settled points keep the pressure they have.
+    Settled points keep the pressure they have. `found` is the load of the points below the cap, `wanted` what
+    it would be if nothing had been held; both have one entry for each of the `block` = (by, bx) cells.
     """
     xp = pressure.__array_namespace__()
-    moved = xp.clip(pressure - length * (product - mean), 0, None if cap == float("inf") else cap)
-    out[...] = xp.astype(xp.where(_unsettled(pressure, separation - level, cap), moved, pressure), out.dtype)
-    return _sum(xp, out)
+    moved = pressure - length * (product - mean)
+    moved = xp.where(_unsettled(pressure, separation - level, cap), moved, pressure)
+    held = xp.clip(moved, 0, None if cap == float("inf") else cap)
+    full = held >= cap
+    out[...] = xp.astype(held, out.dtype)
+    wanted[...] = _block_sum(xp, xp.where(full, moved - held, moved), block)
+    found[...] = _block_sum(xp, xp.where(full, xp.zeros_like(held), held), block)
+
+
+def rescale(field, share, block, cap) -> None:
+    """Multiply `field`, where it is below `cap`, by the entry of `share` for each block of cells."""
+    xp = field.__array_namespace__()
+    factor = repeat(xp.astype(share, field.dtype), block)
+    field[...] = xp.where(field < cap, field * factor, field)
 
 
 def hold(pressure, separation, level, cap, values) -> float:
@@ -207,6 +219,11 @@ def repeat(field, factors):
 def _unsettled(pressure, gap, cap):
     none, full = pressure <= 0, pressure >= cap
     return (none & (gap < 0)) | (full & (gap > 0)) | ~(none | full)
+
+
+def _block_sum(xp, field, block):
+    (ny, nx), (by, bx) = field.shape, block
+    return xp.sum(xp.reshape(field, (ny // by, by, nx // bx, bx)), axis=(1, 3), dtype=xp.float64)
 
 
 def _sum(xp, field) -> float:

@@ -1,7 +1,7 @@
-"""An accurate correction on a fixed set of points, where one application of the nearly exact inverse is poor.
+"""An accurate correction on a fixed set of points, for where one application of the inverse is too rough.
 
-That happens on grids whose extension is (few cells, sizes with large prime factors, pixels far longer than
-wide), and with contacts and gaps of a few pixels there.
+That happens where the extension is poor: on grids of few cells or of sizes with large prime factors, with
+pixels far longer than wide, with contacts and gaps of a few pixels.
 """
 
 from dataclasses import replace

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from roughcontact.contact.extension import ELONGATED, Extension
-from roughcontact.contact.state import State, Way, contact_mean, keep_line_loads, norm, scale_to_load
+from roughcontact.contact.extension import Extension, coarsening, collapse
+from roughcontact.contact.state import State, Way, contact_mean, norm, scale_to_load
 from roughcontact.halfspace import HalfSpace
 from roughcontact.kernels import kernels_for
 
+BLOCK = 16  # cells along the finer axis over which a step keeps the load
 SMALL_CHANGE = 0.1  # of the residual's norm, that is simply added to it
 
 
@@ -41,9 +42,9 @@ class Grid:
         self.halfspace = HalfSpace(heights.shape, lengths, influence=influence, threads=threads)
         self.kernels = kernels_for(heights, threads=threads)
         self._extensions = {}
-        pitches = [length / n for length, n in zip(lengths, heights.shape, strict=True)]
-        elongated = max(pitches) > ELONGATED * min(pitches) and min(heights.shape) > 1
-        self._finer_axis = int(np.argmin(pitches)) if elongated else None
+        self._block = load_block(heights.shape, lengths)
+        blocks = [n // b for n, b in zip(heights.shape, self._block, strict=True)]
+        self._loads = np.empty(blocks), np.empty(blocks)
         self._height_size = float(np.sqrt(np.mean(heights * heights)))
 
     @property
@@ -94,15 +95,28 @@ class Grid:
 
         That is p - length (M r - mean) on the unsettled points, held between 0 and the cap and scaled.
         """
-        total = self.kernels.advance(
-            state.pressure, state.separation, product.field, state.level, product.mean, length, self.cap, out
+        wanted, found = self._loads
+        self.kernels.advance(
+            state.pressure,
+            state.separation,
+            product.field,
+            state.level,
+            product.mean,
+            length,
+            self.cap,
+            self._block,
+            out,
+            wanted,
+            found,
         )
-        if self._finer_axis is not None:
-            out = keep_line_loads(out, state.pressure, product, length, axis=self._finer_axis)
-            total = float(out.sum(dtype=float))
+        # What holding the pressure at its bounds adds or takes away is made good nearby: a factor common to
+        # all of the surface would be an error of long waves, which weigh most.
+        share = np.divide(np.maximum(wanted, 0), found, out=np.zeros_like(found), where=found > 0)
         if self.cap < np.inf:
+            self.kernels.rescale(out, share, self._block, self.cap)
             return scale_to_load(out, mean_pressure, cap=self.cap)
-        out *= out.dtype.type(mean_pressure * out.size / total)
+        share *= mean_pressure * out.size / float((share * found).sum())
+        self.kernels.rescale(out, share, self._block, self.cap)
         return out
 
     def last_residual(self, dtype) -> tuple:
@@ -152,3 +166,22 @@ class Grid:
             extension = Extension(like, self.halfspace.lengths, self.kernels)
             self._extensions[dtype] = extension, like.__array_namespace__().empty_like(like)
         return self._extensions[dtype]
+
+
+def load_block(shape, lengths) -> tuple[int, int]:
+    """Return the cells (by, bx) of the blocks over which a step keeps the load.
+
+    About `BLOCK` cells along the finer axis, as far as the numbers of cells have factors, and square; lines far
+    apart keep their loads each (`roughcontact.contact.extension.collapse`).
+    """
+    block = [1, 1]
+    while max(block) < BLOCK:
+        cells = [n // b for n, b in zip(shape, block, strict=True)]
+        pitches = [length / n for length, n in zip(lengths, cells, strict=True)]
+        factors = coarsening(pitches, cells)
+        if factors == (1, 1):
+            factors = collapse(pitches, cells)
+        if factors == (1, 1):
+            break
+        block = [b * f for b, f in zip(block, factors, strict=True)]
+    return block[0], block[1]

@@ -8,14 +8,16 @@ to that, and subtracts the result from the pressure, which is then held at 0 and
 
 M = W^T G^-1 W is nowhere less than the inverse of the operator on the unsettled points and at most about
 twice it (`roughcontact.contact.extension`), so that a step is nearly Newton's on the current contact set, and
-the set moves with every step: two transform pairs cut the error by four to ten. It is a primal-dual active
+the set moves with every step: two transform pairs cut the error by five to ten. It is a primal-dual active
 set (Hintermueller, Ito and Kunisch 2002, SIAM J. Optim. 13, 865) whose linear systems are solved by one
-application of a nearly exact inverse.
+application of a nearly exact inverse. The load that holding the pressure at 0 adds is taken off nearby, block
+by block (`roughcontact.contact.grid`).
 
 The step length t follows from the energy along the last step, which is quadratic and known. Nothing is proved
 for steps of this kind: so every one must lower the elastic energy. One that does not is cut short where the
 energy is least, or undone, and projected gradient steps follow (`roughcontact.contact.projected`), twice as
-many each time, which alone would converge.
+many each time, which alone would converge. Where a step gains little, the next correction is an accurate one
+(`roughcontact.contact.conjugate`).
 
 The first steps are taken in single precision. Then pressure and separation are in double precision and the
 correction stays in single: it is small, and the next fresh application measures what rounding did to it
@@ -68,6 +70,7 @@ def solve_on_grid(
     cap, halfspace = grid.cap, grid.halfspace
     inner = precision = SINGLE
     state, _ = grid.evaluate(scale_to_load(_cast(start, precision), mean_pressure, cap=cap))
+    del start
     lowest, lowest_step, failures, bound_before = np.inf, 0, 0, np.inf
     length = FIRST_LENGTH
     spare = None

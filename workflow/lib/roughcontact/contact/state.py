@@ -114,18 +114,6 @@ def scale_to_load(pressure, mean_pressure: float, *, cap: float = np.inf):
         held |= beyond
 
 
-def keep_line_loads(held, pressure, product, length: float, *, axis: int):
-    """Return the pressure `held` at 0 with every line along `axis` scaled to the load it had before.
-
-    Where pixels are much longer than wide the lines along the finer axis hardly share load, so that a common
-    factor would spoil what a step has found.
-    """
-    change = length * (product.field - product.mean) * (product.field != 0)
-    wanted = np.maximum((pressure - change).sum(axis=axis, keepdims=True), 0)
-    found = held.sum(axis=axis, keepdims=True)
-    return held * np.divide(wanted, found, out=np.zeros_like(found), where=found > 0)
-
-
 def norm(left, right) -> float:
     """Return the root of the mean of left x right, a quadratic form that rounding may turn negative."""
     return float(np.sqrt(max(mean_product(left, right), 0.0)))

@@ -60,21 +60,26 @@ def sweep(
     # Full contact: p = mean + G^-1 H, wherever that is nowhere negative (Johnson 1985, section 13.2).
     fluctuation, full_contact_from = _full_contact(finest, max(loads))
     last = None  # the pressures of the last load, finest grid first
-    for load in loads:
+    for number, load in enumerate(loads, start=1):
+        work = 0.0
         if load >= full_contact_from:
             state, _ = finest.evaluate(scale_to_load(load + fluctuation, load))
             bound, steps = bound_without_transform(finest, state), 0
         else:
-            start, coarse, steps = _nested_start(grids, factors, load, last)
+            guess, steps = _nested_start(grids, factors, load, last)
+            if number == len(loads):  # the coarse grids are needed no more: give their memory back
+                work, last = _applications(grids), None
+                del grids[1:], guess[1:]
             finish = finest.heights.dtype
-            solution = solve_on_grid(finest, start, load, tolerance=tolerance, finish=finish)
+            solution = solve_on_grid(finest, guess.pop(0), load, tolerance=tolerance, finish=finish)
             state, bound, steps = solution.state, solution.error_bound, steps + solution.steps
-            last = [state.pressure.astype(SINGLE), *coarse]
+            if number < len(loads):
+                last = [state.pressure.astype(SINGLE), *guess]
         yield Solution(
             state=state,
             error_bound=bound,
             steps=steps,
-            applications=_applications(grids),
+            applications=work + _applications(grids),
             floor=rounding_floor(finest.halfspace, state),
         )
 
@@ -96,14 +101,14 @@ def _full_contact(grid: Grid, load: float) -> tuple[np.ndarray | None, float]:
     return fluctuation, -float(fluctuation.min()) - 1e-13 * float(np.ptp(fluctuation))
 
 
-def _nested_start(grids, factors, load: float, last) -> tuple[np.ndarray, list[np.ndarray], int]:
-    """Return a first guess of the pressure on the finest grid, the coarse pressures, and the steps they took.
+def _nested_start(grids, factors, load: float, last) -> tuple[list[np.ndarray], int]:
+    """Return a first guess of the pressure on the finest grid and the coarse pressures, and the steps taken.
 
     Each grid starts from the pressure of the next coarser one, refined. After another load, whose pressures
     on all grids are `last`, it starts from that load's pressure plus the refined difference that the new load
     makes on the coarser grid: the detail that only the finer grid resolves is then there already.
     """
-    pressure = np.full(grids[-1].shape, load, dtype=SINGLE) if last is None else last[-1]
+    pressure = np.full(grids[-1].shape, load, dtype=SINGLE) if last is None else last[-1].copy()
     coarse, steps = [], 0
     for level in range(len(grids) - 1, 0, -1):
         solution = solve_on_grid(grids[level], pressure, load, tolerance=COARSE_TOLERANCE, finish=SINGLE)
@@ -114,7 +119,7 @@ def _nested_start(grids, factors, load: float, last) -> tuple[np.ndarray, list[n
         if last is not None:
             pressure += last[level - 1] - _refine(grids, factors, level, last[level])
             np.maximum(pressure, 0, out=pressure)
-    return pressure, coarse, steps
+    return [pressure, *coarse], steps
 
 
 def _refine(grids, factors, level, pressure):
