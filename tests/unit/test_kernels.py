@@ -60,6 +60,8 @@ def make_fields(shape, factors, precisions, cap):
     fields["outer_out"], fields["inner_out"], fields["other_out"] = (
         np.full(shape, np.nan, dtype) for dtype in (outer, inner, inner)
     )
+    fields["factor"] = rng.random(coarse_shape)  # sums over blocks are in double
+    fields["wanted"], fields["found"] = np.full((2, *coarse_shape), np.nan)
     fields["coarse_out"] = np.full(coarse_shape, np.nan, inner)
     return fields
 
@@ -75,8 +77,19 @@ CALLS = {
         f["pressure"], f["separation"], LEVEL, cap, f["inner_out"], f["other_out"]
     ),
     "advance": lambda k, f, factors, cap: k.advance(
-        f["pressure"], f["separation"], f["product"], LEVEL, 0.2, 0.87, cap, f["outer_out"]
+        f["pressure"],
+        f["separation"],
+        f["product"],
+        LEVEL,
+        0.2,
+        0.87,
+        cap,
+        factors,
+        f["outer_out"],
+        f["wanted"],
+        f["found"],
     ),
+    "rescale": lambda k, f, factors, cap: k.rescale(f["pressure"], f["factor"], factors, cap),
     "hold": lambda k, f, factors, cap: k.hold(f["pressure"], f["separation"], LEVEL, cap, f["values"]),
     "block_mean": lambda k, f, factors, cap: k.block_mean(f["field"], factors, f["coarse_out"]),
     "mix": lambda k, f, factors, cap: k.mix(f["values"], f["share"], f["coarse"], factors, f["inner_out"]),
@@ -90,7 +103,7 @@ CALLS = {
     "conclude": lambda k, f, factors, cap: k.conclude(f["field"], f["passed"], f["values"], f["empty"]),
     "refine": lambda k, f, factors, cap: k.refine(f["coarse_pressure"], factors, f["inner_out"]),
 }
-BOUNDED = ("measure", "remainder", "advance", "hold")
+BOUNDED = ("measure", "remainder", "advance", "rescale", "hold")
 
 
 def outcome(name, engine, fields, factors, cap, convert=np.array):
@@ -160,10 +173,18 @@ def test_unsettled_points_are_those_whose_gap_should_vanish(engine):
     assert engine.remainder(pressure, separation, 0.25, 1.0, values, empty) == 5
     np.testing.assert_array_equal(values, [[-1, -1, 0], [0, 0, 0], [0, 2, 2]])
     np.testing.assert_array_equal(empty, [[0, 0, 1], [1, 0, 1], [1, 0, 0]])
-    moved = np.empty((3, 3))
+    moved, wanted, found = np.empty((3, 3)), np.empty((1, 3)), np.empty((1, 3))
     product = np.array([[-2.0, -0.2, 9], [9, 0.1, 9], [9, 2, 0.3]])
-    engine.advance(pressure, separation, product, 0.25, 0.1, 0.5, 1.0, moved)
+    scalars = {"level": 0.25, "mean": 0.1, "length": 0.5, "cap": 1.0}
+    engine.advance(
+        pressure, separation, product, **scalars, block=(3, 1), out=moved, wanted=wanted, found=found
+    )
     np.testing.assert_allclose(moved, [[1, 0.65, 1], [0, 0.5, 1], [0, 0, 0.9]])
+    # before holding: [1.05, 0.65, 1], [0, 0.5, 1], [0, -0.45, 0.9]; what is at the cap counts by its excess
+    np.testing.assert_allclose(wanted, [[0.05, 0.7, 0.9]])
+    np.testing.assert_allclose(found, [[0, 1.15, 0.9]])
+    engine.rescale(moved, np.array([[7.0, 0.5, 2.0]]), (3, 1), 1.0)
+    np.testing.assert_allclose(moved, [[1, 0.325, 1], [0, 0.25, 1], [0, 0, 1.8]])
     held = np.full((3, 3), 0.5)
     assert engine.hold(pressure, separation, 0.25, 1.0, held) == 1.5**2 + 0.5**2 + 1.5**2
     np.testing.assert_array_equal(held, [[-1, 0.5, 0.5], [0, 0.5, 0.5], [0.5, 0.5, 2]])
