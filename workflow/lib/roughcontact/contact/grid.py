@@ -171,8 +171,8 @@ class Grid:
 def load_block(shape, lengths) -> tuple[int, int]:
     """Return the cells (by, bx) of the blocks over which a step keeps the load.
 
-    About `BLOCK` cells along the finer axis, as far as the numbers of cells have factors, and square; lines far
-    apart keep their loads each (`roughcontact.contact.extension.collapse`).
+    About `BLOCK` cells along the finer axis, as far as the numbers of cells have factors, and square; lines
+    far apart keep their loads each (`roughcontact.contact.extension.collapse`).
     """
     block = [1, 1]
     while max(block) < BLOCK:
