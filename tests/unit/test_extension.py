@@ -107,12 +107,12 @@ def test_the_extension_is_linear_and_between_the_values(shape, pitches):
 
 
 def test_the_weights_are_the_inverse_cube_of_the_distance():
-    across_y, across_x, diagonal = stencil((2.0, 3.0), (8, 8), dtype=np.dtype(float))
+    across_y, across_x, diagonal = stencil((2.0, 3.0), (8, 8))
     assert across_y / across_x == pytest.approx((3 / 2) ** 3)
     assert diagonal / across_x == pytest.approx(3**3 / 13**1.5)
     assert 2 * across_y + 2 * across_x + 4 * diagonal == pytest.approx(1)
-    assert stencil((2.0, 3.0), (1, 8), dtype=np.dtype(float)) == pytest.approx((0, 0.5, 0))
-    assert stencil((2.0, 3.0), (8, 1), dtype=np.dtype(float)) == pytest.approx((0.5, 0, 0))
+    assert stencil((2.0, 3.0), (1, 8)) == pytest.approx((0, 0.5, 0))
+    assert stencil((2.0, 3.0), (8, 1)) == pytest.approx((0.5, 0, 0))
 
 
 def test_grids_of_the_pyramid():
@@ -168,7 +168,7 @@ def test_nowhere_less_than_the_inverse_on_small_grids(shape, pitches, share):
     values = eigh(inverse, np.linalg.inv(operator), eigvals_only=True)
     assert values[0] >= 1 - 1e-10
     elongated = max(pitches) > 3 * min(pitches)
-    assert values[-1] <= (2.5 if elongated else 1.6)
+    assert values[-1] <= (3.0 if elongated else 1.6)
 
 
 def extreme_eigenvalues(grid, contact, *, dtype=float, steps=40):
@@ -212,7 +212,7 @@ def test_the_measure_of_eigenvalues_agrees_with_the_dense_one():
 
 @pytest.mark.parametrize("share", [0.003, 0.03, 0.1, 0.3, 0.5, 0.8, 0.97])
 @pytest.mark.parametrize(
-    ("make_contact", "largest"), [(patches, 1.6), (scattered, 2.5)], ids=["patches", "single points"]
+    ("make_contact", "largest"), [(patches, 1.3), (scattered, 1.3)], ids=["patches", "single points"]
 )
 def test_at_most_about_twice_the_inverse(make_contact, largest, share):
     shape = (128, 128)
@@ -228,7 +228,7 @@ def test_patches_need_no_more_steps_on_finer_grids(size, share):
     shape = (size, size)
     contact = patches(shape, share, shortest=size / 16)
     _, high = extreme_eigenvalues(Grid(np.zeros(shape), (1.0, 1.0)), contact, steps=20)
-    assert high <= 1.7
+    assert high <= 1.4
 
 
 def test_single_precision_keeps_the_bounds():
@@ -236,4 +236,4 @@ def test_single_precision_keeps_the_bounds():
     contact = patches(shape, 0.1)
     low, high = extreme_eigenvalues(Grid(np.zeros(shape), (1.0, 1.0)), contact, dtype=np.float32)
     assert low >= 1 - 1e-5
-    assert high <= 1.6
+    assert high <= 1.4

@@ -66,13 +66,13 @@ class Compiled:
         self._share(_mix, len(coarse), values, empty, coarse, *factors, out)
 
     def neighbours(self, field, weights, out):
-        self._share(_neighbours, len(out), field, *weights, out)
+        self._share(_neighbours, len(out), field, *_cast(weights, field), out)
 
     def fill(self, values, empty, mixed, weights, out):
-        self._share(_fill, len(out), values, empty, mixed, *weights, out)
+        self._share(_fill, len(out), values, empty, mixed, *_cast(weights, mixed), out)
 
     def empty_neighbours(self, field, empty, weights, out):
-        self._share(_empty_neighbours, len(out), field, empty, *weights, out)
+        self._share(_empty_neighbours, len(out), field, empty, *_cast(weights, field), out)
 
     def gather(self, field, empty, factors, out):
         self._share(_gather, len(out), field, empty, *factors, out)
@@ -98,6 +98,10 @@ class Compiled:
             _pool(self.threads).submit(kernel, first, last, *arguments) for first, last in pairwise(edges[1:])
         ]
         return [kernel(0, edges[1], *arguments), *(job.result() for job in jobs)]
+
+
+def _cast(weights, field):
+    return tuple(field.dtype.type(weight) for weight in weights)
 
 
 @cache

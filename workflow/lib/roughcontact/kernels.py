@@ -29,11 +29,11 @@ def numba_is_installed() -> bool:
 
 def scale(spectrum, symbol, inverse) -> None:
     """Multiply `spectrum` by `symbol`, or divide it where `inverse`; q = 0 becomes zero."""
-    if inverse:
-        spectrum /= symbol
-    else:
-        spectrum[0, 0] = 0
-        spectrum *= symbol
+    for part in ((0, slice(1, None)), (slice(1, None), slice(None))):
+        if inverse:
+            spectrum[part] /= symbol[part]
+        else:
+            spectrum[part] *= symbol[part]
     spectrum[0, 0] = 0
 
 

@@ -5,11 +5,12 @@ surface such that the elastic energy of the extension is least, apply G^-1 to th
 (the Schur complement of G^-1). The extension of least energy decays from a contact as a displacement does,
 neither at once nor never. It is imitated here from coarse to fine: on every grid of a pyramid an empty cell
 takes the mean of its eight neighbours, weighted by the inverse cube of the distance, the decay of G^-1 in
-space. Cells that are empty in part are mixed by their empty share, so that isolated contacts reach as far as
-they should and no farther.
+space. A cell that is in contact in part counts by the root of that share, a linear size: the displacement
+beside an isolated contact goes with its size over the distance, so that it reaches as far as it should.
 
-With W for the extension, W^T G^-1 W is nowhere less than the exact inverse, and measured to be at most about
-twice it, whatever the grid: that is why few iterations suffice.
+With W for the extension, W^T G^-1 W is nowhere less than the exact inverse, and measured to be at most 1.2
+times it for patches and scattered points on square pixels, three times it where pixels are far longer than
+wide: that is why few iterations suffice.
 """
 
 import numpy as np
@@ -37,7 +38,7 @@ class Extension:
         xp, shape = like.__array_namespace__(), like.shape
         while True:
             pitches = [length / n for length, n in zip(lengths, shape, strict=True)]
-            self.weights.append(stencil(pitches, shape, dtype=like.dtype))
+            self.weights.append(stencil(pitches, shape))
             self.empty.append(xp.empty(shape, dtype=like.dtype))
             self.rooms.append([xp.empty(shape, dtype=like.dtype) for _ in range(2 if self.factors else 1)])
             factors = coarsening(pitches, shape)
@@ -49,16 +50,21 @@ class Extension:
             self.factors.append(factors)
             shape = tuple(n // f for n, f in zip(shape, factors, strict=True))
         self.sweeps = min(MOST_SWEEPS, max(shape))
+        self._gain = [None] * len(self.empty)
         self.last_rooms = [xp.empty(shape, dtype=like.dtype) for _ in range(2)]
 
     def complete(self) -> None:
         """Bring the empty shares of the coarser grids up to date with `empty[0]`, 1 outside C and 0 on it."""
+        xp, share = self.empty[0].__array_namespace__(), 1 - self.empty[0]
         for level, factors in enumerate(self.factors, start=1):
-            self.kernels.block_mean(self.empty[level - 1], factors, self.empty[level])
-            if level == self.collapsed:
-                xp, share = self.empty[level].__array_namespace__(), 1 - self.empty[level]
-                self._inverse_share = xp.where(share > 0, 1 / xp.where(share > 0, share, 1), 0)
-                self.empty[level][...] = xp.astype(share == 0, share.dtype)
+            finer, share = share, xp.empty_like(self.empty[level])
+            self.kernels.block_mean(finer, factors, share)
+            touched = share > 0
+            # every line of a collapsed grid that is in contact at all counts as one full cell
+            weight = xp.astype(touched, share.dtype) if level == self.collapsed else xp.sqrt(share)
+            self.empty[level][...] = 1 - weight
+            self._gain[level] = weight / xp.where(touched, share, xp.ones_like(share))
+            share = weight if level == self.collapsed else share
 
     def extend(self, values, out) -> None:
         """Put W values into `out`; both of shape (ny, nx)."""
@@ -67,8 +73,11 @@ class Extension:
         for level, factors in enumerate(self.factors, start=1):
             kernels.block_mean(means[-1], factors, rooms[level][0])
             if level == self.collapsed:
-                rooms[level][0] *= self._inverse_share
+                rooms[level][0] *= self._gain[level]
             means.append(rooms[level][0])
+        for level in range(1, len(means)):
+            if level != self.collapsed:
+                means[level] *= self._gain[level]
         mixed = self._sweep(means[-1])
         for level in range(len(self.factors), 0, -1):
             filled = rooms[level][1]
@@ -103,9 +112,12 @@ class Extension:
             kernels.empty_neighbours(passed, self.empty[-1], self.weights[-1], other[sweep % 2])
             passed = other[sweep % 2]
             rooms[last][0] += passed
+        for level in range(1, last + 1):
+            if level != self.collapsed:
+                rooms[level][0] *= self._gain[level]
         for level in range(last, 0, -1):
             if level == self.collapsed:
-                rooms[level][0] *= self._inverse_share
+                rooms[level][0] *= self._gain[level]
             fy, fx = self.factors[level - 1]
             kernels.spread(rooms[level - 1][0], rooms[level][0], (fy, fx), 1 / (fy * fx))
         return kernels.conclude(field, rooms[0][0], values, self.empty[0])
@@ -137,10 +149,10 @@ def collapse(pitches, shape) -> tuple[int, int]:
     return (ny, 1) if dy < dx else (1, nx)
 
 
-def stencil(pitches, shape, *, dtype) -> tuple:
+def stencil(pitches, shape) -> tuple[float, float, float]:
     """Return the weights of a neighbour across y, across x, and diagonal; those of all eight sum to 1."""
     dy, dx = pitches
     weights = np.array([dy**-3.0, dx**-3.0, np.hypot(dy, dx) ** -3.0])
     weights *= [shape[0] > 1, shape[1] > 1, min(shape) > 1]
     weights /= 2 * weights[0] + 2 * weights[1] + 4 * weights[2]
-    return tuple(np.asarray(weights, dtype=str(np.dtype(str(dtype).split(".")[-1]))))
+    return tuple(float(weight) for weight in weights)

@@ -37,7 +37,7 @@ from roughcontact.contact.state import State, between, scale_to_load
 SINGLE, DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
 TOO_STIFF = 1e-3  # relative rounding floor of single precision from which all is done in double
 PATIENCE = 20  # steps that do not improve the bound before the iteration is called stalled
-FIRST_LENGTH = 0.87
+FIRST_LENGTH = 0.95
 SHORTEST = 0.4  # step length; the longest is 1, because M is nowhere less than the inverse
 
 
