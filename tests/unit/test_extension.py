@@ -228,7 +228,7 @@ def test_patches_need_no_more_steps_on_finer_grids(size, share):
     shape = (size, size)
     contact = patches(shape, share, shortest=size / 16)
     _, high = extreme_eigenvalues(Grid(np.zeros(shape), (1.0, 1.0)), contact, steps=20)
-    assert high <= 1.4
+    assert high <= 1.7
 
 
 def test_single_precision_keeps_the_bounds():

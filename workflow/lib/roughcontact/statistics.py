@@ -19,6 +19,8 @@ SOLVER_COLUMNS = (
     "iterations",
     "operator_applications",
     "error_bound",
+    "rounding_floor",
+    "yielded_area",
     "max_penetration",
     "load_error",
     "converged",
