@@ -9,9 +9,9 @@ to that, and subtracts the result from the pressure, which is then held at 0 and
 M = W^T G^-1 W is nowhere less than the inverse of the operator on the unsettled points and mostly at most a
 quarter more (`roughcontact.contact.extension`), so that a step is nearly Newton's on the current contact set,
 and the set moves with every step: two transform pairs cut the error by five to ten. It is a primal-dual
-active set (Hintermueller, Ito and Kunisch 2002, SIAM J. Optim. 13, 865) whose linear systems are solved by one
-application of a nearly exact inverse. The load that holding the pressure at 0 adds is taken off nearby, block
-by block (`roughcontact.contact.grid`).
+active set (Hintermueller, Ito and Kunisch 2002, SIAM J. Optim. 13, 865) whose linear systems are solved by
+one application of a nearly exact inverse. The load that holding the pressure at 0 adds is taken off nearby,
+block by block (`roughcontact.contact.grid`).
 
 The step length t follows from the energy along the last step, which is quadratic and known. Nothing is proved
 for steps of this kind: so every one must lower the elastic energy. One that does not is cut short where the
