@@ -16,7 +16,8 @@ def sampled(qy, qx, spacing):
 
     `qy` (ny, 1) and `qx` (1, nx//2 + 1) in rad per unit length; infinite at q = 0.
     """
-    symbol = np.sqrt(qy * qy + qx * qx)
+    symbol = qy * qy + qx * qx
+    np.sqrt(symbol, out=symbol)
     with np.errstate(divide="ignore"):
         return np.divide(2, symbol, out=symbol)
 

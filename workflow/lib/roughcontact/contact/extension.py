@@ -55,10 +55,11 @@ class Extension:
 
     def complete(self) -> None:
         """Bring the empty shares of the coarser grids up to date with `empty[0]`, 1 outside C and 0 on it."""
-        xp, share = self.empty[0].__array_namespace__(), 1 - self.empty[0]
+        xp, share = self.empty[0].__array_namespace__(), None
         for level, factors in enumerate(self.factors, start=1):
-            finer, share = share, xp.empty_like(self.empty[level])
-            self.kernels.block_mean(finer, factors, share)
+            means = self.rooms[level][0]
+            self.kernels.block_mean(self.empty[0] if share is None else share, factors, means)
+            share = 1 - means if share is None else means  # of contact, in every cell
             touched = share > 0
             # every line of a collapsed grid that is in contact at all counts as one full cell
             weight = xp.astype(touched, share.dtype) if level == self.collapsed else xp.sqrt(share)

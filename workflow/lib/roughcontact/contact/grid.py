@@ -57,7 +57,7 @@ class Grid:
         All in the precision of `pressure`; `room` is an array for the separation.
         """
         dtype = pressure.dtype
-        heights = self._heights(dtype)
+        heights = self.heights_in(dtype)
         displaced = self.halfspace.displacement(pressure)
         if room is None or room.dtype != dtype:
             room = displaced.__array_namespace__().empty_like(displaced)
@@ -155,7 +155,8 @@ class Grid:
             return norm_of_extended + taken
         return norm(extended, self.halfspace.pressure(extended))
 
-    def _heights(self, dtype):
+    def heights_in(self, dtype):
+        """Return the heights in the precision `dtype`, made once."""
         if dtype not in self._heights_in:
             self._heights_in[dtype] = self.heights.__array_namespace__().astype(self.heights, dtype)
         return self._heights_in[dtype]

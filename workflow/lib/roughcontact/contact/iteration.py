@@ -69,7 +69,8 @@ def solve_on_grid(
     """
     cap, halfspace = grid.cap, grid.halfspace
     inner = precision = SINGLE
-    state, _ = grid.evaluate(scale_to_load(_cast(start, precision), mean_pressure, cap=cap))
+    start = start.__array_namespace__().astype(start, precision, copy=False)
+    state, _ = grid.evaluate(scale_to_load(start, mean_pressure, cap=cap))
     del start
     lowest, lowest_step, failures, bound_before = np.inf, 0, 0, np.inf
     length = FIRST_LENGTH

@@ -91,7 +91,7 @@ def _full_contact(grid: Grid, load: float) -> tuple[np.ndarray | None, float]:
     Where the cap is in the way there is no such load.
     """
     if load < OFTEN_FULL:
-        roughly = -float(grid.halfspace.pressure(grid.heights.astype(SINGLE)).min())
+        roughly = -float(grid.halfspace.pressure(grid.heights_in(SINGLE)).min())
         if load < 0.99 * roughly:
             return None, roughly
     fluctuation = grid.halfspace.pressure(grid.heights).copy()
