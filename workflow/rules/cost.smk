@@ -6,7 +6,7 @@ rule measure_cost:
     output:
         f"{FOLDER}/cost.csv",
     log:
-        f"{LOGS}/cost.log",
+        f"{LOGS}/measure_cost.log",
     conda:
         "../envs/roughcontact.yaml"
     threads: workflow.cores  # nothing else may run beside what is timed

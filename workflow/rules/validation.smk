@@ -14,7 +14,7 @@ rule validate:
     output:
         "results/validation/{part}.json",
     log:
-        "logs/validation/{part}.log",
+        "logs/validation/{part}.validate.log",
     wildcard_constraints:
         part="|".join(PARTS),
     conda:
@@ -37,7 +37,7 @@ rule validation_page:
         page="results/validation/validation.html",
         table="results/validation/lines.csv",
     log:
-        "logs/validation/page.log",
+        "logs/validation/validation_page.log",
     conda:
         "../envs/roughcontact.yaml"
     params:
