@@ -66,10 +66,10 @@ def remainder(pressure, separation, level, cap, values, empty) -> int:
     """
     xp = pressure.__array_namespace__()
     gap = separation - level
-    unsettled = _unsettled(pressure, gap, cap)
-    values[...] = xp.astype(xp.where(unsettled, gap, xp.zeros_like(gap)), values.dtype)
-    empty[...] = xp.astype(~unsettled, empty.dtype)
-    return int(xp.count_nonzero(unsettled))
+    chosen = unsettled(pressure, gap, cap)
+    values[...] = xp.astype(xp.where(chosen, gap, xp.zeros_like(gap)), values.dtype)
+    empty[...] = xp.astype(~chosen, empty.dtype)
+    return int(xp.count_nonzero(chosen))
 
 
 def advance(pressure, separation, product, level, mean, length, cap, block, out, wanted, found) -> None:
@@ -80,7 +80,7 @@ def advance(pressure, separation, product, level, mean, length, cap, block, out,
     """
     xp = pressure.__array_namespace__()
     moved = pressure - length * (product - mean)
-    moved = xp.where(_unsettled(pressure, separation - level, cap), moved, pressure)
+    moved = xp.where(unsettled(pressure, separation - level, cap), moved, pressure)
     held = xp.clip(moved, 0, None if cap == float("inf") else cap)
     full = held >= cap
     out[...] = xp.astype(held, out.dtype)
@@ -216,7 +216,8 @@ def repeat(field, factors):
     return xp.repeat(xp.repeat(field, factors[0], axis=0), factors[1], axis=1)
 
 
-def _unsettled(pressure, gap, cap):
+def unsettled(pressure, gap, cap):
+    """Return where the gap should vanish and may not yet: see `remainder`."""
     none, full = pressure <= 0, pressure >= cap
     return (none & (gap < 0)) | (full & (gap > 0)) | ~(none | full)
 

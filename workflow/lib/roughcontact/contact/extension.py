@@ -32,9 +32,7 @@ class Extension:
     def __init__(self, like, lengths: tuple[float, float], kernels):
         self.kernels = kernels
         self.empty, self.weights, self.factors, self.rooms = [], [], [], []
-        self.collapsed = (
-            None  # the grid on which every line along the finer axis is one cell, where there is one
-        )
+        self.collapsed = None  # the grid, if any, on which every line along the finer axis is one cell
         xp, shape = like.__array_namespace__(), like.shape
         while True:
             pitches = [length / n for length, n in zip(lengths, shape, strict=True)]
@@ -124,15 +122,16 @@ class Extension:
         return kernels.conclude(field, rooms[0][0], values, self.empty[0])
 
 
-def coarsening(pitches, shape) -> tuple[int, int]:
-    """Return the factors (fy, fx) to the next coarser grid of the pyramid; (1, 1) on the coarsest.
+def coarsening(pitches, shape, *, smallest: int = SMALLEST) -> tuple[int, int]:
+    """Return the factors (fy, fx) to the next coarser grid; (1, 1) on the coarsest.
 
-    An axis whose pitch is finer is coarsened alone, until the cells are about square.
+    An axis is halved (or divided by 3 or 5 where it is odd) while it keeps at least `smallest` cells. One
+    whose pitch is finer is coarsened alone, until the cells are about square.
     """
     finest = min(p for p, n in zip(pitches, shape, strict=True) if n > 1)
     factors = []
     for n, p in zip(shape, pitches, strict=True):
-        divisor = next((f for f in (2, 3, 5) if n % f == 0 and n // f >= SMALLEST), 1)
+        divisor = next((f for f in (2, 3, 5) if n % f == 0 and n // f >= smallest), 1)
         factors.append(divisor if p <= 1.5 * finest else 1)
     return factors[0], factors[1]
 

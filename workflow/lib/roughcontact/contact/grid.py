@@ -84,10 +84,7 @@ class Grid:
             state.pressure, state.separation, state.level, self.cap, values, extension.empty[0]
         )
         extension.complete()
-        extended = self.halfspace.room(dtype)
-        extension.extend(values, extended)
-        field = self.halfspace.pressure(extended)
-        total, energy = extension.transpose(field, values)
+        field, total, energy = self._apply(extension, values)
         return Product(field, total / max(unsettled, 1), unsettled, energy / values.size)
 
     def advance(self, state: State, product: Product, length: float, mean_pressure: float, out):
@@ -134,11 +131,14 @@ class Grid:
     def precondition_on_last_set(self, residual):
         """Return M `residual`, shape (ny, nx), for the set of the last preconditioning in its precision."""
         extension, _ = self._extension(residual.dtype)
+        return self._apply(extension, residual)[0]
+
+    def _apply(self, extension, residual) -> tuple:
+        """Return M `residual`, its sum, and that of its product with the residual."""
         extended = self.halfspace.room(residual.dtype)
         extension.extend(residual, extended)
         field = self.halfspace.pressure(extended)
-        extension.transpose(field, residual)
-        return field
+        return field, *extension.transpose(field, residual)
 
     def residual_norm(self, state: State, product: Product) -> float:
         """Return a bound of ||r||_{G^-1} for the residual that certifies `state`, its `product` given.

@@ -7,6 +7,7 @@ lower the energy for every small enough step length (Bertsekas 1976, IEEE Trans.
 import numpy as np
 
 from roughcontact.contact.state import State, between, mean_product
+from roughcontact.kernels import unsettled
 
 
 def project_to_load(pressure, mean_pressure: float, *, cap: float = np.inf):
@@ -40,9 +41,7 @@ def projected_step(grid, state: State, mean_pressure: float) -> State | None:
     """
     xp = state.pressure.__array_namespace__()
     gap, pressure = state.gap, state.pressure
-    none, full = pressure <= 0, pressure >= grid.cap
-    unsettled = (none & (gap < 0)) | (full & (gap > 0)) | ~(none | full)
-    slope = xp.where(unsettled, gap, xp.zeros_like(gap))
+    slope = xp.where(unsettled(pressure, gap, grid.cap), gap, xp.zeros_like(gap))
     curvature = mean_product(slope, grid.halfspace.displacement(slope))
     if curvature <= 0:
         return None
