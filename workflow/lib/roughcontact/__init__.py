@@ -23,6 +23,8 @@ _HOME = {
     "read_height_map": "roughcontact.io",
     "inspect_file": "roughcontact.io",
     "level": "roughcontact.levelling",
+    "composite": "roughcontact.faces",
+    "relative_positions": "roughcontact.faces",
     "periodic_window": "roughcontact.window",
     "solve_contact": "roughcontact.contact",
     "contact_statistics": "roughcontact.statistics",

@@ -20,6 +20,26 @@ def is_periodic(values) -> bool:
     return _closes(values) and _closes(values.T)
 
 
+def periodic_heights(values, form) -> tuple[np.ndarray, bool] | None:
+    """Return the heights of a map that is periodic, with or without the form that levelling took off.
+
+    Parameters
+    ----------
+    values, form : arrays (ny, nx), m
+
+    Returns
+    -------
+    heights, mean taken off where the form was put back, and whether it was; None where the map is not
+    periodic.
+    """
+    if is_periodic(values):
+        return values, False
+    if not np.ptp(form) or not is_periodic(values + form):
+        return None
+    whole = values + form
+    return whole - whole.mean(), True
+
+
 def _closes(values):
     """Return whether the last column is followed by the first one."""
     columns = values.shape[1]

@@ -288,18 +288,15 @@ def largest_rectangle(good, sides) -> tuple[int, int, int, int]:
 
 def _already_periodic(levelled, values, waves):
     """Return the map as a window where it is periodic, with or without its form; else None."""
-    if np.isnan(values).any():
-        return None
     attrs = dict(levelled.attrs)
-    if periodisation.is_periodic(values):
-        reason = "The map is periodic as it is; it was left alone."
-    else:
-        removed = json.loads(attrs.get("form_removed", "{}"))
-        form = form_from_record(removed, levelled["y"].values, levelled["x"].values)
-        values = values + form
-        if not np.ptp(form) or not periodisation.is_periodic(values):
-            return None
-        values = values - values.mean()
+    removed = json.loads(attrs.get("form_removed", "{}"))
+    form = form_from_record(removed, levelled["y"].values, levelled["x"].values)
+    found = periodisation.periodic_heights(values, form)
+    if found is None:
+        return None
+    values, put_back = found
+    reason = "The map is periodic as it is; it was left alone."
+    if put_back:
         reason = (
             "The map is periodic as measured: the form that levelling had taken off was put back but for its "
             "mean, and the map left alone."

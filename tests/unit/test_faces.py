@@ -1,0 +1,255 @@
+"""Two faces on one another: signs, mirroring, turning, shifting, resampling, against plain arrays."""
+
+import json
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.faces import composite, relative_positions
+from roughcontact.levelling import level
+from roughcontact.synthetic import height_map, self_affine_surface
+from roughcontact.window import periodic_window
+
+STEP = 1e-6
+
+
+def rough(seed, shape=(64, 64), spacing=STEP, **more):
+    """Return a periodic rough map with zero mean."""
+    wanted = {"hurst": 0.8, "shortest": 8e-6, "longest": 32e-6, "rms_gradient": 0.1} | more
+    surface = self_affine_surface(shape, spacing, **wanted, seed=seed)
+    return surface - surface.mean()
+
+
+def cut(surface, rows, columns):
+    """Return a part of a map, with a name: it is no longer periodic."""
+    return surface.isel(y=rows, x=columns).assign_attrs(source_file="part")
+
+
+def off_plane(values):
+    """Return heights above their least-squares plane, by other means than the package's."""
+    y, x = np.indices(values.shape)
+    terms = np.column_stack([np.ones(values.size), y.ravel(), x.ravel()])
+    plane = terms @ np.linalg.lstsq(terms, values.ravel(), rcond=None)[0]
+    return values - plane.reshape(values.shape)
+
+
+@pytest.mark.parametrize("part", [(slice(64), slice(64)), (slice(3, 50), slice(5, 61))])
+def test_a_face_on_its_own_imprint_fits_without_a_gap(part):
+    face = cut(rough(1), *part)
+    imprint = face.copy(data=-face.values[:, ::-1])
+    together = composite(face, imprint)
+    assert together.shape == face.shape
+    np.testing.assert_allclose(together, 0, atol=1e-14 * float(np.abs(face).max()))
+
+
+def test_a_peak_on_a_peak_stands_out_twice_and_lies_where_the_mirror_image_has_it():
+    face, counter_face = np.zeros((21, 31)), np.zeros((21, 31))
+    face[4, 7], counter_face[4, 23] = 1e-6, 2e-6
+    together = composite(height_map(face, STEP), height_map(counter_face, STEP))
+    assert np.unravel_index(together.values.argmax(), together.shape) == (4, 7)
+    assert float(together.max()) == pytest.approx(3e-6, rel=0.05)
+
+
+def test_the_sum_of_parts_is_that_of_the_arrays_less_one_plane():
+    face, other = cut(rough(1), slice(3, 50), slice(5, 61)), cut(rough(2), slice(47), slice(56))
+    together = composite(face, other)
+    expected = off_plane(face.values + other.values[:, ::-1])
+    np.testing.assert_allclose(together, expected, atol=1e-13 * np.abs(expected).max())
+    np.testing.assert_allclose(together["x"], face["x"], rtol=1e-14)
+    np.testing.assert_allclose(together["y"], face["y"], rtol=1e-14)
+    tilted = face + 0.3 * face["x"] - 0.2 * face["y"]
+    np.testing.assert_allclose(composite(tilted, other), together, atol=1e-19 + 1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(("rotation", "turns"), [(90, -1), (180, 2), (270, 1), (-90, 1), (360, 0)])
+def test_right_angles_turn_the_mirror_image_from_x_towards_y(rotation, turns):
+    face, other = cut(rough(1), slice(48), slice(48)), cut(rough(2), slice(2, 50), slice(7, 55))
+    together = composite(face, other, rotation=rotation)
+    # np.rot90 turns from the first axis, y, towards the second, x
+    expected = off_plane(face.values + np.rot90(other.values[:, ::-1], turns))
+    np.testing.assert_allclose(together, expected, atol=1e-13 * np.abs(expected).max())
+
+
+def test_maps_that_are_not_square_lie_across_at_a_right_angle():
+    face, other = cut(rough(1), slice(20), slice(48)), cut(rough(2), slice(48), slice(20))
+    expected = off_plane(face.values + np.rot90(other.values[:, ::-1], -1))
+    np.testing.assert_allclose(composite(face, other, rotation=90), expected, atol=1e-18)
+
+
+@pytest.mark.parametrize("shift", [(0, 0), (5, -11), (-70, 3)])
+def test_periodic_faces_make_a_periodic_one_at_every_shift(shift):
+    face, other = rough(1), rough(2)
+    together = composite(face, other, shift=[s * STEP for s in shift])
+    expected = face.values + np.roll(other.values[:, ::-1], shift, axis=(0, 1))
+    np.testing.assert_allclose(together, expected, atol=1e-13 * np.abs(expected).max())
+    assert periodic_window(together).attrs["periodisation"] == "none"
+    assert together.attrs["form"] == "mean"
+    assert together.attrs["covered_share"] == pytest.approx(1)
+
+
+def test_periodic_faces_stay_periodic_after_levelling():
+    face, other = rough(1), rough(2)
+    levelled = [level(each + 1e-3 * each["x"] * 0, form="plane") for each in (face, other)]
+    together = composite(*levelled, shift=(3e-6, 4e-6))
+    expected = face.values + np.roll(other.values[:, ::-1], (3, 4), axis=(0, 1))
+    np.testing.assert_allclose(together, expected, atol=1e-9 * np.abs(expected).max())
+
+
+def test_independent_faces_add_in_squares():
+    rms = []
+    for seed in range(12):
+        pair = [
+            rough(100 + 2 * seed + k, (128, 128), longest=16e-6, rms_gradient=0.1 * (k + 1)) for k in (0, 1)
+        ]
+        rms.append([*(float(np.std(each)) for each in pair), float(np.std(composite(*pair)))])
+    one, other, together = np.array(rms).T
+    # 12 pairs of maps that hold 8 x 8 of their longest waves: two standard errors are 2 %
+    assert np.mean(together**2 / (one**2 + other**2)) == pytest.approx(1, abs=0.02)
+
+
+def test_a_shift_between_points_is_interpolated_as_the_waves_go():
+    y, x = np.indices((64, 64)) * STEP
+    face, other = np.zeros((64, 64)), 1e-6 * np.sin(2 * np.pi * (2 * x + y) / 32e-6)
+    turned_over = lambda y, x: 1e-6 * np.sin(2 * np.pi * (2 * (63 * STEP - x) + y) / 32e-6)  # noqa: E731
+    shift = (2.3e-6, -4.6e-6)
+    together = composite(height_map(face, STEP), height_map(other, STEP), shift=shift)
+    expected = turned_over(y - shift[0], x - shift[1])
+    assert together.shape == (64, 64)  # both are periodic, the flat one too
+    np.testing.assert_allclose(together, expected, atol=2e-9)
+
+
+def test_a_rotation_askew_turns_the_waves():
+    face, other = np.zeros((80, 80)), np.zeros((80, 80))
+    face += 1e-12 * np.random.default_rng(1).standard_normal(face.shape)  # not periodic, as good as flat
+    y, x = (np.indices(other.shape) - 39.5) * STEP
+    other = 1e-6 * np.sin(2 * np.pi * x / 30.7e-6)
+    together = composite(height_map(face, STEP), height_map(other, STEP), rotation=30)
+    along = x * np.cos(np.pi / 6) + y * np.sin(np.pi / 6)
+    expected = 1e-6 * np.sin(-2 * np.pi * along / 30.7e-6)
+    measured = np.isfinite(together.values)
+    off = (together.values - expected)[measured]
+    yy, xx = np.nonzero(measured)
+    terms = np.column_stack([np.ones(off.size), yy, xx])
+    off -= terms @ np.linalg.lstsq(terms, off, rcond=None)[0]
+    np.testing.assert_allclose(off, 0, atol=1e-8)  # next to the edges, where the spline is flat
+    assert np.sqrt(np.mean(off**2)) < 1e-9
+    # the corners of the face reach beyond the turned counter-face
+    assert np.isnan(together.values[0, 0])
+    assert measured.mean() == pytest.approx(0.82, abs=0.06)
+
+
+def test_the_closer_points_are_kept():
+    fine = rough(3, (256, 256), 0.5e-6, shortest=8e-6)
+    coarse = fine[::2, ::2].copy()
+    face = rough(1, (128, 128), STEP)
+    together = composite(face, fine)
+    assert together.shape == (256, 256)
+    assert float(together["x"][1] - together["x"][0]) == pytest.approx(0.5e-6)
+    # a face that is coarser than the other, both periodic: the sum of the two fields in between as well
+    back = composite(coarse, fine.copy(data=-fine.values[:, ::-1]), shift=(0.25e-6, 0.25e-6))
+    assert float(np.std(back)) < 0.01 * float(np.std(fine))
+    part = composite(cut(face, slice(100), slice(100)), cut(fine, slice(90), slice(120)))
+    assert part.shape == (89, 119)  # points between those of the finer map, within its edges
+    assert float(part["y"][0]) > float(face["y"][0])
+
+
+def test_parts_that_overlap_in_part_leave_that_part():
+    face, other = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(40), slice(50))
+    together = composite(face, other, shift=(10e-6, -20e-6))
+    expected = off_plane(face.values[10:, :30] + other.values[:30, ::-1][:, 20:])
+    np.testing.assert_allclose(together, expected, atol=1e-13 * np.abs(expected).max())
+    assert together.attrs["covered_share"] == pytest.approx(30 * 30 / 2000)
+    np.testing.assert_allclose(together["y"], face["y"][10:], rtol=1e-14)
+    with pytest.raises(HeightMapError, match="do not overlap"):
+        composite(face, other, shift=(45e-6, 0))
+
+
+def test_missing_and_filled_points_of_either_face_count():
+    face, other = (cut(rough(seed), slice(60), slice(50)) for seed in (1, 2))
+    face.values[20, 10] = np.nan
+    other.values[40:42, 4] = np.nan
+    for shift, holes in (((0, 0), 3), ((0, 0.5e-6), 5)):
+        together = composite(face, other, shift=shift)
+        assert int(np.isnan(together).sum()) == holes
+    levelled = [level(each) for each in (face, other)]
+    together = composite(*levelled)
+    assert int(together["filled"].sum()) == together.attrs["filled_points"] == 3
+    assert together["filled"].values[20, 10] == together["filled"].values[40, 45] == 1
+    assert not np.isnan(together).any()
+
+
+def test_profiles_shift_along_their_length():
+    face, other = (cut(rough(seed, (1, 400)), slice(1), slice(300)) for seed in (1, 2))
+    together = composite(face, other, shift=(0, 30e-6))
+    sum_of_both = face.values[0, 30:] + other.values[0, ::-1][:-30]
+    x = np.arange(270)
+    np.testing.assert_allclose(
+        together.values[0], sum_of_both - np.polyval(np.polyfit(x, sum_of_both, 1), x), atol=1e-18
+    )
+    for wrong in ({"rotation": 90}, {"shift": (1e-6, 0)}):
+        with pytest.raises(SettingsError, match="profiles"):
+            composite(face, other, **wrong)
+    with pytest.raises(HeightMapError, match="a map and a profile"):
+        composite(face, rough(1))
+
+
+@pytest.mark.parametrize("wrong", [{"shift": (0, np.nan)}, {"shift": (0, 1, 2)}, {"rotation": np.inf}])
+def test_positions_without_meaning(wrong):
+    with pytest.raises(SettingsError):
+        composite(rough(1), rough(2), **wrong)
+
+
+def test_both_files_and_the_position_are_recorded():
+    face = rough(1).assign_attrs(source_file="a.x3p", source_sha256="aa", ingest_warnings='["steep"]')
+    blunt = json.dumps({"numerical_aperture": 0.01})
+    other = rough(2).assign_attrs(source_file="b.x3p", source_sha256="bb", instrument=blunt)
+    together = composite(face, other, shift=(2e-6, 3e-6), rotation=90)
+    attrs = together.attrs
+    assert attrs["source_file"] == "a.x3p + b.x3p"
+    assert attrs["source_sha256"] == "aa + bb"
+    assert attrs["counter_face"] == "b.x3p"
+    assert (attrs["shift_y"], attrs["shift_x"], attrs["rotation"]) == (2e-6, 3e-6, 90.0)
+    assert json.loads(attrs["ingest_warnings"]) == ["a.x3p: steep"]
+    assert attrs["instrument"] == blunt  # of the one that resolves less
+    assert attrs["Sq"] == pytest.approx(float(np.std(together)))
+
+
+def test_an_ensemble_of_positions():
+    face, other = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(33), slice(64))
+    drawn = relative_positions(face, other, shifts=40, rotations=[0, 90], overlap=0.8, seed=3)
+    assert [each["rotation"] for each in drawn] == [0.0] * 40 + [90.0] * 40
+    for rotation, sides in ((0, (33, 64)), (90, (64, 33))):
+        shifts = np.array([each["shift"] for each in drawn if each["rotation"] == rotation]) / STEP
+        for values, a, b in zip(shifts.T, (40, 50), sides, strict=True):
+            reach = abs(a - b) / 2 + 0.2 * min(a, b)
+            assert 0.8 * reach < np.abs(values).max() <= reach + 0.5
+            # points on points: halves where one number of points is odd
+            np.testing.assert_allclose((values - (a - b) / 2) % 1 % 0.999999, 0, atol=1e-5)
+    fewer = relative_positions(face, other, shifts=2, rotations=[0, 90], overlap=0.8, seed=3)
+    assert fewer == drawn[:2] + drawn[40:42]
+    assert fewer != relative_positions(face, other, shifts=2, rotations=[0, 90], overlap=0.8, seed=4)
+    together = composite(face, other, **drawn[50])
+    assert not np.isnan(together).any()
+    periodic = relative_positions(rough(1), rough(2), shifts=50)
+    assert np.abs([each["shift"] for each in periodic]).max() > 28 * STEP
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [({"shifts": 0}, "composite.shifts"), ({"rotations": []}, "rotations"), ({"overlap": 0}, "overlap")],
+)
+def test_ensembles_without_meaning(wrong, said):
+    with pytest.raises(SettingsError, match=said):
+        relative_positions(rough(1), rough(2), **wrong)
+
+
+def test_the_contact_of_two_faces_is_that_of_their_sum():
+    face, other = rough(1), rough(2)
+    load = {"contact_modulus": 1e9, "mean_pressure": 1e7}
+    together = rc.solve_contact(periodic_window(rc.composite(face, other)), **load)
+    summed = rc.solve_contact(face.copy(data=face.values + other.values[:, ::-1]), **load)
+    np.testing.assert_allclose(
+        together["pressure"], summed["pressure"], atol=1e-3 * float(summed["pressure"].max())
+    )
