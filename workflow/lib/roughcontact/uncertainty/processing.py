@@ -1,0 +1,179 @@
+"""Uncertainty from the choices of processing: order of levelling, way to make periodic, filling of holes.
+
+Each choice that another careful user might make is solved beside the user's own, one at a time. Within a
+group of choices the true result may lie anywhere as far from the user's as the farthest of them, on either
+side: a uniform distribution of that half-width a, with the standard uncertainty a / sqrt(3) (JCGM 100:2008,
+4.3.7). The groups are independent of one another.
+"""
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.checks import FORM
+from roughcontact.filling import fill_harmonic, find_holes
+from roughcontact.form import share_of_form
+from roughcontact.fourier import spacing
+from roughcontact.levelling import level as level_map
+from roughcontact.uncertainty.ensemble import scale_to, solve_member
+from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.window import periodic_window
+
+COVERAGE_FACTOR = 2.0  # of the expanded uncertainty: about 95 %
+# the ways to make a map periodic that are fair in area and in peak pressure: docs/window.md
+_FAIR_METHODS = ("smooth-cross-fade", "periodic-plus-smooth")
+_LEAST_POINTS = 64  # along the shorter side of a map that was coarsened
+
+
+def processing_uncertainty(
+    height: xr.DataArray, *, level: dict, window: dict, contact: dict, solved: xr.Dataset
+) -> xr.Dataset:
+    """Return the expanded uncertainty that the choices of processing leave in the result of a map.
+
+    U = 2 sqrt(sum over groups a^2 / 3), a = largest deviation from the user's own choice within a group:
+
+    * form: the polynomial of the next higher order, and of the next lower one unless that leaves a bow
+      which makes up more of the mean square height than the check "Form" allows
+    * periodisation: `smooth-cross-fade` and `periodic-plus-smooth`
+    * filling: holes filled with the roughness of the map on top of the harmonic surface.
+
+    Groups that make no difference to a map are left out: filling where nothing was filled, form and
+    periodisation where the map is periodic. Deviations come from solves on every other point along each axis
+    (block means) where that leaves 64 points, and are scaled to the result.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        as measured, NaN where missing.
+    level, window, contact : dict
+        keyword arguments of `level`, `periodic_window` and `solve_contact` (loads included) that led to the
+        result.
+    solved : Dataset
+        the result: `QUANTITIES` along `load`.
+
+    Returns
+    -------
+    Dataset
+        along `load` the expanded uncertainty of `relative_contact_area`, `mean_gap` (m), `max_pressure` and
+        `mean_contact_pressure` (Pa); along (choice, load) the results of the choices, scaled to that of the
+        main window, as `{name}_members`; `choice` names them in words, the user's own first. Attributes:
+        `coverage_factor`, `reason` (what was tried, in words), `work` (FFT pairs times points).
+
+    Raises
+    ------
+    ConvergenceError
+        where the solve of a choice misses its tolerance.
+    """
+    own = level_map(height, **level)
+    chosen = _window(own, window)
+    cases = [("own", "as chosen", chosen)]
+    if chosen.attrs["periodisation"] != "none":
+        cases += [("form", name, _window(other, window)) for name, other in _other_forms(height, own, level)]
+        cases += [
+            ("periodisation", f"made periodic by {method}", _window(own, window | {"method": method}))
+            for method in _FAIR_METHODS
+            if method != chosen.attrs["periodisation"]
+        ]
+    if own.attrs["filled_points"]:
+        cases.append(("filling", "holes filled with roughness", _window(rough_filling(own), window)))
+
+    members = [solve_member(each, contact) for _, _, each in cases]
+    groups = np.array([group for group, _, _ in cases])
+    result = {}
+    for name in QUANTITIES:
+        values = np.array([member.values[name] for member in members])
+        values = scale_to(solved[name].values, values, base=values[0])
+        deviations = np.abs(values - values[0])
+        farthest = [deviations[groups == group].max(axis=0) for group in np.unique(groups)]
+        result[name] = ("load", COVERAGE_FACTOR * np.sqrt(np.sum(np.square(farthest), axis=0) / 3))
+        result[f"{name}_members"] = (("choice", "load"), values)
+    names = [name for _, name, _ in cases]
+    return xr.Dataset(
+        result,
+        coords={
+            "mean_pressure": ("load", np.asarray(solved["mean_pressure"].values, float)),
+            "choice": names,
+        },
+        attrs={
+            "coverage_factor": COVERAGE_FACTOR,
+            "reason": _reason(names[1:]),
+            "work": sum(member.work for member in members),
+        },
+    )
+
+
+def rough_filling(levelled: xr.DataArray) -> xr.DataArray:
+    """Return a levelled map whose holes are as rough as its measured part.
+
+    A harmonic surface is the smoothest filling. On top of it goes what it misses elsewhere: the map is turned
+    or mirrored, so that other, measured heights lie in the holes, and these less their own harmonic filling
+    are added. Of the half turn and the two mirror images the one with the most measured heights is taken.
+
+    Parameters
+    ----------
+    levelled : DataArray (y, x), m
+        from `level`, with the coordinate `filled`.
+    """
+    from scipy import ndimage
+
+    values, filled = levelled.values, levelled["filled"].values != 0
+    unknown = filled | np.isnan(values)
+    axes = min(((0, 1), (0,), (1,)), key=lambda axes: np.count_nonzero(np.flip(unknown, axes)[filled]))
+    other = np.flip(values, axes)
+    labels, _ = find_holes(filled)
+    # a hole whose rim is missing in the other map has no harmonic filling there
+    lost = np.isin(labels, labels[ndimage.binary_dilation(np.isnan(other))])
+    labels[lost] = 0
+    smooth = fill_harmonic(np.where(labels > 0, np.nan, other), labels, spacing(levelled))
+    known = (labels > 0) & ~np.flip(unknown, axes)
+    return levelled.copy(data=np.where(known, values + other - smooth, values))
+
+
+def _window(levelled, window):
+    """Return the periodic window of a map, coarsened where the map is fine enough."""
+    factors = tuple(2 if n > 1 else 1 for n in levelled.shape)
+    if min(n // f for n, f in zip(levelled.shape, factors, strict=True) if f > 1) >= _LEAST_POINTS:
+        levelled = _block_means(levelled, factors)
+    return periodic_window(levelled, **window)
+
+
+def _block_means(levelled, factors):
+    """Return a map of block means; a block with a missing point is missing, with a filled one filled."""
+    sides = [n // f for n, f in zip(levelled.shape, factors, strict=True)]
+    whole = levelled[tuple(slice(n * f) for n, f in zip(sides, factors, strict=True))]
+    split = (sides[0], factors[0], sides[1], factors[1])
+    coords = {
+        d: (d, whole[d].values.reshape(n, f).mean(axis=1), whole[d].attrs)
+        for d, n, f in zip("yx", sides, factors, strict=True)
+    }
+    coords["filled"] = (("y", "x"), whole["filled"].values.reshape(split).max(axis=(1, 3)))
+    heights = whole.values.reshape(split).mean(axis=(1, 3))
+    return xr.DataArray(heights, dims=("y", "x"), coords=coords, name=levelled.name, attrs=levelled.attrs)
+
+
+def _other_forms(height, own, level):
+    """Return (name, levelled map) of the neighbouring orders of the form."""
+    order = {"none": 0, "mean": 0, "plane": 1}.get(own.attrs["form"], level.get("order", 2))
+    if own.attrs["form"] in ("sphere", "cylinder"):
+        order = 1  # the polynomial next to it is the second-order one
+    found = [(f"form of order {order + 1}", _with_order(height, level, order + 1))]
+    if order > 1:
+        lower = _with_order(height, level, order - 1)
+        if _bow(lower) <= FORM:
+            found.append((f"form of order {order - 1}", lower))
+    return found
+
+
+def _with_order(height, level, order):
+    return level_map(height, **level | {"form": "polynomial", "order": order})
+
+
+def _bow(levelled):
+    """Return the share of the mean square height that a second-order polynomial makes up."""
+    measured = levelled.fillna(levelled.mean())
+    return share_of_form(measured.values, (levelled["y"].values, levelled["x"].values))
+
+
+def _reason(names):
+    if not names:
+        return "The map is periodic and complete: no choice of processing makes a difference."
+    return f"One at a time, beside the own choice: {'; '.join(names)}."

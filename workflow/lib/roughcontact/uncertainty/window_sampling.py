@@ -1,0 +1,194 @@
+"""Uncertainty from the window: a map is a sample of its surface, another place would give another result.
+
+The window is cut into parts (3 x 3), each of which is levelled, made periodic and solved at the same mean
+pressures as the window itself. Two things are learned from them.
+
+* Scatter. Parts that are longer than the waves of the surface are independent samples, and a mean over the
+  window has 1/r^2 of their variance, r^2 = points of the window / points of a part (r for a profile). On
+  surfaces with waves up to a third of the window that is what the scatter of windows does: docs/report.md.
+* Size. Where the mean of the parts differs from the result by d, small windows are biased: they miss long
+  waves, and more of them lies near a seam. A bias that falls as 1/length leaves d/(r - 1) in the window.
+  Twice that is taken for the half-width of a uniform distribution (JCGM 100:2008, 4.3.7).
+
+The largest pressure is no mean: it grows with the window without end. Its uncertainty is that of the largest
+pressure in windows of this size. Extremes of a Gaussian quantity scatter by the less the higher they are,
+scatter x value = const (Gumbel, Statistics of Extremes (1958), 4.2.3), which carries the scatter of the
+parts' peaks over to that of the window's.
+"""
+
+import math
+
+import numpy as np
+import xarray as xr
+from scipy.special import stdtrit
+
+from roughcontact.errors import SettingsError
+from roughcontact.fourier import spacing
+from roughcontact.levelling import level
+from roughcontact.quantities import percent
+from roughcontact.uncertainty.ensemble import scale_to, solve_member
+from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.window import periodic_window
+
+_LEAST_POINTS = 12  # along the side of a part
+_LEAST_WAVES = 2  # of the shortest wavelength that is kept, along the side of a part
+_BIAS = 2.0  # half-width of what the size may leave, over d/(r - 1)
+_COVERAGE = 0.95
+_STILL_GROWING = 0.3  # share by which the size may leave the mean gap off: then waves are too long
+
+
+def window_uncertainty(
+    levelled: xr.DataArray, *, window: dict, contact: dict, solved: xr.Dataset, number: int = 9
+) -> xr.Dataset:
+    """Return the expanded uncertainty of the result of a window as a sample of its surface.
+
+    U^2 = (t s / r)^2 + (2 b)^2 / 3 with s the standard deviation of the parts' results, t of Student for
+    95 % and one less than their number, b = 2 d/(r - 1); largest pressure: U = t s (mean of the parts'
+    peaks) / peak (see the module for all). Both s and d are relative and multiply the result.
+
+    Parameters
+    ----------
+    levelled : DataArray (y, x), m
+        from `level`.
+    window, contact : dict
+        keyword arguments of `periodic_window` and `solve_contact` (loads included) that led to the result.
+    solved : Dataset
+        the result: `QUANTITIES` along `load`.
+    number : int
+        parts at most, 4 or more; 9 cut a map into 3 x 3 and a profile into 9.
+
+    Returns
+    -------
+    Dataset
+        along `load` the expanded uncertainty of each of the four quantities, NaN where the window is too
+        small to be cut; along (member, load) the results of the parts as they are, `{name}_members`; along
+        `member` the parts' `member_offset_y`, `member_offset_x`, `member_length_y`, `member_length_x` (m, in
+        the map, with the band that making them periodic takes). Attributes: `coverage_factor` (t),
+        `degrees_of_freedom`, `map_share` (of the map that the parts cover), `reason` (what was done, in
+        words), `flag` (what is wrong with it, in words; empty where nothing is), `work` (FFT pairs times
+        points).
+
+    Raises
+    ------
+    SettingsError
+        where `number` is below 4.
+    ConvergenceError
+        where the solve of a part misses its tolerance.
+    """
+    if number != int(number) or number < 4:
+        raise SettingsError(f"windows = {number!r}: give a whole number of 4 or more")
+    first, sides = _kept(levelled, periodic_window(levelled, **window))
+    parts = _cut(levelled, first, sides, int(number), window.get("shortest_wavelength") or 0.0)
+    form = "none" if levelled.attrs["form"] in ("none", "mean") else "plane"
+    own = window | {"placement": "largest", "min_share": 0.0}
+    members, points = [], []
+    for part in parts:
+        again = level(levelled.isel(part), form=form, outlier_threshold=None, fill="none")
+        periodic = periodic_window(again, **own)
+        points.append(math.prod(_kept(again, periodic)[1]))
+        members.append(solve_member(periodic, contact))
+    more = math.prod(sides) / np.mean(points)
+    freedom = len(parts) - 1
+    factor = float(stdtrit(freedom, (1 + _COVERAGE) / 2)) if freedom else math.nan
+    result, bias = {}, {}
+    for name in QUANTITIES:
+        values = np.array([member.values[name] for member in members])
+        half_width, bias[name] = _half_width(name, values, solved[name].values, more, factor, _dims(sides))
+        result |= {name: ("load", half_width), f"{name}_members": (("member", "load"), values)}
+    covered = sum(math.prod(levelled.isel(part).shape) for part in parts) / levelled.size
+    return xr.Dataset(
+        result | _places(levelled, parts),
+        coords={"mean_pressure": ("load", np.asarray(solved["mean_pressure"].values, float))},
+        attrs={
+            "coverage_factor": factor,
+            "degrees_of_freedom": freedom,
+            "map_share": covered,
+            "reason": _reason(levelled, parts, covered),
+            "flag": _flag(levelled, parts, result, bias["mean_gap"] / solved["mean_gap"].values),
+            "work": sum(member.work for member in members),
+        },
+    )
+
+
+def _half_width(name, values, result, more, factor, dims):
+    """Return the expanded uncertainty of a quantity (load), and what the size of the window may leave of it.
+
+    values: (member, load); more: points of the window over those of a part.
+    """
+    if len(values) < 2:
+        return np.full(result.shape, np.nan), np.full(result.shape, np.nan)
+    mean = values.mean(axis=0)
+    if name == "max_pressure":
+        return factor * values.std(axis=0, ddof=1) * np.minimum(1, mean / result), np.zeros(result.shape)
+    scatter = scale_to(result, values, base=mean).std(axis=0, ddof=1) / math.sqrt(more)
+    bias = _BIAS * np.abs(mean - result) / (more ** (1 / dims) - 1)
+    return np.hypot(factor * scatter, 2 * bias / math.sqrt(3)), bias
+
+
+def _kept(levelled, periodic):
+    """Return first row and column, and the sides, of the part of a map that a periodic window shows."""
+    step = spacing(levelled)
+    first = [round(periodic.attrs[f"window_offset_{d}"] / s) for d, s in zip("yx", step, strict=True)]
+    mirrored = periodic.attrs["periodisation"] == "mirror"
+    return first, [n // 2 if mirrored and n > 1 else n for n in periodic.shape]
+
+
+def _dims(sides):
+    return sum(n > 1 for n in sides)
+
+
+def _cut(levelled, first, sides, number, shortest):
+    """Return the parts of a window as {dim: slice}: as many as allowed, as square as possible."""
+    step = spacing(levelled)
+    most = [
+        max(1, int(n / max(_LEAST_POINTS, _LEAST_WAVES * shortest / s))) if n > 1 else 1
+        for n, s in zip(sides, step, strict=True)
+    ]
+    cuts = [
+        (ky * kx, -abs(math.log(sides[0] * step[0] * kx / (sides[1] * step[1] * ky))), ky, kx)
+        for ky in range(1, min(number, most[0]) + 1)
+        for kx in range(1, min(number // ky, most[1]) + 1)
+    ]
+    _, _, *cut = max(cuts)
+    edges = [s + np.arange(k + 1) * n // k for s, n, k in zip(first, sides, cut, strict=True)]
+    return [
+        {"y": slice(int(top), int(bottom)), "x": slice(int(left), int(right))}
+        for top, bottom in zip(edges[0][:-1], edges[0][1:], strict=True)
+        for left, right in zip(edges[1][:-1], edges[1][1:], strict=True)
+    ]
+
+
+def _places(levelled, parts):
+    """Return the variables that say where the parts lie in the map."""
+    found = {}
+    for d, step in zip("yx", spacing(levelled), strict=True):
+        found[f"member_offset_{d}"] = ("member", [part[d].start * step for part in parts])
+        found[f"member_length_{d}"] = ("member", [(part[d].stop - part[d].start) * step for part in parts])
+    return found
+
+
+def _reason(levelled, parts, covered):
+    ny, nx = levelled.isel(parts[0]).shape
+    if len(parts) == 1:
+        return f"The window of {nx} x {ny} points is too small to be cut into parts."
+    return (
+        f"{len(parts)} parts of about {nx} x {ny} points, {percent(covered)} of the map, each levelled, made "
+        "periodic and solved by itself; their scatter, and how far their mean is from the whole."
+    )
+
+
+def _flag(levelled, parts, result, growth):
+    ny, nx = levelled.isel(parts[0]).shape
+    if len(parts) == 1:
+        return (
+            f"The map is too small to tell how far its result stands for the surface: {nx} x {ny} points "
+            "make no ensemble of windows. Measure more places, or a larger one."
+        )
+    if np.isnan(result["mean_gap"][1]).any():
+        return "Part of the ensemble of windows missed the tolerance."
+    if growth.max() > _STILL_GROWING:
+        return (
+            "The mean gap grows with the window: the surface has waves about as long as the window or "
+            "longer. The interval holds for waves up to the length of the map."
+        )
+    return ""
