@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from roughcontact.collect import collect_statistics, summary_table
+from roughcontact.collect import collect_statistics, pairs_table, summary_table
 from roughcontact.errors import InputFileError
 from roughcontact.storage import read_dataset, write_dataset, write_table
 
@@ -103,3 +103,28 @@ def test_cases_come_first_and_may_lack_a_surface(tmp_path):
 def test_missing_file_is_named(tmp_path):
     with pytest.raises(InputFileError, match=r"gone\.nc"):
         collect_statistics([{"surface": "a", "case": None, "statistics": tmp_path / "gone.nc"}])
+
+
+def test_pairs_have_mean_and_spread_over_their_members():
+    summary = pd.DataFrame(
+        {
+            "case": ["a"] * 7 + ["b"] * 4,
+            "surface": ["x", "x", "p-1", "p-1", "p-2", "p-2", "q-1", *["p-1", "p-1", "p-2", "p-2"]],
+            "mean_pressure_Pa": [9.0, 9, 1, 2, 3, 6, 7, 1, 1, 1, 1],
+        }
+    )
+    table = pairs_table(summary, {"p-1": "p", "p-2": "p", "q-1": "q"})
+    assert list(table.columns) == [
+        "case",
+        "surface",
+        "members",
+        "mean_pressure_Pa",
+        "spread_mean_pressure_Pa",
+    ]
+    assert list(zip(table["case"], table["surface"], table["members"], strict=True)) == [
+        *[("a", "p", 2)] * 2,
+        ("a", "q", 1),
+        *[("b", "p", 2)] * 2,
+    ]
+    np.testing.assert_allclose(table["mean_pressure_Pa"], [2, 4, 7, 1, 1])
+    np.testing.assert_allclose(table["spread_mean_pressure_Pa"], [2**0.5, 8**0.5, np.nan, 0, 0])

@@ -195,6 +195,13 @@ def test_profiles_shift_along_their_length():
         composite(face, rough(1))
 
 
+def test_steps_that_differ_too_much_are_refused_before_they_fill_the_memory():
+    coarse = height_map(np.random.default_rng(1).standard_normal((60, 60)) * 1e-6, 1e-3)
+    narrow = height_map(np.random.default_rng(2).standard_normal((2, 40000)) * 1e-6, (0.03, 1e-6))
+    with pytest.raises(HeightMapError, match="steps of the two maps are too different"):
+        composite(coarse, narrow, rotation=45)
+
+
 @pytest.mark.parametrize("wrong", [{"shift": (0, np.nan)}, {"shift": (0, 1, 2)}, {"rotation": np.inf}])
 def test_positions_without_meaning(wrong):
     with pytest.raises(SettingsError):

@@ -9,6 +9,7 @@ import yaml
 
 from roughcontact.contact import plan_loads, solve_contact
 from roughcontact.errors import SettingsError
+from roughcontact.faces import relative_positions
 from roughcontact.levelling import level
 from roughcontact.report import write_report
 from roughcontact.settings import Contact, Settings, contact_modulus, default_yaml, json_schema, resolve
@@ -47,7 +48,7 @@ def test_default_configuration_says_nothing_but_the_defaults():
     written = yaml.safe_load(default_yaml())
     assert only(written) == only({"contact": {"contact_modulus": written["contact"]["contact_modulus"]}})
     documented = default_yaml()
-    for section in ("level", "window", "contact", "statistics", "report"):
+    for section in ("level", "composite", "window", "contact", "statistics", "report"):
         for key, field in Settings.model_fields[section].annotation.model_fields.items():
             assert f"{key}:" in documented
             assert field.description.split()[0] in documented
@@ -64,6 +65,12 @@ def test_a_section_is_the_keyword_arguments_of_its_verb(section, verb):
         if parameter.kind is parameter.KEYWORD_ONLY
     }
     assert Settings.model_fields[section].annotation().model_dump() == arguments
+
+
+def test_composite_section_is_the_keyword_arguments_of_the_ensemble():
+    parameters = inspect.signature(relative_positions).parameters.values()
+    arguments = {each.name: each.default for each in parameters if each.kind is each.KEYWORD_ONLY}
+    assert Settings().composite.model_dump() == arguments | {"rotations": list(arguments["rotations"])}
 
 
 def test_contact_section_is_the_keyword_arguments_of_its_verbs():

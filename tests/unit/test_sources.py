@@ -55,7 +55,7 @@ def digests(workflow):
 @pytest.mark.parametrize(
     ("edited", "concerned"),
     [
-        ("lib/roughcontact/periodisation.py", {"window", "validate"}),
+        ("lib/roughcontact/periodisation.py", {"composite", "window", "validate"}),
         ("lib/roughcontact/outliers.py", {"level", "validate"}),
         ("lib/roughcontact/io/units.py", {"ingest", "validate"}),
         ("lib/roughcontact/contact/solve.py", {*SOLVERS, "statistics", "validate"}),

@@ -7,7 +7,7 @@ import pytest
 from roughcontact.command_line import _FILE_OPTIONS
 from roughcontact.errors import SettingsError
 from roughcontact.io import inspect_file, read_height_map
-from roughcontact.surfaces import COLUMNS, REQUIRED, find, read_surfaces
+from roughcontact.surfaces import COLUMNS, PAIR, REQUIRED, find, measured, members, read_surfaces
 
 
 @pytest.fixture
@@ -46,6 +46,34 @@ def test_rows_comments_and_optional_columns(table, tmp_path):
     assert surfaces["ground-1"].origin == f"{path}, line 3"
     assert surfaces["turned"].given == {"channel": "Height"}
     assert not surfaces["turned"].path.exists()
+
+
+def test_a_row_with_a_counter_face_is_a_pair(table, tmp_path):
+    (tmp_path / "b.txt").touch()
+    path = table(
+        "surface\tpath\tcounter_face\tunit", "one\ta.txt\t\tum", "seal\ta.txt\tb.txt\tmm", "z\tb.txt\t\t"
+    )
+    surfaces = read_surfaces(path)
+    assert list(surfaces) == ["one", "seal", "z"]
+    files = measured(surfaces)
+    assert list(files) == ["one", "seal-face", "seal-counter-face", "z"]
+    assert files["seal-counter-face"].path == tmp_path / "b.txt"
+    assert files["seal-face"].given == files["seal-counter-face"].given == {"unit": "mm"}
+    assert files["seal-face"].origin == f"{path}, line 3"
+    found = members(surfaces, 2)
+    assert list(found) == ["seal-1", "seal-2"]
+    assert (found["seal-2"].pair, found["seal-2"].number) == ("seal", 2)
+    assert (found["seal-2"].face, found["seal-2"].counter_face) == ("seal-face", "seal-counter-face")
+
+
+@pytest.mark.parametrize(("name", "clash"), [("seal-2", True), ("seal-face", True), ("seal-3", False)])
+def test_a_name_that_a_pair_needs(table, name, clash):
+    surfaces = read_surfaces(table("surface\tpath\tcounter_face", "seal\ta\tb", f"{name}\tc"))
+    if not clash:
+        assert len(members(surfaces, 2)) == 2
+        return
+    with pytest.raises(SettingsError, match=f"line 3, surface = {name}: the pair seal needs this name"):
+        members(surfaces, 2)
 
 
 def test_the_working_directory_comes_before_the_folder_of_the_table(table, tmp_path, monkeypatch):
@@ -111,5 +139,5 @@ def test_a_missing_table_is_named(tmp_path):
 @pytest.mark.parametrize("verb", [read_height_map, inspect_file])
 def test_columns_and_options_are_the_arguments_of_reading(verb):
     arguments = [name for name in inspect.signature(verb).parameters if name != "path"]
-    assert set(COLUMNS) - set(REQUIRED) == set(arguments)
+    assert set(COLUMNS) - {*REQUIRED, PAIR} == set(arguments)
     assert [name.replace("-", "_") for name in _FILE_OPTIONS] == arguments

@@ -9,7 +9,7 @@ from roughcontact.errors import SettingsError
 from roughcontact.settings import resolve
 from roughcontact.sources import source_digest
 from roughcontact.stages import SECTIONS, owner, settings_of
-from roughcontact.surfaces import find, read_surfaces
+from roughcontact.surfaces import find, measured, members, read_surfaces
 
 # Without --configfile: the configuration of the working directory, else the one that comes with the workflow.
 # One file only, never two laid over each other, so that what a file says is all that is set.
@@ -28,7 +28,11 @@ FOLDERS = (
 try:
     CASES = resolve(config)  # without cases: {"": settings}
     table = CASES[next(iter(CASES))]["surfaces"]
-    SURFACES = read_surfaces(find(table, FOLDERS) or table, [".", ROOT])
+    TABLE = read_surfaces(find(table, FOLDERS) or table, [".", ROOT])
+    COMPOSITE = CASES[next(iter(CASES))]["composite"]  # the same for all cases
+    # what is measured, and the ways in which the faces of each pair lie on one another
+    MEASURED = measured(TABLE)
+    MEMBERS = members(TABLE, COMPOSITE["shifts"] * len(COMPOSITE["rotations"]))
 except SettingsError as error:
     raise WorkflowError(str(error)) from None
 
@@ -40,15 +44,25 @@ LOGS = FOLDER.replace("results", "logs", 1)
 OWNERS = {
     stage: {case: owner(CASES, case, stage) for case in CASES} for stage in SECTIONS
 }
+# what is solved, in the order of the table
+SOLVED = [
+    surface
+    for row in TABLE
+    for surface in (
+        [row]
+        if row in MEASURED
+        else [name for name, member in MEMBERS.items() if member.pair == row]
+    )
+]
 RUNS = [
     {"surface": surface, "case": case} if STUDY else {"surface": surface}
     for case in CASES
-    for surface in SURFACES
+    for surface in SOLVED
 ]
 
 
 wildcard_constraints:
-    surface="|".join(SURFACES),
+    surface="|".join([*MEASURED, *MEMBERS]),
     case="|".join(CASES),
 
 
@@ -62,23 +76,48 @@ def owners(stage, **wanted):
     )
 
 
-def stage_file(stage):
-    """Return the input function that finds `stage` in the folder of the case which computes it."""
+def stage_file(stage, side="face"):
+    """Return the input function that finds `stage` in the folder of the case which computes it.
+
+    What was measured of a member of a pair is in the folder of its face (or its counter-face, as `side` says).
+    """
 
     def path(wildcards):
-        case = OWNERS[stage][wildcards.get("case", "")]
-        return f"{FOLDER}/{stage}.nc".format(case=case, surface=wildcards["surface"])
+        case, surface = OWNERS[stage][wildcards.get("case", "")], wildcards["surface"]
+        if stage == "height" and surface in MEMBERS:
+            surface = getattr(MEMBERS[surface], side)
+        return f"{FOLDER}/{stage}.nc".format(case=case, surface=surface)
 
     return path
+
+
+def levelled_faces(wildcards):
+    """Return the levelled maps of the two faces of a member of a pair."""
+    member, levelled = MEMBERS[wildcards.surface], stage_file("levelled")
+    sides = (member.face, member.counter_face)
+    return [levelled({**dict(wildcards), "surface": side}) for side in sides]
+
+
+def counter_face(wildcards):
+    """Return the measured counter-face; none where there is a single face."""
+    return (
+        stage_file("height", "counter_face")(wildcards)
+        if wildcards.surface in MEMBERS
+        else []
+    )
 
 
 def stage_settings(stage):
     """Return the parameter function that gives all the settings on which `stage` depends."""
 
     def settings(wildcards):
-        surface = {"name": wildcards.surface, **SURFACES[wildcards.surface].given}
+        name = wildcards.surface
+        if name in MEMBERS:
+            surface = {**vars(MEMBERS[name]), "composite": COMPOSITE}
+        else:
+            surface = MEASURED[name].given
         return {
-            "surface": surface,
+            "surface": {"name": name, **surface},
             **settings_of(CASES[wildcards.get("case", "")], stage),
         }
 
@@ -139,9 +178,14 @@ def minutes(*, microseconds_per_point, and_load=0):
     return estimate
 
 
+def row(surface):
+    """Return the row of the table that a surface comes from."""
+    return TABLE[MEMBERS[surface].pair] if surface in MEMBERS else MEASURED[surface]
+
+
 def measured_file(wildcards):
     """Return the measured file; none where it is missing, so that only the job of this surface fails."""
-    path = SURFACES[wildcards.surface].path
+    path = MEASURED[wildcards.surface].path
     return [str(path)] if path.is_file() else []
 
 
@@ -151,7 +195,7 @@ def solver_threads(wildcards):
     Depends on the measured file alone: with a transform whose sums depend on the threads (MKL's do, SciPy's do
     not) a run comes out the same wherever there are as many cores.
     """
-    return 1 if megabytes(SURFACES[wildcards.surface].path) < 4 else 4
+    return 1 if megabytes(row(wildcards.surface).path) < 4 else 4
 
 
 def crosscheck_file(wildcards):
@@ -164,7 +208,7 @@ def unfinished():
     """Return what to tell a user whose run ended with an error."""
     names = [
         name
-        for name in SURFACES
+        for name in SOLVED
         if not all(
             os.path.exists(stage_file(stage)({**run, "surface": name}))
             for run in RUNS

@@ -5,11 +5,22 @@ SHARED = {
     }
     for case in CASES
 }
+# Which stages the measured faces of a pair, its members, and single surfaces have.
+STAGES = {
+    "": ([name for name in SOLVED if name in MEASURED], list(SECTIONS)),
+    "_faces": (
+        [name for name in MEASURED if name not in SOLVED],
+        ["height", "levelled"],
+    ),
+    "_members": (list(MEMBERS), list(SECTIONS)[1:]),
+}
 LINKS = [
     f"results/{case}/{surface}/{stage}.nc"
     for case in CASES
-    for surface in SURFACES
-    for stage in SHARED[case]
+    for surfaces, stages in STAGES.values()
+    for surface in surfaces
+    for stage in stages
+    if stage in SHARED[case]
 ]
 
 
@@ -19,32 +30,37 @@ localrules:
 
 
 for case, owners_of in SHARED.items():
-    if owners_of:
+    for kind, (surfaces, stages) in STAGES.items():
+        shared = {stage: owners_of[stage] for stage in stages if stage in owners_of}
+        if shared and surfaces:
 
-        rule:
-            name:
-                f"share_{case}"
-            # links what other cases have computed
-            input:
-                [
-                    f"results/{first}/{{surface}}/{stage}.nc"
-                    for stage, first in owners_of.items()
-                ],
-            output:
-                [f"results/{case}/{{surface}}/{stage}.nc" for stage in owners_of],
-            log:
-                f"logs/{case}/{{surface}}/share.log",
-            localrule: True
-            conda:
-                "../envs/roughcontact.yaml"
-            script:
-                "../scripts/share.py"
+            rule:
+                name:
+                    f"share_{case}{kind}"
+                # links what other cases have computed
+                input:
+                    [
+                        f"results/{first}/{{surface}}/{stage}.nc"
+                        for stage, first in shared.items()
+                    ],
+                output:
+                    [f"results/{case}/{{surface}}/{stage}.nc" for stage in shared],
+                log:
+                    f"logs/{case}/{{surface}}/share.log",
+                wildcard_constraints:
+                    surface="|".join(surfaces),
+                localrule: True
+                conda:
+                    "../envs/roughcontact.yaml"
+                script:
+                    "../scripts/share.py"
 
 
 rule panel:
     """Draw one surface's part of the report."""
     input:
         height=stage_file("height"),
+        counter_face=counter_face,
         levelled=stage_file("levelled"),
         window=stage_file("window"),
         contact=stage_file("contact"),
@@ -71,6 +87,17 @@ rule collect:
     input:
         [stage_file("statistics")(run) for run in RUNS],
     output:
+        **(
+            {
+                "pairs": report(
+                    "results/pairs.csv",
+                    caption="../report/pairs.rst",
+                    category="Data",
+                )
+            }
+            if MEMBERS
+            else {}
+        ),
         statistics=report(
             "results/statistics.nc",
             caption="../report/statistics.rst",
@@ -85,6 +112,7 @@ rule collect:
         "../envs/roughcontact.yaml"
     params:
         entries=[{"case": None, **run} for run in RUNS],
+        pairs={name: member.pair for name, member in MEMBERS.items()},
         settings=run_settings(lambda settings: settings_of(settings, "statistics")),
         code=code("collect"),
     script:
@@ -95,6 +123,7 @@ rule report:
     """Put the parts together to one self-contained page."""
     input:
         statistics="results/statistics.nc",
+        pairs=["results/pairs.csv"] if MEMBERS else [],
         panels=[f"{FOLDER}/panel.html".format(**run) for run in RUNS],
     output:
         report("results/report.html", caption="../report/page.rst", category="Page"),

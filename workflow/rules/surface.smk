@@ -7,22 +7,23 @@ rule ingest:
     log:
         f"{LOGS}/ingest.log",
     wildcard_constraints:
+        surface="|".join(MEASURED),
         case=owners("height"),
     conda:
         "../envs/roughcontact.yaml"
     resources:
         mem_mb=lambda wildcards, attempt: round(
-            400 + attempt * 50 * megabytes(SURFACES[wildcards.surface].path)
+            400 + attempt * 50 * megabytes(MEASURED[wildcards.surface].path)
         ),
         runtime=lambda wildcards, attempt: round(
-            5 + attempt * megabytes(SURFACES[wildcards.surface].path) / 100
+            5 + attempt * megabytes(MEASURED[wildcards.surface].path) / 100
         ),
     params:
         settings=stage_settings("height"),
         # where it stands in the table: with `input` among its arguments, so that another line reruns nothing
         file=lambda wildcards, input: {
-            "path": str(SURFACES[wildcards.surface].path),
-            "origin": SURFACES[wildcards.surface].origin,
+            "path": str(MEASURED[wildcards.surface].path),
+            "origin": MEASURED[wildcards.surface].origin,
         },
         code=code("ingest"),
     script:
@@ -38,6 +39,7 @@ rule level:
     log:
         f"{LOGS}/level.log",
     wildcard_constraints:
+        surface="|".join(MEASURED),
         case=owners("levelled"),
     conda:
         "../envs/roughcontact.yaml"
@@ -49,6 +51,31 @@ rule level:
         code=code("level"),
     script:
         "../scripts/level.py"
+
+
+if MEMBERS:
+
+    rule composite:
+        """Lay the two faces of a pair on one another and sum their heights."""
+        input:
+            levelled_faces,
+        output:
+            f"{FOLDER}/levelled.nc",
+        log:
+            f"{LOGS}/composite.log",
+        wildcard_constraints:
+            surface="|".join(MEMBERS),
+            case=owners("levelled"),
+        conda:
+            "../envs/roughcontact.yaml"
+        resources:
+            mem_mb=memory(bytes_per_point=400),
+            runtime=minutes(microseconds_per_point=20),
+        params:
+            settings=stage_settings("levelled"),
+            code=code("composite"),
+        script:
+            "../scripts/composite.py"
 
 
 rule window:

@@ -4,7 +4,7 @@ import json
 
 from _job import save, snakemake
 
-from roughcontact.collect import collect_statistics, summary_table
+from roughcontact.collect import collect_statistics, pairs_table, summary_table
 from roughcontact.storage import read_dataset, write_table
 
 files = zip(snakemake.params.entries, snakemake.input, strict=True)
@@ -13,4 +13,7 @@ checksums = {entry["surface"]: read_dataset(entry["statistics"]).attrs["source_s
 source = {"source_sha256": json.dumps(checksums, sort_keys=True)}
 statistics = collect_statistics(entries)
 save(statistics, snakemake.output.statistics, snakemake.params.settings, source=source)
-write_table(summary_table(statistics), snakemake.output.summary)
+summary = summary_table(statistics)
+write_table(summary, snakemake.output.summary)
+if snakemake.params.pairs:
+    write_table(pairs_table(summary, snakemake.params.pairs), snakemake.output.pairs)

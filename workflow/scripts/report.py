@@ -8,6 +8,7 @@ write_report(
     snakemake.output[0],
     panels=list(snakemake.input.panels),
     statistics=snakemake.input.statistics,
+    pairs=next(iter(snakemake.input.pairs), None),
     title=snakemake.params.title,
     settings=snakemake.params.settings,
 )

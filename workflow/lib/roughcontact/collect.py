@@ -93,3 +93,36 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
         if name in frame and frame[name].notna().all():
             frame[name] = frame[name].astype(int)
     return frame
+
+
+def pairs_table(summary: pd.DataFrame, pairs: dict[str, str]) -> pd.DataFrame:
+    """Return one row per pair of faces (, case) and load: mean and spread over the members of its ensemble.
+
+    Loads are taken in order, first with first: where they are relative, the mean pressure of the members
+    differs a little, and its mean and spread stand in the table as well.
+
+    Parameters
+    ----------
+    summary : DataFrame
+        from `summary_table`.
+    pairs : dict
+        name of a member -> name of its pair; other surfaces are left out.
+
+    Returns
+    -------
+    DataFrame with `surface` (the pair), `members` (count), and for every number of `summary` a column with
+    its mean and one, named `spread_...`, with its standard deviation (n - 1; NaN for a single member).
+    """
+    names = [name for name in ("case", "surface") if name in summary]
+    numbers = [name for name in summary if name not in names]
+    of_pairs = summary[summary["surface"].isin(pairs)]
+    load = of_pairs.groupby(names, sort=False).cumcount().rename("load")
+    of_pairs = of_pairs.assign(surface=of_pairs["surface"].map(pairs))
+    groups = of_pairs.groupby([*names, load], sort=False)[numbers]
+    mean, spread = groups.mean(), groups.std()
+    frame = mean.index.to_frame(index=False)[names]
+    frame["members"] = groups.size().to_numpy()
+    for name in numbers:
+        frame[name] = mean[name].to_numpy()
+        frame[f"spread_{name}"] = spread[name].to_numpy()
+    return frame

@@ -10,10 +10,10 @@ from roughcontact.checking import check_map
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.form import fit_form, form_from_record
 from roughcontact.fourier import spacing
-from roughcontact.io.guards import check_points
 from roughcontact.periodisation import periodic_heights
 from roughcontact.roughness import height_parameters
 
+_MOST_POINTS = 2**27  # as many as are read of one file
 _ON_POINT = 1e-6  # of a step: so near to a point, its height is taken as it is
 _SAME_STEP = 1e-6  # relative difference of two steps that are one
 _RIGHT_ANGLE = 1e-9  # sine or cosine below which two axes count as parallel
@@ -117,7 +117,7 @@ def relative_positions(
     counter_face: xr.DataArray,
     *,
     shifts: int = 5,
-    rotations: tuple[float, ...] | list[float] = (0.0,),
+    rotations: list[float] | tuple[float, ...] = (0.0,),
     overlap: float = 0.75,
     seed: int = 0,
 ) -> list[dict]:
@@ -285,7 +285,12 @@ def _common_grid(lower, upper, turn, shift, name):
         if stop - start < min(n, 2):
             raise HeightMapError(f"{name}: the faces do not overlap: choose a smaller shift")
         positions.append((start, stop, first, own))
-    check_points([stop - start for start, stop, _, _ in positions], name)
+    ny, nx = (stop - start for start, stop, _, _ in positions)
+    if ny * nx > _MOST_POINTS:
+        raise HeightMapError(
+            f"{name}: {ny} x {nx} points where the faces overlap, more than the {_MOST_POINTS} that are read: "
+            "the steps of the two maps are too different; crop one of them"
+        )
     return [first + own * np.arange(start, stop) for start, stop, first, own in positions]
 
 

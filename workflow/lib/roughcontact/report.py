@@ -3,9 +3,11 @@
 import json
 import re
 import textwrap
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from roughcontact import checks, plots, texture_plots
@@ -50,9 +52,23 @@ _COLUMNS = (
     ("error_bound", "error bound", "1"),
 )
 
+# of these, those of the table of pairs
+_OF_PAIRS = ("mean_pressure", "relative_contact_area", "mean_contact_pressure", "max_pressure", "mean_gap")
+
 
 def write_panel(
-    path, *, surface, case=None, height, levelled, window, contact, statistics, settings, crosscheck=None
+    path,
+    *,
+    surface,
+    case=None,
+    height,
+    levelled,
+    window,
+    contact,
+    statistics,
+    settings,
+    crosscheck=None,
+    counter_face=None,
 ) -> None:
     """Write one surface's part of the report, an HTML fragment with its images inside.
 
@@ -67,6 +83,8 @@ def write_panel(
         The settings of the run.
     crosscheck : path or None
         What another code found, where the run was cross-checked.
+    counter_face : path or None
+        The other measured file of a pair of faces.
     """
     measured, plane, solved = (_read_map(file) for file in (height, levelled, window))
     numbers = read_dataset(statistics)
@@ -75,7 +93,7 @@ def write_panel(
     shown = _shown_loads(numbers.sizes["load"])
     outcome = checks.surface_checks(
         numbers,
-        height=measured.attrs,
+        height=plane.attrs if counter_face else measured.attrs,  # of both faces together
         levelled=plane.attrs,
         window=solved.attrs,
         points=solved.size,
@@ -92,8 +110,12 @@ def write_panel(
         checks=outcome,
         facts=_facts(measured, plane, solved, numbers),
         maps=[
-            ("As measured", plots.height_map(measured), _measured_caption(measured)),
-            ("Levelled", plots.height_map(plane, rectangle=_frame(solved)), _levelled_caption(plane)),
+            *_measured_maps(measured, counter_face),
+            (
+                "Sum of both, levelled" if counter_face else "Levelled",
+                plots.height_map(plane, rectangle=_frame(solved)),
+                _levelled_caption(plane),
+            ),
             ("Solved window", plots.height_map(solved), solved.attrs.get("window_reason", "")),
         ],
         scores=_scores(solved),
@@ -118,7 +140,7 @@ def write_panel(
     write_text(html, path)
 
 
-def write_report(path, *, panels, statistics, title, settings) -> None:
+def write_report(path, *, panels, statistics, title, settings, pairs=None) -> None:
     """Write the one self-contained page of a run: verdicts, comparison, and the part of every surface.
 
     Parameters
@@ -131,6 +153,8 @@ def write_report(path, *, panels, statistics, title, settings) -> None:
     title : str
     settings : dict
         The settings of the run (of each case, where there are cases).
+    pairs : path or None
+        The table of pairs of faces (`collect.pairs_table`), where there are any.
     """
     parts = [Path(panel).read_text(encoding="utf-8") for panel in panels]
     summaries = [_summary(part, panel) for part, panel in zip(parts, panels, strict=True)]
@@ -149,6 +173,7 @@ def write_report(path, *, panels, statistics, title, settings) -> None:
         counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in checks.VERDICTS},
         comparison=plots.compare_areas(lines) if lines else None,
         parts=parts,
+        pairs=_pairs(pairs) if pairs else None,
         settings=json.dumps(settings, indent=1, sort_keys=True),
         limits={
             "points": checks.CONTACT_POINTS,
@@ -357,6 +382,7 @@ def _facts(measured, levelled, window, numbers) -> list[tuple[str, str]]:
         ("Instrument", textwrap.shorten(instrument, 160, placeholder=" …")),
         ("Map", f"{_size(measured)} of {pitch}"),
         ("Missing points", percent(measured.attrs.get("missing_share", 0.0))),
+        ("Counter-face", _counter_face(levelled)),
         ("Removed form", _removed(levelled)),
         ("Scan lines", _lines(levelled)),
         ("Filters", _filters(levelled)),
@@ -373,6 +399,18 @@ def _facts(measured, levelled, window, numbers) -> list[tuple[str, str]]:
         ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
     ]
     return [(name, text) for name, text in facts if text]
+
+
+def _counter_face(levelled) -> str:
+    """Return how the other face of a pair lies on this one, nothing where there is a single face."""
+    attrs = levelled.attrs
+    if "counter_face" not in attrs:
+        return ""
+    shift = ", ".join(quantity(attrs[f"shift_{axis}"], "m") for axis in ("x", "y"))
+    return (
+        f"{attrs['counter_face']}, its middle at {shift} (x, y) from that of the face, turned by "
+        f"{attrs['rotation']:g}°, on {percent(attrs['covered_share'])} of the face"
+    )
 
 
 def _parameters(levelled, names, unit) -> str:
@@ -444,6 +482,14 @@ def _measured_caption(measured) -> str:
     return f"{missing} points not measured (pink)." if missing else "Every point was measured."
 
 
+def _measured_maps(measured, counter_face) -> list[tuple[str, str, str]]:
+    """Return (title, image, caption) of what was measured: one map, or those of a pair of faces."""
+    if not counter_face:
+        return [("As measured", plots.height_map(measured), _measured_caption(measured))]
+    maps = [("Face, as measured", measured), ("Counter-face, as measured", _read_map(counter_face))]
+    return [(title, plots.height_map(each), _measured_caption(each)) for title, each in maps]
+
+
 def _levelled_caption(levelled) -> str:
     filled, rejected = levelled.attrs.get("filled_points", 0), levelled.attrs.get("outliers_rejected", 0)
     frame = "" if 1 in levelled.shape else " The red frame is the solved window."
@@ -467,6 +513,26 @@ def _reason(check) -> str:
     """Return the name of a check and its first sentence, for the top of the page."""
     first = check.sentence.split(". ")[0].rstrip(".")
     return f"{check.name}: {textwrap.shorten(first, 200, placeholder=' …')}"
+
+
+def _pairs(path) -> dict:
+    """Return header and rows of the table of pairs: mean and spread over the ways to lay the faces on."""
+    table = pd.read_csv(path)
+    columns = [
+        (name, title, unit, f"{name}_{unit}" if unit in ("m", "Pa") else name)
+        for name, title, unit in _COLUMNS
+        if name in _OF_PAIRS
+    ]
+    rows = []
+    for _, row in table.iterrows():
+        name = " · ".join(str(row[key]) for key in ("surface", "case") if key in table)
+        cells = [name, str(row["members"])]
+        for _, _, unit, column in columns:
+            show = percent if unit == "%" else partial(quantity, unit=unit)
+            mean, spread = float(row[column]), float(row[f"spread_{column}"])
+            cells.append(show(mean) if np.isnan(spread) else f"{show(mean)} ± {show(spread)}")
+        rows.append(cells)
+    return {"header": ["pair", "members", *(title for _, title, _, _ in columns)], "rows": rows}
 
 
 def _embedded(data: dict) -> str:

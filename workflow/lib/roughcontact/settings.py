@@ -109,6 +109,24 @@ class Level(Section):
     )
 
 
+class Composite(Section):
+    """Two measured faces that touch (column counter_face of the table): how they are laid on one another."""
+
+    shifts: Count = Field(5, ge=1, description="random shifts for each rotation; each is solved")
+    rotations: list[Number] = Field(
+        default_factory=lambda: [0.0],
+        min_length=1,
+        description="angles by which the counter-face is turned on the face, degrees, from x towards y",
+    )
+    overlap: Number = Field(
+        0.75,
+        gt=0,
+        le=1,
+        description="least share of each side of the smaller map that the other one covers",
+    )
+    seed: Count = Field(0, ge=0, description="of the random shifts")
+
+
 class Window(Section):
     """The periodic window that is solved."""
 
@@ -265,6 +283,7 @@ class Settings(Section):
         description="path of the table of surfaces, tab-separated, one row each; see config/README.md",
     )
     level: Level = Field(default_factory=Level)
+    composite: Composite = Field(default_factory=Composite)
     window: Window = Field(default_factory=Window)
     contact: Contact = Field(default_factory=Contact)
     statistics: Statistics = Field(default_factory=Statistics)
@@ -281,7 +300,8 @@ class Settings(Section):
 
 # keys of `contact` of which only one may be given: a case that gives one replaces the other of the base
 _ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure"))
-_COMMON = ("surfaces", "report", "crosscheck", "validation", "cases")  # keys that are the same for all cases
+# keys that are the same for all cases
+_COMMON = ("surfaces", "composite", "report", "crosscheck", "validation", "cases")
 
 
 def contact_modulus(bodies: list[dict]) -> float:

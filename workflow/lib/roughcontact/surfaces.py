@@ -2,6 +2,10 @@
 
 A tab-separated text with a header; columns `surface` and `path`, optionally `channel`, `dx`, `dy`, `unit`,
 `height_unit`, `resample`; empty cells mean "as the file says". Lines that start with # are left out.
+
+A row that names a `counter_face` is a pair: two measured files that touch. Its files are read and levelled
+as `{surface}-face` and `{surface}-counter-face`; what is solved are its members `{surface}-1`,
+`{surface}-2` ..., the ways in which the one lies on the other (`roughcontact.faces`).
 """
 
 import math
@@ -14,7 +18,8 @@ from roughcontact.settings import NAME, NAME_RULE, nearest
 REQUIRED = ("surface", "path")
 NUMBERS = ("dx", "dy")
 TEXTS = ("channel", "unit", "height_unit", "resample")
-COLUMNS = (*REQUIRED, *TEXTS, *NUMBERS)
+PAIR = "counter_face"
+COLUMNS = (*REQUIRED, PAIR, *TEXTS, *NUMBERS)
 
 
 @dataclass(frozen=True)
@@ -25,6 +30,17 @@ class Surface:
     path: Path  # as found; where there is no such file, as the table says
     origin: str  # table and line, for messages
     given: dict  # keyword arguments of read_height_map
+    counter_face: Path | None = None  # the other file of a pair
+
+
+@dataclass(frozen=True)
+class Member:
+    """One way in which the faces of a pair lie on one another."""
+
+    pair: str  # name in the table
+    number: int  # from 1
+    face: str  # names of the measured surfaces
+    counter_face: str
 
 
 def find(path: str | Path, folders) -> Path | None:
@@ -97,12 +113,56 @@ def read_surfaces(table: str | Path, folders=(".",)) -> dict[str, Surface]:
             )
         if not path:
             mistakes.append(f"line {line}, path: is empty; give the file of surface {name}")
-        surfaces[name] = Surface(name, find(path, folders) or Path(path), f"{table}, line {line}", given)
+        counter = row.get(PAIR)
+        surfaces[name] = Surface(
+            name,
+            find(path, folders) or Path(path),
+            f"{table}, line {line}",
+            given,
+            (find(counter, folders) or Path(counter)) if counter else None,
+        )
     if mistakes:
         raise SettingsError(
             "\n".join([f"mistakes in the table of surfaces {table}:", *(f"  {m}" for m in mistakes)])
         )
     return surfaces
+
+
+def measured(surfaces: dict[str, Surface]) -> dict[str, Surface]:
+    """Return name -> surface of every measured file: of a pair its face and its counter-face."""
+    files = {}
+    for name, row in surfaces.items():
+        if row.counter_face is None:
+            files[name] = row
+            continue
+        for side, path in (("face", row.path), ("counter-face", row.counter_face)):
+            files[f"{name}-{side}"] = Surface(f"{name}-{side}", path, row.origin, row.given)
+    return files
+
+
+def members(surfaces: dict[str, Surface], count: int) -> dict[str, Member]:
+    """Return name -> member of the ensembles of all pairs, `count` of each.
+
+    Raises
+    ------
+    SettingsError
+        where a surface of the table has the name of a member or of a face of a pair.
+    """
+    found = {
+        f"{name}-{number}": Member(name, number, f"{name}-face", f"{name}-counter-face")
+        for name, row in surfaces.items()
+        if row.counter_face is not None
+        for number in range(1, count + 1)
+    }
+    made = {*found, *(name for member in found.values() for name in (member.face, member.counter_face))}
+    for name in surfaces:
+        if name in made:
+            pair = name.rpartition("-counter-face")[0] or name.rpartition("-")[0]
+            raise SettingsError(
+                f"table of surfaces, {surfaces[name].origin.rpartition(', ')[2]}, surface = {name}: the pair "
+                f"{pair} needs this name for one of its parts; rename one"
+            )
+    return found
 
 
 def _mistakes_in_header(header) -> list[str]:

@@ -1,0 +1,149 @@
+"""Two measured faces on one another: what a run with a pair leaves, and what an edit runs again."""
+
+import csv
+import hashlib
+import json
+import os
+
+import numpy as np
+import pytest
+from conftest import SETTINGS, Project, counted, write_maps
+
+from roughcontact.faces import composite, relative_positions
+from roughcontact.storage import read_dataset
+
+PAIR = (
+    "surface\tpath\tcounter_face\tunit\tdx\tdy",
+    "ground\tmeasured/ground.npy\t\tum\t1\t1",
+    "seal\tmeasured/ground.npy\tmeasured/turned.txt\tum\t1\t1",
+)
+ENSEMBLE = {"shifts": 2, "rotations": [0, 90], "seed": 5}
+MEMBERS = [f"seal-{number}" for number in range(1, 5)]
+FIRST = {
+    "ingest": 3,
+    "level": 3,
+    "composite": 4,
+    "window": 5,
+    "solve": 5,
+    "statistics": 5,
+    "panel": 5,
+    "collect": 1,
+    "report": 1,
+}
+
+
+def settings(**ensemble):
+    """Return the settings with an ensemble of four."""
+    return SETTINGS | {"composite": ENSEMBLE | ensemble}
+
+
+@pytest.fixture(scope="module")
+def paired(tmp_path_factory, checkout):
+    """A project with a single surface and a pair in which the workflow has run once."""
+    project = Project(tmp_path_factory.mktemp("pair") / "project", checkout)
+    write_maps(project.path("measured"))
+    project.write(settings(), PAIR)
+    project.first = project.run()
+    assert project.first.returncode == 0, project.first.stderr
+    return project
+
+
+def table(project, name):
+    """Return the rows of a table of the results."""
+    with open(project.path(f"results/{name}"), newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_faces_are_measured_and_members_solved(paired):
+    assert counted(paired.first) == FIRST
+    assert "Nothing to be done" in paired.run().stderr
+    folders = {path.name for path in paired.path("results").iterdir() if path.is_dir()}
+    assert folders == {"ground", "seal-face", "seal-counter-face", *MEMBERS}
+    summary = table(paired, "summary.csv")
+    assert [row["surface"] for row in summary] == [s for s in ("ground", *MEMBERS) for _ in range(2)]
+
+
+def test_members_are_the_composites_of_the_ensemble(paired):
+    faces = [
+        read_dataset(paired.path(f"results/{name}/levelled.nc"))["height"]
+        for name in ("seal-face", "seal-counter-face")
+    ]
+    positions = relative_positions(*faces, **ENSEMBLE)
+    checksums = " + ".join(
+        hashlib.sha256(paired.path(f"measured/{name}").read_bytes()).hexdigest()
+        for name in ("ground.npy", "turned.txt")
+    )
+    for member, position in zip(MEMBERS, positions, strict=True):
+        found = read_dataset(paired.path(f"results/{member}/levelled.nc"))
+        np.testing.assert_array_equal(found["height"], composite(*faces, **position))
+        attrs = read_dataset(paired.path(f"results/{member}/statistics.nc")).attrs
+        assert attrs["source_sha256"] == checksums
+        recorded = json.loads(attrs["settings"])["surface"]
+        assert recorded["composite"] == {"overlap": 0.75, **ENSEMBLE}
+        assert recorded["number"] == MEMBERS.index(member) + 1
+
+
+def test_mean_and_spread_over_the_members(paired):
+    members = [row for row in table(paired, "summary.csv") if row["surface"] in MEMBERS]
+    rows = table(paired, "pairs.csv")
+    assert [(row["surface"], row["members"]) for row in rows] == [("seal", "4")] * 2
+    for load, row in enumerate(rows):
+        for name in ("relative_contact_area", "mean_pressure_Pa", "max_pressure_Pa", "mean_gap_m"):
+            values = [float(member[name]) for member in members[load::2]]
+            assert float(row[name]) == pytest.approx(np.mean(values), rel=1e-8)
+            assert float(row[f"spread_{name}"]) == pytest.approx(np.std(values, ddof=1), rel=1e-6)
+        assert float(row["spread_relative_contact_area"]) > 0
+    page = paired.path("results/report.html").read_text()
+    assert "Two faces on one another" in page
+    for part in ("Counter-face, as measured", "turned.txt, its middle at", "turned by 90°"):
+        assert part in page
+
+
+def test_more_shifts_leave_those_there_are(paired):
+    paired.write(settings(shifts=3), PAIR)
+    jobs = paired.jobs()
+    paired.write(settings(), PAIR)
+    # the members change places: two of the first rotation stay, the settings of the ensemble are those of all
+    assert jobs["composite"] == 6
+    assert not {"ingest", "level"} & set(jobs)
+
+
+def test_an_edited_counter_face_reruns_its_members_and_not_the_rest(paired):
+    path = paired.path("measured/turned.txt")
+    times, text = path.stat(), path.read_text()
+    path.write_text(text.replace("\n", "\n ", 1))
+    jobs = paired.jobs()
+    path.write_text(text)
+    os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+    wanted = FIRST | {"ingest": 1, "level": 1, "window": 4, "solve": 4, "statistics": 4, "panel": 4}
+    assert jobs == wanted
+
+
+def test_cases_share_the_faces_and_the_composites(tmp_path, checkout):
+    project = Project(tmp_path / "project", checkout)
+    write_maps(project.path("measured"))
+    cases = {"base": {}, "raw": {"window": {"method": "raw"}}}
+    project.write(settings(rotations=[0]) | {"cases": cases}, (PAIR[0], PAIR[2]))
+    run = project.run()
+    assert run.returncode == 0, run.stderr
+    done = counted(run)
+    assert (done["ingest"], done["level"], done["composite"], done["window"]) == (2, 2, 2, 4)
+    assert (done["share_raw_faces"], done["share_raw_members"]) == (2, 2)
+    rows = table(project, "pairs.csv")
+    assert [(row["case"], row["surface"]) for row in rows] == [("base", "seal")] * 2 + [("raw", "seal")] * 2
+    assert project.path("results/raw/seal-2/levelled.nc").is_symlink()
+
+
+def test_a_name_that_a_pair_needs(project):
+    project.write(settings(), (*PAIR, "seal-3\tmeasured/turned.txt\t\tum\t1\t1"))
+    run = project.run("--dry-run")
+    assert run.returncode != 0
+    assert "line 4, surface = seal-3: the pair seal needs this name" in run.stderr
+
+
+def test_a_missing_counter_face_is_named(project):
+    project.write(settings(), [row.replace("turned.txt", "nothing.x3p") for row in PAIR])
+    run = project.run("--keep-going")
+    assert run.returncode != 0
+    assert "measured/nothing.x3p: no such file" in run.stderr
+    assert project.path("results/ground/statistics.nc").exists()
