@@ -6,10 +6,11 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.contact import solve_contact
+from roughcontact.fourier import spacing
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 
 # of the pressure: members differ by percents, their numbers are right to a few parts in a thousand
-_TOLERANCE = 1e-2
+LOOSE = 1e-2
 _OWN = ("tolerance", "fields", "reduce", "progress")  # what a member decides for itself
 
 
@@ -20,8 +21,8 @@ class Member(NamedTuple):
     work: float
 
 
-def solve_member(window: xr.DataArray, contact: dict) -> Member:
-    """Solve one window of an ensemble at a loose tolerance, without keeping fields.
+def solve_member(window: xr.DataArray, contact: dict, *, tolerance: float = LOOSE) -> Member:
+    """Solve one window of an ensemble, without keeping fields.
 
     Parameters
     ----------
@@ -29,6 +30,8 @@ def solve_member(window: xr.DataArray, contact: dict) -> Member:
     contact : dict
         keyword arguments of `solve_contact`. A load that misses the tolerance raises or, with `on_failure` =
         "flag", is NaN.
+    tolerance : float
+        of the pressure, unless `contact` has a wider one.
 
     Raises
     ------
@@ -36,13 +39,23 @@ def solve_member(window: xr.DataArray, contact: dict) -> Member:
         as `solve_contact`.
     """
     arguments = {key: value for key, value in contact.items() if key not in _OWN}
-    tolerance = max(_TOLERANCE, contact.get("tolerance", 0.0))
+    tolerance = max(tolerance, contact.get("tolerance", 0.0))
     found = solve_contact(window, **arguments, tolerance=tolerance, reduce=headline)
     converged = found["converged"].values == 1
     return Member(
         {name: np.where(converged, found[name].values, np.nan) for name in QUANTITIES},
         float(found["operator_applications"].sum()) * window.size,
     )
+
+
+def shown_part(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str, slice]:
+    """Return which rows and columns of a map its periodic window shows, without bands and mirror images."""
+    mirrored = periodic.attrs["periodisation"] == "mirror"
+    shown = {}
+    for d, n, step in zip("yx", periodic.shape, spacing(levelled), strict=True):
+        first = round(periodic.attrs[f"window_offset_{d}"] / step)
+        shown[d] = slice(first, first + (n // 2 if mirrored and n > 1 else n))
+    return shown
 
 
 def scale_to(result, values, *, base) -> np.ndarray:

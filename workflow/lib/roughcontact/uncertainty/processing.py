@@ -14,7 +14,7 @@ from roughcontact.filling import fill_harmonic, find_holes
 from roughcontact.form import share_of_form
 from roughcontact.fourier import spacing
 from roughcontact.levelling import level as level_map
-from roughcontact.uncertainty.ensemble import scale_to, solve_member
+from roughcontact.uncertainty.ensemble import LOOSE, scale_to, shown_part, solve_member
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.window import periodic_window
 
@@ -22,6 +22,7 @@ COVERAGE_FACTOR = 2.0  # of the expanded uncertainty: about 95 %
 # the ways to make a map periodic that are fair in area and in peak pressure: docs/window.md
 _FAIR_METHODS = ("smooth-cross-fade", "periodic-plus-smooth")
 _LEAST_POINTS = 64  # along the shorter side of a map that was coarsened
+_CAREFUL = 1e-3  # tolerance of the filling, whose effect is small and compared with the result itself
 
 
 def processing_uncertainty(
@@ -37,8 +38,8 @@ def processing_uncertainty(
     * filling: holes filled with the roughness of the map on top of the harmonic surface.
 
     Groups that make no difference to a map are left out: filling where nothing was filled, form and
-    periodisation where the map is periodic. Deviations come from solves on every other point along each axis
-    (block means) where that leaves 64 points, and are scaled to the result.
+    periodisation where the map is periodic. The first two are solved with half the points along each axis
+    (block means) where that leaves 64, and their deviations are scaled to the result.
 
     Parameters
     ----------
@@ -64,29 +65,40 @@ def processing_uncertainty(
         where the solve of a choice misses its tolerance.
     """
     own = level_map(height, **level)
-    chosen = _window(own, window)
+    coarse = _coarsened(own)
+    chosen = periodic_window(coarse, **window)
     cases = [("own", "as chosen", chosen)]
     if chosen.attrs["periodisation"] != "none":
-        cases += [("form", name, _window(other, window)) for name, other in _other_forms(height, own, level)]
         cases += [
-            ("periodisation", f"made periodic by {method}", _window(own, window | {"method": method}))
+            ("form", name, periodic_window(_coarsened(other), **window))
+            for name, other in _other_forms(height, own, level)
+        ]
+        cases += [
+            ("periodisation", f"made periodic by {method}", _by_method(coarse, chosen, window, method))
             for method in _FAIR_METHODS
             if method != chosen.attrs["periodisation"]
         ]
-    if own.attrs["filled_points"]:
-        cases.append(("filling", "holes filled with roughness", _window(rough_filling(own), window)))
+    if chosen["filled"].any():
+        # on the grid of the result: block means would take the roughness off again
+        cases.append(
+            ("filling", "holes filled with roughness", periodic_window(rough_filling(own), **window))
+        )
 
-    members = [solve_member(each, contact) for _, _, each in cases]
+    names = [name for _, name, _ in cases]
     groups = np.array([group for group, _, _ in cases])
+    on_coarse_grid = groups != "filling"
+    members = [
+        solve_member(periodic, contact, tolerance=_CAREFUL if group == "filling" else LOOSE)
+        for group, _, periodic in cases
+    ]
     result = {}
     for name in QUANTITIES:
+        main = solved[name].values
         values = np.array([member.values[name] for member in members])
-        values = scale_to(solved[name].values, values, base=values[0])
-        deviations = np.abs(values - values[0])
-        farthest = [deviations[groups == group].max(axis=0) for group in np.unique(groups)]
+        values[on_coarse_grid] = scale_to(main, values[on_coarse_grid], base=values[0])
+        farthest = [np.abs(values[groups == group] - main).max(axis=0) for group in np.unique(groups)]
         result[name] = ("load", COVERAGE_FACTOR * np.sqrt(np.sum(np.square(farthest), axis=0) / 3))
         result[f"{name}_members"] = (("choice", "load"), values)
-    names = [name for _, name, _ in cases]
     return xr.Dataset(
         result,
         coords={
@@ -128,16 +140,21 @@ def rough_filling(levelled: xr.DataArray) -> xr.DataArray:
     return levelled.copy(data=np.where(known, values + other - smooth, values))
 
 
-def _window(levelled, window):
-    """Return the periodic window of a map, coarsened where the map is fine enough."""
+def _by_method(levelled, chosen, window, method):
+    """Return the window made periodic in another way: of the same points, where no band is needed beside."""
+    other = window | {"method": method}
+    if method != "periodic-plus-smooth":
+        return periodic_window(levelled, **other)
+    part = levelled.isel(shown_part(levelled, chosen))
+    return periodic_window(part, **other | {"placement": "largest"})
+
+
+def _coarsened(levelled):
+    """Return a map of block means where it is fine enough, else the map itself; a block with a missing point
+    is missing, one with a filled point filled."""
     factors = tuple(2 if n > 1 else 1 for n in levelled.shape)
-    if min(n // f for n, f in zip(levelled.shape, factors, strict=True) if f > 1) >= _LEAST_POINTS:
-        levelled = _block_means(levelled, factors)
-    return periodic_window(levelled, **window)
-
-
-def _block_means(levelled, factors):
-    """Return a map of block means; a block with a missing point is missing, with a filled one filled."""
+    if min(n // f for n, f in zip(levelled.shape, factors, strict=True) if f > 1) < _LEAST_POINTS:
+        return levelled
     sides = [n // f for n, f in zip(levelled.shape, factors, strict=True)]
     whole = levelled[tuple(slice(n * f) for n, f in zip(sides, factors, strict=True))]
     split = (sides[0], factors[0], sides[1], factors[1])
@@ -175,5 +192,5 @@ def _bow(levelled):
 
 def _reason(names):
     if not names:
-        return "The map is periodic and complete: no choice of processing makes a difference."
+        return "The map is periodic and nothing was filled in: no choice of processing makes a difference."
     return f"One at a time, beside the own choice: {'; '.join(names)}."

@@ -26,7 +26,7 @@ from roughcontact.errors import SettingsError
 from roughcontact.fourier import spacing
 from roughcontact.levelling import level
 from roughcontact.quantities import percent
-from roughcontact.uncertainty.ensemble import scale_to, solve_member
+from roughcontact.uncertainty.ensemble import scale_to, shown_part, solve_member
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.window import periodic_window
 
@@ -77,23 +77,25 @@ def window_uncertainty(
     """
     if number != int(number) or number < 4:
         raise SettingsError(f"windows = {number!r}: give a whole number of 4 or more")
-    first, sides = _kept(levelled, periodic_window(levelled, **window))
-    parts = _cut(levelled, first, sides, int(number), window.get("shortest_wavelength") or 0.0)
+    whole = shown_part(levelled, periodic_window(levelled, **window))
+    parts = _cut(whole, spacing(levelled), int(number), window.get("shortest_wavelength") or 0.0)
     form = "none" if levelled.attrs["form"] in ("none", "mean") else "plane"
     own = window | {"placement": "largest", "min_share": 0.0}
     members, points = [], []
     for part in parts:
         again = level(levelled.isel(part), form=form, outlier_threshold=None, fill="none")
         periodic = periodic_window(again, **own)
-        points.append(math.prod(_kept(again, periodic)[1]))
+        points.append(math.prod(_sides(shown_part(again, periodic))))
         members.append(solve_member(periodic, contact))
+    sides = _sides(whole)
     more = math.prod(sides) / np.mean(points)
     freedom = len(parts) - 1
     factor = float(stdtrit(freedom, (1 + _COVERAGE) / 2)) if freedom else math.nan
+    dims = sum(n > 1 for n in sides)
     result, bias = {}, {}
     for name in QUANTITIES:
         values = np.array([member.values[name] for member in members])
-        half_width, bias[name] = _half_width(name, values, solved[name].values, more, factor, _dims(sides))
+        half_width, bias[name] = _half_width(name, values, solved[name].values, more, factor, dims)
         result |= {name: ("load", half_width), f"{name}_members": (("member", "load"), values)}
     covered = sum(math.prod(levelled.isel(part).shape) for part in parts) / levelled.size
     return xr.Dataset(
@@ -125,21 +127,13 @@ def _half_width(name, values, result, more, factor, dims):
     return np.hypot(factor * scatter, 2 * bias / math.sqrt(3)), bias
 
 
-def _kept(levelled, periodic):
-    """Return first row and column, and the sides, of the part of a map that a periodic window shows."""
-    step = spacing(levelled)
-    first = [round(periodic.attrs[f"window_offset_{d}"] / s) for d, s in zip("yx", step, strict=True)]
-    mirrored = periodic.attrs["periodisation"] == "mirror"
-    return first, [n // 2 if mirrored and n > 1 else n for n in periodic.shape]
+def _sides(part):
+    return [part[d].stop - part[d].start for d in "yx"]
 
 
-def _dims(sides):
-    return sum(n > 1 for n in sides)
-
-
-def _cut(levelled, first, sides, number, shortest):
+def _cut(whole, step, number, shortest):
     """Return the parts of a window as {dim: slice}: as many as allowed, as square as possible."""
-    step = spacing(levelled)
+    sides = _sides(whole)
     most = [
         max(1, int(n / max(_LEAST_POINTS, _LEAST_WAVES * shortest / s))) if n > 1 else 1
         for n, s in zip(sides, step, strict=True)
@@ -150,7 +144,7 @@ def _cut(levelled, first, sides, number, shortest):
         for kx in range(1, min(number // ky, most[1]) + 1)
     ]
     _, _, *cut = max(cuts)
-    edges = [s + np.arange(k + 1) * n // k for s, n, k in zip(first, sides, cut, strict=True)]
+    edges = [whole[d].start + np.arange(k + 1) * n // k for d, n, k in zip("yx", sides, cut, strict=True)]
     return [
         {"y": slice(int(top), int(bottom)), "x": slice(int(left), int(right))}
         for top, bottom in zip(edges[0][:-1], edges[0][1:], strict=True)
