@@ -136,8 +136,7 @@ def rough_filling(levelled: xr.DataArray) -> xr.DataArray:
     lost = np.isin(labels, labels[ndimage.binary_dilation(np.isnan(other))])
     labels[lost] = 0
     smooth = fill_harmonic(np.where(labels > 0, np.nan, other), labels, spacing(levelled))
-    known = (labels > 0) & ~np.flip(unknown, axes)
-    return levelled.copy(data=np.where(known, values + other - smooth, values))
+    return levelled.copy(data=np.where(labels > 0, values + other - smooth, values))
 
 
 def _by_method(levelled, chosen, window, method):

@@ -106,7 +106,7 @@ def window_uncertainty(
             "degrees_of_freedom": freedom,
             "map_share": covered,
             "reason": _reason(levelled, parts, covered),
-            "flag": _flag(levelled, parts, result, bias["mean_gap"] / solved["mean_gap"].values),
+            "flag": _flag(levelled, parts, result, bias["mean_gap"] > _STILL_GROWING * _open(solved)),
             "work": sum(member.work for member in members),
         },
     )
@@ -132,24 +132,29 @@ def _sides(part):
 
 
 def _cut(whole, step, number, shortest):
-    """Return the parts of a window as {dim: slice}: as many as allowed, as square as possible."""
+    """Return the parts of a window as {dim: slice}: where their number times their squareness is largest."""
     sides = _sides(whole)
     most = [
         max(1, int(n / max(_LEAST_POINTS, _LEAST_WAVES * shortest / s))) if n > 1 else 1
         for n, s in zip(sides, step, strict=True)
     ]
     cuts = [
-        (ky * kx, -abs(math.log(sides[0] * step[0] * kx / (sides[1] * step[1] * ky))), ky, kx)
+        (ky * kx * _squareness(sides[0] * step[0] / ky, sides[1] * step[1] / kx, sides), ky, kx)
         for ky in range(1, min(number, most[0]) + 1)
         for kx in range(1, min(number // ky, most[1]) + 1)
     ]
-    _, _, *cut = max(cuts)
+    _, *cut = max(cuts)
     edges = [whole[d].start + np.arange(k + 1) * n // k for d, n, k in zip("yx", sides, cut, strict=True)]
     return [
         {"y": slice(int(top), int(bottom)), "x": slice(int(left), int(right))}
         for top, bottom in zip(edges[0][:-1], edges[0][1:], strict=True)
         for left, right in zip(edges[1][:-1], edges[1][1:], strict=True)
     ]
+
+
+def _squareness(length_y, length_x, sides):
+    """Return the shorter length of a part over the longer one; 1 for a profile."""
+    return 1.0 if 1 in sides else min(length_y, length_x) / max(length_y, length_x)
 
 
 def _places(levelled, parts):
@@ -171,7 +176,13 @@ def _reason(levelled, parts, covered):
     )
 
 
-def _flag(levelled, parts, result, growth):
+def _open(solved):
+    """Return the mean gap (load), infinite in full contact."""
+    gap = solved["mean_gap"].values
+    return np.where(gap > 0, gap, np.inf)
+
+
+def _flag(levelled, parts, result, grows):
     ny, nx = levelled.isel(parts[0]).shape
     if len(parts) == 1:
         return (
@@ -180,7 +191,7 @@ def _flag(levelled, parts, result, growth):
         )
     if np.isnan(result["mean_gap"][1]).any():
         return "Part of the ensemble of windows missed the tolerance."
-    if growth.max() > _STILL_GROWING:
+    if grows.any():
         return (
             "The mean gap grows with the window: the surface has waves about as long as the window or "
             "longer. The interval holds for waves up to the length of the map."
