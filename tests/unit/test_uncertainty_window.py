@@ -1,0 +1,183 @@
+"""The window as a sample of its surface: formulas, places of the parts, coverage of known surfaces."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from roughcontact.contact import solve_contact
+from roughcontact.errors import SettingsError
+from roughcontact.levelling import level
+from roughcontact.synthetic import height_map, self_affine_surface
+from roughcontact.uncertainty.headline import QUANTITIES, headline
+from roughcontact.uncertainty.window_sampling import window_uncertainty
+from roughcontact.window import periodic_window
+
+GRADIENT = 0.1
+MEANS = ("relative_contact_area", "mean_gap", "mean_contact_pressure")
+
+
+def surface(points, *, longest, seed=0, hurst=0.8):
+    return self_affine_surface(
+        (points, points),
+        1.0,
+        hurst=hurst,
+        shortest=8.0,
+        longest=longest,
+        rms_gradient=GRADIENT,
+        seed=seed,
+    )
+
+
+def contact(*relative_pressures):
+    return {
+        "contact_modulus": 1.0,
+        "mean_pressure": [GRADIENT * p for p in relative_pressures],
+        "tolerance": 1e-4,
+    }
+
+
+def sampled(levelled, problem, window=None, **options):
+    """Return the result of a map's window, and its uncertainty as a sample."""
+    window = window or {}
+    solved = solve_contact(periodic_window(levelled, **window), **problem, reduce=headline)
+    return solved, window_uncertainty(levelled, window=window, contact=problem, solved=solved, **options)
+
+
+def crop(master, points, place):
+    row, column = (points * n for n in divmod(place, master.shape[1] // points))
+    return level(height_map(master.values[row : row + points, column : column + points], 1.0))
+
+
+def test_identical_parts_leave_what_the_size_adds():
+    """Nine copies of a periodic map: the parts do not scatter, what they differ from the whole is bias."""
+    tile = surface(64, longest=32.0).values
+    levelled = level(height_map(np.tile(tile, (3, 3)), 1.0))
+    problem = contact(0.05, 0.2)
+    solved, found = sampled(levelled, problem)
+    for name in MEANS:
+        members = found[f"{name}_members"].values
+        assert members.shape == (9, 2)
+        np.testing.assert_allclose(members, members[:1].repeat(9, axis=0), rtol=1e-6)
+        bias = 2 * abs(members[0] - solved[name].values) / (3 - 1)
+        np.testing.assert_allclose(found[name], 2 * bias / np.sqrt(3), rtol=1e-3, atol=1e-9)
+        assert (found[name] < 0.02 * solved[name]).all()
+
+
+def test_formula_from_the_members():
+    solved, found = sampled(crop(surface(256, longest=32.0), 128, 0), contact(0.05, 0.2))
+    t = stats.t.ppf(0.975, 8)
+    assert found.attrs["coverage_factor"] == pytest.approx(t)
+    assert found.attrs["degrees_of_freedom"] == 8
+    # a map of 128 points has a window of 108; each part of 36 points one of 32, and bands of 3 or 4
+    longer = 108 / 32
+    for name in MEANS:
+        members, main = found[f"{name}_members"].values, solved[name].values
+        mean, deviation = members.mean(axis=0), members.std(axis=0, ddof=1)
+        bias = 2 * abs(mean - main) / (longer - 1)
+        expected = np.sqrt((t * main * deviation / mean / longer) ** 2 + (2 * bias) ** 2 / 3)
+        np.testing.assert_allclose(found[name], expected, rtol=1e-9)
+    peaks, peak = found["max_pressure_members"].values, solved["max_pressure"].values
+    assert (peaks.mean(axis=0) < peak).all()
+    np.testing.assert_allclose(
+        found["max_pressure"], t * peaks.std(axis=0, ddof=1) * peaks.mean(axis=0) / peak
+    )
+
+
+def test_parts_lie_side_by_side_in_the_window():
+    levelled = crop(surface(256, longest=32.0), 128, 1)
+    _, found = sampled(levelled, contact(0.1))
+    window = periodic_window(levelled)
+    offset = window.attrs["window_offset_y"], window.attrs["window_offset_x"]
+    covered = np.zeros(levelled.shape, dtype=int)
+    for part in range(9):
+        y, x, ny, nx = (
+            round(float(found[f"member_{what}_{d}"][part])) for what in ("offset", "length") for d in "yx"
+        )
+        covered[y : y + ny, x : x + nx] += 1
+    y, x = (round(o) for o in offset)
+    assert (covered[y : y + 108, x : x + 108] == 1).all()
+    assert covered.sum() == 108**2
+    assert found.attrs["map_share"] == pytest.approx(108**2 / 128**2)
+
+
+@pytest.mark.parametrize("method", ["mirror", "periodic-plus-smooth", "raw"])
+def test_any_way_to_make_periodic(method):
+    _, found = sampled(crop(surface(256, longest=32.0), 96, 1), contact(0.1), window={"method": method})
+    assert found.sizes["member"] == 9
+    for name in QUANTITIES:
+        assert (found[name] > 0).all()
+    assert found.attrs["map_share"] <= 1
+
+
+def test_relative_numbers_do_not_depend_on_units():
+    levelled = crop(surface(256, longest=32.0), 96, 0)
+    problem = contact(0.1)
+    _, one = sampled(levelled, problem)
+    larger = height_map(levelled.values * 1e-6, 1e-6)
+    _, other = sampled(level(larger), problem | {"contact_modulus": 1e9, "mean_pressure": [0.1e9 * GRADIENT]})
+    factors = dict(zip(QUANTITIES, (1, 1e-6, 1e9, 1e9), strict=True))
+    for name, factor in factors.items():
+        np.testing.assert_allclose(other[name], one[name] * factor, rtol=1e-6)
+
+
+def test_profile_is_cut_into_nine():
+    profile = self_affine_surface(
+        (1, 1024), 1.0, hurst=0.8, shortest=8.0, longest=64.0, rms_gradient=GRADIENT, seed=3
+    )
+    _, found = sampled(level(profile[:, :700]), contact(0.1))
+    assert found.sizes["member"] == 9
+    assert (found["member_length_y"] == 1).all()
+    assert (found["relative_contact_area"] > 0).all()
+
+
+def test_small_map_has_few_parts_and_a_wide_interval():
+    _, found = sampled(crop(surface(128, longest=16.0), 32, 5), contact(0.1))
+    assert found.sizes["member"] == 4
+    assert found.attrs["coverage_factor"] == pytest.approx(stats.t.ppf(0.975, 3))
+    assert np.isfinite(found["relative_contact_area"]).all()
+    assert found.attrs["flag"] == ""
+
+
+def test_map_too_small_for_parts_says_so():
+    _, found = sampled(crop(surface(64, longest=16.0), 16, 5), contact(0.1))
+    assert found.sizes["member"] == 1
+    for name in QUANTITIES:
+        assert np.isnan(found[name]).all()
+    assert "too small" in found.attrs["reason"]
+    assert "Measure more places" in found.attrs["flag"]
+
+
+def test_waves_longer_than_the_map_are_noticed():
+    flags = {}
+    for longest in (32.0, 512.0):
+        master = surface(512, longest=longest, seed=2)
+        flags[longest] = [
+            bool(sampled(crop(master, 128, place), contact(0.05))[1].attrs["flag"]) for place in range(4)
+        ]
+    assert not any(flags[32.0])
+    assert all(flags[512.0])
+
+
+def test_number_of_parts():
+    levelled = crop(surface(256, longest=32.0), 128, 0)
+    assert sampled(levelled, contact(0.1), number=5)[1].sizes["member"] == 4
+    with pytest.raises(SettingsError, match="windows = 3"):
+        sampled(levelled, contact(0.1), number=3)
+
+
+def test_interval_covers_the_surface_that_the_map_was_taken_from():
+    """48 maps of three surfaces, four times as long as the maps: at least 90 % of the 95 % intervals hold.
+    Together with processing, on faulty maps: test_uncertainty_processing.py."""
+    errors, intervals = [], []
+    problem = contact(0.1)
+    for seed, (hurst, longest) in enumerate(((0.5, 16.0), (0.7, 24.0), (0.9, 48.0))):
+        master = surface(384, longest=longest, seed=seed, hurst=hurst)
+        truth = solve_contact(master, **problem, reduce=headline)
+        for place in range(16):
+            solved, found = sampled(crop(master, 96, place), problem)
+            errors.append([abs(float(solved[name][0] / truth[name][0]) - 1) for name in MEANS])
+            intervals.append([float(found[name][0] / truth[name][0]) for name in MEANS])
+    errors, intervals = np.array(errors), np.array(intervals)
+    assert ((errors <= intervals).mean(axis=0) >= 0.9).all()
+    width = np.median(intervals, axis=0) / np.quantile(errors, 0.95, axis=0)
+    assert ((width > 0.7) & (width < 2)).all(), width
