@@ -46,6 +46,13 @@ VARIABLES = {
     "pressure_density": ("Pa-1", "probability density of the pressure over the contact pixels"),
     "gap_density": ("m-1", "probability density of the gap over the pixels out of contact"),
     "points_per_shortest_wavelength": ("1", "pixels per shortest wavelength of the map"),
+    # error budget, per load and source
+    "relative_contact_area_uncertainty": ("1", "half-width of the 95 % interval of the contact area"),
+    "mean_gap_uncertainty": ("m", "half-width of the 95 % interval of the mean gap"),
+    "max_pressure_uncertainty": ("Pa", "half-width of the 95 % interval of the largest pressure"),
+    "mean_contact_pressure_uncertainty": ("Pa", "half-width of the 95 % interval of the pressure in contact"),
+    "switches": ("1", "switches between contact and non-contact along all rows and columns"),
+    "beside_the_peak": ("Pa", "difference between the largest pressure and the mean of its neighbours"),
     # theory beside the data
     "area_persson": ("1", "relative contact area after Persson (2001)"),
     "area_xu": ("1", "relative contact area after Xu et al. (2024)"),
@@ -88,6 +95,7 @@ VARIABLES = {
     "window_offset_y": ("m", "distance of the window's first cell from the map's first cell along y"),
     "contact_modulus": ("Pa", "plane-strain contact modulus E*"),
     # labels
+    "source": (None, "what an uncertainty comes from; combined: root of the sum of their squares"),
     "surface_name": (None, "name of the surface, as in the table of surfaces"),
     "case_name": (None, "name of the case, as in the settings"),
 }

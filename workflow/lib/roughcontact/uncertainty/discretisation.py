@@ -1,0 +1,166 @@
+"""What the pixel size leaves open: the same map solved once more with pixels half as large.
+
+The map stands for the surface that its Fourier series draws through its points (`refined`). Let q(h) be a
+quantity with pixels of size h, and D = q(h) - q(h/2) what halving them changes. An error of the order k is
+
+    q(h) - q(0) = D 2^k / (2^k - 1):   2 D for k = 1, 1.55 D for k = 3/2, 1.33 D for k = 2.
+
+The corrected area has k = 3/2, the mean gap 2, the peak pressure 1 to 2 (docs/validation.md), so that 2 |D| is
+on the safe side. That alone would be too narrow where D is small by chance, so that what is known of each
+number is added to it; the parts add as squares:
+
+* The corrected area takes off c M / N for M switches between contact and non-contact among N points. c is that
+  of a round patch on a lattice. On solved contacts the corrected area comes out low by 0.010 to 0.018 M / N,
+  whatever the load, the grid and the spectrum (M / N falls as h): 0.02 M / N is added, a sixth of the correction.
+  Each switch also adds an error of its own, by where the edge happens to cut the pixel: 0.3 sqrt(M) / N, near
+  the 1/sqrt(12) of an edge at a random place.
+* The mean gap changes so little that what the solver leaves open of it on the finer grid counts as well.
+* The peak lies between the points. The largest pressure falls short of it by a part of the difference d between
+  that point and its neighbours; 0.2 d is added. (A parabola through a point that lies half a pixel beside its
+  top is d/4 too low.)
+
+The mean contact pressure is p̄ over the share of the points in contact, which is always too high: its error is
+known from the corrected area A, p̄/A - p̄/A_points, to which p̄ u(A) / A² is added, not as squares, because the
+former is no matter of chance.
+
+The constants are measured on band-limited maps of known fine solution (`roughcontact.validation.coverage`,
+tests/unit/test_uncertainty_discretisation.py).
+"""
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.contact import solve_contact
+from roughcontact.cost.measure import refined
+from roughcontact.fourier import spacing
+from roughcontact.periodisation import periodic_plus_smooth
+from roughcontact.statistics import count_switches
+from roughcontact.uncertainty.headline import QUANTITIES, fields_of, headline
+from roughcontact.uncertainty.solver import solver_uncertainty
+
+_FIRST_ORDER = 2.0  # error over change, for an error of the first order
+_CORRECTION = 0.02  # pixels for each switch between contact and non-contact, all in the same sense
+_EDGE_NOISE = 0.3  # pixels for each switch, at random
+_BESIDE_THE_PEAK = 0.2  # of the difference between the highest point and its neighbours
+_TOLERANCE = 1e-3  # at most, of the finer solution
+_MOST_POINTS = 1024**2  # of what is refined; of a larger window a part stands for the whole
+
+
+def discretisation_uncertainty(
+    window: xr.DataArray, *, contact: dict, solved: xr.Dataset | None = None
+) -> xr.Dataset:
+    """Return what the pixel size makes uncertain in each quantity, from a solution with pixels half as large.
+
+    Contact area hypot(2 D, 0.02 M / N, 0.3 sqrt(M) / N), mean gap hypot(2 D, that of the solver), largest
+    pressure hypot(2 D, 0.2 d), mean contact pressure p̄/A - p̄/A_points + p̄ u(A) / A² (see the module). Of a window of more than 1024²
+    points, a part of that size shows the relative changes.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+    contact : dict
+        keyword arguments of `solve_contact`.
+    solved : Dataset or None
+        what `grid_marks` counts in the solution of the window, where it is known already.
+
+    Returns
+    -------
+    Dataset, dim load: the half-widths of 95 % intervals of `QUANTITIES`, each in its own unit
+    """
+    if solved is None:
+        solved = solve_contact(window, **contact, reduce=grid_marks)
+    part = _part(window)
+    coarse = solved if part is window else _solve(part, contact)
+    fine = _solve(refined(part, 2), contact)
+    change = {
+        name: _FIRST_ORDER
+        * np.abs(solved[name].values * _ratio(coarse[name].values - fine[name].values, coarse[name].values))
+        for name in QUANTITIES
+    }
+    load, share = solved["mean_pressure"].values, solved["relative_contact_area"].values
+    switches = solved["switches"].values / window.size
+    area = _root_of_squares(
+        change["relative_contact_area"],
+        _CORRECTION * switches,
+        _EDGE_NOISE * np.sqrt(switches / window.size),
+    )
+    overcount = load * _ratio(1.0, share) - solved["mean_contact_pressure"].values
+    uncertainty = {
+        "relative_contact_area": area,
+        "mean_gap": np.hypot(change["mean_gap"], fine["mean_gap_uncertainty"].values),
+        "max_pressure": np.hypot(change["max_pressure"], _BESIDE_THE_PEAK * solved["beside_the_peak"].values),
+        "mean_contact_pressure": np.abs(overcount) + load * _ratio(area, share**2),
+    }
+    return xr.Dataset({name: ("load", values) for name, values in uncertainty.items()})
+
+
+def grid_marks(contact: xr.Dataset) -> xr.Dataset:
+    """Return the four quantities of each load and what tells how coarse the grid is for it.
+
+    Parameters
+    ----------
+    contact : Dataset
+        as `solve_contact` returns it, with its fields.
+
+    Returns
+    -------
+    Dataset, dim load: `QUANTITIES`, `switches` between contact and non-contact along all rows and columns,
+    `beside_the_peak` (Pa) the difference between the highest point and its neighbours
+    """
+    switches, drop = [], []
+    for pressure, _ in fields_of(contact):
+        switches.append(sum(count_switches(pressure > 0)))
+        drop.append(_beside_the_peak(pressure))
+    return headline(contact).assign(switches=("load", switches), beside_the_peak=("load", drop))
+
+
+def _solve(window, contact) -> xr.Dataset:
+    """Return the four quantities of a map and the solver's part of the mean gap, NaN for a load that fails."""
+    tolerance = min(_TOLERANCE, contact.get("tolerance", _TOLERANCE))
+    found = solve_contact(
+        window, **contact | {"tolerance": tolerance, "on_failure": "flag"}, reduce=_headline_and_gap
+    )
+    return found[[*QUANTITIES, "mean_gap_uncertainty"]].where(found["converged"] == 1)
+
+
+def _headline_and_gap(contact):
+    """Return the four quantities of a load and what the solver leaves open of the mean gap."""
+    return headline(contact).assign(mean_gap_uncertainty=solver_uncertainty(contact)["mean_gap"])
+
+
+def _part(window):
+    """Return the middle of a window that is too large to be refined, made periodic; else the window itself."""
+    sides = list(window.shape)
+    while np.prod(sides) > _MOST_POINTS:
+        longest = int(np.argmax(sides))
+        sides[longest] = -(-sides[longest] // 2)
+    if sides == list(window.shape):
+        return window
+    starts = ((n - side) // 2 for n, side in zip(window.shape, sides, strict=True))
+    part = window[tuple(slice(start, start + side) for start, side in zip(starts, sides, strict=True))]
+    return part.copy(data=periodic_plus_smooth(part.values, spacing(part)))
+
+
+def _beside_the_peak(pressure) -> float:
+    """Return how much higher the highest point is than the mean of its neighbours along the axes."""
+    place = np.unravel_index(pressure.argmax(), pressure.shape)
+    lines = (pressure[:, place[1]], pressure[place[0]])
+    neighbours = [
+        line[(at + step) % line.size]
+        for line, at in zip(lines, place, strict=True)
+        if line.size > 1
+        for step in (-1, 1)
+    ]
+    return float(pressure[place] - np.mean(neighbours))
+
+
+def _ratio(value, base) -> np.ndarray:
+    """Return value / base, zero where the value is (no gap is left in full contact)."""
+    value, base = np.broadcast_arrays(np.asarray(value, float), np.asarray(base, float))
+    return np.divide(value, base, out=np.zeros(base.shape), where=value != 0)
+
+
+def _root_of_squares(*parts):
+    """Return the root of the sum of the squares of several arrays."""
+    return np.sqrt(sum(part**2 for part in parts))
