@@ -43,8 +43,9 @@ def contact(*relative_pressures):
 def processed(height, problem, *, form=None, window=None):
     """Return the result of a map, and its uncertainty from processing."""
     form, window = form or {}, window or {}
-    solved = solve_contact(periodic_window(level(height, **form), **window), **problem, reduce=headline)
-    found = processing_uncertainty(height, level=form, window=window, contact=problem, solved=solved)
+    levelled = level(height, **form)
+    solved = solve_contact(periodic_window(levelled, **window), **problem, reduce=headline)
+    found = processing_uncertainty(levelled, level=form, window=window, contact=problem, solved=solved)
     return solved, found
 
 

@@ -6,14 +6,15 @@ side: a uniform distribution of that half-width a, with the standard uncertainty
 4.3.7). The groups are independent of one another.
 """
 
+import json
+
 import numpy as np
 import xarray as xr
 
 from roughcontact.checks import FORM
 from roughcontact.filling import fill_harmonic, find_holes
-from roughcontact.form import share_of_form
+from roughcontact.form import fit_form, form_from_record, share_of_form
 from roughcontact.fourier import spacing
-from roughcontact.levelling import level as level_map
 from roughcontact.uncertainty.ensemble import LOOSE, scale_to, shown_part, solve_member
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.window import periodic_window
@@ -26,7 +27,7 @@ _CAREFUL = 1e-3  # tolerance of the filling, whose effect is small and compared 
 
 
 def processing_uncertainty(
-    height: xr.DataArray, *, level: dict, window: dict, contact: dict, solved: xr.Dataset
+    levelled: xr.DataArray, *, level: dict, window: dict, contact: dict, solved: xr.Dataset
 ) -> xr.Dataset:
     """Return the expanded uncertainty that the choices of processing leave in the result of a map.
 
@@ -43,8 +44,8 @@ def processing_uncertainty(
 
     Parameters
     ----------
-    height : DataArray (y, x), m
-        as measured, NaN where missing.
+    levelled : DataArray (y, x), m
+        from `level`.
     level, window, contact : dict
         keyword arguments of `level`, `periodic_window` and `solve_contact` (loads included) that led to the
         result.
@@ -64,14 +65,12 @@ def processing_uncertainty(
     ConvergenceError
         where the solve of a choice misses its tolerance.
     """
-    own = level_map(height, **level)
-    coarse = _coarsened(own)
+    coarse = _coarsened(levelled)
     chosen = periodic_window(coarse, **window)
     cases = [("own", "as chosen", chosen)]
     if chosen.attrs["periodisation"] != "none":
         cases += [
-            ("form", name, periodic_window(_coarsened(other), **window))
-            for name, other in _other_forms(height, own, level)
+            ("form", name, periodic_window(other, **window)) for name, other in _other_forms(coarse, level)
         ]
         cases += [
             ("periodisation", f"made periodic by {method}", _by_method(coarse, chosen, window, method))
@@ -81,7 +80,7 @@ def processing_uncertainty(
     if chosen["filled"].any():
         # on the grid of the result: block means would take the roughness off again
         cases.append(
-            ("filling", "holes filled with roughness", periodic_window(rough_filling(own), **window))
+            ("filling", "holes filled with roughness", periodic_window(rough_filling(levelled), **window))
         )
 
     names = [name for _, name, _ in cases]
@@ -166,27 +165,33 @@ def _coarsened(levelled):
     return xr.DataArray(heights, dims=("y", "x"), coords=coords, name=levelled.name, attrs=levelled.attrs)
 
 
-def _other_forms(height, own, level):
+def _other_forms(levelled, level):
     """Return (name, levelled map) of the neighbouring orders of the form."""
-    order = {"none": 0, "mean": 0, "plane": 1}.get(own.attrs["form"], level.get("order", 2))
-    if own.attrs["form"] in ("sphere", "cylinder"):
+    order = {"none": 0, "mean": 0, "plane": 1}.get(levelled.attrs["form"], level.get("order", 2))
+    if levelled.attrs["form"] in ("sphere", "cylinder"):
         order = 1  # the polynomial next to it is the second-order one
-    found = [(f"form of order {order + 1}", _with_order(height, level, order + 1))]
+    robust = level.get("robust", False)
+    found = [(f"form of order {order + 1}", _with_order(levelled, order + 1, robust))]
     if order > 1:
-        lower = _with_order(height, level, order - 1)
-        if _bow(lower) <= FORM:
+        lower = _with_order(levelled, order - 1, robust)
+        if share_of_form(lower.fillna(lower.mean()).values, _coordinates(lower)) <= FORM:
             found.append((f"form of order {order - 1}", lower))
     return found
 
 
-def _with_order(height, level, order):
-    return level_map(height, **level | {"form": "polynomial", "order": order})
+def _with_order(levelled, order, robust):
+    """Return a map with its form put back and a polynomial off instead, fitted to the measured points."""
+    coordinates = _coordinates(levelled)
+    removed = json.loads(levelled.attrs["form_removed"])
+    values = levelled.values + form_from_record(removed, *coordinates)
+    measured = np.where(levelled["filled"].values == 0, values, np.nan)
+    form, removed = fit_form(measured, coordinates, order=order, robust=robust)
+    other = {"form": "polynomial", "form_removed": json.dumps(removed)}
+    return levelled.copy(data=values - form).assign_attrs(other)
 
 
-def _bow(levelled):
-    """Return the share of the mean square height that a second-order polynomial makes up."""
-    measured = levelled.fillna(levelled.mean())
-    return share_of_form(measured.values, (levelled["y"].values, levelled["x"].values))
+def _coordinates(levelled):
+    return levelled["y"].values, levelled["x"].values
 
 
 def _reason(names):
