@@ -160,3 +160,23 @@ def test_one_spike_moves_the_plane_no_more_than_its_absence():
     spiked[3, 4] += 1e-3
     a, b = (level(synthetic.height_map(v, 1e-6)) for v in (clean, spiked))
     assert np.abs(a.values - b.values).max() < 1e-7
+
+
+def test_spikes_up_and_down_beside_one_another_are_two_groups():
+    height = rough(rms=1e-6)
+    height[60:62, 60:64] += 40e-6  # eight points up, eight down: together they would pass for structure
+    height[60:62, 64:68] -= 40e-6
+    outliers, found = find_outliers(height, threshold=THRESHOLD)
+    assert found == {"spike": 16}
+    assert outliers[60:62, 60:68].all()
+
+
+def test_far_spikes_in_a_disturbed_patch_are_found():
+    height = rough(rms=1e-6)
+    off_median = 0.05e-6  # what the points of this surface are off their median, about
+    patch = np.random.default_rng(2).choice([-1, 1], (5, 5)) * 60 * off_median
+    height[58:63, 70:75] += np.abs(patch)  # a patch that is too large for one group
+    height[60, 72] += 2000 * off_median
+    outliers, _ = find_outliers(height, threshold=THRESHOLD)
+    assert outliers[60, 72]
+    assert outliers.sum() <= 3

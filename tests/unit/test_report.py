@@ -213,6 +213,7 @@ def test_each_check_can_ask_for_a_look(good):
             "rms_gradient_after": 0.85,
             "window_share": 0.3,
             "form_share": 0.9,
+            "steepest_share": 0.7,
         },
     )
     looks = {name for name, check in found.items() if check.outcome == checks.LOOK}
@@ -222,7 +223,16 @@ def test_each_check_can_ask_for_a_look(good):
     assert "−15.0 %" in found["Periodic window"].sentence
     assert "5.00 %" in found["Missing points"].sentence
     assert "level.form" in found["Form"].sentence
+    assert "make up 70.0 % of the mean square gradient" in found["Steep places"].sentence
     assert found["Reading the file"].sentence == "The unit was guessed."
+
+
+def test_slopes_that_no_surface_has_are_not_to_be_trusted(good):
+    good = good.copy(deep=True)
+    good["rms_gradient"] = 20.0
+    found, verdict = outcomes(good)
+    assert checks.VERDICTS[verdict] == "do not trust"
+    assert "Check the units" in found["Slopes"].sentence
 
 
 def test_full_contact_is_worth_a_look_where_there_is_nothing_else(good):

@@ -153,3 +153,15 @@ def test_parameters_together_are_the_parameters_one_by_one():
     height = synthetic.height_map(np.random.default_rng(2).standard_normal((20, 31)), (2.0, 1.0))
     for name, value in roughness.roughness_parameters(height).items():
         assert getattr(roughness, name)(height) == pytest.approx(value, rel=1e-14)
+
+
+def test_steepest_points_of_random_slopes_and_of_a_single_spike():
+    rough = synthetic.self_affine_surface(
+        (512, 512), 1e-6, hurst=0.8, shortest=8e-6, longest=64e-6, rms_gradient=0.1, seed=1
+    )
+    expected = 0.01 * (1 - math.log(0.01))
+    assert roughness.steepest_share(rough) == pytest.approx(expected, rel=0.05)
+    spike = synthetic.height_map(np.where(np.arange(4096).reshape(64, 64) == 100, 1e-6, 0.0), (1e-6, 2e-6))
+    assert roughness.steepest_share(spike) == pytest.approx(1.0)
+    assert roughness.steepest_share(spike, share=1e-9) == pytest.approx(1.25 / 2.5)
+    assert roughness.steepest_share(0 * spike) == 0

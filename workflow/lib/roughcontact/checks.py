@@ -21,8 +21,10 @@ FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points that were not 
 GRADIENT_CHANGE = 0.1  # relative change of the rms gradient by periodisation
 HEIGHT_CHANGE = 0.5  # rms change of the heights by periodisation, of their rms
 FORM = 0.8  # share of the mean square height that a second-order polynomial makes up
+STEEP_PLACES = 0.5  # share of the mean square gradient that the steepest 1 % of the points make up
 WINDOW_SHARE = 0.5  # share of the measured area that was used
 STEEP = 0.3  # rms gradient from which small-slope elasticity is a rough approximation
+TOO_STEEP = 3.0  # rms gradient that no rough surface has: a unit is wrong
 HARDEST = 0.1  # hardness over contact modulus that no material exceeds (diamond comes near)
 
 
@@ -56,6 +58,7 @@ def surface_checks(statistics: xr.Dataset, *, height: dict, levelled: dict, wind
         _window(window),
         _load_range(statistics),
         _slope(statistics),
+        _steep_places(window),
         _reading(height),
     ]
 
@@ -221,10 +224,25 @@ def _load_range(statistics):
 def _slope(statistics):
     gradient = float(statistics["rms_gradient"])
     text = f"The rms gradient is {number(gradient)}"
+    if gradient > TOO_STEEP:
+        text += ": no rough surface is so steep. Check the units of heights and steps."
+        return Check("Slopes", FAILED, text)
     if gradient > STEEP:
         text += ": steep for a theory of small slopes. Treat the numbers as estimates."
         return Check("Slopes", LOOK, text)
     return Check("Slopes", PASSED, f"{text}: small, as the half-space theory assumes.")
+
+
+def _steep_places(window):
+    share = window.get("steepest_share", 0.0)
+    text = f"The steepest 1 % of the points make up {percent(share)} of the mean square gradient"
+    if share <= STEEP_PLACES:
+        return Check("Steep places", PASSED, f"{text}.")
+    text += (
+        ": steps, defects, dust or spikes. A load relative to the gradient is high for the rest of the "
+        "surface. Give loads as mean_pressure, and compare level.outlier_threshold."
+    )
+    return Check("Steep places", LOOK, text)
 
 
 def _reading(height):

@@ -288,7 +288,7 @@ def _common_grid(lower, upper, turn, shift, name):
     ny, nx = (stop - start for start, stop, _, _ in positions)
     if ny * nx > _MOST_POINTS:
         raise HeightMapError(
-            f"{name}: {ny} x {nx} points where the faces overlap, more than the {_MOST_POINTS} that are read: "
+            f"{name}: {ny} x {nx} points in the overlap, more than the {_MOST_POINTS} that are read: "
             "the steps of the two maps are too different; crop one of them"
         )
     return [first + own * np.arange(start, stop) for start, stop, first, own in positions]

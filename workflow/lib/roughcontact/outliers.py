@@ -9,6 +9,7 @@ import numpy as np
 from roughcontact.form import fit_form
 
 _SPIKE_SIZE = 12  # points; a larger group is structure (a pit, a particle)
+_FAR_SPIKE = 10  # thresholds
 _NEAR, _FAR = 2, 5  # half widths of the window of the median and of the ring around it, maps
 _FAR_PROFILE = 30  # half width of the ring in a profile, which has fewer points in it
 _SENTINEL_POINTS = 64  # in a smaller map one height may well lie far from the few others
@@ -21,8 +22,9 @@ def find_outliers(values, *, threshold: float) -> tuple[np.ndarray, dict[str, in
 
     * `spike`: a point off the median of its 5 x 5 neighbourhood by more than `threshold` standard
       deviations, both of this difference over the whole map and of the heights in the 11 x 11 ring around,
-      in a group of no more than 12 such points. In a profile the neighbourhood has 5 points, the ring 56.
-      The first standard deviation is 1.4826 times the median absolute deviation, the second is
+      in a group of no more than 12 such points, all too high or all too low; or by ten times as much,
+      in a group of no more than 12 points that are so far off. In a profile the neighbourhood has 5 points,
+      the ring 56. The first standard deviation is 1.4826 times the median absolute deviation, the second is
       the distance from their median that 90 % of the ring keep, over 1.645: the same for normal heights,
       larger beside steps and ridges.
     * `sentinel`: the lowest or the highest value, in at most a third of the points, farther from all others
@@ -134,21 +136,32 @@ def _spikes(values, threshold):
     padded = np.pad(residual, [(f, f) for f in far], mode="reflect", reflect_type="odd")
     size = [2 * n + 1 for n in near]
     inner = tuple(slice(f, f + n) for f, n in zip(far, values.shape, strict=True))
-    off = np.abs(padded - ndimage.median_filter(padded, size=size))[inner]
+    signed = (padded - ndimage.median_filter(padded, size=size))[inner]
+    off = np.abs(signed)
     off[missing] = 0
     scale = 1.4826 * np.median(off[~missing])
     floor = 1e-12 * np.ptp(residual)
-    candidates = off > max(threshold * scale, floor)
+    # far spikes stand out of patches that are disturbed as a whole, and too large for a group
+    for level in (threshold, _FAR_SPIKE * threshold):
+        candidates = off > max(level * scale, floor)
+        where = np.argwhere(
+            _in_small_groups(candidates & (signed > 0)) | _in_small_groups(candidates & (signed < 0))
+        )
+        if where.size:
+            spread = _ring_spread(padded, where, near, far)
+            worst = off[tuple(where.T)] > level * spread
+            result[tuple(where[worst & (spread > floor)].T)] = True
+    return result
+
+
+def _in_small_groups(candidates):
+    """Return which candidates have few neighbours that are candidates as well."""
+    from scipy import ndimage
+
     groups, count = ndimage.label(candidates, structure=np.ones((3, 3)))
     small = np.bincount(groups.ravel(), minlength=count + 1) <= _SPIKE_SIZE
     small[0] = False
-    where = np.argwhere(small[groups])
-    if not where.size:
-        return result
-    spread = _ring_spread(padded, where, near, far)
-    worst = off[tuple(where.T)] > threshold * spread
-    result[tuple(where[worst & (spread > floor)].T)] = True
-    return result
+    return small[groups]
 
 
 def _ring_spread(padded, where, near, far):

@@ -184,6 +184,8 @@ def write_report(path, *, panels, statistics, title, settings, pairs=None) -> No
             "form": f"{100 * checks.FORM:g} %",
             "window": f"{100 * checks.WINDOW_SHARE:g} %",
             "steep": number(checks.STEEP, digits=1),
+            "places": f"{100 * checks.STEEP_PLACES:g} %",
+            "too_steep": number(checks.TOO_STEEP, digits=1),
             "hardest": number(checks.HARDEST, digits=1),
         },
     )

@@ -13,7 +13,7 @@ from roughcontact.checking import check_choice, check_map
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.form import form_from_record, share_of_form
 from roughcontact.fourier import spacing
-from roughcontact.roughness import interior_rms_gradient, rms_gradient
+from roughcontact.roughness import interior_rms_gradient, rms_gradient, steepest_share
 from roughcontact.window_search import search_window
 
 METHODS = ("smooth-cross-fade", "periodic-plus-smooth", "cross-fade", "mirror", "taper", "raw")
@@ -68,6 +68,7 @@ def periodic_window(
     (m), `periodisation_relative_change` (of the rms height), `rms_gradient_before` (of the part that was
     cut out, without its edges), `rms_gradient_after` (of the window as it is solved),
     `form_share` (of the mean square height of the window, the part that a second-order polynomial makes up),
+    `steepest_share` (of its mean square gradient, the part that the steepest 1 % of the points make up),
     `band_shortest`, `band_longest` (m, the waves that are left), `band_reason` (what limits them),
     `band_removed_rms_height` (m), `band_removed_rms_gradient`, `reliable_wavelength` (m), `window_offset_x`,
     `window_offset_y` (m), `window_share`, `window_reason`, and after a search `window_scores` (JSON: the best
@@ -328,6 +329,7 @@ def _record(values, coords, attrs, *, waves, method, change, gradient_before, of
         "periodisation_relative_change": change / rms if rms > 0 else 0.0,
         "rms_gradient_before": whole_gradient if gradient_before is None else gradient_before,
         "rms_gradient_after": rms_gradient(window),
+        "steepest_share": steepest_share(window),
         "form_share": share_of_form(window.values, (window["y"].values, window["x"].values)),
         "window_offset_x": float(offset[1]),
         "window_offset_y": float(offset[0]),

@@ -1,0 +1,129 @@
+"""Every file of the catalogue as a new user would take it: name and path, all settings at their defaults."""
+
+import csv
+import json
+import warnings
+
+import numpy as np
+import pytest
+from test_io_shared import DATA, FILES, GIVEN, OTHERWISE, REFUSED
+
+from roughcontact import checks
+from roughcontact.contact import solve_contact
+from roughcontact.errors import HeightMapError, InputFileError
+from roughcontact.io import inspect_file, read_height_map
+from roughcontact.levelling import level
+from roughcontact.roughness import rms_gradient
+from roughcontact.statistics import contact_statistics
+from roughcontact.theory import persson_area
+from roughcontact.window import periodic_window
+
+pytestmark = [
+    pytest.mark.shared_data,
+    pytest.mark.skipif(not (DATA / "CATALOG.tsv").is_file(), reason="no folder of real instrument files"),
+]
+
+LARGEST = 160  # points along a side that are solved: the middle of the map
+LOAD = 0.05
+
+# What the checks must say of a file, beyond what is common to all: verdict, and checks that ask for a look.
+VERDICTS = {
+    "KautschukInfiniteFocus.x3p": ("trust", set()),
+    "tmd-1.tmd": ("trust", set()),
+    "matrix-3.txt": ("trust", set()),
+    "al3d-1.al3d": ("trust", set()),
+    # made by hand: 4 x 4 points, heights of metres on a field of centimetres
+    "ISO5436-sample1.x3p": ("do not trust", {"Points in contact", "Reading the file"}),
+    "ISO5436-sample4_bin.x3p": ("do not trust", {"Points in contact", "Reading the file"}),
+    "mnt-2.mnt": ("look at", {"Form"}),  # a bow of 100 times the roughness
+    "spot_1-1000nm.ibw": ("look at", {"Steep places", "Reading the file"}),  # particles on a smooth surface
+    "bcrf-1.bcrf": ("look at", {"Reading the file"}),  # 3000 points far off all others
+    "plu-1.plu": ("look at", {"Reading the file"}),  # steps of 4 nm on a roughness of 18 nm
+    "x3p-2.x3p": ("look at", {"Reading the file"}),  # pixels that are not square
+}
+
+
+@pytest.fixture(scope="module")
+def catalogue():
+    """The rows of the catalogue by name of the file."""
+    with open(DATA / "CATALOG.tsv", encoding="utf-8", newline="") as file:
+        return {row["file"]: row for row in csv.DictReader(file, delimiter="\t")}
+
+
+def test_no_file_is_left_out(catalogue):
+    assert set(FILES) == set(catalogue)
+
+
+@pytest.mark.parametrize("name", sorted(REFUSED))
+def test_what_is_no_map_is_refused_in_one_sentence(name):
+    for verb in (inspect_file, read_height_map):
+        with pytest.raises(InputFileError, match=REFUSED[name]) as caught:
+            verb(DATA / name)
+        assert "\n" not in str(caught.value)
+        assert name in str(caught.value)
+        assert len(str(caught.value)) < 300
+
+
+@pytest.mark.parametrize("name", sorted(GIVEN))
+def test_a_file_that_is_silent_says_what_to_give(name):
+    with pytest.raises(InputFileError, match="in the table of surfaces") as caught:
+        read_height_map(DATA / name)
+    words = str(caught.value).partition("; give ")[2].partition(" in the table")[0]
+    asked = set(words.replace("(or unit)", "").replace(",", " ").split())
+    assert asked <= {*GIVEN[name], "unit"}
+    assert inspect_file(DATA / name)["problem"] == str(caught.value)
+
+
+def test_a_map_that_is_mostly_missing_is_refused_with_its_share():
+    height = read_height_map(DATA / "sur-3.sur")
+    with pytest.raises(HeightMapError, match=r"88\.9 % of the points are missing.*level\.max_missing"):
+        level(height)
+
+
+@pytest.mark.parametrize("name", [name for name in FILES if name not in REFUSED and name != "sur-3.sur"])
+def test_from_the_file_to_the_verdict(name, catalogue):
+    given = GIVEN.get(name, {})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # nothing that a user could not read
+        height = read_height_map(DATA / name, **given)
+        found = inspect_file(DATA / name, **given)
+        part = _middle(height)
+        levelled = level(part)
+        window = periodic_window(levelled)
+        gradient = rms_gradient(window)
+        statistics = solve_contact(
+            window, contact_modulus=1e9, mean_pressure=LOAD * 1e9 * gradient, reduce=contact_statistics
+        )
+    assert found["problem"] is None
+    wanted = float(OTHERWISE.get(name, {}).get("rms") or float(catalogue[name]["rms_height_um"]) * 1e-6)
+    assert float(np.nanstd(height)) == pytest.approx(wanted, rel=1e-4)
+    # off its plane, and without what stands out, a part has no more than there was
+    assert 0 < levelled.attrs["Sq"] <= float(np.nanstd(part)) * 1.0001
+    assert levelled.attrs["outliers_rejected"] < 0.01 * part.size
+    # the steps of a map of some points do not make its gradient
+    assert window.size < 64 or 0.3 < gradient / window.attrs["rms_gradient_before"] < 3
+    assert float(statistics["converged"][0]) == 1
+    area = float(statistics["relative_contact_area"][0])
+    assert 0.5 * persson_area(LOAD) < area < 10 * persson_area(LOAD)
+    assert float(statistics["contact_on_filled_points"][0]) < 0.1
+    outcome = checks.surface_checks(
+        statistics, height=height.attrs, levelled=levelled.attrs, window=window.attrs, points=window.size
+    )
+    looks = {check.name for check in outcome if check.outcome == checks.LOOK}
+    # a sentence for each suspicion of the reader, and no number that no one can read
+    reading = next(check.sentence for check in outcome if check.name == "Reading the file")
+    assert (reading == "Read without a warning.") == (height.attrs["ingest_warnings"] == "[]")
+    assert not any("nan" in check.sentence.split() for check in outcome)
+    if name in VERDICTS:
+        verdict, wanted_looks = VERDICTS[name]
+        assert checks.VERDICTS[checks.verdict(outcome)] == verdict
+        assert wanted_looks <= looks
+    assert json.loads(levelled.attrs["form_removed"])["slope_x"]["units"] == "1" or 1 in height.shape
+
+
+def _middle(height):
+    """Return the middle of a map, no larger than what is solved here; of a profile all of it."""
+    if 1 in height.shape:
+        return height
+    starts = [max(0, (n - LARGEST) // 2) for n in height.shape]
+    return height.isel({d: slice(s, s + LARGEST) for d, s in zip("yx", starts, strict=True)})
