@@ -58,7 +58,8 @@ def processing_uncertainty(
         along `load` the expanded uncertainty of `relative_contact_area`, `mean_gap` (m), `max_pressure` and
         `mean_contact_pressure` (Pa); along (choice, load) the results of the choices, scaled to that of the
         main window, as `{name}_members`; `choice` names them in words, the user's own first. Attributes:
-        `coverage_factor`, `reason` (what was tried, in words), `work` (FFT pairs times points).
+        `coverage_factor`, `reason` (what was tried, in words), `flag` (what is wrong with it, in words; empty
+        where nothing is), `work` (FFT pairs times points).
 
     Raises
     ------
@@ -107,6 +108,7 @@ def processing_uncertainty(
         attrs={
             "coverage_factor": COVERAGE_FACTOR,
             "reason": _reason(names[1:]),
+            "flag": _flag(members),
             "work": sum(member.work for member in members),
         },
     )
@@ -198,3 +200,9 @@ def _reason(names):
     if not names:
         return "The map is periodic and nothing was filled in: no choice of processing makes a difference."
     return f"One at a time, beside the own choice: {'; '.join(names)}."
+
+
+def _flag(members):
+    if np.isnan([member.values[name] for member in members for name in QUANTITIES]).any():
+        return "A choice of processing missed the tolerance."
+    return ""

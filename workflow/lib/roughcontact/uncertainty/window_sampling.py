@@ -1,19 +1,20 @@
 """Uncertainty from the window: a map is a sample of its surface, another place would give another result.
 
 The window is cut into parts (3 x 3), each of which is levelled, made periodic and solved at the same mean
-pressures as the window itself. Two things are learned from them.
+pressures as the window itself. Let the window have m times the points of a part, and r = sqrt(m) times its
+length (r = m for a profile). Two things are learned from the parts.
 
-* Scatter. Parts that are longer than the waves of the surface are independent samples, and a mean over the
-  window has 1/r^2 of their variance, r^2 = points of the window / points of a part (r for a profile). On
-  surfaces with waves up to a third of the window that is what the scatter of windows does: docs/report.md.
+* Scatter. Parts that are longer than the waves of the surface are independent samples, so that the variance
+  of the window's result is 1/m of that among the parts. With waves up to 0.6 of the window that is what
+  windows do: docs/uncertainty.md.
 * Size. Where the mean of the parts differs from the result by d, small windows are biased: they miss long
   waves, and more of them lies near a seam. A bias that falls as 1/length leaves d/(r - 1) in the window.
   Twice that is taken for the half-width of a uniform distribution (JCGM 100:2008, 4.3.7).
 
 The largest pressure is no mean: it grows with the window without end. Its uncertainty is that of the largest
-pressure in windows of this size. Extremes of a Gaussian quantity scatter by the less the higher they are,
-scatter x value = const (Gumbel, Statistics of Extremes (1958), 4.2.3), which carries the scatter of the
-parts' peaks over to that of the window's.
+pressure in windows of this size. The largest of n normal numbers lies at sqrt(2 ln n) and scatters as
+1/sqrt(2 ln n) standard deviations (Gumbel, Statistics of Extremes, 1958): scatter times value is the same in
+any window, which carries the scatter of the parts' peaks over to that of the window's.
 """
 
 import math
@@ -42,9 +43,9 @@ def window_uncertainty(
 ) -> xr.Dataset:
     """Return the expanded uncertainty of the result of a window as a sample of its surface.
 
-    U^2 = (t s / r)^2 + (2 b)^2 / 3 with s the standard deviation of the parts' results, t of Student for
-    95 % and one less than their number, b = 2 d/(r - 1); largest pressure: U = t s (mean of the parts'
-    peaks) / peak (see the module for all). Both s and d are relative and multiply the result.
+    U^2 = (t s)^2 / m + (2 b)^2 / 3 with s the standard deviation of the parts' results, scaled to the result
+    of the window, t of Student for 95 % and one less than their number, b = 2 d/(r - 1); largest pressure:
+    U = t s (mean of the parts' peaks) / peak, s as it is (see the module for all).
 
     Parameters
     ----------
