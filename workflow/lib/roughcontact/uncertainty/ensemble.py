@@ -9,8 +9,6 @@ from roughcontact.contact import solve_contact
 from roughcontact.fourier import spacing
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 
-# of the pressure: members differ by percents, their numbers are right to a few parts in a thousand
-LOOSE = 1e-2
 _OWN = ("tolerance", "fields", "reduce", "progress")  # what a member decides for itself
 
 
@@ -21,7 +19,7 @@ class Member(NamedTuple):
     work: float
 
 
-def solve_member(window: xr.DataArray, contact: dict, *, tolerance: float = LOOSE) -> Member:
+def solve_member(window: xr.DataArray, contact: dict, *, tolerance: float) -> Member:
     """Solve one window of an ensemble, without keeping fields.
 
     Parameters

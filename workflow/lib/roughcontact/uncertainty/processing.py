@@ -15,7 +15,7 @@ from roughcontact.checks import FORM
 from roughcontact.filling import fill_harmonic, find_holes
 from roughcontact.form import fit_form, form_from_record, share_of_form
 from roughcontact.fourier import spacing
-from roughcontact.uncertainty.ensemble import LOOSE, scale_to, shown_part, solve_member
+from roughcontact.uncertainty.ensemble import scale_to, shown_part, solve_member
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.window import periodic_window
 
@@ -23,7 +23,7 @@ COVERAGE_FACTOR = 2.0  # of the expanded uncertainty: about 95 %
 # the ways to make a map periodic that are fair in area and in peak pressure: docs/window.md
 _FAIR_METHODS = ("smooth-cross-fade", "periodic-plus-smooth")
 _LEAST_POINTS = 64  # along the shorter side of a map that was coarsened
-_CAREFUL = 1e-3  # tolerance of the filling, whose effect is small and compared with the result itself
+_TOLERANCE = 1e-3  # of the pressure: choices may differ by less than a percent
 
 
 def processing_uncertainty(
@@ -87,10 +87,7 @@ def processing_uncertainty(
     names = [name for _, name, _ in cases]
     groups = np.array([group for group, _, _ in cases])
     on_coarse_grid = groups != "filling"
-    members = [
-        solve_member(periodic, contact, tolerance=_CAREFUL if group == "filling" else LOOSE)
-        for group, _, periodic in cases
-    ]
+    members = [solve_member(periodic, contact, tolerance=_TOLERANCE) for _, _, periodic in cases]
     result = {}
     for name in QUANTITIES:
         main = solved[name].values

@@ -31,6 +31,7 @@ from roughcontact.uncertainty.ensemble import scale_to, shown_part, solve_member
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.window import periodic_window
 
+_TOLERANCE = 1e-2  # of the pressure: 0.4 % of a part's area (rms), where parts differ by 5 % and more
 _LEAST_POINTS = 12  # along the side of a part
 _LEAST_WAVES = 2  # of the shortest wavelength that is kept, along the side of a part
 _BIAS = 2.0  # half-width of what the size may leave, over d/(r - 1)
@@ -87,7 +88,7 @@ def window_uncertainty(
         again = level(levelled.isel(part), form=form, outlier_threshold=None, fill="none")
         periodic = periodic_window(again, **own)
         points.append(math.prod(_sides(shown_part(again, periodic))))
-        members.append(solve_member(periodic, contact))
+        members.append(solve_member(periodic, contact, tolerance=_TOLERANCE))
     sides = _sides(whole)
     more = math.prod(sides) / np.mean(points)
     freedom = len(parts) - 1
