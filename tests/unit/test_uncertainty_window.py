@@ -5,9 +5,10 @@ import pytest
 from scipy import stats
 
 from roughcontact.contact import solve_contact
-from roughcontact.errors import SettingsError
+from roughcontact.errors import ConvergenceError, SettingsError
 from roughcontact.levelling import level
 from roughcontact.synthetic import height_map, self_affine_surface
+from roughcontact.uncertainty.ensemble import solve_member
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.uncertainty.window_sampling import window_uncertainty
 from roughcontact.window import periodic_window
@@ -163,6 +164,15 @@ def test_number_of_parts():
     assert sampled(levelled, contact(0.1), number=5)[1].sizes["member"] == 4
     with pytest.raises(SettingsError, match="windows = 3"):
         sampled(levelled, contact(0.1), number=3)
+
+
+def test_a_member_that_misses_its_tolerance_is_no_result():
+    window, problem = surface(64, longest=32.0), contact(0.1) | {"tolerance": 1e-15}
+    with pytest.raises(ConvergenceError):
+        solve_member(window, problem, tolerance=1e-15)
+    flagged = solve_member(window, problem | {"on_failure": "flag"}, tolerance=1e-15)
+    assert all(np.isnan(flagged.values[name]).all() for name in QUANTITIES)
+    assert flagged.work > 0
 
 
 def test_interval_covers_the_surface_that_the_map_was_taken_from():
