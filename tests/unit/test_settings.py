@@ -14,6 +14,7 @@ from roughcontact.levelling import level
 from roughcontact.report import write_report
 from roughcontact.settings import Contact, Settings, contact_modulus, default_yaml, json_schema, resolve
 from roughcontact.statistics import contact_statistics
+from roughcontact.uncertainty.budget import error_budget
 from roughcontact.window import periodic_window
 
 ROOT = Path(__file__).parents[2]
@@ -48,7 +49,7 @@ def test_default_configuration_says_nothing_but_the_defaults():
     written = yaml.safe_load(default_yaml())
     assert only(written) == only({"contact": {"contact_modulus": written["contact"]["contact_modulus"]}})
     documented = default_yaml()
-    for section in ("level", "composite", "window", "contact", "statistics", "report"):
+    for section in ("level", "composite", "window", "contact", "statistics", "uncertainty", "report"):
         for key, field in Settings.model_fields[section].annotation.model_fields.items():
             assert f"{key}:" in documented
             assert field.description.split()[0] in documented
@@ -71,6 +72,14 @@ def test_composite_section_is_the_keyword_arguments_of_the_ensemble():
     parameters = inspect.signature(relative_positions).parameters.values()
     arguments = {each.name: each.default for each in parameters if each.kind is each.KEYWORD_ONLY}
     assert Settings().composite.model_dump() == arguments | {"rotations": list(arguments["rotations"])}
+
+
+def test_uncertainty_section_is_the_keyword_arguments_of_its_verb():
+    arguments = inspect.signature(error_budget).parameters
+    defaults = Settings.model_fields["uncertainty"].annotation().model_dump()
+    assert tuple(defaults["sources"]) == arguments["sources"].default
+    assert defaults["windows"] == arguments["windows"].default
+    assert set(defaults) == {n for n, p in arguments.items() if p.kind is p.KEYWORD_ONLY}
 
 
 def test_contact_section_is_the_keyword_arguments_of_its_verbs():

@@ -11,7 +11,7 @@ from roughcontact import sources
 
 ROOT = Path(__file__).parents[2]
 PAGES = {"panel", "report", "validation", "validation_page", "cost"}
-SOLVERS = {"solve", "solve_statistics", "measure_cost"}
+SOLVERS = {"solve", "solve_statistics", "measure_cost", "uncertainty"}
 SCRIPTS = sorted(path for path in (ROOT / "workflow/scripts").glob("[a-z]*.py"))
 _PROBE = """
 import ast, importlib, sys
@@ -55,8 +55,8 @@ def digests(workflow):
 @pytest.mark.parametrize(
     ("edited", "concerned"),
     [
-        ("lib/roughcontact/periodisation.py", {"composite", "window", "validate"}),
-        ("lib/roughcontact/outliers.py", {"level", "validate"}),
+        ("lib/roughcontact/periodisation.py", {"composite", "window", "uncertainty", "validate"}),
+        ("lib/roughcontact/outliers.py", {"level", "uncertainty", "validate"}),
         ("lib/roughcontact/io/units.py", {"ingest", "validate"}),
         ("lib/roughcontact/contact/solve.py", {*SOLVERS, "statistics", "validate"}),
         ("lib/roughcontact/collect.py", {"collect"}),

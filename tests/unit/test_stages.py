@@ -11,19 +11,21 @@ def owners(overrides, **contact):
 
 
 def test_a_case_owns_what_it_changes_and_all_that_follows():
-    assert owners({}) == ["base"] * 5
-    assert owners({"statistics": {"gap_bins": 5}}) == ["base"] * 4 + ["other"]
-    assert owners({"contact": {"tolerance": 0.1}}) == ["base"] * 3 + ["other"] * 2
-    assert owners({"window": {"method": "raw"}}) == ["base"] * 2 + ["other"] * 3
-    assert owners({"level": {"form": "mean"}}) == ["base"] + ["other"] * 4
+    assert owners({}) == ["base"] * 6
+    assert owners({"statistics": {"gap_bins": 5}}) == ["base"] * 5 + ["other"]
+    assert owners({"uncertainty": {"sources": []}}) == ["base"] * 4 + ["other"] * 2
+    assert owners({"contact": {"tolerance": 0.1}}) == ["base"] * 3 + ["other"] * 3
+    assert owners({"window": {"method": "raw"}}) == ["base"] * 2 + ["other"] * 4
+    assert owners({"level": {"form": "mean"}}) == ["base"] + ["other"] * 5
 
 
 def test_a_value_that_is_written_out_is_the_default():
-    assert owners({"level": {"form": "plane"}, "contact": {"contact_modulus": "1.0"}}) == ["base"] * 5
+    assert owners({"level": {"form": "plane"}, "contact": {"contact_modulus": "1.0"}}) == ["base"] * 6
 
 
 def test_without_fields_contact_and_statistics_are_one():
-    assert owners({"statistics": {"gap_bins": 5}}, keep_fields=False) == ["base"] * 3 + ["other"] * 2
+    stages = dict(zip(SECTIONS, owners({"statistics": {"gap_bins": 5}}, keep_fields=False), strict=True))
+    assert [stage for stage, case in stages.items() if case == "other"] == ["contact", "statistics"]
 
 
 def test_settings_of_a_stage_leave_out_what_comes_later():

@@ -13,16 +13,18 @@ from conftest import SETTINGS, TABLE, Project, counted, write_maps
 
 from roughcontact.storage import read_dataset
 
-EACH = ["height.nc", "levelled.nc", "window.nc", "contact.nc", "statistics.nc", "panel.html"]
+EACH = ["height.nc", "levelled.nc", "window.nc", "contact.nc", "uncertainty.nc", "statistics.nc"]
+EACH += ["panel.html"]
 FILES = [
     "statistics.nc",
     "summary.csv",
     "report.html",
     *(f"{s}/{f}" for s in ("ground", "turned") for f in EACH),
 ]
-FROM_LEVEL = {"level": 2, "window": 2, "solve": 2, "statistics": 2, "panel": 2, "collect": 1, "report": 1}
-FROM_SOLVE = {key: FROM_LEVEL[key] for key in ("solve", "statistics", "panel", "collect", "report")}
-FROM_STATISTICS = {key: FROM_SOLVE[key] for key in ("statistics", "panel", "collect", "report")}
+FROM_STATISTICS = {"statistics": 2, "panel": 2, "collect": 1, "report": 1}
+FROM_UNCERTAINTY = {"uncertainty": 2, **FROM_STATISTICS}
+FROM_SOLVE = {"solve": 2, **FROM_UNCERTAINTY}
+FROM_LEVEL = {"level": 2, "window": 2, **FROM_SOLVE}
 
 
 def files_of(project):
@@ -47,7 +49,7 @@ def test_a_run_leaves_every_file_and_no_other(finished):
 
 
 def test_a_run_shows_how_far_it_has_come(finished):
-    for line in ("[solve ground] load 1 of 2", "[solve turned] load 2 of 2", "15 of 15 steps (100%) done"):
+    for line in ("[solve ground] load 1 of 2", "[solve turned] load 2 of 2", "17 of 17 steps (100%) done"):
         assert line in finished.first.stderr
     assert "load 2 of 2" in finished.path("logs/ground/solve.log").read_text()
 
@@ -110,6 +112,7 @@ def test_an_equal_run_elsewhere_leaves_equal_bytes(finished, tmp_path, checkout)
         ("level", {"form": "mean"}, FROM_LEVEL),
         ("contact", {"tolerance": 1e-5}, FROM_SOLVE),
         ("statistics", {"gap_bins": 7}, FROM_STATISTICS),
+        ("uncertainty", {"sources": ["solver"]}, FROM_UNCERTAINTY),
         ("report", {"title": "Another title"}, {"report": 1}),
     ],
 )
@@ -147,6 +150,7 @@ def test_pitches_that_changed_places_rerun_that_surface(finished):
     [
         ("levelling.py", FROM_LEVEL),
         ("contact/solve.py", FROM_SOLVE),
+        ("uncertainty/discretisation.py", FROM_UNCERTAINTY),
         ("plots.py", {"panel": 2, "report": 1}),
         ("settings.py", {}),
     ],
@@ -187,6 +191,7 @@ def test_a_case_computes_only_what_it_changes(study):
         "level": 1,
         "window": 1,
         "solve": 1,
+        "uncertainty": 1,
         "statistics": 2,
         "solve_statistics": 1,
         "share_binned": 1,

@@ -1,3 +1,27 @@
+rule uncertainty:
+    """Ask how far the results may be off, source by source."""
+    input:
+        window=stage_file("window"),
+        levelled=stage_file("levelled"),
+    output:
+        f"{FOLDER}/uncertainty.nc",
+    log:
+        f"{LOGS}/uncertainty.log",
+    wildcard_constraints:
+        case=owners("uncertainty"),
+    conda:
+        "../envs/roughcontact.yaml"
+    threads: solver_threads
+    resources:
+        mem_mb=memory(bytes_per_point=2000),
+        runtime=minutes(microseconds_per_point=100, and_load=150),
+    params:
+        settings=stage_settings("uncertainty"),
+        code=code("uncertainty"),
+    script:
+        "../scripts/uncertainty.py"
+
+
 # A case that keeps its fields has two jobs: the solution, and what is counted in it. Without fields there is one job
 # that counts while it solves, since nothing would be left to count in.
 if owners("contact", keep_fields=True) or (
@@ -29,7 +53,8 @@ if owners("contact", keep_fields=True) or (
     rule statistics:
         """Count what is in the contact: areas, pressures, gaps, clusters."""
         input:
-            stage_file("contact"),
+            contact=stage_file("contact"),
+            uncertainty=stage_file("uncertainty"),
         output:
             f"{FOLDER}/statistics.nc",
         log:
@@ -55,7 +80,8 @@ if owners("contact", keep_fields=False) or (
     rule solve_statistics:
         """Solve the contact problem for every load and count at once; the fields are not kept."""
         input:
-            stage_file("window"),
+            window=stage_file("window"),
+            uncertainty=stage_file("uncertainty"),
         output:
             contact=f"{FOLDER}/contact.nc",
             statistics=f"{FOLDER}/statistics.nc",

@@ -1,4 +1,4 @@
-"""Solve and count at once: window.nc to contact.nc, which keeps no maps, and statistics.nc."""
+"""Solve and count at once: window.nc and uncertainty.nc to contact.nc, which keeps no maps, and statistics.nc."""
 
 from functools import partial
 
@@ -6,13 +6,14 @@ from _job import save, snakemake
 from _solver import solver_arguments
 
 from roughcontact.contact import solve_contact
-from roughcontact.statistics import SOLVER_COLUMNS, contact_statistics
+from roughcontact.statistics import SOLVER_COLUMNS, contact_statistics, with_uncertainty
 from roughcontact.storage import read_dataset
 
 settings = snakemake.params.settings
-window = read_dataset(snakemake.input[0])["height"]
+window = read_dataset(snakemake.input.window)["height"]
+budget = read_dataset(snakemake.input.uncertainty)
 count = partial(contact_statistics, **settings["statistics"])
 result = solve_contact(window, **solver_arguments(window, settings["contact"]), reduce=count)
-save(result, snakemake.output.statistics, settings, source=window.attrs)
+save(with_uncertainty(result, budget), snakemake.output.statistics, settings, source=window.attrs)
 solution = result[[*SOLVER_COLUMNS, "relative_pressure", "contact_modulus"]]
 save(solution, snakemake.output.contact, settings, source=window.attrs)

@@ -1,11 +1,11 @@
-"""Count what is in the contact: contact.nc to statistics.nc."""
+"""Count what is in the contact: contact.nc and uncertainty.nc to statistics.nc."""
 
 from _job import save, snakemake
 
-from roughcontact.statistics import contact_statistics
+from roughcontact.statistics import contact_statistics, with_uncertainty
 from roughcontact.storage import read_dataset
 
 settings = snakemake.params.settings
-contact = read_dataset(snakemake.input[0])
-statistics = contact_statistics(contact, **settings["statistics"])
+contact, budget = (read_dataset(snakemake.input[name]) for name in ("contact", "uncertainty"))
+statistics = with_uncertainty(contact_statistics(contact, **settings["statistics"]), budget)
 save(statistics, snakemake.output[0], settings, source=contact["height"].attrs)

@@ -28,6 +28,7 @@ _HOME = {
     "periodic_window": "roughcontact.window",
     "solve_contact": "roughcontact.contact",
     "contact_statistics": "roughcontact.statistics",
+    "error_budget": "roughcontact.uncertainty.budget",
     "read_dataset": "roughcontact.storage",
     "write_dataset": "roughcontact.storage",
     "RoughContactError": "roughcontact.errors",

@@ -65,6 +65,9 @@ def collect_statistics(entries: list[dict]) -> xr.Dataset:
         columns[name] = (("case", "surface", *dims[name]), values)
     collected = xr.Dataset(columns, coords={"surface_name": ("surface", np.array(surfaces, dtype=object))})
     collected = collected.set_coords([name for name in _COORDINATES if name in columns])
+    if "source" in sizes:  # the same for all
+        first = next(dataset for dataset in datasets.values() if "source" in dataset)
+        collected = collected.assign_coords(source=first["source"].values.astype(object))
     if cases == [None]:
         return collected.isel(case=0)
     return collected.assign_coords(case_name=("case", np.array(cases, dtype=object)))
@@ -73,12 +76,14 @@ def collect_statistics(entries: list[dict]) -> xr.Dataset:
 def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     """Return one row per (case,) surface and load of `collect_statistics`, every column named with its unit.
 
-    Densities stay in the netCDF file. Loads that only pad a shorter list are left out.
+    Densities stay in the netCDF file. Of the error budget there is the combined uncertainty of each quantity,
+    and what each source adds to that of the contact area. Loads that only pad a shorter list are left out.
     """
+    statistics = _with_columns_of_the_budget(statistics)
     names = [
         name
         for name, variable in statistics.variables.items()
-        if not name.endswith("_name") and not {"pressure_bin", "gap_bin"} & set(variable.dims)
+        if not name.endswith("_name") and not {"pressure_bin", "gap_bin", "source"} & set(variable.dims)
     ]
     names.sort(key=lambda name: _LEADING.index(name) if name in _LEADING else len(_LEADING))
     order = [dim for dim in ("case", "surface", "load") if dim in statistics.dims]
@@ -86,13 +91,29 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     labels = [dim for dim in ("case", "surface") if f"{dim}_name" in statistics.coords]
     frame = pd.DataFrame({dim: statistics[f"{dim}_name"].values[table[dim]] for dim in labels})
     for name in names:
-        frame[name + _SUFFIX[VARIABLES[name][0]]] = table[name].to_numpy()
+        frame[name + _SUFFIX[VARIABLES[name.partition("_from_")[0]][0]]] = table[name].to_numpy()
     frame = frame[np.isfinite(table["mean_pressure"].to_numpy())].reset_index(drop=True)
     # padding made counts and flags floating; where none is missing they are whole numbers again
     for name in _WHOLE_NUMBERS:
         if name in frame and frame[name].notna().all():
             frame[name] = frame[name].astype(int)
     return frame
+
+
+def _with_columns_of_the_budget(statistics):
+    """Return the statistics with the error budget as columns (..., load): combined, and of the area by source."""
+    if "source" not in statistics.dims:
+        return statistics
+    columns = {
+        name: variable.sel(source="combined", drop=True)
+        for name, variable in statistics.data_vars.items()
+        if "source" in variable.dims
+    }
+    area = statistics["relative_contact_area_uncertainty"]
+    for source in statistics["source"].values:
+        if source != "combined":
+            columns[f"{area.name}_from_{source}"] = area.sel(source=source, drop=True)
+    return statistics.drop_dims("source").assign(columns)
 
 
 def pairs_table(summary: pd.DataFrame, pairs: dict[str, str]) -> pd.DataFrame:

@@ -245,6 +245,18 @@ class Statistics(Section):
     gap_bins: Count = Field(20, ge=1, description="bins of the gap density, per factor of ten")
 
 
+class Uncertainty(Section):
+    """The error budget: what the ± of each headline number is made of; see docs/uncertainty.md."""
+
+    sources: list[Literal["solver", "discretisation", "window", "processing"]] = Field(
+        default_factory=lambda: ["solver", "discretisation", "window", "processing"],
+        description="a list of what goes into the ±; the empty list [] leaves the error budget out",
+    )
+    windows: Count = Field(
+        9, ge=4, description="parts of the window that are solved by themselves, for the source window"
+    )
+
+
 class Report(Section):
     """The page that shows it."""
 
@@ -287,6 +299,7 @@ class Settings(Section):
     window: Window = Field(default_factory=Window)
     contact: Contact = Field(default_factory=Contact)
     statistics: Statistics = Field(default_factory=Statistics)
+    uncertainty: Uncertainty = Field(default_factory=Uncertainty)
     report: Report = Field(default_factory=Report)
     crosscheck: Crosscheck = Field(default_factory=Crosscheck)
     validation: Validation = Field(default_factory=Validation)

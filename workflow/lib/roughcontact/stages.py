@@ -10,7 +10,8 @@ SECTIONS = {
     "levelled": ("level",),
     "window": ("level", "window"),
     "contact": ("level", "window", "contact"),
-    "statistics": ("level", "window", "contact", "statistics"),
+    "uncertainty": ("level", "window", "contact", "uncertainty"),
+    "statistics": ("level", "window", "contact", "uncertainty", "statistics"),
 }
 
 
@@ -18,7 +19,10 @@ def settings_of(settings: dict, stage: str) -> dict:
     """Return the part of `settings` that `stage` depends on."""
     if stage == "contact" and not settings["contact"]["keep_fields"]:
         stage = "statistics"
-    return {section: settings[section] for section in SECTIONS[stage]}
+    found = {section: settings[section] for section in SECTIONS[stage]}
+    if stage == "uncertainty":  # the same with and without fields
+        found["contact"] = {key: value for key, value in found["contact"].items() if key != "keep_fields"}
+    return found
 
 
 def owner(cases: dict[str, dict], case: str, stage: str) -> str:

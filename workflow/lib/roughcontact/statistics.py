@@ -110,6 +110,33 @@ def contact_statistics(contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins
     )
 
 
+def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
+    """Return the statistics with the error budget beside them, `{quantity}_uncertainty` (load, source).
+
+    Parameters
+    ----------
+    statistics : Dataset
+        from `contact_statistics`.
+    budget : Dataset
+        from `error_budget`, for the same loads; it may be empty. Its attributes `window_flag` and
+        `window_reason`, ... go along.
+
+    Raises
+    ------
+    SettingsError
+        where the two are for different loads.
+    """
+    if not np.array_equal(statistics["mean_pressure"].values, budget["mean_pressure"].values):
+        raise SettingsError("the error budget is for other loads than the statistics; compute both again")
+    found = [name for name in budget.data_vars if name.endswith("_uncertainty")]
+    words = {
+        key: budget.attrs[key]
+        for key in ("window_reason", "window_flag", "processing_reason")
+        if key in budget.attrs
+    }
+    return statistics.merge(budget[found]).assign_attrs(words)
+
+
 def surface_statistics(height: xr.DataArray) -> dict:
     """Return roughness (spectral), texture, size and position of the solved window, and the height parameters
     that levelling left in its attributes; a dict of floats in SI units (`Std`: degree)."""

@@ -51,6 +51,14 @@ VARIABLES = {
     "mean_gap_uncertainty": ("m", "half-width of the 95 % interval of the mean gap"),
     "max_pressure_uncertainty": ("Pa", "half-width of the 95 % interval of the largest pressure"),
     "mean_contact_pressure_uncertainty": ("Pa", "half-width of the 95 % interval of the pressure in contact"),
+    "relative_contact_area_parts": ("1", "contact area of each part of the window, solved by itself"),
+    "mean_gap_parts": ("m", "mean gap of each part of the window, solved by itself"),
+    "max_pressure_parts": ("Pa", "largest pressure of each part of the window, solved by itself"),
+    "mean_contact_pressure_parts": ("Pa", "pressure in contact of each part of the window, solved by itself"),
+    "relative_contact_area_choices": ("1", "contact area with other choices of processing"),
+    "mean_gap_choices": ("m", "mean gap with other choices of processing"),
+    "max_pressure_choices": ("Pa", "largest pressure with other choices of processing"),
+    "mean_contact_pressure_choices": ("Pa", "pressure in contact with other choices of processing"),
     "switches": ("1", "switches between contact and non-contact along all rows and columns"),
     "beside_the_peak": ("Pa", "difference between the largest pressure and the mean of its neighbours"),
     # theory beside the data
@@ -96,6 +104,7 @@ VARIABLES = {
     "contact_modulus": ("Pa", "plane-strain contact modulus E*"),
     # labels
     "source": (None, "what an uncertainty comes from; combined: root of the sum of their squares"),
+    "choice": (None, "what was done otherwise than the settings say"),
     "surface_name": (None, "name of the surface, as in the table of surfaces"),
     "case_name": (None, "name of the case, as in the settings"),
 }

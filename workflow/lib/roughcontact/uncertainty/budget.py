@@ -1,0 +1,139 @@
+"""The error budget: how far each headline number may be off, source by source, and all together."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.checking import check_choice
+from roughcontact.contact import solve_contact
+from roughcontact.uncertainty.discretisation import discretisation_uncertainty, grid_marks
+from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.processing import processing_uncertainty
+from roughcontact.uncertainty.solver import solver_uncertainty
+from roughcontact.uncertainty.window_sampling import window_uncertainty
+
+SOURCES = ("solver", "discretisation", "window", "processing")
+COMBINED = "combined"
+# names of the results of the ensembles' members in the file: (their dimension, ending)
+_ENSEMBLES = {"window": ("member", "parts"), "processing": ("choice", "choices")}
+_COMMENT = (
+    "half-widths of 95 % intervals, in the unit of the quantity; combined: root of the sum of squares of the "
+    "sources that are given; NaN: not asked for, or not to be had from this map"
+)
+
+
+def error_budget(
+    levelled: xr.DataArray,
+    window: xr.DataArray,
+    settings: dict[str, dict],
+    *,
+    sources: Sequence[str] = SOURCES,
+    windows: int = 9,
+) -> xr.Dataset:
+    """Return the uncertainty of contact area, mean gap, peak and mean contact pressure, by source and combined.
+
+    Sources: `solver` (its certificate), `discretisation` (pixels half as large), `window` (an ensemble of parts
+    of the window), `processing` (other reasonable ways to level, fill and make periodic). They are independent
+    of one another, U² = sum of U_i² (JCGM 100:2008, 5.1.2).
+
+    Parameters
+    ----------
+    levelled, window : DataArray (y, x), m
+        the map levelled and made periodic.
+    settings : dict
+        `level`, `window`, `contact`: the keyword arguments of `level`, `periodic_window` and `solve_contact`
+        (loads included) that belong to the result.
+    sources : list of str
+        which of the four go in; an empty list makes no budget.
+    windows : int
+        parts of the window that are solved by themselves, at most; 4 or more.
+
+    Returns
+    -------
+    Dataset, dims (load, source): `{quantity}_uncertainty`, the half-width of the 95 % interval in the unit of
+    the quantity, `source` being the four and `combined`; NaN for a source that was left out or that this map
+    does not give. Along (member, load) and (choice, load) what the members of the two ensembles came to,
+    `{quantity}_parts` and `{quantity}_choices`. Attributes `window_reason`, `window_flag`,
+    `processing_reason`: what was done, and what is wrong with it, in words.
+
+    Raises
+    ------
+    SettingsError
+        for a source that there is not, or too small a number of windows.
+    ConvergenceError
+        where the solution of the window misses its tolerance.
+    """
+    for source in sources:
+        check_choice("uncertainty.sources", source, SOURCES)
+    contact = settings["contact"]
+    coordinates = {"mean_pressure": ("load", np.asarray(contact["mean_pressure"], float))}
+    if not sources:
+        return xr.Dataset(coords=coordinates)
+    solved = solve_contact(window, **contact, reduce=_count)
+    found = {"solver": solved[[_uncertainty(name) for name in QUANTITIES]]}
+    found["solver"] = found["solver"].rename({_uncertainty(name): name for name in QUANTITIES})
+    # a part that does not converge leaves its source open, and does not end the job
+    lenient = contact | {"on_failure": "flag"}
+    if "discretisation" in sources:
+        found["discretisation"] = discretisation_uncertainty(window, contact=lenient, solved=solved)
+    if "window" in sources:
+        found["window"] = window_uncertainty(
+            levelled, window=settings["window"], contact=lenient, solved=solved, number=windows
+        )
+    if "processing" in sources:
+        found["processing"] = processing_uncertainty(
+            levelled, level=settings["level"], window=settings["window"], contact=lenient, solved=solved
+        )
+    found = {source: found[source] for source in SOURCES if source in sources}
+    budget = combine(found).assign_coords(coordinates)
+    for source, (dim, ending) in _ENSEMBLES.items():
+        if source in found:
+            members = [f"{name}_members" for name in QUANTITIES]
+            kept = found[source][members].rename(
+                {f"{name}_members": f"{name}_{ending}" for name in QUANTITIES}
+            )
+            budget = budget.merge(kept.drop_vars("mean_pressure"))
+            budget.attrs |= {
+                f"{source}_{key}": found[source].attrs[key]
+                for key in ("reason", "flag")
+                if key in found[source].attrs
+            }
+    return budget
+
+
+def combine(found: dict[str, xr.Dataset]) -> xr.Dataset:
+    """Return `{quantity}_uncertainty` (load, source) from the half-widths of each source, and their combination.
+
+    U = sqrt(sum U_i²); a source that is absent, or NaN at a load, does not count.
+
+    Parameters
+    ----------
+    found : dict
+        source -> Dataset (load) with the half-widths of `QUANTITIES`.
+    """
+    loads = next(iter(found.values())).sizes["load"]
+    columns = {}
+    for name in QUANTITIES:
+        parts = np.full((loads, len(SOURCES)), np.nan)
+        for source, dataset in found.items():
+            parts[:, SOURCES.index(source)] = dataset[name].values
+        known = np.isfinite(parts).any(axis=1)
+        combined = np.where(known, np.sqrt(np.nansum(parts**2, axis=1)), np.nan)
+        columns[_uncertainty(name)] = (
+            ("load", "source"),
+            np.column_stack([parts, combined]),
+            {"comment": _COMMENT},
+        )
+    return xr.Dataset(columns, coords={"source": [*SOURCES, COMBINED]})
+
+
+def _count(contact: xr.Dataset) -> xr.Dataset:
+    """Return the four quantities of a load, the marks of its grid, and what the solver leaves open."""
+    open_by_solver = solver_uncertainty(contact)
+    return grid_marks(contact).merge(open_by_solver.rename({name: _uncertainty(name) for name in QUANTITIES}))
+
+
+def _uncertainty(name: str) -> str:
+    """Return the name of the uncertainty of a quantity."""
+    return f"{name}_uncertainty"
