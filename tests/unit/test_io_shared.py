@@ -183,7 +183,7 @@ INSTRUMENT = {
     "nid-1.nid": {"name": "DriveAFM", "serial": "091-21-061", "acquisition_time": "2022-11-03T11:46:25"},
     "mi-1.mi": {"acquisition_time": "2014-02-18T15:00:51"},
     "nms-1.nms": {"vendor": "NanoFocus", "acquisition_time": "2022-02-09T13:25"},
-    "opd-1.opd": {"acquisition_time": "2015-07-07T16:19:48"},
+    "opd-1.opd": {"lens": "50 X", "numerical_aperture": 0.55, "acquisition_time": "2015-07-07T16:19:48"},
     "test_1.opd": {"serial": "NT1106279", "lens": "5 X", "acquisition_time": "2009-10-26T11:16:55"},
     "opdx-3.opdx": {"kind": "stylus profiler", "name": "Dektak Profiler"},
     "plu-1.plu": {"lens": "Nikon CFI Plan Interferential 10X", "acquisition_time": "2023-03-10T16:35:59"},
@@ -440,6 +440,17 @@ def test_converted_line_ends_are_refused(name, tmp_path):
     (tmp_path / name).write_bytes(data.replace(b"\r\n", b"\n").replace(b"\n", b"\r\n"))
     with pytest.raises(InputFileError, match="it was transferred as text"):
         read_height_map(tmp_path / name)
+
+
+def test_a_wyko_map_that_was_inverted_is_passed_on(tmp_path):
+    data = bytearray((DATA / "test_1.opd").read_bytes())
+    place = 1067456  # of the value of Data_Invert, 10 characters
+    assert data[place : place + 10].rstrip(b"\0") == b"No"
+    data[place : place + 3] = b"Yes"
+    (tmp_path / "inverted.opd").write_bytes(data)
+    words = "the map was inverted or mirrored"
+    assert any(words in note for note in inspect_file(tmp_path / "inverted.opd")["warnings"])
+    assert not any(words in note for note in inspect_file(DATA / "test_1.opd")["warnings"])
 
 
 @pytest.mark.parametrize(

@@ -148,6 +148,14 @@ def test_numbers_of_the_page_are_those_of_the_file(page):
     assert "remarks" in text
 
 
+def test_metadata_of_the_instrument_stand_under_their_labels(tmp_path):
+    known = {"kind": "optical profiler", "acquisition_time": "2011-07-23", "numerical_aperture": 0.4}
+    height = rough().assign_attrs(instrument=json.dumps(known))
+    panel, _ = run_surface(tmp_path, "ground", height, loads=[1e6])
+    said = "kind optical profiler, date 2011-07-23, numerical aperture 0.4"
+    assert said in panel.read_text(encoding="utf-8")
+
+
 def test_cases_stand_side_by_side(tmp_path):
     runs = [run_surface(tmp_path, "one", rough(shape=(32, 32)), case=case) for case in ("soft", "hard")]
     text = assemble(tmp_path, runs).read_text(encoding="utf-8")

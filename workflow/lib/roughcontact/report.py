@@ -13,6 +13,7 @@ import xarray as xr
 from roughcontact import checks, plots, texture_plots
 from roughcontact.errors import InputFileError
 from roughcontact.fourier import spacing
+from roughcontact.instruments import labelled
 from roughcontact.quantities import number, percent, prefix, quantity
 from roughcontact.storage import read_dataset, write_text
 from roughcontact.variables import VARIABLES
@@ -374,8 +375,8 @@ def _crosscheck(path, numbers, order) -> dict:
 def _facts(measured, levelled, window, numbers) -> list[tuple[str, str]]:
     """Return what is known of the surface, as (name, text)."""
     pitch = " × ".join(dict.fromkeys(quantity(step, "m") for step in spacing(measured)[::-1]))
-    instrument = json.loads(measured.attrs.get("instrument", "{}"))
-    instrument = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in instrument.items())
+    instrument = labelled(json.loads(measured.attrs.get("instrument", "{}")))
+    instrument = ", ".join(f"{label} {text}" for label, text in instrument)
     source = [str(measured.attrs.get(key, "")) for key in ("source_file", "source_format")]
     resolution = float(numbers["points_per_shortest_wavelength"][0])
     facts = [

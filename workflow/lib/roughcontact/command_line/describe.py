@@ -4,25 +4,10 @@ import json
 import math
 import textwrap
 
+from roughcontact.instruments import labelled
 from roughcontact.quantities import number, percent, quantity
 
 _WIDTH = 100
-_LABELS = {
-    "kind": "kind",
-    "vendor": "vendor",
-    "name": "instrument",
-    "serial": "serial number",
-    "scanner_serial": "serial number of scanner",
-    "lens": "lens",
-    "magnification": "magnification",
-    "numerical_aperture": "numerical aperture",
-    "probe": "probe",
-    "acquisition_time": "date",
-    "calibration_time": "calibrated",
-    "software": "software",
-    "sample": "sample",
-    "comment": "comment",
-}
 # headline numbers of a load: name, heading, unit for people
 _COLUMNS = (
     ("mean_pressure", "mean pressure", "Pa"),
@@ -59,10 +44,7 @@ def inspection(found: dict, file: str) -> str:
     lines += _map_lines(found["map"]) if found["map"] else _silent_lines(found)
     if not (found["map"] and found["map"]["ny"] == 1):
         lines.append(("row 0", f"drawn at the {found['first_row']} by the instrument's software"))
-    lines += [
-        (_LABELS.get(word, word), number(value) if isinstance(value, float) else str(value))
-        for word, value in found["instrument"].items()
-    ]
+    lines += labelled(found["instrument"])
     if found["problem"]:
         lines.append(("to be given", found["problem"].removeprefix(f"{file}: ")))
     if found["map"]:

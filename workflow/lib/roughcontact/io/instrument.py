@@ -9,7 +9,9 @@ from row to row, downwards in the picture.
 """
 
 import logging
+import mmap
 import re
+import struct
 import warnings
 from contextlib import contextmanager
 from pathlib import Path
@@ -243,9 +245,29 @@ def _instrument(info, name, path) -> dict:
             stream.seek(_NMS_DATE)
             date = re.match(rb"\d{4}-\d\d-\d\dT\d\d:\d\d", stream.read(16))
         stated["acquisition_time"] = date and date[0].decode()
+    if name == "opd":
+        stated = _wyko_lens(path) | stated
     if info.info.get("comment"):
         stated["comment"] = info.info["comment"]
     return instrument_words(stated, info.info.get("raw_metadata"))
+
+
+def _wyko_lens(path) -> dict:
+    """Return lens and numerical aperture where a Wyko file of the newer kind holds them.
+
+    They are among the named values of its block MeasurementSet, which the library passes over: the length of
+    the name (4 bytes), the name, then 0x12 0x01, a length and a text, or 0x0d and a double.
+    """
+    with open(path, "rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        lens = re.search(rb"\x09\0\0\0Objective\x12\x01([\x01-\x40])", data)
+        aperture = re.search(rb"\x05\0\0\0ObjNa\x0d(.{8})", data, re.DOTALL)
+        found = {}
+        if lens:
+            text = data[lens.end() : lens.end() + lens[1][0]]
+            found["lens"] = text.decode("latin-1")
+        if aperture:
+            found["numerical_aperture"] = struct.unpack("<d", aperture[1])[0]
+    return found
 
 
 def _sign_notes(info, name) -> list[str]:

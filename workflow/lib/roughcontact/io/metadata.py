@@ -9,10 +9,8 @@ import datetime
 import math
 import re
 
-WORDS = (
-    *("kind", "vendor", "name", "serial", "scanner_serial", "lens", "magnification", "numerical_aperture"),
-    *("probe", "acquisition_time", "calibration_time", "software", "sample", "comment"),
-)
+from roughcontact.instruments import LABELS
+
 # how headers spell them, letters and digits only, lower case; where several are there, the first one counts
 _SPELLINGS = {
     "vendor": ("vendor", "manufacturer", "instrumentmanufacturer"),
@@ -54,7 +52,7 @@ _LONGEST = 200  # characters; what is longer is no name
 
 
 def instrument_words(stated: dict, header=None) -> dict:
-    """Return what is known of the instrument, as plain JSON values in the order of `WORDS`.
+    """Return what is known of the instrument, as plain JSON values in the order of `LABELS`.
 
     Parameters
     ----------
@@ -77,7 +75,7 @@ def instrument_words(stated: dict, header=None) -> dict:
     for word in ("acquisition_time", "calibration_time"):
         if str(found.get(word, "")).startswith(("1970-01-01", "1969-12-31", "1601-01-01", "0001-01-01")):
             del found[word]
-    return {word: found.pop(word) for word in WORDS if word in found} | found
+    return {word: found.pop(word) for word in LABELS if word in found} | found
 
 
 def _search(header, found, depth):
