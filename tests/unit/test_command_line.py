@@ -195,7 +195,8 @@ def test_no_bar_where_nobody_looks():
     assert done.stderr == ""
 
 
-def test_a_bar_on_a_terminal():
+@pytest.mark.parametrize(("loads", "said"), [(["0.05", "0.2"], "2 of 2 loads"), (["0.05"], "1 of 1 loads")])
+def test_a_bar_on_a_terminal(loads, said):
     master, slave = pty.openpty()
     environment = os.environ | {"PYTHONPATH": str(ROOT / "workflow/lib"), "TERM": "xterm", "COLUMNS": "100"}
     command = [
@@ -208,7 +209,7 @@ def test_a_bar_on_a_terminal():
         "1e9",
     ]
     with subprocess.Popen(
-        [*command, "--relative-pressure", "0.05", "0.2"],
+        [*command, "--relative-pressure", *loads],
         env=environment,
         stdout=subprocess.PIPE,
         stderr=slave,
@@ -224,7 +225,8 @@ def test_a_bar_on_a_terminal():
         out = process.stdout.read()
     os.close(master)
     assert process.returncode == 0
-    assert "2 of 2 loads" in shown.decode()
+    assert said in shown.decode()
+    assert "⠋" in shown.decode()  # turns
     assert "loads" not in out  # the numbers are not mixed with the bar
 
 

@@ -92,9 +92,10 @@ def _progress():
         yield lambda done, total, text: None
         return
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     columns = (
+        SpinnerColumn(),  # turns while a single load takes long
         TextColumn("{task.description}"),
         BarColumn(),
         TextColumn("{task.fields[loads]}"),
@@ -105,6 +106,8 @@ def _progress():
 
         def show(done, total, text):
             loads = f"{done} of {total} loads" if total else ""
-            bar.update(task, completed=done, total=total, description=text, loads=loads)
+            # one load has no parts to count: the bar then only shows that work goes on
+            several = total if total and total > 1 else None
+            bar.update(task, completed=done, total=several, description=text, loads=loads)
 
         yield show
