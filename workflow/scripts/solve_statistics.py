@@ -1,4 +1,4 @@
-"""Solve and count at once: window.nc and uncertainty.nc to contact.nc, which keeps no maps, and statistics.nc."""
+"""Solve and count at once: window.nc and uncertainty.nc to contact.nc, without maps, and statistics.nc."""
 
 from functools import partial
 

@@ -101,7 +101,7 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
 
 
 def _with_columns_of_the_budget(statistics):
-    """Return the statistics with the error budget as columns (..., load): combined, and of the area by source."""
+    """Return the statistics with the error budget as columns: combined, and of the area by source."""
     if "source" not in statistics.dims:
         return statistics
     columns = {

@@ -58,6 +58,23 @@ def number(value: float, *, digits: int = 3) -> str:
     return f"{mantissa}×10{str(power).translate(_SUPERSCRIPT)}"
 
 
+def plus_minus(value: float, half_width: float) -> str:
+    """Return a value with its uncertainty, two digits of the latter and as many places of the former.
+
+    Examples
+    --------
+    >>> plus_minus(0.04132, 0.00213), plus_minus(5678.0, 123.0), plus_minus(2.5, 0.0)
+    ('0.0413 ± 0.0021', '5680 ± 120', '2.50')
+    """
+    if not (math.isfinite(half_width) and half_width > 0):
+        return number(value)
+    places = 1 - math.floor(math.log10(float(f"{half_width:.1e}")))
+    if not -6 <= places <= 8:
+        return f"{number(value)} ± {number(half_width, digits=2)}"
+    shown = (f"{round(x, places):.{max(places, 0)}f}".replace("-", "−") for x in (value, half_width))
+    return " ± ".join(shown)
+
+
 def percent(share: float) -> str:
     """Return a share in percent, with three digits at most.
 

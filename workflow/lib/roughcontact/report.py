@@ -14,8 +14,9 @@ from roughcontact import checks, plots, texture_plots
 from roughcontact.errors import InputFileError
 from roughcontact.fourier import spacing
 from roughcontact.instruments import labelled
-from roughcontact.quantities import number, percent, prefix, quantity
+from roughcontact.quantities import number, percent, plus_minus, prefix, quantity
 from roughcontact.storage import read_dataset, write_text
+from roughcontact.uncertainty.shown import shown_budget
 from roughcontact.variables import VARIABLES
 from roughcontact.window_search import WEIGHTS
 
@@ -124,6 +125,7 @@ def write_panel(
         fields=_field_maps(contact, solved, order[shown]),
         waves=_waves(solved, numbers) if rough else [],
         charts=_charts(numbers, solved, shown, rough=rough),
+        budget=shown_budget(numbers),
         table=_table(numbers, checks.load_flags(numbers, solved.size)),
         crosscheck=_crosscheck(crosscheck, numbers, order) if crosscheck else None,
         summary=_embedded(
@@ -333,11 +335,23 @@ def _table(numbers, flags) -> dict:
             factor, shown = prefix(middle, unit)
         header.append((title, "" if shown == "1" else shown, VARIABLES[name][1]))
         whole = name == "contact_clusters"
-        columns.append([f"{value:.0f}" if whole else number(value * factor) for value in values])
+        half_widths = _half_widths(numbers, name)
+        if half_widths is not None:
+            pairs = zip(values * factor, half_widths * factor, strict=True)
+            columns.append([plus_minus(*pair) for pair in pairs])
+        else:
+            columns.append([f"{value:.0f}" if whole else number(value * factor) for value in values])
     rows = [
         {"cells": cells, "flags": ", ".join(words)} for *cells, words in zip(*columns, flags, strict=True)
     ]
     return {"header": header, "rows": rows}
+
+
+def _half_widths(numbers, name):
+    """Return the combined uncertainty of a quantity (load), None where there is no budget for it."""
+    if f"{name}_uncertainty" not in numbers:
+        return None
+    return numbers[f"{name}_uncertainty"].sel(source="combined").values
 
 
 def _crosscheck(path, numbers, order) -> dict:

@@ -15,8 +15,8 @@ from roughcontact.uncertainty.window_sampling import window_uncertainty
 
 SOURCES = ("solver", "discretisation", "window", "processing")
 COMBINED = "combined"
-# names of the results of the ensembles' members in the file: (their dimension, ending)
-_ENSEMBLES = {"window": ("member", "parts"), "processing": ("choice", "choices")}
+# what the results of the members of an ensemble are called in the file
+_ENSEMBLES = {"window": "parts", "processing": "choices"}
 _COMMENT = (
     "half-widths of 95 % intervals, in the unit of the quantity; combined: root of the sum of squares of the "
     "sources that are given; NaN: not asked for, or not to be had from this map"
@@ -31,11 +31,11 @@ def error_budget(
     sources: Sequence[str] = SOURCES,
     windows: int = 9,
 ) -> xr.Dataset:
-    """Return the uncertainty of contact area, mean gap, peak and mean contact pressure, by source and combined.
+    """Return the uncertainty of contact area, mean gap, peak and mean contact pressure, by source and in all.
 
-    Sources: `solver` (its certificate), `discretisation` (pixels half as large), `window` (an ensemble of parts
-    of the window), `processing` (other reasonable ways to level, fill and make periodic). They are independent
-    of one another, U² = sum of U_i² (JCGM 100:2008, 5.1.2).
+    Sources: `solver` (its certificate), `discretisation` (pixels half as large), `window` (an ensemble of
+    parts of the window), `processing` (other reasonable ways to level, fill and make periodic). They are
+    independent of one another, U² = sum of U_i² (JCGM 100:2008, 5.1.2).
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def error_budget(
         )
     found = {source: found[source] for source in SOURCES if source in sources}
     budget = combine(found).assign_coords(coordinates)
-    for source, (dim, ending) in _ENSEMBLES.items():
+    for source, ending in _ENSEMBLES.items():
         if source in found:
             members = [f"{name}_members" for name in QUANTITIES]
             kept = found[source][members].rename(
@@ -103,7 +103,7 @@ def error_budget(
 
 
 def combine(found: dict[str, xr.Dataset]) -> xr.Dataset:
-    """Return `{quantity}_uncertainty` (load, source) from the half-widths of each source, and their combination.
+    """Return `{quantity}_uncertainty` (load, source) from the half-widths of each source, and combined.
 
     U = sqrt(sum U_i²); a source that is absent, or NaN at a load, does not count.
 

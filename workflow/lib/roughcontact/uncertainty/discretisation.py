@@ -5,23 +5,23 @@ quantity with pixels of size h, and D = q(h) - q(h/2) what halving them changes.
 
     q(h) - q(0) = D 2^k / (2^k - 1):   2 D for k = 1, 1.55 D for k = 3/2, 1.33 D for k = 2.
 
-The corrected area has k = 3/2, the mean gap 2, the peak pressure 1 to 2 (docs/validation.md), so that 2 |D| is
-on the safe side. That alone would be too narrow where D is small by chance, so that what is known of each
+The corrected area has k = 3/2, the mean gap 2, the peak pressure 1 to 2 (docs/validation.md), so that 2 |D|
+is on the safe side. That alone would be too narrow where D is small by chance, so that what is known of each
 number is added to it; the parts add as squares:
 
-* The corrected area takes off c M / N for M switches between contact and non-contact among N points. c is that
-  of a round patch on a lattice. On solved contacts the corrected area comes out low by 0.010 to 0.018 M / N,
-  whatever the load, the grid and the spectrum (M / N falls as h): 0.02 M / N is added, a sixth of the correction.
-  Each switch also adds an error of its own, by where the edge happens to cut the pixel: 0.3 sqrt(M) / N, near
-  the 1/sqrt(12) of an edge at a random place.
+* The corrected area takes off c M / N for M switches between contact and non-contact among N points. c is
+  that of a round patch on a lattice. On solved contacts the corrected area comes out low by 0.010 to 0.018 M
+  / N, whatever the load, the grid and the spectrum (M / N falls as h): 0.02 M / N is added, a sixth of the
+  correction. Each switch also adds an error of its own, by where the edge happens to cut the pixel: 0.3
+  sqrt(M) / N, near the 1/sqrt(12) of an edge at a random place.
 * The mean gap changes so little that what the solver leaves open of it on the finer grid counts as well.
-* The peak lies between the points. The largest pressure falls short of it by a part of the difference d between
-  that point and its neighbours; 0.2 d is added. (A parabola through a point that lies half a pixel beside its
-  top is d/4 too low.)
+* The peak lies between the points. The largest pressure falls short of it by a part of the difference d
+  between that point and its neighbours; 0.2 d is added. (A parabola through a point that lies half a pixel
+  beside its top is d/4 too low.)
 
-The mean contact pressure is p̄ over the share of the points in contact, which is always too high: its error is
-known from the corrected area A, p̄/A - p̄/A_points, to which p̄ u(A) / A² is added, not as squares, because the
-former is no matter of chance.
+The mean contact pressure is p̄ over the share of the points in contact, which is always too high: its error
+is known from the corrected area A, p̄/A - p̄/A_points, to which p̄ u(A) / A² is added, not as squares,
+because the former is no matter of chance.
 
 The constants are measured on band-limited maps of known fine solution (`roughcontact.validation.coverage`,
 tests/unit/test_uncertainty_discretisation.py).
@@ -52,8 +52,8 @@ def discretisation_uncertainty(
     """Return what the pixel size makes uncertain in each quantity, from a solution with pixels half as large.
 
     Contact area hypot(2 D, 0.02 M / N, 0.3 sqrt(M) / N), mean gap hypot(2 D, that of the solver), largest
-    pressure hypot(2 D, 0.2 d), mean contact pressure p̄/A - p̄/A_points + p̄ u(A) / A² (see the module). Of a window of more than 1024²
-    points, a part of that size shows the relative changes.
+    pressure hypot(2 D, 0.2 d), mean contact pressure p̄/A - p̄/A_points + p̄ u(A) / A² (see the module). Of a
+    window of more than 1024² points, a part of that size shows the relative changes.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def grid_marks(contact: xr.Dataset) -> xr.Dataset:
 
 
 def _solve(window, contact) -> xr.Dataset:
-    """Return the four quantities of a map and the solver's part of the mean gap, NaN for a load that fails."""
+    """Return the four quantities of a map and the solver's part of the mean gap; NaN for a failed load."""
     tolerance = min(_TOLERANCE, contact.get("tolerance", _TOLERANCE))
     found = solve_contact(
         window, **contact | {"tolerance": tolerance, "on_failure": "flag"}, reduce=_headline_and_gap
@@ -130,7 +130,7 @@ def _headline_and_gap(contact):
 
 
 def _part(window):
-    """Return the middle of a window that is too large to be refined, made periodic; else the window itself."""
+    """Return the middle of a window that is too large to be refined, made periodic; else the window."""
     sides = list(window.shape)
     while np.prod(sides) > _MOST_POINTS:
         longest = int(np.argmax(sides))

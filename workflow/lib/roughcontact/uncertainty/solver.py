@@ -1,34 +1,36 @@
 """What the solver leaves open: its certificate, turned into an uncertainty of each quantity.
 
-The certificate (`roughcontact.contact.certificate`) bounds the error e = p - p* of the pressure in the norm of
-the elastic energy, ||e||_G <= eps ||p||_G. It says this of the pressure as a whole; what it says of one number
-follows here.
+The certificate (`roughcontact.contact.certificate`) bounds the error e = p - p* of the pressure in the norm
+of the elastic energy, ||e||_G <= eps ||p||_G. It says this of the pressure as a whole; what it says of one
+number follows here.
 
 **Mean gap.** Let v = G p - h, c its level in the contact, r the residual of the certificate, ||r||_{G^-1} <=
-eps ||p||_G, and v*, c* those of the solution, whose gap g* = v* - c* fulfils g* >= 0 and <p*, g*> = 0; then the
-mean gap is -c less the mean height. The mean of p (v - c) - p (v* - c*) over the window is <p, r> - <p, g*> =
-<p, G e> - (c - c*) p̄. Likewise with p*, where v - c >= r: <p*, r> <= <p*, G e> - (c - c*) p̄. With g* >= 0,
+eps ||p||_G, and v*, c* those of the solution, whose gap g* = v* - c* fulfils g* >= 0 and <p*, g*> = 0; then
+the mean gap is -c less the mean height. The mean of p (v - c) - p (v* - c*) over the window is <p, r> - <p,
+g*> = <p, G e> - (c - c*) p̄. Likewise with p*, where v - c >= r: <p*, r> <= <p*, G e> - (c - c*) p̄. With g*
+>= 0,
 
     <p, G e> - <p, r> <= (c - c*) p̄ <= <p*, G e> - <p*, r>,
 
-and by Cauchy and Schwarz, with U = ||p||_G^2 / 2 the elastic energy per area, and ||p*||_G = ||p||_G to first
-order,
+and by Cauchy and Schwarz, with U = ||p||_G^2 / 2 the elastic energy per area, and ||p*||_G = ||p||_G to
+first order,
 
     |mean gap - its true value| <= 2 eps ||p||_G^2 / p̄ = 4 eps U / p̄.
 
-This is a bound, for the level at which r has no mean. It is met where e is proportional to p. The errors that
-the solver leaves are of short waves, p is of long ones, and the sum comes nowhere near: at most 0.21 of the
-bound on 180 maps and loads (profiles, noise, any size), whatever the tolerance. A quarter of it is used.
+This is a bound, for the level at which r has no mean. It is met where e is proportional to p. The errors
+that the solver leaves are of short waves, p is of long ones, and the sum comes nowhere near: at most 0.21 of
+the bound on 180 maps and loads (profiles, noise, any size), whatever the tolerance. A quarter of it is used.
 
 **Contact area.** Only points that may change sides count: in contact with a pressure below the reach of the
-error, or out of contact with a gap below it. The reach is eps times the rms pressure and eps times the rms gap.
-All points within one reach are counted, and half of those within four, because the error is not the same
-everywhere.
+error, or out of contact with a gap below it. The reach is eps times the rms pressure and eps times the rms
+gap. All points within one reach are counted, and half of those within four, because the error is not the
+same everywhere.
 
-**Pressures.** The peak is one point; its relative error was mostly below eps, 2 eps is used. The mean over the
-contact is p̄ over the share of points in contact, so it has the relative uncertainty of that share.
+**Pressures.** The peak is one point; its relative error was mostly below eps, 2 eps is used. The mean over
+the contact is p̄ over the share of points in contact, so it has the relative uncertainty of that share.
 
-The three constants are measured against solutions converged to 1e-10 (tests/unit/test_uncertainty_solver.py).
+The three constants are measured against solutions converged to 1e-10
+(tests/unit/test_uncertainty_solver.py).
 """
 
 import numpy as np
