@@ -39,8 +39,8 @@ def processing_uncertainty(
     * filling: holes filled with the roughness of the map on top of the harmonic surface.
 
     Groups that make no difference to a map are left out: filling where nothing was filled, form and
-    periodisation where the map is periodic. The first two are solved with half the points along each axis
-    (block means) where that leaves 64, and their deviations are scaled to the result.
+    periodisation where the map is periodic. Forms, which are long waves, are solved with half the points
+    along each axis (block means) where that leaves 64, and their deviations are scaled to the result.
 
     Parameters
     ----------
@@ -66,27 +66,26 @@ def processing_uncertainty(
     ConvergenceError
         where the solve of a choice misses its tolerance.
     """
-    coarse = _coarsened(levelled)
-    chosen = periodic_window(coarse, **window)
-    cases = [("own", "as chosen", chosen)]
+    chosen = periodic_window(levelled, **window)
+    cases = [("own", "as chosen", periodic_window(_coarsened(levelled), **window))]
     if chosen.attrs["periodisation"] != "none":
         cases += [
-            ("form", name, periodic_window(other, **window)) for name, other in _other_forms(coarse, level)
+            ("form", name, periodic_window(_coarsened(other), **window))
+            for name, other in _other_forms(levelled, level)
         ]
         cases += [
-            ("periodisation", f"made periodic by {method}", _by_method(coarse, chosen, window, method))
+            ("periodisation", f"made periodic by {method}", _by_method(levelled, chosen, window, method))
             for method in _FAIR_METHODS
             if method != chosen.attrs["periodisation"]
         ]
     if chosen["filled"].any():
-        # on the grid of the result: block means would take the roughness off again
         cases.append(
             ("filling", "holes filled with roughness", periodic_window(rough_filling(levelled), **window))
         )
 
     names = [name for _, name, _ in cases]
     groups = np.array([group for group, _, _ in cases])
-    on_coarse_grid = groups != "filling"
+    on_coarse_grid = np.isin(groups, ("own", "form"))
     members = [solve_member(periodic, contact, tolerance=_TOLERANCE) for _, _, periodic in cases]
     result = {}
     for name in QUANTITIES:
