@@ -6,7 +6,7 @@ from scipy.linalg import eigh
 
 from roughcontact import kernels, synthetic
 from roughcontact.compiled import Compiled
-from roughcontact.contact.extension import Extension, coarsening, collapse, stencil
+from roughcontact.contact.extension import Extension, coarsening, collapse, pyramid, stencil
 from roughcontact.contact.grid import Grid
 
 # shape and pitches: square, odd, prime, pixels longer than wide (with and without lines that become one
@@ -35,8 +35,8 @@ COLLAPSED = [
 def make(shape, pitches, contact, engine=kernels, dtype=float):
     """Return the extension W from the contact set `contact` (ny, nx) and W as a function."""
     lengths = tuple(n * d for n, d in zip(shape, pitches, strict=True))
-    extension = Extension(np.empty(shape, dtype=dtype), lengths, engine)
-    extension.empty[0][...] = ~contact
+    extension = Extension(np.empty(shape), np.dtype(dtype).name, lengths, engine)
+    extension.empty[...] = ~contact
     extension.complete()
 
     def extend(values):
@@ -77,7 +77,7 @@ def test_the_transpose_is_the_transpose_and_the_contact_keeps_its_values(
     extended = extend(values)
     np.testing.assert_array_equal(extended[contact], values[contact])
     transposed = field.copy()
-    total, product = extension.transpose(transposed, values)
+    total, product = extension.transpose(transposed, values, np.full(shape, np.nan, dtype))
     assert not transposed[~contact].any()
     rounding = 16 * float(np.finfo(dtype).eps)
     scale = float(np.linalg.norm(extended) * np.linalg.norm(field))
@@ -125,7 +125,28 @@ def test_grids_of_the_pyramid():
     assert collapse((1.0, 3.1), (8, 6)) == (8, 1)
     assert collapse((3.1, 1.0), (8, 6)) == (1, 6)
     assert collapse((3.1, 1.0), (1, 6)) == (1, 1)
-    assert make((64, 64), (1.0, 1.0), np.ones((64, 64), bool))[0].collapsed is None
+    assert pyramid((12, 24), (1.0, 2.0)) == [((6, 12), (2, 2), False), ((6, 6), (1, 2), False)]
+    assert pyramid((8, 6), (1.0, 24.0)) == [((4, 6), (2, 1), False), ((1, 6), (4, 1), True)]
+    assert pyramid((7, 7), (1.0, 1.0)) == []
+
+
+def test_small_grids_in_one_call_equal_those_one_by_one():
+    """Where the compiled kernels take the coarser grids together: nowhere, below the first, everywhere."""
+    rng = np.random.default_rng(5)
+    contact = scattered((48, 80), 0.2)
+    values, field = np.where(contact, rng.standard_normal(contact.shape), 0), rng.standard_normal(contact.shape)
+    found = []
+    for cells in (0, 12 * 20, 24 * 40):
+        engine = Compiled(1)
+        engine.TAIL = cells
+        extension, extend = make(contact.shape, (1.0, 1.0), contact, engine)
+        back = field.copy()
+        extension.transpose(back, values, np.empty_like(back))
+        found.append((extension._first_small, extend(values), back))
+    assert [first for first, _, _ in found] == [4, 1, 0]
+    for _, extended, back in found[1:]:
+        np.testing.assert_allclose(extended, found[0][1], rtol=0, atol=1e-14)
+        np.testing.assert_allclose(back, found[0][2], rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize(("shape", "pitches"), COLLAPSED)
@@ -135,12 +156,11 @@ def test_what_is_constant_along_lines_stays_so(shape, pitches):
     finer = int(np.argmin(pitches))
     contact.swapaxes(finer, 0)[0] = True  # every line touches
     extension, extend = make(shape, pitches, contact)
-    assert extension.collapsed is not None
+    last = [level.line_gain is not None for level in extension.levels].index(True)
     lines = np.broadcast_to(np.expand_dims(rng.uniform(-1, 1, shape[1 - finer]), finer), shape)
     # all that lines take from each other are the neighbours' weights across, grid by grid of the pyramid
-    taken = sum(
-        2 * weights[1 - finer] + 4 * weights[2] for weights in extension.weights[: extension.collapsed]
-    )
+    weights = [extension.weights, *(level.weights for level in extension.levels[:last])]
+    taken = sum(2 * weight[1 - finer] + 4 * weight[2] for weight in weights)
     found = extend(np.where(contact, lines, 0))
     assert taken < 0.2
     np.testing.assert_allclose(found, lines, rtol=0, atol=2 * taken)

@@ -19,6 +19,7 @@ class Compiled:
     """The kernels, run by `threads` threads."""
 
     SMALL = 256 * 256  # points below which starting threads costs more than they save
+    TAIL = 64 * 64  # cells up to which the grids of a pyramid are passed over in one call
 
     def __init__(self, threads: int = 1):
         self.threads = threads
@@ -27,13 +28,17 @@ class Compiled:
         self._share(_scale, len(spectrum), spectrum, symbol, inverse)
         spectrum[0, 0] = 0
 
+    def make_dimensionless(self, heights, reference, unit, out):
+        kind = heights.dtype.type
+        self._share(_make_dimensionless, len(out), heights, kind(reference), kind(1 / unit), out)
+
     def measure(
-        self, displaced, heights, before_pressure, before_separation, level, pressure, separation, cap
+        self, separation, heights, reference, unit, before_pressure, before, level, pressure, cap
     ):
         kind = pressure.dtype.type
-        before = before_pressure, before_separation, kind(level)
-        after = pressure, separation, kind(cap)
-        parts = self._share(_measure, len(pressure), displaced, heights, *before, *after)
+        heights = heights, heights.dtype.type(reference), heights.dtype.type(1 / unit)
+        arguments = before_pressure, before, kind(level), pressure, kind(cap)
+        parts = self._share(_measure, len(pressure), separation, *heights, *arguments)
         return tuple(sum(part) for part in zip(*parts, strict=True))
 
     def remainder(self, pressure, separation, level, cap, values, empty):
@@ -58,12 +63,13 @@ class Compiled:
         return sum(self._share(_hold, len(values), pressure, separation, kind(level), kind(cap), values))
 
     def block_mean(self, field, factors, out):
-        self._share(
-            _block_mean, len(out), field, *factors, out, out.dtype.type(1 / (factors[0] * factors[1]))
-        )
+        self._share(_block_mean, len(out), field, *factors, out)
 
-    def mix(self, values, empty, coarse, factors, out):
-        self._share(_mix, len(coarse), values, empty, coarse, *factors, out)
+    def weigh(self, share, empty, gain):
+        self._share(_weigh, len(share), share, empty, gain)
+
+    def mix(self, values, gain, empty, coarse, factors, out):
+        self._share(_mix, len(coarse), values, gain, empty, coarse, *factors, out)
 
     def neighbours(self, field, weights, out):
         self._share(_neighbours, len(out), field, *_cast(weights, field), out)
@@ -71,18 +77,44 @@ class Compiled:
     def fill(self, values, empty, mixed, weights, out):
         self._share(_fill, len(out), values, empty, mixed, *_cast(weights, mixed), out)
 
+    def fill_from(self, values, empty, coarse, factors, weights, out):
+        self._share(_fill_from, len(out), values, empty, coarse, *factors, *_cast(weights, coarse), out)
+
     def empty_neighbours(self, field, empty, weights, out):
         self._share(_empty_neighbours, len(out), field, empty, *_cast(weights, field), out)
 
     def gather(self, field, empty, factors, out):
         self._share(_gather, len(out), field, empty, *factors, out)
 
-    def spread(self, field, coarse, factors, share):
-        self._share(_spread, len(coarse), field, coarse, *factors, field.dtype.type(share))
+    def empty_from(self, field, empty, weights, passed, factors, coarse):
+        arguments = *_cast(weights, field), passed, *factors, coarse
+        self._share(_empty_from, len(coarse), field, empty, *arguments)
 
-    def conclude(self, field, passed, values, empty):
-        parts = self._share(_conclude, len(field), field, passed, values, empty)
+    def spread(self, field, gain, coarse, factors):
+        self._share(_spread, len(coarse), field, gain, coarse, *factors)
+
+    def conclude(self, field, passed, coarse, factors, values, empty):
+        parts = self._share(_conclude, len(coarse), field, passed, coarse, *factors, values, empty)
         return tuple(sum(part) for part in zip(*parts, strict=True))
+
+    @staticmethod
+    def pack(levels, stores, ends, first):
+        """Return the levels from number `first` on in the form that the passes over small grids take."""
+        table = [
+            (*level.empty.shape, *level.factors, start)
+            for level, start in zip(levels[first:], ends[first:-1], strict=True)
+        ]
+        weights = np.array([level.weights for level in levels[first:]], dtype=stores[0].dtype)
+        return *stores, np.array(table), weights
+
+    def weigh_small(self, small):
+        _weigh_small(*small)
+
+    def fill_small(self, small, sweeps, room, other):
+        _fill_small(*small, sweeps, room, other)
+
+    def return_small(self, small, sweeps, room, other):
+        _return_small(*small, sweeps, room, other)
 
     def refine(self, coarse, factors, out):
         square = np.empty_like(coarse)
@@ -111,20 +143,33 @@ def _pool(threads):
 
 @_compile
 def _scale(first, last, spectrum, symbol, inverse):
+    factor = np.empty(symbol.shape[1], dtype=symbol.dtype)
     for i in range(first, last):
-        for j in range(symbol.shape[1]):
-            factor = symbol[i, j]
-            spectrum[i, j] = spectrum[i, j] / factor if inverse else spectrum[i, j] * factor
+        factor[:] = symbol[i]
+        if inverse:  # to divide complex numbers takes many times as long
+            for j in range(factor.size):
+                factor[j] = 1 / factor[j]
+        for j in range(factor.size):
+            spectrum[i, j] *= factor[j]
 
 
 @_compile
-def _measure(first, last, displaced, heights, before_pressure, before, level, pressure, separation, cap):
+def _make_dimensionless(first, last, heights, reference, scale, out):
+    for i in range(first, last):
+        for j in range(out.shape[1]):
+            out[i, j] = (heights[i, j] - reference) * scale
+
+
+@_compile
+def _measure(
+    first, last, separation, heights, reference, scale, before_pressure, before, level, pressure, cap
+):
     work = square = free_sum = slope = slope_after = 0.0
     free = 0
     for i in range(first, last):
         for j in range(pressure.shape[1]):
-            p, u = pressure[i, j], displaced[i, j]
-            v = u - heights[i, j]
+            p, u = pressure[i, j], separation[i, j]
+            v = u - (heights[i, j] - reference) * scale
             change = p - before_pressure[i, j]
             slope += change * (before[i, j] - level)
             slope_after += change * (v - level)
@@ -210,40 +255,73 @@ def _hold(first, last, pressure, separation, level, cap, values):
 
 
 @_compile
-def _block_mean(first, last, field, fy, fx, out, share):
+def _fold(columns, factor, share, out):
+    """Put the sums of `factor` neighbours, times `share`, into `out`."""
+    if factor == 2:  # known to the compiler, it becomes vector instructions
+        for j in range(out.size):
+            out[j] = (columns[2 * j] + columns[2 * j + 1]) * share
+        return
+    for j in range(out.size):
+        total = columns[j * factor]
+        for k in range(1, factor):
+            total += columns[j * factor + k]
+        out[j] = total * share
+
+
+@_compile
+def _unfold(coarse, factor, share, out):
+    """Put every entry of `coarse`, times `share`, into `out`, `factor` times."""
+    if factor == 2:
+        for j in range(coarse.size):
+            value = coarse[j] * share
+            out[2 * j] = value
+            out[2 * j + 1] = value
+        return
+    for j in range(coarse.size):
+        for k in range(factor):
+            out[j * factor + k] = coarse[j] * share
+
+
+@_compile
+def _block_mean(first, last, field, fy, fx, out):
     columns = np.empty(field.shape[1], dtype=field.dtype)
+    share = out.dtype.type(1 / (fy * fx))
     for i in range(first, last):
         columns[:] = field[i * fy]
         for k in range(1, fy):
             for j in range(field.shape[1]):
                 columns[j] += field[i * fy + k, j]
-        for j in range(out.shape[1]):
-            total = columns[j * fx]
-            for k in range(1, fx):
-                total += columns[j * fx + k]
-            out[i, j] = total * share
+        _fold(columns, fx, share, out[i])
 
 
 @_compile
-def _mix(first, last, values, empty, coarse, fy, fx, out):
+def _weigh(first, last, share, empty, gain):
+    zero, one = share.dtype.type(0), share.dtype.type(1)
+    for i in range(first, last):
+        for j in range(share.shape[1]):
+            weight = np.sqrt(share[i, j])
+            empty[i, j] = one - weight
+            gain[i, j] = one / weight if weight > zero else zero
+
+
+@_compile
+def _mix(first, last, values, gain, empty, coarse, fy, fx, out):
     # rows are counted on the coarse grid
     row = np.empty(out.shape[1], dtype=out.dtype)
-    for i in range(first, last):
-        for j in range(coarse.shape[1]):
-            for k in range(fx):
-                row[j * fx + k] = coarse[i, j]
-        for k in range(fy):
+    for block in range(first, last):
+        _unfold(coarse[block], fx, out.dtype.type(1), row)
+        for i in range(block * fy, block * fy + fy):
             for j in range(out.shape[1]):
-                out[i * fy + k, j] = values[i * fy + k, j] + empty[i * fy + k, j] * row[j]
+                out[i, j] = gain[i, j] * values[i, j] + empty[i, j] * row[j]
 
 
 @_compile
-def _neighbour_row(i, field, across_y, across_x, diagonal, row, result):
-    ny, nx = field.shape
-    up, down = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
+def _around(up, here, down, across_y, across_x, diagonal, row, result):
+    """Put the weighted means of the eight neighbours of the row `here` into `result`."""
+    nx = here.size
     for j in range(nx):
-        column = field[up, j] + field[down, j]
-        row[j + 1] = across_x * field[i, j] + diagonal * column
+        column = up[j] + down[j]
+        row[j + 1] = across_x * here[j] + diagonal * column
         result[j] = across_y * column
     row[0], row[nx + 1] = row[nx], row[1]
     for j in range(nx):
@@ -252,76 +330,186 @@ def _neighbour_row(i, field, across_y, across_x, diagonal, row, result):
 
 @_compile
 def _neighbours(first, last, field, across_y, across_x, diagonal, out):
-    row = np.empty(field.shape[1] + 2, dtype=field.dtype)
+    ny, nx = field.shape
+    row = np.empty(nx + 2, dtype=field.dtype)
     for i in range(first, last):
-        _neighbour_row(i, field, across_y, across_x, diagonal, row, out[i])
+        up, down = field[_before(i, ny)], field[_after(i, ny)]
+        _around(up, field[i], down, across_y, across_x, diagonal, row, out[i])
 
 
 @_compile
 def _fill(first, last, values, empty, mixed, across_y, across_x, diagonal, out):
-    row = np.empty(mixed.shape[1] + 2, dtype=mixed.dtype)
-    result = np.empty(mixed.shape[1], dtype=mixed.dtype)
+    ny, nx = mixed.shape
+    row, result = np.empty(nx + 2, dtype=mixed.dtype), np.empty(nx, dtype=mixed.dtype)
     for i in range(first, last):
-        _neighbour_row(i, mixed, across_y, across_x, diagonal, row, result)
-        for j in range(mixed.shape[1]):
+        up, down = mixed[_before(i, ny)], mixed[_after(i, ny)]
+        _around(up, mixed[i], down, across_y, across_x, diagonal, row, result)
+        for j in range(nx):
             out[i, j] = values[i, j] + empty[i, j] * result[j]
 
 
 @_compile
-def _empty_neighbours(first, last, field, empty, across_y, across_x, diagonal, out):
-    ny, nx = field.shape
-    row = np.empty(nx + 2, dtype=field.dtype)
+def _mixed_row(i, values, empty, coarse, fy, fx, row, out):
+    _unfold(coarse[i // fy], fx, out.dtype.type(1), row)
+    for j in range(out.size):
+        out[j] = values[i, j] + empty[i, j] * row[j]
+
+
+@_compile
+def _fill_from(first, last, values, empty, coarse, fy, fx, across_y, across_x, diagonal, out):
+    ny, nx = values.shape
+    row, result = np.empty(nx + 2, dtype=out.dtype), np.empty(nx, dtype=out.dtype)
+    mixed = np.empty((3, nx), dtype=out.dtype)  # the row before, this one and the next, in turns
+    _mixed_row(_before(first, ny), values, empty, coarse, fy, fx, result, mixed[2])
+    _mixed_row(first, values, empty, coarse, fy, fx, result, mixed[0])
     for i in range(first, last):
-        up, down = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
+        here = (i - first) % 3
+        _mixed_row(_after(i, ny), values, empty, coarse, fy, fx, result, mixed[(here + 1) % 3])
+        up, down = mixed[(here + 2) % 3], mixed[(here + 1) % 3]
+        _around(up, mixed[here], down, across_y, across_x, diagonal, row, result)
         for j in range(nx):
-            column = field[up, j] * empty[up, j] + field[down, j] * empty[down, j]
-            row[j + 1] = across_x * (field[i, j] * empty[i, j]) + diagonal * column
-            out[i, j] = across_y * column
-        row[0], row[nx + 1] = row[nx], row[1]
-        for j in range(nx):
-            out[i, j] += row[j] + row[j + 2]
+            out[i, j] = values[i, j] + empty[i, j] * result[j]
+
+
+@_compile
+def _empty_around(i, field, empty, across_y, across_x, diagonal, row, out):
+    ny, nx = field.shape
+    up, down = _before(i, ny), _after(i, ny)
+    for j in range(nx):
+        column = field[up, j] * empty[up, j] + field[down, j] * empty[down, j]
+        row[j + 1] = across_x * (field[i, j] * empty[i, j]) + diagonal * column
+        out[j] = across_y * column
+    row[0], row[nx + 1] = row[nx], row[1]
+    for j in range(nx):
+        out[j] += row[j] + row[j + 2]
+
+
+@_compile
+def _empty_neighbours(first, last, field, empty, across_y, across_x, diagonal, out):
+    row = np.empty(field.shape[1] + 2, dtype=field.dtype)
+    for i in range(first, last):
+        _empty_around(i, field, empty, across_y, across_x, diagonal, row, out[i])
 
 
 @_compile
 def _gather(first, last, field, empty, fy, fx, out):
     columns = np.empty(field.shape[1], dtype=field.dtype)
-    for i in range(first, last):
+    for block in range(first, last):
         columns[:] = 0
-        for k in range(fy):
+        for i in range(block * fy, block * fy + fy):
             for j in range(field.shape[1]):
-                columns[j] += field[i * fy + k, j] * empty[i * fy + k, j]
-        for j in range(out.shape[1]):
-            total = columns[j * fx]
-            for k in range(1, fx):
-                total += columns[j * fx + k]
-            out[i, j] = total
+                columns[j] += field[i, j] * empty[i, j]
+        _fold(columns, fx, out.dtype.type(1), out[block])
 
 
 @_compile
-def _spread(first, last, field, coarse, fy, fx, share):
+def _empty_from(first, last, field, empty, across_y, across_x, diagonal, passed, fy, fx, coarse):
+    # rows are counted on the coarse grid
+    row = np.empty(field.shape[1] + 2, dtype=field.dtype)
+    columns = np.empty(field.shape[1], dtype=field.dtype)
+    for block in range(first, last):
+        columns[:] = 0
+        for i in range(block * fy, block * fy + fy):
+            _empty_around(i, field, empty, across_y, across_x, diagonal, row, passed[i])
+            for j in range(columns.size):
+                columns[j] += passed[i, j] * empty[i, j]
+        _fold(columns, fx, coarse.dtype.type(1), coarse[block])
+
+
+@_compile
+def _spread(first, last, field, gain, coarse, fy, fx):
     # rows are counted on the coarse grid
     row = np.empty(field.shape[1], dtype=field.dtype)
-    for i in range(first, last):
-        for j in range(coarse.shape[1]):
-            for k in range(fx):
-                row[j * fx + k] = share * coarse[i, j]
-        for k in range(fy):
-            for j in range(field.shape[1]):
-                field[i * fy + k, j] += row[j]
+    share = field.dtype.type(1 / (fy * fx))
+    for block in range(first, last):
+        _unfold(coarse[block], fx, share, row)
+        for i in range(block * fy, block * fy + fy):
+            for j in range(row.size):
+                field[i, j] = gain[i, j] * field[i, j] + row[j]
 
 
 @_compile
-def _conclude(first, last, field, passed, values, empty):
+def _conclude(first, last, field, passed, coarse, fy, fx, values, empty):
+    # rows are counted on the coarse grid
+    row = np.empty(field.shape[1], dtype=field.dtype)
+    share = field.dtype.type(1 / (fy * fx))
     total = product = 0.0
     zero = field.dtype.type(0)
-    for i in range(first, last):
-        for j in range(field.shape[1]):
-            z = field[i, j] + passed[i, j]
-            z = zero if empty[i, j] > zero else z
-            field[i, j] = z
-            total += z
-            product += z * values[i, j]
+    for block in range(first, last):
+        _unfold(coarse[block], fx, share, row)
+        for i in range(block * fy, block * fy + fy):
+            for j in range(row.size):
+                z = field[i, j] + (passed[i, j] + row[j])
+                z = zero if empty[i, j] > zero else z
+                field[i, j] = z
+                total += z
+                product += z * values[i, j]
     return total, product
+
+
+@_compile
+def _grid(store, table, number):
+    """Return one grid of a store that holds the small grids of a pyramid one after the other."""
+    ny, nx, start = table[number, 0], table[number, 1], table[number, 4]
+    return store[start : start + ny * nx].reshape((ny, nx))
+
+
+@_compile
+def _weigh_small(empty, gain, means, room, table, weights):
+    for number in range(len(table)):
+        share = _grid(means, table, number)
+        _weigh(0, len(share), share, _grid(empty, table, number), _grid(gain, table, number))
+        if number + 1 < len(table):
+            after = _grid(means, table, number + 1)
+            _block_mean(0, len(after), share, table[number + 1, 2], table[number + 1, 3], after)
+
+
+@_compile
+def _fill_small(empty, gain, means, room, table, weights, sweeps, one, other):
+    last = len(table) - 1
+    for number in range(last):
+        coarse = _grid(means, table, number + 1)
+        fy, fx = table[number + 1, 2], table[number + 1, 3]
+        _block_mean(0, len(coarse), _grid(means, table, number), fy, fx, coarse)
+    for number in range(last, -1, -1):
+        field, gaps = _grid(means, table, number), _grid(empty, table, number)
+        across_y, across_x, diagonal = weights[number]
+        if number == last:
+            field *= _grid(gain, table, number)
+            mixed = field
+            for sweep in range(1, sweeps):
+                swept = one if sweep % 2 else other
+                _fill(0, len(field), field, gaps, mixed, across_y, across_x, diagonal, swept)
+                mixed = swept
+        else:
+            coarse, mixed = _grid(means, table, number + 1), _grid(room, table, number)
+            fy, fx = table[number + 1, 2], table[number + 1, 3]
+            _mix(0, len(coarse), field, _grid(gain, table, number), gaps, coarse, fy, fx, mixed)
+        _neighbours(0, len(field), mixed, across_y, across_x, diagonal, field)
+
+
+@_compile
+def _return_small(empty, gain, means, room, table, weights, sweeps, one, other):
+    last = len(table) - 1
+    for number in range(last + 1):
+        total, gaps = _grid(room, table, number), _grid(empty, table, number)
+        across_y, across_x, diagonal = weights[number]
+        _neighbours(0, len(total), _grid(means, table, number), across_y, across_x, diagonal, total)
+        if number == last:
+            passed = total
+            for sweep in range(1, sweeps):
+                swept = one if sweep % 2 else other
+                _empty_neighbours(0, len(total), passed, gaps, across_y, across_x, diagonal, swept)
+                total += swept
+                passed = swept
+            total *= _grid(gain, table, number)
+        else:
+            after = _grid(means, table, number + 1)
+            _gather(0, len(after), total, gaps, table[number + 1, 2], table[number + 1, 3], after)
+    for number in range(last - 1, -1, -1):
+        fy, fx = table[number + 1, 2], table[number + 1, 3]
+        coarse = _grid(room, table, number + 1)
+        _spread(0, len(coarse), _grid(room, table, number), _grid(gain, table, number), coarse, fy, fx)
 
 
 @_compile
@@ -374,6 +562,16 @@ def _refine(first, last, coarse, square, fy, fx, out):
             for ky in range(fy):
                 for kx in range(fx):
                     out[i * fy + ky, j * fx + kx] = share * roots[ky, kx] if total > 0 else coarse[i, j]
+
+
+@_compile
+def _before(i, ny):
+    return i - 1 if i > 0 else ny - 1
+
+
+@_compile
+def _after(i, ny):
+    return i + 1 if i < ny - 1 else 0
 
 
 @_compile

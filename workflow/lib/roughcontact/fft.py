@@ -1,7 +1,8 @@
 """One interface to the real two-dimensional FFT, whoever computes it.
 
 `scipy.fft` always works. `mkl_fft` is used where it is installed: of the libraries that need no planning it
-was the fastest in every measurement, most of all because it writes into memory that is there already.
+was the fastest in every measurement, most of all because it writes into memory that is there already. Arrays
+of another library (CuPy, say) are transformed by that library.
 """
 
 from contextlib import contextmanager
@@ -11,51 +12,68 @@ from importlib.util import find_spec
 import numpy as np
 import scipy.fft
 
+from roughcontact.kernels import empty
+
 _SMALL = 128 * 128  # points; below that starting threads costs more than they save
 
 
 class Plan:
-    """Transforms of real fields of one shape and precision, between three buffers.
+    """Transforms of real fields of the shape of `like` in a `precision`, by the library that it belongs to.
 
-    `forward` takes `field` (ny, nx) to `spectrum` (ny, nx//2 + 1), the layout of `numpy.fft.rfft2`; `inverse`
-    takes `spectrum` to `result` (ny, nx), with the factor 1/(ny nx). `field` is kept; the spectrum may be
-    destroyed, and both outputs are overwritten by the next call. A plan that is to `share` lies in the memory
-    of another one of the same shape and higher precision, so that only one of the two holds anything.
+    `forward` returns the spectrum (ny, nx//2 + 1), in the layout of `numpy.fft.rfft2`; the next call may
+    overwrite it. `inverse` puts the field, with the factor 1/(ny nx), into `out`, and may destroy the
+    spectrum. `scratch` is an array like the fields that every transform may overwrite.
     """
 
-    def __init__(self, shape: tuple[int, int], dtype, *, threads: int = 1, share: "Plan | None" = None):
-        self.shape, self.threads = shape, threads if np.prod(shape) >= _SMALL else 1
-        self.field = _room(shape, dtype, None if share is None else share.field)
-        self.spectrum = self.result = None
+    def __init__(self, like, precision: str, *, threads: int = 1):
+        self.shape = tuple(like.shape)
+        self.threads = threads if like.size >= _SMALL else 1
+        self.scratch = empty(like, precision)
 
-    def forward(self) -> None:
-        self.spectrum = scipy.fft.rfft2(self.field, workers=self.threads)
+    def forward(self, field):
+        return field.__array_namespace__().fft.rfftn(field, axes=(0, 1))
 
-    def inverse(self) -> None:
-        self.result = scipy.fft.irfft2(self.spectrum, s=self.shape, workers=self.threads, overwrite_x=True)
+    def inverse(self, spectrum, out) -> None:
+        out[...] = out.__array_namespace__().fft.irfftn(spectrum, s=self.shape, axes=(0, 1))
+
+
+class ScipyPlan(Plan):
+    """The same for NumPy's arrays, by SciPy."""
+
+    def forward(self, field):
+        return scipy.fft.rfft2(field, workers=self.threads)
+
+    def inverse(self, spectrum, out):
+        out[...] = scipy.fft.irfft2(spectrum, s=self.shape, workers=self.threads, overwrite_x=True)
 
 
 class MklPlan(Plan):
-    """The same by MKL."""
+    """The same for NumPy's arrays, by MKL, between arrays that are there already.
 
-    def __init__(self, shape, dtype, *, threads=1, share=None):
-        super().__init__(shape, dtype, threads=threads, share=share)
-        complex_type = np.result_type(dtype, np.complex64)
-        waves = (shape[0], shape[1] // 2 + 1)
-        self.spectrum = _room(waves, complex_type, None if share is None else share.spectrum)
-        self.result = _room(shape, dtype, None if share is None else share.result)
+    The spectrum lies in the memory of the plan `share`, where one of the same shape and higher precision is
+    given, and the scratch array in that of the spectrum.
+    """
 
-    def forward(self):
+    def __init__(self, like, precision, *, threads=1, share=None):
+        self.shape = like.shape
+        self.threads = threads if like.size >= _SMALL else 1
+        waves = (self.shape[0], self.shape[1] // 2 + 1)
+        kind = np.result_type(precision, np.complex64)
+        self.spectrum = np.empty(waves, kind) if share is None else _within(share.spectrum, waves, kind)
+        self.scratch = _within(self.spectrum, self.shape, precision)
+
+    def forward(self, field):
         import mkl_fft
 
         with _mkl_threads(self.threads):
-            mkl_fft.rfft2(self.field, out=self.spectrum)
+            return mkl_fft.rfft2(field, out=self.spectrum)
 
-    def inverse(self):
+    def inverse(self, spectrum, out):
         import mkl_fft
 
         with _mkl_threads(self.threads):
-            mkl_fft.irfft2(self.spectrum, s=self.shape, out=self.result)
+            mkl_fft.ifft(spectrum, axis=0, out=spectrum)  # in place, as irfft2 is not
+            mkl_fft.irfft(spectrum, n=self.shape[1], axis=1, out=out)
 
 
 @contextmanager
@@ -76,15 +94,19 @@ def mkl_is_installed() -> bool:
     return find_spec("mkl_fft") is not None
 
 
-def make_plan(shape: tuple[int, int], dtype, *, threads: int = 1, share: Plan | None = None) -> Plan:
-    """Return the fastest plan for fields of `shape` and `dtype`; a single row or column is left to SciPy."""
-    kind = MklPlan if mkl_is_installed() and min(shape) > 1 else Plan
-    return kind(tuple(shape), np.dtype(dtype), threads=threads, share=share)
+def make_plan(like, precision: str, *, threads: int = 1, share: Plan | None = None) -> Plan:
+    """Return the fastest plan for fields like the array `like`; a single row or column is left to SciPy.
+
+    A plan that may lie in the memory of `share`, of the same shape and higher precision, does.
+    """
+    if not isinstance(like, np.ndarray):
+        return Plan(like, precision, threads=threads)
+    if mkl_is_installed() and min(like.shape) > 1:
+        return MklPlan(like, precision, threads=threads, share=share)
+    return ScipyPlan(like, precision, threads=threads)
 
 
-def _room(shape, dtype, shared):
-    """Return an array of `shape` and `dtype`, in the memory of the array `shared` where one is given."""
-    if shared is None:
-        return np.empty(shape, dtype=dtype)
+def _within(memory, shape, dtype):
+    """Return an array of `shape` and `dtype` that begins where the array `memory` begins."""
     size = int(np.prod(shape)) * np.dtype(dtype).itemsize
-    return shared.reshape(-1).view(np.uint8)[:size].view(dtype).reshape(shape)
+    return memory.reshape(-1).view(np.uint8)[:size].view(dtype).reshape(shape)

@@ -14,18 +14,15 @@ from roughcontact.errors import SettingsError
 from roughcontact.fft import make_plan
 from roughcontact.fourier import wavevectors
 from roughcontact.influence import INFLUENCE
-from roughcontact.kernels import kernels_for
-
-_SINGLE, _DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
-
+from roughcontact.kernels import DOUBLE, SINGLE, empty, kernels_for, precision_of
 
 class HalfSpace:
     """The operators u = G p, with symbol 2/|q|, and its inverse p = G^-1 u, with symbol |q|/2, on one grid.
 
-    `influence` names another symbol (`roughcontact.influence`).
-    The mean (q = 0) is left out of both: it is a matter of reference, see `zero_frequency_compliance`. What
-    an operator returns lies in a buffer: it holds until the next application. `applications` counts forward
-    and inverse transform pairs.
+    `influence` names another symbol (`roughcontact.influence`). `like` is an array (ny, nx) of the library,
+    and on the device, that the fields will have; NumPy's where none is given.
+    The mean (q = 0) is left out of both: it is a matter of reference, see `zero_frequency_compliance`.
+    `applications` counts forward and inverse transform pairs.
     """
 
     def __init__(
@@ -35,65 +32,61 @@ class HalfSpace:
         *,
         influence: str = "sampled",
         threads: int = 1,
+        like=None,
     ):
         self.shape = tuple(shape)
         self.lengths = tuple(lengths)
         self.threads = threads
-        self._influence = INFLUENCE[influence]
         self.applications = 0.0
-        self._kernels = kernels_for(np.empty(self.shape, dtype=np.float32), threads=threads)
+        self._like = np.broadcast_to(np.float32(0), self.shape) if like is None else like
+        self._influence = INFLUENCE[influence]
+        self._kernels = kernels_for(self._like, threads=threads)
         self._symbols, self._plans = {}, {}
-        symbol = self._symbol(np.dtype(np.float32))
+        symbol = self._symbol(SINGLE)
         # of the inverse operator, over the half plane: for estimates of rounding, and for a coarse bound
-        stiffness = np.divide(1, symbol)
-        self.mean_stiffness = float(stiffness.mean(dtype=float))
-        self.largest_stiffness = float(stiffness.max())
+        xp, stiffness = symbol.__array_namespace__(), 1 / symbol
+        self.mean_stiffness = float(xp.sum(stiffness, dtype=xp.float64)) / stiffness.size
+        self.largest_stiffness = float(xp.max(stiffness))
 
-    def displacement(self, pressure):
-        """Return u = G p, shape (ny, nx), mean zero, in the precision of `pressure`."""
-        plan = self._load(pressure)
-        plan.forward()
-        self._kernels.scale(plan.spectrum, self._symbol(pressure.dtype), False)
-        return self._finish(plan)
+    def displacement(self, pressure, *, out=None):
+        """Return u = G p, shape (ny, nx), mean zero, in the precision of `pressure`, in the array `out`."""
+        return self._apply(pressure, out, inverse=False)
 
-    def pressure(self, displacement):
-        """Return p = G^-1 u, shape (ny, nx), mean zero, in the precision of `displacement`."""
-        plan = self._load(displacement)
-        plan.forward()
-        self._kernels.scale(plan.spectrum, self._symbol(displacement.dtype), True)
-        return self._finish(plan)
+    def pressure(self, displacement, *, out=None):
+        """Return p = G^-1 u, shape (ny, nx), mean zero, in the precision of `displacement`, in `out`."""
+        return self._apply(displacement, out, inverse=True)
 
-    def room(self, dtype):
-        """Return the array from which the next application reads: what is put there is not copied."""
-        return self._plan(dtype).field
+    def scratch(self, precision: str):
+        """Return an array (ny, nx) in `precision` that the next application overwrites."""
+        return self._plan(precision).scratch
 
-    def _load(self, field):
-        plan = self._plan(field.dtype)
-        if field is not plan.field:
-            plan.field[...] = field
-        return plan
-
-    def _finish(self, plan):
-        plan.inverse()
+    def _apply(self, field, out, *, inverse):
+        precision = precision_of(field)
+        plan = self._plan(precision)
+        spectrum = plan.forward(field)
+        self._kernels.scale(spectrum, self._symbol(precision), inverse)
+        if out is None:
+            out = empty(self._like, precision)
+        plan.inverse(spectrum, out)
         self.applications += 1
-        return plan.result
+        return out
 
-    def _plan(self, dtype):
-        dtype = np.dtype(dtype)
-        if dtype not in self._plans:
-            plan = make_plan(self.shape, dtype, threads=self.threads, share=self._plans.get(_DOUBLE))
-            if dtype == _DOUBLE and _SINGLE in self._plans:  # give up its memory and lie in this one's
-                self._plans[_SINGLE] = make_plan(self.shape, _SINGLE, threads=self.threads, share=plan)
-            self._plans[dtype] = plan
-        return self._plans[dtype]
+    def _plan(self, precision):
+        if precision not in self._plans:
+            if precision == DOUBLE:  # that in single precision, made anew, will lie in its memory
+                self._plans.pop(SINGLE, None)
+            share = self._plans.get(DOUBLE)
+            self._plans[precision] = make_plan(self._like, precision, threads=self.threads, share=share)
+        return self._plans[precision]
 
-    def _symbol(self, dtype):
+    def _symbol(self, precision):
         """Return the symbol of G, shape (ny, nx//2 + 1); q = 0 is let through by neither operator."""
-        if dtype not in self._symbols:
+        if precision not in self._symbols:
             spacing = [length / n for length, n in zip(self.lengths, self.shape, strict=True)]
-            qy, qx = (q.astype(dtype) for q in wavevectors(self.shape, spacing))
-            self._symbols[dtype] = self._influence(qy, qx, spacing)
-        return self._symbols[dtype]
+            qy, qx = (q.astype(precision) for q in wavevectors(self.shape, spacing))
+            symbol = self._influence(qy, qx, spacing)
+            self._symbols[precision] = self._like.__array_namespace__().asarray(symbol)
+        return self._symbols[precision]
 
 
 def zero_frequency_compliance(rule: str, *, lengths: tuple[float, float]) -> float:

@@ -11,6 +11,9 @@ from importlib.util import find_spec
 
 import numpy as np
 
+SINGLE, DOUBLE = "float32", "float64"  # precisions, by the names that every array library uses
+TAIL = 0  # cells up to which the grids of a pyramid are passed over in one call; see the compiled twin
+
 
 def kernels_for(field, *, threads: int = 1):
     """Return the namespace of kernels for arrays like `field`: compiled where Numba is installed."""
@@ -27,6 +30,28 @@ def numba_is_installed() -> bool:
     return find_spec("numba") is not None
 
 
+def precision_of(field) -> str:
+    """Return the precision of a real field."""
+    return SINGLE if field.dtype == field.__array_namespace__().float32 else DOUBLE
+
+
+def empty(like, precision: str, shape=None):
+    """Return a new array of a precision, of the library and on the device of `like`, and of its shape."""
+    xp = like.__array_namespace__()
+    return xp.empty(like.shape if shape is None else shape, dtype=getattr(xp, precision), device=like.device)
+
+
+def in_precision(field, precision: str, *, copy: bool = True):
+    """Return `field` in a precision; itself where it has that already and no `copy` is wanted."""
+    xp = field.__array_namespace__()
+    return xp.astype(field, getattr(xp, precision), copy=copy)
+
+
+def mean(field) -> float:
+    """Return the mean of a field, summed in double precision."""
+    return _sum(field.__array_namespace__(), field) / field.size
+
+
 def scale(spectrum, symbol, inverse) -> None:
     """Multiply `spectrum` by `symbol`, or divide it where `inverse`; q = 0 becomes zero."""
     for part in ((0, slice(1, None)), (slice(1, None), slice(None))):
@@ -37,15 +62,23 @@ def scale(spectrum, symbol, inverse) -> None:
     spectrum[0, 0] = 0
 
 
-def measure(displaced, heights, start, before, level, pressure, separation, cap):
-    """Put `displaced` - `heights` into `separation` and return what one pass over the grid can tell.
+def make_dimensionless(heights, reference, unit, out) -> None:
+    """Put (`heights` - `reference`) / `unit` into `out`."""
+    xp = heights.__array_namespace__()
+    out[...] = xp.astype((heights - reference) / unit, out.dtype)
 
+
+def measure(separation, heights, reference, unit, start, before, level, pressure, cap):
+    """Take the heights off the displacement that `separation` holds; return what that pass can tell.
+
+    A height counts as (height - `reference`) / `unit`. The separation itself is in `separation` afterwards.
     Six sums, in double precision: pressure x displacement; displacement squared; separation over the free
     contact {0 < p < cap}, and the number of its points; change of pressure x separation `before`, and after,
     both less `level`, which drops out but for rounding. The change is that from the pressure `start`.
     """
     xp = pressure.__array_namespace__()
-    separation[...] = displaced - heights
+    displaced = xp.asarray(separation, copy=True)
+    separation -= (heights - reference) / unit
     free = (pressure > 0) & (pressure < cap)
     change = pressure - start
     return (
@@ -116,9 +149,20 @@ def block_mean(field, factors, out) -> None:
     out[...] = xp.mean(xp.reshape(field, (ny, fy, nx, fx)), axis=(1, 3))
 
 
-def mix(values, empty, coarse, factors, out) -> None:
-    """Put `values` + `empty` x `coarse`, each coarse cell repeated `factors` times, into `out`."""
-    out[...] = values + empty * repeat(coarse, factors)
+def weigh(share, empty, gain) -> None:
+    """Put the weight of every cell, the root of its `share` of contact, over the share into `gain`.
+
+    What the weight leaves of 1 goes into `empty`. Both hold for shares of zero, whose weight is zero.
+    """
+    xp = share.__array_namespace__()
+    weight = xp.sqrt(share)
+    empty[...] = 1 - weight
+    gain[...] = weight / xp.where(share > 0, share, xp.ones_like(share))
+
+
+def mix(values, gain, empty, coarse, factors, out) -> None:
+    """Put `gain` x `values` + `empty` x `coarse`, each coarse cell repeated `factors` times, into `out`."""
+    out[...] = gain * values + empty * repeat(coarse, factors)
 
 
 def neighbours(field, weights, out) -> None:
@@ -139,6 +183,14 @@ def fill(values, empty, mixed, weights, out) -> None:
     out[...] = values + empty * out
 
 
+def fill_from(values, empty, coarse, factors, weights, out) -> None:
+    """Put `values` + `empty` x the neighbours' means of the mixture of `values` and `coarse` into `out`.
+
+    The mixture is `values` + `empty` x `coarse`, each coarse cell repeated `factors` times.
+    """
+    fill(values, empty, values + empty * repeat(coarse, factors), weights, out)
+
+
 def empty_neighbours(field, empty, weights, out) -> None:
     """Put the neighbours' means of `empty` x `field` into `out`, the transpose of filling."""
     neighbours(empty * field, weights, out)
@@ -150,18 +202,29 @@ def gather(field, empty, factors, out) -> None:
     out *= factors[0] * factors[1]
 
 
-def spread(field, coarse, factors, share) -> None:
-    """Add `share` x `coarse`, each coarse cell repeated `factors` times, to `field`."""
-    field += share * repeat(coarse, factors)
+def empty_from(field, empty, weights, passed, factors, coarse) -> None:
+    """Put the neighbours' means of `empty` x `field` into `passed`, and gather that into `coarse`.
+
+    With `conclude` the transpose of `fill_from`.
+    """
+    empty_neighbours(field, empty, weights, passed)
+    gather(passed, empty, factors, coarse)
 
 
-def conclude(field, passed, values, empty) -> tuple[float, float]:
-    """Add `passed` to `field` at the unsettled points and zero the others; return two sums.
+def spread(field, gain, coarse, factors) -> None:
+    """Make `field` x `gain` + `coarse`, each coarse cell shared out among its fine ones, of `field`."""
+    field *= gain
+    field += repeat(coarse, factors) / (factors[0] * factors[1])
+
+
+def conclude(field, passed, coarse, factors, values, empty) -> tuple[float, float]:
+    """Add `passed` and `coarse`, shared out, to `field` at the unsettled points, zero the others; two sums.
 
     They are the sum of the field and that of the field x `values`, in double precision.
     """
     xp = field.__array_namespace__()
-    field[...] = (field + passed) * (1 - empty)
+    shared = repeat(coarse, factors) / (factors[0] * factors[1])
+    field[...] = (field + (passed + shared)) * (1 - empty)
     return _sum(xp, field), _sum(xp, field * values)
 
 

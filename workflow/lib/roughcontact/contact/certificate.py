@@ -14,6 +14,9 @@ mean. The freedom of r off the free contact makes the bound sharp: its energy is
 
 import numpy as np
 
+from roughcontact.contact.state import norm
+from roughcontact.kernels import SINGLE, precision_of
+
 # The residual is transformed in single precision: its norm is then known to this relative accuracy.
 _SINGLE_SLACK = 1e-4
 
@@ -24,17 +27,16 @@ def error_bound(grid, state, product=None) -> float:
     It takes one or two applications of G^-1, one less where the preconditioned residual is given.
     """
     if product is None:
-        product = grid.precondition(state, dtype=np.dtype(np.float32))
+        product = grid.precondition(state, precision=SINGLE)
     return relative_bound(grid.halfspace, state, grid.residual_norm(state, product))
 
 
 def bound_without_transform(grid, state) -> float:
     """Return a coarser bound, from ||r||_{G^-1}^2 <= mean(r^2) max|q|/2, for a residual of rounding alone."""
     gap = state.gap
-    held = np.where(state.pressure > 0, gap, np.minimum(gap, 0))
-    return relative_bound(
-        grid.halfspace, state, float(np.sqrt(np.mean(held**2) * grid.halfspace.largest_stiffness))
-    )
+    xp = gap.__array_namespace__()
+    held = xp.where(state.pressure > 0, gap, xp.minimum(gap, xp.zeros_like(gap)))
+    return relative_bound(grid.halfspace, state, norm(held, held) * np.sqrt(grid.halfspace.largest_stiffness))
 
 
 def relative_bound(halfspace, state, residual_norm: float) -> float:
@@ -48,7 +50,7 @@ def relative_bound(halfspace, state, residual_norm: float) -> float:
     return residual_norm * (1 + _SINGLE_SLACK) / state.norm + rounding_floor(halfspace, state)
 
 
-def rounding_floor(halfspace, state, dtype=None) -> float:
+def rounding_floor(halfspace, state, precision: str | None = None) -> float:
     """Return the relative error that the rounding of one application can hide, in the precision of the state.
 
     The error of a Fourier transform is white, of relative size eps sqrt(log2 n) (Schatzman 1996, SIAM J. Sci.
@@ -57,5 +59,5 @@ def rounding_floor(halfspace, state, dtype=None) -> float:
     if state.norm == 0:
         return 0.0
     size = state.pressure.size
-    deviation = np.finfo(dtype or state.separation.dtype).eps * np.sqrt(np.log2(size)) * state.size
+    deviation = np.finfo(precision or precision_of(state.separation)).eps * np.sqrt(np.log2(size)) * state.size
     return float(deviation * np.sqrt(halfspace.mean_stiffness) / state.norm)

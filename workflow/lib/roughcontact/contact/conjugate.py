@@ -4,45 +4,55 @@ That happens where the extension is poor: on grids of few cells or of sizes with
 pixels far longer than wide, with contacts and gaps of a few pixels.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from roughcontact.contact.state import mean_product
+from roughcontact.kernels import mean, precision_of
 
 MOST_STEPS = 40
 REDUCTION = 0.1  # of the residual
 
 
-def conjugate_gradients(grid, product):
-    """Return `product` with a field that, subtracted from the pressure, takes most of the residual away.
+def conjugate_gradients(grid, residual, product, chosen) -> Iterator[tuple]:
+    """Yield ever better solutions d of P G P d = P `residual`, and the square of what is left of it, <r, M r>.
 
-    Preconditioned conjugate gradients (Hestenes and Stiefel 1952) for P G P d = r of mean zero, where P keeps
-    the unsettled points of `product` and takes the mean off. Two applications a step.
+    Preconditioned conjugate gradients (Hestenes and Stiefel 1952), from d = 0; P keeps the `chosen` points
+    and takes the mean off. `product` is M `residual`, of the last preconditioning. Two applications a step;
+    ends where rounding leaves no further step. The array d is changed by the next step.
     """
-    residual, unsettled = grid.last_residual(product.field.dtype)
     xp = residual.__array_namespace__()
 
     def centred(field):
-        return xp.where(unsettled, field - field.dtype.type(xp.mean(field[unsettled], dtype=xp.float64)), 0)
+        return xp.where(chosen, field - mean(field[chosen]), xp.zeros_like(field))
 
-    remainder, preconditioned = centred(residual), centred(product.field)
-    correction = xp.zeros_like(remainder)
-    direction = preconditioned
+    remainder, preconditioned = centred(residual), centred(product)
+    direction, solution = preconditioned, xp.zeros_like(remainder)
     rz = mean_product(remainder, preconditioned)
-    enough = REDUCTION**2 * rz
-    for _ in range(MOST_STEPS):
+    while True:
+        yield solution, rz
         displaced = centred(grid.halfspace.displacement(direction))
         curvature = mean_product(direction, displaced)
-        if not (curvature > 0 and rz > enough):
-            break
-        length = residual.dtype.type(rz / curvature)
-        correction += length * direction
-        remainder -= length * displaced
-        remainder = centred(remainder)
+        if not (curvature > 0 and rz > 0):
+            return
+        length = rz / curvature
+        solution += length * direction
+        remainder = centred(remainder - length * displaced)
         preconditioned = centred(grid.precondition_on_last_set(remainder))
         before, rz = rz, mean_product(remainder, preconditioned)
-        direction = preconditioned + residual.dtype.type(rz / before) * direction
+        direction = preconditioned + rz / before * direction
+
+
+def accurate(grid, product):
+    """Return `product` with a field that, subtracted from the pressure, takes most of the residual away."""
+    residual, unsettled = grid.last_residual(precision_of(product.field))
+    enough = None
+    for step, (correction, rz) in enumerate(conjugate_gradients(grid, residual, product.field, unsettled)):
+        enough = REDUCTION**2 * rz if enough is None else enough
+        if rz <= enough or step == MOST_STEPS:
+            break
     return replace(product, field=correction, mean=0.0)
 
 

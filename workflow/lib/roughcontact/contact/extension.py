@@ -13,7 +13,11 @@ times it for patches and scattered points on square pixels, three times it where
 wide: that is why few iterations suffice.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
+
+from roughcontact.kernels import empty
 
 # Ratio of the pitches above which the lines along the finer axis are taken as contacts of their own.
 ELONGATED = 3.0
@@ -21,105 +25,184 @@ SMALLEST = 4  # cells along an axis below which the pyramid is not continued
 MOST_SWEEPS = 16  # on the coarsest grid, which is not small where the number of cells has large prime factors
 
 
+@dataclass
+class Level:
+    """One coarser grid of the pyramid: `factors` from the next finer one, and fields of its cells.
+
+    `empty` is the share of a cell that counts as gap; its mean residual x `gain` is what its contact weighs.
+    Where lines have become cells, `line_gain` makes the mean over a line that over its contact.
+    `means` and `room` are to work in.
+    """
+
+    factors: tuple[int, int]
+    weights: tuple[float, float, float]
+    empty: np.ndarray
+    gain: np.ndarray
+    means: np.ndarray
+    room: np.ndarray
+    line_gain: np.ndarray | None
+
+
 class Extension:
     """The linear map W from fields that are zero outside C to fields without gaps, on one grid.
 
-    `kernels`: `roughcontact.kernels` or its compiled twin. Grid by grid of the pyramid, finest first,
-    it holds the empty share of every cell, which `complete` brings up to date when C changes, and room to
-    work in.
+    `empty`, shape (ny, nx) of `like`, is 1 outside C and 0 on it; after a change of it `complete` brings the
+    pyramid up to date. `kernels`: `roughcontact.kernels` or its compiled twin.
     """
 
-    def __init__(self, like, lengths: tuple[float, float], kernels):
-        self.kernels = kernels
-        self.empty, self.weights, self.factors, self.rooms = [], [], [], []
-        self.collapsed = None  # the grid, if any, on which every line along the finer axis is one cell
-        xp, shape = like.__array_namespace__(), like.shape
-        while True:
-            pitches = [length / n for length, n in zip(lengths, shape, strict=True)]
-            self.weights.append(stencil(pitches, shape))
-            self.empty.append(xp.empty(shape, dtype=like.dtype))
-            self.rooms.append([xp.empty(shape, dtype=like.dtype) for _ in range(2 if self.factors else 1)])
-            factors = coarsening(pitches, shape)
-            if factors == (1, 1) and self.collapsed is None:
-                factors = collapse(pitches, shape)
-                self.collapsed = len(self.empty) if factors != (1, 1) else None
-            if factors == (1, 1):
-                break
-            self.factors.append(factors)
-            shape = tuple(n // f for n, f in zip(shape, factors, strict=True))
-        self.sweeps = min(MOST_SWEEPS, max(shape))
-        self._gain = [None] * len(self.empty)
-        self.last_rooms = [xp.empty(shape, dtype=like.dtype) for _ in range(2)]
+    def __init__(self, like, precision: str, lengths: tuple[float, float], kernels):
+        self.kernels, xp = kernels, like.__array_namespace__()
+        self.empty = empty(like, precision)
+        self.weights = stencil(pitches_of(like.shape, lengths), like.shape)
+        plan = pyramid(like.shape, lengths)
+        ends = np.cumsum([0, *(int(np.prod(shape)) for shape, _, _ in plan)]).tolist()
+        # the grids lie one after the other, so that all the small ones can be handed over at once
+        stores = [empty(like, precision, (ends[-1],)) for _ in range(4)]
+        self.levels = [
+            Level(
+                factors,
+                stencil(pitches_of(shape, lengths), shape),
+                *(xp.reshape(store[start:end], shape) for store in stores),
+                empty(like, precision, shape) if collapsed else None,
+            )
+            for (shape, factors, collapsed), start, end in zip(plan, ends[:-1], ends[1:], strict=True)
+        ]
+        last = plan[-1][0] if plan else tuple(like.shape)
+        self.sweeps = min(MOST_SWEEPS, max(last))
+        self._last_rooms = [empty(like, precision, last) for _ in range(2)]
+        collapses = any(collapsed for _, _, collapsed in plan)
+        cells = [end - start for start, end in zip(ends[:-1], ends[1:], strict=True)]
+        # grids from here on are small: they are passed over in one call
+        self._first_small = sum(n > kernels.TAIL for n in cells) if not collapses else len(plan)
+        self._small = None
+        if self._first_small < len(plan):
+            self._small = kernels.pack(self.levels, stores, ends, self._first_small)
 
     def complete(self) -> None:
-        """Bring the empty shares of the coarser grids up to date with `empty[0]`, 1 outside C and 0 on it."""
-        xp, share = self.empty[0].__array_namespace__(), None
-        for level, factors in enumerate(self.factors, start=1):
-            means = self.rooms[level][0]
-            self.kernels.block_mean(self.empty[0] if share is None else share, factors, means)
-            share = 1 - means if share is None else means  # of contact, in every cell
-            touched = share > 0
-            # every line of a collapsed grid that is in contact at all counts as one full cell
-            weight = xp.astype(touched, share.dtype) if level == self.collapsed else xp.sqrt(share)
-            self.empty[level][...] = 1 - weight
-            self._gain[level] = weight / xp.where(touched, share, xp.ones_like(share))
-            share = weight if level == self.collapsed else share
+        """Bring the pyramid up to date with `empty`."""
+        kernels, xp = self.kernels, self.empty.__array_namespace__()
+        if self.levels:
+            finest = self.levels[0]
+            kernels.block_mean(self.empty, finest.factors, finest.means)
+            finest.means[...] = 1 - finest.means
+        for number, level in enumerate(self.levels):
+            if number == self._first_small:
+                kernels.weigh_small(self._small)
+                break
+            if level.line_gain is not None:
+                # every line that is in contact at all counts as one full cell
+                touched = xp.astype(level.means > 0, level.means.dtype)
+                level.line_gain[...] = touched / xp.where(touched > 0, level.means, xp.ones_like(touched))
+                level.means[...], level.gain[...], level.empty[...] = touched, touched, 1 - touched
+            else:
+                kernels.weigh(level.means, level.empty, level.gain)
+            if number + 1 < len(self.levels):
+                after = self.levels[number + 1]
+                kernels.block_mean(level.means, after.factors, after.means)
 
     def extend(self, values, out) -> None:
         """Put W values into `out`; both of shape (ny, nx)."""
-        kernels, rooms = self.kernels, self.rooms
-        means = [values]
-        for level, factors in enumerate(self.factors, start=1):
-            kernels.block_mean(means[-1], factors, rooms[level][0])
-            if level == self.collapsed:
-                rooms[level][0] *= self._gain[level]
-            means.append(rooms[level][0])
-        for level in range(1, len(means)):
-            if level != self.collapsed:
-                means[level] *= self._gain[level]
-        mixed = self._sweep(means[-1])
-        for level in range(len(self.factors), 0, -1):
-            filled = rooms[level][1]
-            if level == self.collapsed:
-                filled[...] = mixed
-            else:
-                kernels.neighbours(mixed, self.weights[level], filled)
-            mixed = rooms[level - 1][0]  # the room of the means, which are needed no more
-            kernels.mix(means[level - 1], self.empty[level - 1], filled, self.factors[level - 1], mixed)
-        kernels.fill(values, self.empty[0], mixed, self.weights[0], out)
+        kernels = self.kernels
+        if not self.levels:
+            mixed = self._sweep(values, self.empty, self.weights)
+            kernels.fill(values, self.empty, mixed, self.weights, out)
+            return
+        coarse = self.levels[0]
+        kernels.block_mean(values, coarse.factors, coarse.means)
+        kernels.fill_from(values, self.empty, self._filled(0), coarse.factors, self.weights, out)
 
-    def _sweep(self, means):
+    def _filled(self, number):
+        """Return what the cells of a level, given their `means`, tell the next finer grid's empty cells."""
+        kernels, level = self.kernels, self.levels[number]
+        if number == self._first_small:
+            kernels.fill_small(self._small, self.sweeps, *self._last_rooms)
+            return level.means
+        if level.line_gain is not None:
+            level.means *= level.line_gain
+        if number + 1 == len(self.levels):
+            level.means *= level.gain
+            mixed = self._sweep(level.means, level.empty, level.weights)
+        else:
+            after, mixed = self.levels[number + 1], level.room
+            kernels.block_mean(level.means, after.factors, after.means)
+            kernels.mix(level.means, level.gain, level.empty, self._filled(number + 1), after.factors, mixed)
+        if level.line_gain is not None:
+            return mixed
+        kernels.neighbours(mixed, level.weights, level.means)
+        return level.means
+
+    def _sweep(self, means, empty, weights):
         """Return the coarsest grid's mixed field, of which the neighbours' means are taken once more."""
-        mixed, other = means, self.last_rooms
+        mixed = means
         for sweep in range(1, self.sweeps):
-            self.kernels.fill(means, self.empty[-1], mixed, self.weights[-1], other[sweep % 2])
-            mixed = other[sweep % 2]
+            self.kernels.fill(means, empty, mixed, weights, self._last_rooms[sweep % 2])
+            mixed = self._last_rooms[sweep % 2]
         return mixed
 
-    def transpose(self, field, values) -> tuple[float, float]:
-        """Put W^T field, zero outside C, into `field`; return its sum and that of field x `values`."""
-        kernels, rooms, last = self.kernels, self.rooms, len(self.factors)
-        kernels.empty_neighbours(field, self.empty[0], self.weights[0], rooms[0][0])
-        for level, factors in enumerate(self.factors, start=1):
-            kernels.gather(rooms[level - 1][0], self.empty[level - 1], factors, rooms[level][1])
-            if level == self.collapsed:
-                rooms[level][0][...] = rooms[level][1]
-            else:
-                kernels.neighbours(rooms[level][1], self.weights[level], rooms[level][0])
-        passed, other = rooms[last][0], self.last_rooms
+    def transpose(self, field, values, scratch) -> tuple[float, float]:
+        """Put W^T field, zero outside C, into `field`; return its sum and that of field x `values`.
+
+        `scratch`, like `field`, is overwritten.
+        """
+        kernels = self.kernels
+        if not self.levels:
+            kernels.empty_neighbours(field, self.empty, self.weights, scratch)
+            self._sweep_back(scratch, self.empty, self.weights)
+            nothing = scratch[:1, :1] * 0
+            return kernels.conclude(field, scratch, nothing, field.shape, values, self.empty)
+        coarse = self.levels[0]
+        kernels.empty_from(field, self.empty, self.weights, scratch, coarse.factors, coarse.means)
+        returned = self._returned(0)
+        return kernels.conclude(field, scratch, returned, coarse.factors, values, self.empty)
+
+    def _returned(self, number):
+        """Return the transpose of `_filled`: from what the level's `means` hold to what its means get."""
+        kernels, level = self.kernels, self.levels[number]
+        if number == self._first_small:
+            kernels.return_small(self._small, self.sweeps, *self._last_rooms)
+            return level.room
+        if level.line_gain is not None:
+            level.room[...] = level.means
+        else:
+            kernels.neighbours(level.means, level.weights, level.room)
+        if number + 1 == len(self.levels):
+            self._sweep_back(level.room, level.empty, level.weights)
+            level.room *= level.gain
+        else:
+            after = self.levels[number + 1]
+            kernels.gather(level.room, level.empty, after.factors, after.means)
+            kernels.spread(level.room, level.gain, self._returned(number + 1), after.factors)
+        if level.line_gain is not None:
+            level.room *= level.line_gain
+        return level.room
+
+    def _sweep_back(self, total, empty, weights):
+        """Add to `total` what the transposes of the sweeps make of it."""
+        passed = total
         for sweep in range(1, self.sweeps):
-            kernels.empty_neighbours(passed, self.empty[-1], self.weights[-1], other[sweep % 2])
-            passed = other[sweep % 2]
-            rooms[last][0] += passed
-        for level in range(1, last + 1):
-            if level != self.collapsed:
-                rooms[level][0] *= self._gain[level]
-        for level in range(last, 0, -1):
-            if level == self.collapsed:
-                rooms[level][0] *= self._gain[level]
-            fy, fx = self.factors[level - 1]
-            kernels.spread(rooms[level - 1][0], rooms[level][0], (fy, fx), 1 / (fy * fx))
-        return kernels.conclude(field, rooms[0][0], values, self.empty[0])
+            self.kernels.empty_neighbours(passed, empty, weights, self._last_rooms[sweep % 2])
+            passed = self._last_rooms[sweep % 2]
+            total += passed
+
+
+def pyramid(shape, lengths) -> list[tuple[tuple[int, int], tuple[int, int], bool]]:
+    """Return the grids coarser than `shape`: (shape, factors from the finer one, lines have become cells)."""
+    plan, shape, collapsed = [], tuple(shape), False
+    while True:
+        pitches = pitches_of(shape, lengths)
+        factors, collapses = coarsening(pitches, shape), False
+        if factors == (1, 1) and not collapsed:
+            factors = collapse(pitches, shape)
+            collapsed = collapses = factors != (1, 1)
+        if factors == (1, 1):
+            return plan
+        shape = tuple(n // f for n, f in zip(shape, factors, strict=True))
+        plan.append((shape, factors, collapses))
+
+
+def pitches_of(shape, lengths) -> list[float]:
+    """Return the pitches (dy, dx) of a grid."""
+    return [length / n for length, n in zip(lengths, shape, strict=True)]
 
 
 def coarsening(pitches, shape, *, smallest: int = SMALLEST) -> tuple[int, int]:

@@ -29,12 +29,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from roughcontact.contact.certificate import error_bound, relative_bound, rounding_floor
-from roughcontact.contact.conjugate import conjugate_gradients, is_slow
+from roughcontact.contact.conjugate import accurate, is_slow
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.projected import projected_step
 from roughcontact.contact.state import State, between, scale_to_load
+from roughcontact.kernels import DOUBLE, SINGLE, empty, in_precision, precision_of
 
-SINGLE, DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
 TOO_STIFF = 1e-3  # relative rounding floor of single precision from which all is done in double
 PATIENCE = 20  # steps that do not improve the bound before the iteration is called stalled
 FIRST_LENGTH = 0.95
@@ -56,7 +56,7 @@ def solve_on_grid(
     mean_pressure: float,
     *,
     tolerance: float,
-    finish=DOUBLE,
+    finish: str = DOUBLE,
     max_steps: int = 200,
 ) -> GridSolution:
     """Improve the pressure `start` (ny, nx) until the bound of its relative error is at most `tolerance`.
@@ -69,55 +69,58 @@ def solve_on_grid(
     """
     cap, halfspace = grid.cap, grid.halfspace
     inner = precision = SINGLE
-    start = start.__array_namespace__().astype(start, precision, copy=False)
-    state, _ = grid.evaluate(scale_to_load(start, mean_pressure, cap=cap))
+    state, _ = grid.evaluate(scale_to_load(in_precision(start, precision, copy=False), mean_pressure, cap=cap))
     del start
     lowest, lowest_step, failures, bound_before = np.inf, 0, 0, np.inf
     length = FIRST_LENGTH
-    spare = None
+    trial = spare = None
     for step in range(max_steps + 1):
         single_floor = rounding_floor(halfspace, state, SINGLE)
         if single_floor > TOO_STIFF:
             inner = precision = finish = DOUBLE
-        product = grid.precondition(state, dtype=inner)
+        product = grid.precondition(state, precision=inner)
         bound = relative_bound(halfspace, state, np.sqrt(max(product.energy, 0.0)))
         if bound < 0.99 * lowest:
             lowest, lowest_step = bound, step
-        double = state.pressure.dtype == DOUBLE
+        double = precision_of(state.pressure) == DOUBLE
         hopeless = (
             step == max_steps
             or step - lowest_step > PATIENCE
             or (double and bound <= 2 * rounding_floor(halfspace, state))
         )
         if bound <= tolerance or hopeless:
-            rounded = state.pressure.dtype != finish
+            rounded = precision_of(state.pressure) != finish
             if rounded:
                 precision = finish
                 state = _in_precision(grid, state, precision, mean_pressure)
-                product = grid.precondition(state, dtype=inner)
+                product = grid.precondition(state, precision=inner)
             bound = error_bound(grid, state, product)
             if bound <= tolerance or hopeless:
                 break
-            product = grid.precondition(state, dtype=inner)
+            product = grid.precondition(state, precision=inner)
         # the last step, as far as the one before tells, is taken in the precision of the result
         foreseen = bound * min(1.0, bound / bound_before) if np.isfinite(bound_before) else bound
         if foreseen <= tolerance or bound <= 30 * single_floor:
             precision = finish
-        rises = precision != state.pressure.dtype
+        rises = precision != precision_of(state.pressure)
         if rises:
             spare = None
-        moved = np.empty(grid.shape, dtype=precision) if spare is None else spare.pressure
-        accurate = step > 0 and is_slow(bound, bound_before)
-        if accurate:
-            product = conjugate_gradients(grid, product)
+        moved = empty(state.pressure, precision) if spare is None else spare.pressure
+        slow = step > 0 and is_slow(bound, bound_before)
+        if slow:
+            product = accurate(grid, product)
         bound_before = bound
-        moved = grid.advance(state, product, 1.0 if accurate else length, mean_pressure, moved)
+        moved = grid.advance(state, product, 1.0 if slow else length, mean_pressure, moved)
+        if rises:
+            # What tells the two energies apart is lost in the rounding of the first: it need not be kept.
+            state = trial = None
+            state, _ = grid.evaluate(moved)
+            continue
         trial, way = grid.evaluate(moved, before=state, room=None if spare is None else spare.separation)
-        # where the precision rises, what tells the two energies apart is lost in the rounding of the first
-        if rises or way.falls:
-            if not accurate:
+        if way.falls:
+            if not slow:
                 length = min(1.0, max(SHORTEST, length * way.least))
-            state, spare = trial, None if rises else state
+            state, spare = trial, state
             continue
         failures += 1
         spare = None
@@ -134,9 +137,5 @@ def solve_on_grid(
 
 
 def _in_precision(grid, state, precision, mean_pressure):
-    pressure = scale_to_load(_cast(state.pressure, precision), mean_pressure, cap=grid.cap)
-    return grid.evaluate(pressure)[0]
-
-
-def _cast(field, dtype):
-    return field.__array_namespace__().astype(field, dtype)
+    pressure = in_precision(state.pressure, precision)
+    return grid.evaluate(scale_to_load(pressure, mean_pressure, cap=grid.cap))[0]

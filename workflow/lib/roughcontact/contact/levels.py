@@ -4,10 +4,8 @@ Coarse heights are block means, measured to need fewer iterations than injection
 coarse pressure comes onto the finer grid: `roughcontact.kernels.refine`.
 """
 
-import numpy as np
-
 from roughcontact.contact.extension import coarsening
-from roughcontact.kernels import kernels_for
+from roughcontact.kernels import SINGLE, empty, kernels_for
 
 COARSEST = 32  # cells along an axis: below that a level costs more overhead than it saves
 
@@ -20,17 +18,17 @@ def coarsening_factors(shape, lengths) -> tuple[int, int]:
     return coarsening(pitches, shape, smallest=COARSEST // 2)
 
 
-def hierarchy(heights: np.ndarray, lengths) -> list[tuple[np.ndarray, tuple[int, int]]]:
-    """Return [(heights, factors to the next coarser), ...] from the finest grid to the coarsest.
+def hierarchy(heights, lengths) -> list:
+    """Return [(factors, heights), ...] of the grids coarser than that of `heights`, the finest first.
 
-    The coarse heights are in single precision, which is all their tolerance asks for.
+    The factors are those to the next finer grid.
     """
     levels = []
     while True:
         factors = coarsening_factors(heights.shape, lengths)
-        levels.append((heights, factors))
         if factors == (1, 1):
             return levels
-        coarse = np.empty([n // f for n, f in zip(heights.shape, factors, strict=True)], dtype=np.float32)
+        coarse = empty(heights, SINGLE, tuple(n // f for n, f in zip(heights.shape, factors, strict=True)))
         kernels_for(heights).block_mean(heights, factors, coarse)
+        levels.append((factors, coarse))
         heights = coarse

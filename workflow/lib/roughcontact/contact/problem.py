@@ -7,13 +7,15 @@ import xarray as xr
 
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.fourier import spacing
+from roughcontact.kernels import DOUBLE, SINGLE
 from roughcontact.roughness import rms_gradient
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Dimensionless heights H = (h - h_ref)/(g L), shape (ny, nx), on a cell of `lengths` = (Ly, Lx)/L.
+    """The heights h (ny, nx) on a cell of `lengths` = (Ly, Lx)/L, and what makes them dimensionless.
 
+    H = (h - h_ref)/(g L) is never made for all of the map in double precision: it would fill memory.
     `reference` h_ref is the middle of the height range: subtracting it first keeps an offset of metres from
     eating the digits of nanometres. `scale` = g L (m) is the unit of height, L = sqrt(Lx Ly) that of length,
     E* g that of pressure; `gradient` g is the spectral rms gradient. A flat map has g = 0 and no scale.
@@ -61,18 +63,19 @@ def check_map(window: xr.DataArray) -> None:
             )
 
 
-def pose(window: xr.DataArray, *, dtype=np.float64) -> Problem:
-    """Return the dimensionless problem of the map `window` (y, x), its heights in the precision `dtype`."""
+def pose(window: xr.DataArray, *, precision: str = DOUBLE) -> Problem:
+    """Return the dimensionless problem of the map `window` (y, x).
+
+    Its heights are not copied where they can be used as they are; in single precision for a result in that.
+    """
     check_map(window)
     steps = spacing(window)
     lengths = tuple(n * d for n, d in zip(window.shape, steps, strict=True))
-    reference = 0.5 * (float(window.values.min()) + float(window.values.max()))
-    heights = np.empty(window.shape, dtype=dtype)
-    np.subtract(window.values, reference, out=heights, casting="same_kind")
+    kind = np.float32 if precision == SINGLE and window.dtype == np.float32 else np.float64
+    heights = np.require(window.values, dtype=kind, requirements=["C", "A", "W"])
+    reference = 0.5 * (float(heights.min()) + float(heights.max()))
     unit = float(np.sqrt(lengths[0] * lengths[1]))
     gradient = rms_gradient(window)
-    if gradient > 0:
-        heights /= heights.dtype.type(gradient * unit)
     return Problem(
         heights=heights,
         lengths=(lengths[0] / unit, lengths[1] / unit),

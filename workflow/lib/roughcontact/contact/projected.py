@@ -7,7 +7,7 @@ lower the energy for every small enough step length (Bertsekas 1976, IEEE Trans.
 import numpy as np
 
 from roughcontact.contact.state import State, between, mean_product
-from roughcontact.kernels import unsettled
+from roughcontact.kernels import mean, unsettled
 
 
 def project_to_load(pressure, mean_pressure: float, *, cap: float = np.inf):
@@ -16,17 +16,16 @@ def project_to_load(pressure, mean_pressure: float, *, cap: float = np.inf):
     It is max(min(p - shift, cap), 0); the mean falls with the shift, which bisection finds to the last digit.
     """
     xp = pressure.__array_namespace__()
-    kind = pressure.dtype.type
-    top = None if cap == np.inf else kind(cap)
+    top = None if cap == np.inf else cap
     low, high = float(xp.min(pressure)) - mean_pressure, float(xp.max(pressure))
     if top is not None:
         low -= cap
     while True:
         shift = 0.5 * (low + high)
-        projected = xp.clip(pressure - kind(shift), 0, top)
+        projected = xp.clip(pressure - shift, 0, top)
         if not low < shift < high:
             break
-        if float(xp.mean(projected, dtype=xp.float64)) > mean_pressure:
+        if mean(projected) > mean_pressure:
             low = shift
         else:
             high = shift
@@ -47,7 +46,7 @@ def projected_step(grid, state: State, mean_pressure: float) -> State | None:
         return None
     length = mean_product(slope, slope) / curvature
     for _ in range(40):
-        moved = project_to_load(pressure - pressure.dtype.type(length) * gap, mean_pressure, cap=grid.cap)
+        moved = project_to_load(pressure - length * gap, mean_pressure, cap=grid.cap)
         trial, way = grid.evaluate(moved, before=state)
         lower = trial if way.falls else between(state, trial, way, cap=grid.cap)
         if lower is not None:

@@ -2,9 +2,12 @@
 
 import numpy as np
 
+from roughcontact.contact.conjugate import conjugate_gradients
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.problem import check_positive
 from roughcontact.contact.state import mean_product
+
+MOST_STEPS = 200
 
 
 def linear_response(
@@ -52,30 +55,12 @@ def linear_response(
     share = contact.mean()
 
     increment = contact / share
-    displaced = grid.halfspace.displacement(increment).copy()
-    remainder = _centred(displaced, contact)
-    product, rz = _preconditioned(grid, remainder, contact)
-    direction = -product
-    for _ in range(200):
-        if rz <= tolerance**2 * mean_product(increment, displaced):
+    displaced = grid.halfspace.displacement(increment)
+    energy = mean_product(increment, displaced)
+    residual = np.where(contact, displaced, 0)
+    product = grid.precondition_on(contact, residual - contact * residual[contact].mean())
+    for step, (correction, rz) in enumerate(conjugate_gradients(grid, residual, product, contact)):
+        least = energy - mean_product(residual, correction)  # <x - d, G (x - d)>
+        if rz <= tolerance**2 * least or step == MOST_STEPS:
             break
-        moved = grid.halfspace.displacement(direction)
-        length = rz / mean_product(direction, moved)
-        increment += length * direction
-        displaced += length * moved
-        remainder = _centred(displaced, contact)
-        product, rz_after = _preconditioned(grid, remainder, contact)
-        direction = rz_after / rz * direction - product
-        rz = rz_after
-    return mean_product(increment, displaced) * unit / modulus
-
-
-def _preconditioned(grid, remainder, contact):
-    """Return M r, of mean zero on the contact, and <r, M r>."""
-    product = _centred(grid.precondition_on(contact, remainder), contact)
-    return product, mean_product(remainder, product)
-
-
-def _centred(field, contact):
-    """Return `field` on the contact less its mean there, and zero elsewhere."""
-    return np.where(contact, field - field[contact].mean(), 0)
+    return least * unit / modulus

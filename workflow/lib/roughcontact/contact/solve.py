@@ -11,6 +11,7 @@ from roughcontact.contact.sweep import sweep
 from roughcontact.errors import ConvergenceError, SettingsError
 from roughcontact.halfspace import zero_frequency_compliance
 from roughcontact.influence import INFLUENCE
+from roughcontact.kernels import DOUBLE, SINGLE
 from roughcontact.variables import describe
 
 SMALLEST_TOLERANCE = 1e-15
@@ -107,7 +108,8 @@ def solve_contact(
         raise SettingsError(
             f"mean_pressure {max(loads):g} Pa is not below the hardness {cap:g} Pa: no contact carries it"
         )
-    problem = pose(window, dtype=np.float64 if precision == "double" else np.float32)
+    working = DOUBLE if precision == "double" else SINGLE
+    problem = pose(window, precision=working)
     lengths = tuple(length * problem.unit_length for length in problem.lengths)
     compliance = zero_frequency_compliance(zero_frequency, lengths=lengths) / modulus
 
@@ -119,6 +121,7 @@ def solve_contact(
         tolerance=tolerance,
         cap=cap / unit,
         influence=influence,
+        precision=working,
         threads=threads,
     )
     pieces = [None] * len(loads)
@@ -143,7 +146,13 @@ def solve_contact(
         pieces[index] = piece
         if progress is not None:
             progress(done, len(loads), f"mean pressure {load:.4g} Pa")
-    joined = xr.concat(
+    del solutions  # and with them the room to work in
+    return describe(pieces[0] if len(pieces) == 1 else _joined(pieces))
+
+
+def _joined(pieces) -> xr.Dataset:
+    """Return the datasets of the loads as one."""
+    return xr.concat(
         pieces,
         dim="load",
         data_vars="minimal",
@@ -152,7 +161,6 @@ def solve_contact(
         join="override",
         combine_attrs="override",
     )
-    return describe(joined)
 
 
 def _label(solution, problem: Problem, window, *, load, modulus, compliance, hardness) -> xr.Dataset:

@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from roughcontact.kernels import mean
+
 
 @dataclass(frozen=True)
 class State:
@@ -21,7 +23,7 @@ class State:
 
     @property
     def gap(self):
-        return self.separation - self.separation.dtype.type(self.level)
+        return self.separation - self.level
 
 
 @dataclass(frozen=True)
@@ -54,9 +56,8 @@ def between(before: State, after: State, way: Way, *, cap: float) -> State | Non
     if way.slope >= 0:
         return None
     share = way.least
-    kind = after.pressure.dtype.type
-    pressure = before.pressure + kind(share) * (after.pressure - before.pressure)
-    separation = before.separation + kind(share) * (after.separation - before.separation)
+    pressure = before.pressure + share * (after.pressure - before.pressure)
+    separation = before.separation + share * (after.separation - before.separation)
     square = (1 - share) * before.norm**2 + share * after.norm**2
     square -= share * (1 - share) * (way.slope_after - way.slope)
     return replace(
@@ -77,7 +78,7 @@ def contact_mean(pressure, separation, *, cap: float) -> float:
     xp = pressure.__array_namespace__()
     free = (pressure > 0) & (pressure < cap)
     if xp.any(free):
-        return float(xp.mean(separation[free], dtype=xp.float64))
+        return mean(separation[free])
     full = pressure >= cap
     if xp.all(full):
         return float(xp.max(separation))
@@ -91,26 +92,27 @@ def scale_to_load(pressure, mean_pressure: float, *, cap: float = np.inf):
     and those that the factor takes beyond the cap are held in turn, which ends after finitely many passes.
     """
     xp = pressure.__array_namespace__()
-    kind = pressure.dtype.type
     positive = xp.where(pressure > 0, pressure, xp.zeros_like(pressure))
     total = mean_pressure * pressure.size
     load = float(xp.sum(positive, dtype=xp.float64))
     if cap == np.inf:
-        positive *= kind(total / load)
+        positive *= total / load
         return positive
     if mean_pressure >= cap:
         raise ValueError(f"a mean pressure of {mean_pressure:g} cannot be carried below the cap {cap:g}")
     held = pressure >= cap
     if mean_pressure * pressure.size < cap * int(xp.count_nonzero(held)):
-        held = xp.zeros(pressure.shape, dtype=bool)  # more than the load: all must give way
+        held = pressure > np.inf  # nowhere: there is more than the load, all must give way
     while True:
         missing = total - cap * int(xp.count_nonzero(held))
         rest = float(xp.sum(positive[~held], dtype=xp.float64))
-        if rest == 0:  # all that carried something is at the cap: the others share what is missing
-            return xp.where(held, kind(cap), kind(missing / int(xp.count_nonzero(~held))))
-        beyond = (positive * kind(missing / rest) > cap) & ~held
-        if not xp.any(beyond):
-            return xp.where(held, kind(cap), positive * kind(missing / rest))
+        if rest > 0:
+            scaled = positive * (missing / rest)
+        else:  # all that carried something is at the cap: the others share what is missing
+            scaled = xp.full_like(positive, missing / int(xp.count_nonzero(~held)))
+        beyond = (scaled > cap) & ~held
+        if rest == 0 or not xp.any(beyond):
+            return xp.where(held, xp.full_like(positive, cap), scaled)
         held |= beyond
 
 
@@ -121,5 +123,4 @@ def norm(left, right) -> float:
 
 def mean_product(left, right) -> float:
     """Return the mean over the grid of left x right, summed in double precision."""
-    xp = left.__array_namespace__()
-    return float(xp.sum(left * right, dtype=xp.float64)) / left.size
+    return mean(left * right)

@@ -7,10 +7,11 @@ import numpy as np
 
 from roughcontact.contact.certificate import bound_without_transform, rounding_floor
 from roughcontact.contact.grid import Grid
-from roughcontact.contact.iteration import SINGLE, solve_on_grid
+from roughcontact.contact.iteration import solve_on_grid
 from roughcontact.contact.levels import hierarchy
 from roughcontact.contact.problem import Problem
 from roughcontact.contact.state import State, scale_to_load
+from roughcontact.kernels import DOUBLE, SINGLE, empty, in_precision
 
 COARSE_TOLERANCE = 1e-2  # of all grids but the finest: a tighter one chases points the next grid moves anyway
 OFTEN_FULL = 1.0  # load in units of E* g; the full-contact pressure has a standard deviation of half that
@@ -38,43 +39,47 @@ def sweep(
     tolerance: float,
     cap: float = np.inf,
     influence: str = "sampled",
+    precision: str = DOUBLE,
     threads: int,
 ) -> Iterator[Solution]:
     """Yield the solution of every load, a rising sequence of mean pressures in units of E* g.
 
-    `cap` is the largest pressure allowed, `influence` the symbol of the operator; the result is in the
-    precision of the heights. The fields of a solution are the caller's to change.
+    `cap` is the largest pressure allowed, `influence` the symbol of the operator, `precision` that of the
+    result. The fields of a solution are the caller's to change.
 
     Flat maps and full contact are known in closed form and take no iteration. Otherwise a load starts from
     coarser grids and from the load before it (`_nested_start`).
     """
     if problem.flat:
         for load in loads:
-            yield _flat(problem, load)
+            yield _flat(problem, load, precision)
         return
-    levels = hierarchy(problem.heights, problem.lengths)
     operator = {"cap": cap, "influence": influence, "threads": threads}
-    grids = [Grid(heights, problem.lengths, **operator) for heights, _ in levels]
-    factors = [factors for _, factors in levels]
-    finest = grids[0]
+    finest = Grid(
+        problem.heights, problem.lengths, reference=problem.reference, unit=problem.scale, **operator
+    )
+    levels = hierarchy(finest.heights_in(SINGLE), problem.lengths)
+    grids = [finest, *(Grid(heights, problem.lengths, **operator) for _, heights in levels)]
+    factors = [factors for factors, _ in levels]
+    del levels
     # Full contact: p = mean + G^-1 H, wherever that is nowhere negative (Johnson 1985, section 13.2).
-    fluctuation, full_contact_from = _full_contact(finest, max(loads))
+    fluctuation, full_contact_from = _full_contact(grids, max(loads))
     last = None  # the pressures of the last load, finest grid first
     for number, load in enumerate(loads, start=1):
         work = 0.0
         if load >= full_contact_from:
-            state, _ = finest.evaluate(scale_to_load(load + fluctuation, load))
+            pressure = in_precision(load + fluctuation, precision, copy=False)
+            state, _ = finest.evaluate(scale_to_load(pressure, load))
             bound, steps = bound_without_transform(finest, state), 0
         else:
             guess, steps = _nested_start(grids, factors, load, last)
             if number == len(loads):  # the coarse grids are needed no more: give their memory back
                 work, last = _applications(grids), None
                 del grids[1:], guess[1:]
-            finish = finest.heights.dtype
-            solution = solve_on_grid(finest, guess.pop(0), load, tolerance=tolerance, finish=finish)
+            solution = solve_on_grid(finest, guess.pop(0), load, tolerance=tolerance, finish=precision)
             state, bound, steps = solution.state, solution.error_bound, steps + solution.steps
             if number < len(loads):
-                last = [state.pressure.astype(SINGLE), *guess]
+                last = [in_precision(state.pressure, SINGLE), *guess]
         yield Solution(
             state=state,
             error_bound=bound,
@@ -84,21 +89,22 @@ def sweep(
         )
 
 
-def _full_contact(grid: Grid, load: float) -> tuple[np.ndarray | None, float]:
+def _full_contact(grids, load: float) -> tuple:
     """Return the fluctuation of the full-contact pressure and the load from which it is nowhere negative.
 
-    Where even the largest `load` is far from that, single precision says so, and the load alone is returned.
-    Where the cap is in the way there is no such load.
+    None, and no such load, where even the largest `load` is far from that: what a coarser grid leaves open,
+    the finer ones, whose fluctuation is larger, leave open too. Nor is there one where the cap is in the way.
     """
-    if load < OFTEN_FULL:
-        roughly = -float(grid.halfspace.pressure(grid.heights_in(SINGLE)).min())
-        if load < 0.99 * roughly:
-            return None, roughly
-    fluctuation = grid.halfspace.pressure(grid.heights).copy()
-    if load + float(fluctuation.max()) > grid.cap:
+    xp = grids[0].heights_in(SINGLE).__array_namespace__()
+    for grid in reversed(grids) if load < OFTEN_FULL else ():
+        if load < -0.99 * float(xp.min(grid.halfspace.pressure(grid.heights_in(SINGLE)))):
+            return None, np.inf
+    fluctuation = grids[0].halfspace.pressure(grids[0].heights_in(DOUBLE))
+    least, most = float(xp.min(fluctuation)), float(xp.max(fluctuation))
+    if load + most > grids[0].cap:
         return None, np.inf
     # A load that closes the last gap exactly is full contact whatever the last digit says.
-    return fluctuation, -float(fluctuation.min()) - 1e-13 * float(np.ptp(fluctuation))
+    return fluctuation, -least - 1e-13 * (most - least)
 
 
 def _nested_start(grids, factors, load: float, last) -> tuple[list[np.ndarray], int]:
@@ -108,7 +114,9 @@ def _nested_start(grids, factors, load: float, last) -> tuple[list[np.ndarray], 
     on all grids are `last`, it starts from that load's pressure plus the refined difference that the new load
     makes on the coarser grid: the detail that only the finer grid resolves is then there already.
     """
-    pressure = np.full(grids[-1].shape, load, dtype=SINGLE) if last is None else last[-1].copy()
+    coarsest = grids[-1].heights_in(SINGLE)
+    xp = coarsest.__array_namespace__()
+    pressure = xp.full_like(coarsest, load) if last is None else last[-1]
     coarse, steps = [], 0
     for level in range(len(grids) - 1, 0, -1):
         solution = solve_on_grid(grids[level], pressure, load, tolerance=COARSE_TOLERANCE, finish=SINGLE)
@@ -118,12 +126,12 @@ def _nested_start(grids, factors, load: float, last) -> tuple[list[np.ndarray], 
         pressure = _refine(grids, factors, level, found)
         if last is not None:
             pressure += last[level - 1] - _refine(grids, factors, level, last[level])
-            np.maximum(pressure, 0, out=pressure)
+            pressure = xp.clip(pressure, 0, None)
     return [pressure, *coarse], steps
 
 
 def _refine(grids, factors, level, pressure):
-    finer = np.empty(grids[level - 1].shape, dtype=pressure.dtype)
+    finer = empty(pressure, SINGLE, grids[level - 1].shape)
     grids[level].kernels.refine(pressure, factors[level - 1], finer)
     return finer
 
@@ -136,8 +144,9 @@ def _applications(grids) -> float:
     return float(total)
 
 
-def _flat(problem: Problem, load: float) -> Solution:
+def _flat(problem: Problem, load: float, precision: str) -> Solution:
     """Return the uniform pressure under a flat map, which no application of the operator could improve."""
-    pressure = np.full(problem.heights.shape, load, dtype=problem.heights.dtype)
-    state = State(pressure=pressure, separation=np.zeros_like(pressure), level=0.0, norm=0.0, size=0.0)
+    xp = problem.heights.__array_namespace__()
+    separation = in_precision(xp.zeros_like(problem.heights), precision, copy=False)
+    state = State(pressure=separation + load, separation=separation, level=0.0, norm=0.0, size=0.0)
     return Solution(state=state, error_bound=0.0, steps=0, applications=0.0, floor=0.0)
