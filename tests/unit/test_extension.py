@@ -36,8 +36,7 @@ def make(shape, pitches, contact, engine=kernels, dtype=float):
     """Return the extension W from the contact set `contact` (ny, nx) and W as a function."""
     lengths = tuple(n * d for n, d in zip(shape, pitches, strict=True))
     extension = Extension(np.empty(shape), np.dtype(dtype).name, lengths, engine)
-    extension.empty[...] = ~contact
-    extension.complete()
+    extension.choose(contact.astype(dtype))
 
     def extend(values):
         out = np.full(shape, np.nan, dtype=dtype)

@@ -47,7 +47,7 @@ def make_fields(shape, factors, precisions, cap):
         "values": random(shape, inner),
         "field": random(shape, inner),
         "passed": random(shape, inner),
-        "empty": (rng.random(shape) < 0.5).astype(inner),
+        "chosen": (rng.standard_normal(shape) * (rng.random(shape) < 0.5)).astype(inner),
         "share": (rng.random(shape) * (rng.random(shape) < 0.8)).astype(inner),
         "gain": rng.random(shape).astype(inner),
         "coarse": random(coarse_shape, inner),
@@ -77,8 +77,9 @@ CALLS = {
         f["heights"], 0.3, 0.8, f["inner_out"]
     ),
     "remainder": lambda k, f, factors, cap: k.remainder(
-        f["pressure"], f["separation"], LEVEL, cap, f["inner_out"], f["other_out"]
+        f["pressure"], f["separation"], LEVEL, cap, f["inner_out"]
     ),
+    "chosen_share": lambda k, f, factors, cap: k.chosen_share(f["chosen"], factors, f["coarse_out"]),
     "advance": lambda k, f, factors, cap: k.advance(
         f["pressure"],
         f["separation"],
@@ -105,15 +106,15 @@ CALLS = {
         f["field"], f["share"], WEIGHTS, f["inner_out"]
     ),
     "fill_from": lambda k, f, factors, cap: k.fill_from(
-        f["values"], f["share"], f["coarse"], factors, WEIGHTS, f["inner_out"]
+        f["values"], f["chosen"], f["coarse"], factors, WEIGHTS, f["inner_out"]
     ),
     "empty_from": lambda k, f, factors, cap: k.empty_from(
-        f["field"], f["share"], WEIGHTS, f["inner_out"], factors, f["coarse_out"]
+        f["field"], f["chosen"], WEIGHTS, f["inner_out"], factors, f["coarse_out"]
     ),
     "gather": lambda k, f, factors, cap: k.gather(f["field"], f["share"], factors, f["coarse_out"]),
     "spread": lambda k, f, factors, cap: k.spread(f["field"], f["gain"], f["coarse"], factors),
     "conclude": lambda k, f, factors, cap: k.conclude(
-        f["field"], f["passed"], f["coarse"], factors, f["values"], f["empty"]
+        f["field"], f["passed"], f["coarse"], factors, f["values"], f["chosen"]
     ),
     "refine": lambda k, f, factors, cap: k.refine(f["coarse_pressure"], factors, f["inner_out"]),
 }
@@ -184,10 +185,9 @@ def test_unsettled_points_are_those_whose_gap_should_vanish(engine):
     # columns: no pressure, pressure below the cap, at the cap; rows: overlap, touch, gap
     pressure = np.array([[0.0, 0.5, 1.0]] * 3)
     separation = np.array([[-1.0] * 3, [0.0] * 3, [2.0] * 3]) + 0.25
-    values, empty = np.empty((2, 3, 3))
-    assert engine.remainder(pressure, separation, 0.25, 1.0, values, empty) == 5
-    np.testing.assert_array_equal(values, [[-1, -1, 0], [0, 0, 0], [0, 2, 2]])
-    np.testing.assert_array_equal(empty, [[0, 0, 1], [1, 0, 1], [1, 0, 0]])
+    values = np.empty((3, 3))
+    assert engine.remainder(pressure, separation, 0.25, 1.0, values) == 5
+    np.testing.assert_array_equal(values, [[-1, -1, 0], [0, kernels.CLOSED, 0], [0, 2, 2]])
     moved, wanted, found = np.empty((3, 3)), np.empty((1, 3)), np.empty((1, 3))
     product = np.array([[-2.0, -0.2, 9], [9, 0.1, 9], [9, 2, 0.3]])
     scalars = {"level": 0.25, "mean": 0.1, "length": 0.5, "cap": 1.0}
@@ -230,14 +230,15 @@ def test_sums_and_means_are_transposes(engine, shape, factors):
 def test_passes_in_one_sweep_equal_the_passes_one_by_one(engine, shape, factors):
     f = make_fields(shape, factors, (DOUBLE, DOUBLE), np.inf)
     ones, mixed, found, expected = np.ones(shape), *np.empty((3, *shape))
-    kernels.mix(f["values"], ones, f["share"], f["coarse"], factors, mixed)
-    kernels.fill(f["values"], f["share"], mixed, WEIGHTS, expected)
-    engine.fill_from(f["values"], f["share"], f["coarse"], factors, WEIGHTS, found)
+    empty = np.where(f["chosen"] == 0, 1.0, 0.0)
+    kernels.mix(f["values"], ones, empty, f["coarse"], factors, mixed)
+    kernels.fill(f["values"], empty, mixed, WEIGHTS, expected)
+    engine.fill_from(f["values"], f["chosen"], f["coarse"], factors, WEIGHTS, found)
     np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
     coarse, gathered = np.empty_like(f["coarse"]), np.empty_like(f["coarse"])
-    kernels.empty_neighbours(f["field"], f["share"], WEIGHTS, expected)
-    kernels.gather(expected, f["share"], factors, gathered)
-    engine.empty_from(f["field"], f["share"], WEIGHTS, found, factors, coarse)
+    kernels.empty_neighbours(f["field"], empty, WEIGHTS, expected)
+    kernels.gather(expected, empty, factors, gathered)
+    engine.empty_from(f["field"], f["chosen"], WEIGHTS, found, factors, coarse)
     np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
     np.testing.assert_allclose(coarse, gathered, rtol=1e-13, atol=1e-13)
 

@@ -11,6 +11,8 @@ from itertools import pairwise
 import numba
 import numpy as np
 
+from roughcontact.kernels import CLOSED
+
 # Sums may be reordered, for the sake of vector instructions; infinities and NaN keep their meaning.
 _compile = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
 
@@ -41,13 +43,10 @@ class Compiled:
         parts = self._share(_measure, len(pressure), separation, *heights, *arguments)
         return tuple(sum(part) for part in zip(*parts, strict=True))
 
-    def remainder(self, pressure, separation, level, cap, values, empty):
+    def remainder(self, pressure, separation, level, cap, values):
         kind = separation.dtype.type
-        return sum(
-            self._share(
-                _remainder, len(pressure), pressure, separation, kind(level), kind(cap), values, empty
-            )
-        )
+        arguments = pressure, separation, kind(level), kind(cap), values
+        return sum(self._share(_remainder, len(pressure), *arguments))
 
     def advance(self, pressure, separation, product, level, mean, length, cap, block, out, wanted, found):
         kind, inner = pressure.dtype.type, product.dtype.type
@@ -65,6 +64,9 @@ class Compiled:
     def block_mean(self, field, factors, out):
         self._share(_block_mean, len(out), field, *factors, out)
 
+    def chosen_share(self, chosen, factors, out):
+        self._share(_chosen_share, len(out), chosen, *factors, out)
+
     def weigh(self, share, empty, gain):
         self._share(_weigh, len(share), share, empty, gain)
 
@@ -77,8 +79,8 @@ class Compiled:
     def fill(self, values, empty, mixed, weights, out):
         self._share(_fill, len(out), values, empty, mixed, *_cast(weights, mixed), out)
 
-    def fill_from(self, values, empty, coarse, factors, weights, out):
-        self._share(_fill_from, len(out), values, empty, coarse, *factors, *_cast(weights, coarse), out)
+    def fill_from(self, values, chosen, coarse, factors, weights, out):
+        self._share(_fill_from, len(out), values, chosen, coarse, *factors, *_cast(weights, coarse), out)
 
     def empty_neighbours(self, field, empty, weights, out):
         self._share(_empty_neighbours, len(out), field, empty, *_cast(weights, field), out)
@@ -86,15 +88,15 @@ class Compiled:
     def gather(self, field, empty, factors, out):
         self._share(_gather, len(out), field, empty, *factors, out)
 
-    def empty_from(self, field, empty, weights, passed, factors, coarse):
+    def empty_from(self, field, chosen, weights, passed, factors, coarse):
         arguments = *_cast(weights, field), passed, *factors, coarse
-        self._share(_empty_from, len(coarse), field, empty, *arguments)
+        self._share(_empty_from, len(coarse), field, chosen, *arguments)
 
     def spread(self, field, gain, coarse, factors):
         self._share(_spread, len(coarse), field, gain, coarse, *factors)
 
-    def conclude(self, field, passed, coarse, factors, values, empty):
-        parts = self._share(_conclude, len(coarse), field, passed, coarse, *factors, values, empty)
+    def conclude(self, field, passed, coarse, factors, values, chosen):
+        parts = self._share(_conclude, len(coarse), field, passed, coarse, *factors, values, chosen)
         return tuple(sum(part) for part in zip(*parts, strict=True))
 
     @staticmethod
@@ -183,16 +185,17 @@ def _measure(
 
 
 @_compile
-def _remainder(first, last, pressure, separation, level, cap, values, empty):
+def _remainder(first, last, pressure, separation, level, cap, values):
     count = 0
-    zero, one = values.dtype.type(0), values.dtype.type(1)
+    zero, closed = values.dtype.type(0), values.dtype.type(CLOSED)
     for i in range(first, last):
         for j in range(pressure.shape[1]):
             p, gap = pressure[i, j], separation[i, j] - level
             none, full = p <= 0, p >= cap
             unsettled = (none & (gap < 0)) | (full & (gap > 0)) | ((not none) & (not full))
-            values[i, j] = gap if unsettled else zero
-            empty[i, j] = zero if unsettled else one
+            value = values.dtype.type(gap)
+            value = closed if value == zero else value
+            values[i, j] = value if unsettled else zero
             count += unsettled
     return count
 
@@ -295,6 +298,19 @@ def _block_mean(first, last, field, fy, fx, out):
 
 
 @_compile
+def _chosen_share(first, last, chosen, fy, fx, out):
+    columns = np.empty(chosen.shape[1], dtype=out.dtype)
+    zero, one = out.dtype.type(0), out.dtype.type(1)
+    share = out.dtype.type(1 / (fy * fx))
+    for i in range(first, last):
+        columns[:] = 0
+        for k in range(fy):
+            for j in range(columns.size):
+                columns[j] += zero if chosen[i * fy + k, j] == zero else one
+        _fold(columns, fx, share, out[i])
+
+
+@_compile
 def _weigh(first, last, share, empty, gain):
     zero, one = share.dtype.type(0), share.dtype.type(1)
     for i in range(first, last):
@@ -349,46 +365,43 @@ def _fill(first, last, values, empty, mixed, across_y, across_x, diagonal, out):
 
 
 @_compile
-def _mixed_row(i, values, empty, coarse, fy, fx, row, out):
+def _mixed_row(i, values, chosen, coarse, fy, fx, row, out):
+    zero = out.dtype.type(0)
     _unfold(coarse[i // fy], fx, out.dtype.type(1), row)
     for j in range(out.size):
-        out[j] = values[i, j] + empty[i, j] * row[j]
+        out[j] = values[i, j] + (row[j] if chosen[i, j] == zero else zero)
 
 
 @_compile
-def _fill_from(first, last, values, empty, coarse, fy, fx, across_y, across_x, diagonal, out):
+def _fill_from(first, last, values, chosen, coarse, fy, fx, across_y, across_x, diagonal, out):
     ny, nx = values.shape
+    zero = out.dtype.type(0)
     row, result = np.empty(nx + 2, dtype=out.dtype), np.empty(nx, dtype=out.dtype)
     mixed = np.empty((3, nx), dtype=out.dtype)  # the row before, this one and the next, in turns
-    _mixed_row(_before(first, ny), values, empty, coarse, fy, fx, result, mixed[2])
-    _mixed_row(first, values, empty, coarse, fy, fx, result, mixed[0])
+    _mixed_row(_before(first, ny), values, chosen, coarse, fy, fx, result, mixed[2])
+    _mixed_row(first, values, chosen, coarse, fy, fx, result, mixed[0])
     for i in range(first, last):
         here = (i - first) % 3
-        _mixed_row(_after(i, ny), values, empty, coarse, fy, fx, result, mixed[(here + 1) % 3])
+        _mixed_row(_after(i, ny), values, chosen, coarse, fy, fx, result, mixed[(here + 1) % 3])
         up, down = mixed[(here + 2) % 3], mixed[(here + 1) % 3]
         _around(up, mixed[here], down, across_y, across_x, diagonal, row, result)
         for j in range(nx):
-            out[i, j] = values[i, j] + empty[i, j] * result[j]
-
-
-@_compile
-def _empty_around(i, field, empty, across_y, across_x, diagonal, row, out):
-    ny, nx = field.shape
-    up, down = _before(i, ny), _after(i, ny)
-    for j in range(nx):
-        column = field[up, j] * empty[up, j] + field[down, j] * empty[down, j]
-        row[j + 1] = across_x * (field[i, j] * empty[i, j]) + diagonal * column
-        out[j] = across_y * column
-    row[0], row[nx + 1] = row[nx], row[1]
-    for j in range(nx):
-        out[j] += row[j] + row[j + 2]
+            out[i, j] = values[i, j] + (result[j] if chosen[i, j] == zero else zero)
 
 
 @_compile
 def _empty_neighbours(first, last, field, empty, across_y, across_x, diagonal, out):
-    row = np.empty(field.shape[1] + 2, dtype=field.dtype)
+    ny, nx = field.shape
+    row = np.empty(nx + 2, dtype=field.dtype)
     for i in range(first, last):
-        _empty_around(i, field, empty, across_y, across_x, diagonal, row, out[i])
+        up, down = _before(i, ny), _after(i, ny)
+        for j in range(nx):
+            column = field[up, j] * empty[up, j] + field[down, j] * empty[down, j]
+            row[j + 1] = across_x * (field[i, j] * empty[i, j]) + diagonal * column
+            out[i, j] = across_y * column
+        row[0], row[nx + 1] = row[nx], row[1]
+        for j in range(nx):
+            out[i, j] += row[j] + row[j + 2]
 
 
 @_compile
@@ -403,16 +416,31 @@ def _gather(first, last, field, empty, fy, fx, out):
 
 
 @_compile
-def _empty_from(first, last, field, empty, across_y, across_x, diagonal, passed, fy, fx, coarse):
+def _empty_row(i, field, chosen, out):
+    zero = out.dtype.type(0)
+    for j in range(out.size):
+        out[j] = field[i, j] if chosen[i, j] == zero else zero
+
+
+@_compile
+def _empty_from(first, last, field, chosen, across_y, across_x, diagonal, passed, fy, fx, coarse):
     # rows are counted on the coarse grid
-    row = np.empty(field.shape[1] + 2, dtype=field.dtype)
-    columns = np.empty(field.shape[1], dtype=field.dtype)
+    ny, nx = field.shape
+    zero = field.dtype.type(0)
+    row, columns = np.empty(nx + 2, dtype=field.dtype), np.empty(nx, dtype=field.dtype)
+    gaps = np.empty((3, nx), dtype=field.dtype)  # the row before, this one and the next, in turns
+    start = first * fy
+    _empty_row(_before(start, ny), field, chosen, gaps[2])
+    _empty_row(start, field, chosen, gaps[0])
     for block in range(first, last):
         columns[:] = 0
         for i in range(block * fy, block * fy + fy):
-            _empty_around(i, field, empty, across_y, across_x, diagonal, row, passed[i])
-            for j in range(columns.size):
-                columns[j] += passed[i, j] * empty[i, j]
+            here = (i - start) % 3
+            _empty_row(_after(i, ny), field, chosen, gaps[(here + 1) % 3])
+            up, down = gaps[(here + 2) % 3], gaps[(here + 1) % 3]
+            _around(up, gaps[here], down, across_y, across_x, diagonal, row, passed[i])
+            for j in range(nx):
+                columns[j] += passed[i, j] if chosen[i, j] == zero else zero
         _fold(columns, fx, coarse.dtype.type(1), coarse[block])
 
 
@@ -429,7 +457,7 @@ def _spread(first, last, field, gain, coarse, fy, fx):
 
 
 @_compile
-def _conclude(first, last, field, passed, coarse, fy, fx, values, empty):
+def _conclude(first, last, field, passed, coarse, fy, fx, values, chosen):
     # rows are counted on the coarse grid
     row = np.empty(field.shape[1], dtype=field.dtype)
     share = field.dtype.type(1 / (fy * fx))
@@ -440,7 +468,7 @@ def _conclude(first, last, field, passed, coarse, fy, fx, values, empty):
         for i in range(block * fy, block * fy + fy):
             for j in range(row.size):
                 z = field[i, j] + (passed[i, j] + row[j])
-                z = zero if empty[i, j] > zero else z
+                z = zero if chosen[i, j] == zero else z
                 field[i, j] = z
                 total += z
                 product += z * values[i, j]

@@ -12,6 +12,7 @@ from importlib.util import find_spec
 import numpy as np
 
 SINGLE, DOUBLE = "float32", "float64"  # precisions, by the names that every array library uses
+CLOSED = 1e-30  # a gap that is zero to rounding, at a point that is not settled
 TAIL = 0  # cells up to which the grids of a pyramid are passed over in one call; see the compiled twin
 
 
@@ -91,17 +92,17 @@ def measure(separation, heights, reference, unit, start, before, level, pressure
     )
 
 
-def remainder(pressure, separation, level, cap, values, empty) -> int:
-    """Put the gap at unsettled points into `values` and 1 elsewhere into `empty`; return their number.
+def remainder(pressure, separation, level, cap, values) -> int:
+    """Put the gap at unsettled points into `values`, zero elsewhere; return their number.
 
     Unsettled are the points that carry pressure below the cap, overlap without pressure, or gape at the cap:
-    there the gap should vanish. `values` is zero at the settled points, `empty` at the others.
+    there the gap should vanish. One that does vanish stands as `CLOSED`: no other value is zero.
     """
     xp = pressure.__array_namespace__()
     gap = separation - level
     chosen = unsettled(pressure, gap, cap)
     values[...] = xp.astype(xp.where(chosen, gap, xp.zeros_like(gap)), values.dtype)
-    empty[...] = xp.astype(~chosen, empty.dtype)
+    values[...] = xp.where(chosen & (values == 0), xp.full_like(values, CLOSED), values)
     return int(xp.count_nonzero(chosen))
 
 
@@ -149,6 +150,12 @@ def block_mean(field, factors, out) -> None:
     out[...] = xp.mean(xp.reshape(field, (ny, fy, nx, fx)), axis=(1, 3))
 
 
+def chosen_share(chosen, factors, out) -> None:
+    """Put the share of points where `chosen` is not zero, over blocks of `factors` cells, into `out`."""
+    xp = chosen.__array_namespace__()
+    block_mean(xp.astype(chosen != 0, out.dtype), factors, out)
+
+
 def weigh(share, empty, gain) -> None:
     """Put the weight of every cell, the root of its `share` of contact, over the share into `gain`.
 
@@ -183,11 +190,13 @@ def fill(values, empty, mixed, weights, out) -> None:
     out[...] = values + empty * out
 
 
-def fill_from(values, empty, coarse, factors, weights, out) -> None:
-    """Put `values` + `empty` x the neighbours' means of the mixture of `values` and `coarse` into `out`.
+def fill_from(values, chosen, coarse, factors, weights, out) -> None:
+    """Put `values` + empty x the neighbours' means of the mixture of `values` and `coarse` into `out`.
 
-    The mixture is `values` + `empty` x `coarse`, each coarse cell repeated `factors` times.
+    The mixture is `values` + empty x `coarse`, each coarse cell repeated `factors` times, with empty 1 where
+    `chosen` is zero and 0 elsewhere.
     """
+    empty = _zeros_of(chosen)
     fill(values, empty, values + empty * repeat(coarse, factors), weights, out)
 
 
@@ -202,11 +211,12 @@ def gather(field, empty, factors, out) -> None:
     out *= factors[0] * factors[1]
 
 
-def empty_from(field, empty, weights, passed, factors, coarse) -> None:
-    """Put the neighbours' means of `empty` x `field` into `passed`, and gather that into `coarse`.
+def empty_from(field, chosen, weights, passed, factors, coarse) -> None:
+    """Put the neighbours' means of empty x `field` into `passed`, and gather that into `coarse`.
 
-    With `conclude` the transpose of `fill_from`.
+    Empty as in `fill_from`, of which this is, with `conclude`, the transpose.
     """
+    empty = _zeros_of(chosen)
     empty_neighbours(field, empty, weights, passed)
     gather(passed, empty, factors, coarse)
 
@@ -217,14 +227,14 @@ def spread(field, gain, coarse, factors) -> None:
     field += repeat(coarse, factors) / (factors[0] * factors[1])
 
 
-def conclude(field, passed, coarse, factors, values, empty) -> tuple[float, float]:
-    """Add `passed` and `coarse`, shared out, to `field` at the unsettled points, zero the others; two sums.
+def conclude(field, passed, coarse, factors, values, chosen) -> tuple[float, float]:
+    """Add `passed` and `coarse`, shared out, to `field` where `chosen` is not zero; elsewhere it becomes zero.
 
-    They are the sum of the field and that of the field x `values`, in double precision.
+    Returns the sum of the field and that of the field x `values`, in double precision.
     """
     xp = field.__array_namespace__()
     shared = repeat(coarse, factors) / (factors[0] * factors[1])
-    field[...] = (field + (passed + shared)) * (1 - empty)
+    field[...] = (field + (passed + shared)) * (1 - _zeros_of(chosen))
     return _sum(xp, field), _sum(xp, field * values)
 
 
@@ -283,6 +293,12 @@ def unsettled(pressure, gap, cap):
     """Return where the gap should vanish and may not yet: see `remainder`."""
     none, full = pressure <= 0, pressure >= cap
     return (none & (gap < 0)) | (full & (gap > 0)) | ~(none | full)
+
+
+def _zeros_of(field):
+    """Return 1 where `field` is zero and 0 elsewhere."""
+    xp = field.__array_namespace__()
+    return xp.astype(field == 0, field.dtype)
 
 
 def _block_sum(xp, field, block):

@@ -46,13 +46,13 @@ class Level:
 class Extension:
     """The linear map W from fields that are zero outside C to fields without gaps, on one grid.
 
-    `empty`, shape (ny, nx) of `like`, is 1 outside C and 0 on it; after a change of it `complete` brings the
-    pyramid up to date. `kernels`: `roughcontact.kernels` or its compiled twin.
+    `like` has the shape (ny, nx) of the fields, `choose` says what C is. `kernels`: `roughcontact.kernels` or
+    its compiled twin.
     """
 
     def __init__(self, like, precision: str, lengths: tuple[float, float], kernels):
         self.kernels, xp = kernels, like.__array_namespace__()
-        self.empty = empty(like, precision)
+        self.chosen = None
         self.weights = stencil(pitches_of(like.shape, lengths), like.shape)
         plan = pyramid(like.shape, lengths)
         ends = np.cumsum([0, *(int(np.prod(shape)) for shape, _, _ in plan)]).tolist()
@@ -78,13 +78,12 @@ class Extension:
         if self._first_small < len(plan):
             self._small = kernels.pack(self.levels, stores, ends, self._first_small)
 
-    def complete(self) -> None:
-        """Bring the pyramid up to date with `empty`."""
-        kernels, xp = self.kernels, self.empty.__array_namespace__()
+    def choose(self, chosen) -> None:
+        """Let C be the points where the field `chosen` is not zero; it is kept as it is until the next choice."""
+        kernels, xp, self.chosen = self.kernels, chosen.__array_namespace__(), chosen
         if self.levels:
             finest = self.levels[0]
-            kernels.block_mean(self.empty, finest.factors, finest.means)
-            finest.means[...] = 1 - finest.means
+            kernels.chosen_share(chosen, finest.factors, finest.means)
         for number, level in enumerate(self.levels):
             if number == self._first_small:
                 kernels.weigh_small(self._small)
@@ -104,12 +103,12 @@ class Extension:
         """Put W values into `out`; both of shape (ny, nx)."""
         kernels = self.kernels
         if not self.levels:
-            mixed = self._sweep(values, self.empty, self.weights)
-            kernels.fill(values, self.empty, mixed, self.weights, out)
+            empty = self._empty()
+            kernels.fill(values, empty, self._sweep(values, empty, self.weights), self.weights, out)
             return
         coarse = self.levels[0]
         kernels.block_mean(values, coarse.factors, coarse.means)
-        kernels.fill_from(values, self.empty, self._filled(0), coarse.factors, self.weights, out)
+        kernels.fill_from(values, self.chosen, self._filled(0), coarse.factors, self.weights, out)
 
     def _filled(self, number):
         """Return what the cells of a level, given their `means`, tell the next finer grid's empty cells."""
@@ -146,14 +145,15 @@ class Extension:
         """
         kernels = self.kernels
         if not self.levels:
-            kernels.empty_neighbours(field, self.empty, self.weights, scratch)
-            self._sweep_back(scratch, self.empty, self.weights)
+            empty = self._empty()
+            kernels.empty_neighbours(field, empty, self.weights, scratch)
+            self._sweep_back(scratch, empty, self.weights)
             nothing = scratch[:1, :1] * 0
-            return kernels.conclude(field, scratch, nothing, field.shape, values, self.empty)
+            return kernels.conclude(field, scratch, nothing, field.shape, values, self.chosen)
         coarse = self.levels[0]
-        kernels.empty_from(field, self.empty, self.weights, scratch, coarse.factors, coarse.means)
+        kernels.empty_from(field, self.chosen, self.weights, scratch, coarse.factors, coarse.means)
         returned = self._returned(0)
-        return kernels.conclude(field, scratch, returned, coarse.factors, values, self.empty)
+        return kernels.conclude(field, scratch, returned, coarse.factors, values, self.chosen)
 
     def _returned(self, number):
         """Return the transpose of `_filled`: from what the level's `means` hold to what its means get."""
@@ -175,6 +175,11 @@ class Extension:
         if level.line_gain is not None:
             level.room *= level.line_gain
         return level.room
+
+    def _empty(self):
+        """Return 1 outside C and 0 on it, where there is no coarser grid."""
+        xp = self.chosen.__array_namespace__()
+        return xp.astype(self.chosen == 0, self.chosen.dtype)
 
     def _sweep_back(self, total, empty, weights):
         """Add to `total` what the transposes of the sweeps make of it."""

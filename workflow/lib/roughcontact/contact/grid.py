@@ -91,9 +91,9 @@ class Grid:
         """Return M r for the residual r of `state`, in a precision; one application of G^-1."""
         rooms = self._rooms_in(precision)
         unsettled = self.kernels.remainder(
-            state.pressure, state.separation, state.level, self.cap, rooms.values, rooms.extension.empty
+            state.pressure, state.separation, state.level, self.cap, rooms.values
         )
-        rooms.extension.complete()
+        rooms.extension.choose(rooms.values)
         total, energy = self._apply(rooms, rooms.values)
         return Product(rooms.field, total / max(unsettled, 1), unsettled, energy / rooms.values.size)
 
@@ -131,13 +131,12 @@ class Grid:
     def last_residual(self, precision: str) -> tuple:
         """Return the residual of the last `precondition` in a precision and the map of its unsettled points."""
         rooms = self._rooms_in(precision)
-        return rooms.values, rooms.extension.empty == 0
+        return rooms.values, rooms.values != 0
 
     def precondition_on(self, contact, residual):
         """Return M `residual`, shape (ny, nx), for a given contact set; the residual is zero outside it."""
         extension = self._rooms_in(precision_of(residual)).extension
-        extension.empty[...] = in_precision(~contact, precision_of(residual))
-        extension.complete()
+        extension.choose(in_precision(contact, precision_of(residual)))
         return self.precondition_on_last_set(residual)
 
     def precondition_on_last_set(self, residual):
