@@ -133,7 +133,10 @@ def test_small_grids_in_one_call_equal_those_one_by_one():
     """Where the compiled kernels take the coarser grids together: nowhere, below the first, everywhere."""
     rng = np.random.default_rng(5)
     contact = scattered((48, 80), 0.2)
-    values, field = np.where(contact, rng.standard_normal(contact.shape), 0), rng.standard_normal(contact.shape)
+    values, field = (
+        np.where(contact, rng.standard_normal(contact.shape), 0),
+        rng.standard_normal(contact.shape),
+    )
     found = []
     for cells in (0, 12 * 20, 24 * 40):
         engine = Compiled(1)

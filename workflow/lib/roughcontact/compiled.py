@@ -34,9 +34,7 @@ class Compiled:
         kind = heights.dtype.type
         self._share(_make_dimensionless, len(out), heights, kind(reference), kind(1 / unit), out)
 
-    def measure(
-        self, separation, heights, reference, unit, before_pressure, before, level, pressure, cap
-    ):
+    def measure(self, separation, heights, reference, unit, before_pressure, before, level, pressure, cap):
         kind = pressure.dtype.type
         heights = heights, heights.dtype.type(reference), heights.dtype.type(1 / unit)
         arguments = before_pressure, before, kind(level), pressure, kind(cap)

@@ -16,6 +16,7 @@ from roughcontact.fourier import wavevectors
 from roughcontact.influence import INFLUENCE
 from roughcontact.kernels import DOUBLE, SINGLE, empty, kernels_for, precision_of
 
+
 class HalfSpace:
     """The operators u = G p, with symbol 2/|q|, and its inverse p = G^-1 u, with symbol |q|/2, on one grid.
 

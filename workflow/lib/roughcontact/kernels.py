@@ -228,7 +228,7 @@ def spread(field, gain, coarse, factors) -> None:
 
 
 def conclude(field, passed, coarse, factors, values, chosen) -> tuple[float, float]:
-    """Add `passed` and `coarse`, shared out, to `field` where `chosen` is not zero; elsewhere it becomes zero.
+    """Add `passed` and `coarse`, shared out, to `field` where `chosen` is not zero; elsewhere make it zero.
 
     Returns the sum of the field and that of the field x `values`, in double precision.
     """

@@ -8,10 +8,11 @@ periodic gets the step at its seam counted as roughness; use its periodic window
 import math
 
 import numpy as np
-import scipy.fft
 import xarray as xr
 
 from roughcontact import fourier
+from roughcontact.fft import make_plan
+from roughcontact.kernels import DOUBLE
 
 # The cut-off of a spectrum: beyond it lies at most this share of the mean square gradient ...
 _SHARE_BEYOND_CUTOFF = 1e-2
@@ -74,7 +75,8 @@ def rms_gradient(height: xr.DataArray) -> float:
     The waves at the Nyquist limit count with their |q|, as they do in the half-space.
     """
     # |q|^2 = q_y^2 + q_x^2: sums over rows and columns spare the array of |q|; q = 0 carries no weight
-    spectrum = scipy.fft.rfft2(_from_first_point(height.values))
+    values = _from_first_point(height.values)
+    spectrum = make_plan(values, DOUBLE).forward(values)
     parts = spectrum.view(float)  # real and imaginary parts side by side, squared in place
     parts *= parts
     weights = np.repeat(fourier.halfplane_weights(height.shape)[0], 2)

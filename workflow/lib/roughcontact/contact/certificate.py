@@ -59,5 +59,7 @@ def rounding_floor(halfspace, state, precision: str | None = None) -> float:
     if state.norm == 0:
         return 0.0
     size = state.pressure.size
-    deviation = np.finfo(precision or precision_of(state.separation)).eps * np.sqrt(np.log2(size)) * state.size
+    deviation = (
+        np.finfo(precision or precision_of(state.separation)).eps * np.sqrt(np.log2(size)) * state.size
+    )
     return float(deviation * np.sqrt(halfspace.mean_stiffness) / state.norm)

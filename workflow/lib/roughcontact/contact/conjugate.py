@@ -6,6 +6,7 @@ pixels far longer than wide, with contacts and gaps of a few pixels.
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 
@@ -17,11 +18,11 @@ REDUCTION = 0.1  # of the residual
 
 
 def conjugate_gradients(grid, residual, product, chosen) -> Iterator[tuple]:
-    """Yield ever better solutions d of P G P d = P `residual`, and the square of what is left of it, <r, M r>.
+    """Yield ever better solutions d of P G P d = P `residual`, and the square <r, M r> of what is left of it.
 
     Preconditioned conjugate gradients (Hestenes and Stiefel 1952), from d = 0; P keeps the `chosen` points
     and takes the mean off. `product` is M `residual`, of the last preconditioning. Two applications a step;
-    ends where rounding leaves no further step. The array d is changed by the next step.
+    ends where rounding leaves no further step. The steps change one array d.
     """
     xp = residual.__array_namespace__()
 
@@ -48,10 +49,10 @@ def conjugate_gradients(grid, residual, product, chosen) -> Iterator[tuple]:
 def accurate(grid, product):
     """Return `product` with a field that, subtracted from the pressure, takes most of the residual away."""
     residual, unsettled = grid.last_residual(precision_of(product.field))
-    enough = None
-    for step, (correction, rz) in enumerate(conjugate_gradients(grid, residual, product.field, unsettled)):
-        enough = REDUCTION**2 * rz if enough is None else enough
-        if rz <= enough or step == MOST_STEPS:
+    steps = conjugate_gradients(grid, residual, product.field, unsettled)
+    correction, first = next(steps)
+    for _, rz in islice(steps, MOST_STEPS):
+        if rz <= REDUCTION**2 * first:
             break
     return replace(product, field=correction, mean=0.0)
 

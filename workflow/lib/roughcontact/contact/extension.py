@@ -14,6 +14,7 @@ wide: that is why few iterations suffice.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -65,13 +66,13 @@ class Extension:
                 *(xp.reshape(store[start:end], shape) for store in stores),
                 empty(like, precision, shape) if collapsed else None,
             )
-            for (shape, factors, collapsed), start, end in zip(plan, ends[:-1], ends[1:], strict=True)
+            for (shape, factors, collapsed), (start, end) in zip(plan, pairwise(ends), strict=True)
         ]
         last = plan[-1][0] if plan else tuple(like.shape)
         self.sweeps = min(MOST_SWEEPS, max(last))
         self._last_rooms = [empty(like, precision, last) for _ in range(2)]
         collapses = any(collapsed for _, _, collapsed in plan)
-        cells = [end - start for start, end in zip(ends[:-1], ends[1:], strict=True)]
+        cells = [end - start for start, end in pairwise(ends)]
         # grids from here on are small: they are passed over in one call
         self._first_small = sum(n > kernels.TAIL for n in cells) if not collapses else len(plan)
         self._small = None
@@ -79,7 +80,7 @@ class Extension:
             self._small = kernels.pack(self.levels, stores, ends, self._first_small)
 
     def choose(self, chosen) -> None:
-        """Let C be the points where the field `chosen` is not zero; it is kept as it is until the next choice."""
+        """Let C be the points where the field `chosen`, which is kept, is not zero."""
         kernels, xp, self.chosen = self.kernels, chosen.__array_namespace__(), chosen
         if self.levels:
             finest = self.levels[0]

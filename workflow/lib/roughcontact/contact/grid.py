@@ -17,8 +17,8 @@ SMALL_CHANGE = 0.1  # of the residual's norm, that is simply added to it
 class Product:
     """M r, the preconditioned residual of a state: `field` (ny, nx) zero at the settled points.
 
-    `mean` is that over the `unsettled` points; `energy` = <r, M r>, a mean over the grid. The field lies in an
-    array that the next preconditioning overwrites.
+    `mean` is that over the `unsettled` points; `energy` = <r, M r>, a mean over the grid. The next
+    preconditioning overwrites the field.
     """
 
     field: np.ndarray
@@ -47,9 +47,7 @@ class Grid:
     ):
         self.cap = cap
         self.shape = tuple(heights.shape)
-        self.halfspace = HalfSpace(
-            heights.shape, lengths, influence=influence, threads=threads, like=heights
-        )
+        self.halfspace = HalfSpace(heights.shape, lengths, influence=influence, threads=threads, like=heights)
         self.kernels = kernels_for(heights, threads=threads)
         self._given, self._reference, self._unit = heights, reference, unit
         self._single = None
@@ -73,7 +71,11 @@ class Grid:
             heights = self._given, self._reference, self._unit
         separation = self.halfspace.displacement(pressure, out=room)
         # without a state before, nothing has changed
-        start = (pressure, pressure, 0.0) if before is None else (before.pressure, before.separation, before.level)
+        start = (
+            (pressure, pressure, 0.0)
+            if before is None
+            else (before.pressure, before.separation, before.level)
+        )
         work, square, total, count, slope, slope_after = self.kernels.measure(
             separation, *heights, *start, pressure, self.cap
         )
@@ -129,7 +131,7 @@ class Grid:
         return out
 
     def last_residual(self, precision: str) -> tuple:
-        """Return the residual of the last `precondition` in a precision and the map of its unsettled points."""
+        """Return the residual of the last `precondition` in a precision and the map of unsettled points."""
         rooms = self._rooms_in(precision)
         return rooms.values, rooms.values != 0
 
@@ -146,7 +148,7 @@ class Grid:
         return rooms.field
 
     def _apply(self, rooms, residual) -> tuple[float, float]:
-        """Put M `residual` into the rooms' field; return its sum, and that of its product with the residual."""
+        """Put M `residual` into the rooms' field; return the sums of it and of it times the residual."""
         rooms.extension.extend(residual, rooms.field)
         self.halfspace.pressure(rooms.field, out=rooms.field)
         scratch = self.halfspace.scratch(precision_of(residual))
@@ -157,8 +159,8 @@ class Grid:
 
         The extended residual of `precondition` is held to what the certificate allows
         (`roughcontact.contact.certificate`). What that takes away is bounded by its mean square times the
-        largest |q|/2; only where this is no small change is the held residual transformed itself. The field of
-        the product is lost in that.
+        largest |q|/2; only where this is no small change is the held residual transformed itself. The
+        field of the product is lost.
         """
         rooms = self._rooms_in(precision_of(product.field))
         extended = rooms.field

@@ -69,7 +69,9 @@ def solve_on_grid(
     """
     cap, halfspace = grid.cap, grid.halfspace
     inner = precision = SINGLE
-    state, _ = grid.evaluate(scale_to_load(in_precision(start, precision, copy=False), mean_pressure, cap=cap))
+    state, _ = grid.evaluate(
+        scale_to_load(in_precision(start, precision, copy=False), mean_pressure, cap=cap)
+    )
     del start
     lowest, lowest_step, failures, bound_before = np.inf, 0, 0, np.inf
     length = FIRST_LENGTH

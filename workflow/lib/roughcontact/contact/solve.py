@@ -134,10 +134,15 @@ def solve_contact(
                 f"precision allows {solution.floor:.1g} here: raise the tolerance or set on_failure: flag"
             )
         piece = _label(
-            solution, problem, window, load=load, modulus=modulus, compliance=compliance, hardness=hardness
+            solution,
+            problem,
+            window,
+            load=load,
+            modulus=modulus,
+            compliance=compliance,
+            hardness=hardness,
+            attrs={"tolerance": tolerance, "zero_frequency": zero_frequency, "influence": influence},
         )
-        piece["converged"] = ("load", [np.int8(solution.error_bound <= tolerance)])
-        piece.attrs = {"tolerance": tolerance, "zero_frequency": zero_frequency, "influence": influence}
         if reduce is not None:
             reduced = reduce(piece)
             piece = piece.drop_dims(["y", "x"]).merge(reduced, compat="override", combine_attrs="override")
@@ -163,7 +168,7 @@ def _joined(pieces) -> xr.Dataset:
     )
 
 
-def _label(solution, problem: Problem, window, *, load, modulus, compliance, hardness) -> xr.Dataset:
+def _label(solution, problem: Problem, window, *, load, modulus, compliance, hardness, attrs) -> xr.Dataset:
     """Return one dimensionless solution as a dataset in SI units, with a dimension `load` of size 1.
 
     Points at the hardness have yielded until the gap was closed: it is zero there.
@@ -192,6 +197,7 @@ def _label(solution, problem: Problem, window, *, load, modulus, compliance, har
         "rounding_floor": solution.floor,
         "yielded_area": yielded,
         "max_penetration": max(0.0, -float(gap.min())),
+        "converged": np.int8(solution.error_bound <= attrs["tolerance"]),
         "load_error": abs(float(pressure.mean(dtype=float)) / load - 1),
     }
     maps = {
@@ -199,11 +205,10 @@ def _label(solution, problem: Problem, window, *, load, modulus, compliance, har
         "gap": gap,
         "contact": (pressure > 0).astype(np.int8),
     }
-    dataset = xr.Dataset(
+    return xr.Dataset(
         {name: (("load", "y", "x"), field[None]) for name, field in maps.items()}
-        | {name: ("load", [value]) for name, value in per_load.items()},
-        coords={"mean_pressure": ("load", [load])},
+        | {name: ("load", [value]) for name, value in per_load.items()}
+        | {"height": window.variable, "contact_modulus": modulus},
+        coords={"mean_pressure": ("load", [load]), **window.coords},
+        attrs=attrs,
     )
-    dataset["height"] = window.rename("height").variable
-    dataset["contact_modulus"] = modulus
-    return dataset.assign_coords(window.coords)
