@@ -1,5 +1,6 @@
 """What `solve_contact` returns, refuses and promises, whatever the map."""
 
+import array_api_strict
 import numpy as np
 import pytest
 import xarray as xr
@@ -325,3 +326,20 @@ def test_awkward_maps_simply_work(name, share_of_full_contact):
         assert touching.all() == (share_of_full_contact > 1)
     assert touching.any()
     assert float(contact["error_bound"][0]) <= 1e-8
+
+
+@pytest.mark.parametrize("mean_pressure", [[2e6, 8e7], 4e9], ids=["two loads", "full contact"])
+@pytest.mark.parametrize("hardness", [None, 1e10])
+def test_the_solve_runs_in_the_array_library_of_the_heights(mean_pressure, hardness):
+    """array_api_strict has nothing but what the Python array API promises."""
+    window = rough()
+    elsewhere = window.copy(data=array_api_strict.asarray(window.values))
+    options = {"contact_modulus": MODULUS, "mean_pressure": mean_pressure, "hardness": hardness}
+    found, expected = (
+        rc.solve_contact(heights, tolerance=1e-8, **options) for heights in (elsewhere, window)
+    )
+    assert isinstance(found["pressure"].data, np.ndarray)
+    assert set(found.variables) == set(expected.variables)
+    size = np.sqrt((expected["pressure"] ** 2).mean())
+    assert np.sqrt(((found["pressure"] - expected["pressure"]) ** 2).mean()) < 1e-7 * size
+    assert float(found["error_bound"].max()) <= 1e-8

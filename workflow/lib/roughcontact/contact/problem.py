@@ -67,13 +67,17 @@ def pose(window: xr.DataArray, *, precision: str = DOUBLE) -> Problem:
     """Return the dimensionless problem of the map `window` (y, x).
 
     Its heights are not copied where they can be used as they are; in single precision for a result in that.
+    Heights of another array library stay where they are.
     """
+    given, window = window.data, on_host(window)
     check_map(window)
     steps = spacing(window)
     lengths = tuple(n * d for n, d in zip(window.shape, steps, strict=True))
     kind = np.float32 if precision == SINGLE and window.dtype == np.float32 else np.float64
     heights = np.require(window.values, dtype=kind, requirements=["C", "A", "W"])
-    reference = 0.5 * (float(heights.min()) + float(heights.max()))
+    if window.data is not given:
+        heights = given.__array_namespace__().asarray(heights, device=given.device)
+    reference = 0.5 * (float(window.values.min()) + float(window.values.max()))
     unit = float(np.sqrt(lengths[0] * lengths[1]))
     gradient = rms_gradient(window)
     return Problem(
@@ -84,6 +88,11 @@ def pose(window: xr.DataArray, *, precision: str = DOUBLE) -> Problem:
         gradient=gradient,
         spacing=steps,
     )
+
+
+def on_host(array: xr.DataArray | xr.Variable):
+    """Return `array` with its values in a NumPy array, whatever library and device they are of."""
+    return array if isinstance(array.data, np.ndarray) else array.as_numpy()
 
 
 def check_positive(name: str, value, *, unit: str) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.contact.loads import check_loads
-from roughcontact.contact.problem import Problem, check_positive, pose
+from roughcontact.contact.problem import Problem, check_positive, on_host, pose
 from roughcontact.contact.sweep import sweep
 from roughcontact.errors import ConvergenceError, SettingsError
 from roughcontact.halfspace import zero_frequency_compliance
@@ -44,7 +44,8 @@ def solve_contact(
     ----------
     window
         heights (y, x) in m (any unit of length that the coordinates share), periodic, no NaN. A single row or
-        column is a profile, solved in one dimension.
+        column is a profile, solved in one dimension. Heights in an array of CuPy, or of another library that
+        keeps to the Python array API, are solved by that library, where they are; the result is NumPy's.
     contact_modulus
         E* in Pa (any unit of pressure that the loads share).
     mean_pressure
@@ -109,7 +110,7 @@ def solve_contact(
             f"mean_pressure {max(loads):g} Pa is not below the hardness {cap:g} Pa: no contact carries it"
         )
     working = DOUBLE if precision == "double" else SINGLE
-    problem = pose(window, precision=working)
+    problem, window = pose(window, precision=working), on_host(window)
     lengths = tuple(length * problem.unit_length for length in problem.lengths)
     compliance = zero_frequency_compliance(zero_frequency, lengths=lengths) / modulus
 
@@ -177,7 +178,9 @@ def _label(solution, problem: Problem, window, *, load, modulus, compliance, har
     height_unit = problem.scale if not problem.flat else 1.0
     pressure_unit = modulus * problem.gradient if not problem.flat else modulus
     # in place: nobody needs the dimensionless fields any more
-    pressure, gap = state.pressure, state.separation
+    pressure, gap = (
+        on_host(xr.Variable(("y", "x"), field)).values for field in (state.pressure, state.separation)
+    )
     kind = pressure.dtype.type
     gap -= kind(state.level)
     gap *= kind(height_unit)
