@@ -15,7 +15,7 @@ from roughcontact.synthetic import height_map
 THREADS = int(os.environ["OMP_NUM_THREADS"])
 
 
-def solve(window, load, tolerance, *, fields=True):
+def solve(window, load, tolerance, *, fields=True, precision="double"):
     """Return the pressure of the last load (None without fields) and the numbers of all loads."""
     contact = rc.solve_contact(
         window,
@@ -24,6 +24,7 @@ def solve(window, load, tolerance, *, fields=True):
         tolerance=tolerance,
         threads=THREADS,
         fields=fields,
+        precision=precision,
         on_failure="flag",
     )
     details = {

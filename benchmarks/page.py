@@ -263,7 +263,7 @@ def write(results: dict, path: Path) -> None:
         ]
     if results["memory"]:
         sizes = sorted({entry["size"] for entry in results["memory"]})
-        codes = [code for code in COLOURS if any(entry["code"] == code for entry in results["memory"])]
+        codes = sorted({entry["code"] for entry in results["memory"]}, key=lambda code: code.lower())
         cells = {(entry["code"], entry["size"]): entry["bytes_per_pixel"] for entry in results["memory"]}
         parts += [
             "## Memory",

@@ -36,6 +36,7 @@ SCRIPTS = {
 FIRST_RUNG = {"roughcontact": 2.0**-6, "ASPHER": 2.0**-10, "Tamaas": 2.0**-11}
 LAST_RUNG = 2.0**-40
 LARGEST = {"ASPHER": 2048, "Tamaas": 1024}  # a solve of Tamaas takes minutes above
+LARGEST_IN_MEMORY = {"ASPHER": 4096, "Tamaas": 1024, "roughcontact": 8192}
 THREADS_USED = {"Tamaas": 1}  # codes that use this many threads, whatever they are given
 TRUTH_TOLERANCE = 1e-10
 LONG = 10.0  # seconds: solves that take longer are repeated less often
@@ -127,24 +128,23 @@ def measure_memory(pythons, work, *, sizes, seed, load=0.03) -> list[dict]:
     """Return the peak memory of one solve per code and size, each in a fresh process on one thread."""
     found = []
     small = str(_heights(work, 64, seed))
+    runs = [(code, python, code, {}) for code, python in pythons.items()]
+    own = pythons["roughcontact"]
+    runs.insert(1, ("roughcontact, single precision", own, "roughcontact", {"precision": "single"}))
     for size in sizes:
         heights = str(_heights(work, size, seed))
-        for code, python in pythons.items():
-            if size > LARGEST.get(code, size) and code == "Tamaas":
+        for name, python, code, options in runs:
+            if size > LARGEST_IN_MEMORY.get(name, size):
                 continue
             tolerance = {"roughcontact": 1e-4, "ASPHER": 4e-6, "Tamaas": 1e-4}[code]
             with Worker(SCRIPTS[code], python=python, threads=1) as worker:
-                worker.ask(heights=small, load=load, tolerance=tolerance)  # loads what is loaded once
-                answer = worker.ask(heights=heights, load=load, tolerance=tolerance)
+                for path in (small, heights):  # the first loads what is loaded once
+                    answer = worker.ask(heights=path, load=load, tolerance=tolerance, options=options)
+            bytes_per_pixel = answer["peak_bytes"] / size**2
             found.append(
-                {
-                    "code": code,
-                    "size": size,
-                    "bytes_per_pixel": answer["peak_bytes"] / size**2,
-                    "seconds": answer["seconds"],
-                }
+                {"code": name, "size": size, "bytes_per_pixel": bytes_per_pixel, "seconds": answer["seconds"]}
             )
-            print(f"memory {code} {size}: {found[-1]['bytes_per_pixel']:.0f} bytes per pixel", flush=True)
+            print(f"memory {name} {size}: {bytes_per_pixel:.0f} bytes per pixel", flush=True)
     return found
 
 

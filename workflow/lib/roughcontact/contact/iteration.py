@@ -38,6 +38,7 @@ from roughcontact.kernels import DOUBLE, SINGLE, empty, in_precision, precision_
 TOO_STIFF = 1e-3  # relative rounding floor of single precision from which all is done in double
 PATIENCE = 20  # steps that do not improve the bound before the iteration is called stalled
 FIRST_LENGTH = 0.95
+TYPICAL = 0.2  # of the bound is what a step leaves, where no step has told yet
 SHORTEST = 0.4  # step length; the longest is 1, because M is nowhere less than the inverse
 
 
@@ -84,15 +85,14 @@ def solve_on_grid(
         bound = relative_bound(halfspace, state, np.sqrt(max(product.energy, 0.0)))
         if bound < 0.99 * lowest:
             lowest, lowest_step = bound, step
-        double = precision_of(state.pressure) == DOUBLE
+        reached = precision_of(state.pressure)
         hopeless = (
             step == max_steps
             or step - lowest_step > PATIENCE
-            or (double and bound <= 2 * rounding_floor(halfspace, state))
+            or (reached == DOUBLE and bound <= 2 * rounding_floor(halfspace, state))
         )
-        if bound <= tolerance or hopeless:
-            rounded = precision_of(state.pressure) != finish
-            if rounded:
+        if (bound <= tolerance and reached == finish) or hopeless:
+            if reached != finish:
                 precision = finish
                 state = _in_precision(grid, state, precision, mean_pressure)
                 product = grid.precondition(state, precision=inner)
@@ -101,7 +101,7 @@ def solve_on_grid(
                 break
             product = grid.precondition(state, precision=inner)
         # the last step, as far as the one before tells, is taken in the precision of the result
-        foreseen = bound * min(1.0, bound / bound_before) if np.isfinite(bound_before) else bound
+        foreseen = bound * (min(1.0, bound / bound_before) if np.isfinite(bound_before) else TYPICAL)
         if foreseen <= tolerance or bound <= 30 * single_floor:
             precision = finish
         rises = precision != precision_of(state.pressure)
