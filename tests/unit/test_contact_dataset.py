@@ -1,6 +1,5 @@
 """What `solve_contact` returns, refuses and promises, whatever the map."""
 
-import array_api_strict
 import numpy as np
 import pytest
 import xarray as xr
@@ -328,12 +327,20 @@ def test_awkward_maps_simply_work(name, share_of_full_contact):
     assert float(contact["error_bound"][0]) <= 1e-8
 
 
+@pytest.fixture(params=["array_api_strict", "cupy"])
+def array_library(request):
+    """array_api_strict has nothing but what the Python array API promises; CuPy needs a GPU."""
+    library = pytest.importorskip(request.param)
+    if request.param == "cupy" and not library.cuda.is_available():
+        pytest.skip("no GPU")
+    return library
+
+
 @pytest.mark.parametrize("mean_pressure", [[2e6, 8e7], 4e9], ids=["two loads", "full contact"])
 @pytest.mark.parametrize("hardness", [None, 1e10])
-def test_the_solve_runs_in_the_array_library_of_the_heights(mean_pressure, hardness):
-    """array_api_strict has nothing but what the Python array API promises."""
+def test_the_solve_runs_in_the_array_library_of_the_heights(mean_pressure, hardness, array_library):
     window = rough()
-    elsewhere = window.copy(data=array_api_strict.asarray(window.values))
+    elsewhere = window.copy(data=array_library.asarray(window.values))
     options = {"contact_modulus": MODULUS, "mean_pressure": mean_pressure, "hardness": hardness}
     found, expected = (
         rc.solve_contact(heights, tolerance=1e-8, **options) for heights in (elsewhere, window)
