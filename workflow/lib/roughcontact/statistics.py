@@ -134,7 +134,7 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
         for key in ("window_reason", "window_flag", "processing_reason")
         if key in budget.attrs
     }
-    return statistics.merge(budget[found]).assign_attrs(words)
+    return statistics.merge(budget[found], compat="override", join="override").assign_attrs(words)
 
 
 def surface_statistics(height: xr.DataArray) -> dict:

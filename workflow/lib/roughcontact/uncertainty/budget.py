@@ -19,7 +19,8 @@ COMBINED = "combined"
 _ENSEMBLES = {"window": "parts", "processing": "choices"}
 _COMMENT = (
     "half-widths of 95 % intervals, in the unit of the quantity; combined: root of the sum of squares of the "
-    "sources that are given; NaN: not asked for, or not to be had from this map"
+    "sources that are given (of the pressure in contact, what whole pixels are known to be off is added to "
+    "it); NaN: not asked for, or not to be had from this map"
 )
 
 
@@ -105,21 +106,30 @@ def error_budget(
 def combine(found: dict[str, xr.Dataset]) -> xr.Dataset:
     """Return `{quantity}_uncertainty` (load, source) from the half-widths of each source, and combined.
 
-    U = sqrt(sum U_i²); a source that is absent, or NaN at a load, does not count.
+    U = b + sqrt(sum (U_i - b_i)²), b = sum b_i; a source that is absent, or NaN at a load, does not count.
+    b_i is what is known to be off (JCGM 100:2008, F.2.4.5): of the pressure in contact, which is a mean over
+    whole pixels, and of nothing else.
 
     Parameters
     ----------
     found : dict
-        source -> Dataset (load) with the half-widths of `QUANTITIES`.
+        source -> Dataset (load) with the half-widths of `QUANTITIES` and, as `{quantity}_bias`, of what is
+        known to be off.
     """
     loads = next(iter(found.values())).sizes["load"]
     columns = {}
     for name in QUANTITIES:
-        parts = np.full((loads, len(SOURCES)), np.nan)
+        parts, bias = np.full((loads, len(SOURCES)), np.nan), np.zeros((loads, len(SOURCES)))
         for source, dataset in found.items():
-            parts[:, SOURCES.index(source)] = dataset[name].values
+            column = SOURCES.index(source)
+            parts[:, column] = dataset[name].values
+            if f"{name}_bias" in dataset:
+                bias[:, column] = dataset[f"{name}_bias"].values
+        by_chance = np.sqrt(np.nansum((parts - bias) ** 2, axis=1))
         known = np.isfinite(parts).any(axis=1)
-        combined = np.where(known, np.sqrt(np.nansum(parts**2, axis=1)), np.nan)
+        combined = np.where(
+            known, np.nansum(np.where(np.isfinite(parts), bias, 0), axis=1) + by_chance, np.nan
+        )
         columns[_uncertainty(name)] = (
             ("load", "source"),
             np.column_stack([parts, combined]),

@@ -66,7 +66,8 @@ def discretisation_uncertainty(
 
     Returns
     -------
-    Dataset, dim load: the half-widths of 95 % intervals of `QUANTITIES`, each in its own unit
+    Dataset, dim load: the half-widths of 95 % intervals of `QUANTITIES`, each in its own unit, and
+    `mean_contact_pressure_bias` (Pa), the part of it that is no matter of chance
     """
     if solved is None:
         solved = solve_contact(window, **contact, reduce=grid_marks)
@@ -91,6 +92,7 @@ def discretisation_uncertainty(
         "mean_gap": np.hypot(change["mean_gap"], fine["mean_gap_uncertainty"].values),
         "max_pressure": np.hypot(change["max_pressure"], _BESIDE_THE_PEAK * solved["beside_the_peak"].values),
         "mean_contact_pressure": np.abs(overcount) + load * _ratio(area, share**2),
+        "mean_contact_pressure_bias": np.abs(overcount),
     }
     return xr.Dataset({name: ("load", values) for name, values in uncertainty.items()})
 

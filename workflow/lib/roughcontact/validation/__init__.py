@@ -6,4 +6,4 @@ formula, source and test are. Rooms: `lines` (a line, a part, what holds), one m
 """
 
 # in the order of the page; each is a module of this package with a function `part`
-PARTS = ("paper", "waves", "hertz", "full_contact", "convergence", "rough", "consistency")
+PARTS = ("paper", "waves", "hertz", "full_contact", "convergence", "rough", "consistency", "coverage")

@@ -5,6 +5,7 @@ from roughcontact.validation import (
     PARTS,
     consistency,
     convergence,
+    coverage,
     full_contact,
     hertz,
     paper,
@@ -51,5 +52,6 @@ def validate(part: str, sample=None, *, finest_grid: int = 2048) -> Part:
         "convergence": convergence,
         "rough": rough,
         "consistency": consistency,
+        "coverage": coverage,
     }
     return modules[part].part(finest_grid=finest_grid)

@@ -1,0 +1,142 @@
+"""The error budget as a whole: combination, sources left out, coverage, what the report says."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from roughcontact import synthetic
+from roughcontact.collect import summary_table
+from roughcontact.contact import solve_contact
+from roughcontact.errors import SettingsError
+from roughcontact.levelling import level
+from roughcontact.quantities import plus_minus
+from roughcontact.statistics import contact_statistics, with_uncertainty
+from roughcontact.storage import read_dataset, write_dataset
+from roughcontact.uncertainty.budget import SOURCES, combine, error_budget
+from roughcontact.uncertainty.headline import QUANTITIES, headline
+from roughcontact.uncertainty.shown import shown_budget
+from roughcontact.validation.coverage import measured_cases
+from roughcontact.window import periodic_window
+
+CONTACT = {"contact_modulus": 1.0, "mean_pressure": [0.02, 0.002], "tolerance": 1e-4}
+SETTINGS = {"level": {}, "window": {}, "contact": CONTACT}
+
+
+@pytest.fixture(scope="module")
+def maps():
+    height = synthetic.self_affine_surface(
+        (128, 128), 1e-6, hurst=0.8, shortest=6e-6, longest=3e-5, rms_gradient=0.1, seed=4
+    )[:96, :100]
+    levelled = level(height)
+    return levelled, periodic_window(levelled)
+
+
+@pytest.fixture(scope="module")
+def budget(maps):
+    return error_budget(*maps, SETTINGS)
+
+
+@pytest.fixture(scope="module")
+def statistics(maps, budget):
+    return with_uncertainty(solve_contact(maps[1], **CONTACT, reduce=contact_statistics), budget)
+
+
+def test_the_combined_interval_covers_the_surface_that_was_measured():
+    for name, (half_width, error) in measured_cases(8, master_points=256, seed=11).items():
+        assert np.mean(error <= half_width) >= 0.9, name
+
+
+def test_parts_add_as_squares_and_what_is_known_to_be_off_as_it_is():
+    solver, pixels = (xr.Dataset({name: ("load", [v, np.nan]) for name in QUANTITIES}) for v in (3.0, 4.0))
+    combined = combine({"solver": solver, "discretisation": pixels}).sel(source="combined")
+    for name in QUANTITIES:
+        np.testing.assert_equal(combined[f"{name}_uncertainty"].values, [5.0, np.nan])
+    pixels["mean_gap_bias"] = ("load", [4.0, np.nan])
+    combined = combine({"solver": solver, "discretisation": pixels}).sel(source="combined")
+    assert float(combined["mean_gap_uncertainty"][0]) == 7.0
+
+
+def test_every_source_has_its_place(budget):
+    assert list(budget["source"].values) == [*SOURCES, "combined"]
+    for name in QUANTITIES:
+        parts = budget[f"{name}_uncertainty"]
+        assert np.all(parts.sel(source=["discretisation", "window", "combined"]) > 0)
+        assert np.all(parts.sel(source="combined") >= 0.999999 * parts.max("source"))
+        # at the default tolerance the solver does not matter
+        assert np.all(parts.sel(source="solver") < 0.2 * parts.sel(source="combined"))
+        assert budget[f"{name}_parts"].dims == ("member", "load")
+
+
+def test_sources_may_be_left_out(maps, budget):
+    few = error_budget(*maps, SETTINGS, sources=["discretisation"])
+    name = "mean_gap_uncertainty"
+    assert np.isnan(few[name].sel(source=["solver", "window", "processing"])).all()
+    xr.testing.assert_allclose(
+        few[name].sel(source="discretisation"), budget[name].sel(source="discretisation")
+    )
+    xr.testing.assert_equal(
+        few[name].sel(source="discretisation", drop=True), few[name].sel(source="combined", drop=True)
+    )
+    assert not error_budget(*maps, SETTINGS, sources=[]).data_vars
+    with pytest.raises(SettingsError, match="did you mean 'window'"):
+        error_budget(*maps, SETTINGS, sources=["windows"])
+
+
+def test_the_file_of_the_budget_is_whole(budget, tmp_path):
+    write_dataset(budget, tmp_path / "uncertainty.nc")
+    back = read_dataset(tmp_path / "uncertainty.nc")
+    xr.testing.assert_allclose(back, budget)
+    assert back["max_pressure_uncertainty"].attrs["units"] == "Pa"
+    assert "squares" in back["max_pressure_uncertainty"].attrs["comment"]
+
+
+def test_statistics_and_summary_carry_the_budget(statistics, budget):
+    xr.testing.assert_equal(statistics["mean_gap_uncertainty"], budget["mean_gap_uncertainty"])
+    one = statistics.expand_dims("surface").assign_coords(surface_name=("surface", np.array(["a"], object)))
+    table = summary_table(one)
+    combined = budget["max_pressure_uncertainty"].sel(source="combined").values
+    np.testing.assert_array_equal(table["max_pressure_uncertainty_Pa"], combined)
+    area = budget["relative_contact_area_uncertainty"]
+    for source in SOURCES:
+        column = table[f"relative_contact_area_uncertainty_from_{source}"]
+        np.testing.assert_array_equal(column, area.sel(source=source).values)
+    other = budget.assign_coords(mean_pressure=("load", [1.0, 2.0]))
+    with pytest.raises(SettingsError, match="other loads"):
+        with_uncertainty(statistics, other)
+
+
+def test_the_budget_belongs_to_the_numbers_of_the_statistics(maps, statistics):
+    found = solve_contact(maps[1], **CONTACT, reduce=headline)
+    for name in QUANTITIES:
+        np.testing.assert_allclose(found[name], statistics[name], rtol=1e-12)
+
+
+def test_the_report_says_what_the_uncertainty_is_made_of(statistics):
+    shown = shown_budget(statistics)
+    assert len(shown["rows"]) == 2
+    area = float(statistics["relative_contact_area"][0])
+    half = float(statistics["relative_contact_area_uncertainty"].sel(source="combined")[0])
+    assert shown["rows"][0][1] == plus_minus(area, half)
+    assert shown["rows"][0][-1] in shown["header"]
+    assert shown["image"].startswith("data:image/svg")
+    left_out = statistics.copy(deep=True)
+    for name in QUANTITIES:
+        left_out[f"{name}_uncertainty"].loc[{"source": "window"}] = np.nan
+    assert "window" not in shown_budget(left_out)["header"]
+    assert any("Not in the ±: window" in note for note in shown_budget(left_out)["notes"])
+    assert shown_budget(statistics.drop_dims("source")) is None
+
+
+@pytest.mark.parametrize(
+    ("value", "half_width", "text"),
+    [
+        (0.0413, 0.0021, "0.0413 ± 0.0021"),
+        (0.5, 0.0996, "0.50 ± 0.10"),
+        (123456.0, 2345.0, "123500 ± 2300"),
+        (-2.0, 0.5, "−2.00 ± 0.50"),
+        (2.0, float("nan"), "2.00"),
+        (3e-12, 1e-13, "3.00×10⁻¹² ± 1.0×10⁻¹³"),
+    ],
+)
+def test_a_value_has_as_many_places_as_its_uncertainty(value, half_width, text):
+    assert plus_minus(value, half_width) == text

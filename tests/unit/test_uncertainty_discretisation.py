@@ -1,0 +1,79 @@
+"""The interval of the pixel size: it covers a finer solution, is not too wide, and shrinks with the pixels."""
+
+import numpy as np
+import pytest
+
+from roughcontact import reference, synthetic
+from roughcontact.contact import solve_contact
+from roughcontact.cost.measure import refined
+from roughcontact.uncertainty import discretisation
+from roughcontact.uncertainty.discretisation import discretisation_uncertainty, grid_marks
+from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.validation.coverage import pixel_size_cases
+
+PROBLEM = {"contact_modulus": 1.0, "tolerance": 1e-4}
+
+
+@pytest.fixture(scope="module")
+def cases():
+    return pixel_size_cases(12, seed=3)
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_the_interval_of_the_pixel_size_covers_a_finer_solution(cases, name):
+    half_width, error = cases[name]
+    assert np.mean(error <= half_width) >= 0.9
+    assert np.median(half_width / error) <= 3
+
+
+def test_the_interval_covers_the_closed_form_of_ridges():
+    amplitude, share = 0.01, 0.3
+    load = share * np.pi * amplitude
+    for points in (64, 128, 256):
+        ridges = synthetic.westergaard_surface((1, points), 1 / points, amplitude=amplitude, wavelength=1.0)
+        contact = PROBLEM | {"mean_pressure": [load]}
+        solved = solve_contact(ridges, **contact, reduce=grid_marks)
+        half_widths = discretisation_uncertainty(ridges, contact=contact, solved=solved)
+        true_area = 2 / np.pi * np.arcsin(np.sqrt(share))
+        found = float(solved["relative_contact_area"][0])
+        assert abs(found - true_area) <= float(half_widths["relative_contact_area"][0]) < 0.1
+    assert reference.westergaard_contact_share(share) == pytest.approx(true_area)
+
+
+def test_the_interval_shrinks_with_the_pixels():
+    loads = [0.05, 0.3]
+    widths = []
+    for points in (64, 256):
+        window = synthetic.rough_reference_surface(points)
+        found = discretisation_uncertainty(window, contact=PROBLEM | {"mean_pressure": loads})
+        widths.append([found[name].values for name in QUANTITIES])
+    assert np.all(np.array(widths[1]) < 0.6 * np.array(widths[0]))
+
+
+def test_of_a_large_window_a_part_is_refined(monkeypatch):
+    window = synthetic.self_affine_surface(
+        (96, 128), 1.0, hurst=0.8, shortest=8.0, longest=32.0, rms_gradient=0.5, seed=1
+    )
+    contact = PROBLEM | {"mean_pressure": [0.05, 0.2]}
+    solved = solve_contact(window, **contact, reduce=grid_marks)
+    fine = solve_contact(refined(window, 4), **contact, reduce=grid_marks)
+    monkeypatch.setattr(discretisation, "_MOST_POINTS", 64 * 96)
+    assert discretisation._part(window).shape == (96, 64)
+    part = discretisation_uncertainty(window, contact=contact, solved=solved)
+    for name in QUANTITIES:
+        error = np.abs(solved[name] - fine[name])
+        assert np.all(error <= part[name] + 1e-3 * fine[name]), name
+        assert np.all(part[name] < 0.3 * fine[name]), name
+
+
+def test_the_peak_stands_out_from_its_neighbours():
+    pressure = np.zeros((4, 5))
+    pressure[0, 0], pressure[3, 0], pressure[1, 0], pressure[0, 4], pressure[0, 1] = 8, 4, 2, 1, 1
+    assert discretisation._beside_the_peak(pressure) == 6
+    assert discretisation._beside_the_peak(pressure[:1]) == 7
+
+
+def test_what_is_flat_has_no_error_of_the_pixel_size():
+    flat = synthetic.height_map(np.zeros((32, 32)), 1.0)
+    found = discretisation_uncertainty(flat, contact=PROBLEM | {"mean_pressure": [1.0]})
+    assert all(float(found[name][0]) == 0 for name in QUANTITIES)

@@ -1,0 +1,84 @@
+"""What the certificate says of each number: it covers the difference from a converged solution."""
+
+import numpy as np
+import pytest
+
+from roughcontact import synthetic
+from roughcontact.contact import solve_contact
+from roughcontact.statistics import contact_statistics
+from roughcontact.uncertainty.headline import QUANTITIES, headline
+from roughcontact.uncertainty.solver import points_within_reach, solver_uncertainty
+
+SHAPES = ((32, 32), (64, 64), (40, 96), (1, 128))
+
+
+def rough(index):
+    """Return one of many maps: profiles, oblong ones, smooth ones, some with noise on every point."""
+    generator = np.random.default_rng(index)
+    shape = SHAPES[index % len(SHAPES)]
+    height = synthetic.self_affine_surface(
+        shape,
+        1 / shape[1],
+        hurst=generator.uniform(0.1, 1),
+        shortest=generator.uniform(2.2, 10) / shape[1],
+        longest=generator.uniform(0.35, 1),
+        rms_gradient=1.0,
+        seed=index,
+    )
+    if index % 5 == 4:
+        height = height + 0.3 / shape[1] * generator.standard_normal(shape)
+    return height
+
+
+def test_the_interval_of_the_solver_covers_converged_solutions():
+    inside, gap_shares = {name: [] for name in QUANTITIES}, []
+    for index in range(24):
+        window = rough(index)
+        loads = np.exp(np.random.default_rng(index).uniform(np.log(0.01), np.log(1.0), 3))
+        problem = {"contact_modulus": 1.0, "mean_pressure": list(loads)}
+        truth = solve_contact(window, **problem, tolerance=1e-9, reduce=headline)
+        for tolerance in (1e-1, 1e-2, 1e-3, 1e-4):
+            contact = solve_contact(window, **problem, tolerance=tolerance)
+            found, half_widths = headline(contact), solver_uncertainty(contact)
+            for name in QUANTITIES:
+                error = np.abs(found[name].values - truth[name].values)
+                inside[name].append(error <= half_widths[name].values + 1e-9 * truth[name].values)
+            # a quarter of the proved bound is used: the bound itself holds without exception
+            error = np.abs(found["mean_gap"].values - truth["mean_gap"].values)
+            gap_shares.append(error <= 4 * half_widths["mean_gap"].values + 1e-12)
+    assert np.all(gap_shares)
+    for name, cases in inside.items():
+        assert np.mean(cases) >= 0.95, name
+
+
+def test_the_formulas_at_a_solution():
+    contact = solve_contact(rough(1), contact_modulus=3.0, mean_pressure=[0.1, 0.6], tolerance=1e-2)
+    statistics, half_widths = contact_statistics(contact), solver_uncertainty(contact)
+    bound = contact["error_bound"]
+    np.testing.assert_allclose(
+        half_widths["mean_gap"], bound * statistics["elastic_energy"] / contact["mean_pressure"], rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        half_widths["max_pressure"], 2 * bound * statistics["max_pressure"], rtol=1e-12
+    )
+    points = half_widths["relative_contact_area"] / statistics["relative_contact_area_pixels"]
+    np.testing.assert_allclose(
+        half_widths["mean_contact_pressure"], points * statistics["mean_contact_pressure"], rtol=1e-12
+    )
+
+
+def test_points_within_reach_are_those_near_the_edge_of_the_contact():
+    pressure = np.array([[10.0, 0.02, 0.0, 0.0]])
+    gap = np.array([[0.0, 0.0, 0.001, 2.0]])
+    # reach of the pressure: 0.01 x 5 = 0.05; of the gap: 0.01 x 1 = 0.01
+    assert points_within_reach(pressure, gap, 0.01) == 2
+    assert points_within_reach(pressure, gap, 1e-6) == 0
+    wide = np.array([[10.0, 0.15, 0.0, 0.0]])  # within four reaches, not within one
+    assert points_within_reach(wide, np.array([[0.0, 0.0, 2.0, 2.0]]), 0.01) == 0.5
+
+
+def test_full_contact_has_no_gap_to_be_uncertain_of():
+    contact = solve_contact(rough(0), contact_modulus=1.0, mean_pressure=50.0)
+    half_widths = solver_uncertainty(contact)
+    assert float(half_widths["relative_contact_area"][0]) == 0
+    assert float(half_widths["mean_gap"][0]) == pytest.approx(0, abs=1e-12)
