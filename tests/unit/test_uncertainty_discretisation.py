@@ -1,4 +1,4 @@
-"""The interval of the pixel size: it covers a finer solution, is not too wide, and shrinks with the pixels."""
+"""The interval of the pixel size: it covers a finer solution, is not too wide, shrinks with the pixels."""
 
 import numpy as np
 import pytest
