@@ -46,7 +46,7 @@ VERDICT = """
 **`{best}` comes nearest to the truth**, misses of area, peak and load on the rim weighed against marks
 of 1 %, 10 % and 10 % (the default of the program: `{default}`). `mirror` is left out of the choice: it
 solves four times as many points. Waves longer than the window are the hard case: unrelated ends have to meet
-somewhere, and what keeps the rim rough loads it more than is fair."""
+somewhere. What keeps their heights at the rim loads it more than is fair, what flattens them less."""
 
 NEARER = """
 Over all {count} maps the error is {largest:.2f} % with the largest rectangle and {search:.2f} % with the

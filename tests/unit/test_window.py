@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from roughcontact import synthetic
+from roughcontact.checks import FORM
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.fourier import spacing
 from roughcontact.io import read_height_map
@@ -277,7 +278,9 @@ def test_real_files_get_a_window(file, kinds, least_share):
         assert np.isfinite(window.values).all()
         assert window.attrs["window_share"] > part * least_share
         gradients = [window.attrs[f"rms_gradient_{when}"] for when in ("before", "after")]
-        assert gradients[1] == pytest.approx(gradients[0], rel=0.03)
+        # the band closes the ends of a bow, which makes it steeper; checks.FORM says so to the user
+        form = window.attrs["form_share"] > FORM
+        assert gradients[1] == pytest.approx(gradients[0], rel=0.05 if form else 0.03)
 
 
 @pytest.mark.shared_data

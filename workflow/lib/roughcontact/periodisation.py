@@ -2,8 +2,8 @@
 
 import numpy as np
 
-_LONG = 2 / 3  # of the band: standard deviation of the Gaussian mean that long waves pass
-_CLOSED = 0.75  # share of their smooth component that is taken off
+_LONG = 1 / 2  # of the band: standard deviation of the Gaussian mean that long waves pass
+_CLOSED = 0.55  # share of their smooth component that is taken off
 
 
 def is_periodic(values) -> bool:
@@ -154,14 +154,16 @@ def _correlation(first, last) -> float:
 
 
 def smooth_cross_fade(values, band, spacing) -> np.ndarray:
-    """Return the map shortened by a band: its long waves closed in part, then cross-faded with its variance.
+    """Return the map shortened by a band: long waves closed in part, short ones faded with their variance.
 
     A cross-fade alone has to climb from one end to the other within the band: long waves make it steep.
     Closing the seams by a smooth surface alone draws the heights on both sides to their mean: the rim gets
-    flat and carries too little. Here three quarters of the smooth component (`periodic_plus_smooth`) of the
-    long waves are taken off first. What is left of them, and the short waves by themselves, is cross-faded
-    (`cross_fade`, `keep_variance`): the ends of the one may be correlated where those of the other are not.
-    Long waves are what a Gaussian mean over two thirds of the band (standard deviation) lets pass.
+    flat and carries too little. Here part of the smooth component (`periodic_plus_smooth`) of the long waves
+    is taken off first, and what is left of them is cross-faded. The short waves are cross-faded by themselves
+    and keep their variance (`cross_fade`, `keep_variance`): it is theirs that makes slopes and peaks. That of
+    the long waves is largest at the edges of a levelled map, and is left to fall there: kept, it puts too
+    much load on the rim. Long waves are what a Gaussian mean over half of the band (standard deviation) lets
+    pass.
 
     Parameters
     ----------
@@ -176,17 +178,15 @@ def smooth_cross_fade(values, band, spacing) -> np.ndarray:
 
     Notes
     -----
-    Both shares were found by trying on cut-outs of periodic surfaces: docs/window.md.
+    The shares were found by trying on cut-outs of periodic surfaces: docs/window.md.
     """
     long_waves = _gaussian_mean(values, [_LONG * b for b in band])
     # the smooth component of the part that stays, continued into the half bands on both sides
     inner = tuple(slice(b // 2, n - (b - b // 2)) for b, n in zip(band, values.shape, strict=True))
     smooth = long_waves[inner] - periodic_plus_smooth(long_waves[inner], spacing)
     smooth = np.pad(smooth, [(b // 2, b - b // 2) for b in band], mode="edge")
-    return sum(
-        cross_fade(part, band, keep_variance=True)
-        for part in (long_waves - _CLOSED * smooth, values - long_waves)
-    )
+    closed = cross_fade(long_waves - _CLOSED * smooth, band)
+    return closed + cross_fade(values - long_waves, band, keep_variance=True)
 
 
 def _gaussian_mean(values, deviations):
