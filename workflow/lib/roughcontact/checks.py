@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, percent
+from roughcontact.quantities import number, percent, quantity
 
 PASSED, LOOK, FAILED = "passed", "look", "failed"
 VERDICTS = {PASSED: "trust", LOOK: "look at", FAILED: "do not trust"}
@@ -22,6 +22,7 @@ GRADIENT_CHANGE = 0.1  # relative change of the rms gradient by periodisation
 HEIGHT_CHANGE = 0.5  # rms change of the heights by periodisation, of their rms
 FORM = 0.8  # share of the mean square height that a second-order polynomial makes up
 STEEP_PLACES = 0.5  # share of the mean square gradient that the steepest 1 % of the points make up
+LENGTHS = 10  # autocorrelation lengths along the shorter side of the window
 WINDOW_SHARE = 0.5  # share of the measured area that was used
 STEEP = 0.3  # rms gradient from which small-slope elasticity is a rough approximation
 TOO_STEEP = 3.0  # rms gradient that no rough surface has: a unit is wrong
@@ -56,6 +57,9 @@ def surface_checks(statistics: xr.Dataset, *, height: dict, levelled: dict, wind
         _form(levelled, window),
         _periodicity(window),
         _window(window),
+        _longest_wave(statistics),
+        _band(window),
+        _plasticity(statistics),
         _load_range(statistics),
         _slope(statistics),
         _steep_places(window),
@@ -207,6 +211,50 @@ def _window(window):
         text += " The rest was cropped away: see the frame on the levelled map."
         return Check("Window", LOOK, text)
     return Check("Window", PASSED, text)
+
+
+def _longest_wave(statistics):
+    length = float(statistics["Sal"])
+    sides = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
+    # a profile is as wide as a pixel, and has no aspect ratio
+    side = max(sides) if np.isnan(statistics["Str"]) else min(sides)
+    if np.isnan(length):
+        return Check("Longest wave", PASSED, "The map is flat: there is no wave to be too long.")
+    text = f"The window is {number(side / length, digits=2)} autocorrelation lengths (Sal) long"
+    if side < LENGTHS * length:
+        text += (
+            ": it is shorter than the longest waves of the surface, which another window would show "
+            "otherwise. Measure a larger field, or take long waves off (level.l_filter)."
+        )
+        return Check("Longest wave", LOOK, text)
+    return Check("Longest wave", PASSED, f"{text}: it holds several of the longest waves.")
+
+
+def _band(window):
+    shortest, reliable = (window.get(name, 0.0) for name in ("band_shortest", "reliable_wavelength"))
+    reason = window.get("reliable_reason", "two pixels")
+    if reason == "two pixels" or shortest >= reliable * (1 - 1e-6):
+        return Check("Band", PASSED, "No wave is solved that the instrument is known not to resolve.")
+    text = (
+        f"Waves down to {quantity(shortest, 'm')} are solved; {reason} resolves {quantity(reliable, 'm')}. "
+        "What is shorter is partly noise, and peaks are partly rounded off: compare window.reliable_band."
+    )
+    return Check("Band", LOOK, text)
+
+
+def _plasticity(statistics):
+    share = statistics["yielded_area"].values if "yielded_area" in statistics else np.zeros(1)
+    loads = int((share > 0).sum())
+    if not loads:
+        return Check("Plasticity", PASSED, "No pressure reached a hardness; without one, none was asked for.")
+    hardness = float(statistics["max_pressure"].max())
+    index = float(statistics["contact_modulus"]) * float(statistics["rms_gradient"]) / hardness
+    text = (
+        f"At {loads} of {share.size} loads up to {percent(share.max())} of the area carries the hardness of "
+        f"{quantity(hardness, 'Pa')}: the surface is flattened there. Plasticity index E* g / H = "
+        f"{number(index, digits=2)} (mostly elastic below 0.3, mostly plastic above 3)."
+    )
+    return Check("Plasticity", LOOK, text)
 
 
 def _load_range(statistics):
