@@ -25,6 +25,8 @@ pytestmark = [
 
 LARGEST = 160  # points along a side that are solved: the middle of the map
 LOAD = 0.05
+# checks that speak of how small that part is, or of what any lens leaves out: no matter of the file
+OF_THE_PART = {"Longest wave", "Band"}
 
 # What the checks must say of a file, beyond what is common to all: verdict, and checks that ask for a look.
 VERDICTS = {
@@ -116,7 +118,8 @@ def test_from_the_file_to_the_verdict(name, catalogue):
     assert not any("nan" in check.sentence.split() for check in outcome)
     if name in VERDICTS:
         verdict, wanted_looks = VERDICTS[name]
-        assert checks.VERDICTS[checks.verdict(outcome)] == verdict
+        of_the_file = [check for check in outcome if check.name not in OF_THE_PART]
+        assert checks.VERDICTS[checks.verdict(of_the_file)] == verdict
         assert wanted_looks <= looks
     assert json.loads(levelled.attrs["form_removed"])["slope_x"]["units"] == "1" or 1 in height.shape
 
