@@ -54,7 +54,7 @@ def part(*, finest_grid: int) -> Part:
         for name, (half_width, error) in cases.items():
             covered = float(np.mean(error <= half_width))
             width = float(np.median(half_width / np.maximum(error, np.finfo(float).tiny)))
-            counted = f"{what}: {_WORDS[name]}, share of {error.size} intervals that hold"
+            counted = f"{what}: {_WORDS[name]}, share of the intervals that hold"
             lines.append(_coverage(counted, covered, maps, evidence))
             if evidence is FINE:
                 lines.append(
