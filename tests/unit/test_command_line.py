@@ -15,6 +15,7 @@ import roughcontact as rc
 from roughcontact.command_line import main
 from roughcontact.command_line.options import in_options
 from roughcontact.io import inspect_file
+from roughcontact.quantities import plus_minus
 from roughcontact.settings import Contact, Level, Window, resolve
 
 ROOT = Path(__file__).parents[2]
@@ -113,6 +114,33 @@ def test_solve_prints_a_table(capsys):
     for heading in ("mean pressure", "A/A0", "counted", "in contact", "largest", "mean gap", "error bound"):
         assert heading in out
     assert "verdict" in out
+
+
+def test_solve_says_how_far_the_numbers_may_be_off(capsys):
+    options = ["solve", GROUND, "--contact-modulus", "1e9", "--relative-pressure", "0.05"]
+    code, out, _ = said(capsys, *options, "--json")
+    assert code == 0
+    found = json.loads(out)
+    verbs = found["settings"]
+    levelled = rc.level(rc.read_height_map(GROUND), **verbs["level"])
+    window = rc.periodic_window(levelled, **verbs["window"])
+    load = found["loads"][0]
+    contact = {"contact_modulus": 1e9, "mean_pressure": [load["mean_pressure"]]}
+    budget = rc.error_budget(levelled, window, verbs | {"contact": contact})
+    for name in ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure"):
+        of_load = load[f"{name}_uncertainty"]
+        assert list(of_load) == ["solver", "discretisation", "window", "processing", "combined"]
+        for source, half_width in of_load.items():
+            expected = budget[f"{name}_uncertainty"].sel(source=source)[0]
+            assert half_width == pytest.approx(float(expected), rel=1e-6)
+    area, off = (load[f"relative_contact_area{end}"] for end in ("", "_uncertainty"))
+    _, out, _ = said(capsys, *options)
+    assert f"{plus_minus(100 * area, 100 * off['combined'])} %" in out
+    _, out, _ = said(capsys, *options, "--uncertainty-sources")  # none of them
+    assert "±" not in out
+    code, _, err = said(capsys, *options, "--uncertainty-sources", "luck")
+    assert code == 2
+    assert "--uncertainty-sources" in err
 
 
 def test_a_profile_is_solved(capsys):

@@ -8,9 +8,11 @@ from roughcontact.levelling import level
 from roughcontact.roughness import rms_gradient
 from roughcontact.statistics import contact_statistics
 from roughcontact.synthetic import height_map, self_affine_surface
+from roughcontact.uncertainty.budget import error_budget
 from roughcontact.window import periodic_window
 
 PITCH, MODULUS, POINTS = 1e-6, 1e9, 256
+LEVEL = {"form": "polynomial", "order": 2, "line_alignment": "matched-steps", "s_filter": 2e-6}
 
 
 def contact_area(window, mean_pressure):
@@ -43,8 +45,8 @@ def measure(surface, corner, seed):
 
 @pytest.mark.parametrize("placement", ["largest", "search"])
 def test_contact_area_of_faulty_measurements(placement):
-    """Eight windows of two surfaces: the true area lies within the interval that their spread states."""
-    ratios = []
+    """Eight windows of two surfaces: the true area lies within their ±, and within what their spread says."""
+    ratios, stated = [], []
     for seed in range(2):
         surface = self_affine_surface(
             (2 * POINTS, 2 * POINTS),
@@ -59,17 +61,18 @@ def test_contact_area_of_faulty_measurements(placement):
         truth = contact_area(surface, load)
         for place in range(4):
             corner = [POINTS * n for n in divmod(place, 2)]
-            levelled = level(
-                measure(surface, corner, seed=10 * seed + place),
-                form="polynomial",
-                order=2,
-                line_alignment="matched-steps",
-                s_filter=2e-6,
-            )
+            levelled = level(measure(surface, corner, seed=10 * seed + place), **LEVEL)
             assert 35 <= levelled.attrs["outliers_rejected"] <= 45
             assert levelled.attrs["filled_share"] > 0.003
-            ratios.append(contact_area(periodic_window(levelled, placement=placement), load) / truth)
-    ratios = np.array(ratios)
+            window = periodic_window(levelled, placement=placement)
+            ratios.append(contact_area(window, load) / truth)
+            contact = {"contact_modulus": MODULUS, "mean_pressure": [load]}
+            settings = {"level": LEVEL, "window": {"placement": placement}, "contact": contact}
+            budget = error_budget(levelled, window, settings)["relative_contact_area_uncertainty"]
+            stated.append(float(budget.sel(source="combined")[0]) / truth)
+    ratios, stated = np.array(ratios), np.array(stated)
+    assert (np.abs(ratios - 1) <= stated).mean() >= 7 / 8
+    assert np.median(stated) < 0.15
     spread = ratios.std(ddof=1)
     assert spread < 0.1
     assert abs(ratios.mean() - 1) < 2 * spread / np.sqrt(ratios.size)

@@ -4,6 +4,8 @@ A new one, for instance that of a coated half-space, is one more function (qy, q
 name in `INFLUENCE`; S must be positive and have the dimension of a length.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
@@ -29,8 +31,8 @@ def elements(qy, qx, spacing):
     rectangle (Love 1929, Phil. Trans. R. Soc. A 228, 377), repeated with the period of the grid. Its ratio to
     2/|q| depends on q_y dy and q_x dx alone and is smooth: it is summed at a few nodes and interpolated.
     """
-    angles = np.linspace(0, np.pi, _NODES)
-    ratio = RectBivariateSpline(angles, angles, _elements_over_sampled(angles, spacing))
+    # rounded, because the same pixels on another grid differ in the last digit
+    ratio = _elements_over_sampled(float(f"{spacing[0] / spacing[1]:.12g}"))
     phase_y, phase_x = (
         np.clip(np.abs(q).ravel() * d, 0, np.pi) for q, d in zip((qy, qx), spacing, strict=True)
     )
@@ -41,9 +43,14 @@ def elements(qy, qx, spacing):
     return symbol
 
 
-def _elements_over_sampled(angles, spacing):
-    """Return the ratio of the symbols at q_y dy and q_x dx = `angles`."""
-    dy, dx = spacing
+@lru_cache(maxsize=16)
+def _elements_over_sampled(aspect: float):
+    """Return the ratio of the symbols as a function of q_y dy and q_x dx, 0 to pi, for `aspect` = dy/dx.
+
+    Kept, because all square grids share it and the sum takes most of a second.
+    """
+    angles = np.linspace(0, np.pi, _NODES)
+    dy, dx = aspect, 1.0
     half_y, half_x = 0.5 * angles[:, None], 0.5 * angles[None, :]
     total = np.zeros((angles.size, angles.size))
     orders = np.arange(-_IMAGES, _IMAGES + 1)
@@ -57,7 +64,7 @@ def _elements_over_sampled(angles, spacing):
             alias = np.hypot(2 * y / dy, 2 * x / dx)
             share = np.divide(own, alias, out=np.ones_like(own), where=alias > 0)
             total += weight_y * weight_x * share * np.sinc(y / np.pi) * np.sinc(x / np.pi)
-    return total
+    return RectBivariateSpline(angles, angles, total)
 
 
 INFLUENCE = {"sampled": sampled, "elements": elements}

@@ -5,7 +5,7 @@ import math
 import textwrap
 
 from roughcontact.instruments import labelled
-from roughcontact.quantities import number, percent, quantity
+from roughcontact.quantities import number, percent, plus_minus, prefix, quantity
 
 _WIDTH = 100
 # headline numbers of a load: name, heading, unit for people
@@ -140,15 +140,19 @@ def solution(result: dict) -> str:
     return "\n".join(lines)
 
 
+def _cell(load, name, unit):
+    """Return a number of a load with its unit, and with its ± where there is one."""
+    value, half_width = load[name], load.get(f"{name}_uncertainty", {}).get("combined", math.nan)
+    if not half_width > 0:
+        return percent(value) if unit == "%" else quantity(value, unit, digits=4 if unit == "Pa" else 3)
+    factor, shown = (100.0, "%") if unit == "%" else prefix(value, unit)
+    return f"{plus_minus(value * factor, half_width * factor)} {shown}"
+
+
 def _table(loads):
     rows = [[heading for _, heading, _ in _COLUMNS] + [""]]
     for load in sorted(loads, key=lambda load: load["mean_pressure"]):
-        cells = [
-            percent(load[name])
-            if unit == "%"
-            else quantity(load[name], unit, digits=4 if unit == "Pa" else 3)
-            for name, _, unit in _COLUMNS
-        ]
+        cells = [_cell(load, name, unit) for name, _, unit in _COLUMNS]
         rows.append([*cells, ", ".join(load["flags"])])
     widths = [max(len(row[column]) for row in rows) for column in range(len(_COLUMNS))]
     return [

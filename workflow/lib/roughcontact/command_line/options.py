@@ -7,16 +7,17 @@ import os
 import re
 
 from roughcontact.errors import SettingsError
-from roughcontact.settings import Contact, Level, Window, resolve
+from roughcontact.settings import Contact, Level, Uncertainty, Window, resolve
 
 # what only the workflow needs (where fields go), or has an option of its own here
 _LEFT_OUT = {"bodies", "keep_fields"}
-_LISTS = {"mean_pressure", "relative_pressure"}
+_LISTS = {"mean_pressure": "+", "relative_pressure": "+", "sources": "*"}
+_SECTIONS = {"contact": Contact, "level": Level, "window": Window, "uncertainty": Uncertainty}
 
 
 def _options():
     """Yield (section, key, option, field) of every setting that is offered."""
-    for section, model in (("contact", Contact), ("level", Level), ("window", Window)):
+    for section, model in _SECTIONS.items():
         for key, field in model.model_fields.items():
             if key not in _LEFT_OUT:
                 prefix = "" if section == "contact" else f"{section}-"
@@ -29,13 +30,15 @@ def add_settings(parser) -> None:
         "contact": parser.add_argument_group("contact (give --contact-modulus or --body twice)"),
         "level": parser.add_argument_group("levelling"),
         "window": parser.add_argument_group("periodic window"),
+        "uncertainty": parser.add_argument_group("error budget, the ± of the numbers"),
     }
     for section, key, option, field in _options():
         text = field.description.split("; give this")[0]
-        if field.default is not None:
-            default = str(field.default)
-            text += f" (default: {default.lower() if isinstance(field.default, bool) else default})"
-        words = {"nargs": "+"} if key in _LISTS else {}
+        default = field.get_default(call_default_factory=True)
+        if default is not None:
+            shown = " ".join(default) if isinstance(default, list) else str(default)
+            text += f" (default: {shown.lower() if isinstance(default, bool) else shown})"
+        words = {"nargs": _LISTS[key]} if key in _LISTS else {}
         groups[section].add_argument(
             option, dest=f"{section}.{key}", metavar="VALUE", help=text.replace("%", "%%"), **words
         )
@@ -63,7 +66,7 @@ def chosen_settings(options) -> dict:
     SettingsError
         for values that the settings do not take.
     """
-    config = {"contact": {}, "level": {}, "window": {}}
+    config = {section: {} for section in _SECTIONS}
     for section, key, _, _ in _options():
         value = getattr(options, f"{section}.{key}")
         if value is not None:

@@ -9,7 +9,8 @@ from roughcontact import checks
 from roughcontact.contact import SOLVER_SETTINGS, plan_loads, solve_contact
 from roughcontact.io import read_height_map
 from roughcontact.levelling import level
-from roughcontact.statistics import contact_statistics
+from roughcontact.statistics import contact_statistics, with_uncertainty
+from roughcontact.uncertainty.budget import error_budget
 from roughcontact.variables import VARIABLES
 from roughcontact.window import periodic_window
 
@@ -31,7 +32,8 @@ def solve_file(path, given: dict, settings: dict, *, threads: int = 1) -> dict:
     -------
     dict of plain values, SI units
         `file`, `source_sha256`, `measured`, `window` (numbers of points), `surface` (name -> number),
-        `loads` (one dict per load, name -> number, with the words `flags`), `units` (name -> unit),
+        `loads` (one dict per load, name -> number, `{name}_uncertainty` -> source -> half-width, with the
+        words `flags`), `units` (name -> unit),
         `checks` (name, outcome, sentence), `verdict`, `settings`.
     """
     contact = settings["contact"]
@@ -47,21 +49,24 @@ def solve_file(path, given: dict, settings: dict, *, threads: int = 1) -> dict:
             window, **elastic, **{key: contact[key] for key in ("mean_pressure", "relative_pressure")}
         )
         show(0, len(loads), "solving")
+        solver = elastic | {"mean_pressure": loads} | {key: contact[key] for key in SOLVER_SETTINGS}
+        solver["threads"] = threads
         statistics = solve_contact(
-            window,
-            **elastic,
-            mean_pressure=loads,
-            **{key: contact[key] for key in SOLVER_SETTINGS},
-            reduce=partial(contact_statistics, **settings["statistics"]),
-            threads=threads,
-            progress=show,
+            window, **solver, reduce=partial(contact_statistics, **settings["statistics"]), progress=show
         )
+        show(len(loads), len(loads), "error budget")
+        verbs = {"level": settings["level"], "window": settings["window"], "contact": solver}
+        budget = error_budget(levelled, window, verbs, **settings["uncertainty"])
+    statistics = with_uncertainty(statistics, budget)
     outcome = checks.surface_checks(
         statistics, height=height.attrs, levelled=levelled.attrs, window=window.attrs, points=window.size
     )
     surface, per_load = (
         [name for name in statistics.variables if statistics[name].dims == dims] for dims in ((), ("load",))
     )
+    uncertain = [name for name in statistics.variables if name.endswith("_uncertainty")]
+    by_source = statistics[uncertain].to_dict()["data_vars"]
+    sources = statistics["source"].values.tolist() if uncertain else []
     flags = checks.load_flags(statistics, window.size)
     return {
         "file": str(path),
@@ -74,14 +79,18 @@ def solve_file(path, given: dict, settings: dict, *, threads: int = 1) -> dict:
         },
         "surface": {name: float(statistics[name]) for name in surface},
         "loads": [
-            {name: statistics[name].values[index].item() for name in per_load} | {"flags": words}
+            {name: statistics[name].values[index].item() for name in per_load}
+            | {name: dict(zip(sources, by_source[name]["data"][index], strict=True)) for name in uncertain}
+            | {"flags": words}
             for index, words in enumerate(flags)
         ],
-        "units": {name: VARIABLES[name][0] for name in (*surface, *per_load)},
+        "units": {name: VARIABLES[name][0] for name in (*surface, *per_load, *uncertain)},
         "checks": [check._asdict() for check in outcome],
         "verdict": checks.VERDICTS[checks.verdict(outcome)],
         "warnings": json.loads(height.attrs["ingest_warnings"]),
-        "settings": {key: settings[key] for key in ("contact", "level", "window", "statistics")},
+        "settings": {
+            key: settings[key] for key in ("contact", "level", "window", "statistics", "uncertainty")
+        },
     }
 
 
