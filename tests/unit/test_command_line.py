@@ -16,7 +16,7 @@ from roughcontact.command_line import main
 from roughcontact.command_line.options import in_options
 from roughcontact.io import inspect_file
 from roughcontact.quantities import plus_minus
-from roughcontact.settings import Contact, Level, Window, resolve
+from roughcontact.settings import Contact, Level, Uncertainty, Window, resolve
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "data_samples"
@@ -197,7 +197,8 @@ def test_a_load_that_misses_the_tolerance_ends_with_code_1(capsys, monkeypatch):
 def test_every_setting_of_the_stages_is_an_option(capsys):
     assert said(capsys, "solve", "--help")[0] == 0
     main_help = said(capsys, "solve", "--help")[1]
-    for prefix, model in (("", Contact), ("level-", Level), ("window-", Window)):
+    sections = {"": Contact, "level-": Level, "window-": Window, "uncertainty-": Uncertainty}
+    for prefix, model in sections.items():
         for key in set(model.model_fields) - {"bodies", "keep_fields"}:
             assert f"--{prefix}{key.replace('_', '-')}" in main_help
 
