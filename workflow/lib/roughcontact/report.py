@@ -186,6 +186,7 @@ def write_report(path, *, panels, statistics, title, settings, pairs=None) -> No
             "heights": f"{100 * checks.HEIGHT_CHANGE:g} %",
             "form": f"{100 * checks.FORM:g} %",
             "window": f"{100 * checks.WINDOW_SHARE:g} %",
+            "lengths": checks.LENGTHS,
             "steep": number(checks.STEEP, digits=1),
             "places": f"{100 * checks.STEEP_PLACES:g} %",
             "too_steep": number(checks.TOO_STEEP, digits=1),
