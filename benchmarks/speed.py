@@ -30,10 +30,12 @@ from worker import Worker
 HERE = Path(__file__).parent
 SCRIPTS = {
     "roughcontact": HERE / "own_worker.py",
+    page.SINGLE: HERE / "own_worker.py",
     "ASPHER": HERE / "rival_aspher.py",
     "Tamaas": HERE / "rival_tamaas.py",
 }
-FIRST_RUNG = {"roughcontact": 2.0**-6, "ASPHER": 2.0**-10, "Tamaas": 2.0**-11}
+OPTIONS = {page.SINGLE: {"precision": "single"}}
+FIRST_RUNG = {"roughcontact": 2.0**-6, page.SINGLE: 2.0**-6, "ASPHER": 2.0**-10, "Tamaas": 2.0**-11}
 LAST_RUNG = 2.0**-40
 LARGEST = {"ASPHER": 2048, "Tamaas": 1024}  # a solve of Tamaas takes minutes above
 LARGEST_IN_MEMORY = {"ASPHER": 4096, "Tamaas": 1024, "roughcontact": 8192}
@@ -51,7 +53,11 @@ def measure_case(workers, work, *, size, load, seed, threads, repeats, finest) -
     def run(code, tolerance, purpose):
         time.sleep(PAUSE)
         answer = workers[code].ask(
-            heights=str(heights), load=load, tolerance=tolerance, pressure=str(work / "pressure.npy")
+            heights=str(heights),
+            load=load,
+            tolerance=tolerance,
+            pressure=str(work / "pressure.npy"),
+            options=OPTIONS.get(code, {}),
         )
         case = {"code": code, "size": size, "load": load, "seed": seed, "threads": threads}
         record = case | {"tolerance": tolerance, "purpose": purpose} | answer
@@ -79,7 +85,8 @@ def measure_case(workers, work, *, size, load, seed, threads, repeats, finest) -
 def climb(run, first: float, finest: float) -> list[dict]:
     """Return the records of a ladder: from a rung that misses the true error to one within `finest`.
 
-    A solve longer than `LONG` seconds ends the ladder as soon as the true error of the benchmark is met.
+    A solve longer than `LONG` seconds ends the ladder as soon as the true error of the benchmark is met, one
+    that rounding keeps from its tolerance ends it at once.
     """
     records = [run(first)]
     while records[0].get("true_error", np.inf) <= TRUE_ERROR and records[0]["tolerance"] < 0.25:
@@ -87,7 +94,7 @@ def climb(run, first: float, finest: float) -> list[dict]:
     while records[-1]["tolerance"] > LAST_RUNG:
         last = records[-1]
         wanted = TRUE_ERROR if last.get("seconds", 0) > LONG else finest
-        if last.get("true_error", np.inf) <= wanted:
+        if last.get("true_error", np.inf) <= wanted or not last.get("converged", True):
             break
         records.append(run(last["tolerance"] / 2))
     return records
@@ -128,23 +135,20 @@ def measure_memory(pythons, work, *, sizes, seed, load=0.03) -> list[dict]:
     """Return the peak memory of one solve per code and size, each in a fresh process on one thread."""
     found = []
     small = str(_heights(work, 64, seed))
-    runs = [(code, python, code, {}) for code, python in pythons.items()]
-    own = pythons["roughcontact"]
-    runs.insert(1, ("roughcontact, single precision", own, "roughcontact", {"precision": "single"}))
     for size in sizes:
         heights = str(_heights(work, size, seed))
-        for name, python, code, options in runs:
-            if size > LARGEST_IN_MEMORY.get(name, size):
+        for code, python in pythons.items():
+            if size > LARGEST_IN_MEMORY.get(code, size):
                 continue
-            tolerance = {"roughcontact": 1e-4, "ASPHER": 4e-6, "Tamaas": 1e-4}[code]
+            tolerance, options = {"ASPHER": 4e-6}.get(code, 1e-4), OPTIONS.get(code, {})
             with Worker(SCRIPTS[code], python=python, threads=1) as worker:
                 for path in (small, heights):  # the first loads what is loaded once
                     answer = worker.ask(heights=path, load=load, tolerance=tolerance, options=options)
             bytes_per_pixel = answer["peak_bytes"] / size**2
             found.append(
-                {"code": name, "size": size, "bytes_per_pixel": bytes_per_pixel, "seconds": answer["seconds"]}
+                {"code": code, "size": size, "bytes_per_pixel": bytes_per_pixel, "seconds": answer["seconds"]}
             )
-            print(f"memory {name} {size}: {bytes_per_pixel:.0f} bytes per pixel", flush=True)
+            print(f"memory {code} {size}: {bytes_per_pixel:.0f} bytes per pixel", flush=True)
     return found
 
 
@@ -266,6 +270,7 @@ def parse(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     add = parser.add_argument
     add("--sizes", type=int, nargs="*", default=list(SIZES), help="points per side, all codes")
+    add("--codes", nargs="*", default=list(SCRIPTS), help="beside this solver, as it is by default")
     add("--larger", type=int, nargs="*", default=[4096], help="points per side, work of this solver alone")
     add("--loads", type=float, nargs="*", default=list(LOADS), help="mean pressure over contact modulus")
     add("--seeds", type=int, nargs="*", default=[0], help="of the random phases")
@@ -292,7 +297,7 @@ def main() -> None:
     results["machine"] = machine()
     results.setdefault("versions", {})
 
-    pythons = {"roughcontact": sys.executable}
+    pythons = {"roughcontact": sys.executable, page.SINGLE: sys.executable}
     rival_python = options.rivals.absolute() / "bin" / "python"
     if rival_python.exists():
         pythons |= {"ASPHER": str(rival_python), "Tamaas": str(rival_python)}
@@ -302,6 +307,7 @@ def main() -> None:
             f"Make it with: bash {Path(__file__).parent.name}/setup_rivals.sh {options.rivals}"
         )
 
+    pythons = {code: python for code, python in pythons.items() if code in {"roughcontact", *options.codes}}
     for threads in options.threads:
         with ExitStack() as stack:
             workers = {
@@ -309,7 +315,8 @@ def main() -> None:
                 for code, python in pythons.items()
             }
             for code, worker in workers.items():
-                results["versions"][code] = worker.versions
+                if code != page.SINGLE:
+                    results["versions"][code] = worker.versions
                 for size in {64, *options.sizes}:  # untimed: what only the first call pays
                     if size <= LARGEST.get(code, size):
                         heights = str(_heights(work, size, options.seeds[0]))
