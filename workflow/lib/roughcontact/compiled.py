@@ -20,7 +20,7 @@ _compile = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"re
 class Compiled:
     """The kernels, run by `threads` threads."""
 
-    SMALL = 256 * 256  # points below which starting threads costs more than they save
+    SMALL = 1024 * 1024  # points below which starting threads costs more than they save
     TAIL = 64 * 64  # cells up to which the grids of a pyramid are passed over in one call
 
     def __init__(self, threads: int = 1):

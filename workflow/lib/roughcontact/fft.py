@@ -5,6 +5,7 @@ was the fastest in every measurement, most of all because it writes into memory 
 of another library (CuPy, say) are transformed by that library.
 """
 
+import os
 from contextlib import contextmanager
 from functools import cache
 from importlib.util import find_spec
@@ -14,7 +15,11 @@ import scipy.fft
 
 from roughcontact.kernels import empty
 
-_SMALL = 128 * 128  # points; below that starting threads costs more than they save
+_SMALL = 512 * 512  # points; below that starting threads costs more than they save
+
+# MKL's threads go on waiting busily after a transform, for 200 ms, and so take the cores from the passes over
+# the grid that follow it. One millisecond spans the gap between two transforms; a user's own choice stands.
+os.environ.setdefault("KMP_BLOCKTIME", "1")
 
 
 class Plan:
