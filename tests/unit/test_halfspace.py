@@ -69,7 +69,7 @@ def test_both_operators_equal_sums_over_waves(shape, lengths, dtype, transforms)
 @pytest.mark.parametrize("dtype", PRECISIONS)
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize(
-    ("shape", "lengths"), [*CELLS, ((300, 250), (1.0, 0.7)), ((1, 70000), (1e-3, 1.0))], ids=str
+    ("shape", "lengths"), [*CELLS, ((600, 450), (1.0, 0.7)), ((1, 270000), (1e-3, 1.0))], ids=str
 )
 def test_one_operator_is_the_inverse_of_the_other(shape, lengths, threads, dtype, transforms):
     halfspace = HalfSpace(shape, lengths, threads=threads)
