@@ -22,7 +22,9 @@ GRADIENT_CHANGE = 0.1  # relative change of the rms gradient by periodisation
 HEIGHT_CHANGE = 0.5  # rms change of the heights by periodisation, of their rms
 FORM = 0.8  # share of the mean square height that a second-order polynomial makes up
 STEEP_PLACES = 0.5  # share of the mean square gradient that the steepest 1 % of the points make up
-LENGTHS = 10  # autocorrelation lengths along the shorter side of the window
+# Autocorrelation lengths along the shorter side of the window: the correlation of a wave falls to 0.2 within
+# 0.22 of its length, so that a window of fewer holds less than one of the longest waves.
+LENGTHS = 5
 WINDOW_SHARE = 0.5  # share of the measured area that was used
 STEEP = 0.3  # rms gradient from which small-slope elasticity is a rough approximation
 TOO_STEEP = 3.0  # rms gradient that no rough surface has: a unit is wrong
@@ -227,7 +229,7 @@ def _longest_wave(statistics):
             "otherwise. Measure a larger field, or take long waves off (level.l_filter)."
         )
         return Check("Longest wave", LOOK, text)
-    return Check("Longest wave", PASSED, f"{text}: it holds several of the longest waves.")
+    return Check("Longest wave", PASSED, f"{text}: it holds the longest waves.")
 
 
 def _band(window):
