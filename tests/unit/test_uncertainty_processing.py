@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from known_surfaces import GRADIENT, MEANS, contact, surface
 
 from roughcontact.contact import solve_contact
 from roughcontact.levelling import level
@@ -11,33 +12,11 @@ from roughcontact.uncertainty.processing import processing_uncertainty, rough_fi
 from roughcontact.uncertainty.window_sampling import window_uncertainty
 from roughcontact.window import periodic_window
 
-GRADIENT = 0.1
-MEANS = ("relative_contact_area", "mean_gap", "mean_contact_pressure")
 FORM_2, OTHER_METHOD, FILLED = (
     "form of order 2",
     "made periodic by periodic-plus-smooth",
     "holes filled with roughness",
 )
-
-
-def surface(points, *, longest=32.0, seed=0, hurst=0.8):
-    return self_affine_surface(
-        (points, points),
-        1.0,
-        hurst=hurst,
-        shortest=8.0,
-        longest=longest,
-        rms_gradient=GRADIENT,
-        seed=seed,
-    )
-
-
-def contact(*relative_pressures):
-    return {
-        "contact_modulus": 1.0,
-        "mean_pressure": [GRADIENT * p for p in relative_pressures],
-        "tolerance": 1e-4,
-    }
 
 
 def processed(height, problem, *, form=None, window=None):

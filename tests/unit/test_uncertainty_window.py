@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from known_surfaces import GRADIENT, MEANS, contact, surface
 from scipy import stats
 
 from roughcontact.contact import solve_contact
@@ -12,29 +13,6 @@ from roughcontact.uncertainty.ensemble import solve_member
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.uncertainty.window_sampling import window_uncertainty
 from roughcontact.window import periodic_window
-
-GRADIENT = 0.1
-MEANS = ("relative_contact_area", "mean_gap", "mean_contact_pressure")
-
-
-def surface(points, *, longest, seed=0, hurst=0.8):
-    return self_affine_surface(
-        (points, points),
-        1.0,
-        hurst=hurst,
-        shortest=8.0,
-        longest=longest,
-        rms_gradient=GRADIENT,
-        seed=seed,
-    )
-
-
-def contact(*relative_pressures):
-    return {
-        "contact_modulus": 1.0,
-        "mean_pressure": [GRADIENT * p for p in relative_pressures],
-        "tolerance": 1e-4,
-    }
 
 
 def sampled(levelled, problem, window=None, **options):

@@ -9,7 +9,7 @@
 set -euo pipefail
 
 checkout=$(cd "$(dirname "$0")/../.." && pwd)
-folder=$(mktemp -d /tmp/slurm.XXXXXX)
+folder=$(mktemp -d -t slurm.XXXXXX)
 chmod 755 "$folder"
 daemons=()
 stop() {

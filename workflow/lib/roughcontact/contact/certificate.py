@@ -15,19 +15,17 @@ mean. The freedom of r off the free contact makes the bound sharp: its energy is
 import numpy as np
 
 from roughcontact.contact.state import norm
-from roughcontact.kernels import SINGLE, precision_of
+from roughcontact.kernels import precision_of
 
 # The residual is transformed in single precision: its norm is then known to this relative accuracy.
 _SINGLE_SLACK = 1e-4
 
 
-def error_bound(grid, state, product=None) -> float:
+def error_bound(grid, state, product) -> float:
     """Return a bound of ||p - p*||_G / ||p||_G for the pressure of `state`.
 
-    It takes one or two applications of G^-1, one less where the preconditioned residual is given.
+    `product` is its preconditioned residual; one more application of G^-1 at most.
     """
-    if product is None:
-        product = grid.precondition(state, precision=SINGLE)
     return relative_bound(grid.halfspace, state, grid.residual_norm(state, product))
 
 

@@ -4,7 +4,7 @@ Coarse heights are block means, measured to need fewer iterations than injection
 coarse pressure comes onto the finer grid: `roughcontact.kernels.refine`.
 """
 
-from roughcontact.contact.extension import coarsening
+from roughcontact.contact.extension import coarsening, pitches_of
 from roughcontact.kernels import SINGLE, empty, kernels_for
 
 COARSEST = 32  # cells along an axis: below that a level costs more overhead than it saves
@@ -14,8 +14,7 @@ def coarsening_factors(shape, lengths) -> tuple[int, int]:
     """Return the factors (fy, fx) by which a grid is coarsened; (1, 1) where it is the coarsest."""
     if max(shape) <= COARSEST:
         return 1, 1
-    pitches = [length / n for length, n in zip(lengths, shape, strict=True)]
-    return coarsening(pitches, shape, smallest=COARSEST // 2)
+    return coarsening(pitches_of(shape, lengths), shape, smallest=COARSEST // 2)
 
 
 def hierarchy(heights, lengths) -> list:

@@ -47,8 +47,8 @@ def shown_budget(numbers: xr.Dataset) -> dict | None:
                 _largest(parts),
             ]
         )
-    notes = [numbers.attrs[key] for key in ("window_flag", "window_reason", "processing_reason")
-             if numbers.attrs.get(key)]  # fmt: skip
+    words = (numbers.attrs.get(key) for key in ("window_flag", "window_reason", "processing_reason"))
+    notes = [word for word in words if word]
     absent = [_WORDS[s] for s in _WORDS if s not in (*present, "combined")]
     if absent:
         notes.append(f"Not in the ±: {', '.join(absent)}.")
