@@ -1,101 +1,120 @@
 """The kernels of `roughcontact.kernels`, compiled by Numba: one sweep through memory each.
 
-What they compute is said there; tests compare the two. Every function works on the rows from `first` to
-`last`, so that threads can share a grid: Numba releases Python's lock meanwhile.
+What they compute is said there; tests compare the two. Every kernel works on the rows from `first` to `last`,
+and has a twin, at the end of this file, that shares the rows among threads. One thread takes the kernel
+itself: a process that has started threads of OpenMP cannot be forked, one that has not can.
+
+All is in one file because Numba compiles anew only what stands in a file that has changed.
 """
 
-from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, nullcontext
 from functools import cache
-from itertools import pairwise
+from threading import Lock
 
 import numba
 import numpy as np
 
 from roughcontact.kernels import CLOSED
 
+# One pool of threads with MKL (`roughcontact.fft`), and the quickest to start.
+numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
 # Sums may be reordered, for the sake of vector instructions; infinities and NaN keep their meaning.
-_compile = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+_options = {
+    "cache": True,
+    "nogil": True,
+    "error_model": "numpy",
+    "fastmath": {"reassoc", "contract", "nsz"},
+}
+_compile = numba.njit(**_options)
+_compile_shared = numba.njit(parallel=True, **_options)
 
 
 class Compiled:
     """The kernels, run by `threads` threads."""
 
-    SMALL = 1024 * 1024  # points below which starting threads costs more than they save
+    SMALL = 128 * 128  # points below which starting threads costs more than they save
     TAIL = 64 * 64  # cells up to which the grids of a pyramid are passed over in one call
 
     def __init__(self, threads: int = 1):
         self.threads = threads
 
     def scale(self, spectrum, symbol, inverse):
-        self._share(_scale, len(spectrum), spectrum, symbol, inverse)
+        self._run(_scale, _share_scale, len(spectrum), spectrum, symbol, inverse)
         spectrum[0, 0] = 0
+
+    def slope_power(self, spectrum, weights, along_y, along_x):
+        arguments = spectrum, weights, along_y, along_x
+        return self._run(_slope_power, _share_slope_power, len(spectrum), *arguments)
 
     def make_dimensionless(self, heights, reference, unit, out):
         kind = heights.dtype.type
-        self._share(_make_dimensionless, len(out), heights, kind(reference), kind(1 / unit), out)
+        arguments = heights, kind(reference), kind(1 / unit), out
+        self._run(_make_dimensionless, _share_make_dimensionless, len(out), *arguments)
 
     def measure(self, separation, heights, reference, unit, before_pressure, before, level, pressure, cap):
         kind = pressure.dtype.type
         heights = heights, heights.dtype.type(reference), heights.dtype.type(1 / unit)
         arguments = before_pressure, before, kind(level), pressure, kind(cap)
-        parts = self._share(_measure, len(pressure), separation, *heights, *arguments)
-        return tuple(sum(part) for part in zip(*parts, strict=True))
+        return tuple(self._run(_measure, _share_measure, len(pressure), separation, *heights, *arguments))
 
     def remainder(self, pressure, separation, level, cap, values):
         kind = separation.dtype.type
         arguments = pressure, separation, kind(level), kind(cap), values
-        return sum(self._share(_remainder, len(pressure), *arguments))
+        return self._run(_remainder, _share_remainder, len(pressure), *arguments)
 
     def advance(self, pressure, separation, product, level, mean, length, cap, block, out, wanted, found):
         kind, inner = pressure.dtype.type, product.dtype.type
         scalars = kind(level), inner(mean), inner(length), kind(cap)
         arrays = pressure, separation, product, *scalars, *block, out, wanted, found
-        self._share(_advance, len(wanted), *arrays)
+        self._run(_advance, _share_advance, len(wanted), *arrays)
 
     def rescale(self, field, share, block, cap):
-        self._share(_rescale, len(share), field, share, *block, field.dtype.type(cap))
+        self._run(_rescale, _share_rescale, len(share), field, share, *block, field.dtype.type(cap))
 
     def hold(self, pressure, separation, level, cap, values):
         kind = separation.dtype.type
-        return sum(self._share(_hold, len(values), pressure, separation, kind(level), kind(cap), values))
+        arguments = pressure, separation, kind(level), kind(cap), values
+        return self._run(_hold, _share_hold, len(values), *arguments)
 
     def block_mean(self, field, factors, out):
-        self._share(_block_mean, len(out), field, *factors, out)
+        self._run(_block_mean, _share_block_mean, len(out), field, *factors, out)
 
     def chosen_share(self, chosen, factors, out):
-        self._share(_chosen_share, len(out), chosen, *factors, out)
+        self._run(_chosen_share, _share_chosen_share, len(out), chosen, *factors, out)
 
     def weigh(self, share, empty, gain):
-        self._share(_weigh, len(share), share, empty, gain)
+        self._run(_weigh, _share_weigh, len(share), share, empty, gain)
 
     def mix(self, values, gain, empty, coarse, factors, out):
-        self._share(_mix, len(coarse), values, gain, empty, coarse, *factors, out)
+        self._run(_mix, _share_mix, len(coarse), values, gain, empty, coarse, *factors, out)
 
     def neighbours(self, field, weights, out):
-        self._share(_neighbours, len(out), field, *_cast(weights, field), out)
+        self._run(_neighbours, _share_neighbours, len(out), field, *_cast(weights, field), out)
 
     def fill(self, values, empty, mixed, weights, out):
-        self._share(_fill, len(out), values, empty, mixed, *_cast(weights, mixed), out)
+        self._run(_fill, _share_fill, len(out), values, empty, mixed, *_cast(weights, mixed), out)
 
     def fill_from(self, values, chosen, coarse, factors, weights, out):
-        self._share(_fill_from, len(out), values, chosen, coarse, *factors, *_cast(weights, coarse), out)
+        arguments = values, chosen, coarse, *factors, *_cast(weights, coarse), out
+        self._run(_fill_from, _share_fill_from, len(out), *arguments)
 
     def empty_neighbours(self, field, empty, weights, out):
-        self._share(_empty_neighbours, len(out), field, empty, *_cast(weights, field), out)
+        arguments = field, empty, *_cast(weights, field), out
+        self._run(_empty_neighbours, _share_empty_neighbours, len(out), *arguments)
 
     def gather(self, field, empty, factors, out):
-        self._share(_gather, len(out), field, empty, *factors, out)
+        self._run(_gather, _share_gather, len(out), field, empty, *factors, out)
 
     def empty_from(self, field, chosen, weights, passed, factors, coarse):
         arguments = *_cast(weights, field), passed, *factors, coarse
-        self._share(_empty_from, len(coarse), field, chosen, *arguments)
+        self._run(_empty_from, _share_empty_from, len(coarse), field, chosen, *arguments)
 
     def spread(self, field, gain, coarse, factors):
-        self._share(_spread, len(coarse), field, gain, coarse, *factors)
+        self._run(_spread, _share_spread, len(coarse), field, gain, coarse, *factors)
 
     def conclude(self, field, passed, coarse, factors, values, chosen):
-        parts = self._share(_conclude, len(coarse), field, passed, coarse, *factors, values, chosen)
-        return tuple(sum(part) for part in zip(*parts, strict=True))
+        arguments = field, passed, coarse, *factors, values, chosen
+        return self._run(_conclude, _share_conclude, len(coarse), *arguments)
 
     @staticmethod
     def pack(levels, stores, ends, first):
@@ -118,27 +137,38 @@ class Compiled:
 
     def refine(self, coarse, factors, out):
         square = np.empty_like(coarse)
-        self._share(_continue, len(coarse), coarse, square)
-        self._share(_refine, len(coarse), coarse, square, *factors, out)
+        self._run(_continue, _share_continue, len(coarse), coarse, square)
+        self._run(_refine, _share_refine, len(coarse), coarse, square, *factors, out)
 
-    def _share(self, kernel, rows, *arguments):
-        """Return the results of a kernel on equal shares of `rows` rows."""
+    def _run(self, kernel, shared, rows, *arguments):
+        """Run a kernel over `rows` rows; return what it returns, summed over the shares of the threads."""
         if self.threads == 1:
-            return [kernel(0, rows, *arguments)]
-        edges = [rows * k // self.threads for k in range(self.threads + 1)]
-        jobs = [
-            _pool(self.threads).submit(kernel, first, last, *arguments) for first, last in pairwise(edges[1:])
-        ]
-        return [kernel(0, edges[1], *arguments), *(job.result() for job in jobs)]
+            return kernel(0, rows, *arguments)
+        with _threads(self.threads) as threads:
+            return shared(threads, rows, arguments)
 
 
 def _cast(weights, field):
     return tuple(field.dtype.type(weight) for weight in weights)
 
 
+@contextmanager
+def _threads(wanted):
+    """Let Numba use `wanted` threads, or as many as it has; say how many."""
+    before = numba.get_num_threads()
+    numba.set_num_threads(min(wanted, numba.config.NUMBA_NUM_THREADS))
+    try:
+        with _turn():
+            yield numba.get_num_threads()
+    finally:
+        numba.set_num_threads(before)
+
+
 @cache
-def _pool(threads):
-    return ThreadPoolExecutor(threads - 1)
+def _turn():
+    """Return a lock for the one of Numba's ways to thread that must not be entered twice at a time."""
+    _share_nothing(1)
+    return Lock() if numba.threading_layer() == "workqueue" else nullcontext()
 
 
 @_compile
@@ -151,6 +181,18 @@ def _scale(first, last, spectrum, symbol, inverse):
                 factor[j] = 1 / factor[j]
         for j in range(factor.size):
             spectrum[i, j] *= factor[j]
+
+
+@_compile
+def _slope_power(first, last, spectrum, weights, along_y, along_x):
+    total = 0.0
+    for i in range(first, last):
+        for j in range(spectrum.shape[1]):
+            wave = spectrum[i, j]
+            total += (wave.real * wave.real + wave.imag * wave.imag) * (
+                weights[j] * (along_y[i] + along_x[j])
+            )
+    return total
 
 
 @_compile
@@ -179,7 +221,7 @@ def _measure(
             is_free = (p > 0) & (p < cap)
             free += is_free
             free_sum += v if is_free else 0 * v
-    return work, square, free_sum, free, slope, slope_after
+    return work, square, free_sum, float(free), slope, slope_after
 
 
 @_compile
@@ -608,3 +650,161 @@ def _wrap(index, size):
     while index >= size:
         index -= size
     return index
+
+
+@_compile
+def _edge(share, shares, rows):
+    return rows * share // shares
+
+
+@_compile_shared
+def _share_nothing(shares):
+    done = np.zeros(shares)
+    for share in numba.prange(shares):
+        done[share] = 1
+
+
+@_compile_shared
+def _share_scale(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _scale(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_slope_power(shares, rows, arguments):
+    parts = np.empty(shares)
+    for share in numba.prange(shares):
+        parts[share] = _slope_power(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+    return parts.sum()
+
+
+@_compile_shared
+def _share_make_dimensionless(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _make_dimensionless(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_measure(shares, rows, arguments):
+    parts = np.empty((shares, 6))
+    for share in numba.prange(shares):
+        part = _measure(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+        for k in range(6):
+            parts[share, k] = part[k]
+    return parts.sum(axis=0)
+
+
+@_compile_shared
+def _share_remainder(shares, rows, arguments):
+    parts = np.empty(shares, dtype=np.int64)
+    for share in numba.prange(shares):
+        parts[share] = _remainder(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+    return parts.sum()
+
+
+@_compile_shared
+def _share_advance(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _advance(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_rescale(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _rescale(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_hold(shares, rows, arguments):
+    parts = np.empty(shares)
+    for share in numba.prange(shares):
+        parts[share] = _hold(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+    return parts.sum()
+
+
+@_compile_shared
+def _share_block_mean(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _block_mean(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_chosen_share(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _chosen_share(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_weigh(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _weigh(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_mix(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _mix(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_neighbours(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _neighbours(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_fill(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _fill(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_fill_from(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _fill_from(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_empty_neighbours(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _empty_neighbours(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_gather(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _gather(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_empty_from(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _empty_from(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_spread(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _spread(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_conclude(shares, rows, arguments):
+    parts = np.empty((2, shares))
+    for share in numba.prange(shares):
+        parts[0, share], parts[1, share] = _conclude(
+            _edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments
+        )
+    return parts[0].sum(), parts[1].sum()
+
+
+@_compile_shared
+def _share_continue(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _continue(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_refine(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _refine(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)

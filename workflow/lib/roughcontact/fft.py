@@ -5,6 +5,7 @@ was the fastest in every measurement, most of all because it writes into memory 
 of another library (CuPy, say) are transformed by that library.
 """
 
+import ctypes
 import os
 from contextlib import contextmanager
 from functools import cache
@@ -17,9 +18,13 @@ from roughcontact.kernels import empty
 
 _SMALL = 512 * 512  # points; below that starting threads costs more than they save
 
-# MKL's threads go on waiting busily after a transform, for 200 ms, and so take the cores from the passes over
-# the grid that follow it. One millisecond spans the gap between two transforms; a user's own choice stands.
-os.environ.setdefault("KMP_BLOCKTIME", "1")
+try:
+    # MKL then shares one pool of threads with Numba: two pools take the cores from each other
+    ctypes.CDLL("libgomp.so.1")
+    os.environ.setdefault("MKL_THREADING_LAYER", "GNU")
+except OSError:
+    # Intel's threads go on waiting busily after a transform, for 200 ms; this spans the gap between two
+    os.environ.setdefault("KMP_BLOCKTIME", "1")
 
 
 class Plan:

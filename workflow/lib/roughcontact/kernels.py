@@ -63,6 +63,17 @@ def scale(spectrum, symbol, inverse) -> None:
     spectrum[0, 0] = 0
 
 
+def slope_power(spectrum, weights, along_y, along_x) -> float:
+    """Return the sum of |s|^2 (y + x) over the waves, in double precision.
+
+    y is the entry of `along_y` for the row; the entries for the column, x of `along_x` and how often the wave
+    counts of `weights`, come in float64 too.
+    """
+    xp = spectrum.__array_namespace__()
+    power = xp.real(spectrum) ** 2 + xp.imag(spectrum) ** 2
+    return _sum(xp, power * (weights * (along_y[:, None] + along_x)))
+
+
 def make_dimensionless(heights, reference, unit, out) -> None:
     """Put (`heights` - `reference`) / `unit` into `out`."""
     xp = heights.__array_namespace__()

@@ -12,7 +12,7 @@ import xarray as xr
 
 from roughcontact import fourier
 from roughcontact.fft import make_plan
-from roughcontact.kernels import DOUBLE
+from roughcontact.kernels import DOUBLE, kernels_for
 
 # The cut-off of a spectrum: beyond it lies at most this share of the mean square gradient ...
 _SHARE_BEYOND_CUTOFF = 1e-2
@@ -69,20 +69,17 @@ def height_parameters(height: xr.DataArray) -> dict[str, float]:
     }
 
 
-def rms_gradient(height: xr.DataArray) -> float:
+def rms_gradient(height: xr.DataArray, *, threads: int = 1) -> float:
     """Root mean square gradient g = sqrt(sum |q|^2 |h(q)|^2), spectral, dimensionless.
 
     The waves at the Nyquist limit count with their |q|, as they do in the half-space.
     """
-    # |q|^2 = q_y^2 + q_x^2: sums over rows and columns spare the array of |q|; q = 0 carries no weight
     values = _from_first_point(height.values)
-    spectrum = make_plan(values, DOUBLE).forward(values)
-    parts = spectrum.view(float)  # real and imaginary parts side by side, squared in place
-    parts *= parts
-    weights = np.repeat(fourier.halfplane_weights(height.shape)[0], 2)
+    spectrum = make_plan(values, DOUBLE, threads=threads).forward(values)
+    weights = fourier.halfplane_weights(height.shape)[0]
     qy, qx = fourier.wavevectors(height.shape, fourier.spacing(height))
-    total = (parts @ weights) @ qy[:, 0] ** 2 + parts.sum(axis=0) @ (weights * np.repeat(qx[0] ** 2, 2))
-    return math.sqrt(total) / height.size
+    kernels = kernels_for(values, threads=threads)
+    return math.sqrt(kernels.slope_power(spectrum, weights, qy[:, 0] ** 2, qx[0] ** 2)) / height.size
 
 
 def interior_rms_gradient(height: xr.DataArray) -> float:

@@ -54,7 +54,7 @@ def add_settings(parser) -> None:
         type=int,
         default=min(4, os.cpu_count() or 1),
         metavar="NUMBER",
-        help="threads of the Fourier transforms (default: %(default)s)",
+        help="threads of the solve (default: %(default)s)",
     )
 
 

@@ -63,7 +63,7 @@ def check_map(window: xr.DataArray) -> None:
             )
 
 
-def pose(window: xr.DataArray, *, precision: str = DOUBLE) -> Problem:
+def pose(window: xr.DataArray, *, precision: str = DOUBLE, threads: int = 1) -> Problem:
     """Return the dimensionless problem of the map `window` (y, x).
 
     Its heights are not copied where they can be used as they are; in single precision for a result in that.
@@ -79,7 +79,7 @@ def pose(window: xr.DataArray, *, precision: str = DOUBLE) -> Problem:
         heights = given.__array_namespace__().asarray(heights, device=given.device)
     reference = 0.5 * (float(window.values.min()) + float(window.values.max()))
     unit = float(np.sqrt(lengths[0] * lengths[1]))
-    gradient = rms_gradient(window)
+    gradient = rms_gradient(window, threads=threads)
     return Problem(
         heights=heights,
         lengths=(lengths[0] / unit, lengths[1] / unit),

@@ -73,7 +73,7 @@ def solve_contact(
         called with the dataset of each load (fields included); what it returns replaces the fields, so that
         statistics need not keep them: ``reduce=contact_statistics``.
     threads
-        threads of the Fourier transforms.
+        threads of the solve; with more than one, the process must not be forked afterwards.
     progress
         called as ``progress(done, total, text)`` after every load.
 
@@ -110,7 +110,7 @@ def solve_contact(
             f"mean_pressure {max(loads):g} Pa is not below the hardness {cap:g} Pa: no contact carries it"
         )
     working = DOUBLE if precision == "double" else SINGLE
-    problem, window = pose(window, precision=working), on_host(window)
+    problem, window = pose(window, precision=working, threads=threads), on_host(window)
     lengths = tuple(length * problem.unit_length for length in problem.lengths)
     compliance = zero_frequency_compliance(zero_frequency, lengths=lengths) / modulus
 
