@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from roughcontact import kernels
+from roughcontact import threads as job_threads
 from roughcontact.compiled import Compiled
 
 # shape of the grid and factors to the coarser one
@@ -177,7 +178,7 @@ def test_plain_and_compiled_agree(name, shape, factors, precisions, cap):
 
 def test_compiled_kernels_are_chosen_for_numpy_arrays_and_threads_for_large_ones(monkeypatch):
     field = np.zeros((6, 7))
-    monkeypatch.setattr(Compiled, "SMALL", field.size)
+    monkeypatch.setattr(job_threads, "SMALL", field.size)
     assert kernels.kernels_for(field, threads=2).threads == 2
     assert kernels.kernels_for(field[1:], threads=2).threads == 1
     assert kernels.kernels_for(array_api_strict.asarray(field)) is kernels

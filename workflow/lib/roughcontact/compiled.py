@@ -2,7 +2,7 @@
 
 What they compute is said there; tests compare the two. Every kernel works on the rows from `first` to `last`,
 and has a twin, at the end of this file, that shares the rows among threads. One thread takes the kernel
-itself: a process that has started threads of OpenMP cannot be forked, one that has not can.
+itself, which works in a process that was forked, too.
 
 All is in one file because Numba compiles anew only what stands in a file that has changed.
 """
@@ -32,7 +32,6 @@ _compile_shared = numba.njit(parallel=True, **_options)
 class Compiled:
     """The kernels, run by `threads` threads."""
 
-    SMALL = 128 * 128  # points below which starting threads costs more than they save
     TAIL = 64 * 64  # cells up to which the grids of a pyramid are passed over in one call
 
     def __init__(self, threads: int = 1):

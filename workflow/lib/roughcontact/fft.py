@@ -15,8 +15,7 @@ import numpy as np
 import scipy.fft
 
 from roughcontact.kernels import empty
-
-_SMALL = 512 * 512  # points; below that starting threads costs more than they save
+from roughcontact.threads import threads_for
 
 try:
     # MKL then shares one pool of threads with Numba: two pools take the cores from each other
@@ -37,7 +36,7 @@ class Plan:
 
     def __init__(self, like, precision: str, *, threads: int = 1):
         self.shape = tuple(like.shape)
-        self.threads = threads if like.size >= _SMALL else 1
+        self.threads = threads_for(like.size, threads)
         self.scratch = empty(like, precision)
 
     def forward(self, field):
@@ -66,7 +65,7 @@ class MklPlan(Plan):
 
     def __init__(self, like, precision, *, threads=1, share=None):
         self.shape = like.shape
-        self.threads = threads if like.size >= _SMALL else 1
+        self.threads = threads_for(like.size, threads)
         waves = (self.shape[0], self.shape[1] // 2 + 1)
         kind = np.result_type(precision, np.complex64)
         self.spectrum = np.empty(waves, kind) if share is None else _within(share.spectrum, waves, kind)

@@ -11,6 +11,8 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from roughcontact.threads import threads_for
+
 SINGLE, DOUBLE = "float32", "float64"  # precisions, by the names that every array library uses
 CLOSED = 1e-30  # a gap that is zero to rounding, at a point that is not settled
 TAIL = 0  # cells up to which the grids of a pyramid are passed over in one call; see the compiled twin
@@ -21,7 +23,7 @@ def kernels_for(field, *, threads: int = 1):
     if isinstance(field, np.ndarray) and numba_is_installed():
         from roughcontact.compiled import Compiled
 
-        return Compiled(threads if field.size >= Compiled.SMALL else 1)
+        return Compiled(threads_for(field.size, threads))
     return sys.modules[__name__]
 
 

@@ -73,7 +73,7 @@ def solve_contact(
         called with the dataset of each load (fields included); what it returns replaces the fields, so that
         statistics need not keep them: ``reduce=contact_statistics``.
     threads
-        threads of the solve; with more than one, the process must not be forked afterwards.
+        threads of the solve; a forked process takes one.
     progress
         called as ``progress(done, total, text)`` after every load.
 

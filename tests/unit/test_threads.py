@@ -1,0 +1,38 @@
+"""Threads: of the job, of a caller, and of a process that was forked. In processes of their own."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+PROGRAM = """
+import os, sys
+from concurrent.futures import ThreadPoolExecutor
+import roughcontact as rc
+from roughcontact.synthetic import self_affine_surface
+
+band = {"hurst": 0.8, "shortest": 8e-6, "longest": 64e-6}
+height = self_affine_surface((256, 256), 1e-6, **band, rms_gradient=0.1, seed=1)
+
+def solve(_=0):
+    return rc.solve_contact(height, contact_modulus=1e9, mean_pressure=3e6, threads=2).pressure.values
+
+alone = solve()
+with ThreadPoolExecutor(3) as pool:
+    assert all((found == alone).all() for found in pool.map(solve, range(6)))
+child = os.fork()
+if child == 0:
+    os._exit(0 if abs(solve() - alone).max() < 1e-3 * alone.max() else 1)
+assert os.waitpid(child, 0)[1] == 0
+assert (solve() == alone).all()
+print("held")
+"""
+
+
+@pytest.mark.parametrize("layer", ["omp", "workqueue"])
+def test_threads_of_a_caller_and_a_forked_process_solve_the_same(layer):
+    environment = os.environ | {"NUMBA_THREADING_LAYER": layer, "NUMBA_NUM_THREADS": "2"}
+    command = [sys.executable, "-c", PROGRAM]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300, check=False)
+    assert done.stdout == "held\n", done.stderr

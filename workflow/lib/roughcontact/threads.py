@@ -1,0 +1,19 @@
+"""How many threads a pass over a grid takes."""
+
+import os
+
+SMALL = 128 * 128  # points; below that starting threads costs more than they save
+_here = {"forked": False}
+
+
+def threads_for(size: int, threads: int) -> int:
+    """Return the number of threads for a grid of `size` points where `threads` are allowed.
+
+    One in a process that was forked from another: the threads of OpenMP do not live on in it, and waiting for
+    them would take for ever.
+    """
+    return threads if size >= SMALL and not _here["forked"] else 1
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=lambda: _here.update(forked=True))
