@@ -4,11 +4,11 @@ What they compute is said there; tests compare the two. Every kernel works on th
 and has a twin, at the end of this file, that shares the rows among threads. One thread takes the kernel
 itself, which works in a process that was forked, too.
 
-All is in one file because Numba compiles anew only what stands in a file that has changed.
+All is in one file because Numba compiles anew only what stands in a file that has changed. The twins are
+written out because it keeps no compiled code of functions that are made by another.
 """
 
 from contextlib import contextmanager, nullcontext
-from functools import cache
 from threading import Lock
 
 import numba
@@ -27,6 +27,7 @@ _options = {
 }
 _compile = numba.njit(**_options)
 _compile_shared = numba.njit(parallel=True, **_options)
+_turn = Lock()
 
 
 class Compiled:
@@ -157,17 +158,11 @@ def _threads(wanted):
     before = numba.get_num_threads()
     numba.set_num_threads(min(wanted, numba.config.NUMBA_NUM_THREADS))
     try:
-        with _turn():
+        # one of Numba's ways to thread must not be entered twice at a time
+        with _turn if numba.threading_layer() == "workqueue" else nullcontext():
             yield numba.get_num_threads()
     finally:
         numba.set_num_threads(before)
-
-
-@cache
-def _turn():
-    """Return a lock for the one of Numba's ways to thread that must not be entered twice at a time."""
-    _share_nothing(1)
-    return Lock() if numba.threading_layer() == "workqueue" else nullcontext()
 
 
 @_compile
@@ -654,13 +649,6 @@ def _wrap(index, size):
 @_compile
 def _edge(share, shares, rows):
     return rows * share // shares
-
-
-@_compile_shared
-def _share_nothing(shares):
-    done = np.zeros(shares)
-    for share in numba.prange(shares):
-        done[share] = 1
 
 
 @_compile_shared
