@@ -41,7 +41,7 @@ LARGEST = {"ASPHER": 2048, "Tamaas": 1024}  # a solve of Tamaas takes minutes ab
 LARGEST_IN_MEMORY = {"ASPHER": 4096, "Tamaas": 1024, "roughcontact": 8192}
 THREADS_USED = {"Tamaas": 1}  # codes that use this many threads, whatever they are given
 TRUTH_TOLERANCE = 1e-10
-LONG = 10.0  # seconds: solves that take longer are repeated less often
+LONG = 10.0  # seconds: solves that take longer are repeated less often, and not rehearsed
 PAUSE = 0.25  # seconds before a solve: idle threads of the code before may spin for so long
 
 
@@ -50,7 +50,7 @@ def measure_case(workers, work, *, size, load, seed, threads, repeats, finest) -
     heights = _heights(work, size, seed)
     truth = np.load(_truth(workers["roughcontact"], work, heights, size, load, seed))
 
-    def run(code, tolerance, purpose):
+    def run(code, tolerance, purpose, *, rehearse=False):
         time.sleep(PAUSE)
         answer = workers[code].ask(
             heights=str(heights),
@@ -58,6 +58,7 @@ def measure_case(workers, work, *, size, load, seed, threads, repeats, finest) -
             tolerance=tolerance,
             pressure=str(work / "pressure.npy"),
             options=OPTIONS.get(code, {}),
+            rehearse=rehearse,
         )
         case = {"code": code, "size": size, "load": load, "seed": seed, "threads": threads}
         record = case | {"tolerance": tolerance, "purpose": purpose} | answer
@@ -77,8 +78,9 @@ def measure_case(workers, work, *, size, load, seed, threads, repeats, finest) -
             rungs[code] = max(met, key=lambda record: record["tolerance"])
     for repeat in range(repeats):
         for code, rung in rungs.items():
-            if rung["seconds"] < LONG or repeat < min(repeats, 2):
-                records.append(run(code, rung["tolerance"], "timed"))
+            brief = rung["seconds"] < LONG
+            if brief or repeat < min(repeats, 2):
+                records.append(run(code, rung["tolerance"], "timed", rehearse=brief))
     return records
 
 
@@ -162,11 +164,8 @@ def measure_shortcuts(worker, work, *, size, seed, repeats) -> list[dict]:
     high, low, light = 10.0, 0.3, 0.03
 
     def ask(heights, load, tolerance=1e-4, **options):
-        worker.ask(heights=str(heights), load=load, tolerance=tolerance, options=options)
-        answers = []
-        for _ in range(repeats):
-            time.sleep(PAUSE)
-            answers.append(worker.ask(heights=str(heights), load=load, tolerance=tolerance, options=options))
+        request = {"heights": str(heights), "load": load, "tolerance": tolerance, "options": options}
+        answers = [worker.ask(rehearse=True, **request) for _ in range(repeats)]
         return {
             "seconds": statistics.median(answer["seconds"] for answer in answers),
             "operator_applications": answers[-1]["operator_applications"],

@@ -28,6 +28,11 @@ WEIGHTS = (0.11, 0.23, 0.08)
 LEVEL = 0.1
 
 
+@pytest.fixture(autouse=True)
+def _threads_for_fields_of_any_size(monkeypatch):
+    monkeypatch.setattr(job_threads, "SMALL", 1)
+
+
 def make_fields(shape, factors, precisions, cap):
     """Return random fields as the iteration has them; about a third carries no pressure."""
     rng = np.random.default_rng(shape)
@@ -57,6 +62,7 @@ def make_fields(shape, factors, precisions, cap):
     }
     spectrum = random(fields["symbol"].shape, inner) + 1j * random(fields["symbol"].shape, inner)
     fields["spectrum"] = spectrum.astype(np.result_type(inner, np.complex64))
+    fields["mark"] = np.full(shape, -1, np.int8)
     fields["waves"], fields["along_x"] = rng.random((2, spectrum.shape[1]))
     fields["along_y"] = rng.random(len(spectrum))
     fields["symbol"][0, 0] = np.inf  # as that of the half-space
@@ -78,6 +84,10 @@ CALLS = {
     ),
     "slope_power": lambda k, f, factors, cap: k.slope_power(
         f["spectrum"], f["waves"], f["along_y"], f["along_x"]
+    ),
+    "extent": lambda k, f, factors, cap: k.extent(f["heights"]),
+    "restore_units": lambda k, f, factors, cap: k.restore_units(
+        f["pressure"], f["separation"], LEVEL, 0.7, 0.3, f["mark"]
     ),
     "make_dimensionless": lambda k, f, factors, cap: k.make_dimensionless(
         f["heights"], 0.3, 0.8, f["inner_out"]
@@ -212,6 +222,16 @@ def test_unsettled_points_are_those_whose_gap_should_vanish(engine):
     held = np.full((3, 3), 0.5)
     assert engine.hold(pressure, separation, 0.25, 1.0, held) == 1.5**2 + 0.5**2 + 1.5**2
     np.testing.assert_array_equal(held, [[-1, 0.5, 0.5], [0, 0.5, 0.5], [0.5, 0.5, 2]])
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_missing_values_are_counted_wherever_they_lie(engine, value):
+    for shape in ((1, 7), (5, 1), (6, 9)):
+        for place in np.ndindex(shape):
+            field = np.ones(shape)
+            field[place] = field[0, 0] = value
+            assert engine.extent(field)[2] == (1 if place == (0, 0) else 2)
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])

@@ -15,6 +15,7 @@ import numba
 import numpy as np
 
 from roughcontact.kernels import CLOSED
+from roughcontact.threads import threads_for
 
 # One pool of threads with MKL (`roughcontact.fft`), and the quickest to start.
 numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
@@ -31,7 +32,7 @@ _turn = Lock()
 
 
 class Compiled:
-    """The kernels, run by `threads` threads."""
+    """The kernels, run by up to `threads` threads."""
 
     TAIL = 64 * 64  # cells up to which the grids of a pyramid are passed over in one call
 
@@ -45,6 +46,10 @@ class Compiled:
     def slope_power(self, spectrum, weights, along_y, along_x):
         arguments = spectrum, weights, along_y, along_x
         return self._run(_slope_power, _share_slope_power, len(spectrum), *arguments)
+
+    def extent(self, field):
+        least, most, missing = self._run(_extent, _share_extent, len(field), field)
+        return least, most, int(missing)
 
     def make_dimensionless(self, heights, reference, unit, out):
         kind = heights.dtype.type
@@ -75,6 +80,12 @@ class Compiled:
         kind = separation.dtype.type
         arguments = pressure, separation, kind(level), kind(cap), values
         return self._run(_hold, _share_hold, len(values), *arguments)
+
+    def restore_units(self, pressure, gap, level, pressure_unit, gap_unit, contact):
+        kind = pressure.dtype.type
+        scalars = kind(level), kind(pressure_unit), kind(gap_unit)
+        arguments = pressure, gap, *scalars, contact
+        return self._run(_restore_units, _share_restore_units, len(pressure), *arguments)
 
     def block_mean(self, field, factors, out):
         self._run(_block_mean, _share_block_mean, len(out), field, *factors, out)
@@ -141,9 +152,15 @@ class Compiled:
         self._run(_refine, _share_refine, len(coarse), coarse, square, *factors, out)
 
     def _run(self, kernel, shared, rows, *arguments):
-        """Run a kernel over `rows` rows; return what it returns, summed over the shares of the threads."""
-        if self.threads == 1:
+        """Run a kernel over `rows` rows, shared among threads where its first argument is large.
+
+        Returns what the kernel returns, put together from the shares.
+        """
+        if threads_for(arguments[0].size, self.threads) == 1:
             return kernel(0, rows, *arguments)
+        if numba.get_num_threads() == self.threads and numba.threading_layer() != "workqueue":
+            # the usual case: to set what is set already takes as long as a small pass
+            return shared(self.threads, rows, arguments)
         with _threads(self.threads) as threads:
             return shared(threads, rows, arguments)
 
@@ -187,6 +204,20 @@ def _slope_power(first, last, spectrum, weights, along_y, along_x):
                 weights[j] * (along_y[i] + along_x[j])
             )
     return total
+
+
+@_compile
+def _extent(first, last, field):
+    # one minimum for every column: that becomes vector instructions
+    least, most = field[first].copy(), field[first].copy()
+    missing = 0
+    for i in range(first, last):
+        for j in range(field.shape[1]):
+            value = field[i, j]
+            least[j] = min(least[j], value)
+            most[j] = max(most[j], value)
+            missing += not np.isfinite(value)
+    return np.float64(least.min()), np.float64(most.max()), np.float64(missing)
 
 
 @_compile
@@ -289,6 +320,21 @@ def _hold(first, last, pressure, separation, level, cap, values):
             total += (held - r) * (held - r)
             values[i, j] = held
     return total
+
+
+@_compile
+def _restore_units(first, last, pressure, gap, level, pressure_unit, gap_unit, contact):
+    least = np.full(gap.shape[1], np.inf, dtype=gap.dtype)
+    total = 0.0
+    for i in range(first, last):
+        for j in range(pressure.shape[1]):
+            p = pressure[i, j] * pressure_unit
+            g = (gap[i, j] - level) * gap_unit
+            pressure[i, j], gap[i, j] = p, g
+            contact[i, j] = p > 0
+            total += p
+            least[j] = min(least[j], g)
+    return float(least.min()), total
 
 
 @_compile
@@ -666,6 +712,16 @@ def _share_slope_power(shares, rows, arguments):
 
 
 @_compile_shared
+def _share_extent(shares, rows, arguments):
+    parts = np.empty((3, shares))
+    for share in numba.prange(shares):
+        part = _extent(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+        for k in range(3):
+            parts[k, share] = part[k]
+    return parts[0].min(), parts[1].max(), parts[2].sum()
+
+
+@_compile_shared
 def _share_make_dimensionless(shares, rows, arguments):
     for share in numba.prange(shares):
         _make_dimensionless(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
@@ -707,6 +763,15 @@ def _share_hold(shares, rows, arguments):
     for share in numba.prange(shares):
         parts[share] = _hold(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
     return parts.sum()
+
+
+@_compile_shared
+def _share_restore_units(shares, rows, arguments):
+    parts = np.empty((2, shares))
+    for share in numba.prange(shares):
+        part = _restore_units(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+        parts[0, share], parts[1, share] = part
+    return parts[0].min(), parts[1].sum()
 
 
 @_compile_shared

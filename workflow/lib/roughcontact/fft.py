@@ -15,6 +15,7 @@ import numpy as np
 import scipy.fft
 
 from roughcontact.kernels import empty
+from roughcontact.memory import store
 from roughcontact.threads import threads_for
 
 try:
@@ -68,7 +69,7 @@ class MklPlan(Plan):
         self.threads = threads_for(like.size, threads)
         waves = (self.shape[0], self.shape[1] // 2 + 1)
         kind = np.result_type(precision, np.complex64)
-        self.spectrum = np.empty(waves, kind) if share is None else _within(share.spectrum, waves, kind)
+        self.spectrum = store.empty(waves, kind) if share is None else _within(share.spectrum, waves, kind)
         self.scratch = _within(self.spectrum, self.shape, precision)
 
     def forward(self, field):

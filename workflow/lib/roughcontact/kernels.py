@@ -11,6 +11,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from roughcontact.memory import store
 from roughcontact.threads import threads_for
 
 SINGLE, DOUBLE = "float32", "float64"  # precisions, by the names that every array library uses
@@ -40,8 +41,11 @@ def precision_of(field) -> str:
 
 def empty(like, precision: str, shape=None):
     """Return a new array of a precision, of the library and on the device of `like`, and of its shape."""
+    shape = like.shape if shape is None else shape
+    if isinstance(like, np.ndarray):
+        return store.empty(shape, precision)
     xp = like.__array_namespace__()
-    return xp.empty(like.shape if shape is None else shape, dtype=getattr(xp, precision), device=like.device)
+    return xp.empty(shape, dtype=getattr(xp, precision), device=like.device)
 
 
 def in_precision(field, precision: str, *, copy: bool = True):
@@ -74,6 +78,15 @@ def slope_power(spectrum, weights, along_y, along_x) -> float:
     xp = spectrum.__array_namespace__()
     power = xp.real(spectrum) ** 2 + xp.imag(spectrum) ** 2
     return _sum(xp, power * (weights * (along_y[:, None] + along_x)))
+
+
+def extent(field) -> tuple[float, float, int]:
+    """Return the least and the largest value, and how many are infinite or no number (the others then tell
+    nothing)."""
+    xp = field.__array_namespace__()
+    finite = xp.isfinite(field)
+    missing = field.size - int(xp.count_nonzero(finite))
+    return float(xp.min(field)), float(xp.max(field)), missing
 
 
 def make_dimensionless(heights, reference, unit, out) -> None:
@@ -154,6 +167,19 @@ def hold(pressure, separation, level, cap, values) -> float:
     change = held - values
     values[...] = held
     return _sum(xp, change * change)
+
+
+def restore_units(pressure, gap, level, pressure_unit, gap_unit, contact) -> tuple[float, float]:
+    """Take `level` off the gap, multiply it and the pressure by their units, and mark where there is contact.
+
+    Returns the least gap and the sum of the pressure, in their units and in double precision.
+    """
+    xp = pressure.__array_namespace__()
+    gap -= level
+    gap *= gap_unit
+    pressure *= pressure_unit
+    contact[...] = xp.astype(pressure > 0, contact.dtype)
+    return float(xp.min(gap)), _sum(xp, pressure)
 
 
 def block_mean(field, factors, out) -> None:

@@ -12,7 +12,7 @@ import xarray as xr
 
 from roughcontact import fourier
 from roughcontact.fft import make_plan
-from roughcontact.kernels import DOUBLE, kernels_for
+from roughcontact.kernels import DOUBLE, empty, kernels_for
 
 # The cut-off of a spectrum: beyond it lies at most this share of the mean square gradient ...
 _SHARE_BEYOND_CUTOFF = 1e-2
@@ -74,11 +74,12 @@ def rms_gradient(height: xr.DataArray, *, threads: int = 1) -> float:
 
     The waves at the Nyquist limit count with their |q|, as they do in the half-space.
     """
-    values = _from_first_point(height.values)
+    given = np.require(height.values, dtype=float, requirements=["C", "A", "W"])
+    values, kernels = empty(given, DOUBLE), kernels_for(given, threads=threads)
+    kernels.make_dimensionless(given, given.flat[0], 1.0, values)  # a flat map is then exactly zero
     spectrum = make_plan(values, DOUBLE, threads=threads).forward(values)
     weights = fourier.halfplane_weights(height.shape)[0]
     qy, qx = fourier.wavevectors(height.shape, fourier.spacing(height))
-    kernels = kernels_for(values, threads=threads)
     return math.sqrt(kernels.slope_power(spectrum, weights, qy[:, 0] ** 2, qx[0] ** 2)) / height.size
 
 

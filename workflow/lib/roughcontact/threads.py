@@ -2,7 +2,7 @@
 
 import os
 
-SMALL = 128 * 128  # points; below that starting threads costs more than they save
+SMALL = 256 * 256  # points; below that starting threads costs more than they save
 _here = {"forked": False}
 
 

@@ -71,7 +71,7 @@ class Extension:
         last = plan[-1][0] if plan else tuple(like.shape)
         self.sweeps = min(MOST_SWEEPS, max(last))
         self._last_rooms = [empty(like, precision, last) for _ in range(2)]
-        collapses = any(collapsed for _, _, collapsed in plan)
+        collapses = lines_apart(plan)
         cells = [end - start for start, end in pairwise(ends)]
         # grids from here on are small: they are passed over in one call
         self._first_small = sum(n > kernels.TAIL for n in cells) if not collapses else len(plan)
@@ -204,6 +204,11 @@ def pyramid(shape, lengths) -> list[tuple[tuple[int, int], tuple[int, int], bool
             return plan
         shape = tuple(n // f for n, f in zip(shape, factors, strict=True))
         plan.append((shape, factors, collapses))
+
+
+def lines_apart(plan) -> bool:
+    """Return whether lines become cells in the `plan` of a pyramid: they are contacts of their own."""
+    return any(collapsed for _, _, collapsed in plan)
 
 
 def pitches_of(shape, lengths) -> list[float]:

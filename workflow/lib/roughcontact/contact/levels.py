@@ -7,7 +7,7 @@ coarse pressure comes onto the finer grid: `roughcontact.kernels.refine`.
 from roughcontact.contact.extension import coarsening, pitches_of
 from roughcontact.kernels import SINGLE, empty, kernels_for
 
-COARSEST = 32  # cells along an axis: below that a level costs more overhead than it saves
+COARSEST = 64  # cells along an axis: below that a level costs more overhead than it saves
 
 
 def coarsening_factors(shape, lengths) -> tuple[int, int]:

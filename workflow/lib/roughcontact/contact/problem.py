@@ -7,7 +7,7 @@ import xarray as xr
 
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.fourier import spacing
-from roughcontact.kernels import DOUBLE, SINGLE
+from roughcontact.kernels import DOUBLE, SINGLE, kernels_for
 from roughcontact.roughness import rms_gradient
 
 
@@ -38,17 +38,11 @@ class Problem:
 
 
 def check_map(window: xr.DataArray) -> None:
-    """Raise HeightMapError unless `window` is a finite, evenly spaced map (y, x) of at least two cells."""
+    """Raise HeightMapError unless `window` is an evenly spaced map (y, x) of at least two cells."""
     if window.dims != ("y", "x"):
         raise HeightMapError(f"the height map has dimensions {window.dims}; it must have ('y', 'x')")
     if window.size < 2:
         raise HeightMapError("the height map has one pixel only: a contact needs at least two")
-    missing = int(np.count_nonzero(~np.isfinite(window.values)))
-    if missing:
-        raise HeightMapError(
-            f"{missing} of {window.size} heights are missing or infinite; fill or crop them first "
-            "(level fills holes, periodic_window crops missing edges)"
-        )
     for axis in ("y", "x"):
         if axis not in window.coords:
             raise HeightMapError(f"the height map has no coordinate {axis!r}: its pixel size is unknown")
@@ -77,14 +71,19 @@ def pose(window: xr.DataArray, *, precision: str = DOUBLE, threads: int = 1) -> 
     heights = np.require(window.values, dtype=kind, requirements=["C", "A", "W"])
     if window.data is not given:
         heights = given.__array_namespace__().asarray(heights, device=given.device)
-    reference = 0.5 * (float(window.values.min()) + float(window.values.max()))
+    least, most, missing = kernels_for(heights, threads=threads).extent(heights)
+    if missing:
+        raise HeightMapError(
+            f"{missing} of {window.size} heights are missing or infinite; fill or crop them first "
+            "(level fills holes, periodic_window crops missing edges)"
+        )
     unit = float(np.sqrt(lengths[0] * lengths[1]))
     gradient = rms_gradient(window, threads=threads)
     return Problem(
         heights=heights,
         lengths=(lengths[0] / unit, lengths[1] / unit),
         unit_length=unit,
-        reference=reference,
+        reference=0.5 * (least + most),
         gradient=gradient,
         spacing=steps,
     )

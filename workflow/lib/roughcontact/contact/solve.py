@@ -11,7 +11,7 @@ from roughcontact.contact.sweep import sweep
 from roughcontact.errors import ConvergenceError, SettingsError
 from roughcontact.halfspace import zero_frequency_compliance
 from roughcontact.influence import INFLUENCE
-from roughcontact.kernels import DOUBLE, SINGLE
+from roughcontact.kernels import DOUBLE, SINGLE, empty, kernels_for
 from roughcontact.variables import describe
 
 SMALLEST_TOLERANCE = 1e-15
@@ -143,6 +143,7 @@ def solve_contact(
             compliance=compliance,
             hardness=hardness,
             attrs={"tolerance": tolerance, "zero_frequency": zero_frequency, "influence": influence},
+            threads=threads,
         )
         if reduce is not None:
             reduced = reduce(piece)
@@ -169,7 +170,9 @@ def _joined(pieces) -> xr.Dataset:
     )
 
 
-def _label(solution, problem: Problem, window, *, load, modulus, compliance, hardness, attrs) -> xr.Dataset:
+def _label(
+    solution, problem: Problem, window, *, load, modulus, compliance, hardness, attrs, threads
+) -> xr.Dataset:
     """Return one dimensionless solution as a dataset in SI units, with a dimension `load` of size 1.
 
     Points at the hardness have yielded until the gap was closed: it is zero there.
@@ -181,16 +184,16 @@ def _label(solution, problem: Problem, window, *, load, modulus, compliance, har
     pressure, gap = (
         on_host(xr.Variable(("y", "x"), field)).values for field in (state.pressure, state.separation)
     )
-    kind = pressure.dtype.type
-    gap -= kind(state.level)
-    gap *= kind(height_unit)
+    contact = empty(pressure, "int8")
+    least_gap, total = kernels_for(pressure, threads=threads).restore_units(
+        pressure, gap, state.level, pressure_unit, height_unit, contact
+    )
     yielded = 0.0
     if hardness is not None:
-        rounding = 8 * float(np.finfo(kind).eps)
-        at_hardness = pressure >= kind(hardness / pressure_unit * (1 - rounding))
-        pressure[at_hardness], gap[at_hardness] = hardness / pressure_unit, 0.0
-        yielded = float(at_hardness.mean())
-    pressure *= kind(pressure_unit)
+        kind = pressure.dtype.type
+        at_hardness = pressure >= kind(hardness * (1 - 8 * float(np.finfo(kind).eps)))
+        pressure[at_hardness], gap[at_hardness] = hardness, 0.0
+        yielded, least_gap = float(at_hardness.mean()), float(gap.min())
     per_load = {
         "relative_pressure": load / pressure_unit if not problem.flat else np.inf,
         "approach": problem.reference - state.level * height_unit - compliance * load,
@@ -199,14 +202,14 @@ def _label(solution, problem: Problem, window, *, load, modulus, compliance, har
         "error_bound": solution.error_bound,
         "rounding_floor": solution.floor,
         "yielded_area": yielded,
-        "max_penetration": max(0.0, -float(gap.min())),
+        "max_penetration": max(0.0, -least_gap),
         "converged": np.int8(solution.error_bound <= attrs["tolerance"]),
-        "load_error": abs(float(pressure.mean(dtype=float)) / load - 1),
+        "load_error": abs(total / pressure.size / load - 1),
     }
     maps = {
         "pressure": pressure,
         "gap": gap,
-        "contact": (pressure > 0).astype(np.int8),
+        "contact": contact,
     }
     return xr.Dataset(
         {name: (("load", "y", "x"), field[None]) for name, field in maps.items()}

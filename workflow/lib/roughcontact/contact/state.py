@@ -92,7 +92,7 @@ def scale_to_load(pressure, mean_pressure: float, *, cap: float = np.inf):
     and those that the factor takes beyond the cap are held in turn, which ends after finitely many passes.
     """
     xp = pressure.__array_namespace__()
-    positive = xp.where(pressure > 0, pressure, xp.zeros_like(pressure))
+    positive = xp.clip(pressure, 0, None)
     total = mean_pressure * pressure.size
     load = float(xp.sum(positive, dtype=xp.float64))
     if cap == np.inf:
