@@ -26,7 +26,7 @@ def solve(gap, load, tolerance):
         coarsest=32,
         light_result=True,
     )
-    return result.pressure, {"converged": str(result.status) == "converged"}
+    return result.pressure, lambda: {"converged": str(result.status) == "converged"}
 
 
 if __name__ == "__main__":

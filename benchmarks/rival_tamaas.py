@@ -14,7 +14,7 @@ def solve(heights, load, tolerance):
     solver = tm.PolonskyKeerRey(model, heights, tolerance)
     solver.max_iter = 100_000
     reached = solver.solve(load)
-    return model.traction.copy(), {"converged": reached <= tolerance}
+    return model.traction.copy(), lambda: {"converged": reached <= tolerance}
 
 
 if __name__ == "__main__":

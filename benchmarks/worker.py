@@ -26,7 +26,7 @@ def serve(pose, solve, versions: dict) -> None:
     """Answer requests until standard input ends.
 
     `pose(heights)` makes the input that a code wants, untimed; `solve(problem, load, tolerance, **options)`
-    returns a function that gives the pressure (ny, nx) and a dict of what else the code says about it.
+    returns the pressure (ny, nx) and a function that gives, untimed, a dict of what else the code says of it.
     """
     answers = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)  # what a library prints must not end up among the answers
@@ -53,7 +53,7 @@ def serve(pose, solve, versions: dict) -> None:
         peak = _memory("VmHWM") - held
         if request.get("pressure"):
             np.save(request["pressure"], pressure)
-        print(json.dumps({"seconds": seconds, "peak_bytes": peak} | details), file=answers)
+        print(json.dumps({"seconds": seconds, "peak_bytes": peak} | details()), file=answers)
 
 
 def _memory(name: str, *, reset_peak: bool = False) -> int:

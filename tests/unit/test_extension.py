@@ -124,9 +124,9 @@ def test_grids_of_the_pyramid():
     assert collapse((1.0, 3.1), (8, 6)) == (8, 1)
     assert collapse((3.1, 1.0), (8, 6)) == (1, 6)
     assert collapse((3.1, 1.0), (1, 6)) == (1, 1)
-    assert pyramid((12, 24), (1.0, 2.0)) == [((6, 12), (2, 2), False), ((6, 6), (1, 2), False)]
-    assert pyramid((8, 6), (1.0, 24.0)) == [((4, 6), (2, 1), False), ((1, 6), (4, 1), True)]
-    assert pyramid((7, 7), (1.0, 1.0)) == []
+    assert pyramid((12, 24), (1.0, 2.0)) == (((6, 12), (2, 2), False), ((6, 6), (1, 2), False))
+    assert pyramid((8, 6), (1.0, 24.0)) == (((4, 6), (2, 1), False), ((1, 6), (4, 1), True))
+    assert pyramid((7, 7), (1.0, 1.0)) == ()
 
 
 def test_small_grids_in_one_call_equal_those_one_by_one():

@@ -624,12 +624,16 @@ def _return_small(empty, gain, means, room, table, weights, sweeps, one, other):
 def _continue(first, last, coarse, square):
     ny, nx = coarse.shape
     zero = coarse.dtype.type(0)
+    most = np.empty(nx + 2, dtype=coarse.dtype)  # of the three cells in each column, one beyond each end
     for i in range(first, last):
+        up, row, down = coarse[_wrap(i - 1, ny)], coarse[i], coarse[_wrap(i + 1, ny)]
         for j in range(nx):
-            here = coarse[i, j]
-            square[i, j] = here * here
-            if here > 0:
-                continue
+            square[i, j] = row[j] * row[j]
+            most[j + 1] = max(up[j], row[j], down[j])
+        most[0], most[nx + 1] = most[nx], most[1]
+        for j in range(nx):
+            if row[j] > 0 or max(most[j], most[j + 1], most[j + 2]) <= 0:
+                continue  # in contact, or far from any
             total, count = zero, 0
             for ey in range(-1, 2):
                 for ex in range(-1, 2):

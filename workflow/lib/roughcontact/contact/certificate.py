@@ -12,13 +12,16 @@ mean. The freedom of r off the free contact makes the bound sharp: its energy is
 `roughcontact.contact.extension` does. So r is that continuation, held at w where it would violate it.
 """
 
+from math import log2, sqrt
+
 import numpy as np
 
 from roughcontact.contact.state import norm
-from roughcontact.kernels import precision_of
+from roughcontact.kernels import DOUBLE, SINGLE, precision_of
 
 # The residual is transformed in single precision: its norm is then known to this relative accuracy.
 _SINGLE_SLACK = 1e-4
+_EPS = {precision: float(np.finfo(precision).eps) for precision in (SINGLE, DOUBLE)}
 
 
 def error_bound(grid, state, product) -> float:
@@ -56,8 +59,7 @@ def rounding_floor(halfspace, state, precision: str | None = None) -> float:
     """
     if state.norm == 0:
         return 0.0
-    size = state.pressure.size
     deviation = (
-        np.finfo(precision or precision_of(state.separation)).eps * np.sqrt(np.log2(size)) * state.size
+        _EPS[precision or precision_of(state.separation)] * sqrt(log2(state.pressure.size)) * state.size
     )
-    return float(deviation * np.sqrt(halfspace.mean_stiffness) / state.norm)
+    return deviation * sqrt(halfspace.mean_stiffness) / state.norm

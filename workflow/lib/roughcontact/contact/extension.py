@@ -14,6 +14,7 @@ wide: that is why few iterations suffice.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -191,9 +192,10 @@ class Extension:
             total += passed
 
 
-def pyramid(shape, lengths) -> list[tuple[tuple[int, int], tuple[int, int], bool]]:
+@lru_cache(maxsize=64)
+def pyramid(shape, lengths) -> tuple[tuple[tuple[int, int], tuple[int, int], bool], ...]:
     """Return the grids coarser than `shape`: (shape, factors from the finer one, lines have become cells)."""
-    plan, shape, collapsed = [], tuple(shape), False
+    plan, collapsed = [], False
     while True:
         pitches = pitches_of(shape, lengths)
         factors, collapses = coarsening(pitches, shape), False
@@ -201,7 +203,7 @@ def pyramid(shape, lengths) -> list[tuple[tuple[int, int], tuple[int, int], bool
             factors = collapse(pitches, shape)
             collapsed = collapses = factors != (1, 1)
         if factors == (1, 1):
-            return plan
+            return tuple(plan)
         shape = tuple(n // f for n, f in zip(shape, factors, strict=True))
         plan.append((shape, factors, collapses))
 
@@ -211,9 +213,9 @@ def lines_apart(plan) -> bool:
     return any(collapsed for _, _, collapsed in plan)
 
 
-def pitches_of(shape, lengths) -> list[float]:
+def pitches_of(shape, lengths) -> tuple[float, ...]:
     """Return the pitches (dy, dx) of a grid."""
-    return [length / n for length, n in zip(lengths, shape, strict=True)]
+    return tuple(length / n for length, n in zip(lengths, shape, strict=True))
 
 
 def coarsening(pitches, shape, *, smallest: int = SMALLEST) -> tuple[int, int]:
@@ -243,6 +245,7 @@ def collapse(pitches, shape) -> tuple[int, int]:
     return (ny, 1) if dy < dx else (1, nx)
 
 
+@lru_cache(maxsize=64)
 def stencil(pitches, shape) -> tuple[float, float, float]:
     """Return the weights of a neighbour across y, across x, and diagonal; those of all eight sum to 1."""
     dy, dx = pitches

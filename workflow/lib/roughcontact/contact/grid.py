@@ -1,6 +1,7 @@
 """One grid of the problem: its operators, its passes over memory, and the room they need."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -52,7 +53,7 @@ class Grid:
         self._given, self._reference, self._unit = heights, reference, unit
         self._single = None
         self._rooms = {}
-        self._block = load_block(heights.shape, lengths)
+        self._block = load_block(self.shape, lengths)
         blocks = tuple(n // b for n, b in zip(heights.shape, self._block, strict=True))
         self._loads = empty(heights, DOUBLE, blocks), empty(heights, DOUBLE, blocks)
         single = self.heights_in(SINGLE)
@@ -202,6 +203,7 @@ class Rooms:
     field: np.ndarray
 
 
+@lru_cache(maxsize=64)
 def load_block(shape, lengths) -> tuple[int, int]:
     """Return the cells (by, bx) of the blocks over which a step keeps the load.
 
