@@ -16,8 +16,8 @@ block by block (`roughcontact.contact.grid`).
 The step length t follows from the energy along the last step, which is quadratic and known. Nothing is proved
 for steps of this kind: so every one must lower the elastic energy. One that does not is cut short where the
 energy is least, or undone, and projected gradient steps follow (`roughcontact.contact.projected`), twice as
-many each time up to eight, which alone would converge. Where a step gains little, the next correction is an
-accurate one (`roughcontact.contact.conjugate`).
+many with every second failure, which alone would converge. Where a step gains little, the next correction is
+an accurate one (`roughcontact.contact.conjugate`).
 
 The first steps are taken in single precision. Then pressure and separation are in double precision and the
 correction stays in single: it is small, and the next fresh application measures what rounding did to it
@@ -136,7 +136,7 @@ def solve_on_grid(
             state = _in_precision(grid, state, precision, mean_pressure)
         else:
             state = lower or state
-            for _ in range(2 ** min(failures, 3) if lower is None or failures > 1 else 0):
+            for _ in range(2 ** min(1 + failures // 2, 6) if lower is None or failures > 1 else 0):
                 state = projected_step(grid, state, mean_pressure) or state
     return GridSolution(state, bound, step)
 
