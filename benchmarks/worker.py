@@ -15,6 +15,7 @@ import os
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -36,10 +37,7 @@ def serve(pose, solve, versions: dict) -> None:
         request = json.loads(line)
         if request["heights"] != path:
             path, problem = request["heights"], pose(np.load(request["heights"]))
-
-        def run(request=request, problem=problem):
-            return solve(problem, request["load"], request["tolerance"], **request.get("options", {}))
-
+        run = partial(solve, problem, request["load"], request["tolerance"], **request.get("options", {}))
         held = _memory("VmRSS", reset_peak=True)
         try:
             if request.get("rehearse"):

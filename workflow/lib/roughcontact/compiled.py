@@ -15,6 +15,7 @@ import numba
 import numpy as np
 
 from roughcontact.kernels import CLOSED
+from roughcontact.memory import store
 from roughcontact.threads import threads_for
 
 # One pool of threads with MKL (`roughcontact.fft`), and the quickest to start.
@@ -147,7 +148,7 @@ class Compiled:
         _return_small(*small, sweeps, room, other)
 
     def refine(self, coarse, factors, out):
-        square = np.empty_like(coarse)
+        square = store.empty(coarse.shape, coarse.dtype)
         self._run(_continue, _share_continue, len(coarse), coarse, square)
         self._run(_refine, _share_refine, len(coarse), coarse, square, *factors, out)
 

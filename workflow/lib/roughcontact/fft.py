@@ -75,9 +75,8 @@ class MklPlan(Plan):
     def forward(self, field):
         import mkl_fft
 
-        with _mkl_threads(
-            self.threads
-        ):  # one axis after the other: rfft2 is never faster, on small grids slower
+        with _mkl_threads(self.threads):
+            # one axis after the other: rfft2 is never faster, and slower on small grids
             spectrum = mkl_fft.rfft(field, axis=1, out=self.spectrum)
             return mkl_fft.fft(spectrum, axis=0, out=spectrum)
 

@@ -81,8 +81,10 @@ def slope_power(spectrum, weights, along_y, along_x) -> float:
 
 
 def extent(field) -> tuple[float, float, int]:
-    """Return the least and the largest value, and how many are infinite or no number (the others then tell
-    nothing)."""
+    """Return the least and the largest value, and how many are infinite or no number.
+
+    Where there are any of those, the other two tell nothing.
+    """
     xp = field.__array_namespace__()
     finite = xp.isfinite(field)
     missing = field.size - int(xp.count_nonzero(finite))

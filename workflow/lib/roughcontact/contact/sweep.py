@@ -15,9 +15,7 @@ from roughcontact.contact.state import State, scale_to_load
 from roughcontact.kernels import DOUBLE, SINGLE, empty, in_precision
 
 COARSE_TOLERANCE = 0.05  # of all grids but the finest: a tighter one chases points the next grid moves anyway
-LINES_TOLERANCE = (
-    0.01  # the same where lines are contacts of their own: from a rough start many steps fail there
-)
+LINES_TOLERANCE = 0.01  # where lines are contacts of their own: from a rough start many steps fail there
 OFTEN_FULL = 1.0  # load in units of E* g; the full-contact pressure has a standard deviation of half that
 
 
