@@ -99,10 +99,12 @@ def test_the_extension_is_linear_and_between_the_values(shape, pitches):
     np.testing.assert_allclose(
         extend(2 * one - 3 * other), 2 * extend(one) - 3 * extend(other), rtol=0, atol=1e-13
     )
-    # positive weights that sum to at most one
+    # positive weights that sum to one; next to lines that do not touch, to less
     reach = extend(contact.astype(float))
     assert reach.min() >= 0
     assert reach.max() <= 1 + 1e-14
+    if (shape, pitches) not in COLLAPSED:
+        assert reach.min() >= 1 - 1e-14
 
 
 def test_the_weights_are_the_inverse_cube_of_the_distance():
@@ -190,7 +192,7 @@ def test_nowhere_less_than_the_inverse_on_small_grids(shape, pitches, share):
     values = eigh(inverse, np.linalg.inv(operator), eigvals_only=True)
     assert values[0] >= 1 - 1e-10
     elongated = max(pitches) > 3 * min(pitches)
-    assert values[-1] <= (3.0 if elongated else 1.6)
+    assert values[-1] <= (3.0 if elongated else 1.4)
 
 
 def extreme_eigenvalues(grid, contact, *, dtype=float, steps=40):
@@ -228,15 +230,16 @@ def test_the_measure_of_eigenvalues_agrees_with_the_dense_one():
     operator, inverse = in_dense_form(grid, contact)
     dense = eigh(inverse, np.linalg.inv(operator), eigvals_only=True)
     low, high = extreme_eigenvalues(grid, contact)
-    assert high == pytest.approx(dense[-1], abs=1e-4)
-    assert dense[0] - 1e-12 <= low <= dense[0] + 2e-3  # the many near 1 are not told apart
+    # from within; those that lie close together are not told apart
+    assert dense[-1] - 1e-3 <= high <= dense[-1] + 1e-12
+    assert dense[0] - 1e-12 <= low <= dense[0] + 2e-3
 
 
 @pytest.mark.parametrize("share", [0.003, 0.03, 0.1, 0.3, 0.5, 0.8, 0.97])
 @pytest.mark.parametrize(
-    ("make_contact", "largest"), [(patches, 1.3), (scattered, 1.3)], ids=["patches", "single points"]
+    ("make_contact", "largest"), [(patches, 1.1), (scattered, 1.1)], ids=["patches", "single points"]
 )
-def test_at_most_about_twice_the_inverse(make_contact, largest, share):
+def test_hardly_more_than_the_inverse(make_contact, largest, share):
     shape = (128, 128)
     low, high = extreme_eigenvalues(Grid(np.zeros(shape), (1.0, 1.0)), make_contact(shape, share))
     assert low >= 1 - 1e-10
@@ -244,13 +247,13 @@ def test_at_most_about_twice_the_inverse(make_contact, largest, share):
 
 
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.8])
-@pytest.mark.parametrize("size", [64, 256, 512, 125, 211])
-def test_patches_need_no_more_steps_on_finer_grids(size, share):
-    """With pixels ever finer beside the patches the largest eigenvalue stays."""
+@pytest.mark.parametrize(("size", "largest"), [(64, 1.15), (256, 1.15), (512, 1.15), (125, 1.3), (211, 1.7)])
+def test_patches_need_no_more_steps_on_finer_grids(size, largest, share):
+    """With pixels ever finer beside the patches the largest eigenvalue stays; a prime has no pyramid."""
     shape = (size, size)
     contact = patches(shape, share, shortest=size / 16)
     _, high = extreme_eigenvalues(Grid(np.zeros(shape), (1.0, 1.0)), contact, steps=20)
-    assert high <= 1.7
+    assert high <= largest
 
 
 def test_single_precision_keeps_the_bounds():

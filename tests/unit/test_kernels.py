@@ -69,8 +69,8 @@ def make_fields(shape, factors, precisions, cap):
     fields["outer_out"], fields["inner_out"], fields["other_out"] = (
         np.full(shape, np.nan, dtype) for dtype in (outer, inner, inner)
     )
-    fields["factor"] = rng.random(coarse_shape)  # sums over blocks are in double
-    fields["wanted"], fields["found"] = np.full((2, *coarse_shape), np.nan)
+    fields["coarse_gain"] = rng.random(coarse_shape).astype(inner)
+    fields["weight"] = np.where(fields["share"] > 0, rng.random(shape), 0).astype(inner)
     fields["coarse_out"] = np.full(coarse_shape, np.nan, inner)
     return fields
 
@@ -104,18 +104,23 @@ CALLS = {
         0.2,
         0.87,
         cap,
-        factors,
         f["outer_out"],
-        f["wanted"],
-        f["found"],
+        f["inner_out"],
     ),
-    "rescale": lambda k, f, factors, cap: k.rescale(f["pressure"], f["factor"], factors, cap),
+    "receive": lambda k, f, factors, cap: k.receive(
+        f["pressure"], f["passed"], f["coarse"], factors, f["chosen"], cap
+    ),
+    "bound": lambda k, f, factors, cap: k.bound(f["start"], cap / 2, f["inner_out"], f["other_out"]),
+    "rescale": lambda k, f, factors, cap: k.rescale(f["separation"], 0.7, cap),
     "hold": lambda k, f, factors, cap: k.hold(f["pressure"], f["separation"], LEVEL, cap, f["values"]),
     "block_mean": lambda k, f, factors, cap: k.block_mean(f["field"], factors, f["coarse_out"]),
-    "weigh": lambda k, f, factors, cap: k.weigh(f["share"], f["inner_out"], f["other_out"]),
-    "mix": lambda k, f, factors, cap: k.mix(
-        f["values"], f["gain"], f["share"], f["coarse"], factors, f["inner_out"]
+    "weigh": lambda k, f, factors, cap: k.weigh(
+        f["weight"], f["share"], factors, f["inner_out"], f["other_out"]
     ),
+    "weighted_mean": lambda k, f, factors, cap: k.weighted_mean(
+        f["field"], factors, f["coarse_gain"], f["coarse_out"]
+    ),
+    "mix": lambda k, f, factors, cap: k.mix(f["values"], f["share"], f["coarse"], factors, f["inner_out"]),
     "neighbours": lambda k, f, factors, cap: k.neighbours(f["field"], WEIGHTS, f["inner_out"]),
     "fill": lambda k, f, factors, cap: k.fill(f["values"], f["share"], f["field"], WEIGHTS, f["inner_out"]),
     "empty_neighbours": lambda k, f, factors, cap: k.empty_neighbours(
@@ -134,7 +139,7 @@ CALLS = {
     ),
     "refine": lambda k, f, factors, cap: k.refine(f["coarse_pressure"], factors, f["inner_out"]),
 }
-BOUNDED = ("measure", "remainder", "advance", "rescale", "hold")
+BOUNDED = ("measure", "remainder", "advance", "receive", "bound", "rescale", "hold")
 
 
 def outcome(name, engine, fields, factors, cap, convert=np.array):
@@ -207,18 +212,28 @@ def test_unsettled_points_are_those_whose_gap_should_vanish(engine):
     values = np.empty((3, 3))
     assert engine.remainder(pressure, separation, 0.25, 1.0, values) == 5
     np.testing.assert_array_equal(values, [[-1, -1, 0], [0, kernels.CLOSED, 0], [0, 2, 2]])
-    moved, wanted, found = np.empty((3, 3)), np.empty((1, 3)), np.empty((1, 3))
+    moved, free = np.empty((3, 3)), np.empty((3, 3))
     product = np.array([[-2.0, -0.2, 9], [9, 0.1, 9], [9, 2, 0.3]])
     scalars = {"level": 0.25, "mean": 0.1, "length": 0.5, "cap": 1.0}
-    engine.advance(
-        pressure, separation, product, **scalars, block=(3, 1), out=moved, wanted=wanted, found=found
-    )
+    taken = engine.advance(pressure, separation, product, **scalars, out=moved, free=free)
+    # before holding: [1.05, 0.65, 1], [0, 0.5, 1], [0, -0.45, 0.9]
     np.testing.assert_allclose(moved, [[1, 0.65, 1], [0, 0.5, 1], [0, 0, 0.9]])
-    # before holding: [1.05, 0.65, 1], [0, 0.5, 1], [0, -0.45, 0.9]; what is at the cap counts by its excess
-    np.testing.assert_allclose(wanted, [[0.05, 0.7, 0.9]])
-    np.testing.assert_allclose(found, [[0, 1.15, 0.9]])
-    engine.rescale(moved, np.array([[7.0, 0.5, 2.0]]), (3, 1), 1.0)
-    np.testing.assert_allclose(moved, [[1, 0.325, 1], [0, 0.25, 1], [0, 0, 1.8]])
+    np.testing.assert_allclose(product, [[0.05, 0, 0], [0, 0, 0], [0, -0.45, 0]], atol=1e-15)
+    np.testing.assert_array_equal(free, [[0, 1, 0], [0, 1, 0], [0, 0, 1]])
+    assert taken == pytest.approx(0.5)
+    # the coarse cell shares 0.9 among nine; only the free points receive
+    passed, coarse = np.array([[9, 0.5, 9], [9, -0.7, 9], [9, 9, -0.25]]), np.array([[0.9]])
+    outside, total = engine.receive(moved, passed, coarse, (3, 3), free, 1.0)
+    np.testing.assert_allclose(moved, [[1, 1.25, 1], [0, -0.1, 1], [0, 0, 0.75]], atol=1e-15)
+    assert outside == pytest.approx(0.25 + 0.1)
+    assert total == pytest.approx(1 + 1 + 1 + 1 + 0.75)
+    rescaled = moved.copy()
+    engine.bound(moved, 1.0, product, free)
+    np.testing.assert_allclose(moved, [[1, 1, 1], [0, 0, 1], [0, 0, 0.75]])
+    np.testing.assert_allclose(product, [[0, 0.25, 0], [0, -0.1, 0], [0, 0, 0]], atol=1e-15)
+    np.testing.assert_array_equal(free, [[0, 0, 0], [0, 0, 0], [0, 0, 1]])
+    engine.rescale(rescaled, 0.5, 1.0)
+    np.testing.assert_allclose(rescaled, 0.5 * moved)
     held = np.full((3, 3), 0.5)
     assert engine.hold(pressure, separation, 0.25, 1.0, held) == 1.5**2 + 0.5**2 + 1.5**2
     np.testing.assert_array_equal(held, [[-1, 0.5, 0.5], [0, 0.5, 0.5], [0.5, 0.5, 2]])
@@ -241,7 +256,7 @@ def test_sums_and_means_are_transposes(engine, shape, factors):
     f = make_fields(shape, factors, (DOUBLE, DOUBLE), np.inf)
     zero = np.zeros(shape)
     mixed, gathered = np.empty(shape), np.empty_like(f["coarse"])
-    engine.mix(zero, zero, f["share"], f["coarse"], factors, mixed)
+    engine.mix(zero, f["share"], f["coarse"], factors, mixed)
     engine.gather(f["field"], f["share"], factors, gathered)
     assert np.vdot(mixed, f["field"]) == pytest.approx(np.vdot(f["coarse"], gathered), rel=1e-12)
     filled, passed = np.empty(shape), np.empty(shape)
@@ -249,7 +264,7 @@ def test_sums_and_means_are_transposes(engine, shape, factors):
     engine.empty_neighbours(f["field"], f["share"], WEIGHTS, passed)
     assert np.vdot(filled, f["field"]) == pytest.approx(np.vdot(f["values"], passed), rel=1e-12)
     means, spread = np.empty_like(f["coarse"]), np.zeros(shape)
-    engine.block_mean(f["field"], factors, means)
+    engine.weighted_mean(f["gain"] * f["field"], factors, np.ones_like(means), means)
     engine.spread(spread, f["gain"], f["coarse"], factors)
     assert np.vdot(means, f["coarse"]) == pytest.approx(np.vdot(f["field"], spread), rel=1e-12)
 
@@ -258,9 +273,9 @@ def test_sums_and_means_are_transposes(engine, shape, factors):
 @pytest.mark.parametrize(("shape", "factors"), GRIDS)
 def test_passes_in_one_sweep_equal_the_passes_one_by_one(engine, shape, factors):
     f = make_fields(shape, factors, (DOUBLE, DOUBLE), np.inf)
-    ones, mixed, found, expected = np.ones(shape), *np.empty((3, *shape))
+    mixed, found, expected = np.empty((3, *shape))
     empty = np.where(f["chosen"] == 0, 1.0, 0.0)
-    kernels.mix(f["values"], ones, empty, f["coarse"], factors, mixed)
+    kernels.mix(f["values"], empty, f["coarse"], factors, mixed)
     kernels.fill(f["values"], empty, mixed, WEIGHTS, expected)
     engine.fill_from(f["values"], f["chosen"], f["coarse"], factors, WEIGHTS, found)
     np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
@@ -270,6 +285,21 @@ def test_passes_in_one_sweep_equal_the_passes_one_by_one(engine, shape, factors)
     engine.empty_from(f["field"], f["chosen"], WEIGHTS, found, factors, coarse)
     np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
     np.testing.assert_allclose(coarse, gathered, rtol=1e-13, atol=1e-13)
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+def test_weights_lie_between_one_piece_and_pieces_far_apart(engine):
+    # cells of 2 x 2 parts, in rows: none, one part, two, all four in contact, four with a hundredth each
+    weight = np.array([[0, 0.25, 0.5, 1, 0.1]])
+    share = np.array([[0, 0.25, 0.5, 1, 0.01]])
+    empty, gain = np.empty((2, 1, 5))
+    engine.weigh(weight, share, (2, 2), empty, gain)
+    np.testing.assert_allclose(weight[0, :2], [0, 0.5])  # the size of a single part is its own
+    assert 0.5**0.5 < weight[0, 2] < 1
+    assert weight[0, 3] == pytest.approx(1)
+    assert 0.1 < weight[0, 4] < 0.2  # a disc of all the area, and four discs that do not feel each other
+    np.testing.assert_allclose(empty, 1 - weight)
+    np.testing.assert_allclose(gain * [[1, 0.25, 0.5, 1, 0.1]], weight)
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])

@@ -68,14 +68,22 @@ class Compiled:
         arguments = pressure, separation, kind(level), kind(cap), values
         return self._run(_remainder, _share_remainder, len(pressure), *arguments)
 
-    def advance(self, pressure, separation, product, level, mean, length, cap, block, out, wanted, found):
+    def advance(self, pressure, separation, product, level, mean, length, cap, out, free):
         kind, inner = pressure.dtype.type, product.dtype.type
         scalars = kind(level), inner(mean), inner(length), kind(cap)
-        arrays = pressure, separation, product, *scalars, *block, out, wanted, found
-        self._run(_advance, _share_advance, len(wanted), *arrays)
+        arguments = pressure, separation, product, *scalars, out, free
+        return self._run(_advance, _share_advance, len(out), *arguments)
 
-    def rescale(self, field, share, block, cap):
-        self._run(_rescale, _share_rescale, len(share), field, share, *block, field.dtype.type(cap))
+    def receive(self, field, passed, coarse, factors, free, cap):
+        arguments = field, passed, coarse, *factors, free, field.dtype.type(cap)
+        return self._run(_receive, _share_receive, len(coarse), *arguments)
+
+    def bound(self, field, cap, taken, free):
+        self._run(_bound, _share_bound, len(field), field, field.dtype.type(cap), taken, free)
+
+    def rescale(self, field, factor, cap):
+        kind = field.dtype.type
+        self._run(_rescale, _share_rescale, len(field), field, kind(factor), kind(cap))
 
     def hold(self, pressure, separation, level, cap, values):
         kind = separation.dtype.type
@@ -94,11 +102,14 @@ class Compiled:
     def chosen_share(self, chosen, factors, out):
         self._run(_chosen_share, _share_chosen_share, len(out), chosen, *factors, out)
 
-    def weigh(self, share, empty, gain):
-        self._run(_weigh, _share_weigh, len(share), share, empty, gain)
+    def weigh(self, weight, share, factors, empty, gain):
+        self._run(_weigh, _share_weigh, len(share), weight, share, *factors, empty, gain)
 
-    def mix(self, values, gain, empty, coarse, factors, out):
-        self._run(_mix, _share_mix, len(coarse), values, gain, empty, coarse, *factors, out)
+    def weighted_mean(self, field, factors, gain, out):
+        self._run(_weighted_mean, _share_weighted_mean, len(out), field, *factors, gain, out)
+
+    def mix(self, values, empty, coarse, factors, out):
+        self._run(_mix, _share_mix, len(coarse), values, empty, coarse, *factors, out)
 
     def neighbours(self, field, weights, out):
         self._run(_neighbours, _share_neighbours, len(out), field, *_cast(weights, field), out)
@@ -267,46 +278,62 @@ def _remainder(first, last, pressure, separation, level, cap, values):
 
 
 @_compile
-def _advance(
-    first, last, pressure, separation, product, level, mean, length, cap, by, bx, out, wanted, found
-):
-    # rows are counted in blocks
-    zero = out.dtype.type(0)
-    row_wanted = np.empty(out.shape[1], dtype=out.dtype)
-    row_found = np.empty(out.shape[1], dtype=out.dtype)
-    for block in range(first, last):
-        row_wanted[:] = 0
-        row_found[:] = 0
-        for i in range(block * by, block * by + by):
-            for j in range(pressure.shape[1]):
-                p, gap = pressure[i, j], separation[i, j] - level
-                none, full = p <= 0, p >= cap
-                unsettled = (none & (gap < 0)) | (full & (gap > 0)) | ((not none) & (not full))
-                moved = p - length * (product[i, j] - mean) if unsettled else p
-                held = min(max(moved, zero), cap)
-                beyond = held >= cap
-                out[i, j] = held
-                row_wanted[j] += moved - held if beyond else moved
-                row_found[j] += zero if beyond else held
-        for column in range(wanted.shape[1]):
-            total = total_found = 0.0
-            for j in range(column * bx, column * bx + bx):
-                total += row_wanted[j]
-                total_found += row_found[j]
-            wanted[block, column], found[block, column] = total, total_found
+def _advance(first, last, pressure, separation, product, level, mean, length, cap, out, free):
+    zero, one = out.dtype.type(0), free.dtype.type(1)
+    total = 0.0
+    for i in range(first, last):
+        for j in range(pressure.shape[1]):
+            p, gap = pressure[i, j], separation[i, j] - level
+            none, full = p <= 0, p >= cap
+            unsettled = (none & (gap < 0)) | (full & (gap > 0)) | ((not none) & (not full))
+            moved = p - length * (product[i, j] - mean) if unsettled else p
+            held = min(max(moved, zero), cap)
+            taken = product.dtype.type(moved - held)
+            out[i, j] = held
+            product[i, j] = taken
+            free[i, j] = one if (held > zero) & (held < cap) else one - one
+            total += abs(taken)
+    return total
 
 
 @_compile
-def _rescale(first, last, field, share, by, bx, cap):
-    # rows are counted in blocks
-    factor = np.empty(field.shape[1], dtype=field.dtype)
+def _receive(first, last, field, passed, coarse, fy, fx, free, cap):
+    # rows are counted on the coarse grid
+    row = np.empty(field.shape[1], dtype=passed.dtype)
+    share = passed.dtype.type(1 / (fy * fx))
+    nothing, zero = free.dtype.type(0), field.dtype.type(0)
+    outside = total = 0.0
     for block in range(first, last):
+        _unfold(coarse[block], fx, share, row)
+        for i in range(block * fy, block * fy + fy):
+            for j in range(row.size):
+                change = passed[i, j] + row[j]
+                value = field[i, j] + (change if free[i, j] != nothing else nothing)
+                field[i, j] = value
+                held = min(max(value, zero), cap)
+                outside += abs(value - held)
+                total += held
+    return outside, total
+
+
+@_compile
+def _bound(first, last, field, cap, taken, free):
+    zero, one = field.dtype.type(0), free.dtype.type(1)
+    for i in range(first, last):
         for j in range(field.shape[1]):
-            factor[j] = share[block, j // bx]
-        for i in range(block * by, block * by + by):
-            for j in range(field.shape[1]):
-                value = field[i, j]
-                field[i, j] = value * factor[j] if value < cap else value
+            value = field[i, j]
+            held = min(max(value, zero), cap)
+            field[i, j] = held
+            taken[i, j] = value - held
+            free[i, j] = one if (held > zero) & (held < cap) else one - one
+
+
+@_compile
+def _rescale(first, last, field, factor, cap):
+    zero = field.dtype.type(0)
+    for i in range(first, last):
+        for j in range(field.shape[1]):
+            field[i, j] = min(max(field[i, j], zero), cap) * factor
 
 
 @_compile
@@ -392,24 +419,36 @@ def _chosen_share(first, last, chosen, fy, fx, out):
 
 
 @_compile
-def _weigh(first, last, share, empty, gain):
+def _weigh(first, last, weight, share, fy, fx, empty, gain):
     zero, one = share.dtype.type(0), share.dtype.type(1)
+    root = share.dtype.type(np.sqrt(fy * fx))
     for i in range(first, last):
         for j in range(share.shape[1]):
-            weight = np.sqrt(share[i, j])
-            empty[i, j] = one - weight
-            gain[i, j] = one / weight if weight > zero else zero
+            mean = weight[i, j]
+            whole, apart = np.sqrt(share[i, j]), mean * root
+            value = np.sqrt(whole * apart / (one + apart - whole))
+            weight[i, j] = value
+            empty[i, j] = one - value
+            gain[i, j] = value / (mean if mean > zero else one)
 
 
 @_compile
-def _mix(first, last, values, gain, empty, coarse, fy, fx, out):
+def _weighted_mean(first, last, field, fy, fx, gain, out):
+    _block_mean(first, last, field, fy, fx, out)
+    for i in range(first, last):
+        for j in range(out.shape[1]):
+            out[i, j] *= gain[i, j]
+
+
+@_compile
+def _mix(first, last, values, empty, coarse, fy, fx, out):
     # rows are counted on the coarse grid
     row = np.empty(out.shape[1], dtype=out.dtype)
     for block in range(first, last):
         _unfold(coarse[block], fx, out.dtype.type(1), row)
         for i in range(block * fy, block * fy + fy):
             for j in range(out.shape[1]):
-                out[i, j] = gain[i, j] * values[i, j] + empty[i, j] * row[j]
+                out[i, j] = values[i, j] + empty[i, j] * row[j]
 
 
 @_compile
@@ -534,7 +573,7 @@ def _spread(first, last, field, gain, coarse, fy, fx):
         _unfold(coarse[block], fx, share, row)
         for i in range(block * fy, block * fy + fy):
             for j in range(row.size):
-                field[i, j] = gain[i, j] * field[i, j] + row[j]
+                field[i, j] = gain[i, j] * (field[i, j] + row[j])
 
 
 @_compile
@@ -566,11 +605,29 @@ def _grid(store, table, number):
 @_compile
 def _weigh_small(empty, gain, means, room, table, weights):
     for number in range(len(table)):
-        share = _grid(means, table, number)
-        _weigh(0, len(share), share, _grid(empty, table, number), _grid(gain, table, number))
-        if number + 1 < len(table):
+        weight, share = _grid(means, table, number), _grid(room, table, number)
+        more = number + 1 < len(table)
+        if more:
+            after = _grid(room, table, number + 1)
+            fy, fx = table[number + 1, 2], table[number + 1, 3]
+            _block_mean(0, len(after), share, fy, fx, after)
+        gaps, gains = _grid(empty, table, number), _grid(gain, table, number)
+        _weigh(0, len(share), weight, share, table[number, 2], table[number, 3], gaps, gains)
+        if more:
             after = _grid(means, table, number + 1)
-            _block_mean(0, len(after), share, table[number + 1, 2], table[number + 1, 3], after)
+            _block_mean(0, len(after), weight, fy, fx, after)
+
+
+@_compile
+def _mean_over_contact(field, empty):
+    """Return the sum of `field` over that of the weights, which `empty` leaves of 1."""
+    zero, one = field.dtype.type(0), field.dtype.type(1)
+    total = weight = zero
+    for i in range(field.shape[0]):
+        for j in range(field.shape[1]):
+            total += field[i, j]
+            weight += one - empty[i, j]
+    return total / weight if weight > zero else zero
 
 
 @_compile
@@ -579,21 +636,29 @@ def _fill_small(empty, gain, means, room, table, weights, sweeps, one, other):
     for number in range(last):
         coarse = _grid(means, table, number + 1)
         fy, fx = table[number + 1, 2], table[number + 1, 3]
-        _block_mean(0, len(coarse), _grid(means, table, number), fy, fx, coarse)
+        _weighted_mean(
+            0, len(coarse), _grid(means, table, number), fy, fx, _grid(gain, table, number + 1), coarse
+        )
     for number in range(last, -1, -1):
-        field, gaps = _grid(means, table, number), _grid(empty, table, number)
+        field, gaps, mixed = (
+            _grid(means, table, number),
+            _grid(empty, table, number),
+            _grid(room, table, number),
+        )
         across_y, across_x, diagonal = weights[number]
         if number == last:
-            field *= _grid(gain, table, number)
-            mixed = field
+            level = _mean_over_contact(field, gaps)
+            for i in range(field.shape[0]):
+                for j in range(field.shape[1]):
+                    mixed[i, j] = field[i, j] + gaps[i, j] * level
             for sweep in range(1, sweeps):
                 swept = one if sweep % 2 else other
                 _fill(0, len(field), field, gaps, mixed, across_y, across_x, diagonal, swept)
                 mixed = swept
         else:
-            coarse, mixed = _grid(means, table, number + 1), _grid(room, table, number)
+            coarse = _grid(means, table, number + 1)
             fy, fx = table[number + 1, 2], table[number + 1, 3]
-            _mix(0, len(coarse), field, _grid(gain, table, number), gaps, coarse, fy, fx, mixed)
+            _mix(0, len(coarse), field, gaps, coarse, fy, fx, mixed)
         _neighbours(0, len(field), mixed, across_y, across_x, diagonal, field)
 
 
@@ -604,17 +669,19 @@ def _return_small(empty, gain, means, room, table, weights, sweeps, one, other):
         total, gaps = _grid(room, table, number), _grid(empty, table, number)
         across_y, across_x, diagonal = weights[number]
         _neighbours(0, len(total), _grid(means, table, number), across_y, across_x, diagonal, total)
-        if number == last:
-            passed = total
-            for sweep in range(1, sweeps):
-                swept = one if sweep % 2 else other
-                _empty_neighbours(0, len(total), passed, gaps, across_y, across_x, diagonal, swept)
-                total += swept
-                passed = swept
-            total *= _grid(gain, table, number)
-        else:
+        if number < last:
             after = _grid(means, table, number + 1)
             _gather(0, len(after), total, gaps, table[number + 1, 2], table[number + 1, 3], after)
+            continue
+        passed = one
+        passed[:] = total
+        for sweep in range(1, sweeps):
+            swept = other if sweep % 2 else one
+            _empty_neighbours(0, len(total), passed, gaps, across_y, across_x, diagonal, swept)
+            total += swept
+            passed = swept
+        total += _mean_over_contact(gaps * passed, gaps)
+        total *= _grid(gain, table, number)
     for number in range(last - 1, -1, -1):
         fy, fx = table[number + 1, 2], table[number + 1, 3]
         coarse = _grid(room, table, number + 1)
@@ -752,8 +819,25 @@ def _share_remainder(shares, rows, arguments):
 
 @_compile_shared
 def _share_advance(shares, rows, arguments):
+    parts = np.empty(shares)
     for share in numba.prange(shares):
-        _advance(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+        parts[share] = _advance(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+    return parts.sum()
+
+
+@_compile_shared
+def _share_receive(shares, rows, arguments):
+    parts = np.empty((2, shares))
+    for share in numba.prange(shares):
+        part = _receive(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+        parts[0, share], parts[1, share] = part
+    return parts[0].sum(), parts[1].sum()
+
+
+@_compile_shared
+def _share_bound(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _bound(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
 
 
 @_compile_shared
@@ -795,6 +879,12 @@ def _share_chosen_share(shares, rows, arguments):
 def _share_weigh(shares, rows, arguments):
     for share in numba.prange(shares):
         _weigh(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_weighted_mean(shares, rows, arguments):
+    for share in numba.prange(shares):
+        _weighted_mean(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
 
 
 @_compile_shared

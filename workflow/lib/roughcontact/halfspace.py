@@ -46,7 +46,7 @@ class HalfSpace:
         symbol = self._symbol(SINGLE)
         # of the inverse operator, over the half plane: for estimates of rounding, and for a coarse bound
         xp, stiffness = symbol.__array_namespace__(), 1 / symbol
-        self.mean_stiffness = float(xp.sum(stiffness, dtype=xp.float64)) / stiffness.size
+        self.mean_stiffness = float(xp.mean(stiffness))
         self.largest_stiffness = float(xp.max(stiffness))
 
     def displacement(self, pressure, *, out=None):

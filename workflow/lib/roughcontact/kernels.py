@@ -134,27 +134,51 @@ def remainder(pressure, separation, level, cap, values) -> int:
     return int(xp.count_nonzero(chosen))
 
 
-def advance(pressure, separation, product, level, mean, length, cap, block, out, wanted, found) -> None:
-    """Put p - length (product - mean), held between 0 and `cap`, into `out`, and sums over blocks of cells.
+def advance(pressure, separation, product, level, mean, length, cap, out, free) -> float:
+    """Put p - length (product - mean), held between 0 and `cap`, into `out`.
 
-    Settled points keep the pressure they have. `found` is the load of the points below the cap, `wanted` what
-    it would be if nothing had been held; both have one entry for each of the `block` = (by, bx) cells.
+    What holding took away comes into `product`. Settled points keep the pressure they have. `free` becomes 1
+    at unsettled points between the bounds, 0 elsewhere. Returns the sum of the sizes of what was taken away.
     """
     xp = pressure.__array_namespace__()
     moved = pressure - length * (product - mean)
     moved = xp.where(unsettled(pressure, separation - level, cap), moved, pressure)
     held = xp.clip(moved, 0, None if cap == float("inf") else cap)
-    full = held >= cap
     out[...] = xp.astype(held, out.dtype)
-    wanted[...] = _block_sum(xp, xp.where(full, moved - held, moved), block)
-    found[...] = _block_sum(xp, xp.where(full, xp.zeros_like(held), held), block)
+    free[...] = xp.astype((held > 0) & (held < cap), free.dtype)
+    product[...] = xp.astype(moved - held, product.dtype)
+    return _sum(xp, xp.abs(product))
 
 
-def rescale(field, share, block, cap) -> None:
-    """Multiply `field`, where it is below `cap`, by the entry of `share` for each block of cells."""
+def receive(field, passed, coarse, factors, free, cap) -> tuple[float, float]:
+    """Add `passed` and `coarse`, shared out, to `field` where `free` is not zero.
+
+    Returns how much of the field then lies outside of 0 and `cap`, and the sum of the field held between
+    them, in double precision.
+    """
     xp = field.__array_namespace__()
-    factor = repeat(xp.astype(share, field.dtype), block)
-    field[...] = xp.where(field < cap, field * factor, field)
+    shared = repeat(coarse, factors) / (factors[0] * factors[1])
+    field += xp.astype((passed + shared) * (1 - _zeros_of(free)), field.dtype)
+    held = xp.clip(field, 0, None if cap == float("inf") else cap)
+    return _sum(xp, xp.abs(field - held)), _sum(xp, held)
+
+
+def bound(field, cap, taken, free) -> None:
+    """Hold `field` between 0 and `cap`; what that takes away comes into `taken`.
+
+    `free` becomes 1 between the bounds and 0 elsewhere.
+    """
+    xp = field.__array_namespace__()
+    held = xp.clip(field, 0, None if cap == float("inf") else cap)
+    taken[...] = xp.astype(field - held, taken.dtype)
+    free[...] = xp.astype((held > 0) & (held < cap), free.dtype)
+    field[...] = held
+
+
+def rescale(field, factor, cap) -> None:
+    """Hold `field` between 0 and `cap` and multiply it by a number."""
+    xp = field.__array_namespace__()
+    field[...] = xp.clip(field, 0, None if cap == float("inf") else cap) * factor
 
 
 def hold(pressure, separation, level, cap, values) -> float:
@@ -197,20 +221,30 @@ def chosen_share(chosen, factors, out) -> None:
     block_mean(xp.astype(chosen != 0, out.dtype), factors, out)
 
 
-def weigh(share, empty, gain) -> None:
-    """Put the weight of every cell, the root of its `share` of contact, over the share into `gain`.
+def weigh(weight, share, factors, empty, gain) -> None:
+    """Make the weight of every cell of the mean weight of its parts; put the ratio of the two into `gain`.
 
-    What the weight leaves of 1 goes into `empty`. Both hold for shares of zero, whose weight is zero.
+    The linear size of a contact that covers the `share` of a cell lies between the root of that, if it is in
+    one piece, and the sum of the sizes of its parts, if they are far apart. What the weight leaves of 1 goes
+    into `empty`. All hold for cells out of contact, whose weight is zero.
     """
     xp = share.__array_namespace__()
-    weight = xp.sqrt(share)
+    whole, apart = xp.sqrt(share), weight * (factors[0] * factors[1]) ** 0.5
+    gain[...] = 1 / xp.where(weight > 0, weight, xp.ones_like(weight))
+    weight[...] = xp.sqrt(whole * apart / (1 + apart - whole))
+    gain *= weight
     empty[...] = 1 - weight
-    gain[...] = weight / xp.where(share > 0, share, xp.ones_like(share))
 
 
-def mix(values, gain, empty, coarse, factors, out) -> None:
-    """Put `gain` x `values` + `empty` x `coarse`, each coarse cell repeated `factors` times, into `out`."""
-    out[...] = gain * values + empty * repeat(coarse, factors)
+def weighted_mean(field, factors, gain, out) -> None:
+    """Put `gain` x the means of `field` over blocks of `factors` cells into `out`."""
+    block_mean(field, factors, out)
+    out *= gain
+
+
+def mix(values, empty, coarse, factors, out) -> None:
+    """Put `values` + `empty` x `coarse`, each coarse cell repeated `factors` times, into `out`."""
+    out[...] = values + empty * repeat(coarse, factors)
 
 
 def neighbours(field, weights, out) -> None:
@@ -263,9 +297,9 @@ def empty_from(field, chosen, weights, passed, factors, coarse) -> None:
 
 
 def spread(field, gain, coarse, factors) -> None:
-    """Make `field` x `gain` + `coarse`, each coarse cell shared out among its fine ones, of `field`."""
-    field *= gain
+    """Add `coarse`, each cell shared out among its fine ones, to `field`, and multiply that by `gain`."""
     field += repeat(coarse, factors) / (factors[0] * factors[1])
+    field *= gain
 
 
 def conclude(field, passed, coarse, factors, values, chosen) -> tuple[float, float]:
@@ -340,11 +374,6 @@ def _zeros_of(field):
     """Return 1 where `field` is zero and 0 elsewhere."""
     xp = field.__array_namespace__()
     return xp.astype(field == 0, field.dtype)
-
-
-def _block_sum(xp, field, block):
-    (ny, nx), (by, bx) = field.shape, block
-    return xp.sum(xp.reshape(field, (ny // by, by, nx // bx, bx)), axis=(1, 3), dtype=xp.float64)
 
 
 def _sum(xp, field) -> float:

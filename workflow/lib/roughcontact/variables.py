@@ -124,9 +124,9 @@ def describe(dataset: xr.Dataset) -> xr.Dataset:
             f"no description for the output variables {unknown}: add them to variables.py"
         )
     dataset = dataset.copy()
-    for name in dataset.variables:
+    for name, variable in dataset.variables.items():
         units, long_name = VARIABLES[name]
-        attrs = dataset[name].attrs
+        attrs = variable.attrs
         attrs["long_name"] = long_name
         if units is not None:
             attrs["units"] = units

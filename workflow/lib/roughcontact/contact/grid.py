@@ -1,16 +1,16 @@
 """One grid of the problem: its operators, its passes over memory, and the room they need."""
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
-from roughcontact.contact.extension import Extension, coarsening, collapse, pitches_of
+from roughcontact.contact.extension import Extension, lines_apart, pyramid
 from roughcontact.contact.state import State, Way, contact_mean, norm, scale_to_load
 from roughcontact.halfspace import HalfSpace
-from roughcontact.kernels import DOUBLE, SINGLE, empty, in_precision, kernels_for, precision_of
+from roughcontact.kernels import SINGLE, empty, in_precision, kernels_for, precision_of
 
-BLOCK = 16  # cells along the finer axis over which a step keeps the load
+MOST_PASSES = 5  # in which what holding the pressure takes away is given to the contact around
+SMALL_REST = 0.05  # of the load, that the last pass may leave to be shared by all of the contact
 SMALL_CHANGE = 0.1  # of the residual's norm, that is simply added to it
 
 
@@ -53,9 +53,9 @@ class Grid:
         self._given, self._reference, self._unit = heights, reference, unit
         self._single = None
         self._rooms = {}
-        self._block = load_block(self.shape, lengths)
-        blocks = tuple(n // b for n, b in zip(heights.shape, self._block, strict=True))
-        self._loads = empty(heights, DOUBLE, blocks), empty(heights, DOUBLE, blocks)
+        self._along = None  # the axis of the lines that are contacts of their own
+        if lines_apart(pyramid(self.shape, lengths)):
+            self._along = 0 if lengths[0] / self.shape[0] < lengths[1] / self.shape[1] else 1
         single = self.heights_in(SINGLE)
         self._height_size = norm(single, single)
 
@@ -103,33 +103,39 @@ class Grid:
     def advance(self, state: State, product: Product, length: float, mean_pressure: float, out):
         """Return the pressure after a step, in the array `out`.
 
-        That is p - length (M r - mean) on the unsettled points, held between 0 and the cap and scaled.
+        That is p - length (M r - mean) on the unsettled points, held between 0 and the cap. The load that
+        holding adds or takes away is taken over by the contact beside it: W^T hands it on, until little is
+        left (`roughcontact.contact.iteration`). Lines that are contacts of their own keep their loads. The
+        field of the product is lost.
         """
-        wanted, found = self._loads
-        self.kernels.advance(
-            state.pressure,
-            state.separation,
-            product.field,
-            state.level,
-            product.mean,
-            length,
-            self.cap,
-            self._block,
-            out,
-            wanted,
-            found,
-        )
-        # What holding the pressure at its bounds adds or takes away is made good nearby: a factor common to
-        # all of the surface would be an error of long waves, which weigh most.
-        xp = found.__array_namespace__()
-        share = xp.clip(wanted, 0, None) / xp.where(found > 0, found, xp.ones_like(found))
-        share = xp.where(found > 0, share, xp.zeros_like(found))
-        if self.cap < np.inf:
-            self.kernels.rescale(out, share, self._block, self.cap)
-            return scale_to_load(out, mean_pressure, cap=self.cap)
-        share *= mean_pressure * out.size / float(xp.sum(share * found))
-        self.kernels.rescale(out, share, self._block, self.cap)
-        return out
+        kernels, rooms, cap = self.kernels, self._rooms_in(precision_of(product.field)), self.cap
+        taken, free = product.field, rooms.values
+        known = state.pressure, state.separation, product.field, state.level, product.mean
+        kernels.advance(*known, length, cap, out, free)
+        line_loads = None if self._along is None else self._line_sums(out) + self._line_sums(taken)
+        for number in range(MOST_PASSES):
+            if number > 0:
+                kernels.bound(out, cap, taken, free)
+            rooms.extension.choose(free)
+            scratch = self.halfspace.scratch(precision_of(taken))
+            outside, total = rooms.extension.give(taken, out, cap, scratch)
+            if outside <= SMALL_REST * total:
+                break
+        if cap == np.inf and line_loads is None:
+            kernels.rescale(out, mean_pressure * out.size / total, cap)
+            return out
+        kernels.rescale(out, 1.0, cap)
+        if line_loads is not None:
+            xp = out.__array_namespace__()
+            found = self._line_sums(out)
+            factor = xp.clip(line_loads, 0, None) / xp.where(found > 0, found, xp.ones_like(found))
+            out *= xp.astype(factor, out.dtype)
+        return scale_to_load(out, mean_pressure, cap=cap)
+
+    def _line_sums(self, field):
+        """Return the sums, in double precision, over the lines that are contacts of their own."""
+        xp = field.__array_namespace__()
+        return xp.sum(field, axis=self._along, keepdims=True, dtype=xp.float64)
 
     def last_residual(self, precision: str) -> tuple:
         """Return the residual of the last `precondition` in a precision and the map of unsettled points."""
@@ -201,23 +207,3 @@ class Rooms:
     extension: Extension
     values: np.ndarray
     field: np.ndarray
-
-
-@lru_cache(maxsize=64)
-def load_block(shape, lengths) -> tuple[int, int]:
-    """Return the cells (by, bx) of the blocks over which a step keeps the load.
-
-    About `BLOCK` cells along the finer axis, as far as the numbers of cells have factors, and square; lines
-    far apart keep their loads each (`roughcontact.contact.extension.collapse`).
-    """
-    block = [1, 1]
-    while max(block) < BLOCK:
-        cells = [n // b for n, b in zip(shape, block, strict=True)]
-        pitches = pitches_of(cells, lengths)
-        factors = coarsening(pitches, cells)
-        if factors == (1, 1):
-            factors = collapse(pitches, cells)
-        if factors == (1, 1):
-            break
-        block = [b * f for b, f in zip(block, factors, strict=True)]
-    return block[0], block[1]

@@ -6,16 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from roughcontact.contact.certificate import bound_without_transform, rounding_floor
-from roughcontact.contact.extension import lines_apart, pyramid
 from roughcontact.contact.grid import Grid
-from roughcontact.contact.iteration import solve_on_grid
+from roughcontact.contact.iteration import improve_on_grid, solve_on_grid
 from roughcontact.contact.levels import hierarchy
 from roughcontact.contact.problem import Problem
 from roughcontact.contact.state import State, scale_to_load
 from roughcontact.kernels import DOUBLE, SINGLE, empty, in_precision
 
-COARSE_TOLERANCE = 0.05  # of all grids but the finest: a tighter one chases points the next grid moves anyway
-LINES_TOLERANCE = 0.01  # where lines are contacts of their own: from a rough start many steps fail there
+COARSE_TOLERANCE = 0.03  # of all grids but the finest: a tighter one chases points the next grid moves anyway
 OFTEN_FULL = 1.0  # load in units of E* g; the full-contact pressure has a standard deviation of half that
 
 
@@ -63,8 +61,6 @@ def sweep(
     levels = hierarchy(finest.heights_in(SINGLE), problem.lengths)
     grids = [finest, *(Grid(heights, problem.lengths, **operator) for _, heights in levels)]
     factors = [factors for factors, _ in levels]
-    apart = lines_apart(pyramid(finest.shape, problem.lengths))
-    coarse_tolerance = LINES_TOLERANCE if apart else COARSE_TOLERANCE
     del levels
     # Full contact: p = mean + G^-1 H, wherever that is nowhere negative (Johnson 1985, section 13.2).
     fluctuation, full_contact_from = _full_contact(grids, max(loads))
@@ -76,7 +72,7 @@ def sweep(
             state, _ = finest.evaluate(scale_to_load(pressure, load))
             bound, steps = bound_without_transform(finest, state), 0
         else:
-            guess, steps = _nested_start(grids, factors, load, last, coarse_tolerance)
+            guess, steps = _nested_start(grids, factors, load, last)
             if number == len(loads):  # the coarse grids are needed no more: give their memory back
                 work, last = _applications(grids), None
                 del grids[1:], guess[1:]
@@ -111,22 +107,21 @@ def _full_contact(grids, load: float) -> tuple:
     return fluctuation, -least - 1e-13 * (most - least)
 
 
-def _nested_start(grids, factors, load: float, last, tolerance: float) -> tuple[list[np.ndarray], int]:
+def _nested_start(grids, factors, load: float, last) -> tuple[list[np.ndarray], int]:
     """Return a first guess of the pressure on the finest grid and the coarse pressures, and the steps taken.
 
-    Each grid starts from the next coarser one's pressure, solved to `tolerance` and refined. After another
-    load, whose pressures on all grids are `last`, it starts from that load's pressure plus the refined
-    difference that the new load makes on the coarser grid: the detail that only the finer grid resolves is
-    then there already.
+    Each grid starts from the next coarser one's pressure, refined, and is solved to about `COARSE_TOLERANCE`.
+    After another load, whose pressures on all grids are `last`, it starts from that load's pressure plus the
+    refined difference that the new load makes on the coarser grid: the detail that only the finer grid
+    resolves is then there already.
     """
     coarsest = grids[-1].heights_in(SINGLE)
     xp = coarsest.__array_namespace__()
     pressure = xp.full_like(coarsest, load) if last is None else last[-1]
     coarse, steps = [], 0
     for level in range(len(grids) - 1, 0, -1):
-        solution = solve_on_grid(grids[level], pressure, load, tolerance=tolerance, finish=SINGLE)
-        steps += solution.steps
-        found = solution.state.pressure
+        found, taken = improve_on_grid(grids[level], pressure, load, tolerance=COARSE_TOLERANCE)
+        steps += taken
         coarse.insert(0, found)
         pressure = _refine(grids, factors, level, found)
         if last is not None:
