@@ -290,6 +290,15 @@ def test_deep_pits_in_lines_far_apart_converge_by_safe_steps():
     assert float(contact["max_penetration"][0]) < 1e-6
 
 
+@pytest.mark.parametrize("load", [1e-8, 1e-7, 1e-6, 1e-5])
+def test_a_load_that_rounding_hides_behind_the_residual_is_carried(load):
+    # a chessboard of pixels in lines far apart: the first steps move a million times the load to and fro
+    window = synthetic.height_map(np.indices((15, 15)).sum(0) % 2 * 1.0, (1.0, 3.5))
+    contact = rc.solve_contact(window, contact_modulus=1.0, mean_pressure=load, tolerance=1e-6)
+    assert float(contact["error_bound"][0]) <= 1e-6
+    np.testing.assert_allclose(contact["pressure"].mean(), load, rtol=1e-14)
+
+
 @pytest.mark.parametrize("aspect", [1000.0, 30.0, 1 / 30, 1e-3])
 @pytest.mark.parametrize("relative", [0.01, 0.1, 1.0])
 def test_elongated_pixels_need_no_more_than_a_few_times_the_work(aspect, relative):

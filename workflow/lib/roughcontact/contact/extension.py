@@ -163,7 +163,7 @@ class Extension:
         return self.kernels.receive(pressure, scratch, returned, factors, self.chosen, cap)
 
     def _returned_from(self, field, scratch) -> tuple:
-        """Put what neighbours give back into `scratch`; return what the coarser grid does, and the factors."""
+        """Put what neighbours give back into `scratch`; return what the coarser grid does, and factors."""
         kernels = self.kernels
         if not self.levels:
             empty = self._empty()

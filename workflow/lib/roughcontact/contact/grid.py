@@ -121,6 +121,9 @@ class Grid:
             outside, total = rooms.extension.give(taken, out, cap, scratch)
             if outside <= SMALL_REST * total:
                 break
+        if total <= 0:  # rounding has eaten a load far below the residual: stay, and leave it to safe steps
+            out[...] = in_precision(state.pressure, precision_of(out), copy=False)
+            return scale_to_load(out, mean_pressure, cap=cap)
         if cap == np.inf and line_loads is None:
             kernels.rescale(out, mean_pressure * out.size / total, cap)
             return out
@@ -129,7 +132,8 @@ class Grid:
             xp = out.__array_namespace__()
             found = self._line_sums(out)
             factor = xp.clip(line_loads, 0, None) / xp.where(found > 0, found, xp.ones_like(found))
-            out *= xp.astype(factor, out.dtype)
+            if float(xp.sum(factor * found)) > 0:
+                out *= xp.astype(factor, out.dtype)
         return scale_to_load(out, mean_pressure, cap=cap)
 
     def _line_sums(self, field):
