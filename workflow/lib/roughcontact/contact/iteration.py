@@ -40,8 +40,8 @@ from roughcontact.kernels import DOUBLE, SINGLE, empty, in_precision, precision_
 TOO_STIFF = 1e-3  # relative rounding floor of single precision from which all is done in double
 PATIENCE = 20  # steps that do not improve the bound before the iteration is called stalled
 FIRST_LENGTH = 0.97
-TYPICAL = 0.05  # of the bound is what a step leaves, where no step has told yet
-# A third of all steps leaves less than this share of what was foreseen. One that meets the tolerance in
+TYPICAL = 0.05  # of the bound is what a good step leaves
+# A step that may leave this share of what is foreseen is taken in double: one that meets the tolerance in
 # single precision is followed by another, which costs three pairs; one that misses it in double costs a pair.
 HOPE = 0.5
 SHORTEST = 0.4  # step length; the longest is 1, because M is nowhere less than the inverse
@@ -106,7 +106,7 @@ def solve_on_grid(
                 break
             product = grid.precondition(state, precision=inner)
         # the last step, as far as the one before tells, is taken in the precision of the result
-        foreseen = bound * (min(1.0, bound / bound_before) if np.isfinite(bound_before) else TYPICAL)
+        foreseen = bound * min(1.0, max(TYPICAL, bound / bound_before))
         if HOPE * foreseen <= tolerance or bound <= 30 * single_floor:
             precision = finish
         rises = precision != precision_of(state.pressure)
