@@ -102,8 +102,9 @@ class Compiled:
     def chosen_share(self, chosen, factors, out):
         self._run(_chosen_share, _share_chosen_share, len(out), chosen, *factors, out)
 
-    def weigh(self, weight, share, factors, empty, gain):
-        self._run(_weigh, _share_weigh, len(share), weight, share, *factors, empty, gain)
+    def weigh(self, weight, share, factors, scattered, empty, gain):
+        arguments = weight, share, *factors, scattered, empty, gain
+        self._run(_weigh, _share_weigh, len(share), *arguments)
 
     def weighted_mean(self, field, factors, gain, out):
         self._run(_weighted_mean, _share_weighted_mean, len(out), field, *factors, gain, out)
@@ -143,7 +144,7 @@ class Compiled:
     def pack(levels, stores, ends, first):
         """Return the levels from number `first` on in the form that the passes over small grids take."""
         table = [
-            (*level.empty.shape, *level.factors, start)
+            (*level.empty.shape, *level.factors, start, level.scattered)
             for level, start in zip(levels[first:], ends[first:-1], strict=True)
         ]
         weights = np.array([level.weights for level in levels[first:]], dtype=stores[0].dtype)
@@ -419,14 +420,15 @@ def _chosen_share(first, last, chosen, fy, fx, out):
 
 
 @_compile
-def _weigh(first, last, weight, share, fy, fx, empty, gain):
+def _weigh(first, last, weight, share, fy, fx, scattered, empty, gain):
     zero, one = share.dtype.type(0), share.dtype.type(1)
     root = share.dtype.type(np.sqrt(fy * fx))
     for i in range(first, last):
         for j in range(share.shape[1]):
             mean = weight[i, j]
             whole, apart = np.sqrt(share[i, j]), mean * root
-            value = np.sqrt(whole * apart / (one + apart - whole))
+            pieces = apart / (one + apart - whole)
+            value = pieces if scattered else np.sqrt(whole * pieces)
             weight[i, j] = value
             empty[i, j] = one - value
             gain[i, j] = value / (mean if mean > zero else one)
@@ -612,7 +614,8 @@ def _weigh_small(empty, gain, means, room, table, weights):
             fy, fx = table[number + 1, 2], table[number + 1, 3]
             _block_mean(0, len(after), share, fy, fx, after)
         gaps, gains = _grid(empty, table, number), _grid(gain, table, number)
-        _weigh(0, len(share), weight, share, table[number, 2], table[number, 3], gaps, gains)
+        factors_y, factors_x, scattered = table[number, 2], table[number, 3], table[number, 5] > 0
+        _weigh(0, len(share), weight, share, factors_y, factors_x, scattered, gaps, gains)
         if more:
             after = _grid(means, table, number + 1)
             _block_mean(0, len(after), weight, fy, fx, after)

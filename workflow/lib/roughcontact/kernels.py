@@ -221,17 +221,19 @@ def chosen_share(chosen, factors, out) -> None:
     block_mean(xp.astype(chosen != 0, out.dtype), factors, out)
 
 
-def weigh(weight, share, factors, empty, gain) -> None:
+def weigh(weight, share, factors, scattered, empty, gain) -> None:
     """Make the weight of every cell of the mean weight of its parts; put the ratio of the two into `gain`.
 
-    The linear size of a contact that covers the `share` of a cell lies between the root of that, if it is in
-    one piece, and the sum of the sizes of its parts, if they are far apart. What the weight leaves of 1 goes
-    into `empty`. All hold for cells out of contact, whose weight is zero.
+    The linear size of a contact that covers the `share` of a cell is the root of that, if it is in one piece,
+    and the sum of the sizes of its parts, if they are far apart; the nearer they are, the more they shield
+    each other. Where it is not known that contacts are `scattered`, something between is taken.
+    What the weight leaves of 1 goes into `empty`. All hold for cells out of contact, whose weight is zero.
     """
     xp = share.__array_namespace__()
     whole, apart = xp.sqrt(share), weight * (factors[0] * factors[1]) ** 0.5
     gain[...] = 1 / xp.where(weight > 0, weight, xp.ones_like(weight))
-    weight[...] = xp.sqrt(whole * apart / (1 + apart - whole))
+    pieces = apart / (1 + apart - whole)
+    weight[...] = pieces if scattered else xp.sqrt(whole * pieces)
     gain *= weight
     empty[...] = 1 - weight
 

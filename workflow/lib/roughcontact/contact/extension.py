@@ -25,6 +25,7 @@ from roughcontact.kernels import empty
 # Ratio of the pitches above which the lines along the finer axis are taken as contacts of their own.
 ELONGATED = 3.0
 SMALLEST = 4  # cells along an axis below which the pyramid is not continued
+SCATTERED = 32  # cells along an axis up to which they hold contacts far apart, as those of rough surfaces do
 MOST_SWEEPS = 16  # on the coarsest grid, which is not small where the number of cells has large prime factors
 
 
@@ -32,6 +33,7 @@ MOST_SWEEPS = 16  # on the coarsest grid, which is not small where the number of
 class Level:
     """One coarser grid of the pyramid: `factors` from the next finer one, and fields of its cells.
 
+    `scattered`: its cells are few and large, and hold contacts far apart from each other.
     `empty` is the share of a cell that counts as gap; the mean of what its parts weigh x `gain` is what the
     cell weighs.
     Where lines have become cells, `line_gain` makes the mean over a line that over its contact.
@@ -39,6 +41,7 @@ class Level:
     """
 
     factors: tuple[int, int]
+    scattered: bool
     weights: tuple[float, float, float]
     empty: np.ndarray
     gain: np.ndarray
@@ -65,6 +68,7 @@ class Extension:
         self.levels = [
             Level(
                 factors,
+                max(shape) <= SCATTERED,
                 stencil(pitches_of(shape, lengths), shape),
                 *(xp.reshape(store[start:end], shape) for store in stores),
                 empty(like, precision, shape) if collapsed else None,
@@ -104,7 +108,8 @@ class Extension:
             if after is not None:
                 kernels.block_mean(level.room, after.factors, after.room)
             if level.line_gain is None:
-                kernels.weigh(level.means, level.room, level.factors, level.empty, level.gain)
+                cells = level.means, level.room, level.factors, level.scattered
+                kernels.weigh(*cells, level.empty, level.gain)
             if after is not None:
                 kernels.block_mean(level.means, after.factors, after.means)
 

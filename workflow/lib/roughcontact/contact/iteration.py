@@ -39,12 +39,12 @@ from roughcontact.kernels import DOUBLE, SINGLE, empty, in_precision, precision_
 
 TOO_STIFF = 1e-3  # relative rounding floor of single precision from which all is done in double
 PATIENCE = 20  # steps that do not improve the bound before the iteration is called stalled
-FIRST_LENGTH = 0.97
+FIRST_LENGTH, LONGEST = 0.965, 0.99
 TYPICAL = 0.05  # of the bound is what a good step leaves
 # A step that may leave this share of what is foreseen is taken in double: one that meets the tolerance in
 # single precision is followed by another, which costs three pairs; one that misses it in double costs a pair.
 HOPE = 0.5
-SHORTEST = 0.4  # step length; the longest is 1, because M is nowhere less than the inverse
+SHORTEST = 0.4  # step length; none need be longer than 1, because M is nowhere less than the inverse
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ def solve_on_grid(
         trial, way = grid.evaluate(moved, before=state, room=None if spare is None else spare.separation)
         if way.falls:
             if not slow:
-                length = min(1.0, max(SHORTEST, length * way.least))
+                length = min(LONGEST, max(SHORTEST, length * way.least))
             state, spare = trial, state
             continue
         failures += 1
