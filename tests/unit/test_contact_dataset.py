@@ -281,6 +281,19 @@ def test_load_plans():
         plan_loads(flat, contact_modulus=MODULUS)
 
 
+def test_loads_close_together_start_from_each_other():
+    window = rough()
+    loads = [3e6, 3.006e6, 3.012e6]
+    together = rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=loads)
+    alone = [rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=load) for load in loads]
+    work = [float(contact["operator_applications"][0]) for contact in alone]
+    assert together["operator_applications"][0] == work[0]
+    assert (together["operator_applications"][1:] < 0.8 * np.array(work[1:])).all()
+    for number, contact in enumerate(alone):
+        found, reference = together["pressure"][number].values, contact["pressure"][0].values
+        assert np.linalg.norm(found - reference) < 1e-3 * np.linalg.norm(reference)
+
+
 def test_deep_pits_in_lines_far_apart_converge_by_safe_steps():
     # the fast steps fail here again and again: what converges are the projected ones between them
     height = -(np.abs(np.random.default_rng(3).standard_normal((11, 10))) ** 3)

@@ -1,4 +1,4 @@
-"""Solve one map for a rising sequence of loads, each starting from what the last one left."""
+"""Solve one map for a rising sequence of loads, which share all that does not depend on the load."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -14,6 +14,7 @@ from roughcontact.contact.state import State, scale_to_load
 from roughcontact.kernels import DOUBLE, SINGLE, empty, in_precision
 
 COARSE_TOLERANCE = 0.03  # of all grids but the finest: a tighter one chases points the next grid moves anyway
+CLOSE = 1.05  # ratio of loads up to which the pressure of the smaller is a better start than a coarse grid's
 OFTEN_FULL = 1.0  # load in units of E* g; the full-contact pressure has a standard deviation of half that
 
 
@@ -48,7 +49,7 @@ def sweep(
     result. The fields of a solution are the caller's to change.
 
     Flat maps and full contact are known in closed form and take no iteration. Otherwise a load starts from
-    coarser grids and from the load before it (`_nested_start`).
+    coarser grids (`_nested_start`), or from the load before it where that is hardly less.
     """
     if problem.flat:
         for load in loads:
@@ -64,7 +65,7 @@ def sweep(
     del levels
     # Full contact: p = mean + G^-1 H, wherever that is nowhere negative (Johnson 1985, section 13.2).
     fluctuation, full_contact_from = _full_contact(grids, max(loads))
-    last = None  # the pressures of the last load, finest grid first
+    last = None  # the pressure of the load before, where it is a start
     for number, load in enumerate(loads, start=1):
         work = 0.0
         if load >= full_contact_from:
@@ -72,14 +73,15 @@ def sweep(
             state, _ = finest.evaluate(scale_to_load(pressure, load))
             bound, steps = bound_without_transform(finest, state), 0
         else:
-            guess, steps = _nested_start(grids, factors, load, last)
+            start, steps = _nested_start(grids, factors, load) if last is None else (last, 0)
             if number == len(loads):  # the coarse grids are needed no more: give their memory back
                 work, last = _applications(grids), None
-                del grids[1:], guess[1:]
-            solution = solve_on_grid(finest, guess.pop(0), load, tolerance=tolerance, finish=precision)
+                del grids[1:]
+            solution = solve_on_grid(finest, start, load, tolerance=tolerance, finish=precision)
+            del start
             state, bound, steps = solution.state, solution.error_bound, steps + solution.steps
-            if number < len(loads):
-                last = [in_precision(state.pressure, SINGLE), *guess]
+            close = number < len(loads) and loads[number] <= CLOSE * load
+            last = in_precision(state.pressure, SINGLE) if close else None
         yield Solution(
             state=state,
             error_bound=bound,
@@ -107,33 +109,19 @@ def _full_contact(grids, load: float) -> tuple:
     return fluctuation, -least - 1e-13 * (most - least)
 
 
-def _nested_start(grids, factors, load: float, last) -> tuple[list[np.ndarray], int]:
-    """Return a first guess of the pressure on the finest grid and the coarse pressures, and the steps taken.
+def _nested_start(grids, factors, load: float) -> tuple:
+    """Return a first guess of the pressure on the finest grid, and the steps taken on the others.
 
     Each grid starts from the next coarser one's pressure, refined, and is solved to about `COARSE_TOLERANCE`.
-    After another load, whose pressures on all grids are `last`, it starts from that load's pressure plus the
-    refined difference that the new load makes on the coarser grid: the detail that only the finer grid
-    resolves is then there already.
     """
     coarsest = grids[-1].heights_in(SINGLE)
-    xp = coarsest.__array_namespace__()
-    pressure = xp.full_like(coarsest, load) if last is None else last[-1]
-    coarse, steps = [], 0
+    pressure, steps = coarsest.__array_namespace__().full_like(coarsest, load), 0
     for level in range(len(grids) - 1, 0, -1):
         found, taken = improve_on_grid(grids[level], pressure, load, tolerance=COARSE_TOLERANCE)
         steps += taken
-        coarse.insert(0, found)
-        pressure = _refine(grids, factors, level, found)
-        if last is not None:
-            pressure += last[level - 1] - _refine(grids, factors, level, last[level])
-            pressure = xp.clip(pressure, 0, None)
-    return [pressure, *coarse], steps
-
-
-def _refine(grids, factors, level, pressure):
-    finer = empty(pressure, SINGLE, grids[level - 1].shape)
-    grids[level].kernels.refine(pressure, factors[level - 1], finer)
-    return finer
+        pressure = empty(found, SINGLE, grids[level - 1].shape)
+        grids[level].kernels.refine(found, factors[level - 1], pressure)
+    return pressure, steps
 
 
 def _applications(grids) -> float:
