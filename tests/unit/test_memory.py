@@ -56,6 +56,15 @@ def test_small_arrays_and_those_above_the_limit_are_not_kept():
         assert store.kept() == 0
 
 
+def test_an_array_above_the_limit_gives_back_what_is_kept():
+    store = Store(limit=2 * SMALLEST)
+    array = store.empty((SMALLEST,), np.uint8)
+    del array
+    assert store.kept() == SMALLEST
+    store.empty((2 * SMALLEST + 1,), np.uint8)
+    assert store.kept() == 0
+
+
 def test_no_more_is_kept_than_the_limit_leaves():
     store = Store(limit=4 * MANY)
     held = [store.empty((MANY + 8 * k,), np.uint8) for k in range(3)]

@@ -33,9 +33,13 @@ class Store:
         dtype = np.dtype(dtype)
         size = prod(shape) * dtype.itemsize
         # never waits: whoever finds another thread here (one that a fork has left behind, too) does without
-        if not SMALLEST <= size <= self.limit or not self._turn.acquire(blocking=False):
+        if size < SMALLEST or not self._turn.acquire(blocking=False):
             return np.empty(shape, dtype)
         try:
+            if size > self.limit:  # where memory is short nothing is kept
+                self._take_back()
+                self._free.clear()
+                return np.empty(shape, dtype)
             block = self._take(size)
         finally:
             self._turn.release()

@@ -73,15 +73,18 @@ def sweep(
             state, _ = finest.evaluate(scale_to_load(pressure, load))
             bound, steps = bound_without_transform(finest, state), 0
         else:
-            start, steps = _nested_start(grids, factors, load) if last is None else (last, 0)
+            guess, last = [last], None  # in a list, from which the solver alone takes it over
+            steps = 0
+            if guess[0] is None:
+                guess[0], steps = _nested_start(grids, factors, load)
             if number == len(loads):  # the coarse grids are needed no more: give their memory back
-                work, last = _applications(grids), None
+                work = _applications(grids)
                 del grids[1:]
-            solution = solve_on_grid(finest, start, load, tolerance=tolerance, finish=precision)
-            del start
+            solution = solve_on_grid(finest, guess.pop(), load, tolerance=tolerance, finish=precision)
             state, bound, steps = solution.state, solution.error_bound, steps + solution.steps
             close = number < len(loads) and loads[number] <= CLOSE * load
-            last = in_precision(state.pressure, SINGLE) if close else None
+            if close:
+                last = in_precision(state.pressure, SINGLE)
         yield Solution(
             state=state,
             error_bound=bound,
