@@ -207,7 +207,7 @@ def figure(results: dict, path: Path) -> None:
             *zip(*points, strict=True), marker=marker, color=COLOURS["roughcontact"], label=f"{load:g} E*"
         )
     axes[-1].set_xscale("log", base=2)
-    axes[-1].set_ylim(bottom=0)
+    axes[-1].set_ylim(0, 1.5 * axes[-1].get_ylim()[1])  # room for the legend
     axes[-1].set_xlabel("points per side")
     axes[-1].set_ylabel("transform pairs")
     axes[-1].set_title("work of roughcontact to 1e-4", fontsize=9)
