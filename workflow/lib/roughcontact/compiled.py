@@ -72,7 +72,7 @@ class Compiled:
         kind, inner = pressure.dtype.type, product.dtype.type
         scalars = kind(level), inner(mean), inner(length), kind(cap)
         arguments = pressure, separation, product, *scalars, out, free
-        return self._run(_advance, _share_advance, len(out), *arguments)
+        self._run(_advance, _share_advance, len(out), *arguments)
 
     def receive(self, field, passed, coarse, factors, free, cap):
         arguments = field, passed, coarse, *factors, free, field.dtype.type(cap)
@@ -281,7 +281,6 @@ def _remainder(first, last, pressure, separation, level, cap, values):
 @_compile
 def _advance(first, last, pressure, separation, product, level, mean, length, cap, out, free):
     zero, one = out.dtype.type(0), free.dtype.type(1)
-    total = 0.0
     for i in range(first, last):
         for j in range(pressure.shape[1]):
             p, gap = pressure[i, j], separation[i, j] - level
@@ -289,12 +288,9 @@ def _advance(first, last, pressure, separation, product, level, mean, length, ca
             unsettled = (none & (gap < 0)) | (full & (gap > 0)) | ((not none) & (not full))
             moved = p - length * (product[i, j] - mean) if unsettled else p
             held = min(max(moved, zero), cap)
-            taken = product.dtype.type(moved - held)
             out[i, j] = held
-            product[i, j] = taken
+            product[i, j] = moved - held
             free[i, j] = one if (held > zero) & (held < cap) else one - one
-            total += abs(taken)
-    return total
 
 
 @_compile
@@ -822,10 +818,8 @@ def _share_remainder(shares, rows, arguments):
 
 @_compile_shared
 def _share_advance(shares, rows, arguments):
-    parts = np.empty(shares)
     for share in numba.prange(shares):
-        parts[share] = _advance(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
-    return parts.sum()
+        _advance(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
 
 
 @_compile_shared

@@ -134,11 +134,11 @@ def remainder(pressure, separation, level, cap, values) -> int:
     return int(xp.count_nonzero(chosen))
 
 
-def advance(pressure, separation, product, level, mean, length, cap, out, free) -> float:
+def advance(pressure, separation, product, level, mean, length, cap, out, free) -> None:
     """Put p - length (product - mean), held between 0 and `cap`, into `out`.
 
     What holding took away comes into `product`. Settled points keep the pressure they have. `free` becomes 1
-    at unsettled points between the bounds, 0 elsewhere. Returns the sum of the sizes of what was taken away.
+    between the bounds, 0 elsewhere.
     """
     xp = pressure.__array_namespace__()
     moved = pressure - length * (product - mean)
@@ -147,7 +147,6 @@ def advance(pressure, separation, product, level, mean, length, cap, out, free) 
     out[...] = xp.astype(held, out.dtype)
     free[...] = xp.astype((held > 0) & (held < cap), free.dtype)
     product[...] = xp.astype(moved - held, product.dtype)
-    return _sum(xp, xp.abs(product))
 
 
 def receive(field, passed, coarse, factors, free, cap) -> tuple[float, float]:

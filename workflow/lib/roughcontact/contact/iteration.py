@@ -39,6 +39,7 @@ from roughcontact.kernels import DOUBLE, SINGLE, empty, in_precision, precision_
 
 TOO_STIFF = 1e-3  # relative rounding floor of single precision from which all is done in double
 PATIENCE = 20  # steps that do not improve the bound before the iteration is called stalled
+FEW_STEPS = 10  # are enough for a first guess, else it is left to the safeguarded iteration
 FIRST_LENGTH, LONGEST = 0.965, 0.99
 TYPICAL = 0.05  # of the bound is what a good step leaves
 # A step that may leave this share of what is foreseen is taken in double: one that meets the tolerance in
@@ -87,7 +88,7 @@ def solve_on_grid(
         if single_floor > TOO_STIFF:
             inner = precision = finish = DOUBLE
         product = grid.precondition(state, precision=inner)
-        bound = relative_bound(halfspace, state, np.sqrt(max(product.energy, 0.0)))
+        bound = _bound(grid, state, product)
         if bound < 0.99 * lowest:
             lowest, lowest_step = bound, step
         reached = precision_of(state.pressure)
@@ -151,10 +152,10 @@ def improve_on_grid(grid: Grid, start, mean_pressure: float, *, tolerance: float
     """
     pressure = scale_to_load(in_precision(start, SINGLE, copy=False), mean_pressure, cap=grid.cap)
     bound_before = np.inf
-    for step in range(10):
+    for step in range(FEW_STEPS):
         state, _ = grid.evaluate(pressure)
         product = grid.precondition(state, precision=SINGLE)
-        bound = relative_bound(grid.halfspace, state, np.sqrt(max(product.energy, 0.0)))
+        bound = _bound(grid, state, product)
         if bound <= tolerance:
             return state.pressure, step
         if is_slow(bound, bound_before):
@@ -165,6 +166,11 @@ def improve_on_grid(grid: Grid, start, mean_pressure: float, *, tolerance: float
         bound_before = bound
     solution = solve_on_grid(grid, pressure, mean_pressure, tolerance=tolerance, finish=SINGLE)
     return solution.state.pressure, step + solution.steps
+
+
+def _bound(grid, state, product):
+    """Return the bound of the relative error that the extended residual gives, without the certificate."""
+    return relative_bound(grid.halfspace, state, np.sqrt(max(product.energy, 0.0)))
 
 
 def _in_precision(grid, state, precision, mean_pressure):
