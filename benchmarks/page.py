@@ -270,8 +270,7 @@ def write(results: dict, path: Path) -> None:
         parts += [
             "## Memory",
             "Peak memory of one solve (p̄/E* = 0.03, one thread) above what the process held before it, in\n"
-            "bytes per point; the heights that go in are not counted. One array in double precision is 8.\n"
-            "roughcontact keeps up to 128 MiB for its next solve, so that small maps take more per point.",
+            "bytes per point; the heights that go in are not counted. One array in double precision is 8.",
             _rows(
                 ("code", *(f"{size}²" for size in sizes)),
                 [

@@ -222,7 +222,8 @@ def taper(values, width) -> np.ndarray:
     for axis, points in enumerate(values.shape):
         if points > 1:
             from_edge = np.minimum(np.arange(points) + 0.5, points - 0.5 - np.arange(points))
-            fall = np.minimum(from_edge / (width * points / 2), 1.0) if width else np.ones(points)
+            edge = width * points / 2
+            fall = np.minimum(from_edge, edge) / edge if width else np.ones(points)
             window = np.sin(np.pi / 2 * fall) ** 2
             result = result * np.expand_dims(window, 1 - axis)
     return result + mean
