@@ -67,6 +67,24 @@ def test_both_operators_equal_sums_over_waves(shape, lengths, dtype, transforms)
 
 
 @pytest.mark.parametrize("dtype", PRECISIONS)
+@pytest.mark.parametrize(("shape", "lengths"), CELLS)
+def test_half_an_application_tells_the_energy_and_the_other_half_the_pressure(
+    shape, lengths, dtype, transforms
+):
+    field = np.random.default_rng(3).standard_normal(shape).astype(dtype) + dtype(1)
+    halfspace = HalfSpace(shape, lengths)
+    spectrum, energy = halfspace.pressure_spectrum(field)
+    assert halfspace.applications == 0.5
+    exact = by_direct_sums(field.astype(float), lengths, lambda q: q / 2)
+    largest = halfspace.largest_stiffness
+    rounding = float(8 * np.finfo(dtype).eps * np.abs(field).max())
+    assert energy == pytest.approx(np.mean(field.astype(float) * exact), abs=rounding * largest)
+    found = halfspace.field_of(spectrum, dtype.__name__)
+    assert halfspace.applications == 1
+    np.testing.assert_allclose(found, exact, rtol=0, atol=rounding * largest)
+
+
+@pytest.mark.parametrize("dtype", PRECISIONS)
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize(
     ("shape", "lengths"), [*CELLS, ((600, 450), (1.0, 0.7)), ((1, 270000), (1e-3, 1.0))], ids=str

@@ -64,6 +64,7 @@ def make_fields(shape, factors, precisions, cap):
     fields["spectrum"] = spectrum.astype(np.result_type(inner, np.complex64))
     fields["mark"] = np.full(shape, -1, np.int8)
     fields["waves"], fields["along_x"] = rng.random((2, spectrum.shape[1]))
+    fields["counts"] = fields["waves"].astype(inner)
     fields["along_y"] = rng.random(len(spectrum))
     fields["symbol"][0, 0] = np.inf  # as that of the half-space
     fields["outer_out"], fields["inner_out"], fields["other_out"] = (
@@ -77,8 +78,8 @@ def make_fields(shape, factors, precisions, cap):
 
 # every kernel, called with what it is for
 CALLS = {
-    "scale": lambda k, f, factors, cap: k.scale(f["spectrum"], f["symbol"], False),
-    "scale back": lambda k, f, factors, cap: k.scale(f["spectrum"], f["symbol"], True),
+    "multiply": lambda k, f, factors, cap: k.multiply(f["spectrum"], f["symbol"]),
+    "divide": lambda k, f, factors, cap: k.divide(f["spectrum"], f["symbol"], f["counts"]),
     "measure": lambda k, f, factors, cap: k.measure(
         f["separation"], f["heights"], 0.3, 0.8, f["start"], f["before"], LEVEL, f["pressure"], cap
     ),
@@ -138,7 +139,7 @@ CALLS = {
     "gather": lambda k, f, factors, cap: k.gather(f["field"], f["share"], factors, f["coarse_out"]),
     "spread": lambda k, f, factors, cap: k.spread(f["field"], f["gain"], f["coarse"], factors),
     "conclude": lambda k, f, factors, cap: k.conclude(
-        f["field"], f["passed"], f["coarse"], factors, f["values"], f["chosen"]
+        f["field"], f["passed"], f["coarse"], factors, f["chosen"]
     ),
     "refine": lambda k, f, factors, cap: k.refine(f["coarse_pressure"], factors, f["inner_out"]),
 }

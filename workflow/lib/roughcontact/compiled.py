@@ -40,9 +40,13 @@ class Compiled:
     def __init__(self, threads: int = 1):
         self.threads = threads
 
-    def scale(self, spectrum, symbol, inverse):
-        self._run(_scale, _share_scale, len(spectrum), spectrum, symbol, inverse)
+    def multiply(self, spectrum, symbol):
+        self._run(_multiply, _share_multiply, len(spectrum), spectrum, symbol)
         spectrum[0, 0] = 0
+
+    def divide(self, spectrum, symbol, weights):
+        spectrum[0, 0] = 0
+        return self._run(_divide, _share_divide, len(spectrum), spectrum, symbol, weights)
 
     def slope_power(self, spectrum, weights, along_y, along_x):
         arguments = spectrum, weights, along_y, along_x
@@ -136,8 +140,8 @@ class Compiled:
     def spread(self, field, gain, coarse, factors):
         self._run(_spread, _share_spread, len(coarse), field, gain, coarse, *factors)
 
-    def conclude(self, field, passed, coarse, factors, values, chosen):
-        arguments = field, passed, coarse, *factors, values, chosen
+    def conclude(self, field, passed, coarse, factors, chosen):
+        arguments = field, passed, coarse, *factors, chosen
         return self._run(_conclude, _share_conclude, len(coarse), *arguments)
 
     @staticmethod
@@ -196,15 +200,22 @@ def _threads(wanted):
 
 
 @_compile
-def _scale(first, last, spectrum, symbol, inverse):
-    factor = np.empty(symbol.shape[1], dtype=symbol.dtype)
+def _multiply(first, last, spectrum, symbol):
     for i in range(first, last):
-        factor[:] = symbol[i]
-        if inverse:  # to divide complex numbers takes many times as long
-            for j in range(factor.size):
-                factor[j] = 1 / factor[j]
-        for j in range(factor.size):
-            spectrum[i, j] *= factor[j]
+        for j in range(symbol.shape[1]):
+            spectrum[i, j] *= symbol[i, j]
+
+
+@_compile
+def _divide(first, last, spectrum, symbol, weights):
+    energy = 0.0
+    for i in range(first, last):
+        for j in range(symbol.shape[1]):
+            wave = spectrum[i, j]
+            factor = 1 / symbol[i, j]  # to divide complex numbers takes many times as long
+            energy += (wave.real * wave.real + wave.imag * wave.imag) * factor * weights[j]
+            spectrum[i, j] = wave * factor
+    return energy
 
 
 @_compile
@@ -575,11 +586,11 @@ def _spread(first, last, field, gain, coarse, fy, fx):
 
 
 @_compile
-def _conclude(first, last, field, passed, coarse, fy, fx, values, chosen):
+def _conclude(first, last, field, passed, coarse, fy, fx, chosen):
     # rows are counted on the coarse grid
     row = np.empty(field.shape[1], dtype=field.dtype)
     share = field.dtype.type(1 / (fy * fx))
-    total = product = 0.0
+    total = 0.0
     zero = field.dtype.type(0)
     for block in range(first, last):
         _unfold(coarse[block], fx, share, row)
@@ -589,8 +600,7 @@ def _conclude(first, last, field, passed, coarse, fy, fx, values, chosen):
                 z = zero if chosen[i, j] == zero else z
                 field[i, j] = z
                 total += z
-                product += z * values[i, j]
-    return total, product
+    return total
 
 
 @_compile
@@ -769,9 +779,17 @@ def _edge(share, shares, rows):
 
 
 @_compile_shared
-def _share_scale(shares, rows, arguments):
+def _share_multiply(shares, rows, arguments):
     for share in numba.prange(shares):
-        _scale(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+        _multiply(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+
+
+@_compile_shared
+def _share_divide(shares, rows, arguments):
+    parts = np.empty(shares)
+    for share in numba.prange(shares):
+        parts[share] = _divide(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+    return parts.sum()
 
 
 @_compile_shared
@@ -934,12 +952,10 @@ def _share_spread(shares, rows, arguments):
 
 @_compile_shared
 def _share_conclude(shares, rows, arguments):
-    parts = np.empty((2, shares))
+    parts = np.empty(shares)
     for share in numba.prange(shares):
-        parts[0, share], parts[1, share] = _conclude(
-            _edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments
-        )
-    return parts[0].sum(), parts[1].sum()
+        parts[share] = _conclude(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+    return parts.sum()
 
 
 @_compile_shared

@@ -12,7 +12,7 @@ import numpy as np
 
 from roughcontact.errors import SettingsError
 from roughcontact.fft import make_plan
-from roughcontact.fourier import wavevectors
+from roughcontact.fourier import halfplane_weights, wavevectors
 from roughcontact.influence import INFLUENCE
 from roughcontact.kernels import DOUBLE, SINGLE, empty, kernels_for, precision_of
 
@@ -42,7 +42,7 @@ class HalfSpace:
         self._like = np.broadcast_to(np.float32(0), self.shape) if like is None else like
         self._influence = INFLUENCE[influence]
         self._kernels = kernels_for(self._like, threads=threads)
-        self._symbols, self._plans = {}, {}
+        self._symbols, self._counts, self._plans = {}, {}, {}
         symbol = self._symbol(SINGLE)
         # of the inverse operator, over the half plane: for estimates of rounding, and for a coarse bound
         xp, stiffness = symbol.__array_namespace__(), 1 / symbol
@@ -51,26 +51,41 @@ class HalfSpace:
 
     def displacement(self, pressure, *, out=None):
         """Return u = G p, shape (ny, nx), mean zero, in the precision of `pressure`, in the array `out`."""
-        return self._apply(pressure, out, inverse=False)
+        precision = precision_of(pressure)
+        spectrum = self._transform(pressure)
+        self._kernels.multiply(spectrum, self._symbol(precision))
+        return self.field_of(spectrum, precision, out=out)
 
     def pressure(self, displacement, *, out=None):
         """Return p = G^-1 u, shape (ny, nx), mean zero, in the precision of `displacement`, in `out`."""
-        return self._apply(displacement, out, inverse=True)
+        spectrum, _ = self.pressure_spectrum(displacement)
+        return self.field_of(spectrum, precision_of(displacement), out=out)
+
+    def pressure_spectrum(self, displacement) -> tuple:
+        """Return the spectrum of p = G^-1 u and the mean of u p: half an application.
+
+        The next application, and who writes into the `scratch` array, may overwrite the spectrum.
+        """
+        precision = precision_of(displacement)
+        spectrum = self._transform(displacement)
+        energy = self._kernels.divide(spectrum, self._symbol(precision), self._counts_in(precision))
+        return spectrum, float(energy) / displacement.size**2
+
+    def field_of(self, spectrum, precision: str, *, out=None):
+        """Return the field of a `spectrum`, which is lost, in the array `out`: half an application."""
+        if out is None:
+            out = empty(self._like, precision)
+        self._plan(precision).inverse(spectrum, out)
+        self.applications += 0.5
+        return out
 
     def scratch(self, precision: str):
         """Return an array (ny, nx) in `precision` that the next application overwrites."""
         return self._plan(precision).scratch
 
-    def _apply(self, field, out, *, inverse):
-        precision = precision_of(field)
-        plan = self._plan(precision)
-        spectrum = plan.forward(field)
-        self._kernels.scale(spectrum, self._symbol(precision), inverse)
-        if out is None:
-            out = empty(self._like, precision)
-        plan.inverse(spectrum, out)
-        self.applications += 1
-        return out
+    def _transform(self, field):
+        self.applications += 0.5
+        return self._plan(precision_of(field)).forward(field)
 
     def _plan(self, precision):
         if precision not in self._plans:
@@ -88,6 +103,13 @@ class HalfSpace:
             symbol = self._influence(qy, qx, spacing)
             self._symbols[precision] = self._like.__array_namespace__().asarray(symbol)
         return self._symbols[precision]
+
+    def _counts_in(self, precision):
+        """Return how many waves of the full plane each column of a spectrum stands for."""
+        if precision not in self._counts:
+            counts = halfplane_weights(self.shape)[0].astype(precision)
+            self._counts[precision] = self._like.__array_namespace__().asarray(counts)
+        return self._counts[precision]
 
 
 def zero_frequency_compliance(rule: str, *, lengths: tuple[float, float]) -> float:

@@ -16,6 +16,7 @@ from roughcontact.threads import threads_for
 
 SINGLE, DOUBLE = "float32", "float64"  # precisions, by the names that every array library uses
 CLOSED = 1e-30  # a gap that is zero to rounding, at a point that is not settled
+_ALL_BUT_MEAN = (0, slice(1, None)), (slice(1, None), slice(None))  # of a spectrum
 TAIL = 0  # cells up to which the grids of a pyramid are passed over in one call; see the compiled twin
 
 
@@ -59,14 +60,26 @@ def mean(field) -> float:
     return _sum(field.__array_namespace__(), field) / field.size
 
 
-def scale(spectrum, symbol, inverse) -> None:
-    """Multiply `spectrum` by `symbol`, or divide it where `inverse`; q = 0 becomes zero."""
-    for part in ((0, slice(1, None)), (slice(1, None), slice(None))):
-        if inverse:
-            spectrum[part] /= symbol[part]
-        else:
-            spectrum[part] *= symbol[part]
+def multiply(spectrum, symbol) -> None:
+    """Multiply `spectrum` by `symbol`; q = 0 becomes zero."""
+    for part in _ALL_BUT_MEAN:
+        spectrum[part] *= symbol[part]
     spectrum[0, 0] = 0
+
+
+def divide(spectrum, symbol, weights) -> float:
+    """Divide `spectrum` by `symbol`; q = 0 becomes zero.
+
+    Returns the sum of |s|^2 / symbol over the waves but q = 0, in double precision: each counts as often as
+    the entry of `weights` for its column says.
+    """
+    xp, energy = spectrum.__array_namespace__(), 0.0
+    for part in _ALL_BUT_MEAN:
+        power = xp.real(spectrum[part]) ** 2 + xp.imag(spectrum[part]) ** 2
+        energy += _sum(xp, weights[part[1]] * (power / symbol[part]))
+        spectrum[part] /= symbol[part]
+    spectrum[0, 0] = 0
+    return energy
 
 
 def slope_power(spectrum, weights, along_y, along_x) -> float:
@@ -303,15 +316,15 @@ def spread(field, gain, coarse, factors) -> None:
     field *= gain
 
 
-def conclude(field, passed, coarse, factors, values, chosen) -> tuple[float, float]:
+def conclude(field, passed, coarse, factors, chosen) -> float:
     """Add `passed` and `coarse`, shared out, to `field` where `chosen` is not zero; elsewhere make it zero.
 
-    Returns the sum of the field and that of the field x `values`, in double precision.
+    Returns the sum of the field, in double precision.
     """
     xp = field.__array_namespace__()
     shared = repeat(coarse, factors) / (factors[0] * factors[1])
     field[...] = (field + (passed + shared)) * (1 - _zeros_of(chosen))
-    return _sum(xp, field), _sum(xp, field * values)
+    return _sum(xp, field)
 
 
 def refine(coarse, factors, out) -> None:

@@ -17,8 +17,8 @@ from threading import Lock
 
 import numpy as np
 
-# Bytes of a store: maps up to 1024 x 1024 points fit whole, and a larger map puts elsewhere what does not.
-LIMIT = 64 * 2**20
+# Bytes of a store: maps up to 2048 x 2048 points fit whole, and a larger map puts elsewhere what does not.
+LIMIT = 256 * 2**20
 SMALLEST = 2**16  # bytes: below that the memory allocator of the process keeps arrays itself
 
 

@@ -24,12 +24,12 @@ _SINGLE_SLACK = 1e-4
 _EPS = {precision: float(np.finfo(precision).eps) for precision in (SINGLE, DOUBLE)}
 
 
-def error_bound(grid, state, product) -> float:
+def error_bound(grid, state, residual) -> float:
     """Return a bound of ||p - p*||_G / ||p||_G for the pressure of `state`.
 
-    `product` is its preconditioned residual; one more application of G^-1 at most.
+    `residual` is that of the state, extended; half an application of G^-1 more at most.
     """
-    return relative_bound(grid.halfspace, state, grid.residual_norm(state, product))
+    return relative_bound(grid.halfspace, state, grid.residual_norm(state, residual))
 
 
 def bound_without_transform(grid, state) -> float:

@@ -151,13 +151,13 @@ class Extension:
             mixed = self._last_rooms[sweep % 2]
         return mixed
 
-    def transpose(self, field, values, scratch) -> tuple[float, float]:
-        """Put W^T field, zero outside C, into `field`; return its sum and that of field x `values`.
+    def transpose(self, field, scratch) -> float:
+        """Put W^T field, zero outside C, into `field`; return its sum.
 
         `scratch`, like `field`, is overwritten.
         """
         returned, factors = self._returned_from(field, scratch)
-        return self.kernels.conclude(field, scratch, returned, factors, values, self.chosen)
+        return self.kernels.conclude(field, scratch, returned, factors, self.chosen)
 
     def give(self, taken, pressure, cap: float, scratch) -> tuple[float, float]:
         """Add W^T `taken`, which is zero on C, to the `pressure`.

@@ -15,17 +15,28 @@ SMALL_CHANGE = 0.1  # of the residual's norm, that is simply added to it
 
 
 @dataclass(frozen=True)
+class Residual:
+    """The residual r of a state, extended: the `spectrum` of G^-1 W r in a `precision`.
+
+    `energy` = <r, M r>, a mean over the grid; `unsettled` counts the points where r may differ from zero. The
+    next residual, and any application of the operator, overwrites the spectrum.
+    """
+
+    spectrum: np.ndarray
+    precision: str
+    energy: float
+    unsettled: int
+
+
+@dataclass(frozen=True)
 class Product:
     """M r, the preconditioned residual of a state: `field` (ny, nx) zero at the settled points.
 
-    `mean` is that over the `unsettled` points; `energy` = <r, M r>, a mean over the grid. The next
-    preconditioning overwrites the field.
+    `mean` is that over the unsettled points. The next residual overwrites the field.
     """
 
     field: np.ndarray
     mean: float
-    unsettled: int
-    energy: float
 
 
 class Grid:
@@ -90,15 +101,22 @@ class Grid:
         )
         return state, Way(slope / size, slope_after / size)
 
-    def precondition(self, state: State, *, precision: str) -> Product:
-        """Return M r for the residual r of `state`, in a precision; one application of G^-1."""
+    def residual(self, state: State, *, precision: str) -> Residual:
+        """Return the residual of `state` in a precision: half of an application of G^-1."""
         rooms = self._rooms_in(precision)
         unsettled = self.kernels.remainder(
             state.pressure, state.separation, state.level, self.cap, rooms.values
         )
         rooms.extension.choose(rooms.values)
-        total, energy = self._apply(rooms, rooms.values)
-        return Product(rooms.field, total / max(unsettled, 1), unsettled, energy / rooms.values.size)
+        rooms.extension.extend(rooms.values, rooms.field)
+        spectrum, energy = self.halfspace.pressure_spectrum(rooms.field)
+        return Residual(spectrum, precision, energy, unsettled)
+
+    def precondition(self, residual: Residual) -> Product:
+        """Return M r for the last `residual`: the other half of the application."""
+        rooms = self._rooms_in(residual.precision)
+        self.halfspace.field_of(residual.spectrum, residual.precision, out=rooms.field)
+        return Product(rooms.field, self._transpose(rooms) / max(residual.unsettled, 1))
 
     def advance(self, state: State, product: Product, length: float, mean_pressure: float, out):
         """Return the pressure after a step, in the array `out`.
@@ -142,7 +160,7 @@ class Grid:
         return xp.sum(field, axis=self._along, keepdims=True, dtype=xp.float64)
 
     def last_residual(self, precision: str) -> tuple:
-        """Return the residual of the last `precondition` in a precision and the map of unsettled points."""
+        """Return the last residual in a precision and the map of unsettled points."""
         rooms = self._rooms_in(precision)
         return rooms.values, rooms.values != 0
 
@@ -153,35 +171,32 @@ class Grid:
         return self.precondition_on_last_set(residual)
 
     def precondition_on_last_set(self, residual):
-        """Return M `residual`, shape (ny, nx), for the set of the last preconditioning in its precision."""
+        """Return M `residual`, shape (ny, nx), for the set of the last residual in its precision."""
         rooms = self._rooms_in(precision_of(residual))
-        self._apply(rooms, residual)
-        return rooms.field
-
-    def _apply(self, rooms, residual) -> tuple[float, float]:
-        """Put M `residual` into the rooms' field; return the sums of it and of it times the residual."""
         rooms.extension.extend(residual, rooms.field)
         self.halfspace.pressure(rooms.field, out=rooms.field)
-        scratch = self.halfspace.scratch(precision_of(residual))
-        return rooms.extension.transpose(rooms.field, residual, scratch)
+        self._transpose(rooms)
+        return rooms.field
 
-    def residual_norm(self, state: State, product: Product) -> float:
-        """Return a bound of ||r||_{G^-1} for the residual that certifies `state`, its `product` given.
+    def _transpose(self, rooms) -> float:
+        """Put W^T of the rooms' field, zero at the settled points, into it; return its sum."""
+        return rooms.extension.transpose(rooms.field, self.halfspace.scratch(precision_of(rooms.field)))
 
-        The extended residual of `precondition` is held to what the certificate allows
-        (`roughcontact.contact.certificate`). What that takes away is bounded by its mean square times the
+    def residual_norm(self, state: State, residual: Residual) -> float:
+        """Return a bound of ||r||_{G^-1} for the residual that certifies `state`, the last `residual` given.
+
+        That is the extended residual, held to what the certificate allows
+        (`roughcontact.contact.certificate`). What holding takes away is bounded by its mean square times the
         largest |q|/2; only where this is no small change is the held residual transformed itself. The
-        field of the product is lost.
+        residual cannot be preconditioned after that.
         """
-        rooms = self._rooms_in(precision_of(product.field))
-        extended = rooms.field
-        rooms.extension.extend(rooms.values, extended)
-        norm_of_extended = np.sqrt(max(product.energy, 0.0))
+        extended = self._rooms_in(residual.precision).field
+        norm_of_extended = np.sqrt(residual.energy)
         taken = self.kernels.hold(state.pressure, state.separation, state.level, self.cap, extended)
         taken = np.sqrt(taken / extended.size * self.halfspace.largest_stiffness)
         if taken <= SMALL_CHANGE * norm_of_extended:
             return norm_of_extended + taken
-        return norm(extended, self.halfspace.pressure(extended))
+        return np.sqrt(self.halfspace.pressure_spectrum(extended)[1])
 
     def heights_in(self, precision: str):
         """Return the dimensionless heights in a precision; in single precision they are kept."""

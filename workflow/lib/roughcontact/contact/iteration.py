@@ -87,8 +87,8 @@ def solve_on_grid(
         single_floor = rounding_floor(halfspace, state, SINGLE)
         if single_floor > TOO_STIFF:
             inner = precision = finish = DOUBLE
-        product = grid.precondition(state, precision=inner)
-        bound = _bound(grid, state, product)
+        residual = grid.residual(state, precision=inner)
+        bound = _bound(grid, state, residual)
         if bound < 0.99 * lowest:
             lowest, lowest_step = bound, step
         reached = precision_of(state.pressure)
@@ -101,11 +101,11 @@ def solve_on_grid(
             if reached != finish:
                 precision = finish
                 state = _in_precision(grid, state, precision, mean_pressure)
-                product = grid.precondition(state, precision=inner)
-            bound = error_bound(grid, state, product)
+                residual = grid.residual(state, precision=inner)
+            bound = error_bound(grid, state, residual)
             if bound <= tolerance or hopeless:
                 break
-            product = grid.precondition(state, precision=inner)
+            residual = grid.residual(state, precision=inner)
         # the last step, as far as the one before tells, is taken in the precision of the result
         foreseen = bound * min(1.0, max(TYPICAL, bound / bound_before))
         if HOPE * foreseen <= tolerance or bound <= 30 * single_floor:
@@ -115,6 +115,7 @@ def solve_on_grid(
             spare = None
         moved = empty(state.pressure, precision) if spare is None else spare.pressure
         slow = step > 0 and is_slow(bound, bound_before)
+        product = grid.precondition(residual)
         if slow:
             product = accurate(grid, product)
         bound_before = bound
@@ -154,12 +155,13 @@ def improve_on_grid(grid: Grid, start, mean_pressure: float, *, tolerance: float
     bound_before = np.inf
     for step in range(FEW_STEPS):
         state, _ = grid.evaluate(pressure)
-        product = grid.precondition(state, precision=SINGLE)
-        bound = _bound(grid, state, product)
+        residual = grid.residual(state, precision=SINGLE)
+        bound = _bound(grid, state, residual)
         if bound <= tolerance:
             return state.pressure, step
         if is_slow(bound, bound_before):
             break
+        product = grid.precondition(residual)
         pressure = grid.advance(state, product, FIRST_LENGTH, mean_pressure, empty(state.pressure, SINGLE))
         if HOPE * TYPICAL * bound <= tolerance:
             return pressure, step + 1
@@ -168,9 +170,9 @@ def improve_on_grid(grid: Grid, start, mean_pressure: float, *, tolerance: float
     return solution.state.pressure, step + solution.steps
 
 
-def _bound(grid, state, product):
+def _bound(grid, state, residual):
     """Return the bound of the relative error that the extended residual gives, without the certificate."""
-    return relative_bound(grid.halfspace, state, np.sqrt(max(product.energy, 0.0)))
+    return relative_bound(grid.halfspace, state, np.sqrt(residual.energy))
 
 
 def _in_precision(grid, state, precision, mean_pressure):
