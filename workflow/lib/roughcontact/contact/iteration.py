@@ -116,6 +116,7 @@ def solve_on_grid(
         moved = empty(state.pressure, precision) if spare is None else spare.pressure
         slow = step > 0 and is_slow(bound, bound_before)
         product = grid.precondition(residual)
+        del residual  # and with it a spectrum that the next one need not lie beside
         if slow:
             product = accurate(grid, product)
         bound_before = bound
