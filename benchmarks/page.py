@@ -23,10 +23,10 @@ the pressure against a solution with a certified error below 1e-10. Every code i
 own tolerances (a ladder of factor 2) that brings it below 1e-4; in brackets the error it then has. Ratios are
 times of the other code over times of roughcontact (geometric mean over seeds). Times are medians of repeated
 solves in warm processes, the codes taking turns: from heights in memory to the pressure, with whatever a
-solve sets up anew. Every code solves the case once untimed right before each timed solve: a process that has
-waited for the others' turns is slow at first. ASPHER works in single precision where that suffices, the
-fastest of its configurations here, roughcontact in double at the end, unless its column says otherwise; the
-wheel of Tamaas uses one thread only."""
+solve sets up anew. Every code solves the case, untimed, for half a second (once, if that takes longer) right
+before each timed solve that takes less than 10 s: a process that has waited for the others' turns is slow at
+first. ASPHER works in single precision where that suffices, the fastest of its configurations here,
+roughcontact in double at the end, unless its column says otherwise; the wheel of Tamaas uses one thread only."""
 
 WORK = """\
 Forward and inverse transform pairs to the true error, all grids and the preconditioner counted, one pair on a
