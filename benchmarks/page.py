@@ -26,7 +26,7 @@ solves in warm processes, the codes taking turns: from heights in memory to the 
 solve sets up anew. Every code solves the case, untimed, for half a second (once, if that takes longer) right
 before each timed solve that takes less than 10 s: a process that has waited for the others' turns is slow at
 first. ASPHER works in single precision where that suffices, the fastest of its configurations here,
-roughcontact in double at the end, unless its column says otherwise; the wheel of Tamaas uses one thread only."""
+roughcontact in double at the end, unless its column says otherwise; the wheel of Tamaas uses one thread."""
 
 WORK = """\
 Forward and inverse transform pairs to the true error, all grids and the preconditioner counted, one pair on a

@@ -4,8 +4,8 @@ A request names a file of heights, a load, a tolerance and where to write the pr
 seconds of the solve alone: neither imports, nor reading and writing of files, nor the first call are in it;
 whatever a code sets up anew for a solve (plans, operators, grids) is. With `rehearse`, the same is solved
 before, untimed, again and again for half a second: a process that has waited while others worked takes up to
-twice as long for its next tenths of a second, whatever it does. `peak_bytes` is how far the memory of the process rose above what it held
-before the solve.
+twice as long for its next tenths of a second, whatever it does. `peak_bytes` is how far the memory of the
+process rose above what it held before the solve.
 
 Only NumPy is needed here: the environments of all codes import this file.
 """
