@@ -29,7 +29,8 @@ class Store:
         self.limit = limit
         self._pages = None
         self._free = []  # (start, end) of every range that no array uses, in order, none beside the next
-        self._returned = deque()  # the same of what came back since the last call
+        self._lent = {}  # by the id of a weak reference to each array: that reference, and its range
+        self._returned = deque()  # ranges that came back since the last call
         self._turn = Lock()
 
     def empty(self, shape, dtype) -> np.ndarray:
@@ -45,14 +46,17 @@ class Store:
             found = self._take(size)
             if found is None:
                 return np.empty(shape, dtype)
-            start, end = found
-            room = memoryview(self._pages)[start : start + size]
+            pages = self._pages
         finally:
             self._turn.release()
         # a view holds on to the array at the end of its chain of bases: this one, because its base is none
-        array = np.frombuffer(room, dtype)
-        weakref.finalize(array, self._returned.append, (start, end)).atexit = False
+        array = np.frombuffer(pages, dtype, prod(shape), found[0])
+        reference = weakref.ref(array, self._end)
+        self._lent[id(reference)] = reference, found
         return array.reshape(shape)
+
+    def _end(self, reference):
+        self._returned.append(self._lent.pop(id(reference))[1])
 
     def lent(self) -> int:
         """Return the bytes that arrays use, in whole pages."""
