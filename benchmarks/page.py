@@ -239,6 +239,7 @@ def write(results: dict, path: Path) -> None:
         "## Time to a true error of 1e-4",
         table(results).strip(),
         f"![Run time against true error, and work against size]({drawing.name})",
+        "Points of the figure are single solves, not rehearsed, and slower than the medians of the table.",
         "## Work",
         WORK,
         work_table(results),
