@@ -75,11 +75,14 @@ def divide(spectrum, symbol, weights) -> float:
     """
     xp, energy = spectrum.__array_namespace__(), 0.0
     for part in _ALL_BUT_MEAN:
-        power = xp.real(spectrum[part]) ** 2 + xp.imag(spectrum[part]) ** 2
-        energy += _sum(xp, weights[part[1]] * (power / symbol[part]))
+        energy += _sum(xp, weights[part[1]] * (_power(xp, spectrum[part]) / symbol[part]))
         spectrum[part] /= symbol[part]
     spectrum[0, 0] = 0
     return energy
+
+
+def _power(xp, spectrum):
+    return xp.real(spectrum) ** 2 + xp.imag(spectrum) ** 2
 
 
 def slope_power(spectrum, weights, along_y, along_x) -> float:
@@ -89,8 +92,7 @@ def slope_power(spectrum, weights, along_y, along_x) -> float:
     counts of `weights`, come in float64 too.
     """
     xp = spectrum.__array_namespace__()
-    power = xp.real(spectrum) ** 2 + xp.imag(spectrum) ** 2
-    return _sum(xp, power * (weights * (along_y[:, None] + along_x)))
+    return _sum(xp, _power(xp, spectrum) * (weights * (along_y[:, None] + along_x)))
 
 
 def extent(field) -> tuple[float, float, int]:

@@ -43,13 +43,14 @@ class Store:
         try:
             if size > self.limit:  # where memory is short nothing is kept
                 self._give_back()
+                return np.empty(shape, dtype)
             found = self._take(size)
             if found is None:
                 return np.empty(shape, dtype)
             pages = self._pages
         finally:
             self._turn.release()
-        # a view holds on to the array at the end of its chain of bases: this one, because its base is none
+        # a view holds on to the last array in its chain of bases: this one, because its base is none
         array = np.frombuffer(pages, dtype, prod(shape), found[0])
         reference = weakref.ref(array, self._end)
         self._lent[id(reference)] = reference, found
