@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
 from roughcontact.fourier import halfplane_weights, wavenumbers
-from roughcontact.synthetic import height_map
+from roughcontact.maps import height_map
 
 KINDS = ("self-affine", "white", "bump", "plateaus", "wave")
 TIGHTER = 1e-3  # tolerance of the reference over the bound of the solution

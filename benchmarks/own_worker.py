@@ -10,7 +10,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 import worker
 
 import roughcontact as rc
-from roughcontact.synthetic import height_map
+from roughcontact.maps import height_map
 
 THREADS = int(os.environ["OMP_NUM_THREADS"])
 

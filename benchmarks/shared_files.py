@@ -17,7 +17,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
-from roughcontact.contact import plan_loads
+from roughcontact.contact.loads import plan_loads
 
 RELATIVE_PRESSURES = (0.01, 0.05, 0.2)
 

@@ -22,10 +22,11 @@ import window_page
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
-from roughcontact.roughness import rms_gradient
-from roughcontact.statistics import PERIMETER_CORRECTION
-from roughcontact.synthetic import height_map, self_affine_surface
-from roughcontact.window import METHODS
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
+from roughcontact.window.periodic_window import METHODS
 
 KINDS = ("isotropic", "anisotropic", "turned", "bimodal")
 LOADS = (0.02, 0.1, 0.4)  # mean pressure / (E* rms gradient)

@@ -184,7 +184,7 @@ def _default(name) -> str:
     """Return the default of an option of the window."""
     import inspect
 
-    from roughcontact.window import periodic_window
+    from roughcontact.window.periodic_window import periodic_window
 
     return inspect.signature(periodic_window).parameters[name].default
 

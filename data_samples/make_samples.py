@@ -1,7 +1,7 @@
 """Make the sample maps of this folder: `python data_samples/make_samples.py [folder]`.
 
-The heights come from the formulas in `roughcontact.synthetic`, with fixed seeds, dates and quantisation,
-so that every run writes the same files.
+The heights come from the formulas in `roughcontact.references.synthetic`, with fixed seeds, dates and
+quantisation, so that every run writes the same files.
 """
 
 import io
@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from roughcontact.synthetic import (
+from roughcontact.references.synthetic import (
     ground_surface,
     rough_reference_surface,
     self_affine_surface,

@@ -8,6 +8,7 @@ from hypothesis.extra import numpy as hnp
 from scipy.optimize import nnls
 
 import roughcontact as rc
+from roughcontact.contact.loads import plan_loads
 
 
 def dense_root(shape, lengths):
@@ -96,7 +97,7 @@ def test_the_error_bound_holds_and_is_nearly_sharp(seed, relative, exponent, sha
         dims=("y", "x"),
         coords={axis: (np.arange(n) + 0.5) * d for axis, n, d in zip("yx", shape, pitch, strict=True)},
     )
-    gradient = rc.contact.plan_loads(window, contact_modulus=1.0, relative_pressure=1.0)[0]
+    gradient = plan_loads(window, contact_modulus=1.0, relative_pressure=1.0)[0]
     load = {"contact_modulus": 1.0, "mean_pressure": relative * gradient}
     tolerance = 10.0**exponent
     loose = rc.solve_contact(window, tolerance=tolerance, **load)

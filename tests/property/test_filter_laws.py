@@ -7,14 +7,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from roughcontact.band import limit_band
-from roughcontact.filters import gaussian_mean_surface
-from roughcontact.levelling import level
-from roughcontact.roughness import height_parameters, rms_height
-from roughcontact.scan_lines import find_scars, line_offsets
-from roughcontact.spectrum import areal_spectrum
-from roughcontact.synthetic import height_map
-from roughcontact.texture import texture_parameters
+from roughcontact.levelling.filters import gaussian_mean_surface
+from roughcontact.levelling.level import level
+from roughcontact.levelling.scan_lines import find_scars, line_offsets
+from roughcontact.maps import height_map
+from roughcontact.roughness.parameters import height_parameters, rms_height
+from roughcontact.roughness.spectrum import areal_spectrum
+from roughcontact.roughness.texture import texture_parameters
+from roughcontact.window.band import limit_band
 
 quick = settings(max_examples=60, deadline=None)
 heights = arrays(
@@ -65,7 +65,7 @@ def test_aligned_lines_need_no_further_shift(values, lost, method):
 @quick
 @given(heights, holes, st.sampled_from(["sphere", "cylinder"]), st.sampled_from(["median", "matched-steps"]))
 def test_what_levelling_took_makes_up_the_map(values, lost, form, method):
-    from roughcontact.form import form_from_record
+    from roughcontact.levelling.forms import form_from_record
 
     height = height_map(with_holes(values, lost), (2.0, 1.0))
     try:

@@ -7,12 +7,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from roughcontact import periodisation, roughness
-from roughcontact.filling import fill_harmonic, find_holes
-from roughcontact.form import form_from_record
-from roughcontact.levelling import level
-from roughcontact.synthetic import height_map
-from roughcontact.window import METHODS, friendly_sides, largest_rectangle, periodic_window
+from roughcontact.levelling.filling import fill_harmonic, find_holes
+from roughcontact.levelling.forms import form_from_record
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
+from roughcontact.roughness import parameters
+from roughcontact.window import periodisation
+from roughcontact.window.periodic_window import METHODS, friendly_sides, largest_rectangle, periodic_window
 
 quick = settings(max_examples=60, deadline=None)
 
@@ -99,7 +100,7 @@ def test_any_window_is_whole_and_its_record_true(height, method, width):
     assert np.isfinite(window.values).all()
     assert window["filled"].shape == window.shape
     assert 0 < window.attrs["window_share"] <= 1
-    gradient = roughness.rms_gradient(window)
+    gradient = parameters.rms_gradient(window)
     assert abs(window.attrs["rms_gradient_after"] - gradient) <= 1e-12 * max(gradient, 1e-300)
 
 
@@ -111,16 +112,16 @@ def test_units_make_no_difference(height, unit):
     a, b = periodic_window(levelled), periodic_window(scaled)
     np.testing.assert_allclose(b.values, a.values * unit, atol=1e-11 * unit)
     assert a.attrs["periodisation"] == b.attrs["periodisation"]
-    ratio = roughness.rms_gradient(b) - roughness.rms_gradient(a)
-    assert abs(ratio) <= 1e-9 * max(roughness.rms_gradient(a), 1e-12)
+    ratio = parameters.rms_gradient(b) - parameters.rms_gradient(a)
+    assert abs(ratio) <= 1e-9 * max(parameters.rms_gradient(a), 1e-12)
 
 
 @quick
 @given(maps(), st.integers(0, 13), st.integers(0, 15))
 def test_roughness_does_not_depend_on_the_start(height, dy, dx):
     rolled = height.copy(data=np.roll(height.values, (dy, dx), (0, 1)))
-    for name, value in roughness.roughness_parameters(height).items():
-        other = roughness.roughness_parameters(rolled)[name]
+    for name, value in parameters.roughness_parameters(height).items():
+        other = parameters.roughness_parameters(rolled)[name]
         if name in ("rms_height", "rms_gradient", "rms_curvature"):
             assert abs(other - value) <= 1e-9 * max(value, 1e-12)
 

@@ -1,6 +1,6 @@
 """The surfaces and problems on which the ensembles of the error budget are tried."""
 
-from roughcontact.synthetic import self_affine_surface
+from roughcontact.references.synthetic import self_affine_surface
 
 GRADIENT = 0.1
 MEANS = ("relative_contact_area", "mean_gap", "mean_contact_pressure")

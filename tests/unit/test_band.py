@@ -5,12 +5,13 @@ import json
 import numpy as np
 import pytest
 
-from roughcontact import roughness
-from roughcontact.band import limit_band, reliable_wavelength
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.levelling import level
-from roughcontact.synthetic import height_map, self_affine_surface
-from roughcontact.window import periodic_window
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.roughness import parameters
+from roughcontact.window.band import limit_band, reliable_wavelength
+from roughcontact.window.periodic_window import periodic_window
 
 
 def three_waves():
@@ -60,11 +61,11 @@ def test_variances_add_up():
     )
     kept = limited(height, shortest=10e-6, longest=50e-6)
     removed = kept.attrs["band_removed_rms_height"]
-    assert roughness.rms_height(kept) ** 2 + removed**2 == pytest.approx(1e-12, rel=1e-9)
-    whole = roughness.rms_gradient(height) ** 2
+    assert parameters.rms_height(kept) ** 2 + removed**2 == pytest.approx(1e-12, rel=1e-9)
+    whole = parameters.rms_gradient(height) ** 2
     slope = kept.attrs["band_removed_rms_gradient"]
-    assert roughness.rms_gradient(kept) ** 2 + slope**2 == pytest.approx(whole, rel=1e-9)
-    assert roughness.shortest_wavelength(kept) == pytest.approx(10e-6, rel=0.05)
+    assert parameters.rms_gradient(kept) ** 2 + slope**2 == pytest.approx(whole, rel=1e-9)
+    assert parameters.shortest_wavelength(kept) == pytest.approx(10e-6, rel=0.05)
 
 
 @pytest.mark.parametrize(
@@ -97,7 +98,7 @@ def test_the_window_can_be_limited_to_what_the_lens_resolves():
     assert whole.attrs["band_removed_rms_height"] == 0
     assert band.attrs["band_reason"] == "the lens (numerical aperture 0.08)"
     assert band.attrs["band_removed_rms_height"] == pytest.approx(0.05e-6 / np.sqrt(2), rel=1e-6)
-    assert band.attrs["rms_gradient_after"] == pytest.approx(roughness.rms_gradient(band), rel=1e-12)
+    assert band.attrs["rms_gradient_after"] == pytest.approx(parameters.rms_gradient(band), rel=1e-12)
     assert band.attrs["rms_gradient_after"] < whole.attrs["rms_gradient_after"]
     # what was given wins where it is longer
     given = periodic_window(levelled, reliable_band=True, shortest_wavelength=20e-6)
@@ -112,7 +113,7 @@ def test_a_cut_window_is_limited_after_it_is_made_periodic():
     levelled = level(rough.isel(y=slice(0, 100), x=slice(0, 90)))
     window = periodic_window(levelled, shortest_wavelength=12e-6)
     assert window.attrs["periodisation"] == "smooth-cross-fade"
-    assert roughness.shortest_wavelength(window) >= 12e-6 * 0.95
+    assert parameters.shortest_wavelength(window) >= 12e-6 * 0.95
     whole = periodic_window(levelled)
     before, removed = (
         whole.attrs["rms_gradient_after"],

@@ -5,9 +5,9 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from roughcontact.collect import collect_statistics, pairs_table, summary_table
 from roughcontact.errors import InputFileError
-from roughcontact.storage import read_dataset, write_dataset, write_table
+from roughcontact.results.collect import collect_statistics, pairs_table, summary_table
+from roughcontact.results.storage import read_dataset, write_dataset, write_table
 
 
 def write_statistics(path, loads, *, bins=3, scale=1.0):

@@ -14,9 +14,9 @@ import pytest
 import roughcontact as rc
 from roughcontact.command_line import main
 from roughcontact.command_line.options import in_options
-from roughcontact.io import inspect_file
+from roughcontact.configuration.models import Contact, Level, Uncertainty, Window, resolve
+from roughcontact.io.read import inspect_file
 from roughcontact.quantities import plus_minus
-from roughcontact.settings import Contact, Level, Uncertainty, Window, resolve
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "data_samples"

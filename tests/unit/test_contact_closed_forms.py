@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact import reference, synthetic
-from roughcontact.statistics import relative_contact_area
+from roughcontact.maps import height_map
+from roughcontact.references import closed_forms, synthetic
+from roughcontact.statistics.contact_geometry import relative_contact_area
 
 SHARED = Path(__file__).parents[2].parent / "shared" / "data"
 MODULUS = 3e9
@@ -25,22 +26,22 @@ def test_westergaard_wave(shape, ratio):
     x = np.arange(n) * wavelength / n
     wave = amplitude * np.cos(2 * np.pi * x / wavelength)
     heights = wave[:, None] if shape[1] == 1 else np.broadcast_to(wave, shape)
-    full = reference.westergaard_full_contact_pressure(amplitude, wavelength, MODULUS)
+    full = closed_forms.westergaard_full_contact_pressure(amplitude, wavelength, MODULUS)
     contact = rc.solve_contact(
-        synthetic.height_map(heights, wavelength / n),
+        height_map(heights, wavelength / n),
         contact_modulus=MODULUS,
         mean_pressure=ratio * full,
         tolerance=1e-8,
     )
     pressure, gap, touching = pressures_and_gaps(contact)
-    assert abs(touching.mean() - reference.westergaard_contact_share(ratio)) <= 1 / n
+    assert abs(touching.mean() - closed_forms.westergaard_contact_share(ratio)) <= 1 / n
     profile = pressure[:, 0] if shape[1] == 1 else pressure[0]
-    exact = reference.westergaard_pressure(x, wavelength, ratio * full, ratio)
+    exact = closed_forms.westergaard_pressure(x, wavelength, ratio * full, ratio)
     # the square-root edge is resolved to a pixel: an error of first order, a few 1e-3 here
     assert np.linalg.norm(profile - exact) <= 0.01 * np.linalg.norm(exact)
     assert pressure.max() == pytest.approx(2 * full * np.sqrt(ratio), rel=1e-4)
     assert gap.mean() == pytest.approx(
-        reference.westergaard_mean_gap(amplitude, ratio), rel=2e-4, abs=1e-5 * amplitude
+        closed_forms.westergaard_mean_gap(amplitude, ratio), rel=2e-4, abs=1e-5 * amplitude
     )
 
 
@@ -49,7 +50,7 @@ def test_full_contact_of_a_rough_map_is_exact():
         (96, 80), (1e-6, 1.5e-6), hurst=0.7, shortest=8e-6, longest=60e-6, rms_gradient=0.1, seed=3
     )
     steps = (1e-6, 1.5e-6)
-    fluctuation = reference.full_contact_fluctuation(height.values, steps, MODULUS)
+    fluctuation = closed_forms.full_contact_fluctuation(height.values, steps, MODULUS)
     threshold = -fluctuation.min()
     contact = rc.solve_contact(
         height, contact_modulus=MODULUS, mean_pressure=[threshold * (1 + 1e-9), 10 * threshold]
@@ -88,9 +89,9 @@ def test_johnson_greenwood_higginson_wave():
     n, amplitude = 512, 0.01
     shift = (np.arange(n) + 0.37) / n
     heights = amplitude * np.cos(2 * np.pi * shift)[None, :] * np.cos(2 * np.pi * (shift + 0.24 / n))[:, None]
-    full = reference.jgh_full_contact_pressure(amplitude, 1.0, 1.0)
+    full = closed_forms.jgh_full_contact_pressure(amplitude, 1.0, 1.0)
     contact = rc.solve_contact(
-        synthetic.height_map(heights, 1 / n),
+        height_map(heights, 1 / n),
         contact_modulus=1.0,
         mean_pressure=[ratio * full for ratio in JGH],
         tolerance=1e-5,
@@ -129,9 +130,9 @@ def test_periodic_hertz_contact():
     n, period, radius, force = 512, 1.0, 10.0, 1e-5  # a = 0.042 L: corrections of order (a/L)^3
     x = (np.arange(n) + 0.5) / n - 0.5
     heights = -(x[None, :] ** 2 + x[:, None] ** 2) / (2 * radius)
-    exact = reference.periodic_hertz(force, radius, 1.0, period)
+    exact = closed_forms.periodic_hertz(force, radius, 1.0, period)
     kwargs = {"contact_modulus": 1.0, "mean_pressure": force / period**2, "tolerance": 1e-6}
-    height = synthetic.height_map(heights, period / n)
+    height = height_map(heights, period / n)
     contact = rc.solve_contact(height, **kwargs)
     area = relative_contact_area(contact["contact"].values[0] > 0)
     assert np.sqrt(area / np.pi) == pytest.approx(exact["contact_radius"], rel=5e-3)
@@ -139,7 +140,7 @@ def test_periodic_hertz_contact():
     # gap = u - h + approach with the crest at h = 0: the approach is minus the indentation
     assert -float(contact["approach"][0]) == pytest.approx(exact["approach"], rel=3e-5)
     free = rc.solve_contact(height, zero_frequency="lattice", **kwargs)
-    indentation = reference.hertz(force, radius, 1.0)["approach"]
+    indentation = closed_forms.hertz(force, radius, 1.0)["approach"]
     assert -float(free["approach"][0]) == pytest.approx(indentation, rel=5e-3)
 
 
@@ -157,7 +158,7 @@ def test_measured_maps_on_which_two_other_codes_agree():
         assert values.std() == pytest.approx(case["rms_height"], rel=1e-6)
         dx, dy = case["dx"]
         contact = rc.solve_contact(
-            synthetic.height_map(values, (dy, dx)),
+            height_map(values, (dy, dx)),
             contact_modulus=1.0,
             mean_pressure=case["mean_pressure_over_contact_modulus"],
             tolerance=1e-8,

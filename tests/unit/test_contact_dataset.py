@@ -5,11 +5,12 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact import synthetic
-from roughcontact.contact import linear_response, plan_loads
-from roughcontact.contact.loads import DEFAULT_PLAN
+from roughcontact.contact.loads import DEFAULT_PLAN, plan_loads
+from roughcontact.contact.response import linear_response
 from roughcontact.fourier import wavenumbers
-from roughcontact.reference import full_contact_fluctuation
+from roughcontact.maps import height_map
+from roughcontact.references import synthetic
+from roughcontact.references.closed_forms import full_contact_fluctuation
 
 MODULUS = 2e9
 
@@ -94,7 +95,7 @@ def test_progress_is_told_after_every_load():
 
 
 def test_a_flat_map_takes_no_iteration():
-    flat = synthetic.height_map(np.full((8, 12), 1e6), 1e-6)
+    flat = height_map(np.full((8, 12), 1e6), 1e-6)
     contact = rc.solve_contact(flat, contact_modulus=MODULUS, mean_pressure=[1e6, 1e7])
     np.testing.assert_array_equal(contact["pressure"][1], np.full((8, 12), 1e7))
     assert (contact["gap"] == 0).all()
@@ -216,7 +217,7 @@ def test_relative_numbers_do_not_depend_on_units_position_or_orientation():
     expected = relative_numbers(window, modulus=MODULUS, pressure=pressure)
 
     def same(heights, pitch=spacing, modulus=MODULUS, load=pressure):
-        numbers = relative_numbers(synthetic.height_map(heights, pitch), modulus=modulus, pressure=load)
+        numbers = relative_numbers(height_map(heights, pitch), modulus=modulus, pressure=load)
         np.testing.assert_allclose(numbers, expected, rtol=1e-10)
 
     same(np.roll(values, (7, -5), axis=(0, 1)))
@@ -276,7 +277,7 @@ def test_load_plans():
     np.testing.assert_allclose(relative, [0.1 * MODULUS * 0.1, 0.2 * MODULUS * 0.1], rtol=1e-12)
     with pytest.raises(rc.SettingsError, match="both"):
         plan_loads(window, contact_modulus=MODULUS, mean_pressure=1.0, relative_pressure=1.0)
-    flat = synthetic.height_map(np.zeros((4, 4)), 1.0)
+    flat = height_map(np.zeros((4, 4)), 1.0)
     with pytest.raises(rc.HeightMapError, match="flat"):
         plan_loads(flat, contact_modulus=MODULUS)
 
@@ -297,7 +298,7 @@ def test_loads_close_together_start_from_each_other():
 def test_deep_pits_in_lines_far_apart_converge_by_safe_steps():
     # the fast steps fail here again and again: what converges are the projected ones between them
     height = -(np.abs(np.random.default_rng(3).standard_normal((11, 10))) ** 3)
-    window = synthetic.height_map(height, (1e-3, 2.5))
+    window = height_map(height, (1e-3, 2.5))
     contact = rc.solve_contact(window, contact_modulus=1.0, mean_pressure=35.0, tolerance=1e-8)
     assert float(contact["error_bound"][0]) <= 1e-8
     assert float(contact["max_penetration"][0]) < 1e-6
@@ -306,7 +307,7 @@ def test_deep_pits_in_lines_far_apart_converge_by_safe_steps():
 @pytest.mark.parametrize("load", [1e-8, 1e-7, 1e-6, 1e-5])
 def test_a_load_that_rounding_hides_behind_the_residual_is_carried(load):
     # a chessboard of pixels in lines far apart: the first steps move a million times the load to and fro
-    window = synthetic.height_map(np.indices((15, 15)).sum(0) % 2 * 1.0, (1.0, 3.5))
+    window = height_map(np.indices((15, 15)).sum(0) % 2 * 1.0, (1.0, 3.5))
     contact = rc.solve_contact(window, contact_modulus=1.0, mean_pressure=load, tolerance=1e-6)
     assert float(contact["error_bound"][0]) <= 1e-6
     np.testing.assert_allclose(contact["pressure"].mean(), load, rtol=1e-14)
@@ -318,7 +319,7 @@ def test_elongated_pixels_need_no_more_than_a_few_times_the_work(aspect, relativ
     square = synthetic.self_affine_surface(
         (128, 128), 1.0, hurst=0.8, shortest=8.0, longest=64.0, rms_gradient=0.1, seed=2
     )
-    window = synthetic.height_map(square.values, (aspect, 1.0))
+    window = height_map(square.values, (aspect, 1.0))
     loads = plan_loads(window, contact_modulus=1.0, relative_pressure=relative)
     contact = rc.solve_contact(window, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-6)
     assert float(contact["converged"][0]) == 1
@@ -346,7 +347,7 @@ def test_awkward_maps_simply_work(name, share_of_full_contact):
     heights = AWKWARD[name]
     threshold = -full_contact_fluctuation(heights, (1.0, 1.0), 1.0).min()
     contact = rc.solve_contact(
-        synthetic.height_map(heights, 1.0),
+        height_map(heights, 1.0),
         contact_modulus=1.0,
         mean_pressure=share_of_full_contact * threshold,
         tolerance=1e-8,

@@ -6,7 +6,7 @@ import xarray as xr
 from scipy.optimize import lsq_linear
 
 import roughcontact as rc
-from roughcontact import synthetic
+from roughcontact.references import synthetic
 
 MODULUS = 1e9
 

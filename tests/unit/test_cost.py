@@ -4,18 +4,19 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from roughcontact import reference, synthetic
 from roughcontact.cost.advice import advice, cheapest, choices
-from roughcontact.cost.measure import QUANTITIES, TOLERANCES, refined, run_time_against_error
+from roughcontact.cost.measure import QUANTITIES, TOLERANCES, run_time_against_error
 from roughcontact.cost.page import write_page
 from roughcontact.errors import HeightMapError
+from roughcontact.maps import height_map, refined
+from roughcontact.references import closed_forms, synthetic
 
 
 @pytest.mark.parametrize("shape", [(8, 6), (7, 6), (9, 5), (1, 8), (7, 1)])
 def test_a_refined_map_goes_through_the_points(shape):
     values = np.random.default_rng(1).standard_normal(shape)
     steps = tuple(3 if n > 1 else 1 for n in shape)
-    fine = refined(synthetic.height_map(values, (2.0, 0.5)), 3)
+    fine = refined(height_map(values, (2.0, 0.5)), 3)
     assert fine.shape == tuple(n * step for n, step in zip(shape, steps, strict=True))
     np.testing.assert_allclose(fine.values[:: steps[0], :: steps[1]], values, atol=1e-14)
 
@@ -50,7 +51,7 @@ def test_every_grid_and_tolerance_is_there(table):
 
 def test_errors_cover_the_known_answer(table):
     """Area and mean gap by an independent code at 1024 points."""
-    known = list(reference.ROUGH_AREA_AND_GAP.values())[:2]
+    known = list(closed_forms.ROUGH_AREA_AND_GAP.values())[:2]
     for (load, rows), (area, gap) in zip(table.groupby("mean_pressure"), known, strict=True):
         assert load > 0
         off = (rows["relative_contact_area"] / area - 1).abs()
@@ -119,6 +120,6 @@ def test_the_page_has_charts_and_advice(table, tmp_path):
 
 @pytest.mark.parametrize(("heights", "said"), [(np.eye(7, 6), "6 × 7 points"), (np.ones((64, 64)), "flat")])
 def test_a_map_that_tells_nothing_is_refused(heights, said):
-    height = synthetic.height_map(heights, 1.0)
+    height = height_map(heights, 1.0)
     with pytest.raises(HeightMapError, match=said):
         run_time_against_error(height, contact_modulus=1.0, mean_pressure=[1.0])

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact import reference, synthetic
-from roughcontact.crosscheck import crosscheck
+from roughcontact.configuration.models import resolve
+from roughcontact.crosscheck.crosscheck import crosscheck
 from roughcontact.errors import CrossCheckError, HeightMapError, SettingsError
-from roughcontact.settings import resolve
+from roughcontact.maps import height_map
+from roughcontact.references import closed_forms, synthetic
 from roughcontact.validation.rough import ensemble_map
 
 MODULUS = 2e9
@@ -45,7 +46,7 @@ MAPS = {
         (20, 16), (2e-6, 1e-6), hurst=0.8, shortest=8e-6, longest=16e-6, rms_gradient=0.1, seed=1
     ),
     "row": synthetic.westergaard_surface((1, 32), 1e-6, amplitude=1e-6, wavelength=32e-6),
-    "column": synthetic.height_map(1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)[:, None], 1e-6),
+    "column": height_map(1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)[:, None], 1e-6),
 }
 
 
@@ -97,7 +98,7 @@ def test_a_code_that_does_not_run_is_named(python, said):
 
 
 def test_a_flat_map_and_an_unknown_code_are_refused():
-    flat = synthetic.height_map(np.zeros((4, 4)), 1e-6)
+    flat = height_map(np.zeros((4, 4)), 1e-6)
     contact = rc.solve_contact(flat, contact_modulus=MODULUS, mean_pressure=1e6)
     with pytest.raises(HeightMapError, match="flat"):
         crosscheck(flat, contact, rc.contact_statistics(contact), code="tamaas", python=sys.executable)
@@ -121,7 +122,7 @@ def test_no_other_code_is_imported():
         for path in package.rglob("*.py")
         if "tamaas as" in path.read_text() or "import ContactMechanics" in path.read_text()
     ]
-    assert importing == [Path("outside/solve.py")]
+    assert importing == [Path("crosscheck/outside.py")]
 
 
 @pytest.mark.skipif(OTHER_PYTHON is None, reason="CROSSCHECK_PYTHON names no Python with the other codes")
@@ -137,13 +138,13 @@ def test_the_other_codes_themselves(code, kind):
 @pytest.mark.skipif(OTHER_PYTHON is None, reason="CROSSCHECK_PYTHON names no Python with the other codes")
 @pytest.mark.parametrize("code", ["tamaas", "contactmechanics"])
 def test_the_stored_numbers_of_the_other_codes(code):
-    """Where the numbers of `reference.OUTSIDE_CODES` come from: repeat them."""
+    """Where the numbers of `closed_forms.OUTSIDE_CODES` come from: repeat them."""
     height = ensemble_map(256, seed=0)
-    loads = list(reference.OUTSIDE_CODES)
+    loads = list(closed_forms.OUTSIDE_CODES)
     contact = rc.solve_contact(height, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-9)
     statistics = rc.contact_statistics(contact)
     other = crosscheck(height, contact, statistics, code=code, python=OTHER_PYTHON)
-    for index, (points, peak, gap) in enumerate(reference.OUTSIDE_CODES.values()):
+    for index, (points, peak, gap) in enumerate(closed_forms.OUTSIDE_CODES.values()):
         assert round(float(other["other_contact_area_pixels"][index]) * height.size) == points
         assert float(other["other_max_pressure"][index]) == pytest.approx(peak, rel=1e-7)
         assert float(other["other_mean_gap"][index]) == pytest.approx(gap, rel=1e-7)

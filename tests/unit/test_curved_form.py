@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from roughcontact.curved_form import fit_curved_form
 from roughcontact.errors import HeightMapError
-from roughcontact.form import form_from_record
-from roughcontact.levelling import level
-from roughcontact.synthetic import height_map, self_affine_surface
-from roughcontact.window import periodic_window
+from roughcontact.levelling.curved import fit_curved_form
+from roughcontact.levelling.forms import form_from_record
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.window.periodic_window import periodic_window
 
 Y, X = (np.arange(120) + 0.5) * 10e-6, (np.arange(160) + 0.5) * 7.5e-6
 

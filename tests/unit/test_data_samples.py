@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.fourier import spacing
-from roughcontact.roughness import points_per_shortest_wavelength
+from roughcontact.maps import spacing
+from roughcontact.roughness.parameters import points_per_shortest_wavelength
 
 FOLDER = Path(__file__).parents[2] / "data_samples"
 

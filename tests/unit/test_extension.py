@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from roughcontact import kernels, synthetic
-from roughcontact.compiled import Compiled
-from roughcontact.contact.extension import Extension, coarsening, collapse, pyramid, stencil
 from roughcontact.contact.grid import Grid
+from roughcontact.contact.interpolation import Extension, coarsening, collapse, pyramid, stencil
+from roughcontact.kernels import array_api
+from roughcontact.kernels.numba_cpu import Compiled
+from roughcontact.references import synthetic
 
 # shape and pitches: square, odd, prime, pixels longer than wide (with and without lines that become one
 # cell), profiles, two rows
@@ -32,7 +33,7 @@ COLLAPSED = [
 ]
 
 
-def make(shape, pitches, contact, engine=kernels, dtype=float):
+def make(shape, pitches, contact, engine=array_api, dtype=float):
     """Return the extension W from the contact set `contact` (ny, nx) and W as a function."""
     lengths = tuple(n * d for n, d in zip(shape, pitches, strict=True))
     extension = Extension(np.empty(shape), np.dtype(dtype).name, lengths, engine)
@@ -61,7 +62,7 @@ def patches(shape, share, *, shortest=8.0, seed=0):
     return height.values > np.quantile(height.values, 1 - share)
 
 
-@pytest.mark.parametrize("engine", [kernels, Compiled(1), Compiled(2)], ids=["plain", "one", "two"])
+@pytest.mark.parametrize("engine", [array_api, Compiled(1), Compiled(2)], ids=["plain", "one", "two"])
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("share", [0.05, 0.4, 0.9, 1.0])
 @pytest.mark.parametrize(("shape", "pitches"), GRIDS)

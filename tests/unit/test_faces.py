@@ -7,10 +7,11 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.faces import composite, relative_positions
-from roughcontact.levelling import level
-from roughcontact.synthetic import height_map, self_affine_surface
-from roughcontact.window import periodic_window
+from roughcontact.faces.composite import composite, relative_positions
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.window.periodic_window import periodic_window
 
 STEP = 1e-6
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from roughcontact.filling import fill_harmonic, find_holes
+from roughcontact.levelling.filling import fill_harmonic, find_holes
 
 
 def fill(heights, missing, spacing=(1.0, 1.0)):

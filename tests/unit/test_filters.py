@@ -8,10 +8,11 @@ import pytest
 from scipy import ndimage
 
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.filters import gaussian_mean_surface
-from roughcontact.io import read_height_map
-from roughcontact.levelling import level
-from roughcontact.synthetic import height_map, self_affine_surface
+from roughcontact.io.read import read_height_map
+from roughcontact.levelling.filters import gaussian_mean_surface
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import self_affine_surface
 
 DATA = Path(__file__).parents[2].parent / "shared" / "data"
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import dblquad
 
-from roughcontact import fft
+from roughcontact.elasticity.halfspace import HalfSpace, zero_frequency_compliance
 from roughcontact.errors import SettingsError
-from roughcontact.halfspace import HalfSpace, zero_frequency_compliance
+from roughcontact.kernels import fft
 
 # even, odd, not square, profiles, two rows, and one above the size from which threads are started
 CELLS = [

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from roughcontact.io import read_height_map
-from roughcontact.levelling import level
-from roughcontact.roughness import height_parameters
-from roughcontact.statistics import HEIGHT_PARAMETERS, surface_statistics
-from roughcontact.synthetic import height_map
-from roughcontact.window import periodic_window
+from roughcontact.io.read import read_height_map
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
+from roughcontact.roughness.parameters import height_parameters
+from roughcontact.statistics.contact_statistics import HEIGHT_PARAMETERS, surface_statistics
+from roughcontact.window.periodic_window import periodic_window
 
 DATA = Path(__file__).parents[2].parent / "shared" / "data"
 TABLE = Path(__file__).with_name("height_parameters.csv")

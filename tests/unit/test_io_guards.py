@@ -12,8 +12,9 @@ import x3pio
 import xarray as xr
 
 from roughcontact.errors import HeightMapError, InputFileError, RoughContactError
-from roughcontact.io import guards, inspect_file, kinds, read_height_map
+from roughcontact.io import guards, instrument_kinds
 from roughcontact.io.plausibility import quantisation_step, roughness_off_plane, suspicions
+from roughcontact.io.read import inspect_file, read_height_map
 
 
 def saved(tmp_path, data, name="map.x3p"):
@@ -143,7 +144,7 @@ def rough(n=64, seed=0):
     return 1e-6 * height / height.std()
 
 
-def words(height, dx=1e-6, dy=1e-6, kind=kinds.ANY):
+def words(height, dx=1e-6, dy=1e-6, kind=instrument_kinds.ANY):
     return "\n".join(suspicions(height, dx, dy, kind=kind))
 
 
@@ -208,16 +209,16 @@ def test_suspicions_reach_the_user(tmp_path):
 @pytest.mark.parametrize(
     ("kind", "scale", "step", "said"),
     [
-        (kinds.PROBE, 1e-2, 1e-8, None),
-        (kinds.PROBE, 1e-2, 1e-5, "steps of 10.0 µm are unusual for a scanning probe microscope"),
-        (kinds.PROBE, 100, 5e-6, "heights that span"),
-        (kinds.OPTICAL, 1, 1e-6, None),
-        (kinds.OPTICAL, 1e-3, 1e-9, "steps of 1.00 nm are unusual for an optical profiler"),
-        (kinds.OPTICAL, 1, 2e-2, "a field of 1.28 m is unusual for an optical profiler"),
-        (kinds.STYLUS, 1, 1e-6, None),
-        (kinds.STYLUS, 1, 2e-3, "steps of 2.00 mm are unusual for a stylus profiler"),
-        (kinds.STYLUS, 1e-6, 1e-6, "heights that span"),
-        (kinds.ANY, 1, 2e-2, "a field of 1.28 m is unusual for a roughness measurement"),
+        (instrument_kinds.PROBE, 1e-2, 1e-8, None),
+        (instrument_kinds.PROBE, 1e-2, 1e-5, "steps of 10.0 µm are unusual for a scanning probe microscope"),
+        (instrument_kinds.PROBE, 100, 5e-6, "heights that span"),
+        (instrument_kinds.OPTICAL, 1, 1e-6, None),
+        (instrument_kinds.OPTICAL, 1e-3, 1e-9, "steps of 1.00 nm are unusual for an optical profiler"),
+        (instrument_kinds.OPTICAL, 1, 2e-2, "a field of 1.28 m is unusual for an optical profiler"),
+        (instrument_kinds.STYLUS, 1, 1e-6, None),
+        (instrument_kinds.STYLUS, 1, 2e-3, "steps of 2.00 mm are unusual for a stylus profiler"),
+        (instrument_kinds.STYLUS, 1e-6, 1e-6, "heights that span"),
+        (instrument_kinds.ANY, 1, 2e-2, "a field of 1.28 m is unusual for a roughness measurement"),
     ],
 )
 def test_ranges_of_the_kind_of_instrument(kind, scale, step, said):

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from roughcontact.errors import InputFileError
-from roughcontact.io import inspect_file, read_height_map
+from roughcontact.io.read import inspect_file, read_height_map
 from roughcontact.io.units import metres
 
 DATA = Path(__file__).parents[2].parent / "shared" / "data"

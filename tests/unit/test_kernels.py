@@ -4,9 +4,10 @@ import array_api_strict
 import numpy as np
 import pytest
 
-from roughcontact import kernels
-from roughcontact import threads as job_threads
-from roughcontact.compiled import Compiled
+from roughcontact.kernels import array_api, choose
+from roughcontact.kernels import threads as job_threads
+from roughcontact.kernels.choose import kernels_for
+from roughcontact.kernels.numba_cpu import Compiled
 
 # shape of the grid and factors to the coarser one
 GRIDS = [
@@ -173,7 +174,7 @@ def test_every_kernel_stands_here():
     twins = {name for name in vars(Compiled) if not name.startswith("_") and name.islower()}
     twins -= {"pack", "weigh_small", "fill_small", "return_small"}  # against what they replace, below
     assert twins == {name.split()[0] for name in CALLS}
-    assert all(callable(getattr(kernels, name)) for name in twins)
+    assert all(callable(getattr(array_api, name)) for name in twins)
 
 
 @pytest.mark.parametrize("precisions", PRECISIONS, ids=lambda pair: "-".join(p.__name__ for p in pair))
@@ -184,28 +185,28 @@ def test_every_kernel_stands_here():
 def test_plain_and_compiled_agree(name, shape, factors, precisions, cap):
     fields = make_fields(shape, factors, precisions, cap)
     with np.errstate(all="raise"):
-        expected = outcome(name, kernels, fields, factors, cap)
+        expected = outcome(name, array_api, fields, factors, cap)
     changed = any(
         not np.array_equal(expected[1][key], field, equal_nan=True) for key, field in fields.items()
     )
     assert changed or expected[0]
     for threads in (1, 2):
         assert_same(outcome(name, Compiled(threads), fields, factors, cap), expected, precisions)
-    strict = outcome(name, kernels, fields, factors, cap, convert=array_api_strict.asarray)
+    strict = outcome(name, array_api, fields, factors, cap, convert=array_api_strict.asarray)
     assert_same(strict, expected, precisions)
 
 
 def test_compiled_kernels_are_chosen_for_numpy_arrays_and_threads_for_large_ones(monkeypatch):
     field = np.zeros((6, 7))
     monkeypatch.setattr(job_threads, "SMALL", field.size)
-    assert kernels.kernels_for(field, threads=2).threads == 2
-    assert kernels.kernels_for(field[1:], threads=2).threads == 1
-    assert kernels.kernels_for(array_api_strict.asarray(field)) is kernels
-    monkeypatch.setattr(kernels, "numba_is_installed", lambda: False)
-    assert kernels.kernels_for(field) is kernels
+    assert kernels_for(field, threads=2).threads == 2
+    assert kernels_for(field[1:], threads=2).threads == 1
+    assert kernels_for(array_api_strict.asarray(field)) is array_api
+    monkeypatch.setattr(choose, "numba_is_installed", lambda: False)
+    assert kernels_for(field) is array_api
 
 
-ENGINES = [kernels, Compiled(1), Compiled(2)]
+ENGINES = [array_api, Compiled(1), Compiled(2)]
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
@@ -215,7 +216,7 @@ def test_unsettled_points_are_those_whose_gap_should_vanish(engine):
     separation = np.array([[-1.0] * 3, [0.0] * 3, [2.0] * 3]) + 0.25
     values = np.empty((3, 3))
     assert engine.remainder(pressure, separation, 0.25, 1.0, values) == 5
-    np.testing.assert_array_equal(values, [[-1, -1, 0], [0, kernels.CLOSED, 0], [0, 2, 2]])
+    np.testing.assert_array_equal(values, [[-1, -1, 0], [0, array_api.CLOSED, 0], [0, 2, 2]])
     moved, free = np.empty((3, 3)), np.empty((3, 3))
     product = np.array([[-2.0, -0.2, 9], [9, 0.1, 9], [9, 2, 0.3]])
     scalars = {"level": 0.25, "mean": 0.1, "length": 0.5, "cap": 1.0}
@@ -279,13 +280,13 @@ def test_passes_in_one_sweep_equal_the_passes_one_by_one(engine, shape, factors)
     f = make_fields(shape, factors, (DOUBLE, DOUBLE), np.inf)
     mixed, found, expected = np.empty((3, *shape))
     empty = np.where(f["chosen"] == 0, 1.0, 0.0)
-    kernels.mix(f["values"], empty, f["coarse"], factors, mixed)
-    kernels.fill(f["values"], empty, mixed, WEIGHTS, expected)
+    array_api.mix(f["values"], empty, f["coarse"], factors, mixed)
+    array_api.fill(f["values"], empty, mixed, WEIGHTS, expected)
     engine.fill_from(f["values"], f["chosen"], f["coarse"], factors, WEIGHTS, found)
     np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
     coarse, gathered = np.empty_like(f["coarse"]), np.empty_like(f["coarse"])
-    kernels.empty_neighbours(f["field"], empty, WEIGHTS, expected)
-    kernels.gather(expected, empty, factors, gathered)
+    array_api.empty_neighbours(f["field"], empty, WEIGHTS, expected)
+    array_api.gather(expected, empty, factors, gathered)
     engine.empty_from(f["field"], f["chosen"], WEIGHTS, found, factors, coarse)
     np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
     np.testing.assert_allclose(coarse, gathered, rtol=1e-13, atol=1e-13)
@@ -327,7 +328,7 @@ def test_refined_pressure_keeps_the_load_of_every_cell(engine, shape, factors):
     fine = np.full(shape, np.nan)
     engine.refine(coarse, factors, fine)
     means = np.empty_like(coarse)
-    kernels.block_mean(fine, factors, means)
+    array_api.block_mean(fine, factors, means)
     np.testing.assert_allclose(means, coarse, rtol=1e-13)
     assert fine.min() >= 0
 

@@ -5,10 +5,12 @@ import json
 import numpy as np
 import pytest
 
-from roughcontact import synthetic
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.form import fit_form, form_from_record
-from roughcontact.levelling import level
+from roughcontact.levelling.forms import form_from_record
+from roughcontact.levelling.level import level
+from roughcontact.levelling.polynomial import fit_form
+from roughcontact.maps import height_map
+from roughcontact.references import synthetic
 
 
 def rough(shape=(96, 128), spacing=(2e-6, 1e-6), seed=0, rms=1e-7):
@@ -54,7 +56,7 @@ def test_polynomial_of_any_order_comes_off_whole(order):
     form = sum(
         coefficients[i, j] * x**i * y**j for i in range(order + 1) for j in range(order + 1) if i + j <= order
     )
-    height = synthetic.height_map(1e-5 * form, (2e-6, 1e-6))
+    height = height_map(1e-5 * form, (2e-6, 1e-6))
     levelled = level(height, form="polynomial", order=order, outlier_threshold=None)
     assert np.abs(levelled.values).max() < 1e-13 * np.abs(height.values).max() * shape[0]
     assert (
@@ -124,14 +126,14 @@ def test_robust_fit_of_a_plain_surface_is_nearly_least_squares():
 @pytest.mark.parametrize("form", ["plane", "polynomial"])
 def test_tilted_plate_becomes_exactly_flat(form):
     y, x = np.indices((64, 48)) * 1e-6
-    levelled = level(synthetic.height_map(1e-3 + 0.1 * x + 0.03 * y, 1e-6), form=form, outlier_threshold=None)
+    levelled = level(height_map(1e-3 + 0.1 * x + 0.03 * y, 1e-6), form=form, outlier_threshold=None)
     assert not levelled.values.any()
 
 
 @pytest.mark.parametrize("robust", [False, True])
 @pytest.mark.parametrize("form", ["none", "mean", "plane", "polynomial"])
 def test_constant_map_stays_flat(form, robust):
-    flat = synthetic.height_map(np.full((20, 30), 0.3), 1e-6)
+    flat = height_map(np.full((20, 30), 0.3), 1e-6)
     levelled = level(flat, form=form, order=4, robust=robust)
     assert np.ptp(levelled.values) == 0
     assert levelled.attrs["outliers_rejected"] == 0
@@ -140,7 +142,7 @@ def test_constant_map_stays_flat(form, robust):
 @pytest.mark.parametrize("shape", [(1, 200), (200, 1), (2, 50), (3, 3), (1, 2)])
 def test_profiles_and_thin_maps(shape):
     generator = np.random.default_rng(0)
-    height = synthetic.height_map(generator.standard_normal(shape), 1e-6)
+    height = height_map(generator.standard_normal(shape), 1e-6)
     for form in ("plane", "polynomial"):
         levelled = level(height, form=form, order=3)
         assert levelled.shape == shape
@@ -150,7 +152,7 @@ def test_profiles_and_thin_maps(shape):
 
 def test_profile_is_levelled_by_a_straight_line():
     x = np.arange(50) * 1e-6
-    height = synthetic.height_map((2e-6 + 0.3 * x)[None, :], 1e-6)
+    height = height_map((2e-6 + 0.3 * x)[None, :], 1e-6)
     levelled = level(height)
     assert np.abs(levelled.values).max() < 1e-18
     assert removed(levelled)["slope_x"] == pytest.approx(0.3)
@@ -180,7 +182,7 @@ def test_holes_are_filled_flagged_and_counted():
 def test_infinite_heights_count_as_missing():
     values = rough().values.copy()
     values[5, 5], values[6, 8] = np.inf, -np.inf
-    levelled = level(synthetic.height_map(values, 1e-6))
+    levelled = level(height_map(values, 1e-6))
     assert np.isfinite(levelled.values).all()
     assert levelled.attrs["filled_points"] == 2
 
@@ -197,19 +199,19 @@ def test_attributes_of_the_measurement_are_kept():
 
 
 def test_maps_that_cannot_be_levelled():
-    lost = synthetic.height_map(np.full((3, 4), np.nan), 1.0)
+    lost = height_map(np.full((3, 4), np.nan), 1.0)
     lost.attrs["source_file"] = "b.sur"
     with pytest.raises(HeightMapError, match=r"all 12 points of b\.sur are missing"):
         level(lost)
     with pytest.raises(HeightMapError, match="1 point"):
-        level(synthetic.height_map([[1.0]], 1.0))
+        level(height_map([[1.0]], 1.0))
     with pytest.raises(HeightMapError, match="transpose"):
         level(rough().transpose("x", "y"))
     values = rough().values.copy()
     values[:, :64] = np.nan
     with pytest.raises(HeightMapError, match=r"50\.0 % of the points are missing.*max_missing = 0\.4.*cut"):
-        level(synthetic.height_map(values, 1e-6))
-    assert level(synthetic.height_map(values, 1e-6), max_missing=0.5).attrs["filled_points"] == 0
+        level(height_map(values, 1e-6))
+    assert level(height_map(values, 1e-6), max_missing=0.5).attrs["filled_points"] == 0
 
 
 @pytest.mark.parametrize(
@@ -230,14 +232,14 @@ def test_options_without_meaning(options, message):
 
 def test_robust_fit_of_a_large_map_does_not_depend_on_its_start(monkeypatch):
     """A large map starts from a thinned one; the result is that of starting from all points."""
-    from roughcontact import form
+    from roughcontact.levelling import polynomial
 
     generator = np.random.default_rng(0)
     values = generator.standard_normal((700, 900)) + 0.01 * np.arange(900)
     values[generator.random(values.shape) < 0.2] -= 30
     coordinates = np.arange(700.0), np.arange(900.0)
     thinned, record = fit_form(values, coordinates, order=2, robust=True)
-    monkeypatch.setattr(form, "_START_POINTS", values.size)
+    monkeypatch.setattr(polynomial, "_START_POINTS", values.size)
     whole, _ = fit_form(values, coordinates, order=2, robust=True)
     np.testing.assert_allclose(thinned, whole, atol=1e-5)
     assert record["slope_x"]["value"] == pytest.approx(0.01, abs=1e-4)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.memory import SMALLEST, Store, store
-from roughcontact.synthetic import self_affine_surface
+from roughcontact.kernels.memory import SMALLEST, Store, store
+from roughcontact.references.synthetic import self_affine_surface
 
 MANY = 2 * SMALLEST
 

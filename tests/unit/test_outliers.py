@@ -5,9 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from roughcontact import synthetic
-from roughcontact.levelling import level
-from roughcontact.outliers import find_outliers
+from roughcontact.levelling.level import level
+from roughcontact.levelling.outliers import find_outliers
+from roughcontact.maps import height_map
+from roughcontact.references import synthetic
 
 THRESHOLD = 6.0  # the default of `level`
 
@@ -144,12 +145,12 @@ def test_level_records_and_fills_what_it_rejects():
     values = rough()
     values[50, 60] += 40e-6
     values[70, :] = 0.0
-    levelled = level(synthetic.height_map(values, 1e-6))
+    levelled = level(height_map(values, 1e-6))
     assert levelled.attrs["outliers_rejected"] == 129
     assert json.loads(levelled.attrs["outlier_kinds"]) == {"spike": 1, "dead_line": 128}
     assert levelled["filled"].values[50, 60] == 1
     assert abs(levelled.values[50, 60]) < 5e-6
-    kept = level(synthetic.height_map(values, 1e-6), outlier_threshold=None)
+    kept = level(height_map(values, 1e-6), outlier_threshold=None)
     assert kept.attrs["outliers_rejected"] == 0
     assert kept.values[50, 60] > 30e-6
 
@@ -158,7 +159,7 @@ def test_one_spike_moves_the_plane_no_more_than_its_absence():
     clean = rough()
     spiked = clean.copy()
     spiked[3, 4] += 1e-3
-    a, b = (level(synthetic.height_map(v, 1e-6)) for v in (clean, spiked))
+    a, b = (level(height_map(v, 1e-6)) for v in (clean, spiked))
     assert np.abs(a.values - b.values).max() < 1e-7
 
 

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from roughcontact import periodisation, synthetic
-from roughcontact.levelling import level
-from roughcontact.roughness import rms_gradient
-from roughcontact.window import METHODS, periodic_window
+from roughcontact.levelling.level import level
+from roughcontact.references import synthetic
+from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.window import periodisation
+from roughcontact.window.periodic_window import METHODS, periodic_window
 
 
 def rough(shape, seed=0, shortest=8.0, hurst=0.8):

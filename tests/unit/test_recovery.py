@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from roughcontact.contact import solve_contact
-from roughcontact.levelling import level
-from roughcontact.roughness import rms_gradient
-from roughcontact.statistics import contact_statistics
-from roughcontact.synthetic import height_map, self_affine_surface
+from roughcontact.contact.solve import solve_contact
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.window import periodic_window
+from roughcontact.window.periodic_window import periodic_window
 
 PITCH, MODULUS, POINTS = 1e-6, 1e9, 256
 LEVEL = {"form": "polynomial", "order": 2, "line_alignment": "matched-steps", "s_filter": 2e-6}

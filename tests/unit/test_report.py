@@ -16,17 +16,20 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from roughcontact import checks, plots
-from roughcontact.collect import collect_statistics
-from roughcontact.contact import plan_loads, solve_contact
+from roughcontact.contact.loads import plan_loads
+from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import InputFileError
-from roughcontact.levelling import level
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
 from roughcontact.quantities import number, percent, prefix, quantity
-from roughcontact.report import write_panel, write_report
-from roughcontact.statistics import contact_statistics
-from roughcontact.storage import provenance, write_dataset
-from roughcontact.synthetic import height_map, self_affine_surface
-from roughcontact.window import periodic_window
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.report import plots
+from roughcontact.report.page import write_panel, write_report
+from roughcontact.results.collect import collect_statistics
+from roughcontact.results.storage import provenance, write_dataset
+from roughcontact.statistics import checks
+from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.window.periodic_window import periodic_window
 
 STAGES = ("height", "levelled", "window", "contact", "statistics")
 SETTINGS = {"contact": {"contact_modulus": 2e9}, "note": "<b>&"}
@@ -133,7 +136,7 @@ def test_page_is_the_same_a_second_time(page, tmp_path):
 
 
 def test_numbers_of_the_page_are_those_of_the_file(page):
-    from roughcontact.storage import read_dataset
+    from roughcontact.results.storage import read_dataset
 
     statistics = read_dataset(page.parent / "all" / "holes" / "statistics.nc").sortby("mean_pressure")
     text = (page.parent / "all" / "holes" / "panel.html").read_text(encoding="utf-8")

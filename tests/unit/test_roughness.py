@@ -5,7 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from roughcontact import periodisation, roughness, synthetic
+from roughcontact.maps import height_map
+from roughcontact.references import synthetic
+from roughcontact.roughness import parameters
+from roughcontact.window import periodisation
 
 
 def waves(shape, spacing, terms):
@@ -16,38 +19,38 @@ def waves(shape, spacing, terms):
         a * np.cos(2 * np.pi * (ky * y + kx * x) + k) for k, (a, ky, kx) in enumerate(terms)
     ) + np.zeros(shape)
     q = [2 * np.pi * np.hypot(ky / (ny * dy), kx / (nx * dx)) for _, ky, kx in terms]
-    return synthetic.height_map(heights, spacing), np.array([t[0] for t in terms]), np.array(q)
+    return height_map(heights, spacing), np.array([t[0] for t in terms]), np.array(q)
 
 
 @pytest.mark.parametrize("shape", [(24, 40), (25, 41), (24, 41)])
 def test_sum_of_waves_in_closed_form(shape):
     height, a, q = waves(shape, (3e-6, 2e-6), [(1e-7, 1, 2), (3e-7, 0, 5), (2e-8, 4, -3)])
     m0, gradient, laplacian = (np.sum(a**2 / 2 * q**k) for k in (0, 2, 4))
-    assert roughness.rms_height(height) == pytest.approx(np.sqrt(m0), rel=1e-12)
-    assert roughness.rms_gradient(height) == pytest.approx(np.sqrt(gradient), rel=1e-12)
-    assert roughness.rms_curvature(height) == pytest.approx(np.sqrt(laplacian) / 2, rel=1e-12)
+    assert parameters.rms_height(height) == pytest.approx(np.sqrt(m0), rel=1e-12)
+    assert parameters.rms_gradient(height) == pytest.approx(np.sqrt(gradient), rel=1e-12)
+    assert parameters.rms_curvature(height) == pytest.approx(np.sqrt(laplacian) / 2, rel=1e-12)
     expected = (m0, gradient / 2, 3 / 8 * laplacian)
-    assert roughness.spectral_moments(height) == pytest.approx(expected, rel=1e-12)
+    assert parameters.spectral_moments(height) == pytest.approx(expected, rel=1e-12)
     nayak = m0 * (3 / 8 * laplacian) / (gradient / 2) ** 2
-    assert roughness.nayak_parameter(height) == pytest.approx(nayak, rel=1e-12)
+    assert parameters.nayak_parameter(height) == pytest.approx(nayak, rel=1e-12)
 
 
 def test_profile_in_closed_form():
     height, a, q = waves((1, 60), (1.0, 0.5), [(1.0, 0, 2), (0.5, 0, 7)])
     expected = tuple(np.sum(a**2 / 2 * q**k) for k in (0, 2, 4))
-    assert roughness.spectral_moments(height) == pytest.approx(expected, rel=1e-12)
-    assert roughness.rms_gradient(height) == pytest.approx(np.sqrt(expected[1]), rel=1e-12)
+    assert parameters.spectral_moments(height) == pytest.approx(expected, rel=1e-12)
+    assert parameters.rms_gradient(height) == pytest.approx(np.sqrt(expected[1]), rel=1e-12)
     column = height.transpose("x", "y").rename(x="y", y="x")
-    assert roughness.nayak_parameter(column) == pytest.approx(roughness.nayak_parameter(height), rel=1e-12)
+    assert parameters.nayak_parameter(column) == pytest.approx(parameters.nayak_parameter(height), rel=1e-12)
 
 
 def test_least_nayak_parameters():
     single, _, _ = waves((1, 64), (1.0, 1.0), [(1.0, 0, 3)])
-    assert roughness.nayak_parameter(single) == pytest.approx(1.0)
+    assert parameters.nayak_parameter(single) == pytest.approx(1.0)
     height = synthetic.self_affine_surface(
         (128, 128), 1.0, hurst=0.5, shortest=7.99, longest=8.01, rms_height=1
     )
-    assert roughness.nayak_parameter(height) == pytest.approx(1.5, rel=1e-2)
+    assert parameters.nayak_parameter(height) == pytest.approx(1.5, rel=1e-2)
 
 
 def test_smooth_surface_against_finite_differences():
@@ -61,33 +64,33 @@ def test_smooth_surface_against_finite_differences():
     second = lambda axis, d: (np.roll(z, -1, axis) - 2 * z + np.roll(z, 1, axis)) / d**2  # noqa: E731
     gradient = np.sqrt(np.mean(first(0, 2e-6) ** 2 + first(1, 1e-6) ** 2))
     curvature = np.sqrt(np.mean((second(0, 2e-6) + second(1, 1e-6)) ** 2)) / 2
-    assert roughness.rms_gradient(height) == pytest.approx(gradient, rel=2e-5)
-    assert roughness.rms_curvature(height) == pytest.approx(curvature, rel=5e-3)
+    assert parameters.rms_gradient(height) == pytest.approx(gradient, rel=2e-5)
+    assert parameters.rms_curvature(height) == pytest.approx(curvature, rel=5e-3)
 
 
 @pytest.mark.parametrize("shape", [(32, 32), (31, 48), (1, 64)])
 def test_full_contact_pressure_is_half_the_gradient(shape):
     """std(p) = E* g / 2 with p(q) = E* |q| h(q) / 2, for any map, the waves at the Nyquist limit included."""
-    height = synthetic.height_map(np.random.default_rng(1).standard_normal(shape), (3.0, 2.0))
+    height = height_map(np.random.default_rng(1).standard_normal(shape), (3.0, 2.0))
     (ny, nx), (dy, dx) = shape, (3.0, 2.0)
     q = 2 * np.pi * np.hypot(np.fft.fftfreq(ny, dy)[:, None], np.fft.fftfreq(nx, dx)[None, :])
     pressure = np.fft.ifft2(q / 2 * np.fft.fft2(height.values)).real
-    assert pressure.std() == pytest.approx(roughness.rms_gradient(height) / 2, rel=1e-12)
+    assert pressure.std() == pytest.approx(parameters.rms_gradient(height) / 2, rel=1e-12)
 
 
 @pytest.mark.parametrize("shape", [(32, 32), (31, 48), (1, 64), (5, 1)])
 def test_interior_gradient_is_that_of_the_mirrored_map(shape):
     values = np.random.default_rng(2).standard_normal(shape)
-    alone, mirrored = (synthetic.height_map(v, (3.0, 2.0)) for v in (values, periodisation.mirror(values)))
-    expected = roughness.rms_gradient(mirrored)
-    assert roughness.interior_rms_gradient(alone) == pytest.approx(expected, rel=1e-12)
+    alone, mirrored = (height_map(v, (3.0, 2.0)) for v in (values, periodisation.mirror(values)))
+    expected = parameters.rms_gradient(mirrored)
+    assert parameters.interior_rms_gradient(alone) == pytest.approx(expected, rel=1e-12)
 
 
 def test_interior_gradient_counts_no_step_at_the_edges():
     x = np.arange(4000) * 1e-6
-    tilt = synthetic.height_map((0.02 * x)[None, :], 1e-6)
-    assert roughness.interior_rms_gradient(tilt) == pytest.approx(0.02, rel=1e-3)
-    assert roughness.rms_gradient(tilt) > 10 * 0.02
+    tilt = height_map((0.02 * x)[None, :], 1e-6)
+    assert parameters.interior_rms_gradient(tilt) == pytest.approx(0.02, rel=1e-3)
+    assert parameters.rms_gradient(tilt) > 10 * 0.02
 
 
 @pytest.mark.parametrize(("waves_per_side", "hurst"), [(16, 0.3), (64, 0.8), (64, 1.0), (128, 0.5)])
@@ -97,23 +100,23 @@ def test_cut_off_of_a_band_limited_surface(waves_per_side, hurst):
         (n, n), 1e-6, hurst=hurst, shortest=n / waves_per_side * 1e-6, longest=1e-4, rms_gradient=0.2, seed=1
     )
     expected = n / waves_per_side
-    assert roughness.points_per_shortest_wavelength(height) == pytest.approx(expected, rel=1e-9)
-    assert roughness.shortest_wavelength(height) == pytest.approx(expected * 1e-6, rel=1e-9)
+    assert parameters.points_per_shortest_wavelength(height) == pytest.approx(expected, rel=1e-9)
+    assert parameters.shortest_wavelength(height) == pytest.approx(expected * 1e-6, rel=1e-9)
 
 
 def test_cut_off_of_the_reference_case_and_of_one_wave():
     reference = synthetic.rough_reference_surface(256)
-    assert roughness.points_per_shortest_wavelength(reference) == pytest.approx(16.0)
+    assert parameters.points_per_shortest_wavelength(reference) == pytest.approx(16.0)
     wave = synthetic.westergaard_surface((4, 60), 1.0, amplitude=1.0, wavelength=12.0)
-    assert roughness.points_per_shortest_wavelength(wave) == pytest.approx(12.0)
+    assert parameters.points_per_shortest_wavelength(wave) == pytest.approx(12.0)
     profile = synthetic.westergaard_surface((1, 60), 1.0, amplitude=1.0, wavelength=12.0)
-    assert roughness.shortest_wavelength(profile) == pytest.approx(12.0)
+    assert parameters.shortest_wavelength(profile) == pytest.approx(12.0)
 
 
 def test_noise_reaches_two_pixels():
-    height = synthetic.height_map(np.random.default_rng(0).standard_normal((100, 150)), (2e-6, 1e-6))
-    assert roughness.points_per_shortest_wavelength(height) == pytest.approx(2.0)
-    assert roughness.shortest_wavelength(height) == pytest.approx(2e-6)
+    height = height_map(np.random.default_rng(0).standard_normal((100, 150)), (2e-6, 1e-6))
+    assert parameters.points_per_shortest_wavelength(height) == pytest.approx(2.0)
+    assert parameters.shortest_wavelength(height) == pytest.approx(2e-6)
 
 
 def test_summits_agree_with_the_theory_of_random_surfaces():
@@ -121,16 +124,16 @@ def test_summits_agree_with_the_theory_of_random_surfaces():
     height = synthetic.self_affine_surface(
         (512, 512), 1e-6, hurst=0.8, shortest=8e-6, longest=256e-6, rms_gradient=0.2, seed=4
     )
-    _, m2, m4 = roughness.spectral_moments(height)
-    summits = roughness.summit_statistics(height)
+    _, m2, m4 = parameters.spectral_moments(height)
+    summits = parameters.summit_statistics(height)
     assert summits["density"] == pytest.approx(m4 / (6 * np.pi * np.sqrt(3) * m2), rel=0.06)
     assert 1 / summits["mean_radius"] == pytest.approx(8 / 3 * np.sqrt(m4 / np.pi), rel=0.04)
-    assert 0 < summits["height_std"] < roughness.rms_height(height) * 1.05
+    assert 0 < summits["height_std"] < parameters.rms_height(height) * 1.05
 
 
 def test_summits_of_a_wave_in_closed_form():
     height = synthetic.product_wave_surface((40, 40), 0.1, amplitude=0.3, wavelength=2.0)
-    summits = roughness.summit_statistics(height)
+    summits = parameters.summit_statistics(height)
     assert summits["density"] == pytest.approx(8 / 16)  # two per wavelength squared, 2 x 2 waves
     assert summits["mean_radius"] == pytest.approx(1 / (0.3 * np.pi**2), rel=1e-12)
     assert summits["height_std"] == pytest.approx(0, abs=1e-12)
@@ -140,19 +143,19 @@ def test_summits_of_a_wave_in_closed_form():
 @pytest.mark.parametrize("level", [0.0, 0.3, 1e6 + 0.1])
 @pytest.mark.parametrize("shape", [(7, 5), (64, 64), (1, 33)])
 def test_flat_map_is_exactly_flat(shape, level):
-    flat = synthetic.height_map(np.full(shape, level), 1e-6)
-    parameters = roughness.roughness_parameters(flat)
-    assert parameters["rms_height"] == parameters["rms_gradient"] == parameters["rms_curvature"] == 0
-    assert roughness.interior_rms_gradient(flat) == 0
-    assert math.isnan(parameters["nayak_parameter"])
-    assert math.isnan(parameters["points_per_shortest_wavelength"])
-    assert math.isnan(roughness.summit_statistics(flat)["mean_radius"])
+    flat = height_map(np.full(shape, level), 1e-6)
+    found = parameters.roughness_parameters(flat)
+    assert found["rms_height"] == found["rms_gradient"] == found["rms_curvature"] == 0
+    assert parameters.interior_rms_gradient(flat) == 0
+    assert math.isnan(found["nayak_parameter"])
+    assert math.isnan(found["points_per_shortest_wavelength"])
+    assert math.isnan(parameters.summit_statistics(flat)["mean_radius"])
 
 
 def test_parameters_together_are_the_parameters_one_by_one():
-    height = synthetic.height_map(np.random.default_rng(2).standard_normal((20, 31)), (2.0, 1.0))
-    for name, value in roughness.roughness_parameters(height).items():
-        assert getattr(roughness, name)(height) == pytest.approx(value, rel=1e-14)
+    height = height_map(np.random.default_rng(2).standard_normal((20, 31)), (2.0, 1.0))
+    for name, value in parameters.roughness_parameters(height).items():
+        assert getattr(parameters, name)(height) == pytest.approx(value, rel=1e-14)
 
 
 def test_steepest_points_of_random_slopes_and_of_a_single_spike():
@@ -160,8 +163,8 @@ def test_steepest_points_of_random_slopes_and_of_a_single_spike():
         (512, 512), 1e-6, hurst=0.8, shortest=8e-6, longest=64e-6, rms_gradient=0.1, seed=1
     )
     expected = 0.01 * (1 - math.log(0.01))
-    assert roughness.steepest_share(rough) == pytest.approx(expected, rel=0.05)
-    spike = synthetic.height_map(np.where(np.arange(4096).reshape(64, 64) == 100, 1e-6, 0.0), (1e-6, 2e-6))
-    assert roughness.steepest_share(spike) == pytest.approx(1.0)
-    assert roughness.steepest_share(spike, share=1e-9) == pytest.approx(1.25 / 2.5)
-    assert roughness.steepest_share(0 * spike) == 0
+    assert parameters.steepest_share(rough) == pytest.approx(expected, rel=0.05)
+    spike = height_map(np.where(np.arange(4096).reshape(64, 64) == 100, 1e-6, 0.0), (1e-6, 2e-6))
+    assert parameters.steepest_share(spike) == pytest.approx(1.0)
+    assert parameters.steepest_share(spike, share=1e-9) == pytest.approx(1.25 / 2.5)
+    assert parameters.steepest_share(0 * spike) == 0

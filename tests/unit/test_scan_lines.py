@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from roughcontact.errors import SettingsError
-from roughcontact.levelling import level
-from roughcontact.scan_lines import find_scars, line_offsets
-from roughcontact.synthetic import height_map, self_affine_surface, turned_surface
+from roughcontact.levelling.level import level
+from roughcontact.levelling.scan_lines import find_scars, line_offsets
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import self_affine_surface, turned_surface
 
 
 def rough(seed=0, shape=(96, 128)):

@@ -7,15 +7,23 @@ from pathlib import Path
 import pytest
 import yaml
 
-from roughcontact.contact import plan_loads, solve_contact
+from roughcontact.configuration.models import (
+    Contact,
+    Settings,
+    contact_modulus,
+    default_yaml,
+    json_schema,
+    resolve,
+)
+from roughcontact.contact.loads import plan_loads
+from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
-from roughcontact.faces import relative_positions
-from roughcontact.levelling import level
-from roughcontact.report import write_report
-from roughcontact.settings import Contact, Settings, contact_modulus, default_yaml, json_schema, resolve
-from roughcontact.statistics import contact_statistics
+from roughcontact.faces.composite import relative_positions
+from roughcontact.levelling.level import level
+from roughcontact.report.page import write_report
+from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.window import periodic_window
+from roughcontact.window.periodic_window import periodic_window
 
 ROOT = Path(__file__).parents[2]
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
@@ -41,7 +49,7 @@ def mistakes(config):
 )
 def test_generated_files_are_in_step(name, generate):
     assert (ROOT / name).read_text(encoding="utf-8") == generate(), (
-        f"{name} is old: run `PYTHONPATH=workflow/lib python -m roughcontact.settings .`"
+        f"{name} is old: run `PYTHONPATH=workflow/lib python -m roughcontact.configuration.models .`"
     )
 
 

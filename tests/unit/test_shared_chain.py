@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from test_io_shared import DATA, FILES, GIVEN, OTHERWISE, REFUSED
 
-from roughcontact import checks
-from roughcontact.contact import solve_contact
+from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, InputFileError
-from roughcontact.io import inspect_file, read_height_map
-from roughcontact.levelling import level
-from roughcontact.roughness import rms_gradient
-from roughcontact.statistics import contact_statistics
-from roughcontact.theory import persson_area
-from roughcontact.window import periodic_window
+from roughcontact.io.read import inspect_file, read_height_map
+from roughcontact.levelling.level import level
+from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.statistics import checks
+from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.statistics.theory import persson_area
+from roughcontact.window.periodic_window import periodic_window
 
 pytestmark = [
     pytest.mark.shared_data,

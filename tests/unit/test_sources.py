@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from roughcontact import sources
+from roughcontact.configuration import dependencies
 
 ROOT = Path(__file__).parents[2]
 PAGES = {"panel", "report", "validation", "validation_page", "cost"}
@@ -33,35 +33,35 @@ def test_all_that_is_imported_when_a_script_starts_is_covered(script):
         check=True,
     )
     loaded = {Path(line).resolve() for line in run.stdout.split()}
-    assert loaded <= sources._closure(script)
+    assert loaded <= dependencies._closure(script)
 
 
 @pytest.fixture
 def package(tmp_path, monkeypatch):
     """Return a copy of the package and its scripts that may be edited."""
     shutil.copytree(ROOT / "workflow", tmp_path / "workflow", ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(sources, "PACKAGE", tmp_path / "workflow/lib/roughcontact")
-    sources._imported.cache_clear()
+    monkeypatch.setattr(dependencies, "PACKAGE", tmp_path / "workflow/lib/roughcontact")
+    dependencies._imported.cache_clear()
     yield tmp_path / "workflow"
-    sources._imported.cache_clear()
+    dependencies._imported.cache_clear()
 
 
 def digests(workflow):
     """Return the checksum of every script."""
-    sources._imported.cache_clear()
-    return {path.stem: sources.source_digest(path) for path in (workflow / "scripts").glob("[a-z]*.py")}
+    dependencies._imported.cache_clear()
+    return {path.stem: dependencies.source_digest(path) for path in (workflow / "scripts").glob("[a-z]*.py")}
 
 
 @pytest.mark.parametrize(
     ("edited", "concerned"),
     [
-        ("lib/roughcontact/periodisation.py", {"composite", "window", "uncertainty", "validate"}),
-        ("lib/roughcontact/outliers.py", {"level", "uncertainty", "validate"}),
+        ("lib/roughcontact/window/periodisation.py", {"composite", "window", "uncertainty", "validate"}),
+        ("lib/roughcontact/levelling/outliers.py", {"level", "uncertainty", "validate"}),
         ("lib/roughcontact/io/units.py", {"ingest", "validate"}),
-        ("lib/roughcontact/contact/solve.py", {*SOLVERS, "statistics", "validate"}),
-        ("lib/roughcontact/collect.py", {"collect"}),
-        ("lib/roughcontact/templates/report.css", PAGES),
-        ("lib/roughcontact/settings.py", set()),
+        ("lib/roughcontact/contact/solve.py", {*SOLVERS, "validate"}),
+        ("lib/roughcontact/results/collect.py", {"collect"}),
+        ("lib/roughcontact/report/templates/report.css", PAGES),
+        ("lib/roughcontact/configuration/models.py", set()),
         ("scripts/_solver.py", SOLVERS),
     ],
 )

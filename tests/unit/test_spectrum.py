@@ -5,9 +5,9 @@ import warnings
 import numpy as np
 import pytest
 
-from roughcontact.fourier import spacing
-from roughcontact.spectrum import angular_spectrum, areal_spectrum, isotropic_spectrum
-from roughcontact.synthetic import height_map, self_affine_surface
+from roughcontact.maps import height_map, spacing
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.roughness.spectrum import angular_spectrum, areal_spectrum, isotropic_spectrum
 
 
 def area(height):

@@ -1,7 +1,7 @@
 """Two cases share a stage where all settings up to it are equal."""
 
-from roughcontact.settings import resolve
-from roughcontact.stages import SECTIONS, owner, settings_of
+from roughcontact.configuration.models import resolve
+from roughcontact.configuration.stages import SECTIONS, owner, settings_of
 
 
 def owners(overrides, **contact):

@@ -7,16 +7,17 @@ import pytest
 import xarray as xr
 from scipy.integrate import quad
 
-from roughcontact import reference, statistics
-from roughcontact.contact import solve_contact
+from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
-from roughcontact.statistics import contact_statistics
-from roughcontact.synthetic import product_wave_surface, rough_reference_surface
+from roughcontact.references import closed_forms
+from roughcontact.references.synthetic import product_wave_surface, rough_reference_surface
+from roughcontact.statistics import contact_geometry
+from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.variables import describe
 
 C = (np.pi - 1 + np.log(2)) / 24
 D, WAVELENGTH, MODULUS = 1.5e-6, 2e-3, 3e9
-FULL = reference.westergaard_full_contact_pressure(D, WAVELENGTH, MODULUS)
+FULL = closed_forms.westergaard_full_contact_pressure(D, WAVELENGTH, MODULUS)
 
 
 def solution(pressure, gap, height, steps, *, modulus=MODULUS):
@@ -42,8 +43,8 @@ def solution(pressure, gap, height, steps, *, modulus=MODULUS):
 def westergaard(ratios, *, rows, points=1024):
     """Return Westergaard's solution, crests between the points, rows of it side by side."""
     x = (np.arange(points) + 0.5) * WAVELENGTH / points
-    pressure = [reference.westergaard_pressure(x, WAVELENGTH, r * FULL, r) for r in ratios]
-    gap = [reference.westergaard_gap(x, WAVELENGTH, D, min(r, 1.0)) for r in ratios]
+    pressure = [closed_forms.westergaard_pressure(x, WAVELENGTH, r * FULL, r) for r in ratios]
+    gap = [closed_forms.westergaard_gap(x, WAVELENGTH, D, min(r, 1.0)) for r in ratios]
     fields = (np.repeat(np.array(field)[:, None], rows, axis=1) for field in (pressure, gap))
     height = np.tile(D * np.cos(2 * np.pi * x / WAVELENGTH), (rows, 1))
     return solution(*fields, height, (3e-6, WAVELENGTH / points))
@@ -64,21 +65,23 @@ def test_corrected_area_of_a_square_wherever_it_lies(shift):
     touching = np.zeros((10, 12), bool)
     touching[2:5, 3:6] = True
     touching = np.roll(touching, (shift, shift), (0, 1))
-    assert statistics.count_switches(touching) == (6, 6)
-    assert statistics.relative_contact_area(touching) == pytest.approx((9 - 12 * C) / 120, rel=1e-14)
+    assert contact_geometry.count_switches(touching) == (6, 6)
+    assert contact_geometry.relative_contact_area(touching) == pytest.approx((9 - 12 * C) / 120, rel=1e-14)
 
 
 def test_corrected_area_of_everything_and_of_one_column():
-    assert statistics.relative_contact_area(np.ones((5, 7), bool)) == 1.0
+    assert contact_geometry.relative_contact_area(np.ones((5, 7), bool)) == 1.0
     column = np.zeros((5, 7), bool)
     column[:, 2] = True
-    assert statistics.relative_contact_area(column) == pytest.approx((5 - 10 * C) / 35, rel=1e-14)
+    assert contact_geometry.relative_contact_area(column) == pytest.approx((5 - 10 * C) / 35, rel=1e-14)
 
 
 def test_corrected_area_of_a_profile_is_that_of_many_equal_rows():
     row = np.random.default_rng(0).random((1, 60)) < 0.4
     many = np.repeat(row, 5, axis=0)
-    assert statistics.relative_contact_area(row) == pytest.approx(statistics.relative_contact_area(many))
+    assert contact_geometry.relative_contact_area(row) == pytest.approx(
+        contact_geometry.relative_contact_area(many)
+    )
 
 
 @pytest.mark.parametrize("steps", [(1.0, 1.0), (1.0, 0.4), (0.25, 1.0)])
@@ -86,14 +89,14 @@ def test_disc(steps):
     radius = 60.0
     points = tuple(int(2 * radius / d) + 9 for d in steps)
     touching = disc(points, radius, steps)
-    area = statistics.relative_contact_area(touching) * points[0] * points[1] * steps[0] * steps[1]
+    area = contact_geometry.relative_contact_area(touching) * points[0] * points[1] * steps[0] * steps[1]
     # the rows and columns through a disc number 2 r/dy and 2 r/dx, with two switches each
     switches = 4 * radius / steps[0] + 4 * radius / steps[1]
-    assert sum(statistics.count_switches(touching)) == pytest.approx(switches, rel=0.02)
+    assert sum(contact_geometry.count_switches(touching)) == pytest.approx(switches, rel=0.02)
     expected = np.pi * radius**2 - C * switches * steps[0] * steps[1]
     assert area == pytest.approx(expected, rel=1e-3)
     assert area == pytest.approx(np.pi * radius**2, rel=6e-3)
-    assert statistics.contact_perimeter(touching, steps) == pytest.approx(2 * np.pi * radius, rel=0.02)
+    assert contact_geometry.contact_perimeter(touching, steps) == pytest.approx(2 * np.pi * radius, rel=0.02)
 
 
 def test_perimeter_of_an_ellipse_and_of_lines():
@@ -101,22 +104,22 @@ def test_perimeter_of_an_ellipse_and_of_lines():
     # stretching x by three makes an ellipse of a disc
     touching = disc((500, 400), 100.0, (0.5, 1 / 1.5), centre=(0.2, 0.4))
     circumference = quad(lambda t: np.hypot(150 * np.sin(t), 100 * np.cos(t)), 0, 2 * np.pi)[0]
-    assert statistics.contact_perimeter(touching, steps) == pytest.approx(circumference, rel=0.01)
+    assert contact_geometry.contact_perimeter(touching, steps) == pytest.approx(circumference, rel=0.01)
     ridges = np.zeros((40, 30), bool)
     ridges[:, 3:7] = True
-    assert statistics.contact_perimeter(ridges, steps) == pytest.approx(2 * 40 * 0.5, rel=1e-14)
-    assert statistics.contact_perimeter(ridges.T, steps) == pytest.approx(2 * 40 * 1.0, rel=1e-14)
+    assert contact_geometry.contact_perimeter(ridges, steps) == pytest.approx(2 * 40 * 0.5, rel=1e-14)
+    assert contact_geometry.contact_perimeter(ridges.T, steps) == pytest.approx(2 * 40 * 1.0, rel=1e-14)
     diagonal = (np.add.outer(np.arange(40), np.arange(40)) % 40) < 10
-    assert statistics.contact_perimeter(diagonal, (1.0, 1.0)) == pytest.approx(
+    assert contact_geometry.contact_perimeter(diagonal, (1.0, 1.0)) == pytest.approx(
         2 * 40 * np.sqrt(2) * np.pi / (2 * np.sqrt(2)), rel=1e-12
     )
-    assert statistics.contact_perimeter(np.ones((4, 4), bool), steps) == 0.0
+    assert contact_geometry.contact_perimeter(np.ones((4, 4), bool), steps) == 0.0
 
 
 def test_perimeter_does_not_depend_on_how_often_a_map_is_repeated():
     touching = np.random.default_rng(5).random((24, 18)) < 0.3
-    one = statistics.contact_perimeter(touching, (1.0, 0.7))
-    assert statistics.contact_perimeter(np.tile(touching, (2, 3)), (1.0, 0.7)) == pytest.approx(
+    one = contact_geometry.contact_perimeter(touching, (1.0, 0.7))
+    assert contact_geometry.contact_perimeter(np.tile(touching, (2, 3)), (1.0, 0.7)) == pytest.approx(
         6 * one, rel=1e-13
     )
 
@@ -156,8 +159,8 @@ def flood(touching):
 )
 def test_clusters_of_hand_made_masks(rows, patches):
     touching = np.array([[cell == "#" for cell in row] for row in rows])
-    assert statistics.count_clusters(touching) == patches
-    assert statistics.count_clusters(touching.T) == patches
+    assert contact_geometry.count_clusters(touching) == patches
+    assert contact_geometry.count_clusters(touching.T) == patches
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -165,8 +168,8 @@ def test_clusters_against_a_walk_and_under_shifts(seed):
     rng = np.random.default_rng(seed)
     touching = rng.random(rng.integers(1, 14, 2)) < rng.uniform(0.2, 0.7)
     patches = flood(touching)
-    assert statistics.count_clusters(touching) == patches
-    assert statistics.count_clusters(np.roll(touching, (3, 5), (0, 1))) == patches
+    assert contact_geometry.count_clusters(touching) == patches
+    assert contact_geometry.count_clusters(np.roll(touching, (3, 5), (0, 1))) == patches
 
 
 # --- closed forms fed in -----------------------------------------------------------------------------------
@@ -180,7 +183,7 @@ def test_westergaard_all_numbers(rows):
     ratios = np.array([0.05, 0.4, 0.9])
     stats = contact_statistics(westergaard(ratios, rows=rows, points=points))
     pitch = WAVELENGTH / points
-    share = np.array([reference.westergaard_contact_share(r) for r in ratios])
+    share = np.array([closed_forms.westergaard_contact_share(r) for r in ratios])
     length = rows * (3e-6 if rows > 1 else pitch)
 
     np.testing.assert_allclose(stats["relative_contact_area_pixels"], share, atol=1.01 / points)
@@ -192,16 +195,16 @@ def test_westergaard_all_numbers(rows):
     np.testing.assert_allclose(stats["mean_pressure"], ratios * FULL, rtol=5e-5)
     np.testing.assert_allclose(stats["mean_contact_pressure"], ratios * FULL / share, rtol=1e-3)
     np.testing.assert_allclose(stats["max_pressure"], 2 * FULL * np.sqrt(ratios), rtol=2e-6)
-    np.testing.assert_allclose(stats["mean_gap"], reference.westergaard_mean_gap(D, ratios), rtol=1e-6)
-    energy = [reference.westergaard_energy(D, WAVELENGTH, MODULUS, r) for r in ratios]
+    np.testing.assert_allclose(stats["mean_gap"], closed_forms.westergaard_mean_gap(D, ratios), rtol=1e-6)
+    energy = [closed_forms.westergaard_energy(D, WAVELENGTH, MODULUS, r) for r in ratios]
     np.testing.assert_allclose(stats["elastic_energy"], energy, rtol=2e-4)
-    stiffness = [reference.westergaard_stiffness(D, WAVELENGTH, MODULUS, r) for r in ratios]
+    stiffness = [closed_forms.westergaard_stiffness(D, WAVELENGTH, MODULUS, r) for r in ratios]
     np.testing.assert_allclose(stats["contact_stiffness"], stiffness, rtol=2e-3)
 
     for ratio, std, mean in zip(ratios, stats["pressure_std"], stats["mean_contact_pressure"], strict=True):
-        half = reference.westergaard_contact_share(ratio) * WAVELENGTH / 2
+        half = closed_forms.westergaard_contact_share(ratio) * WAVELENGTH / 2
         square = quad(
-            lambda x, r=ratio: reference.westergaard_pressure(x, WAVELENGTH, r * FULL, r) ** 2, 0, half
+            lambda x, r=ratio: closed_forms.westergaard_pressure(x, WAVELENGTH, r * FULL, r) ** 2, 0, half
         )
         expected = np.sqrt(square[0] / half - float(mean) ** 2)
         assert float(std) == pytest.approx(expected, rel=2e-3)
@@ -223,9 +226,9 @@ def test_westergaard_pressure_distribution():
     stats = contact_statistics(westergaard([ratio], rows=1, points=1 << 15))
     bounds = stats["pressure_bin_bounds"].values
     below = np.cumsum(stats["pressure_density"].values[0] * np.diff(bounds).ravel())
-    half = reference.westergaard_contact_share(ratio) * WAVELENGTH / 2
+    half = closed_forms.westergaard_contact_share(ratio) * WAVELENGTH / 2
     x = np.linspace(0, half, 200001)
-    pressure = reference.westergaard_pressure(x, WAVELENGTH, ratio * FULL, ratio)  # falls from the crest
+    pressure = closed_forms.westergaard_pressure(x, WAVELENGTH, ratio * FULL, ratio)  # falls from the crest
     for share, bound in zip(below, bounds[:, 1], strict=True):
         position = np.interp(-bound, -pressure, x) if bound < pressure[0] else 0.0
         assert share == pytest.approx(1 - position / half, abs=3e-4)
@@ -251,7 +254,7 @@ def test_densities_are_whole_whatever_the_pressures():
 def test_full_contact_of_a_rough_map():
     height = rough_reference_surface(64).values * 1e-4
     steps = (1e-3, 2e-3)
-    fluctuation = reference.full_contact_fluctuation(height, steps, MODULUS)
+    fluctuation = closed_forms.full_contact_fluctuation(height, steps, MODULUS)
     mean = -1.5 * fluctuation.min()
     stats = contact_statistics(solution((mean + fluctuation)[None], np.zeros((1, 64, 64)), height, steps))
     gradient = float(stats["rms_gradient"])
@@ -260,7 +263,7 @@ def test_full_contact_of_a_rough_map():
     assert stats["contact_perimeter"].item() == 0.0
     assert stats["contact_clusters"].item() == 1
     assert stats["pressure_std"].item() == pytest.approx(MODULUS * gradient / 2, rel=1e-12)
-    energy = reference.full_contact_energy(height, steps, MODULUS)
+    energy = closed_forms.full_contact_energy(height, steps, MODULUS)
     assert stats["elastic_energy"].item() == pytest.approx(energy, rel=1e-12)
     assert np.isnan(stats["gap_density"]).all()
 
@@ -348,16 +351,16 @@ def test_corrected_area_of_the_product_wave_is_nearer_than_the_pixels(ratio):
     # crests half a cell off the points: no accident of the grid
     middle = np.roll(wave.values, 1, 1) / 2 + wave.values / 2
     wave = wave.copy(data=middle / middle.max() * 0.01)
-    full = reference.jgh_full_contact_pressure(0.01, 1.0, 1.0)
+    full = closed_forms.jgh_full_contact_pressure(0.01, 1.0, 1.0)
     stats = solve_contact(
         wave, contact_modulus=1.0, mean_pressure=ratio * full, tolerance=1e-6, reduce=contact_statistics
     )
-    truth = reference.JGH_CONTACT_SHARE[ratio]
+    truth = closed_forms.JGH_CONTACT_SHARE[ratio]
     corrected = abs(stats["relative_contact_area"].item() - truth)
     raw = abs(stats["relative_contact_area_pixels"].item() - truth)
     assert corrected < 2e-3
     assert corrected < raw / 3
-    peak, gap = reference.JGH_PEAK_AND_GAP[ratio]
+    peak, gap = closed_forms.JGH_PEAK_AND_GAP[ratio]
     assert stats["max_pressure"].item() / (ratio * full) == pytest.approx(peak, rel=5e-3)
     assert stats["mean_gap"].item() / 0.01 == pytest.approx(gap, rel=2e-3)
 

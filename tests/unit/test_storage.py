@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 
 from roughcontact.errors import InputFileError, RoughContactError
-from roughcontact.storage import provenance, read_dataset, write_dataset, write_text
-from roughcontact.synthetic import rough_reference_surface
+from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.results.storage import provenance, read_dataset, write_dataset, write_text
 
 
 def small():

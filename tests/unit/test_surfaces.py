@@ -5,9 +5,17 @@ import inspect
 import pytest
 
 from roughcontact.command_line import _FILE_OPTIONS
+from roughcontact.configuration.surfaces import (
+    COLUMNS,
+    PAIR,
+    REQUIRED,
+    find,
+    measured,
+    members,
+    read_surfaces,
+)
 from roughcontact.errors import SettingsError
-from roughcontact.io import inspect_file, read_height_map
-from roughcontact.surfaces import COLUMNS, PAIR, REQUIRED, find, measured, members, read_surfaces
+from roughcontact.io.read import inspect_file, read_height_map
 
 
 @pytest.fixture

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from roughcontact import synthetic
 from roughcontact.errors import SettingsError
-from roughcontact.fourier import spacing
-from roughcontact.roughness import rms_gradient, rms_height
+from roughcontact.maps import height_map, spacing
+from roughcontact.references import synthetic
+from roughcontact.roughness.parameters import rms_gradient, rms_height
 
 
 @pytest.mark.parametrize("points", [33, 64, 100, 256])
@@ -127,7 +127,7 @@ def test_sum_of_equal_waves_is_the_product_wave_turned_by_45_degrees():
 
 def test_height_map_follows_the_contract():
     values = np.array([[1.0, np.nan, 3.0], [4.0, 5.0, 6.0]])
-    height = synthetic.height_map(values, (2e-6, 1e-6))
+    height = height_map(values, (2e-6, 1e-6))
     assert height.dims == ("y", "x")
     assert height.name == "height"
     np.testing.assert_allclose(height["y"], [1e-6, 3e-6])

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.signal import fftconvolve
 
-from roughcontact.fourier import spacing
-from roughcontact.io import read_height_map
-from roughcontact.levelling import level
-from roughcontact.synthetic import height_map, self_affine_surface
-from roughcontact.texture import autocorrelation, decay_lengths, texture_parameters
+from roughcontact.io.read import read_height_map
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map, spacing
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.roughness.texture import autocorrelation, decay_lengths, texture_parameters
 
 DATA = Path(__file__).parents[2].parent / "shared" / "data"
 

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from roughcontact import texture_plots
-from roughcontact.levelling import level
-from roughcontact.synthetic import height_map, self_affine_surface
-from roughcontact.window import periodic_window
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.report import texture_plots
+from roughcontact.window.periodic_window import periodic_window
 
 
 def window(shape=(96, 128), **options):

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import erf
 
-from roughcontact import theory
+from roughcontact.statistics import theory
 
 
 def test_persson_slope_and_full_contact():

@@ -10,7 +10,7 @@ PROGRAM = """
 import os, sys
 from concurrent.futures import ThreadPoolExecutor
 import roughcontact as rc
-from roughcontact.synthetic import self_affine_surface
+from roughcontact.references.synthetic import self_affine_surface
 
 band = {"hurst": 0.8, "shortest": 8e-6, "longest": 64e-6}
 height = self_affine_surface((256, 256), 1e-6, **band, rms_gradient=0.1, seed=1)

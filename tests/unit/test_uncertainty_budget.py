@@ -4,19 +4,19 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from roughcontact import synthetic
-from roughcontact.collect import summary_table
-from roughcontact.contact import solve_contact
+from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
-from roughcontact.levelling import level
+from roughcontact.levelling.level import level
 from roughcontact.quantities import plus_minus
-from roughcontact.statistics import contact_statistics, with_uncertainty
-from roughcontact.storage import read_dataset, write_dataset
+from roughcontact.references import synthetic
+from roughcontact.report.budget_plots import shown_budget
+from roughcontact.results.collect import summary_table
+from roughcontact.results.storage import read_dataset, write_dataset
+from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
 from roughcontact.uncertainty.budget import SOURCES, combine, error_budget
 from roughcontact.uncertainty.headline import QUANTITIES, headline
-from roughcontact.uncertainty.shown import shown_budget
 from roughcontact.validation.coverage import measured_cases
-from roughcontact.window import periodic_window
+from roughcontact.window.periodic_window import periodic_window
 
 CONTACT = {"contact_modulus": 1.0, "mean_pressure": [0.02, 0.002], "tolerance": 1e-4}
 SETTINGS = {"level": {}, "window": {}, "contact": CONTACT}

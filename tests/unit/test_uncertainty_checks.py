@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from roughcontact import checks, synthetic
-from roughcontact.contact import solve_contact
-from roughcontact.statistics import contact_statistics
+from roughcontact.contact.solve import solve_contact
+from roughcontact.references import synthetic
+from roughcontact.statistics import checks
+from roughcontact.statistics.contact_statistics import contact_statistics
 
 
 def found(longest, window=(), **contact):

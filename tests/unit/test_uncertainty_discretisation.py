@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from roughcontact import reference, synthetic
-from roughcontact.contact import solve_contact
-from roughcontact.cost.measure import refined
+from roughcontact.contact.solve import solve_contact
+from roughcontact.maps import height_map, refined
+from roughcontact.references import closed_forms, synthetic
 from roughcontact.uncertainty import discretisation
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, grid_marks
 from roughcontact.uncertainty.headline import QUANTITIES
@@ -37,7 +37,7 @@ def test_the_interval_covers_the_closed_form_of_ridges():
         true_area = 2 / np.pi * np.arcsin(np.sqrt(share))
         found = float(solved["relative_contact_area"][0])
         assert abs(found - true_area) <= float(half_widths["relative_contact_area"][0]) < 0.1
-    assert reference.westergaard_contact_share(share) == pytest.approx(true_area)
+    assert closed_forms.westergaard_contact_share(share) == pytest.approx(true_area)
 
 
 def test_the_interval_shrinks_with_the_pixels():
@@ -74,6 +74,6 @@ def test_the_peak_stands_out_from_its_neighbours():
 
 
 def test_what_is_flat_has_no_error_of_the_pixel_size():
-    flat = synthetic.height_map(np.zeros((32, 32)), 1.0)
+    flat = height_map(np.zeros((32, 32)), 1.0)
     found = discretisation_uncertainty(flat, contact=PROBLEM | {"mean_pressure": [1.0]})
     assert all(float(found[name][0]) == 0 for name in QUANTITIES)

@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from known_surfaces import GRADIENT, MEANS, contact, surface
 
-from roughcontact.contact import solve_contact
-from roughcontact.levelling import level
-from roughcontact.synthetic import height_map, self_affine_surface
+from roughcontact.contact.solve import solve_contact
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.uncertainty.processing import processing_uncertainty, rough_filling
 from roughcontact.uncertainty.window_sampling import window_uncertainty
-from roughcontact.window import periodic_window
+from roughcontact.window.periodic_window import periodic_window
 
 FORM_2, OTHER_METHOD, FILLED = (
     "form of order 2",

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from roughcontact import synthetic
-from roughcontact.contact import solve_contact
-from roughcontact.statistics import contact_statistics
+from roughcontact.contact.solve import solve_contact
+from roughcontact.references import synthetic
+from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.uncertainty.solver import points_within_reach, solver_uncertainty
 

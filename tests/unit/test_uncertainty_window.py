@@ -5,14 +5,15 @@ import pytest
 from known_surfaces import GRADIENT, MEANS, contact, surface
 from scipy import stats
 
-from roughcontact.contact import solve_contact
+from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import ConvergenceError, SettingsError
-from roughcontact.levelling import level
-from roughcontact.synthetic import height_map, self_affine_surface
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.uncertainty.ensemble import solve_member
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.uncertainty.window_sampling import window_uncertainty
-from roughcontact.window import periodic_window
+from roughcontact.window.periodic_window import periodic_window
 
 
 def sampled(levelled, problem, window=None, **options):

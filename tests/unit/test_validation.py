@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from roughcontact import reference, synthetic
-from roughcontact.contact import solve_contact
+from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import DeviationError, SettingsError
-from roughcontact.fourier import spacing
+from roughcontact.maps import spacing
+from roughcontact.references import closed_forms, synthetic
 from roughcontact.validation import PARTS, convergence, page, paper
 from roughcontact.validation.lines import (
     Evidence,
@@ -32,7 +32,7 @@ from roughcontact.validation.parts import validate
 
 ROOT = Path(__file__).parents[2]
 SAMPLE = ROOT / "data_samples/sandblasted.x3p"
-EVIDENCE = Evidence("1 + 1 = 2", "Peano (1889)", "reference.hertz", "tests/unit/test_reference.py")
+EVIDENCE = Evidence("1 + 1 = 2", "Peano (1889)", "closed_forms.hertz", "tests/unit/test_reference.py")
 KNOWN = {"tolerance": 0.1, "reason": "for the test", "evidence": EVIDENCE}
 
 
@@ -159,7 +159,7 @@ def test_measures_of_a_deviation():
     ],
 )
 def test_a_wrong_reference_is_noticed(monkeypatch, name, wrong):
-    monkeypatch.setattr(reference, name, wrong)
+    monkeypatch.setattr(closed_forms, name, wrong)
     part = validate("waves", finest_grid=256)
     with pytest.raises(DeviationError):
         page.check([part], "page.html")
@@ -184,14 +184,14 @@ def test_fitted_order_of_a_power_law():
 def test_the_gap_of_a_pressure_is_that_of_the_solver():
     height = synthetic.rough_reference_surface(64)
     contact = solve_contact(height, contact_modulus=2.0, mean_pressure=0.1, tolerance=1e-10)
-    gap = reference.gap_left_by(contact["pressure"].values[0], height.values, spacing(height), 2.0)
+    gap = closed_forms.gap_left_by(contact["pressure"].values[0], height.values, spacing(height), 2.0)
     np.testing.assert_allclose(gap, contact["gap"].values[0], atol=1e-10 * np.ptp(height.values))
 
 
 def test_the_series_of_figure_1_has_the_mean_of_a_hertz_contact_in_its_middle():
     """With the lattice value at q = 0 and a wide period the middle must approach as a single contact does."""
     period = 200.0
-    zero = reference.LATTICE_CONSTANT * period
+    zero = closed_forms.LATTICE_CONSTANT * period
     (middle,) = paper.hertz_displacement_by_series(np.zeros(1), period, zero)
     assert middle == pytest.approx(
         np.pi / 2, rel=2e-3
@@ -201,13 +201,13 @@ def test_the_series_of_figure_1_has_the_mean_of_a_hertz_contact_in_its_middle():
 def test_consistency_of_the_closed_forms():
     """Westergaard: energy, gap and stiffness belong together, as `consistency` asks of the solver."""
     ratio, step = 0.3, 1e-6
-    full = reference.westergaard_full_contact_pressure(1.0, 1.0, 1.0)
+    full = closed_forms.westergaard_full_contact_pressure(1.0, 1.0, 1.0)
     low, high = ratio * (1 - step), ratio * (1 + step)
-    energy = [reference.westergaard_energy(1.0, 1.0, 1.0, r) for r in (low, high)]
-    gap = [reference.westergaard_mean_gap(1.0, r) for r in (low, high)]
+    energy = [closed_forms.westergaard_energy(1.0, 1.0, 1.0, r) for r in (low, high)]
+    gap = [closed_forms.westergaard_mean_gap(1.0, r) for r in (low, high)]
     assert -(energy[1] - energy[0]) / (gap[1] - gap[0]) == pytest.approx(ratio * full, rel=1e-6)
     stiffness = -2 * step * ratio * full / (gap[1] - gap[0])
-    assert stiffness == pytest.approx(reference.westergaard_stiffness(1.0, 1.0, 1.0, ratio), rel=1e-6)
+    assert stiffness == pytest.approx(closed_forms.westergaard_stiffness(1.0, 1.0, 1.0, ratio), rel=1e-6)
 
 
 def test_parts_are_written_the_same_twice(parts):

@@ -6,15 +6,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from roughcontact import synthetic
-from roughcontact.checks import FORM
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.fourier import spacing
-from roughcontact.io import read_height_map
-from roughcontact.levelling import level
-from roughcontact.roughness import rms_gradient, rms_height
-from roughcontact.window import METHODS, PLACEMENTS, friendly_sides, largest_rectangle, periodic_window
-from roughcontact.window_search import SHORTEST_SIDE
+from roughcontact.io.read import read_height_map
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map, spacing
+from roughcontact.references import synthetic
+from roughcontact.roughness.parameters import rms_gradient, rms_height
+from roughcontact.statistics.checks import FORM
+from roughcontact.window.periodic_window import (
+    METHODS,
+    PLACEMENTS,
+    friendly_sides,
+    largest_rectangle,
+    periodic_window,
+)
+from roughcontact.window.search import SHORTEST_SIDE
 
 
 def cut_out(shape=(100, 130), pitch=(2e-6, 1e-6), seed=0):
@@ -141,7 +147,7 @@ def test_gradient_before_is_that_of_the_inside(method):
 
 @pytest.mark.parametrize("shape", [(96, 128), (1, 200)])
 def test_share_of_the_form_is_known(shape):
-    height = synthetic.height_map(np.random.default_rng(0).standard_normal(shape), (2e-6, 1e-6))
+    height = height_map(np.random.default_rng(0).standard_normal(shape), (2e-6, 1e-6))
     x = np.linspace(-1, 1, shape[1])
     bow = np.sqrt(45 / 4) * (x**2 - 1 / 3)  # of rms height 1
     for share in (0.0, 0.5, 0.9):
@@ -157,7 +163,7 @@ def test_missing_border_is_cut_and_flags_are_kept():
     values[:, :30] = np.nan
     values[90:, 100] = np.nan
     values[40:44, 60:63] = np.nan
-    levelled = level(synthetic.height_map(values, (2e-6, 1e-6)))
+    levelled = level(height_map(values, (2e-6, 1e-6)))
     options = {"placement": "largest"}
     window = periodic_window(levelled, method="periodic-plus-smooth", **options)
     assert window.shape == (90, 128)
@@ -206,7 +212,7 @@ def test_tilted_measurement_does_not_get_its_tilt_back():
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("placement", PLACEMENTS)
 def test_profiles_thin_small_and_odd_maps(shape, method, placement):
-    height = synthetic.height_map(np.random.default_rng(0).standard_normal(shape), (3e-6, 1e-6))
+    height = height_map(np.random.default_rng(0).standard_normal(shape), (3e-6, 1e-6))
     window = periodic_window(level(height, outlier_threshold=None), method=method, placement=placement)
     assert np.isfinite(window.values).all()
     assert (window.shape[0] == 1) == (shape[0] == 1)
@@ -214,7 +220,7 @@ def test_profiles_thin_small_and_odd_maps(shape, method, placement):
 
 
 def test_flat_map_is_periodic():
-    window = periodic_window(level(synthetic.height_map(np.full((20, 30), 2.0), 1e-6)))
+    window = periodic_window(level(height_map(np.full((20, 30), 2.0), 1e-6)))
     assert window.attrs["periodisation"] == "none"
     assert window.attrs["periodisation_relative_change"] == 0
     assert window.attrs["rms_gradient_after"] == 0
@@ -222,17 +228,17 @@ def test_flat_map_is_periodic():
 
 def test_maps_without_a_window():
     with pytest.raises(HeightMapError, match="1 point"):
-        periodic_window(synthetic.height_map([[1.0]], 1.0))
+        periodic_window(height_map([[1.0]], 1.0))
     with pytest.raises(HeightMapError, match="missing"):
-        periodic_window(synthetic.height_map(np.full((5, 5), np.nan), 1.0))
+        periodic_window(height_map(np.full((5, 5), np.nan), 1.0))
     scattered = np.where(np.indices((40, 40)).sum(axis=0) % 2, 1.0, np.nan)
     with pytest.raises(HeightMapError, match="no two neighbouring points"):
-        periodic_window(synthetic.height_map(scattered, 1.0))
+        periodic_window(height_map(scattered, 1.0))
     holes = cut_out((120, 120)).values
     holes[::8, ::8] = np.nan
     with pytest.raises(HeightMapError, match=r"window.min_share = 0.1: fill the holes"):
-        periodic_window(synthetic.height_map(holes, 1.0), min_share=0.1)
-    assert periodic_window(synthetic.height_map(holes, 1.0), min_share=0.0, method="raw").shape == (7, 120)
+        periodic_window(height_map(holes, 1.0), min_share=0.1)
+    assert periodic_window(height_map(holes, 1.0), min_share=0.0, method="raw").shape == (7, 120)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from roughcontact.roughness import rms_gradient
+from roughcontact.roughness.parameters import rms_gradient
 
 ROOT = Path(__file__).parents[2]
 

@@ -7,11 +7,13 @@ from functools import partial
 import numpy as np
 import pytest
 
-from roughcontact import report, synthetic
-from roughcontact.contact import solve_contact
-from roughcontact.levelling import level
-from roughcontact.window import _band, is_friendly, periodic_window
-from roughcontact.window_search import SHORTEST_SIDE, WEIGHTS, lay_period, search_window
+from roughcontact.contact.solve import solve_contact
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
+from roughcontact.references import synthetic
+from roughcontact.report import page
+from roughcontact.window.periodic_window import _band, is_friendly, periodic_window
+from roughcontact.window.search import SHORTEST_SIDE, WEIGHTS, lay_period, search_window
 
 
 def rough(shape, seed=0, **options):
@@ -114,7 +116,7 @@ def test_rough_surfaces_have_no_lay_period():
 
 def test_sides_are_whole_numbers_of_the_lay_period():
     period = 37.6
-    height = synthetic.height_map(grooves((300, 290), period), 1e-6)
+    height = height_map(grooves((300, 290), period), 1e-6)
     window = periodic_window(level(height, outlier_threshold=None), placement="search")
     periods = window.shape[1] / period
     assert abs(periods - round(periods)) <= 0.1
@@ -131,14 +133,14 @@ def test_sides_are_whole_numbers_of_the_lay_period():
 def test_a_filled_hole_near_the_edge_is_mostly_left_out():
     values = rough((512, 512), seed=2)[:300, :300]
     values[60:240, 230:290] = np.nan
-    levelled = level(synthetic.height_map(values, 1e-6), outlier_threshold=None)
+    levelled = level(height_map(values, 1e-6), outlier_threshold=None)
     window = periodic_window(levelled, placement="search")
     assert window["filled"].mean() < 0.3 * periodic_window(levelled)["filled"].mean()
     assert "the best score of the search" in window.attrs["window_reason"]
 
 
 def test_the_record_says_where_the_window_lies():
-    levelled = level(synthetic.height_map(rough((512, 512), seed=5)[:282, :300], (2e-6, 1e-6)))
+    levelled = level(height_map(rough((512, 512), seed=5)[:282, :300], (2e-6, 1e-6)))
     window = periodic_window(levelled, placement="search", method="cross-fade")
     scores = json.loads(window.attrs["window_scores"])
     assert tuple(scores[0]["points"]) == window.shape
@@ -154,7 +156,7 @@ def test_the_record_says_where_the_window_lies():
 
 def test_search_costs_less_than_one_solve():
     """The least of some times, so that other work on the machine does not count."""
-    levelled = level(synthetic.height_map(rough((900, 900), seed=1)[:450, :450], 1.0), outlier_threshold=None)
+    levelled = level(height_map(rough((900, 900), seed=1)[:450, :450], 1.0), outlier_threshold=None)
 
     def least(job, repeats):
         times = []
@@ -171,9 +173,9 @@ def test_search_costs_less_than_one_solve():
 
 
 def test_the_report_lists_the_scores():
-    levelled = level(synthetic.height_map(rough((512, 512), seed=5)[:282, :300], 1e-6))
+    levelled = level(height_map(rough((512, 512), seed=5)[:282, :300], 1e-6))
     window = periodic_window(levelled, placement="search")
-    table = report._scores(window)
+    table = page._scores(window)
     best, scores = table["rows"][0], json.loads(window.attrs["window_scores"])
     assert len(table["rows"]) == len(scores)
     assert best["cells"][0] == f"{window.shape[1]} × {window.shape[0]}"
@@ -181,4 +183,4 @@ def test_the_report_lists_the_scores():
     assert best["words"].startswith("solved")
     assert sum("largest rectangle" in row["words"] for row in table["rows"]) == 1
     assert all(len(row["cells"]) == len(table["header"]) for row in table["rows"])
-    assert report._scores(periodic_window(levelled)) is None
+    assert page._scores(periodic_window(levelled)) is None

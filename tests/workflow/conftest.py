@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import yaml
 
-from roughcontact.synthetic import self_affine_surface
+from roughcontact.references.synthetic import self_affine_surface
 
 ROOT = Path(__file__).parents[2]
 SETTINGS = {

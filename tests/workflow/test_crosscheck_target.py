@@ -4,7 +4,7 @@ import sys
 
 from conftest import ROOT, SETTINGS, TABLE
 
-from roughcontact.storage import read_dataset
+from roughcontact.results.storage import read_dataset
 
 
 def test_the_differences_stand_in_the_report(project):

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from conftest import SETTINGS, Project, counted, write_maps
 
-from roughcontact.faces import composite, relative_positions
-from roughcontact.storage import read_dataset
+from roughcontact.faces.composite import composite, relative_positions
+from roughcontact.results.storage import read_dataset
 
 PAIR = (
     "surface\tpath\tcounter_face\tunit\tdx\tdy",

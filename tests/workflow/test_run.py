@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 from conftest import SETTINGS, TABLE, Project, counted, write_maps
 
-from roughcontact.storage import read_dataset
+from roughcontact.results.storage import read_dataset
 
 EACH = ["height.nc", "levelled.nc", "window.nc", "contact.nc", "uncertainty.nc", "statistics.nc"]
 EACH += ["panel.html"]
@@ -148,11 +148,11 @@ def test_pitches_that_changed_places_rerun_that_surface(finished):
 @pytest.mark.parametrize(
     ("module", "expected"),
     [
-        ("levelling.py", FROM_LEVEL),
+        ("levelling/level.py", FROM_LEVEL),
         ("contact/solve.py", FROM_SOLVE),
         ("uncertainty/discretisation.py", FROM_UNCERTAINTY),
-        ("plots.py", {"panel": 2, "report": 1}),
-        ("settings.py", {}),
+        ("report/plots.py", {"panel": 2, "report": 1}),
+        ("configuration/models.py", {}),
     ],
 )
 def test_an_edited_module_reruns_what_depends_on_it(finished, checkout, module, expected):

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from roughcontact.settings import resolve
-from roughcontact.surfaces import read_surfaces
+from roughcontact.configuration.models import resolve
+from roughcontact.configuration.surfaces import read_surfaces
 
 ROOT = Path(__file__).parents[2]
 

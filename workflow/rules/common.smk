@@ -6,10 +6,10 @@ ROOT = Path(workflow.basedir)
 sys.path.insert(0, str(ROOT / "workflow/lib"))
 
 from roughcontact.errors import SettingsError
-from roughcontact.settings import resolve
-from roughcontact.sources import source_digest
-from roughcontact.stages import SECTIONS, owner, settings_of
-from roughcontact.surfaces import find, measured, members, read_surfaces
+from roughcontact.configuration.models import resolve
+from roughcontact.configuration.dependencies import source_digest
+from roughcontact.configuration.stages import SECTIONS, owner, settings_of
+from roughcontact.configuration.surfaces import find, measured, members, read_surfaces
 
 # Without --configfile: the configuration of the working directory, else the one that comes with the workflow.
 # One file only, never two laid over each other, so that what a file says is all that is set.

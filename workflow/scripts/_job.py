@@ -35,7 +35,7 @@ def save(result, path: str, settings: dict, *, source: dict) -> None:
 
     `source` are the attributes of the height map it was computed from.
     """
-    from roughcontact.storage import provenance, write_dataset
+    from roughcontact.results.storage import provenance, write_dataset
 
     if hasattr(result, "to_dataset"):  # a single labelled array
         result = result.to_dataset()

@@ -2,7 +2,8 @@
 
 from _job import progress, snakemake
 
-from roughcontact.contact import SOLVER_SETTINGS, plan_loads
+from roughcontact.contact.loads import plan_loads
+from roughcontact.contact.solve import SOLVER_SETTINGS
 from roughcontact.errors import HeightMapError
 
 

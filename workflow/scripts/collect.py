@@ -4,8 +4,8 @@ import json
 
 from _job import save, snakemake
 
-from roughcontact.collect import collect_statistics, pairs_table, summary_table
-from roughcontact.storage import read_dataset, write_table
+from roughcontact.results.collect import collect_statistics, pairs_table, summary_table
+from roughcontact.results.storage import read_dataset, write_table
 
 files = zip(snakemake.params.entries, snakemake.input, strict=True)
 entries = [{**entry, "statistics": path} for entry, path in files]

@@ -2,8 +2,8 @@
 
 from _job import save, snakemake
 
-from roughcontact.faces import composite, relative_positions
-from roughcontact.storage import read_dataset
+from roughcontact.faces.composite import composite, relative_positions
+from roughcontact.results.storage import read_dataset
 
 settings = snakemake.params.settings
 pair = settings["surface"]

@@ -2,8 +2,8 @@
 
 from _job import save, snakemake
 
-from roughcontact.crosscheck import crosscheck
-from roughcontact.storage import read_dataset
+from roughcontact.crosscheck.crosscheck import crosscheck
+from roughcontact.results.storage import read_dataset
 
 files = ("window", "contact", "statistics")
 window, contact, statistics = (read_dataset(snakemake.input[name]) for name in files)

@@ -5,7 +5,7 @@ import json
 from _job import save, say, snakemake
 
 from roughcontact.errors import InputFileError, RoughContactError
-from roughcontact.io import read_height_map
+from roughcontact.io.read import read_height_map
 
 file, settings = snakemake.params.file, snakemake.params.settings
 given = {key: value for key, value in settings["surface"].items() if key != "name"}

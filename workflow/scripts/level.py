@@ -2,8 +2,8 @@
 
 from _job import save, snakemake
 
-from roughcontact.levelling import level
-from roughcontact.storage import read_dataset
+from roughcontact.levelling.level import level
+from roughcontact.results.storage import read_dataset
 
 settings = snakemake.params.settings
 height = read_dataset(snakemake.input[0])["height"]

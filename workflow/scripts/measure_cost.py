@@ -4,7 +4,7 @@ from _job import snakemake
 from _solver import solver_arguments
 
 from roughcontact.cost.measure import run_time_against_error
-from roughcontact.storage import read_dataset, write_table
+from roughcontact.results.storage import read_dataset, write_table
 
 window = read_dataset(snakemake.input[0])["height"]
 arguments = solver_arguments(window, snakemake.params.settings["contact"])

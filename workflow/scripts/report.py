@@ -2,7 +2,7 @@
 
 from _job import snakemake
 
-from roughcontact.report import write_report
+from roughcontact.report.page import write_report
 
 write_report(
     snakemake.output[0],

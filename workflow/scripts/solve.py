@@ -3,8 +3,8 @@
 from _job import save, snakemake
 from _solver import solver_arguments
 
-from roughcontact.contact import solve_contact
-from roughcontact.storage import read_dataset
+from roughcontact.contact.solve import solve_contact
+from roughcontact.results.storage import read_dataset
 
 settings = snakemake.params.settings
 window = read_dataset(snakemake.input[0])["height"]

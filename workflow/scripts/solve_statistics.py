@@ -5,9 +5,9 @@ from functools import partial
 from _job import save, snakemake
 from _solver import solver_arguments
 
-from roughcontact.contact import solve_contact
-from roughcontact.statistics import SOLVER_COLUMNS, contact_statistics, with_uncertainty
-from roughcontact.storage import read_dataset
+from roughcontact.contact.solve import solve_contact
+from roughcontact.results.storage import read_dataset
+from roughcontact.statistics.contact_statistics import SOLVER_COLUMNS, contact_statistics, with_uncertainty
 
 settings = snakemake.params.settings
 window = read_dataset(snakemake.input.window)["height"]

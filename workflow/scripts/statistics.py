@@ -2,8 +2,8 @@
 
 from _job import save, snakemake
 
-from roughcontact.statistics import contact_statistics, with_uncertainty
-from roughcontact.storage import read_dataset
+from roughcontact.results.storage import read_dataset
+from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
 
 settings = snakemake.params.settings
 contact, budget = (read_dataset(snakemake.input[name]) for name in ("contact", "uncertainty"))

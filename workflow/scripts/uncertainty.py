@@ -3,7 +3,7 @@
 from _job import save, snakemake
 from _solver import solver_arguments
 
-from roughcontact.storage import read_dataset
+from roughcontact.results.storage import read_dataset
 from roughcontact.uncertainty.budget import error_budget
 
 settings = snakemake.params.settings

@@ -2,7 +2,7 @@
 
 from _job import snakemake
 
-from roughcontact.storage import write_text
+from roughcontact.results.storage import write_text
 from roughcontact.validation.lines import to_json
 from roughcontact.validation.parts import validate
 

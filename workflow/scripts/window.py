@@ -2,8 +2,8 @@
 
 from _job import save, snakemake
 
-from roughcontact.storage import read_dataset
-from roughcontact.window import periodic_window
+from roughcontact.results.storage import read_dataset
+from roughcontact.window.periodic_window import periodic_window
 
 settings = snakemake.params.settings
 levelled = read_dataset(snakemake.input[0])["height"]

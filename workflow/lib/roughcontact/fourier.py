@@ -7,23 +7,6 @@ wavevectors in rad per unit length. Fields have shape (ny, nx); a profile is a f
 import numpy as np
 
 
-def spacing(height) -> tuple[float, float]:
-    """Return (dy, dx) of a map (y, x) in the unit of its coordinates.
-
-    The pitch of an axis with a single cell is not in its coordinate; it is then that of the other axis
-    (a profile stands for a surface that does not vary across it, so the value only scales its width).
-    """
-    steps = {}
-    for axis in ("y", "x"):
-        values = height[axis].values
-        if values.size > 1:
-            steps[axis] = float(values[-1] - values[0]) / (values.size - 1)
-    if not steps:
-        return 1.0, 1.0
-    other = next(iter(steps.values()))
-    return steps.get("y", other), steps.get("x", other)
-
-
 def wavevectors(shape, spacing) -> tuple[np.ndarray, np.ndarray]:
     """Return (qy, qx), shapes (ny, 1) and (1, nx//2 + 1), rad per unit length, for `rfft2`."""
     (ny, nx), (dy, dx) = shape, spacing

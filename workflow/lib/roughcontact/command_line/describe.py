@@ -4,7 +4,7 @@ import json
 import math
 import textwrap
 
-from roughcontact.instruments import labelled
+from roughcontact.io.metadata import labelled
 from roughcontact.quantities import number, percent, plus_minus, prefix, quantity
 
 _WIDTH = 100

@@ -1,13 +1,13 @@
 """The settings as options: `level.form` is `--level-form`, `contact.tolerance` is `--tolerance`.
 
-Names, meanings, defaults and checks are those of `roughcontact.settings`; nothing is said twice here.
+Names, meanings, defaults and checks are those of `roughcontact.configuration`; nothing is said twice here.
 """
 
 import os
 import re
 
+from roughcontact.configuration.models import Contact, Level, Uncertainty, Window, resolve
 from roughcontact.errors import SettingsError
-from roughcontact.settings import Contact, Level, Uncertainty, Window, resolve
 
 # what only the workflow needs (where fields go), or has an option of its own here
 _LEFT_OUT = {"bodies", "keep_fields"}

@@ -5,14 +5,15 @@ import sys
 from contextlib import contextmanager
 from functools import partial
 
-from roughcontact import checks
-from roughcontact.contact import SOLVER_SETTINGS, plan_loads, solve_contact
-from roughcontact.io import read_height_map
-from roughcontact.levelling import level
-from roughcontact.statistics import contact_statistics, with_uncertainty
+from roughcontact.contact.loads import plan_loads
+from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
+from roughcontact.io.read import read_height_map
+from roughcontact.levelling.level import level
+from roughcontact.statistics import checks
+from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.variables import VARIABLES
-from roughcontact.window import periodic_window
+from roughcontact.window.periodic_window import periodic_window
 
 
 def solve_file(path, given: dict, settings: dict, *, threads: int = 1) -> dict:
@@ -24,7 +25,7 @@ def solve_file(path, given: dict, settings: dict, *, threads: int = 1) -> dict:
     given : dict
         Keyword arguments of `read_height_map`.
     settings : dict
-        As `roughcontact.settings.resolve` returns them, for one case.
+        As `roughcontact.configuration.models.resolve` returns them, for one case.
     threads : int
         Threads of the Fourier transforms.
 

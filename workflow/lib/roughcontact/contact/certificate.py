@@ -7,9 +7,10 @@ p = 0 and e >= 0 at the cap. By Cauchy and Schwarz
 
     ||p - p*||_G <= ||r||_{G^-1} = ( sum_{q != 0} |q|/2 |r_q|^2 )^(1/2),
 
-all in dimensionless form (`roughcontact.halfspace`); ||.||_G is the norm of the elastic energy, without the
-mean. The freedom of r off the free contact makes the bound sharp: its energy is least where r continues w as
-`roughcontact.contact.extension` does. So r is that continuation, held at w where it would violate it.
+all in dimensionless form (`roughcontact.elasticity.halfspace`); ||.||_G is the norm of the elastic energy,
+without the mean. The freedom of r off the free contact makes the bound sharp: its energy is least where r
+continues w as `roughcontact.contact.interpolation` does. So r is that continuation, held at w where it would
+violate it.
 """
 
 from math import log2, sqrt
@@ -17,7 +18,7 @@ from math import log2, sqrt
 import numpy as np
 
 from roughcontact.contact.state import norm
-from roughcontact.kernels import DOUBLE, SINGLE, precision_of
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, precision_of
 
 # The residual is transformed in single precision: its norm is then known to this relative accuracy.
 _SINGLE_SLACK = 1e-4

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from roughcontact.contact.extension import Extension, lines_apart, pyramid
+from roughcontact.contact.interpolation import Extension, lines_apart, pyramid
 from roughcontact.contact.state import State, Way, contact_mean, norm, scale_to_load
-from roughcontact.halfspace import HalfSpace
-from roughcontact.kernels import SINGLE, empty, in_precision, kernels_for, precision_of
+from roughcontact.elasticity.halfspace import HalfSpace
+from roughcontact.kernels.arrays import SINGLE, empty, in_precision, precision_of
+from roughcontact.kernels.choose import kernels_for
 
 MOST_PASSES = 5  # in which what holding the pressure takes away is given to the contact around
 SMALL_REST = 0.05  # of the load, that the last pass may leave to be shared by all of the contact

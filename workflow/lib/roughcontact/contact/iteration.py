@@ -7,8 +7,8 @@ to that, and subtracts the result from the pressure, which is then held at 0:
     p <- [ p - t (M r - mean) ]+ .
 
 M = W^T G^-1 W is nowhere less than the inverse of the operator on the unsettled points and mostly at most an
-eighth more (`roughcontact.contact.extension`), so that what stands in the brackets is nearly the pressure of
-least energy that those points could carry with either sign. The one of least energy without tension is its
+eighth more (`roughcontact.contact.interpolation`), so that what stands in the brackets is nearly the pressure
+of least energy that those points could carry with either sign. The one of least energy without tension is its
 projection onto p >= 0 in the norm of the energy. That projection is imitated: the points held at 0 hand the
 load that they lose to the contact around them, as charges at grounded conductors do, by W^T for the points
 that stay. The contact set so moves with every step, and two transform pairs cut the error by twenty. It is a
@@ -17,9 +17,9 @@ solved by one application of a nearly exact inverse.
 
 The step length t follows from the energy along the last step, which is quadratic and known. Nothing is proved
 for steps of this kind: so every one must lower the elastic energy. One that does not is cut short where the
-energy is least, or undone, and projected gradient steps follow (`roughcontact.contact.projected`), twice as
-many with every second failure, which alone would converge. Where a step gains little, the next correction is
-an accurate one (`roughcontact.contact.conjugate`).
+energy is least, or undone, and projected gradient steps follow (`roughcontact.contact.projected_gradient`),
+twice as many with every second failure, which alone would converge. Where a step gains little, the next
+correction is an accurate one (`roughcontact.contact.conjugate_gradients`).
 
 The first steps are taken in single precision. Then pressure and separation are in double precision and the
 correction stays in single: it is small, and the next fresh application measures what rounding did to it
@@ -31,11 +31,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from roughcontact.contact.certificate import error_bound, relative_bound, rounding_floor
-from roughcontact.contact.conjugate import accurate, is_slow
+from roughcontact.contact.conjugate_gradients import accurate, is_slow
 from roughcontact.contact.grid import Grid
-from roughcontact.contact.projected import projected_step
+from roughcontact.contact.projected_gradient import projected_step
 from roughcontact.contact.state import State, between, scale_to_load
-from roughcontact.kernels import DOUBLE, SINGLE, empty, in_precision, precision_of
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, empty, in_precision, precision_of
 
 TOO_STIFF = 1e-3  # relative rounding floor of single precision from which all is done in double
 PATIENCE = 20  # steps that do not improve the bound before the iteration is called stalled

@@ -6,9 +6,10 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.fourier import spacing
-from roughcontact.kernels import DOUBLE, SINGLE, kernels_for
-from roughcontact.roughness import rms_gradient
+from roughcontact.kernels.arrays import DOUBLE, SINGLE
+from roughcontact.kernels.choose import kernels_for
+from roughcontact.maps import spacing
+from roughcontact.roughness.parameters import rms_gradient
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from roughcontact.contact.conjugate import conjugate_gradients
+from roughcontact.contact.conjugate_gradients import conjugate_gradients
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.problem import check_positive
 from roughcontact.contact.state import mean_product

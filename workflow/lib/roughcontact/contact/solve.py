@@ -8,10 +8,11 @@ import xarray as xr
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.problem import Problem, check_positive, on_host, pose
 from roughcontact.contact.sweep import sweep
+from roughcontact.elasticity.halfspace import zero_frequency_compliance
+from roughcontact.elasticity.influence import INFLUENCE
 from roughcontact.errors import ConvergenceError, SettingsError
-from roughcontact.halfspace import zero_frequency_compliance
-from roughcontact.influence import INFLUENCE
-from roughcontact.kernels import DOUBLE, SINGLE, empty, kernels_for
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, empty
+from roughcontact.kernels.choose import kernels_for
 from roughcontact.variables import describe
 
 SMALLEST_TOLERANCE = 1e-15
@@ -58,13 +59,13 @@ def solve_contact(
         whatever the pressure.
     influence
         ``sampled``: 2/|q| at the waves of the grid; ``elements``: pressures constant on every pixel
-        (`roughcontact.influence`).
+        (`roughcontact.elasticity.influence`).
     precision
         of the result: ``double``, or ``single`` for maps that fill the memory; `rounding_floor` then says
         what bound can be reached.
     zero_frequency
         what q = 0 adds to the approach: ``zero``, ``nogi-kato`` or ``lattice``
-        (`roughcontact.halfspace.zero_frequency_compliance`).
+        (`roughcontact.elasticity.halfspace.zero_frequency_compliance`).
     on_failure
         ``raise`` ConvergenceError for a load that misses the tolerance, or ``flag`` it (`converged` = 0).
     fields

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from roughcontact.kernels import mean
+from roughcontact.kernels.array_api import mean
 
 
 @dataclass(frozen=True)

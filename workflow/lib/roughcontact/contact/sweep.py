@@ -7,11 +7,11 @@ import numpy as np
 
 from roughcontact.contact.certificate import bound_without_transform, rounding_floor
 from roughcontact.contact.grid import Grid
+from roughcontact.contact.hierarchy import hierarchy
 from roughcontact.contact.iteration import improve_on_grid, solve_on_grid
-from roughcontact.contact.levels import hierarchy
 from roughcontact.contact.problem import Problem
 from roughcontact.contact.state import State, scale_to_load
-from roughcontact.kernels import DOUBLE, SINGLE, empty, in_precision
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, empty, in_precision
 
 COARSE_TOLERANCE = 0.03  # of all grids but the finest: a tighter one chases points the next grid moves anyway
 CLOSE = 1.05  # ratio of loads up to which the pressure of the smaller is a better start than a coarse grid's

@@ -6,11 +6,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from roughcontact import synthetic
-from roughcontact.contact import solve_contact
+from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError
-from roughcontact.fourier import spacing
-from roughcontact.statistics import relative_contact_area
+from roughcontact.maps import refined
+from roughcontact.statistics.contact_geometry import relative_contact_area
 
 QUANTITIES = {
     "relative_contact_area": 1.5,
@@ -109,42 +108,6 @@ def _finest(window):
     while factor > 1 and window.size * factor**axes > _MOST_POINTS:
         factor //= 2
     return refined(window, factor)
-
-
-def refined(window: xr.DataArray, factor: int) -> xr.DataArray:
-    """Return a periodic map at `factor` times as many points per axis, by its own Fourier series.
-
-    Every `factor`-th point is a point of the map. The wave at the Nyquist limit of an even side is shared
-    between both signs, so that the series is real and goes through the points.
-
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-    factor : int, 1 or more
-
-    Returns
-    -------
-    DataArray (y, x), m
-    """
-    values = window.values
-    for axis, points in enumerate(values.shape):
-        if points == 1 or factor == 1:
-            continue
-        spectrum = np.moveaxis(np.fft.fft(values, axis=axis), axis, 0)
-        padded = np.zeros((points * factor, *spectrum.shape[1:]), complex)
-        upper = (points + 1) // 2
-        padded[:upper] = spectrum[:upper]
-        padded[points * factor - (points - upper) :] = spectrum[upper:]
-        if points % 2 == 0:  # the Nyquist wave, at -points/2
-            padded[points * factor - points // 2] /= 2
-            padded[points // 2] = padded[points * factor - points // 2]
-        values = np.moveaxis(np.fft.ifft(padded, axis=0).real * factor, 0, axis)
-    return synthetic.height_map(values, tuple(_pitch(window, factor)))
-
-
-def _pitch(window, factor):
-    """Return (dy, dx) of the refined map; that of an axis with a single point stays."""
-    return (step / factor if n > 1 else step for n, step in zip(window.shape, spacing(window), strict=True))
 
 
 def _every_second(grid):

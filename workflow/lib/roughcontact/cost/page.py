@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.cost.advice import WORDS, advice, choices, in_words
-from roughcontact.plots import COLOURS, MARKERS, as_svg, new_figure
 from roughcontact.quantities import number, percent
-from roughcontact.report import template
-from roughcontact.storage import write_text
+from roughcontact.report.page import template
+from roughcontact.report.plots import COLOURS, MARKERS, as_svg, new_figure
+from roughcontact.results.storage import write_text
 
 _LEAST_DRAWN = 1e-8  # of an error, on a logarithmic axis
 _TEMPLATES = Path(__file__).with_name("templates")

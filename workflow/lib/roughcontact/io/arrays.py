@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.errors import InputFileError
+from roughcontact.io.channels import Channel, SourceFile, UnevenPositions, as_heights, even_step, scattered
 from roughcontact.io.guards import brief, check_points
 from roughcontact.io.metadata import instrument_words
-from roughcontact.io.source import Channel, SourceFile, UnevenPositions, as_heights, even_step, scattered
 from roughcontact.io.units import is_length
 
 

@@ -13,10 +13,10 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io import kinds
+from roughcontact.io import instrument_kinds
+from roughcontact.io.channels import Channel, SourceFile, UnevenPositions, as_heights, even_step, scattered
 from roughcontact.io.guards import ARCHIVE_ERRORS, brief, check_memory, check_points
 from roughcontact.io.metadata import instrument_words
-from roughcontact.io.source import Channel, SourceFile, UnevenPositions, as_heights, even_step, scattered
 
 
 def main_xml_of(path: Path) -> str | None:
@@ -170,7 +170,11 @@ def _x3p_instrument(metadata):
     optical = str(getattr(probe, "type", "")) == "NonContacting"
     return instrument_words(
         {
-            "kind": kinds.OPTICAL.name if optical else kinds.STYLUS.name if contacting else None,
+            "kind": instrument_kinds.OPTICAL.name
+            if optical
+            else instrument_kinds.STYLUS.name
+            if contacting
+            else None,
             "vendor": instrument and instrument.manufacturer,
             "name": instrument and instrument.model,
             "serial": instrument and instrument.serial,

@@ -19,10 +19,10 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io import kinds
+from roughcontact.io import instrument_kinds
+from roughcontact.io.channels import Channel, SourceFile, UnevenPositions, as_heights, scattered
 from roughcontact.io.guards import brief, check_memory, check_points
 from roughcontact.io.metadata import instrument_words
-from roughcontact.io.source import Channel, SourceFile, UnevenPositions, as_heights, scattered
 from roughcontact.io.units import is_length
 
 _TIFF = (b"II*\0", b"MM\0*")
@@ -236,7 +236,7 @@ def _check_rest(info, name, path):
 
 def _instrument(info, name, path) -> dict:
     """Return vendor, name, serial number, lens, date and the like."""
-    kind, vendor = kinds.of_format(name)
+    kind, vendor = instrument_kinds.of_format(name)
     stated = dict(info.info.get("instrument") or {})
     stated.setdefault("vendor", vendor)
     stated |= {"kind": kind.name, "acquisition_time": info.info.get("acquisition_time")}

@@ -9,7 +9,25 @@ import datetime
 import math
 import re
 
-from roughcontact.instruments import LABELS
+from roughcontact.quantities import number
+
+# word -> what people call it, in the order in which they are shown
+LABELS = {
+    "kind": "kind",
+    "vendor": "vendor",
+    "name": "instrument",
+    "serial": "serial number",
+    "scanner_serial": "serial number of scanner",
+    "lens": "lens",
+    "magnification": "magnification",
+    "numerical_aperture": "numerical aperture",
+    "probe": "probe",
+    "acquisition_time": "date",
+    "calibration_time": "calibrated",
+    "software": "software",
+    "sample": "sample",
+    "comment": "comment",
+}
 
 # how headers spell them, letters and digits only, lower case; where several are there, the first one counts
 _SPELLINGS = {
@@ -109,3 +127,11 @@ def _plain(value):
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     return None if value == 0 or not math.isfinite(value) else value
+
+
+def labelled(instrument: dict) -> list[tuple[str, str]]:
+    """Return (label, text) of what is known of the instrument, for people."""
+    return [
+        (LABELS.get(word, word.replace("_", " ")), number(value) if isinstance(value, float) else str(value))
+        for word, value in instrument.items()
+    ]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from roughcontact.io.kinds import ANY, Kind
+from roughcontact.io.instrument_kinds import ANY, Kind
 from roughcontact.quantities import number, percent, quantity
 
 _SAMPLE = 2**18  # quantiles and distinct values are estimated from about this many points

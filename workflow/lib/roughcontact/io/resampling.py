@@ -6,8 +6,8 @@ Interpolation between points lowers slopes and with them the pressures, so it ne
 import numpy as np
 
 from roughcontact.errors import HeightMapError
+from roughcontact.io.channels import Channel
 from roughcontact.io.guards import check_points
-from roughcontact.io.source import Channel
 
 METHODS = ("linear",)
 _REACH = 2.0  # steps from the nearest point, beyond which a grid point counts as not measured

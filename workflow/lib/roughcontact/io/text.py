@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.errors import InputFileError
+from roughcontact.io.channels import Channel, SourceFile, UnevenPositions, even_step, scattered
 from roughcontact.io.guards import check_memory, check_points
 from roughcontact.io.metadata import instrument_words
-from roughcontact.io.source import Channel, SourceFile, UnevenPositions, even_step, scattered
 from roughcontact.io.units import is_length, metres
 
 _MISSING = {"nan", "na", "n/a", "bad", "null", "none", "-", "--", "***", "void", "inf", "+inf", "-inf", ""}

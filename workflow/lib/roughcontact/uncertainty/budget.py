@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_choice
-from roughcontact.contact import solve_contact
+from roughcontact.contact.solve import solve_contact
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, grid_marks
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.uncertainty.processing import processing_uncertainty

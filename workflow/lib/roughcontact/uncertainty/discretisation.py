@@ -30,13 +30,12 @@ tests/unit/test_uncertainty_discretisation.py).
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact import solve_contact
-from roughcontact.cost.measure import refined
-from roughcontact.fourier import spacing
-from roughcontact.periodisation import periodic_plus_smooth
-from roughcontact.statistics import count_switches
+from roughcontact.contact.solve import solve_contact
+from roughcontact.maps import refined, spacing
+from roughcontact.statistics.contact_geometry import count_switches
 from roughcontact.uncertainty.headline import QUANTITIES, fields_of, headline
 from roughcontact.uncertainty.solver import solver_uncertainty
+from roughcontact.window.periodisation import periodic_plus_smooth
 
 _FIRST_ORDER = 2.0  # error over change, for an error of the first order
 _CORRECTION = 0.02  # pixels for each switch between contact and non-contact, all in the same sense

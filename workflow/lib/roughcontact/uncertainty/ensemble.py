@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact import solve_contact
-from roughcontact.fourier import spacing
+from roughcontact.contact.solve import solve_contact
+from roughcontact.maps import spacing
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 
 _OWN = ("tolerance", "fields", "reduce", "progress")  # what a member decides for itself

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from roughcontact.statistics import relative_contact_area
+from roughcontact.statistics.contact_geometry import relative_contact_area
 
 # names of `roughcontact.variables`
 QUANTITIES = ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure")

@@ -11,13 +11,14 @@ import json
 import numpy as np
 import xarray as xr
 
-from roughcontact.checks import FORM
-from roughcontact.filling import fill_harmonic, find_holes
-from roughcontact.form import fit_form, form_from_record, share_of_form
-from roughcontact.fourier import spacing
+from roughcontact.levelling.filling import fill_harmonic, find_holes
+from roughcontact.levelling.forms import form_from_record
+from roughcontact.levelling.polynomial import fit_form, share_of_form
+from roughcontact.maps import spacing
+from roughcontact.statistics.checks import FORM
 from roughcontact.uncertainty.ensemble import scale_to, shown_part, solve_member
 from roughcontact.uncertainty.headline import QUANTITIES
-from roughcontact.window import periodic_window
+from roughcontact.window.periodic_window import periodic_window
 
 COVERAGE_FACTOR = 2.0  # of the expanded uncertainty: about 95 %
 # the ways to make a map periodic that are fair in area and in peak pressure: docs/window.md

@@ -36,8 +36,8 @@ The three constants are measured against solutions converged to 1e-10
 import numpy as np
 import xarray as xr
 
-from roughcontact.fourier import spacing
-from roughcontact.statistics import elastic_energy
+from roughcontact.elasticity.energy import elastic_energy
+from roughcontact.maps import spacing
 from roughcontact.uncertainty.headline import fields_of
 
 _GAP_SHARE = 0.25  # of the bound

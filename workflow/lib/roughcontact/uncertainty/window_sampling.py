@@ -24,12 +24,12 @@ import xarray as xr
 from scipy.special import stdtrit
 
 from roughcontact.errors import SettingsError
-from roughcontact.fourier import spacing
-from roughcontact.levelling import level
+from roughcontact.levelling.level import level
+from roughcontact.maps import spacing
 from roughcontact.quantities import percent
 from roughcontact.uncertainty.ensemble import scale_to, shown_part, solve_member
 from roughcontact.uncertainty.headline import QUANTITIES
-from roughcontact.window import periodic_window
+from roughcontact.window.periodic_window import periodic_window
 
 _TOLERANCE = 1e-2  # of the pressure: 0.4 % of a part's area (rms), where parts differ by 5 % and more
 _LEAST_POINTS = 12  # along the side of a part

@@ -2,10 +2,12 @@
 
 import numpy as np
 
-from roughcontact import roughness, synthetic
-from roughcontact.contact import linear_response, solve_contact
-from roughcontact.fourier import spacing
-from roughcontact.statistics import elastic_energy
+from roughcontact.contact.response import linear_response
+from roughcontact.contact.solve import solve_contact
+from roughcontact.elasticity.energy import elastic_energy
+from roughcontact.maps import height_map, spacing
+from roughcontact.references import synthetic
+from roughcontact.roughness import parameters
 from roughcontact.validation import drawing
 from roughcontact.validation.lines import Evidence, Figure, Part, compare
 
@@ -18,19 +20,19 @@ _CODE = "tests/unit/test_validation.py::test_consistency_of_the_closed_forms"
 WORK = Evidence(
     "dU/dū = −p̄: the work of the load is stored",
     "Persson (2007), Phys. Rev. Lett. 99, 125502",
-    "statistics.elastic_energy, gap of solve_contact",
+    "elasticity.energy.elastic_energy, gap of solve_contact",
     _CODE,
 )
 STIFFNESS = Evidence(
     "−dū/dp̄ = ⟨x, G x⟩, x the increment of pressure on the contact set, mean 1, that leaves no gap",
     "linear response of a fixed contact set: Hertz contacts stay, edges carry no pressure",
-    "contact.linear_response",
+    "contact.response.linear_response",
     _CODE,
 )
 TILED = Evidence(
     "the same surface, repeated, is the same problem (q = 0: zero)",
     "periodicity",
-    "contact.solve_contact",
+    "contact.solve.solve_contact",
     "tests/unit/test_contact_dataset.py::test_relative_numbers_do_not_depend_on_units_position_or_orientation",
 )
 
@@ -61,7 +63,7 @@ def _solved(height, loads, tolerance):
 
 def _differences(height):
     """Return the lines of small differences around several loads."""
-    gradient = roughness.rms_gradient(height)
+    gradient = parameters.rms_gradient(height)
     lines = []
     for relative in _LOADS:
         load = relative * gradient
@@ -89,7 +91,7 @@ def _differences(height):
 
 def _sweep(height):
     """Return lines and figure of a whole sweep of loads: sums over it against the difference of its ends."""
-    gradient = roughness.rms_gradient(height)
+    gradient = parameters.rms_gradient(height)
     relative = np.geomspace(0.01, 1.0, 49)
     loads = relative * gradient
     energies, gaps, sets = _solved(height, loads, 1e-8)
@@ -136,7 +138,7 @@ def _sweep(height):
 def _tiling():
     """Return the lines of a map solved alone and together with copies of itself."""
     single = synthetic.rough_reference_surface(64)
-    load = 0.2 * roughness.rms_gradient(single)
+    load = 0.2 * parameters.rms_gradient(single)
 
     def numbers(height):
         contact = solve_contact(height, contact_modulus=1.0, mean_pressure=load, tolerance=1e-10)
@@ -151,7 +153,7 @@ def _tiling():
     alone = numbers(single)
     lines = []
     for copies in ((2, 2), (3, 1)):
-        together = numbers(synthetic.height_map(np.tile(single.values, copies), spacing(single)))
+        together = numbers(height_map(np.tile(single.values, copies), spacing(single)))
         lines += [
             compare(
                 f"{copies[0]} × {copies[1]} copies at p′ = 0.2: {name}",

@@ -7,9 +7,10 @@ straight line through log error against log points, least squares.
 
 import numpy as np
 
-from roughcontact import reference
-from roughcontact.contact import solve_contact
-from roughcontact.statistics import elastic_energy, relative_contact_area
+from roughcontact.contact.solve import solve_contact
+from roughcontact.elasticity.energy import elastic_energy
+from roughcontact.references import closed_forms
+from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.validation import drawing
 from roughcontact.validation.lines import Evidence, Figure, Part, compare
 from roughcontact.validation.waves import AMPLITUDE, product_wave, ridge
@@ -38,7 +39,7 @@ CORRECTED = Evidence(
     "the "
     "contact line, ~ 1/n^1.5",
     "Yastrebov, Anciaux and Molinari (2017)",
-    "statistics.relative_contact_area",
+    "statistics.contact_geometry.relative_contact_area",
     "tests/unit/test_statistics.py::test_corrected_area_of_the_product_wave_is_nearer_than_the_pixels",
 )
 
@@ -96,22 +97,22 @@ def _ridges(sizes):
 
 def _ridge_errors(points, phase):
     """Return the relative errors of one row of Westergaard's wave, array (load, quantity)."""
-    full = reference.westergaard_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
+    full = closed_forms.westergaard_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
     x, height = ridge(points, phase)
     contact = solve_contact(height, contact_modulus=1.0, mean_pressure=_RIDGE_LOADS * full, tolerance=1e-9)
     rows = []
     for index, ratio in enumerate(_RIDGE_LOADS):
         pressure, gap = (contact[name].values[index] for name in ("pressure", "gap"))
-        exact = reference.westergaard_pressure(x, 1.0, ratio * full, ratio)
-        mean_gap = reference.westergaard_mean_gap(AMPLITUDE, ratio)
+        exact = closed_forms.westergaard_pressure(x, 1.0, ratio * full, ratio)
+        mean_gap = closed_forms.westergaard_mean_gap(AMPLITUDE, ratio)
         energy = elastic_energy(pressure, (1 / points, 1 / points), contact_modulus=1.0)
         rows.append(
             [
                 np.sqrt(np.mean((pressure[0] - exact) ** 2) / np.mean(exact**2)),
-                np.count_nonzero(pressure) / points / reference.westergaard_contact_share(ratio) - 1,
+                np.count_nonzero(pressure) / points / closed_forms.westergaard_contact_share(ratio) - 1,
                 pressure.max() / (2 * full * np.sqrt(ratio)) - 1,
                 gap[pressure == 0].sum() / points / mean_gap - 1,
-                energy / reference.westergaard_energy(AMPLITUDE, 1.0, 1.0, ratio) - 1,
+                energy / closed_forms.westergaard_energy(AMPLITUDE, 1.0, 1.0, ratio) - 1,
                 float(contact["approach"][index]) / mean_gap - 1,
             ]
         )
@@ -173,7 +174,7 @@ def _phases(number):
 
 def _areas(points, phase):
     """Return the counted and the corrected area of the product wave, array (load, 2)."""
-    full = reference.jgh_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
+    full = closed_forms.jgh_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
     contact = solve_contact(
         product_wave(points, phase),
         contact_modulus=1.0,

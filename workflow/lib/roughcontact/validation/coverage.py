@@ -3,16 +3,16 @@
 import numpy as np
 from scipy.ndimage import maximum_filter
 
-from roughcontact import synthetic
-from roughcontact.contact import solve_contact
-from roughcontact.cost.measure import refined
-from roughcontact.levelling import level
+from roughcontact.contact.solve import solve_contact
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map, refined
 from roughcontact.quantities import number
+from roughcontact.references import synthetic
 from roughcontact.uncertainty.budget import COMBINED, error_budget
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, grid_marks
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.validation.lines import Evidence, Line, Part, Table, compare
-from roughcontact.window import periodic_window
+from roughcontact.window.periodic_window import periodic_window
 
 TITLE = "The error budget: how often the ± holds"
 _PROMISED, _LEAST = 0.95, 0.90  # share of the intervals that hold the true value
@@ -151,7 +151,7 @@ def measured(master, side: int, generator):
         rows, columns = np.mgrid[:side, :side]
         missing |= np.hypot(rows - at[0], columns - at[1]) < radius
     heights[missing] = np.nan
-    return synthetic.height_map(heights, float(master["x"][1] - master["x"][0]))
+    return height_map(heights, float(master["x"][1] - master["x"][0]))
 
 
 def _truth(surface, loads, *, box: int = 0):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from roughcontact.plots import COLOURS, MARKERS, as_png, as_svg, new_figure
+from roughcontact.report.plots import COLOURS, MARKERS, as_png, as_svg, new_figure
 
 _KNOWN = {"color": "#444444", "linewidth": 1.2}
 _SHADES = ("#444444", "#7a4a00", "#00563d", "#96210a")  # a dark colour for each theory

@@ -1,9 +1,10 @@
 """Full contact of rough maps: exact for the discrete problem, whatever the map."""
 
-from roughcontact import reference, roughness, synthetic
-from roughcontact.contact import solve_contact
-from roughcontact.fourier import spacing
-from roughcontact.statistics import elastic_energy
+from roughcontact.contact.solve import solve_contact
+from roughcontact.elasticity.energy import elastic_energy
+from roughcontact.maps import spacing
+from roughcontact.references import closed_forms, synthetic
+from roughcontact.roughness import parameters
 from roughcontact.validation.lines import Evidence, Part, compare, compare_largest
 
 TITLE = "Full contact of rough maps"
@@ -18,10 +19,11 @@ def _evidence(formula, function):
 
 
 PRESSURE = _evidence(
-    "p̂(q) = (E*|q|/2) ĥ(q), q ≠ 0; full from p̄ = −min of it on", "reference.full_contact_fluctuation"
+    "p̂(q) = (E*|q|/2) ĥ(q), q ≠ 0; full from p̄ = −min of it on",
+    "references.closed_forms.full_contact_fluctuation",
 )
-SPREAD = _evidence("std(p) = E* g/2, g² = Σ |q|² |ĥ(q)|²", "roughness.rms_gradient")
-ENERGY = _evidence("U = (E*/4) Σ |q| |ĥ(q)|²", "reference.full_contact_energy")
+SPREAD = _evidence("std(p) = E* g/2, g² = Σ |q|² |ĥ(q)|²", "roughness.parameters.rms_gradient")
+ENERGY = _evidence("U = (E*/4) Σ |q| |ĥ(q)|²", "references.closed_forms.full_contact_energy")
 
 
 def part(*, finest_grid: int) -> Part:
@@ -60,7 +62,7 @@ def part(*, finest_grid: int) -> Part:
 
 def _lines(name, height):
     """Return the lines of one map."""
-    fluctuation = reference.full_contact_fluctuation(height.values, spacing(height), 1.0)
+    fluctuation = closed_forms.full_contact_fluctuation(height.values, spacing(height), 1.0)
     least = -fluctuation.min()
     loads = [0.999 * least, (1 + 1e-9) * least, 5 * least]
     contact = solve_contact(height, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-6)
@@ -80,14 +82,14 @@ def _lines(name, height):
         compare(
             f"{name}: standard deviation of p / E*",
             far.std(),
-            roughness.rms_gradient(height) / 2,
+            parameters.rms_gradient(height) / 2,
             evidence=SPREAD,
             **rounding,
         ),
         compare(
             f"{name}: energy / (E* × length)",
             elastic_energy(far, spacing(height), contact_modulus=1.0),
-            reference.full_contact_energy(height.values, spacing(height), 1.0),
+            closed_forms.full_contact_energy(height.values, spacing(height), 1.0),
             evidence=ENERGY,
             **rounding,
         ),

@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from roughcontact import reference, synthetic
-from roughcontact.contact import solve_contact
-from roughcontact.fourier import spacing
-from roughcontact.statistics import elastic_energy, relative_contact_area
+from roughcontact.contact.solve import solve_contact
+from roughcontact.elasticity.energy import elastic_energy
+from roughcontact.maps import height_map, spacing
+from roughcontact.references import closed_forms
+from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.validation.lines import Evidence, Part, compare
 
 TITLE = "Hertz, alone and repeated"
@@ -17,13 +18,13 @@ LATTICE = Evidence(
     "5s/2) "
     "− 3.900265 F²/(2πE*L), s = 0.639 (a_H/L)³",
     "Johnson (1985), eqs. (4.22) to (4.24); lattice sums of Glasser and Zucker (1980)",
-    "reference.periodic_hertz",
+    "references.closed_forms.periodic_hertz",
     f"{_TESTS}::test_lattice_constant_by_an_ewald_sum",
 )
 ALONE = Evidence(
     "δ = a²/R, a³ = 3FR/(4E*), with 3.900265 p̄L/(πE*) for q = 0",
     "Johnson (1985), eq. (4.23); lattice sum as above",
-    "reference.hertz",
+    "references.closed_forms.hertz",
     f"{_TESTS}::test_hertz_energy_is_the_work_of_the_force",
 )
 
@@ -32,8 +33,8 @@ def part(*, finest_grid: int) -> Part:
     """Return the lines of this part."""
     points = finest_grid // 2
     x = (np.arange(points) + 0.27) / points - 0.5
-    height = synthetic.height_map(-(x[None, :] ** 2 + x[:, None] ** 2) / (2 * RADIUS), 1 / points)
-    known = reference.periodic_hertz(FORCE, RADIUS, 1.0, 1.0)
+    height = height_map(-(x[None, :] ** 2 + x[:, None] ** 2) / (2 * RADIUS), 1 / points)
+    known = closed_forms.periodic_hertz(FORCE, RADIUS, 1.0, 1.0)
     problem = {"contact_modulus": 1.0, "mean_pressure": FORCE, "tolerance": 1e-7}
     contact = solve_contact(height, **problem)
     free = solve_contact(height, zero_frequency="lattice", **problem)
@@ -71,7 +72,7 @@ def part(*, finest_grid: int) -> Part:
         )
         for name in found
     ]
-    single = reference.hertz(FORCE, RADIUS, 1.0)["approach"]
+    single = closed_forms.hertz(FORCE, RADIUS, 1.0)["approach"]
     lines.append(
         compare(
             "Sphere alone: approach / L, q = 0: lattice",

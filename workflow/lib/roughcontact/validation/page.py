@@ -9,8 +9,8 @@ from pathlib import Path
 
 from roughcontact.errors import DeviationError
 from roughcontact.quantities import number
-from roughcontact.report import template
-from roughcontact.storage import provenance, write_text
+from roughcontact.report.page import template
+from roughcontact.results.storage import provenance, write_text
 from roughcontact.validation.lines import Line, Part, from_json
 
 MEASURES = {

@@ -6,16 +6,19 @@ of the contact radius a_H in figure 1; pressures in units of E*.
 
 import numpy as np
 
-from roughcontact import io, plots, reference, roughness, synthetic
-from roughcontact.contact import solve_contact
-from roughcontact.fourier import spacing
-from roughcontact.halfspace import HalfSpace, zero_frequency_compliance
-from roughcontact.levelling import level
+from roughcontact.contact.solve import solve_contact
+from roughcontact.elasticity.halfspace import HalfSpace, zero_frequency_compliance
+from roughcontact.io.read import read_height_map
+from roughcontact.levelling.level import level
+from roughcontact.maps import spacing
 from roughcontact.quantities import number, percent
-from roughcontact.statistics import relative_contact_area
+from roughcontact.references import closed_forms, synthetic
+from roughcontact.report import plots
+from roughcontact.roughness import parameters
+from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.validation import drawing
 from roughcontact.validation.lines import Evidence, Figure, Part, compare, compare_largest
-from roughcontact.window import periodic_window
+from roughcontact.window.periodic_window import periodic_window
 
 TITLE = "The paper's figures and its three steps"
 PAPER = "A numerical approach to the contact of nominally flat surfaces"
@@ -28,13 +31,13 @@ HERTZ_SERIES = Evidence(
     "u(x) = Σ_q 2/(E*|q|) p̂(q)/L² cos(q·x), p̂ = 2π p₀ a² [sin(qa) − qa cos(qa)]/(qa)³; q = 0: mean of "
     "2/(E*|q|) over its cell (eq. 14)",
     f"{PAPER}, fig. 1, eqs. (9) to (15)",
-    "reference.hertz_spectrum, reference.nogi_kato_zero_frequency",
+    "references.closed_forms.hertz_spectrum, references.closed_forms.nogi_kato_zero_frequency",
     "tests/unit/test_reference.py::test_hertz_spectrum_by_quadrature",
 )
 HERTZ_ALONE = Evidence(
     "u(r) = π p₀ (2a² − r²)/(4 E* a), r ≤ a",
     f"Johnson (1985), eq. (3.41a); {PAPER}, eq. (16), whose 2E*a must read 4E*a",
-    "reference.hertz_displacement",
+    "references.closed_forms.hertz_displacement",
     "tests/unit/test_reference.py::test_hertz_displacement_is_the_approach_less_the_sphere",
 )
 FULL_WAVE = Evidence(
@@ -47,19 +50,19 @@ TURNED = Evidence(
     "the wave turned by 45° is D cos(2πx/λ′) cos(2πy/λ′) with D = 2Δ, λ′ = √2 λ, p* = 2P; A/A₀ = 0.51418 at "
     "p̄ = 0.3 p*",
     "Johnson, Greenwood and Higginson (1985); share by an independent code at 512 × 512, ± 2e-4",
-    "reference.JGH_CONTACT_SHARE",
+    "references.closed_forms.JGH_CONTACT_SHARE",
     f"{_CLOSED_FORMS}::test_johnson_greenwood_higginson_wave",
 )
 CONDITIONS = Evidence(
     "p ≥ 0, gap ≥ 0, p · gap = 0, mean(p) = p̄, gap = u − h + const, û = 2 p̂/(E*|q|)",
     f"{PAPER}, sec. 2 and 4; Polonsky and Keer (1999)",
-    "reference.gap_left_by",
+    "references.closed_forms.gap_left_by",
     "tests/unit/test_validation.py::test_the_gap_of_a_pressure_is_that_of_the_solver",
 )
 FULL_MAP = Evidence(
     "p̂(q) = (E*|q|/2) ĥ(q), q ≠ 0",
     f"{PAPER}, eq. (3), wave by wave; Johnson (1985), sec. 13.2",
-    "reference.full_contact_fluctuation",
+    "references.closed_forms.full_contact_fluctuation",
     "tests/unit/test_reference.py::test_full_contact_flattens_the_map",
 )
 
@@ -103,7 +106,7 @@ def hertz_displacement_by_series(x, period, zero_frequency):
     waves = 2 * np.pi * np.arange(_SERIES + 1) / period
     q = np.hypot(waves[:, None], waves[None, :])
     q[0, 0] = 1.0
-    coefficients = 2 / q * reference.hertz_spectrum(q, 1.0, 1.0) / period**2
+    coefficients = 2 / q * closed_forms.hertz_spectrum(q, 1.0, 1.0) / period**2
     coefficients[0, 0] = 0
     twice = np.where(waves > 0, 2.0, 1.0)  # the waves of the other signs
     along_x = twice * (twice @ coefficients)
@@ -115,12 +118,14 @@ def _figure_1(finest_grid):
     points, alone_points = finest_grid // 4, finest_grid
     period, wide = 2.0, 32.0
     x, found = hertz_displacement_on_a_grid(period, points, "nogi-kato")
-    known = hertz_displacement_by_series(x, period, reference.nogi_kato_zero_frequency(period, period, 1.0))
+    known = hertz_displacement_by_series(
+        x, period, closed_forms.nogi_kato_zero_frequency(period, period, 1.0)
+    )
     x_alone, alone = hertz_displacement_on_a_grid(wide, alone_points, "lattice")
     inside = np.abs(x_alone) <= 1
     x_alone, alone = x_alone[inside], alone[inside]
-    formula = reference.hertz_displacement(x_alone, 1.0, 1.0, 1.0)
-    approach = reference.hertz_displacement(0.0, 1.0, 1.0, 1.0)
+    formula = closed_forms.hertz_displacement(x_alone, 1.0, 1.0, 1.0)
+    approach = closed_forms.hertz_displacement(0.0, 1.0, 1.0, 1.0)
     radius = alone_points / wide
     periodic = compare_largest(
         "Fig. 1: displacement under a Hertz pressure repeated with period 2a",
@@ -216,7 +221,7 @@ def _figures_2_and_3(points):
         compare(
             "Below eq. (5), p̄ = 0.6P: contact area",
             relative_contact_area(pressures[0] > 0),
-            reference.JGH_CONTACT_SHARE[0.3],
+            closed_forms.JGH_CONTACT_SHARE[0.3],
             measure="absolute",
             tolerance=5e-4 + 0.15 / points,
             reason=f"5e-4 of the reference at worst, and 0.15/n, n = {points}",
@@ -244,16 +249,16 @@ def _onset_of_full_contact(points=64):
 
 def _three_steps(sample):
     """Return lines and figures of a map that goes through the paper's three steps."""
-    window = periodic_window(level(io.read_height_map(sample), form="polynomial"))
-    steps, rms = spacing(window), roughness.rms_height(window)
-    unit = _MODULUS * roughness.rms_gradient(window)
-    fluctuation = reference.full_contact_fluctuation(window.values, steps, _MODULUS)
+    window = periodic_window(level(read_height_map(sample), form="polynomial"))
+    steps, rms = spacing(window), parameters.rms_height(window)
+    unit = _MODULUS * parameters.rms_gradient(window)
+    fluctuation = closed_forms.full_contact_fluctuation(window.values, steps, _MODULUS)
     loads = [0.05 * unit, 0.2 * unit, -1.01 * fluctuation.min()]
     contact = solve_contact(window, contact_modulus=_MODULUS, mean_pressure=loads, tolerance=1e-8)
     pressures = contact["pressure"].values
     lines = []
     for load, pressure, name in zip(loads[:2], pressures[:2], ("0.05", "0.2"), strict=True):
-        gap = reference.gap_left_by(pressure, window.values, steps, _MODULUS) / rms
+        gap = closed_forms.gap_left_by(pressure, window.values, steps, _MODULUS) / rms
         checks = (
             ("mean pressure over the prescribed one", pressure.mean() / load, 1.0),
             ("least pressure over the mean", min(pressure.min() / load, 0.0), 0.0),

@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from roughcontact import reference, roughness, synthetic, theory
-from roughcontact.contact import solve_contact
 from roughcontact.contact.loads import DEFAULT_PLAN
+from roughcontact.contact.solve import solve_contact
 from roughcontact.quantities import number, percent
-from roughcontact.statistics import relative_contact_area
+from roughcontact.references import closed_forms, synthetic
+from roughcontact.roughness import parameters
+from roughcontact.statistics import theory
+from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.validation import drawing
 from roughcontact.validation.lines import Evidence, Figure, Part, Table, compare
 
@@ -18,32 +20,32 @@ MAP = Evidence(
     "F = fft2(default_rng(0).standard_normal((64, 64))) K^−1.8, 2 ≤ K ≤ 16 waves per side, zero-padded; side "
     "1",
     "rough reference case, see docs/validation.md",
-    "synthetic.rough_reference_surface",
+    "references.synthetic.rough_reference_surface",
     "tests/unit/test_synthetic.py::test_rough_reference_case_is_the_published_one",
 )
 INDEPENDENT = Evidence(
     "area corrected by the perimeter, mean gap over the rms height 0.023699516",
     "an independent code at 1024 × 1024",
-    "reference.ROUGH_AREA_AND_GAP",
+    "references.closed_forms.ROUGH_AREA_AND_GAP",
     f"{_SOLVER}::test_rough_reference_case",
 )
 TWO_CODES = Evidence(
     "self-affine map, 256 × 256, H = 0.8, waves of 8 to 64 points, g = 1, seed 0",
     "Tamaas 2.9.0 (PolonskyKeerRey, 1e-12); ContactMechanics 1.8.3 agrees; docs/validation.md says how to "
     "repeat it",
-    "reference.OUTSIDE_CODES",
+    "references.closed_forms.OUTSIDE_CODES",
     "tests/unit/test_crosscheck.py::test_the_stored_numbers_of_the_other_codes",
 )
 XU = Evidence(
     "A = erf(√2 p′ / √(0.42 + 0.58 A))",
     "Xu, Li, Chen and Zhou (2024)",
-    "theory.xu_area",
+    "statistics.theory.xu_area",
     "tests/unit/test_theory.py::test_xu_solves_its_equation",
 )
 SLOPES = Evidence(
     "√(8/π) p′ < A/A₀ < √(2π) p′ at low load",
     "Persson (2001); Bush, Gibson and Thomas (1975)",
-    "theory.persson_area, theory.bush_gibson_thomas_area",
+    "statistics.theory.persson_area, statistics.theory.bush_gibson_thomas_area",
     "tests/unit/test_theory.py::test_persson_slope_and_full_contact",
 )
 
@@ -81,13 +83,13 @@ def ensemble_map(points, seed):
 def _reference_case(points):
     """Return the lines of the rough reference case."""
     height = synthetic.rough_reference_surface(points)
-    gradient, rms = roughness.rms_gradient(height), roughness.rms_height(height)
+    gradient, rms = parameters.rms_gradient(height), parameters.rms_height(height)
     digits = {"reason": "all digits that are known", "evidence": MAP}
     lines = [
         compare("Rough reference case: rms height", rms, 0.023699516, tolerance=3e-8, **digits),
         compare("Rough reference case: rms gradient g", gradient, 0.55501825, tolerance=1e-8, **digits),
     ]
-    known = reference.ROUGH_AREA_AND_GAP
+    known = closed_forms.ROUGH_AREA_AND_GAP
     contact = solve_contact(
         height, contact_modulus=1.0, mean_pressure=[p * gradient for p in known], tolerance=1e-6
     )
@@ -127,7 +129,7 @@ def _reference_case(points):
 def _outside_codes():
     """Return the lines of one map that two other codes have solved."""
     height = ensemble_map(256, seed=0)
-    known = reference.OUTSIDE_CODES
+    known = closed_forms.OUTSIDE_CODES
     contact = solve_contact(height, contact_modulus=1.0, mean_pressure=list(known), tolerance=1e-9)
     lines = []
     for index, (load, (touching, peak, gap)) in enumerate(known.items()):
@@ -164,7 +166,7 @@ def _ensemble(points):
         height = ensemble_map(points, seed)
         contact = solve_contact(height, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-4)
         areas.append([relative_contact_area(touching > 0) for touching in contact["contact"].values])
-        summits.append(roughness.summit_statistics(height))
+        summits.append(parameters.summit_statistics(height))
     areas = np.array(areas)
     mean = areas.mean(axis=0)
     theories = _theories(loads, summits)

@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from roughcontact import reference, synthetic
-from roughcontact.contact import solve_contact
-from roughcontact.fourier import spacing
+from roughcontact.contact.solve import solve_contact
+from roughcontact.elasticity.energy import elastic_energy
+from roughcontact.maps import height_map, spacing
 from roughcontact.quantities import number
-from roughcontact.statistics import elastic_energy, relative_contact_area
+from roughcontact.references import closed_forms
+from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.validation import drawing
 from roughcontact.validation.lines import Evidence, Figure, Part, compare, compare_largest, compare_rms
 
@@ -19,7 +20,7 @@ _WESTERGAARD = "Westergaard (1939); Johnson (1985), sec. 13.2"
 
 
 def _evidence(formula, function, test, source=_WESTERGAARD):
-    return Evidence(formula, source, f"reference.{function}", f"{_REFERENCE}::{test}")
+    return Evidence(formula, source, f"references.closed_forms.{function}", f"{_REFERENCE}::{test}")
 
 
 RIDGES = {
@@ -51,7 +52,7 @@ _JGH = "Johnson, Greenwood and Higginson (1985)"
 CRESTS = {
     "table": _evidence(
         "table of an independent code at 512 × 512, p* = √2 π E* D/λ",
-        "JGH_CONTACT_SHARE, reference.JGH_PEAK_AND_GAP",
+        "JGH_CONTACT_SHARE, closed_forms.JGH_PEAK_AND_GAP",
         "test_jgh_asymptotes_meet_the_tabulated_shares",
         f"{_JGH}; numbers ± 2e-4 (area), ± 1e-5 (peak, gap)",
     ),
@@ -87,19 +88,19 @@ def part(*, finest_grid: int) -> Part:
 def ridge(points, phase=PHASE[1]):
     """Return (x, height) of one row of Westergaard's wave, crest `phase` points before the first point."""
     x = (np.arange(points) + phase) / points
-    return x, synthetic.height_map(AMPLITUDE * np.cos(2 * np.pi * x)[None, :], 1 / points)
+    return x, height_map(AMPLITUDE * np.cos(2 * np.pi * x)[None, :], 1 / points)
 
 
 def product_wave(points, phase=PHASE):
     """Return the height of one period of the product wave, crest `phase` points before the first point."""
     y, x = ((np.arange(points) + shift) / points for shift in phase)
     heights = AMPLITUDE * np.cos(2 * np.pi * y)[:, None] * np.cos(2 * np.pi * x)[None, :]
-    return synthetic.height_map(heights, 1 / points)
+    return height_map(heights, 1 / points)
 
 
 def _ridges(points):
     """Return lines and figure of Westergaard's wave, one row of `points` points."""
-    full = reference.westergaard_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
+    full = closed_forms.westergaard_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
     x, height = ridge(points)
     ratios = (0.05, 0.3, 0.5, 0.9, 1.0, 2.0)
     contact = solve_contact(
@@ -108,9 +109,9 @@ def _ridges(points):
     lines, curves = [], []
     for index, ratio in enumerate(ratios):
         pressure, gap = (contact[name].values[index, 0] for name in ("pressure", "gap"))
-        exact = reference.westergaard_pressure(x, 1.0, ratio * full, ratio)
+        exact = closed_forms.westergaard_pressure(x, 1.0, ratio * full, ratio)
         energy = elastic_energy(pressure[None, :], spacing(height), contact_modulus=1.0)
-        known_energy = reference.westergaard_energy(AMPLITUDE, 1.0, 1.0, ratio)
+        known_energy = closed_forms.westergaard_energy(AMPLITUDE, 1.0, 1.0, ratio)
         wave = f"Ridges, r = {ratio:g}"
         if ratio >= 1:
             lines += [
@@ -132,7 +133,7 @@ def _ridges(points):
                 ),
             ]
             continue
-        share = reference.westergaard_contact_share(ratio)
+        share = closed_forms.westergaard_contact_share(ratio)
         across = share * points
         lines += [
             compare(
@@ -163,7 +164,7 @@ def _ridges(points):
             compare(
                 f"{wave}: mean gap / D",
                 gap[pressure == 0].sum() / points / AMPLITUDE,
-                reference.westergaard_mean_gap(AMPLITUDE, ratio) / AMPLITUDE,
+                closed_forms.westergaard_mean_gap(AMPLITUDE, ratio) / AMPLITUDE,
                 measure="absolute",
                 tolerance=2 / points**2,
                 reason=f"second order: 2/n², n = {points}",
@@ -173,7 +174,7 @@ def _ridges(points):
                 f"{wave}: mean displacement / D",
                 # gap = u - h + approach, the mean of h being zero: counted from the crest at rest
                 float(contact["approach"][index]) / AMPLITUDE - 1,
-                reference.westergaard_mean_gap(AMPLITUDE, ratio) / AMPLITUDE - 1,
+                closed_forms.westergaard_mean_gap(AMPLITUDE, ratio) / AMPLITUDE - 1,
                 measure="absolute",
                 tolerance=2 / points**2,
                 reason=f"second order: 2/n², n = {points}",
@@ -194,11 +195,11 @@ def _ridges(points):
     thin = order[:: max(1, points // 128)]
     fine = np.linspace(-0.5, 0.5, 801)
     image = drawing.chart(
-        [("closed form", fine, reference.westergaard_pressure(fine, 1.0, r, r)) for r, _ in curves[:1]],
+        [("closed form", fine, closed_forms.westergaard_pressure(fine, 1.0, r, r)) for r, _ in curves[:1]],
         [(f"computed, r = {ratio:g}", centred[thin], values[thin]) for ratio, values in curves],
         x="x / λ",
         y="p / p*",
-        more=[(fine, reference.westergaard_pressure(fine, 1.0, r, r)) for r, _ in curves[1:]],
+        more=[(fine, closed_forms.westergaard_pressure(fine, 1.0, r, r)) for r, _ in curves[1:]],
     )
     caption = "Pressure under Westergaard's ridges at four loads."
     return lines, [Figure("Westergaard: pressure", image, caption)]
@@ -206,9 +207,9 @@ def _ridges(points):
 
 def _crests(points):
     """Return lines and figure of the product wave, `points` x `points`."""
-    full = reference.jgh_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
+    full = closed_forms.jgh_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
     height = product_wave(points)
-    table = reference.JGH_CONTACT_SHARE
+    table = closed_forms.JGH_CONTACT_SHARE
     ratios = sorted({0.002, 0.005, 0.01, 0.02, 0.7, 0.98, *table})
     contact = solve_contact(
         height, contact_modulus=1.0, mean_pressure=[r * full for r in ratios], tolerance=1e-7
@@ -227,9 +228,9 @@ def _crests(points):
                 evidence=CRESTS["table"],
             )
         )
-        if ratio not in reference.JGH_PEAK_AND_GAP:
+        if ratio not in closed_forms.JGH_PEAK_AND_GAP:
             continue
-        peak, gap = reference.JGH_PEAK_AND_GAP[ratio]
+        peak, gap = closed_forms.JGH_PEAK_AND_GAP[ratio]
         piece = contact.isel(load=ratios.index(ratio))
         pressure = piece["pressure"].values
         found_gap = piece["gap"].values[pressure == 0].sum() / pressure.size
@@ -253,7 +254,7 @@ def _crests(points):
         compare(
             f"Product wave, r = {low:g}: contact area, low asymptote",
             areas[low],
-            reference.jgh_contact_share_low(low),
+            closed_forms.jgh_contact_share_low(low),
             tolerance=low ** (2 / 3) + 1 / points,
             reason=f"next term of the expansion, r^(2/3), and 1/n, n = {points}",
             evidence=CRESTS["low"],
@@ -261,7 +262,7 @@ def _crests(points):
         compare(
             f"Product wave, r = {high:g}: area out of contact, high asymptote",
             1 - areas[high],
-            1 - reference.jgh_contact_share_high(high),
+            1 - closed_forms.jgh_contact_share_high(high),
             tolerance=(1 - high) + 1 / points,
             reason=f"next term of the expansion, 1 − r, and 1/n, n = {points}",
             evidence=CRESTS["high"],
@@ -272,8 +273,8 @@ def _crests(points):
     largest = max(one.deviation for one in lines[: len(table)])
     image = drawing.chart(
         [
-            ("low asymptote", line[line < 0.4], reference.jgh_contact_share_low(line[line < 0.4])),
-            ("high asymptote", line[near], reference.jgh_contact_share_high(line[near])),
+            ("low asymptote", line[line < 0.4], closed_forms.jgh_contact_share_low(line[line < 0.4])),
+            ("high asymptote", line[near], closed_forms.jgh_contact_share_high(line[near])),
         ],
         [("computed", ratios, [areas[r] for r in ratios])],
         published=[("independent code", list(table), list(table.values()))],

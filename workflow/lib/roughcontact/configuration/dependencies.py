@@ -1,0 +1,66 @@
+"""Which source files a script depends on: so that an edit reruns what it concerns and nothing else."""
+
+import ast
+import hashlib
+from functools import cache
+from pathlib import Path
+
+PACKAGE = Path(__file__).parents[1]
+
+
+def source_digest(script: str | Path) -> str:
+    """Return a checksum of the modules that a script imports, directly or through one another.
+
+    Only the modules of this package count, and those beside the script whose names start with _. Imports are
+    found in the source, also inside functions, without running anything. The files of a folder beside a
+    module that names it ("templates") count as well.
+    """
+    script = Path(script)
+    digest = hashlib.sha256()
+    for path in sorted(_closure(script.resolve()) - {script.resolve()}):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+def _closure(script: Path) -> set[Path]:
+    """Return the script and all the source files it depends on."""
+    found, waiting = set(), [script]
+    while waiting:
+        path = waiting.pop()
+        if path not in found:
+            found.add(path)
+            waiting += _imported(path) if path.suffix == ".py" else ()
+    return found
+
+
+@cache
+def _imported(path: Path) -> tuple[Path, ...]:
+    """Return the files of the modules that `path` imports itself, and those of the data folders it names."""
+    files = []
+    for node in ast.walk(ast.parse(path.read_bytes())):
+        names = []
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+        for name in names:
+            files += _files(name, path.parent)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value.isidentifier():
+            files += [file for file in (path.parent / node.value).glob("*.*") if file.suffix != ".py"]
+    return tuple(files)
+
+
+def _files(name: str, beside: Path) -> list[Path]:
+    """Return the source files that importing the module `name` runs, as far as they are the project's own."""
+    first, *rest = name.split(".")
+    if first != PACKAGE.name:
+        path = beside / f"{first}.py"
+        return [path] if first.startswith("_") and path.is_file() else []
+    folder, files = PACKAGE, [PACKAGE / "__init__.py"]
+    for part in rest:
+        if (module := folder / f"{part}.py").is_file():
+            files.append(module)
+        folder = folder / part
+        if (folder / "__init__.py").is_file():
+            files.append(folder / "__init__.py")
+    return files

@@ -1,0 +1,1 @@
+"""The same problem solved by another code, run as an outside program."""

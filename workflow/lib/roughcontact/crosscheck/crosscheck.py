@@ -1,0 +1,115 @@
+"""The cross-check: the same window and the same loads, solved by another code that is installed elsewhere."""
+
+import os
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.errors import CrossCheckError, HeightMapError, SettingsError
+from roughcontact.maps import spacing
+from roughcontact.references.closed_forms import gap_left_by
+from roughcontact.roughness import parameters
+
+CODES = {"tamaas": "Tamaas", "contactmechanics": "ContactMechanics"}
+PROGRAM = Path(__file__).with_name("outside.py")
+_ROWS = 8  # a profile is handed over as so many equal rows: not every code solves a single one rightly
+
+
+def crosscheck(
+    window: xr.DataArray, contact: xr.Dataset, statistics: xr.Dataset, *, code: str, python: str
+) -> xr.Dataset:
+    """Solve the contact of a window by another code, and compare load by load.
+
+    The code runs as an outside program, by the Python that it is installed in; nothing of it is imported. The
+    mean gap follows from its pressure, u = G p.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        the map that was solved.
+    contact : Dataset
+        as `solve_contact` returns it; where it keeps no `pressure` the fields are not compared.
+    statistics : Dataset
+        as `contact_statistics` returns it.
+    code : str
+        ``tamaas`` or ``contactmechanics``.
+    python : str
+        path of the Python that has it.
+
+    Returns
+    -------
+    Dataset, dim load: `other_contact_area_pixels`, `other_max_pressure` (Pa), `other_mean_gap` (m),
+    `pressure_difference` and `contact_difference` (NaN without fields); attributes `code` and `version`.
+
+    Raises
+    ------
+    CrossCheckError
+        where the program does not run or does not converge, with what it said.
+    HeightMapError
+        for a flat map: there is nothing to compare.
+    """
+    if code not in CODES or not python:
+        raise SettingsError(
+            f"crosscheck.code = {code!r}, crosscheck.python = {python!r}: give one of {', '.join(CODES)} and "
+            f"the "
+            "path of a Python that has it"
+        )
+    gradient = parameters.rms_gradient(window)
+    if gradient == 0:
+        raise HeightMapError("the map is flat: there is nothing to cross-check; set crosscheck.code: none")
+    loads, modulus = statistics["mean_pressure"].values, float(statistics["contact_modulus"])
+    steps, unit = spacing(window), modulus * gradient
+    # in units that make everything of order 1: some codes have absolute tolerances
+    length = float(np.sqrt(np.prod([n * step for n, step in zip(window.shape, steps, strict=True)])))
+    scaled = (window.values - window.values.mean()) / (gradient * length)
+    pitches = tuple(step / length for step in steps)
+    solved, version = _solve_outside(scaled, pitches, loads / unit, code=code, python=python)
+    rows = []
+    for index, other in enumerate(solved):
+        gap = gap_left_by(other, scaled, pitches, 1.0)
+        row = {
+            "other_contact_area_pixels": np.count_nonzero(other > 0) / other.size,
+            "other_max_pressure": other.max() * unit,
+            "other_mean_gap": gap[other <= 0].sum() / gap.size * gradient * length,
+            "pressure_difference": np.nan,
+            "contact_difference": np.nan,
+        }
+        if "pressure" in contact:
+            own = contact["pressure"].values[index] / unit
+            row["pressure_difference"] = np.sqrt(np.mean((other - own) ** 2) / np.mean(own**2))
+            row["contact_difference"] = np.count_nonzero((other > 0) != (own > 0))
+        rows.append(row)
+    return xr.Dataset(
+        {name: ("load", np.array([row[name] for row in rows], float)) for name in rows[0]},
+        coords={"mean_pressure": ("load", loads)},
+        attrs={"code": CODES[code], "version": version},
+    )
+
+
+def _solve_outside(heights, pitches, loads, *, code, python):
+    """Return (pressures (load, ny, nx), version) of another code; dimensionless, E* = 1."""
+    shape = heights.shape
+    rows, columns = (_ROWS if n == 1 else n for n in shape)
+    heights = np.ascontiguousarray(np.broadcast_to(heights, (rows, columns)))
+    lengths = (rows * pitches[0], columns * pitches[1])
+    # the paths of this process are none of the other one's business
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    with tempfile.TemporaryDirectory() as folder:
+        problem, solution = Path(folder) / "problem.npz", Path(folder) / "solution.npz"
+        np.savez(problem, heights=heights, lengths=lengths, loads=loads)
+        command = [python, str(PROGRAM), code, str(problem), str(solution)]
+        try:
+            run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        except OSError as error:
+            raise CrossCheckError(f"crosscheck.python = {python!r} does not start ({error})") from error
+        if run.returncode:
+            said = run.stderr.strip().splitlines() or [f"exit status {run.returncode}"]
+            raise CrossCheckError(
+                f"{CODES[code]} did not solve the problem: {said[-1]}. Is it installed where {python} looks? "
+                "Without the cross-check: crosscheck.code: none"
+            )
+        with np.load(solution) as found:
+            return found["pressures"][:, : shape[0], : shape[1]], str(found["version"])

@@ -1,0 +1,1 @@
+"""The elastic half-space: its operators on a periodic grid, and their symbols."""

@@ -1,0 +1,1 @@
+"""Two measured faces that touch: their sum, and an ensemble of ways to lay them on one another."""

@@ -1,0 +1,351 @@
+"""The passes over the grid that the iteration is made of, for any array library.
+
+They ask their arrays for the library they belong to (the Python array API: NumPy, CuPy and others) and write
+into arrays that are there already. `roughcontact.kernels.numba_cpu` has the same functions, compiled for
+NumPy's arrays; `kernels_for` chooses.
+"""
+
+CLOSED = 1e-30  # a gap that is zero to rounding, at a point that is not settled
+_ALL_BUT_MEAN = (0, slice(1, None)), (slice(1, None), slice(None))  # of a spectrum
+TAIL = 0  # cells up to which the grids of a pyramid are passed over in one call; see the compiled twin
+
+
+def mean(field) -> float:
+    """Return the mean of a field, summed in double precision."""
+    return _sum(field.__array_namespace__(), field) / field.size
+
+
+def multiply(spectrum, symbol) -> None:
+    """Multiply `spectrum` by `symbol`; q = 0 becomes zero."""
+    for part in _ALL_BUT_MEAN:
+        spectrum[part] *= symbol[part]
+    spectrum[0, 0] = 0
+
+
+def divide(spectrum, symbol, weights) -> float:
+    """Divide `spectrum` by `symbol`; q = 0 becomes zero.
+
+    Returns the sum of |s|^2 / symbol over the waves but q = 0, in double precision: each counts as often as
+    the entry of `weights` for its column says.
+    """
+    xp, energy = spectrum.__array_namespace__(), 0.0
+    for part in _ALL_BUT_MEAN:
+        energy += _sum(xp, weights[part[1]] * (_power(xp, spectrum[part]) / symbol[part]))
+        spectrum[part] /= symbol[part]
+    spectrum[0, 0] = 0
+    return energy
+
+
+def _power(xp, spectrum):
+    return xp.real(spectrum) ** 2 + xp.imag(spectrum) ** 2
+
+
+def slope_power(spectrum, weights, along_y, along_x) -> float:
+    """Return the sum of |s|^2 (y + x) over the waves, in double precision.
+
+    y is the entry of `along_y` for the row; the entries for the column, x of `along_x` and how often the wave
+    counts of `weights`, come in float64 too.
+    """
+    xp = spectrum.__array_namespace__()
+    return _sum(xp, _power(xp, spectrum) * (weights * (along_y[:, None] + along_x)))
+
+
+def extent(field) -> tuple[float, float, int]:
+    """Return the least and the largest value, and how many are infinite or no number.
+
+    Where there are any of those, the other two tell nothing.
+    """
+    xp = field.__array_namespace__()
+    finite = xp.isfinite(field)
+    missing = field.size - int(xp.count_nonzero(finite))
+    return float(xp.min(field)), float(xp.max(field)), missing
+
+
+def make_dimensionless(heights, reference, unit, out) -> None:
+    """Put (`heights` - `reference`) / `unit` into `out`."""
+    xp = heights.__array_namespace__()
+    out[...] = xp.astype((heights - reference) / unit, out.dtype)
+
+
+def measure(separation, heights, reference, unit, start, before, level, pressure, cap):
+    """Take the heights off the displacement that `separation` holds; return what that pass can tell.
+
+    A height counts as (height - `reference`) / `unit`. The separation itself is in `separation` afterwards.
+    Six sums, in double precision: pressure x displacement; displacement squared; separation over the free
+    contact {0 < p < cap}, and the number of its points; change of pressure x separation `before`, and after,
+    both less `level`, which drops out but for rounding. The change is that from the pressure `start`.
+    """
+    xp = pressure.__array_namespace__()
+    displaced = xp.asarray(separation, copy=True)
+    separation -= (heights - reference) / unit
+    free = (pressure > 0) & (pressure < cap)
+    change = pressure - start
+    return (
+        _sum(xp, pressure * displaced),
+        _sum(xp, displaced * displaced),
+        _sum(xp, xp.where(free, separation, xp.zeros_like(separation))),
+        int(xp.count_nonzero(free)),
+        _sum(xp, change * (before - level)),
+        _sum(xp, change * (separation - level)),
+    )
+
+
+def remainder(pressure, separation, level, cap, values) -> int:
+    """Put the gap at unsettled points into `values`, zero elsewhere; return their number.
+
+    Unsettled are the points that carry pressure below the cap, overlap without pressure, or gape at the cap:
+    there the gap should vanish. One that does vanish stands as `CLOSED`: no other value is zero.
+    """
+    xp = pressure.__array_namespace__()
+    gap = separation - level
+    chosen = unsettled(pressure, gap, cap)
+    values[...] = xp.astype(xp.where(chosen, gap, xp.zeros_like(gap)), values.dtype)
+    values[...] = xp.where(chosen & (values == 0), xp.full_like(values, CLOSED), values)
+    return int(xp.count_nonzero(chosen))
+
+
+def advance(pressure, separation, product, level, mean, length, cap, out, free) -> None:
+    """Put p - length (product - mean), held between 0 and `cap`, into `out`.
+
+    What holding took away comes into `product`. Settled points keep the pressure they have. `free` becomes 1
+    between the bounds, 0 elsewhere.
+    """
+    xp = pressure.__array_namespace__()
+    moved = pressure - length * (product - mean)
+    moved = xp.where(unsettled(pressure, separation - level, cap), moved, pressure)
+    held = xp.clip(moved, 0, None if cap == float("inf") else cap)
+    out[...] = xp.astype(held, out.dtype)
+    free[...] = xp.astype((held > 0) & (held < cap), free.dtype)
+    product[...] = xp.astype(moved - held, product.dtype)
+
+
+def receive(field, passed, coarse, factors, free, cap) -> tuple[float, float]:
+    """Add `passed` and `coarse`, shared out, to `field` where `free` is not zero.
+
+    Returns how much of the field then lies outside of 0 and `cap`, and the sum of the field held between
+    them, in double precision.
+    """
+    xp = field.__array_namespace__()
+    shared = repeat(coarse, factors) / (factors[0] * factors[1])
+    field += xp.astype((passed + shared) * (1 - _zeros_of(free)), field.dtype)
+    held = xp.clip(field, 0, None if cap == float("inf") else cap)
+    return _sum(xp, xp.abs(field - held)), _sum(xp, held)
+
+
+def bound(field, cap, taken, free) -> None:
+    """Hold `field` between 0 and `cap`; what that takes away comes into `taken`.
+
+    `free` becomes 1 between the bounds and 0 elsewhere.
+    """
+    xp = field.__array_namespace__()
+    held = xp.clip(field, 0, None if cap == float("inf") else cap)
+    taken[...] = xp.astype(field - held, taken.dtype)
+    free[...] = xp.astype((held > 0) & (held < cap), free.dtype)
+    field[...] = held
+
+
+def rescale(field, factor, cap) -> None:
+    """Hold `field` between 0 and `cap` and multiply it by a number."""
+    xp = field.__array_namespace__()
+    field[...] = xp.clip(field, 0, None if cap == float("inf") else cap) * factor
+
+
+def hold(pressure, separation, level, cap, values) -> float:
+    """Hold `values` to what a certificate allows: at most the gap where p = 0, at least it at the cap.
+
+    Returns the sum of the squares of what that changes.
+    """
+    xp = pressure.__array_namespace__()
+    gap = xp.astype(separation - level, values.dtype)
+    held = xp.where(pressure <= 0, xp.minimum(values, gap), values)
+    held = xp.where(pressure >= cap, xp.maximum(held, gap), held)
+    change = held - values
+    values[...] = held
+    return _sum(xp, change * change)
+
+
+def restore_units(pressure, gap, level, pressure_unit, gap_unit, contact) -> tuple[float, float]:
+    """Take `level` off the gap, multiply it and the pressure by their units, and mark where there is contact.
+
+    Returns the least gap and the sum of the pressure, in their units and in double precision.
+    """
+    xp = pressure.__array_namespace__()
+    gap -= level
+    gap *= gap_unit
+    pressure *= pressure_unit
+    contact[...] = xp.astype(pressure > 0, contact.dtype)
+    return float(xp.min(gap)), _sum(xp, pressure)
+
+
+def block_mean(field, factors, out) -> None:
+    """Put the means of `field` over blocks of `factors` cells into `out`."""
+    xp = field.__array_namespace__()
+    (ny, nx), (fy, fx) = out.shape, factors
+    out[...] = xp.mean(xp.reshape(field, (ny, fy, nx, fx)), axis=(1, 3))
+
+
+def chosen_share(chosen, factors, out) -> None:
+    """Put the share of points where `chosen` is not zero, over blocks of `factors` cells, into `out`."""
+    xp = chosen.__array_namespace__()
+    block_mean(xp.astype(chosen != 0, out.dtype), factors, out)
+
+
+def weigh(weight, share, factors, scattered, empty, gain) -> None:
+    """Make the weight of every cell of the mean weight of its parts; put the ratio of the two into `gain`.
+
+    The linear size of a contact that covers the `share` of a cell is the root of that, if it is in one piece,
+    and the sum of the sizes of its parts, if they are far apart; the nearer they are, the more they shield
+    each other. Where it is not known that contacts are `scattered`, something between is taken.
+    What the weight leaves of 1 goes into `empty`. All hold for cells out of contact, whose weight is zero.
+    """
+    xp = share.__array_namespace__()
+    whole, apart = xp.sqrt(share), weight * (factors[0] * factors[1]) ** 0.5
+    gain[...] = 1 / xp.where(weight > 0, weight, xp.ones_like(weight))
+    pieces = apart / (1 + apart - whole)
+    weight[...] = pieces if scattered else xp.sqrt(whole * pieces)
+    gain *= weight
+    empty[...] = 1 - weight
+
+
+def weighted_mean(field, factors, gain, out) -> None:
+    """Put `gain` x the means of `field` over blocks of `factors` cells into `out`."""
+    block_mean(field, factors, out)
+    out *= gain
+
+
+def mix(values, empty, coarse, factors, out) -> None:
+    """Put `values` + `empty` x `coarse`, each coarse cell repeated `factors` times, into `out`."""
+    out[...] = values + empty * repeat(coarse, factors)
+
+
+def neighbours(field, weights, out) -> None:
+    """Put the weighted means of the eight neighbours, over the periodic boundary, into `out`.
+
+    `weights`: those of a neighbour across y, across x, and diagonal.
+    """
+    xp = field.__array_namespace__()
+    across_y, across_x, diagonal = weights
+    column = xp.roll(field, 1, axis=0) + xp.roll(field, -1, axis=0)
+    row = across_x * field + diagonal * column
+    out[...] = xp.roll(row, 1, axis=1) + xp.roll(row, -1, axis=1) + across_y * column
+
+
+def fill(values, empty, mixed, weights, out) -> None:
+    """Put `values` + `empty` x the neighbours' means of `mixed` into `out`."""
+    neighbours(mixed, weights, out)
+    out[...] = values + empty * out
+
+
+def fill_from(values, chosen, coarse, factors, weights, out) -> None:
+    """Put `values` + empty x the neighbours' means of the mixture of `values` and `coarse` into `out`.
+
+    The mixture is `values` + empty x `coarse`, each coarse cell repeated `factors` times, with empty 1 where
+    `chosen` is zero and 0 elsewhere.
+    """
+    empty = _zeros_of(chosen)
+    fill(values, empty, values + empty * repeat(coarse, factors), weights, out)
+
+
+def empty_neighbours(field, empty, weights, out) -> None:
+    """Put the neighbours' means of `empty` x `field` into `out`, the transpose of filling."""
+    neighbours(empty * field, weights, out)
+
+
+def gather(field, empty, factors, out) -> None:
+    """Put the sums of `empty` x `field` over blocks of cells into `out`, the transpose of mixing."""
+    block_mean(empty * field, factors, out)
+    out *= factors[0] * factors[1]
+
+
+def empty_from(field, chosen, weights, passed, factors, coarse) -> None:
+    """Put the neighbours' means of empty x `field` into `passed`, and gather that into `coarse`.
+
+    Empty as in `fill_from`, of which this is, with `conclude`, the transpose.
+    """
+    empty = _zeros_of(chosen)
+    empty_neighbours(field, empty, weights, passed)
+    gather(passed, empty, factors, coarse)
+
+
+def spread(field, gain, coarse, factors) -> None:
+    """Add `coarse`, each cell shared out among its fine ones, to `field`, and multiply that by `gain`."""
+    field += repeat(coarse, factors) / (factors[0] * factors[1])
+    field *= gain
+
+
+def conclude(field, passed, coarse, factors, chosen) -> float:
+    """Add `passed` and `coarse`, shared out, to `field` where `chosen` is not zero; elsewhere make it zero.
+
+    Returns the sum of the field, in double precision.
+    """
+    xp = field.__array_namespace__()
+    shared = repeat(coarse, factors) / (factors[0] * factors[1])
+    field[...] = (field + (passed + shared)) * (1 - _zeros_of(chosen))
+    return _sum(xp, field)
+
+
+def refine(coarse, factors, out) -> None:
+    """Put the pressure `coarse` onto a grid `factors` times finer, into `out`, with edges between the cells.
+
+    Towards the edge of a contact the pressure falls as the root of the distance (Johnson 1985, chapter 4), so
+    that its square is linear there and can be continued beyond: it is interpolated linearly, and its root
+    shares out the load of every coarse cell among its fine ones.
+    """
+    xp = coarse.__array_namespace__()
+    square = _continued(xp, coarse * coarse)
+    (fy, fx), (ny, nx) = factors, coarse.shape
+    parts = xp.reshape(out, (ny, fy, nx, fx))
+    for ky in range(fy):
+        for kx in range(fx):
+            at_y, at_x = (ky + 0.5) / fy - 0.5, (kx + 0.5) / fx - 0.5
+            along_x = _between(xp, square, at_x, 1)
+            parts[:, ky, :, kx] = xp.sqrt(xp.clip(_between(xp, along_x, at_y, 0), 0, None))
+    total = xp.sum(parts, axis=(1, 3))
+    flat = (total == 0) & (coarse > 0)
+    share = fy * fx * coarse / xp.where(total == 0, xp.ones_like(total), total)
+    parts *= share[:, None, :, None]
+    parts += xp.where(flat, coarse, xp.zeros_like(coarse))[:, None, :, None]
+    out[...] = xp.reshape(parts, out.shape)
+
+
+def _continued(xp, square):
+    """Return `square`, continued linearly from the contact {> 0} into the cells beside it, below zero."""
+    total, count = xp.zeros_like(square), xp.zeros_like(square)
+    for ey in (-1, 0, 1):
+        for ex in (-1, 0, 1):
+            if (ey, ex) != (0, 0):
+                near = xp.roll(square, (ey, ex), axis=(0, 1))
+                far = xp.roll(square, (2 * ey, 2 * ex), axis=(0, 1))
+                guess = xp.where(far > 0, 2 * near - far, -near)
+                total += xp.where(near > 0, guess, xp.zeros_like(near))
+                count += xp.astype(near > 0, square.dtype)
+    beyond = xp.clip(total / xp.where(count == 0, xp.ones_like(count), count), None, 0)
+    return xp.where(square > 0, square, beyond)
+
+
+def _between(xp, field, offset, axis):
+    """Return `field` interpolated linearly at `offset` cells, |offset| < 1, along an axis."""
+    share = abs(offset)
+    return (1 - share) * field + share * xp.roll(field, -1 if offset > 0 else 1, axis=axis)
+
+
+def repeat(field, factors):
+    """Return `field` with every cell repeated `factors` times."""
+    xp = field.__array_namespace__()
+    return xp.repeat(xp.repeat(field, factors[0], axis=0), factors[1], axis=1)
+
+
+def unsettled(pressure, gap, cap):
+    """Return where the gap should vanish and may not yet: see `remainder`."""
+    none, full = pressure <= 0, pressure >= cap
+    return (none & (gap < 0)) | (full & (gap > 0)) | ~(none | full)
+
+
+def _zeros_of(field):
+    """Return 1 where `field` is zero and 0 elsewhere."""
+    xp = field.__array_namespace__()
+    return xp.astype(field == 0, field.dtype)
+
+
+def _sum(xp, field) -> float:
+    return float(xp.sum(field, dtype=xp.float64))

@@ -1,0 +1,24 @@
+"""Which implementation of the kernels serves an array."""
+
+from functools import cache
+from importlib.util import find_spec
+
+import numpy as np
+
+from roughcontact.kernels import array_api
+from roughcontact.kernels.threads import threads_for
+
+
+def kernels_for(field, *, threads: int = 1):
+    """Return the namespace of kernels for arrays like `field`: compiled where Numba is installed."""
+    if isinstance(field, np.ndarray) and numba_is_installed():
+        from roughcontact.kernels.numba_cpu import Compiled
+
+        return Compiled(threads_for(field.size, threads))
+    return array_api
+
+
+@cache
+def numba_is_installed() -> bool:
+    """Return whether `numba` can be imported here."""
+    return find_spec("numba") is not None

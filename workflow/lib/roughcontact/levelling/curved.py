@@ -1,0 +1,212 @@
+"""Sphere and cylinder as the form of a map: least squares of the vertical distances, plain or robust."""
+
+import numpy as np
+
+from roughcontact.errors import HeightMapError
+from roughcontact.levelling.polynomial import fit_form
+from roughcontact.levelling.robust import biweight, robust_scale
+
+_ITERATIONS = 60
+_CONVERGED = 1e-9  # change of the form between iterations, in standard deviations of the residual
+_CONVERGED_ROBUST = 1e-6  # the same where weights change with the residual
+_STEP = 1e-6  # of the numerical derivatives; lengths are in half the longer side of the map
+_START_POINTS = 50_000  # enough for a good start on a large map
+_CHUNK = 200_000  # points worked on at a time
+_TURN = 0.3  # rad; the axis of a cylinder that is nearly flat is poorly known and must not jump
+
+
+def fit_curved_form(values, coordinates, *, shape: str, robust: bool = False) -> tuple[np.ndarray, dict]:
+    """Fit a sphere or a cylinder to a map that may have missing points.
+
+    Both go through the point (x0, y0, z0) in the middle of the map, with the slopes a and b and the normal n
+    there, and the centre or axis at the distance 1/kappa along n. With r from that point, d the direction of
+    the axis (0 for a sphere):
+
+        kappa (|r|^2 - (r . d)^2) - 2 n . r = 0,
+
+    a quadratic equation for z(x, y). The sum of (h - z)^2 is least; with `robust` that of Tukey's biweight.
+
+    Parameters
+    ----------
+    values : array (ny, nx), m
+        NaN where missing.
+    coordinates : (y, x), arrays in m
+    shape : {"sphere", "cylinder"}
+        a profile is fitted by a circle, whichever it is.
+    robust : bool
+
+    Returns
+    -------
+    form : array (ny, nx), m
+    removed : dict
+        what the form is, each entry with value and units: `mean` (of the form over the map), `radius` (m; not
+        for a flat map), `curvature` (1/m, negative where the form is a hill), `height_middle` (z0), `slope_x`
+        and `slope_y` at the middle (`middle_x`, `middle_y`), of a sphere `centre_x`, `centre_y`, `centre_z`,
+        of a cylinder `axis_azimuth` (degree from x towards y, -90 to 90) and `axis_inclination` (degree from
+        the x, y plane, upwards in the direction of the azimuth).
+
+    Raises
+    ------
+    HeightMapError
+        where the map has points beyond the rim of the fitted ball or roll.
+
+    Notes
+    -----
+    Levenberg-Marquardt (Marquardt, SIAM J. Appl. Math. 11 (1963) 431), started from the second-order
+    polynomial. The parameters stay finite where the radius does not: a flat map has kappa = 0.
+    """
+    if min(values.shape) == 1:
+        shape = "sphere"  # of a profile: a circle, the section of either
+    y, x = (np.asarray(c, dtype=float) for c in coordinates)
+    middle_y, middle_x = ((c[0] + c[-1]) / 2 for c in (y, x))
+    half = max(np.ptp(y), np.ptp(x)) / 2
+    measured = ~np.isnan(values)
+    start_form, start = fit_form(values, coordinates, order=2, robust=robust)
+    reference = start["mean"]["value"]
+    rows, columns = np.nonzero(measured)
+    points = (
+        (y[rows] - middle_y) / half,
+        (x[columns] - middle_x) / half,
+        (values[measured] - reference) / half,
+    )
+    parameters = _start(start, start_form, reference, half, shape)
+    if points[0].size > 2 * _START_POINTS:
+        few = np.random.default_rng(0).choice(points[0].size, _START_POINTS, replace=False)
+        parameters = _least_squares(parameters, [c[few] for c in points], robust=robust)
+    parameters = _least_squares(parameters, points, robust=robust)
+    fitted, inside = _surface(parameters, (y[:, None] - middle_y) / half, (x[None, :] - middle_x) / half)
+    beyond = np.count_nonzero(measured & ~inside)
+    if beyond:
+        raise HeightMapError(
+            f"level.form = {shape!r}: {beyond} points lie beyond the rim of the fitted {shape}, where it has "
+            "no height: cut the map to the curved part, or take level.form: polynomial"
+        )
+    form = reference + half * fitted
+    return form, _record(parameters, form, reference, half, (middle_y, middle_x))
+
+
+def curved_form_from_record(removed: dict, y, x) -> np.ndarray:
+    """Return the form (ny, nx) in m that `fit_curved_form` recorded, on the map's own coordinates in m."""
+    value = {name: entry["value"] for name, entry in removed.items()}
+    parameters = [0.0, value["slope_x"], value["slope_y"]]
+    parameters.append(value["curvature"] * np.sqrt(1 + parameters[1] ** 2 + parameters[2] ** 2))
+    if "axis_azimuth" in value:
+        parameters.append(np.deg2rad(value["axis_azimuth"]))
+    y, x = (np.asarray(c, dtype=float) for c in (y, x))
+    form, _ = _surface(parameters, y[:, None] - value["middle_y"], x[None, :] - value["middle_x"])
+    return value["height_middle"] + form
+
+
+def _surface(parameters, y, x):
+    """Return z(x, y) and where it exists; parameters z0, a, b, k = kappa sqrt(1 + a^2 + b^2), azimuth."""
+    z0, a, b, k, *azimuth = parameters
+    if azimuth:
+        direction = np.array([np.cos(azimuth[0]), np.sin(azimuth[0])])
+        rise = a * direction[0] + b * direction[1]  # the axis lies in the tangent plane
+        length = np.sqrt(1 + rise**2)
+        along, dz = (direction[0] * x + direction[1] * y) / length, rise / length
+    else:
+        along, dz = 0.0, 0.0
+    # (k (1 - dz^2)) z^2 - 2 (1 + k along dz) z + c = 0; the root that goes to zero with c
+    c = k * (x**2 + y**2 - along**2) + 2 * (a * x + b * y)
+    minus_half_b = 1 + k * along * dz
+    discriminant = minus_half_b**2 - k * (1 - dz**2) * c
+    return z0 + c / (minus_half_b + np.sqrt(np.maximum(discriminant, 0.0))), discriminant >= 0
+
+
+def _start(polynomial, form, reference, half, shape):
+    """Return the parameters of the ball or roll that touches the second-order polynomial in the middle."""
+    value = {name: entry["value"] for name, entry in polynomial.items()}
+    mixed = value.get("c_1_1", 0.0) / (value["half_length_x"] * value["half_length_y"])
+    hessian = np.array([[value["curvature_x"], mixed], [mixed, value["curvature_y"]]])
+    curvatures, directions = np.linalg.eigh(hessian)
+    z0 = (form[form.shape[0] // 2, form.shape[1] // 2] - reference) / half
+    slopes = [value["slope_x"], value["slope_y"]]
+    if shape == "sphere":
+        curved = [c for c, n in zip((hessian[1, 1], hessian[0, 0]), form.shape, strict=True) if n > 1]
+        return np.array([z0, *slopes, half * np.mean(curved)])
+    strongest = int(np.argmax(np.abs(curvatures)))
+    along = directions[:, 1 - strongest]
+    return np.array([z0, *slopes, half * curvatures[strongest], np.arctan2(along[1], along[0])])
+
+
+def _least_squares(parameters, points, *, robust):
+    """Return the parameters of least (robust) squares; points are (y, x, z), each (n,)."""
+    y, x, z = points
+    damping = 1e-3
+    residual = z - _surface(parameters, y, x)[0]
+    for _ in range(_ITERATIONS):
+        if robust:
+            scale = robust_scale(residual)
+            if not scale > 1e-12 * np.ptp(z):
+                return parameters  # more than half of the points lie on the form
+            weights = biweight(residual, scale)
+        else:
+            scale, weights = np.sqrt(np.mean(residual**2)), np.ones(z.size)
+        matrix, rhs = _normal_equations(parameters, y, x, weights, residual)
+        size = np.sqrt(np.diag(matrix))
+        size = np.maximum(size, 1e-12 * size.max())  # what changes nothing stays as it is
+        cost = np.sum(weights * residual**2)
+        for _ in range(12):
+            damped = matrix / np.outer(size, size) + damping * np.eye(len(size))
+            step = np.linalg.lstsq(damped, rhs / size, rcond=1e-14)[0] / size
+            step[4:] = np.clip(step[4:], -_TURN, _TURN)
+            trial = z - _surface(parameters + step, y, x)[0]
+            if np.sum(weights * trial**2) <= cost:
+                break
+            damping *= 10
+        else:
+            return parameters  # no step makes it better: rounding
+        change = np.abs(trial - residual).max()
+        parameters, residual, damping = parameters + step, trial, max(damping / 30, 1e-12)
+        enough = _CONVERGED_ROBUST if robust else _CONVERGED
+        if change <= enough * scale + 1e-15 * np.abs(z).max():
+            break
+    return parameters
+
+
+def _normal_equations(parameters, y, x, weights, residual):
+    """Return J^T W J and J^T W residual with J the derivative of the heights by the parameters."""
+    count = len(parameters)
+    matrix, rhs = np.zeros((count, count)), np.zeros(count)
+    for start in range(0, y.size, _CHUNK):
+        part = slice(start, start + _CHUNK)
+        columns = []
+        for index in range(count):
+            step = np.zeros(count)
+            step[index] = _STEP
+            ahead, behind = (_surface(parameters + sign * step, y[part], x[part])[0] for sign in (1, -1))
+            columns.append((ahead - behind) / (2 * _STEP))
+        jacobian = np.stack(columns)
+        weighted = jacobian * weights[part]
+        matrix += weighted @ jacobian.T
+        rhs += weighted @ residual[part]
+    return matrix, rhs
+
+
+def _record(parameters, form, reference, half, middle):
+    z0, a, b, k, *azimuth = map(float, parameters)
+    steepness = np.sqrt(1 + a**2 + b**2)
+    curvature = k / steepness / half
+    height = reference + half * z0
+    quantity = {"mean": (form.mean(), "m")}
+    if curvature:
+        quantity["radius"] = (1 / abs(curvature), "m")
+    quantity |= {
+        "curvature": (curvature, "m-1"),
+        "height_middle": (height, "m"),
+        "slope_x": (a, "1"),
+        "slope_y": (b, "1"),
+        "middle_x": (middle[1], "m"),
+        "middle_y": (middle[0], "m"),
+    }
+    if azimuth:
+        turned = (azimuth[0] + np.pi / 2) % np.pi - np.pi / 2
+        rise = a * np.cos(turned) + b * np.sin(turned)
+        quantity["axis_azimuth"] = (np.rad2deg(turned), "degree")
+        quantity["axis_inclination"] = (np.rad2deg(np.arctan(rise)), "degree")
+    elif curvature:
+        towards = np.array([-a, -b, 1.0]) / steepness / curvature
+        for name, start, shift in zip("xyz", (middle[1], middle[0], height), towards, strict=True):
+            quantity[f"centre_{name}"] = (start + shift, "m")
+    return {name: {"value": float(value), "units": units} for name, (value, units) in quantity.items()}

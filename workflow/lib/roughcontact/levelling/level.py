@@ -1,0 +1,228 @@
+"""Levelling: outliers out, lines aligned, form off, long and short waves off, holes filled; all recorded."""
+
+import json
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.checking import check_choice, check_map
+from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.levelling.curved import fit_curved_form
+from roughcontact.levelling.filling import fill_harmonic, find_holes
+from roughcontact.levelling.filters import gaussian_mean_surface
+from roughcontact.levelling.outliers import find_outliers
+from roughcontact.levelling.polynomial import fit_form
+from roughcontact.levelling.scan_lines import find_scars, line_offsets
+from roughcontact.maps import spacing
+from roughcontact.roughness.parameters import height_parameters
+
+FORMS = ("none", "mean", "plane", "polynomial", "sphere", "cylinder")
+ALIGNMENTS = ("none", "median", "matched-steps")
+FILLS = ("harmonic", "none")
+
+_ROUNDING = 16 * np.finfo(float).eps  # of a height less its form, relative to the form
+
+
+def level(
+    height: xr.DataArray,
+    *,
+    form: str = "plane",
+    order: int = 2,
+    robust: bool = False,
+    outlier_threshold: float | None = 6.0,
+    line_alignment: str = "none",
+    scar_threshold: float | None = None,
+    s_filter: float | None = None,
+    l_filter: float | None = None,
+    fill: str = "harmonic",
+    max_missing: float = 0.4,
+) -> xr.DataArray:
+    """Reject outliers, align scan lines, remove form and waviness, fill the missing points of a height map.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        as measured; NaN where not measured.
+    form : {"none", "mean", "plane", "polynomial", "sphere", "cylinder"}
+        what is taken off.
+    order : int, 1 or more
+        total order of the polynomial, x^i y^j with i + j <= order.
+    robust : bool
+        fit so that deep valleys and high spikes have no weight (Tukey's biweight); else least squares.
+    outlier_threshold : float or None
+        isolated spikes that stand off their surroundings by more than this many local standard deviations
+        are taken for missing; None keeps every point. See `roughcontact.levelling.outliers`.
+    line_alignment : {"none", "median", "matched-steps"}
+        how rows (scan lines) are shifted to match one another. See `roughcontact.levelling.scan_lines`.
+    scar_threshold : float or None
+        pieces of scan lines that stick out against the lines before and after by more than this many
+        standard deviations are taken for missing; None keeps every point.
+    s_filter, l_filter : float (m) or None
+        nesting indices: waves shorter than `s_filter` and longer than `l_filter` are taken off, by areal
+        Gaussian filters after the form. See `roughcontact.levelling.filters`.
+    fill : {"harmonic", "none"}
+        how holes are filled. Missing regions that touch the border are never filled.
+    max_missing : float, 0 to 1
+        largest share of the map that may be missing, rejected points included.
+
+    Returns
+    -------
+    DataArray (y, x), m, with the attributes of `height` and `form`, `form_removed` (JSON),
+    `outliers_rejected`, `outlier_kinds` (JSON), `line_alignment`, `line_shift_rms` (m), `filters_removed`
+    (JSON), `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, the height parameters
+    of the measured points (`Sa`, `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1), and the coordinates
+    `filled(y, x)` and, where lines were aligned, `line_offset(y)` (m, taken off each row).
+
+    Raises
+    ------
+    HeightMapError
+        a map without heights, of one pixel, or with more missing than `max_missing`; one that a sphere or
+        cylinder does not fit; an L-filter that leaves no wave.
+    SettingsError
+        an option that has no meaning.
+    """
+    _check_options(form, order, line_alignment, fill, max_missing)
+    _check_positive(
+        outlier_threshold=outlier_threshold,
+        scar_threshold=scar_threshold,
+        s_filter=s_filter,
+        l_filter=l_filter,
+    )
+    if s_filter and l_filter and s_filter >= l_filter:
+        raise SettingsError(
+            f"level.s_filter = {s_filter:g} m is not below level.l_filter = {l_filter:g} m: nothing would be "
+            "left"
+        )
+    values = check_map(height)
+    step = spacing(height)
+
+    kinds = {}
+    if outlier_threshold is not None:
+        values = _without_outliers(values, outlier_threshold, kinds)
+    offsets = np.zeros(len(values))
+    if line_alignment != "none":
+        offsets = line_offsets(values, method=line_alignment)
+        values = values - offsets[:, None]
+        if outlier_threshold is not None:  # what the shifts of the lines had hidden
+            values = _without_outliers(values, outlier_threshold, kinds)
+    if scar_threshold is not None:
+        scars = find_scars(values, threshold=scar_threshold)
+        if scars.any():
+            kinds["scar"] = int(scars.sum())
+            values = np.where(scars, np.nan, values)
+    missing = np.isnan(values)
+    _check_missing(missing, height, kinds, max_missing)
+
+    removed = {}
+    if form != "none":
+        surface, removed = _fit(values, height, form, order, robust)
+        values = values - surface
+        # a plane, or a map that never varied, is flat: what the subtraction leaves is rounding
+        if np.nanmax(np.abs(values)) <= _ROUNDING * np.nanmax(np.abs(surface)):
+            values = np.where(missing, np.nan, 0.0)
+    values, filters = _filter(values, step, s_filter, l_filter)
+    parameters = height_parameters(height.copy(data=values))
+
+    labels, sizes = find_holes(missing)
+    filled = np.zeros(values.shape, dtype=np.int8)
+    if fill == "harmonic" and sizes.size:
+        values = fill_harmonic(values, labels, step)
+        filled[labels > 0] = 1
+
+    attrs = height.attrs | {
+        "units": "m",
+        "form": form,
+        "form_removed": json.dumps(removed),
+        "outliers_rejected": int(sum(kinds.values())),
+        "outlier_kinds": json.dumps(kinds),
+        "line_alignment": line_alignment,
+        "line_shift_rms": float(np.sqrt(np.mean(offsets**2))),
+        "filters_removed": json.dumps(filters),
+        "filled_points": int(filled.sum()),
+        "filled_share": float(filled.mean()),
+        "largest_hole": int(sizes.max(initial=0)),
+        "fill_method": fill,
+    }
+    coords = {"y": height["y"], "x": height["x"], "filled": (("y", "x"), filled)}
+    if line_alignment != "none":
+        coords["line_offset"] = ("y", offsets)
+    return xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs | parameters)
+
+
+def _check_options(form, order, line_alignment, fill, max_missing):
+    check_choice("level.form", form, FORMS)
+    check_choice("level.line_alignment", line_alignment, ALIGNMENTS)
+    check_choice("level.fill", fill, FILLS)
+    if form == "polynomial" and (order != int(order) or order < 1):
+        raise SettingsError(f"level.order = {order!r}: give a whole number of 1 or more")
+    if not 0 <= max_missing <= 1:
+        raise SettingsError(f"level.max_missing = {max_missing!r}: give a share from 0 to 1")
+
+
+def _check_positive(**options):
+    """Raise SettingsError where an option is neither positive nor None."""
+    instead = {
+        "outlier_threshold": "null to keep every point",
+        "scar_threshold": "null to keep every point",
+        "s_filter": "null to keep the short waves",
+        "l_filter": "null to keep the long waves",
+    }
+    for name, value in options.items():
+        if value is not None and not 0 < value < np.inf:
+            raise SettingsError(f"level.{name} = {value!r}: give a positive number, or {instead[name]}")
+
+
+def _without_outliers(values, threshold, kinds):
+    """Return the heights with outliers missing; what was found is added to `kinds`."""
+    outliers, found = find_outliers(values, threshold=threshold)
+    for kind, count in found.items():
+        kinds[kind] = kinds.get(kind, 0) + count
+    return np.where(outliers, np.nan, values)
+
+
+def _fit(values, height, form, order, robust):
+    """Return the form (ny, nx) and its record."""
+    coordinates = height["y"].values, height["x"].values
+    if form not in ("sphere", "cylinder"):
+        order = {"mean": 0, "plane": 1}.get(form, order)
+        return fit_form(values, coordinates, order=order, robust=robust)
+    try:
+        return fit_curved_form(values, coordinates, shape=form, robust=robust)
+    except HeightMapError as error:
+        raise HeightMapError(f"{height.attrs.get('source_file') or 'the map'}: {error}") from error
+
+
+def _filter(values, step, s_filter, l_filter):
+    """Return the heights without short and long waves, and what was taken off: index and rms, in m."""
+    removed = {}
+    for name, index in (("s_filter", s_filter), ("l_filter", l_filter)):
+        if index is None:
+            continue
+        long = [d for n, d in zip(values.shape, step, strict=True) if n > 1]
+        if name == "l_filter" and index < 2 * max(long):
+            raise HeightMapError(
+                f"level.l_filter = {index:g} m is less than two pixels ({2 * max(long):g} m): it would leave "
+                "no wave"
+            )
+        smooth = gaussian_mean_surface(values, step, index)
+        kept, off = (smooth, values - smooth) if name == "s_filter" else (values - smooth, smooth)
+        off = off[~np.isnan(off)]
+        removed[name] = {
+            "nesting_index": {"value": float(index), "units": "m"},
+            "rms_removed": {"value": float(np.sqrt(np.mean(off**2))), "units": "m"},
+        }
+        values = kept
+    return values, removed
+
+
+def _check_missing(missing, height, kinds, max_missing):
+    share = missing.mean()
+    if share <= max_missing and not missing.all():
+        return
+    name = height.attrs.get("source_file") or "the map"
+    rejected = sum(kinds.values())
+    also = f" ({rejected} of them rejected as outliers or scars)" if rejected else ""
+    raise HeightMapError(
+        f"{name}: {100 * share:.1f} % of the points are missing{also}, more than level.max_missing = "
+        f"{max_missing:g} allows: cut the map to its measured part, or raise level.max_missing"
+    )

@@ -1,0 +1,185 @@
+"""Form of a map: polynomials fitted by least squares or robustly, in a well-conditioned basis."""
+
+import copy
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from roughcontact.levelling.robust import biweight, robust_scale
+
+_ITERATIONS = 100
+_START_POINTS = 250_000  # enough points for a good start
+_CONVERGED = 1e-6  # change of the form between iterations, in standard deviations of the residual
+
+
+def fit_form(values, coordinates, *, order: int, robust: bool = False) -> tuple[np.ndarray, dict]:
+    """Fit a polynomial form to a map that may have missing points.
+
+    form(x, y) = sum c_ij P_i(X) P_j(Y), i + j <= order, with Legendre polynomials P and X, Y the
+    coordinates mapped to [-1, 1] over the map. The sum runs over c minimising sum (h - form)^2, or
+    sum rho((h - form) / s) with Tukey's biweight and s from the median absolute residual.
+
+    Parameters
+    ----------
+    values : array (ny, nx), m
+        NaN where missing.
+    coordinates : (y, x), arrays in m
+    order : int
+        0 removes the mean.
+    robust : bool
+
+    Returns
+    -------
+    form : array (ny, nx), m
+    removed : dict
+        what the form is, each entry with value and units: `mean` (of the form over the map), from order 1
+        on `slope_x`, `slope_y` and from order 2 on `curvature_x`, `curvature_y` (all at the middle of the
+        map) and the coefficients `c_i_j` with `middle_x`, `middle_y`, `half_length_x`, `half_length_y`.
+
+    Notes
+    -----
+    Iteratively reweighted least squares: Beaton, Tukey, Technometrics 16 (1974) 147; the same weights in
+    ISO 16610-31. It starts from least absolute values, which valleys on one side do not carry away.
+    """
+    measured = ~np.isnan(values)
+    reference = float(np.median(values[measured]))
+    heights = np.where(measured, values - reference, 0.0)
+    axes = [_Axis(c, min(order, n - 1)) for c, n in zip(coordinates, values.shape, strict=True)]
+    terms = [(j, i) for j in range(axes[0].order + 1) for i in range(axes[1].order + 1) if i + j <= order]
+    if order == 0 and not robust:
+        coefficients = np.full((1, 1), heights.sum() / measured.sum())
+    elif robust:
+        coefficients = _fit_robust(heights, measured, axes, terms)
+    else:
+        coefficients = _fit_weighted(heights, measured.astype(float), axes, terms)
+    form = _evaluate(coefficients, axes) + reference
+    coefficients = coefficients.copy()
+    coefficients[0, 0] += reference
+    return form, _record(coefficients, axes, order)
+
+
+def share_of_form(values, coordinates, *, order: int = 2) -> float:
+    """Return which share of the mean square height (mean off) a polynomial form makes up, 0 to 1.
+
+    Parameters
+    ----------
+    values : array (ny, nx), m
+        without missing points.
+    coordinates : (y, x), arrays in m
+    order : int
+        total order of the polynomial.
+    """
+    rough = values - values.flat[0]  # exactly zero for a flat map, wherever it lies
+    rough -= rough.mean()
+    total = float(np.mean(rough**2))
+    if total == 0:
+        return 0.0
+    form, _ = fit_form(rough, coordinates, order=order)
+    return float(np.mean(form**2)) / total
+
+
+class _Axis:
+    """Legendre polynomials along one axis, on its coordinates mapped to [-1, 1]."""
+
+    def __init__(self, coordinate, order):
+        coordinate = np.asarray(coordinate, dtype=float)
+        self.order = order
+        self.middle = (coordinate[0] + coordinate[-1]) / 2
+        self.half = (coordinate[-1] - coordinate[0]) / 2 or 1.0
+        self.basis = legendre.legvander((coordinate - self.middle) / self.half, order)  # (n, order + 1)
+        # all products P_a P_b, for the normal equations
+        self.products = (self.basis[:, :, None] * self.basis[:, None, :]).reshape(coordinate.size, -1)
+
+    def thinned(self, every):
+        """Return the same polynomials on every n-th point."""
+        thin = copy.copy(self)
+        thin.basis, thin.products = self.basis[::every], self.products[::every]
+        return thin
+
+
+def _evaluate(coefficients, axes):
+    return axes[0].basis @ coefficients @ axes[1].basis.T
+
+
+def _fit_weighted(heights, weights, axes, terms):
+    """Return c (j, i) that minimises sum w (h - form)^2, in two passes: the second mends the rounding."""
+    y, x = axes
+    ky, kx = y.order + 1, x.order + 1
+    # moments of all products, axis by axis: sums over the map cost one matrix product
+    moments = (y.products.T @ weights @ x.products).reshape(ky, ky, kx, kx)
+    index_y, index_x = (np.array(index) for index in zip(*terms, strict=True))
+    matrix = moments[index_y[:, None], index_y[None, :], index_x[:, None], index_x[None, :]]
+    coefficients = np.zeros((ky, kx))
+    residual = heights
+    for _ in range(2):
+        rhs = (y.basis.T @ (weights * residual) @ x.basis)[index_y, index_x]
+        coefficients[index_y, index_x] += np.linalg.lstsq(matrix, rhs, rcond=1e-13)[0]
+        residual = heights - _evaluate(coefficients, axes)
+    return coefficients
+
+
+def _fit_robust(heights, measured, axes, terms):
+    """Iterate on a thinned map first where the map is large: a few passes over all points are then enough."""
+    every = int(np.sqrt(heights.size / _START_POINTS))
+    if every > 1 and measured[::every, ::every].sum() > _START_POINTS / 4:
+        start = _fit_robust(
+            heights[::every, ::every],
+            measured[::every, ::every],
+            [axis.thinned(every) for axis in axes],
+            terms,
+        )
+        return _reweight(heights, measured, axes, terms, start, least_absolute=False)
+    start = _fit_weighted(heights, measured.astype(float), axes, terms)
+    return _reweight(heights, measured, axes, terms, start, least_absolute=True)
+
+
+def _reweight(heights, measured, axes, terms, coefficients, *, least_absolute):
+    for iteration in range(_ITERATIONS):
+        residual = heights - _evaluate(coefficients, axes)
+        scale = robust_scale(residual[measured])
+        if not scale > 1e-12 * np.ptp(heights[measured]):
+            return coefficients  # more than half of the points lie on the form
+        if least_absolute:
+            weights = 1 / np.maximum(np.abs(residual), 1e-3 * scale)
+        else:
+            weights = biweight(residual, scale)
+        weights[~measured] = 0
+        previous, coefficients = coefficients, _fit_weighted(heights, weights, axes, terms)
+        change = np.abs(coefficients - previous).max()
+        if least_absolute and (change <= 1e-2 * scale or iteration == 20):
+            least_absolute = False
+        elif not least_absolute and change <= _CONVERGED * scale:
+            break
+    return coefficients
+
+
+def _record(coefficients, axes, order):
+    y, x = axes
+    quantity = {"mean": (coefficients[0, 0], "m")}
+
+    def derivative(nth, along):
+        wanted = (nth, 0) if along == "y" else (0, nth)
+        py, px = (
+            [
+                legendre.legval(0.0, legendre.legder(np.eye(axis.order + 1)[k], m))
+                for k in range(axis.order + 1)
+            ]
+            for axis, m in zip(axes, wanted, strict=True)
+        )
+        at_middle = np.outer(py, px)
+        half = y.half if along == "y" else x.half
+        return float((coefficients * at_middle).sum() / half**nth)
+
+    for nth, name, units in ((1, "slope", "1"), (2, "curvature", "m-1")):
+        if order >= nth:
+            for along in "xy":
+                quantity[f"{name}_{along}"] = (derivative(nth, along), units)
+    if order >= 2:
+        for along, axis in (("x", x), ("y", y)):
+            quantity[f"middle_{along}"] = (axis.middle, "m")
+            quantity[f"half_length_{along}"] = (axis.half, "m")
+        for j in range(y.order + 1):
+            for i in range(x.order + 1):
+                if i + j <= order:
+                    quantity[f"c_{i}_{j}"] = (coefficients[j, i], "m")
+    return {name: {"value": float(value), "units": units} for name, (value, units) in quantity.items()}

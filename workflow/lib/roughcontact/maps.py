@@ -1,0 +1,104 @@
+"""Labelled height maps: how they are made, their pitches, and the same map on a finer grid."""
+
+import json
+
+import numpy as np
+import xarray as xr
+
+
+def height_map(values, spacing, *, channel="height", instrument=None) -> xr.DataArray:
+    """Label an array of heights as a height map.
+
+    Parameters
+    ----------
+    values : array (ny, nx), m
+        heights, positive outwards; NaN where not measured.
+    spacing : float or (dy, dx), m
+        pitch of the cells.
+    channel : str
+        what the heights are called.
+    instrument : dict, optional
+        whatever describes how they came about.
+
+    Returns
+    -------
+    DataArray (y, x), m, first cell centre at half a pitch.
+    """
+    values = np.asarray(values, dtype=float)
+    dy, dx = pitches(spacing)
+    ny, nx = values.shape
+    missing = int(np.isnan(values).sum())
+    attrs = {
+        "units": "m",
+        "source_file": "",
+        "source_sha256": "",
+        "source_format": "synthetic",
+        "channel": channel,
+        "channels": json.dumps([channel]),
+        "instrument": json.dumps(instrument or {}),
+        "missing_points": missing,
+        "missing_share": missing / values.size,
+        "ingest_warnings": json.dumps([]),
+    }
+    y = xr.Variable("y", (np.arange(ny) + 0.5) * dy, {"units": "m"})
+    x = xr.Variable("x", (np.arange(nx) + 0.5) * dx, {"units": "m"})
+    return xr.DataArray(values, dims=("y", "x"), coords={"y": y, "x": x}, name="height", attrs=attrs)
+
+
+def pitches(spacing):
+    """Return (dy, dx) from one pitch or two."""
+    dy, dx = np.broadcast_to(np.asarray(spacing, dtype=float), 2)
+    return float(dy), float(dx)
+
+
+def spacing(height) -> tuple[float, float]:
+    """Return (dy, dx) of a map (y, x) in the unit of its coordinates.
+
+    The pitch of an axis with a single cell is not in its coordinate; it is then that of the other axis
+    (a profile stands for a surface that does not vary across it, so the value only scales its width).
+    """
+    steps = {}
+    for axis in ("y", "x"):
+        values = height[axis].values
+        if values.size > 1:
+            steps[axis] = float(values[-1] - values[0]) / (values.size - 1)
+    if not steps:
+        return 1.0, 1.0
+    other = next(iter(steps.values()))
+    return steps.get("y", other), steps.get("x", other)
+
+
+def refined(window: xr.DataArray, factor: int) -> xr.DataArray:
+    """Return a periodic map at `factor` times as many points per axis, by its own Fourier series.
+
+    Every `factor`-th point is a point of the map. The wave at the Nyquist limit of an even side is shared
+    between both signs, so that the series is real and goes through the points.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+    factor : int, 1 or more
+
+    Returns
+    -------
+    DataArray (y, x), m
+    """
+    values = window.values
+    for axis, points in enumerate(values.shape):
+        if points == 1 or factor == 1:
+            continue
+        spectrum = np.moveaxis(np.fft.fft(values, axis=axis), axis, 0)
+        padded = np.zeros((points * factor, *spectrum.shape[1:]), complex)
+        upper = (points + 1) // 2
+        padded[:upper] = spectrum[:upper]
+        padded[points * factor - (points - upper) :] = spectrum[upper:]
+        if points % 2 == 0:  # the Nyquist wave, at -points/2
+            padded[points * factor - points // 2] /= 2
+            padded[points // 2] = padded[points * factor - points // 2]
+        values = np.moveaxis(np.fft.ifft(padded, axis=0).real * factor, 0, axis)
+    return height_map(values, tuple(_pitch(window, factor)))
+
+
+def _pitch(window, factor):
+    """Return (dy, dx) of the refined map; that of an axis with a single point stays."""
+    return (step / factor if n > 1 else step for n, step in zip(window.shape, spacing(window), strict=True))

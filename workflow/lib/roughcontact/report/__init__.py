@@ -1,0 +1,1 @@
+"""The page for people: figures, facts, checks in words."""

@@ -1,0 +1,101 @@
+"""The error budget as the report shows it: a figure and a table of what the ± is made of."""
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.quantities import number, plus_minus, prefix, quantity
+from roughcontact.report.plots import COLOURS, MARKERS, as_svg, new_figure
+
+# what each quantity is called on the page
+_SHOWN = {
+    "relative_contact_area": "contact area A/A₀",
+    "mean_gap": "mean gap ū",
+    "max_pressure": "largest pressure",
+    "mean_contact_pressure": "pressure in contact",
+}
+_WORDS = {
+    "solver": "solver",
+    "discretisation": "pixel size",
+    "window": "window",
+    "processing": "processing",
+    "combined": "all together",
+}
+_LEAST = 0.01  # percent; less is not drawn
+
+
+def shown_budget(numbers: xr.Dataset) -> dict | None:
+    """Return figure, table and notes of the error budget of a surface; None where there is none.
+
+    Parameters
+    ----------
+    numbers : Dataset
+        statistics of one surface with `{quantity}_uncertainty` (load, source).
+    """
+    if "source" not in numbers.dims:
+        return None
+    area = numbers["relative_contact_area"].values
+    budget = numbers["relative_contact_area_uncertainty"]
+    present = [s for s in _WORDS if s != "combined" and np.isfinite(budget.sel(source=s)).any()]
+    rows = []
+    for index in range(numbers.sizes["load"]):
+        parts = {s: float(budget.sel(source=s)[index]) for s in present}
+        rows.append(
+            [
+                quantity(float(numbers["mean_pressure"][index]), "Pa"),
+                plus_minus(area[index], float(budget.sel(source="combined")[index])),
+                *("–" if np.isnan(part) else f"± {number(part, digits=2)}" for part in parts.values()),
+                _largest(parts),
+            ]
+        )
+    words = (numbers.attrs.get(key) for key in ("window_flag", "window_reason", "processing_reason"))
+    notes = [word for word in words if word]
+    absent = [_WORDS[s] for s in _WORDS if s not in (*present, "combined")]
+    if absent:
+        notes.append(f"Not in the ±: {', '.join(absent)}.")
+    return {
+        "image": _figure(numbers, present),
+        "header": ["mean pressure p̄", "contact area A/A₀", *(_WORDS[s] for s in present), "largest part"],
+        "rows": rows,
+        "notes": notes,
+    }
+
+
+def _largest(parts) -> str:
+    """Return the word for the source with the largest part, nothing where all is exact."""
+    known = {source: part for source, part in parts.items() if part > 0}
+    return _WORDS[max(known, key=known.get)] if known else "–"
+
+
+def _figure(numbers, present) -> str:
+    """Draw the relative half-widths (percent) of each source against the load, a panel for each quantity."""
+    load = numbers["mean_pressure"].values
+    factor, unit = prefix(float(np.median(load)), "Pa")
+    with new_figure(9.6, 2.9) as figure:
+        panels = figure.subplots(1, len(_SHOWN), sharey=True)
+        for axes, (name, title) in zip(panels, _SHOWN.items(), strict=True):
+            value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
+            for place, source in enumerate([*present, "combined"]):
+                half = budget.sel(source=source).values
+                share = 100 * np.divide(half, value, out=np.full(value.shape, np.nan), where=value > 0)
+                share = np.where(share >= _LEAST, share, np.nan)
+                both = source == "combined"
+                style = {"color": "#000000", "linewidth": 1.8} if both else {"color": COLOURS[place]}
+                axes.plot(
+                    load * factor,
+                    share,
+                    marker=None if both else MARKERS[place],
+                    markersize=4,
+                    label=_WORDS[source],
+                    **style,
+                )
+            axes.set_title(title)
+            axes.set_xscale("log")
+            axes.set_yscale("log")
+            axes.set_xlabel(f"mean pressure p̄ ({unit})")
+        panels[0].set_ylim(_LEAST, 200)
+        panels[0].set_ylabel("± in percent of the value")
+        panels[0].yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+        figure.legend(
+            *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(present) + 1
+        )
+        return as_svg(figure)

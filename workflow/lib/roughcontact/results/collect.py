@@ -1,0 +1,149 @@
+"""All surfaces (and cases) of a run in one dataset and one table."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from roughcontact.results.storage import read_dataset
+from roughcontact.variables import VARIABLES
+
+# how a unit is spelled in a column's name
+_SUFFIX = {
+    "1": "",
+    "m": "_m",
+    "Pa": "_Pa",
+    "m-1": "_per_m",
+    "Pa m-1": "_Pa_per_m",
+    "J m-2": "_J_per_m2",
+    "degree": "_degree",
+}
+
+_COORDINATES = ("mean_pressure", "pressure_bin_bounds", "gap_bin_bounds")
+_LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")
+_WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged")
+
+
+def collect_statistics(entries: list[dict]) -> xr.Dataset:
+    """Return the statistics of all surfaces, and of all cases where there are any, in one dataset.
+
+    Parameters
+    ----------
+    entries : list of dict
+        ``{"surface": name, "case": name or None, "statistics": path}``, in the order they shall be listed.
+
+    Returns
+    -------
+    Dataset, dims (surface, load, ...), or (case, surface, load, ...) where entries have cases. Labels are the
+    coordinates `surface_name` (surface) and `case_name` (case). Loads and bins may differ between surfaces:
+    shorter ones are padded with NaN, and `mean_pressure` and the bounds of the bins depend on the surface.
+
+    Raises
+    ------
+    InputFileError
+        where a file is missing or is no netCDF file.
+    """
+    surfaces = list(dict.fromkeys(entry["surface"] for entry in entries))
+    cases = list(dict.fromkeys(entry["case"] for entry in entries))
+    datasets = {
+        (cases.index(entry["case"]), surfaces.index(entry["surface"])): read_dataset(entry["statistics"])
+        for entry in entries
+    }
+    sizes, dims = {}, {}
+    for dataset in datasets.values():
+        sizes |= {dim: max(size, sizes.get(dim, 0)) for dim, size in dataset.sizes.items()}
+        dims |= {name: variable.dims for name, variable in dataset.variables.items()}
+    columns = {}
+    for name in dims:
+        # the bins' centres follow from their bounds, and a dimension's own coordinate cannot vary by surface
+        if name in sizes:
+            continue
+        values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in dims[name])), np.nan)
+        for place, dataset in datasets.items():
+            if name in dataset.variables:
+                part = dataset[name].values
+                values[(*place, *map(slice, part.shape))] = part
+        columns[name] = (("case", "surface", *dims[name]), values)
+    collected = xr.Dataset(columns, coords={"surface_name": ("surface", np.array(surfaces, dtype=object))})
+    collected = collected.set_coords([name for name in _COORDINATES if name in columns])
+    if "source" in sizes:  # the same for all
+        first = next(dataset for dataset in datasets.values() if "source" in dataset)
+        collected = collected.assign_coords(source=first["source"].values.astype(object))
+    if cases == [None]:
+        return collected.isel(case=0)
+    return collected.assign_coords(case_name=("case", np.array(cases, dtype=object)))
+
+
+def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
+    """Return one row per (case,) surface and load of `collect_statistics`, every column named with its unit.
+
+    Densities stay in the netCDF file. Of the error budget there is the combined uncertainty of each quantity,
+    and what each source adds to that of the contact area. Loads that only pad a shorter list are left out.
+    """
+    statistics = _with_columns_of_the_budget(statistics)
+    names = [
+        name
+        for name, variable in statistics.variables.items()
+        if not name.endswith("_name") and not {"pressure_bin", "gap_bin", "source"} & set(variable.dims)
+    ]
+    names.sort(key=lambda name: _LEADING.index(name) if name in _LEADING else len(_LEADING))
+    order = [dim for dim in ("case", "surface", "load") if dim in statistics.dims]
+    table = statistics[names].reset_coords().to_dataframe(dim_order=order).reset_index()
+    labels = [dim for dim in ("case", "surface") if f"{dim}_name" in statistics.coords]
+    frame = pd.DataFrame({dim: statistics[f"{dim}_name"].values[table[dim]] for dim in labels})
+    for name in names:
+        frame[name + _SUFFIX[VARIABLES[name.partition("_from_")[0]][0]]] = table[name].to_numpy()
+    frame = frame[np.isfinite(table["mean_pressure"].to_numpy())].reset_index(drop=True)
+    # padding made counts and flags floating; where none is missing they are whole numbers again
+    for name in _WHOLE_NUMBERS:
+        if name in frame and frame[name].notna().all():
+            frame[name] = frame[name].astype(int)
+    return frame
+
+
+def _with_columns_of_the_budget(statistics):
+    """Return the statistics with the error budget as columns: combined, and of the area by source."""
+    if "source" not in statistics.dims:
+        return statistics
+    columns = {
+        name: variable.sel(source="combined", drop=True)
+        for name, variable in statistics.data_vars.items()
+        if "source" in variable.dims
+    }
+    area = statistics["relative_contact_area_uncertainty"]
+    for source in statistics["source"].values:
+        if source != "combined":
+            columns[f"{area.name}_from_{source}"] = area.sel(source=source, drop=True)
+    return statistics.drop_dims("source").assign(columns)
+
+
+def pairs_table(summary: pd.DataFrame, pairs: dict[str, str]) -> pd.DataFrame:
+    """Return one row per pair of faces (, case) and load: mean and spread over the members of its ensemble.
+
+    Loads are taken in order, first with first: where they are relative, the mean pressure of the members
+    differs a little, and its mean and spread stand in the table as well.
+
+    Parameters
+    ----------
+    summary : DataFrame
+        from `summary_table`.
+    pairs : dict
+        name of a member -> name of its pair; other surfaces are left out.
+
+    Returns
+    -------
+    DataFrame with `surface` (the pair), `members` (count), and for every number of `summary` a column with
+    its mean and one, named `spread_...`, with its standard deviation (n - 1; NaN for a single member).
+    """
+    names = [name for name in ("case", "surface") if name in summary]
+    numbers = [name for name in summary if name not in names]
+    of_pairs = summary[summary["surface"].isin(pairs)]
+    load = of_pairs.groupby(names, sort=False).cumcount().rename("load")
+    of_pairs = of_pairs.assign(surface=of_pairs["surface"].map(pairs))
+    groups = of_pairs.groupby([*names, load], sort=False)[numbers]
+    mean, spread = groups.mean(), groups.std()
+    frame = mean.index.to_frame(index=False)[names]
+    frame["members"] = groups.size().to_numpy()
+    for name in numbers:
+        frame[name] = mean[name].to_numpy()
+        frame[f"spread_{name}"] = spread[name].to_numpy()
+    return frame

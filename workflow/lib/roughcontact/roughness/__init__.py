@@ -1,0 +1,1 @@
+"""What describes a rough surface: height and spectral parameters, power spectra, texture."""

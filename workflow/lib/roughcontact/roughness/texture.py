@@ -1,0 +1,117 @@
+"""Texture of a periodic map: how far heights are correlated, and in which direction the lay runs."""
+
+import math
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.maps import spacing
+from roughcontact.roughness.spectrum import angular_spectrum
+
+DECAY = 0.2  # of the autocorrelation, where Sal and Str are taken (ISO 25178-3)
+_RAYS = 360  # directions over half a turn
+_PER_PIXEL = 4  # points along a ray
+
+
+def autocorrelation(height: xr.DataArray) -> np.ndarray:
+    """Return the autocorrelation of a periodic map, 1 at no shift; that is in the middle, [ny//2, nx//2].
+
+    R(t) = mean z(r) z(r + t) / mean z^2, z the height above the mean, over the periodic boundary; NaN for a
+    flat map.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+    """
+    values = height.values - height.values.flat[0]
+    values = values - values.mean()
+    spectrum = np.fft.rfft2(values)
+    correlation = np.fft.irfft2(spectrum.real**2 + spectrum.imag**2, s=values.shape)
+    if not correlation[0, 0] > 0:
+        return np.full(values.shape, math.nan)
+    return np.fft.fftshift(correlation / correlation[0, 0])
+
+
+def texture_parameters(height: xr.DataArray) -> dict[str, float]:
+    """Return the spatial parameters of ISO 25178-2 of a periodic map.
+
+    * `Sal`, m: the shortest distance over which the autocorrelation falls to 0.2
+    * `Str`, 0 to 1: Sal over the longest such distance; near 0 with a lay, near 1 without. Where the
+      autocorrelation stays above 0.2 out to half the map, that distance counts, and Str is an upper bound.
+    * `Std`, degree from x towards y, 0 to 180: the direction in which the waves are strongest (where the
+      angular power spectrum is largest). Grooves run across it: the lay is at Std + 90 degree.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        periodic. A profile has no `Str` and no `Std`: NaN; a flat map has none of the three.
+
+    Notes
+    -----
+    ISO 25178-2:2021, 4.3. A map of few correlation lengths scatters: neither is better known than the number
+    of patches of the size of Sal on the map allows.
+    """
+    result = dict.fromkeys(("Sal", "Str", "Std"), math.nan)
+    correlation = autocorrelation(height)
+    if np.isnan(correlation).any():
+        return result
+    shortest, longest = decay_lengths(correlation, spacing(height))
+    result["Sal"] = shortest
+    if min(height.shape) > 1:
+        theta, power = angular_spectrum(height)
+        result |= {"Str": shortest / longest, "Std": float(theta[np.argmax(power)])}
+    return result
+
+
+def decay_lengths(correlation, spacing) -> tuple[float, float]:
+    """Return the shortest and the longest distance, in m, over which the autocorrelation falls to 0.2.
+
+    Along rays from the middle, between points by cubic splines; a ray on which it never does counts with its
+    length, half the map.
+
+    Parameters
+    ----------
+    correlation : array (ny, nx)
+        from `autocorrelation`.
+    spacing : (dy, dx), m
+    """
+    from scipy.ndimage import find_objects, label, map_coordinates, spline_filter
+
+    centre = [n // 2 for n in correlation.shape]
+    # what is connected to the middle, with a rim for the splines
+    regions, _ = label(correlation > DECAY)
+    box = find_objects(regions)[regions[tuple(centre)] - 1]
+    box = [
+        slice(max(s.start - 4, 0), min(s.stop + 4, n)) for s, n in zip(box, correlation.shape, strict=True)
+    ]
+    peak = correlation[tuple(box)]
+    splines = spline_filter(peak, order=3)
+    middle = [c - s.start for c, s in zip(centre, box, strict=True)]
+    profile = min(correlation.shape) == 1
+    along = 1 if correlation.shape[1] > 1 else 0
+    angles = [np.pi / 2 * (1 - along)] if profile else np.pi * np.arange(_RAYS) / _RAYS
+    pitch = spacing[along] if profile else min(spacing)
+    lengths = []
+    for angle in angles:
+        direction = np.sin(angle), np.cos(angle)
+        reach = min(
+            n / 2 * d / abs(u) if n > 1 else math.inf
+            for n, d, u in zip(correlation.shape, spacing, direction, strict=True)
+            if abs(u) > 1e-12
+        )
+        inside = min(
+            (max(m, n - 1 - m)) * d / abs(u)
+            for n, m, d, u in zip(peak.shape, middle, spacing, direction, strict=True)
+            if abs(u) > 1e-12
+        )
+        distance = np.arange(0, min(reach, inside) + pitch / _PER_PIXEL / 2, pitch / _PER_PIXEL)
+        places = [m + distance * u / d for m, d, u in zip(middle, spacing, direction, strict=True)]
+        ray = map_coordinates(splines, places, order=3, prefilter=False, mode="nearest")
+        below = np.nonzero(ray <= DECAY)[0]
+        if below.size:
+            end = below[0]
+            share = (ray[end - 1] - DECAY) / (ray[end - 1] - ray[end])
+            lengths.append(distance[end - 1] + share * (distance[end] - distance[end - 1]))
+        else:
+            lengths.append(reach)
+    return float(min(lengths)), float(max(lengths))

@@ -1,0 +1,124 @@
+"""The band of waves that a map shows reliably, and maps limited to a band."""
+
+import json
+import math
+import re
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.fourier import halfplane_weights, wavenumbers
+from roughcontact.maps import spacing
+
+# A lens passes half of a wave's contrast at 0.404 of its cut-off frequency 2 NA / wavelength of the light:
+# (2 / pi) (acos v - v sqrt(1 - v^2)) = 1/2
+_HALF_CONTRAST = 0.4039727532995172
+_EDGE = 1e-9  # a limit that is just a wave of the map keeps it
+_LIGHT = 550e-9  # m; files do not say it in a way that can be relied on
+
+
+def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
+    """Return the shortest wave that a map shows reliably, m, and what sets it, in words.
+
+    The longer one of two pixels (of the coarser pitch) and, where the file states the numerical aperture NA
+    of the lens, the wave whose contrast the lens halves, 1.24 L / NA with green light, L = 550 nm: the
+    lateral period limit of ISO 25178-600 for a lens that is limited by diffraction.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        with the attribute `instrument` (JSON), as `read_height_map` leaves it.
+
+    Notes
+    -----
+    Goodman, Introduction to Fourier Optics (1968), section 6-3: contrast of a lens in incoherent light.
+    """
+    pitch = max(d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1)
+    known = [(2 * pitch, "two pixels")]
+    aperture = _numerical_aperture(json.loads(height.attrs.get("instrument", "{}")))
+    if aperture:
+        known.append(
+            (_LIGHT / (2 * aperture * _HALF_CONTRAST), f"the lens (numerical aperture {aperture:g})")
+        )
+    return max(known)
+
+
+def limit_band(
+    window: xr.DataArray, *, shortest: float | None, longest: float | None, reliable: bool
+) -> xr.DataArray:
+    """Return a periodic map without the waves outside a band; what went is recorded.
+
+    Waves with 2 pi / longest <= |q| <= 2 pi / shortest stay as they are, and so does the mean.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+    shortest, longest : float (m) or None
+        None sets no limit.
+    reliable : bool
+        shorter waves than `reliable_wavelength` go as well.
+
+    Returns
+    -------
+    DataArray (y, x), m, with the attributes of `window` and `band_shortest`, `band_longest` (m, of the waves
+    that are left; the grid's own limits where nothing else is said), `band_reason` (what sets the shortest),
+    `band_removed_rms_height` (m), `band_removed_rms_gradient`, `reliable_wavelength` (m), `reliable_reason`.
+
+    Raises
+    ------
+    HeightMapError
+        where no wave of the window lies in the band.
+    SettingsError
+        where the band is empty.
+    """
+    for name, value in (("shortest", shortest), ("longest", longest)):
+        if value is not None and not 0 < value < math.inf:
+            raise SettingsError(
+                f"window.{name}_wavelength = {value!r}: give a positive length in m, or null for no limit"
+            )
+    if shortest and longest and shortest >= longest:
+        raise SettingsError(
+            f"window.shortest_wavelength = {shortest:g} m is not below window.longest_wavelength = "
+            f"{longest:g} m"
+        )
+    limit, limit_reason = reliable_wavelength(window)
+    wanted = [(shortest, "window.shortest_wavelength")] if shortest else []
+    wanted += [(limit, limit_reason)] if reliable else []
+    shortest, reason = max(wanted, default=(None, "the grid"))
+    step = spacing(window)
+    q = wavenumbers(window.shape, step)
+    outside = q > (2 * np.pi / shortest * (1 + _EDGE) if shortest else math.inf)
+    outside |= (q > 0) & (q < (2 * np.pi / longest * (1 - _EDGE) if longest else 0.0))
+    values, gone = window.values, np.zeros(q.shape)
+    if outside.any():
+        spectrum = np.where(outside, np.fft.rfft2(values - values.flat[0]), 0.0)
+        gone = halfplane_weights(values.shape) * np.abs(spectrum / values.size) ** 2
+        if np.ptp(values) and outside.flat[1:].all():
+            raise HeightMapError(
+                f"{window.attrs.get('source_file') or 'the map'}: no wave of the window lies between "
+                f"{shortest or 0:g} m and {longest or math.inf:g} m: widen the band "
+                "(window.shortest_wavelength, window.longest_wavelength, window.reliable_band)"
+            )
+        values = values - np.fft.irfft2(spectrum, s=values.shape)
+    sides = [(n * d, d) for n, d in zip(window.shape, step, strict=True) if n > 1]
+    grid = 2 * min(pitch for _, pitch in sides)
+    whole = max(length for length, _ in sides)
+    return window.copy(data=values).assign_attrs(
+        band_shortest=float(max(shortest or 0.0, grid)),
+        band_longest=float(min(longest or math.inf, whole)),
+        band_reason=reason,
+        band_removed_rms_height=math.sqrt(gone.sum()),
+        band_removed_rms_gradient=math.sqrt((q**2 * gone).sum()),
+        reliable_wavelength=limit,
+        reliable_reason=limit_reason,
+    )
+
+
+def _numerical_aperture(instrument) -> float | None:
+    """Return the numerical aperture that the file states, as its own entry or in a remark (`NA: 0.60`)."""
+    if "numerical_aperture" in instrument:
+        return float(instrument["numerical_aperture"])
+    said = re.search(r"\bNA\s*[:=]?\s*(0?\.\d+|1\.[0-5]\d*)", str(instrument.get("comment", "")))
+    return float(said[1]) or None if said else None
