@@ -52,7 +52,7 @@ _JGH = "Johnson, Greenwood and Higginson (1985)"
 CRESTS = {
     "table": _evidence(
         "table of an independent code at 512 × 512, p* = √2 π E* D/λ",
-        "JGH_CONTACT_SHARE, closed_forms.JGH_PEAK_AND_GAP",
+        "JGH_CONTACT_SHARE, references.closed_forms.JGH_PEAK_AND_GAP",
         "test_jgh_asymptotes_meet_the_tabulated_shares",
         f"{_JGH}; numbers ± 2e-4 (area), ± 1e-5 (peak, gap)",
     ),
