@@ -1,6 +1,6 @@
 """Compare the error bound of the solver with the true error, on many random maps.
 
-    python benchmarks/certificate.py --number 1000 --figure docs/certificate.png
+    python benchmarks/certificate.py --number 1000 --figure docs/explanation/certificate.png
 
 Surfaces of many kinds, 32 to 256 points per side, square or not, single rows, pixels up to a thousand times
 longer than wide; loads from one pixel in contact to just below full contact; tolerances from 1e-2 to 1e-9.

@@ -1,6 +1,6 @@
 """The page of the benchmark: tables and a figure from the results that `speed.py` keeps.
 
-python benchmarks/page.py benchmarks/work/results.json docs/benchmark.md
+python benchmarks/page.py benchmarks/work/results.json docs/explanation/benchmark.md
 """
 
 import argparse
@@ -231,8 +231,8 @@ def write(results: dict, path: Path) -> None:
     )
     parts = [
         "# Benchmark",
-        "Written by `python benchmarks/speed.py --page docs/benchmark.md`; `benchmarks/README.md` says how\n"
-        "to repeat it.",
+        "Written by `python benchmarks/speed.py --page docs/explanation/benchmark.md`; see\n"
+        "`benchmarks/README.md`.",
         f"**Machine.** {machine['processor']}, {machine['cores']} cores, {machine['memory_GiB']} GiB;\n"
         f"{machine['system']}, Python {machine['python']}. **Versions.** {versions}.",
         PROBLEM,

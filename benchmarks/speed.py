@@ -1,6 +1,6 @@
 """Measure this solver against others: time to a true error, work, sweeps, memory, what shortcuts save.
 
-    python benchmarks/speed.py --page docs/benchmark.md
+    python benchmarks/speed.py --page docs/explanation/benchmark.md
 
 For each case a solution by this solver to 1e-10 is the truth. Each code then climbs a ladder of its own
 tolerances, factor 2 apart; the loosest rung whose pressure is within 1e-4 of the truth (relative L2) is what

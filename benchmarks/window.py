@@ -1,6 +1,6 @@
 """Compare the ways to make a cut-out periodic, and to place the window, with the truth.
 
-    python benchmarks/window.py --page docs/window.md
+    python benchmarks/window.py --page docs/explanation/window.md
     python benchmarks/window.py --quick --page /tmp/window.md      # a minute, too few windows to decide by
 
 The truth is known where the map is cut out of a larger surface that is periodic: that one is solved whole.

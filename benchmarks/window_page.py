@@ -10,7 +10,8 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 MARKS = {"bias": 0.01, "peak": 0.1, "rim": 0.1}
 
 INTRODUCTION = """
-Written by `python benchmarks/window.py --page docs/window.md`; `benchmarks/README.md` says how to repeat it.
+Written by `python benchmarks/window.py --page docs/explanation/window.md`; `benchmarks/README.md` says
+how to repeat it.
 
 The solver needs a periodic map, a measurement is none. What making it periodic does to the result is known
 where the "measurement" is cut out of a larger surface that is periodic and can be solved whole.

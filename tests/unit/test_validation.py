@@ -217,8 +217,8 @@ def test_parts_are_written_the_same_twice(parts):
 
 
 def test_the_numbers_of_the_readme_are_those_of_the_page():
-    """Each row of the table in README.md is a line of docs/validation.csv, rounded as the page rounds it."""
-    with open(ROOT / "docs/validation.csv", newline="", encoding="utf-8") as file:
+    """Each row of the table in README.md is a line of validation.csv, rounded as the page rounds it."""
+    with open(ROOT / "docs/explanation/validation.csv", newline="", encoding="utf-8") as file:
         kept = {row["what"]: row for row in csv.DictReader(file)}
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     assert f"{len(kept)} lines" in readme
@@ -237,8 +237,8 @@ def test_the_numbers_of_the_readme_are_those_of_the_page():
 
 
 def test_the_kept_table_has_the_lines_of_this_version(parts):
-    """docs/validation.csv is a copy of results/validation/lines.csv: copy it again where this fails."""
-    with open(ROOT / "docs/validation.csv", newline="", encoding="utf-8") as file:
+    """The kept table is a copy of results/validation/lines.csv: copy it again where this fails."""
+    with open(ROOT / "docs/explanation/validation.csv", newline="", encoding="utf-8") as file:
         kept = [row["what"] for row in csv.DictReader(file)]
 
     def without_sizes(names):

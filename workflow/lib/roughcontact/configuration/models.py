@@ -135,7 +135,10 @@ class Window(Section):
         "search: the position and size with the best score, whole periods of a lay included",
     )
     method: Literal["smooth-cross-fade", "periodic-plus-smooth", "cross-fade", "mirror", "taper", "raw"] = (
-        Field("smooth-cross-fade", description="how that part is made periodic; docs/window.md compares them")
+        Field(
+            "smooth-cross-fade",
+            description="how that part is made periodic; docs/explanation/window.md compares them",
+        )
     )
     width: Number = Field(
         0.1,
@@ -245,7 +248,7 @@ class Statistics(Section):
 
 
 class Uncertainty(Section):
-    """The error budget: what the ± of each headline number is made of; see docs/uncertainty.md."""
+    """The error budget: what the ± of a headline number is made of; see docs/explanation/uncertainty.md."""
 
     sources: list[Literal["solver", "discretisation", "window", "processing"]] = Field(
         default_factory=lambda: ["solver", "discretisation", "window", "processing"],
@@ -263,7 +266,7 @@ class Report(Section):
 
 
 class Crosscheck(Section):
-    """Cross-check of every result by another code, run as an outside program; see docs/validation.md."""
+    """Cross-check of every result by another code, an outside program; see docs/explanation/validation.md."""
 
     code: Literal["none", "tamaas", "contactmechanics"] = Field(
         "none", description="the other code; its differences stand in the report, load by load"

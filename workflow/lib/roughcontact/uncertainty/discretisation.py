@@ -5,9 +5,9 @@ quantity with pixels of size h, and D = q(h) - q(h/2) what halving them changes.
 
     q(h) - q(0) = D 2^k / (2^k - 1):   2 D for k = 1, 1.55 D for k = 3/2, 1.33 D for k = 2.
 
-The corrected area has k = 3/2, the mean gap 2, the peak pressure 1 to 2 (docs/validation.md), so that 2 |D|
-is on the safe side. That alone would be too narrow where D is small by chance, so that what is known of each
-number is added to it; the parts add as squares:
+The corrected area has k = 3/2, the mean gap 2, the peak pressure 1 to 2 (docs/explanation/validation.md), so
+that 2 |D| is on the safe side. That alone would be too narrow where D is small by chance, so that what is
+known of each number is added to it; the parts add as squares:
 
 * The corrected area takes off c M / N for M switches between contact and non-contact among N points. c is
   that of a round patch on a lattice. On solved contacts the corrected area comes out low by 0.010 to 0.018 M

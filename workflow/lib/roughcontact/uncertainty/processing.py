@@ -21,7 +21,7 @@ from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.window.periodic_window import periodic_window
 
 COVERAGE_FACTOR = 2.0  # of the expanded uncertainty: about 95 %
-# the ways to make a map periodic that are fair in area and in peak pressure: docs/window.md
+# the ways to make a map periodic that are fair in area and in peak pressure: docs/explanation/window.md
 _FAIR_METHODS = ("smooth-cross-fade", "periodic-plus-smooth")
 _LEAST_POINTS = 64  # along the shorter side of a map that was coarsened
 _TOLERANCE = 1e-3  # of the pressure: choices may differ by less than a percent

@@ -6,7 +6,7 @@ length (r = m for a profile). Two things are learned from the parts.
 
 * Scatter. Parts that are longer than the waves of the surface are independent samples, so that the variance
   of the window's result is 1/m of that among the parts. With waves up to 0.6 of the window that is what
-  windows do: docs/uncertainty.md.
+  windows do: docs/explanation/uncertainty.md.
 * Size. Where the mean of the parts differs from the result by d, small windows are biased: they miss long
   waves, and more of them lies near a seam. A bias that falls as 1/length leaves d/(r - 1) in the window.
   Twice that is taken for the half-width of a uniform distribution (JCGM 100:2008, 4.3.7).

@@ -28,14 +28,14 @@ _WORDS = {
 
 FINE = Evidence(
     "maps of 64 × 64 points; truth: their Fourier series on 512 × 512 points",
-    "docs/uncertainty.md",
+    "docs/explanation/uncertainty.md",
     "uncertainty.discretisation.discretisation_uncertainty",
     "tests/unit/test_uncertainty_discretisation.py::test_the_interval_of_the_pixel_size_covers_a_finer_solution",
 )
 MASTER = Evidence(
     "parts of a large periodic surface, tilted, with points left out, processed by default; truth: the whole "
     "surface at the same mean pressure",
-    "docs/uncertainty.md",
+    "docs/explanation/uncertainty.md",
     "uncertainty.budget.error_budget",
     "tests/unit/test_uncertainty_budget.py::test_the_combined_interval_covers_the_surface_that_was_measured",
 )

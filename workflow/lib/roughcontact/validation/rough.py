@@ -19,7 +19,7 @@ _SOLVER = "tests/unit/test_contact_closed_forms.py"
 MAP = Evidence(
     "F = fft2(default_rng(0).standard_normal((64, 64))) K^−1.8, 2 ≤ K ≤ 16 waves per side, zero-padded; side "
     "1",
-    "rough reference case, see docs/validation.md",
+    "rough reference case, see docs/explanation/validation.md",
     "references.synthetic.rough_reference_surface",
     "tests/unit/test_synthetic.py::test_rough_reference_case_is_the_published_one",
 )
@@ -31,8 +31,8 @@ INDEPENDENT = Evidence(
 )
 TWO_CODES = Evidence(
     "self-affine map, 256 × 256, H = 0.8, waves of 8 to 64 points, g = 1, seed 0",
-    "Tamaas 2.9.0 (PolonskyKeerRey, 1e-12); ContactMechanics 1.8.3 agrees; docs/validation.md says how to "
-    "repeat it",
+    "Tamaas 2.9.0 (PolonskyKeerRey, 1e-12); ContactMechanics 1.8.3 agrees; docs/explanation/validation.md "
+    "says how to repeat it",
     "references.closed_forms.OUTSIDE_CODES",
     "tests/unit/test_crosscheck.py::test_the_stored_numbers_of_the_other_codes",
 )

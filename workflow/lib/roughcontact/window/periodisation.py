@@ -178,7 +178,7 @@ def smooth_cross_fade(values, band, spacing) -> np.ndarray:
 
     Notes
     -----
-    The shares were found by trying on cut-outs of periodic surfaces: docs/window.md.
+    The shares were found by trying on cut-outs of periodic surfaces: docs/explanation/window.md.
     """
     long_waves = _gaussian_mean(values, [_LONG * b for b in band])
     # the smooth component of the part that stays, continued into the half bands on both sides
