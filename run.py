@@ -3,7 +3,8 @@
 
 Needs nothing but Python 3.11 or later. The environment lies in .venv beside this file; it is installed once,
 and again only after pyproject.toml has changed. Further arguments go to Snakemake (`python3 run.py -n`) or,
-after `test`, to pytest (`python3 run.py test tests/unit`).
+after `test`, to pytest (`python3 run.py test tests/unit`; `python3 run.py test -m slow` for those that take
+long by their nature). `python3 run.py lint` does the checks of the source alone that `test` begins with.
 """
 
 import hashlib
@@ -16,15 +17,20 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
+MOST_WORKERS = 4  # of the tests; more wait for the runs of the workflow that share one folder
 
 
 def main(arguments):
     check_python()
-    if arguments[:1] == ["test"]:
-        install("workflow,test")
-        return test(arguments[1:])
-    install("workflow")
-    return work(arguments)
+    command, rest = (
+        (arguments[0], arguments[1:]) if arguments[:1] in (["test"], ["lint"]) else ("", arguments)
+    )
+    install("dev" if command else "")
+    if command == "lint":
+        return lint()
+    if command == "test":
+        return lint() | test(rest)
+    return work(rest)
 
 
 def check_python():
@@ -39,18 +45,22 @@ def check_python():
         )
 
 
-def install(extras):
-    """Install the package (editable) with extras into .venv, unless done for this pyproject.toml."""
+def install(group):
+    """Install the package (editable) and a group of pyproject.toml into .venv, unless done for this file."""
     settings = (ROOT / "pyproject.toml").read_bytes() + sys.version.encode() + str(ROOT).encode()
     state = hashlib.sha256(settings).hexdigest()
-    stamps = {name: VENV / f"installed.{name}" for name in ("workflow", extras)}
+    stamps = {name: VENV / f"installed.{name or 'workflow'}" for name in ("", group)}
     current = {name for name, stamp in stamps.items() if stamp.exists() and stamp.read_text() == state}
-    if extras in current:
+    if group in current:
         return
     print(f"Installing into {VENV} (a minute or two, once) ...", file=sys.stderr, flush=True)
     pip = [BIN / "python", "-m", "pip", "-qq", "--disable-pip-version-check", "install"]
     steps = [] if current else [[sys.executable, "-m", "venv", "--clear", VENV]]
-    for step in [*steps, [*pip, "--editable", f"{ROOT}[{extras}]"]]:
+    wanted = ["--editable", f"{ROOT}[workflow]"]
+    if group:
+        steps.append([*pip, "pip>=25.1"])  # the first that knows groups
+        wanted += ["--group", f"{ROOT / 'pyproject.toml'}:{group}"]
+    for step in [*steps, [*pip, *wanted]]:
         if run(step):
             sys.exit(f"failed: {' '.join(map(str, step))}")
     for stamp in stamps.values():
@@ -65,18 +75,25 @@ def work(arguments):
     return run([*command, *arguments])
 
 
-def test(arguments):
-    """Check format and lint, then run the tests."""
-    os.chdir(ROOT)
+def lint():
+    """Check format, style and the order of the rooms; return 1 where one of them fails."""
     checks = [
         [BIN / "ruff", "format", "--check", "."],
         [BIN / "ruff", "check", "."],
+        [BIN / "lint-imports", "--no-logo"],
         [BIN / "snakefmt", "--check", "Snakefile", "workflow/rules"],
         [BIN / "snakemake", "--lint"],
-        [BIN / "python", "-m", "pytest", *arguments],
     ]
-    codes = [run(check) for check in checks]
-    return int(any(codes))
+    os.chdir(ROOT)
+    return int(any([run(check) for check in checks]))
+
+
+def test(arguments):
+    """Run the tests side by side, on no more than as many cores as help."""
+    os.chdir(ROOT)
+    workers = min(os.cpu_count() or 1, MOST_WORKERS)
+    side_by_side = ["-n", str(workers), "--dist", "loadgroup"] if workers > 1 else []
+    return int(run([BIN / "python", "-m", "pytest", *side_by_side, *arguments]) != 0)
 
 
 def run(command):
