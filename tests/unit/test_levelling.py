@@ -8,7 +8,7 @@ import pytest
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.levelling.forms import form_from_record
 from roughcontact.levelling.level import level
-from roughcontact.levelling.polynomial import fit_form
+from roughcontact.levelling.polynomial import fit_polynomial
 from roughcontact.maps import height_map
 from roughcontact.references import synthetic
 
@@ -76,7 +76,7 @@ def test_curvature_is_that_of_the_sphere():
 def test_record_alone_rebuilds_the_form(order):
     height = rough()
     coordinates = height["y"].values, height["x"].values
-    form, record = fit_form(height.values + 3e-6, coordinates, order=order)
+    form, record = fit_polynomial(height.values + 3e-6, coordinates, order=order)
     np.testing.assert_allclose(form_from_record(record, *coordinates), form, atol=1e-19, rtol=1e-12)
 
 
@@ -238,8 +238,8 @@ def test_robust_fit_of_a_large_map_does_not_depend_on_its_start(monkeypatch):
     values = generator.standard_normal((700, 900)) + 0.01 * np.arange(900)
     values[generator.random(values.shape) < 0.2] -= 30
     coordinates = np.arange(700.0), np.arange(900.0)
-    thinned, record = fit_form(values, coordinates, order=2, robust=True)
+    thinned, record = fit_polynomial(values, coordinates, order=2, robust=True)
     monkeypatch.setattr(polynomial, "_START_POINTS", values.size)
-    whole, _ = fit_form(values, coordinates, order=2, robust=True)
+    whole, _ = fit_polynomial(values, coordinates, order=2, robust=True)
     np.testing.assert_allclose(thinned, whole, atol=1e-5)
     assert record["slope_x"]["value"] == pytest.approx(0.01, abs=1e-4)

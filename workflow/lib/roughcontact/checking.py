@@ -1,6 +1,7 @@
 """What the verbs ask of a height map and of their options before they begin."""
 
 import difflib
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
@@ -11,10 +12,27 @@ from roughcontact.errors import HeightMapError, SettingsError
 def check_map(height: xr.DataArray) -> np.ndarray:
     """Return the heights as float64, NaN where not finite, or say why they are no height map.
 
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        the attribute `source_file` names it in the message.
+
+    Returns
+    -------
+    array (ny, nx), m
+        a copy.
+
     Raises
     ------
     HeightMapError
         wrong dimensions, fewer than two points, or nothing measured.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.maps import height_map
+    >>> check_map(height_map([[1, np.inf, 3]], 1e-6))
+    array([[ 1., nan,  3.]])
     """
     name = height.attrs.get("source_file") or "the map"
     if height.dims != ("y", "x"):
@@ -32,8 +50,30 @@ def check_map(height: xr.DataArray) -> np.ndarray:
     return values
 
 
-def check_choice(key, value, choices):
-    """Raise SettingsError, with the nearest valid word, where `value` is not among `choices`."""
+def check_choice(key: str, value: object, choices: Sequence[str]) -> None:
+    """Raise an error, with the nearest valid word, where a value is not among the choices.
+
+    Parameters
+    ----------
+    key : str
+        what the setting or argument is called.
+    value : object
+        what was given.
+    choices : sequence of str
+        what may be given.
+
+    Raises
+    ------
+    SettingsError
+        where `value` is none of them.
+
+    Examples
+    --------
+    >>> check_choice("method", "miror", ("mirror", "taper"))
+    Traceback (most recent call last):
+        ...
+    roughcontact.errors.SettingsError: method = 'miror': did you mean 'mirror'? choose one of mirror, taper
+    """
     if value in choices:
         return
     near = difflib.get_close_matches(str(value), choices, n=1)

@@ -1,12 +1,20 @@
 """Labelled height maps: how they are made, their pitches, and the same map on a finer grid."""
 
 import json
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
 
-def height_map(values, spacing, *, channel="height", instrument=None) -> xr.DataArray:
+def height_map(
+    values: npt.ArrayLike,
+    spacing: float | Sequence[float],
+    *,
+    channel: str = "height",
+    instrument: Mapping[str, object] | None = None,
+) -> xr.DataArray:
     """Label an array of heights as a height map.
 
     Parameters
@@ -14,15 +22,22 @@ def height_map(values, spacing, *, channel="height", instrument=None) -> xr.Data
     values : array (ny, nx), m
         heights, positive outwards; NaN where not measured.
     spacing : float or (dy, dx), m
-        pitch of the cells.
+        pitch of the points, which are the centres of cells.
     channel : str
         what the heights are called.
     instrument : dict, optional
-        whatever describes how they came about.
+        whatever describes how they came about; it is stored as JSON.
 
     Returns
     -------
-    DataArray (y, x), m, first cell centre at half a pitch.
+    DataArray (y, x), m
+        the first cell centre lies at half a pitch.
+
+    Examples
+    --------
+    >>> height = height_map([[0.0, 1e-3, 2e-3]], (2.0, 1.0))
+    >>> height.dims, height.shape, height["x"].values.tolist(), height.attrs["units"]
+    (('y', 'x'), (1, 3), [0.5, 1.5, 2.5], 'm')
     """
     values = np.asarray(values, dtype=float)
     dy, dx = pitches(spacing)
@@ -45,17 +60,46 @@ def height_map(values, spacing, *, channel="height", instrument=None) -> xr.Data
     return xr.DataArray(values, dims=("y", "x"), coords={"y": y, "x": x}, name="height", attrs=attrs)
 
 
-def pitches(spacing):
-    """Return (dy, dx) from one pitch or two."""
+def pitches(spacing: float | Sequence[float]) -> tuple[float, float]:
+    """Return the pitches of both axes, from one pitch for both or from two.
+
+    Parameters
+    ----------
+    spacing : float or (dy, dx), any unit of length
+
+    Returns
+    -------
+    (dy, dx), in the same unit
+
+    Examples
+    --------
+    >>> pitches(2), pitches((3.0, 1.0))
+    ((2.0, 2.0), (3.0, 1.0))
+    """
     dy, dx = np.broadcast_to(np.asarray(spacing, dtype=float), 2)
     return float(dy), float(dx)
 
 
-def spacing(height) -> tuple[float, float]:
-    """Return (dy, dx) of a map (y, x) in the unit of its coordinates.
+def spacing(height: xr.DataArray) -> tuple[float, float]:
+    """Return the pitches of a map, from its coordinates.
 
     The pitch of an axis with a single cell is not in its coordinate; it is then that of the other axis
     (a profile stands for a surface that does not vary across it, so the value only scales its width).
+
+    Parameters
+    ----------
+    height : DataArray (y, x)
+        evenly spaced.
+
+    Returns
+    -------
+    (dy, dx), in the unit of the coordinates
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> spacing(height_map(np.zeros((2, 5)), (3.0, 1.0))), spacing(height_map(np.zeros((1, 5)), (3.0, 1.0)))
+    ((3.0, 1.0), (1.0, 1.0))
     """
     steps = {}
     for axis in ("y", "x"):
@@ -77,11 +121,20 @@ def refined(window: xr.DataArray, factor: int) -> xr.DataArray:
     Parameters
     ----------
     window : DataArray (y, x), m
-    factor : int, 1 or more
+        periodic. An axis of one point keeps its point and its pitch.
+    factor : int
+        1 or more.
 
     Returns
     -------
     DataArray (y, x), m
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> wave = height_map(np.cos(np.pi / 2 * np.arange(4))[None, :], 1.0)
+    >>> print(np.round(refined(wave, 2).values[:, 1::2], 3))
+    [[ 0.707 -0.707 -0.707  0.707]]
     """
     values = window.values
     for axis, points in enumerate(values.shape):
@@ -96,9 +149,5 @@ def refined(window: xr.DataArray, factor: int) -> xr.DataArray:
             padded[points * factor - points // 2] /= 2
             padded[points // 2] = padded[points * factor - points // 2]
         values = np.moveaxis(np.fft.ifft(padded, axis=0).real * factor, 0, axis)
-    return height_map(values, tuple(_pitch(window, factor)))
-
-
-def _pitch(window, factor):
-    """Return (dy, dx) of the refined map; that of an axis with a single point stays."""
-    return (step / factor if n > 1 else step for n, step in zip(window.shape, spacing(window), strict=True))
+    steps = [step / factor if n > 1 else step for n, step in zip(window.shape, spacing(window), strict=True)]
+    return height_map(values, steps)

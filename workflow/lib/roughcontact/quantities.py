@@ -3,16 +3,33 @@
 import math
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXED = ("m", "Pa", "J")  # units that take a prefix; composed ones are given in powers of ten
 
 
 def prefix(value: float, unit: str) -> tuple[float, str]:
-    """Return (factor, unit with SI prefix) that bring the value between 1 and 1000, where there is one.
+    """Return the SI prefix that brings a value between 1 and 1000, where there is one.
+
+    Parameters
+    ----------
+    value : float
+        in `unit`; zero, infinity and NaN get no prefix.
+    unit : str
+        m, Pa and J take a prefix; others are left as they are.
+
+    Returns
+    -------
+    factor : float
+        what the value is to be multiplied with.
+    shown : str
+        the unit with its prefix.
 
     Examples
     --------
     >>> prefix(2.5e7, "Pa")
     (1e-06, 'MPa')
+    >>> prefix(1500.0, "m")
+    (0.001, 'km')
     """
     if unit not in _PREFIXED or not math.isfinite(value) or value == 0:
         return 1.0, unit
@@ -27,10 +44,23 @@ def prefix(value: float, unit: str) -> tuple[float, str]:
 def quantity(value: float, unit: str = "1", *, digits: int = 3) -> str:
     """Return a number and its unit, as in ``12.3 MPa``.
 
+    Parameters
+    ----------
+    value : float
+        in `unit`.
+    unit : str
+        "1" for a bare number.
+    digits : int
+        significant digits.
+
+    Returns
+    -------
+    str
+
     Examples
     --------
-    >>> quantity(1.2345e-6, "m")
-    '1.23 µm'
+    >>> quantity(1.2345e-6, "m"), quantity(1500.0, "m", digits=2), quantity(0.25)
+    ('1.23 µm', '1.5 km', '0.250')
     """
     factor, shown = prefix(value, unit)
     text = number(value * factor, digits=digits)
@@ -39,6 +69,17 @@ def quantity(value: float, unit: str = "1", *, digits: int = 3) -> str:
 
 def number(value: float, *, digits: int = 3) -> str:
     """Return a number with so many significant digits, in powers of ten only where it would be long.
+
+    Parameters
+    ----------
+    value : float
+    digits : int
+        significant digits; those before the decimal point are never rounded away.
+
+    Returns
+    -------
+    str
+        "–" for NaN.
 
     Examples
     --------
@@ -61,6 +102,16 @@ def number(value: float, *, digits: int = 3) -> str:
 def plus_minus(value: float, half_width: float) -> str:
     """Return a value with its uncertainty, two digits of the latter and as many places of the former.
 
+    Parameters
+    ----------
+    value : float
+    half_width : float
+        of the interval around it, in the same unit; left out where it is not a positive number.
+
+    Returns
+    -------
+    str
+
     Examples
     --------
     >>> plus_minus(0.04132, 0.00213), plus_minus(5678.0, 123.0), plus_minus(2.5, 0.0)
@@ -76,7 +127,16 @@ def plus_minus(value: float, half_width: float) -> str:
 
 
 def percent(share: float) -> str:
-    """Return a share in percent, with three digits at most.
+    """Return a share in percent, with three significant digits.
+
+    Parameters
+    ----------
+    share : float
+        1 is the whole.
+
+    Returns
+    -------
+    str
 
     Examples
     --------
@@ -84,6 +144,3 @@ def percent(share: float) -> str:
     ('12.3 %', '0.0123 %')
     """
     return f"{number(100 * share)} %"
-
-
-_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

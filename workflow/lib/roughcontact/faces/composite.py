@@ -8,7 +8,7 @@ import xarray as xr
 from roughcontact.checking import check_map
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.levelling.forms import form_from_record
-from roughcontact.levelling.polynomial import fit_form
+from roughcontact.levelling.polynomial import fit_polynomial
 from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import height_parameters
 from roughcontact.window.band import reliable_wavelength
@@ -91,7 +91,7 @@ def composite(
             f"{name}: the faces share no two points that are measured on both: choose a smaller shift"
         )
     coordinates = [p + c for p, c in zip(positions, lower.middle, strict=True)]
-    form, removed = fit_form(values, coordinates, order=0 if whole else 1)
+    form, removed = fit_polynomial(values, coordinates, order=0 if whole else 1)
     values = values - form
     filled = (own[1] | other[1]) & measured
     attrs = _attributes(lower, upper, filled)

@@ -1,9 +1,12 @@
 """Sphere and cylinder as the form of a map: least squares of the vertical distances, plain or robust."""
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
+import numpy.typing as npt
 
 from roughcontact.errors import HeightMapError
-from roughcontact.levelling.polynomial import fit_form
+from roughcontact.levelling.polynomial import fit_polynomial
 from roughcontact.levelling.robust import biweight, robust_scale
 
 _ITERATIONS = 60
@@ -15,7 +18,9 @@ _CHUNK = 200_000  # points worked on at a time
 _TURN = 0.3  # rad; the axis of a cylinder that is nearly flat is poorly known and must not jump
 
 
-def fit_curved_form(values, coordinates, *, shape: str, robust: bool = False) -> tuple[np.ndarray, dict]:
+def fit_curved_form(
+    values: np.ndarray, coordinates: Sequence[np.ndarray], *, shape: str, robust: bool = False
+) -> tuple[np.ndarray, dict[str, dict]]:
     """Fit a sphere or a cylinder to a map that may have missing points.
 
     Both go through the point (x0, y0, z0) in the middle of the map, with the slopes a and b and the normal n
@@ -26,6 +31,9 @@ def fit_curved_form(values, coordinates, *, shape: str, robust: bool = False) ->
 
     a quadratic equation for z(x, y). The sum of (h - z)^2 is least; with `robust` that of Tukey's biweight.
 
+    The method is that of Levenberg and Marquardt [1]_, started from the second-order polynomial. The
+    parameters stay finite where the radius does not: a flat map has kappa = 0.
+
     Parameters
     ----------
     values : array (ny, nx), m
@@ -34,6 +42,7 @@ def fit_curved_form(values, coordinates, *, shape: str, robust: bool = False) ->
     shape : {"sphere", "cylinder"}
         a profile is fitted by a circle, whichever it is.
     robust : bool
+        deep valleys and high spikes have no weight.
 
     Returns
     -------
@@ -50,10 +59,18 @@ def fit_curved_form(values, coordinates, *, shape: str, robust: bool = False) ->
     HeightMapError
         where the map has points beyond the rim of the fitted ball or roll.
 
-    Notes
-    -----
-    Levenberg-Marquardt (Marquardt, SIAM J. Appl. Math. 11 (1963) 431), started from the second-order
-    polynomial. The parameters stay finite where the radius does not: a flat map has kappa = 0.
+    References
+    ----------
+    .. [1] Marquardt, D. W. (1963), SIAM J. Appl. Math. 11, 431.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> y = x = np.linspace(-1.0, 1.0, 21)
+    >>> ball = np.sqrt(25.0 - y[:, None] ** 2 - x**2)
+    >>> form, removed = fit_curved_form(ball, (y, x), shape="sphere")
+    >>> print(round(removed["radius"]["value"], 6), round(removed["curvature"]["value"], 6))
+    5.0 -0.2
     """
     if min(values.shape) == 1:
         shape = "sphere"  # of a profile: a circle, the section of either
@@ -61,7 +78,7 @@ def fit_curved_form(values, coordinates, *, shape: str, robust: bool = False) ->
     middle_y, middle_x = ((c[0] + c[-1]) / 2 for c in (y, x))
     half = max(np.ptp(y), np.ptp(x)) / 2
     measured = ~np.isnan(values)
-    start_form, start = fit_form(values, coordinates, order=2, robust=robust)
+    start_form, start = fit_polynomial(values, coordinates, order=2, robust=robust)
     reference = start["mean"]["value"]
     rows, columns = np.nonzero(measured)
     points = (
@@ -85,8 +102,20 @@ def fit_curved_form(values, coordinates, *, shape: str, robust: bool = False) ->
     return form, _record(parameters, form, reference, half, (middle_y, middle_x))
 
 
-def curved_form_from_record(removed: dict, y, x) -> np.ndarray:
-    """Return the form (ny, nx) in m that `fit_curved_form` recorded, on the map's own coordinates in m."""
+def curved_form_from_record(removed: Mapping[str, Mapping], y: npt.ArrayLike, x: npt.ArrayLike) -> np.ndarray:
+    """Return the form that `fit_curved_form` recorded.
+
+    Parameters
+    ----------
+    removed : dict
+        the record.
+    y, x : arrays (ny,) and (nx,), m
+        the map's own coordinates.
+
+    Returns
+    -------
+    array (ny, nx), m
+    """
     value = {name: entry["value"] for name, entry in removed.items()}
     parameters = [0.0, value["slope_x"], value["slope_y"]]
     parameters.append(value["curvature"] * np.sqrt(1 + parameters[1] ** 2 + parameters[2] ** 2))
@@ -97,7 +126,9 @@ def curved_form_from_record(removed: dict, y, x) -> np.ndarray:
     return value["height_middle"] + form
 
 
-def _surface(parameters, y, x):
+def _surface(
+    parameters: Sequence[float] | np.ndarray, y: np.ndarray, x: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Return z(x, y) and where it exists; parameters z0, a, b, k = kappa sqrt(1 + a^2 + b^2), azimuth."""
     z0, a, b, k, *azimuth = parameters
     if azimuth:
@@ -114,7 +145,9 @@ def _surface(parameters, y, x):
     return z0 + c / (minus_half_b + np.sqrt(np.maximum(discriminant, 0.0))), discriminant >= 0
 
 
-def _start(polynomial, form, reference, half, shape):
+def _start(
+    polynomial: Mapping[str, Mapping], form: np.ndarray, reference: float, half: float, shape: str
+) -> np.ndarray:
     """Return the parameters of the ball or roll that touches the second-order polynomial in the middle."""
     value = {name: entry["value"] for name, entry in polynomial.items()}
     mixed = value.get("c_1_1", 0.0) / (value["half_length_x"] * value["half_length_y"])
@@ -130,7 +163,7 @@ def _start(polynomial, form, reference, half, shape):
     return np.array([z0, *slopes, half * curvatures[strongest], np.arctan2(along[1], along[0])])
 
 
-def _least_squares(parameters, points, *, robust):
+def _least_squares(parameters: np.ndarray, points: Sequence[np.ndarray], *, robust: bool) -> np.ndarray:
     """Return the parameters of least (robust) squares; points are (y, x, z), each (n,)."""
     y, x, z = points
     damping = 1e-3
@@ -165,7 +198,9 @@ def _least_squares(parameters, points, *, robust):
     return parameters
 
 
-def _normal_equations(parameters, y, x, weights, residual):
+def _normal_equations(
+    parameters: np.ndarray, y: np.ndarray, x: np.ndarray, weights: np.ndarray, residual: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Return J^T W J and J^T W residual with J the derivative of the heights by the parameters."""
     count = len(parameters)
     matrix, rhs = np.zeros((count, count)), np.zeros(count)
@@ -184,7 +219,10 @@ def _normal_equations(parameters, y, x, weights, residual):
     return matrix, rhs
 
 
-def _record(parameters, form, reference, half, middle):
+def _record(
+    parameters: np.ndarray, form: np.ndarray, reference: float, half: float, middle: tuple[float, float]
+) -> dict[str, dict]:
+    """Return the record of a sphere or cylinder, in the unit of the heights."""
     z0, a, b, k, *azimuth = map(float, parameters)
     steepness = np.sqrt(1 + a**2 + b**2)
     curvature = k / steepness / half

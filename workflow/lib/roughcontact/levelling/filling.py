@@ -1,15 +1,20 @@
 """Filling of missing points by a harmonic surface, the smoothest one that meets the rim of each hole."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from roughcontact.errors import HeightMapError
 
 _TOLERANCE = 1e-10  # residual of the Laplace equation, relative to its right-hand side
+_MOST_ITERATIONS = 500  # in a wide hole; tens are usual
 _WIDE = 8  # pixels from the rim to the middle of a hole from which on the fast Poisson solver pays
 
 
-def find_holes(missing) -> tuple[np.ndarray, np.ndarray]:
-    """Number the holes of a map: edge-connected groups of missing points that do not touch its border.
+def find_holes(missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the numbered holes of a map: groups of missing points that do not touch its border.
+
+    Points of a group are connected by their edges.
 
     Parameters
     ----------
@@ -22,6 +27,15 @@ def find_holes(missing) -> tuple[np.ndarray, np.ndarray]:
         point has no border.
     sizes : int array (n,)
         points in each hole.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> labels, sizes = find_holes(np.array([[0, 0, 0, 1], [0, 1, 1, 0], [0, 0, 0, 0]], dtype=bool))
+    >>> print(labels, sizes)
+    [[0 0 0 0]
+     [0 1 1 0]
+     [0 0 0 0]] [2]
     """
     from scipy import ndimage
 
@@ -37,11 +51,15 @@ def find_holes(missing) -> tuple[np.ndarray, np.ndarray]:
     return labels, np.bincount(labels.ravel(), minlength=1)[1:]
 
 
-def fill_harmonic(values, labels, spacing) -> np.ndarray:
+def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[float]) -> np.ndarray:
     """Return the map with its holes filled by the solution of Laplace's equation.
 
     h_xx + h_yy = 0 in each hole, five-point stencil, with the measured heights around it as boundary values;
     in a profile that is the straight line between the rims.
+
+    Narrow holes: conjugate gradients, whose iterations grow with the width of the hole only. Wide holes:
+    conjugate gradients preconditioned by a fast Poisson solver (discrete sine transform) on the box around
+    the hole, the fictitious-domain idea of [1]_.
 
     Parameters
     ----------
@@ -51,16 +69,28 @@ def fill_harmonic(values, labels, spacing) -> np.ndarray:
         holes as numbered by `find_holes`.
     spacing : (dy, dx), m
 
+    Returns
+    -------
+    array (ny, nx), m
+        NaN where missing points are open to the border.
+
     Raises
     ------
     HeightMapError
         where the heights around a hole are so far apart that the equation cannot be solved.
 
-    Notes
-    -----
-    Narrow holes: conjugate gradients, whose iterations grow with the width of the hole only. Wide holes:
-    conjugate gradients preconditioned by a fast Poisson solver (discrete sine transform) on the box around
-    the hole, the fictitious-domain idea of Buzbee, Dorr, George and Golub, SIAM J. Numer. Anal. 8 (1971) 722.
+    References
+    ----------
+    .. [1] Buzbee, B. L., Dorr, F. W., George, J. A., Golub, G. H. (1971), SIAM J. Numer. Anal. 8, 722.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> values = np.arange(25.0).reshape(5, 5)  # a plane is harmonic
+    >>> values[1:4, 1:3] = np.nan
+    >>> labels, _ = find_holes(np.isnan(values))
+    >>> print(np.round(fill_harmonic(values, labels, (1.0, 1.0))[2], 6))
+    [10. 11. 12. 13. 14.]
     """
     inside = labels > 0
     if not inside.any():
@@ -91,7 +121,8 @@ def fill_harmonic(values, labels, spacing) -> np.ndarray:
     return np.where(inside, filled, values)
 
 
-def _fill_profile(values, inside):
+def _fill_profile(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
+    """Return a map of one row or column with its holes filled by straight lines."""
     flat, inside = values.ravel(), inside.ravel()
     where = np.arange(flat.size)
     known = ~np.isnan(flat)
@@ -100,7 +131,7 @@ def _fill_profile(values, inside):
     return filled.reshape(values.shape)
 
 
-def _wide_holes(inside, labels):
+def _wide_holes(inside: np.ndarray, labels: np.ndarray) -> np.ndarray:
     """Return the numbers of the holes with points farther than _WIDE pixels from their rim."""
     from scipy import ndimage
 
@@ -108,7 +139,7 @@ def _wide_holes(inside, labels):
     return np.unique(labels[core])
 
 
-def _right_hand_side(values, mask, weights):
+def _right_hand_side(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) -> np.ndarray:
     """Return the sum of the known neighbours, weighted, in each point of `mask` (never on the border)."""
     known = np.where(mask | np.isnan(values), 0.0, values)
     wy, wx = weights
@@ -118,7 +149,8 @@ def _right_hand_side(values, mask, weights):
     return total[mask]
 
 
-def _solve_narrow(values, mask, weights):
+def _solve_narrow(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) -> np.ndarray:
+    """Return the heights in the points of `mask`, from one sparse system for all narrow holes."""
     from scipy import sparse
     from scipy.sparse import linalg
 
@@ -138,9 +170,10 @@ def _solve_narrow(values, mask, weights):
     return linalg.spsolve(matrix.tocsc(), rhs) if failed else solution
 
 
-def _solve_wide(values, mask, weights):
-    """Solve in one hole; `values` and `mask` are cut out with one row and column of rim on each side."""
+def _solve_wide(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) -> np.ndarray:
+    """Return the heights in one hole; `values` and `mask` are cut out with one row and column of rim."""
     from scipy.fft import dstn, idstn, next_fast_len
+    from scipy.sparse import linalg
 
     wy, wx = weights
     box = mask[1:-1, 1:-1]
@@ -170,22 +203,17 @@ def _solve_wide(values, mask, weights):
         return idstn(residual, type=1, overwrite_x=True)[box_in_larger]
 
     rhs = _right_hand_side(values, mask, weights)
-    x = np.zeros(rhs.size)
-    r = rhs
-    goal = _TOLERANCE * np.linalg.norm(rhs)
-    z = precondition(r)
-    d, rz = z, r @ z
-    for _ in range(500):
-        if np.linalg.norm(r) <= goal:
-            return x
-        image = operator(d)
-        step = rz / (d @ image)
-        x = x + step * d
-        r = r - step * image
-        z = precondition(r)
-        rz, previous = r @ z, rz
-        d = z + rz / previous * d
+    shape = rhs.size, rhs.size
+    solution, failed = linalg.cg(
+        linalg.LinearOperator(shape, operator, dtype=float),
+        rhs,
+        rtol=_TOLERANCE,
+        maxiter=_MOST_ITERATIONS,
+        M=linalg.LinearOperator(shape, precondition, dtype=float),
+    )
+    if not failed:
+        return solution
     raise HeightMapError(
-        f"a hole of {rhs.size} missing points could not be filled (Laplace equation, 500 iterations): "
-        "set level.fill to 'none', or cut the map to its measured part"
+        f"a hole of {rhs.size} missing points could not be filled (Laplace equation, {_MOST_ITERATIONS} "
+        "iterations): set level.fill to 'none', or cut the map to its measured part"
     )

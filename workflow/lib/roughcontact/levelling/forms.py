@@ -1,28 +1,40 @@
 """The form that was removed from a map, drawn again from its record."""
 
+from collections.abc import Mapping
+
 import numpy as np
-from numpy.polynomial import legendre
+import numpy.typing as npt
 
 from roughcontact.levelling.curved import curved_form_from_record
+from roughcontact.levelling.polynomial import polynomial_from_record
 
 
-def form_from_record(removed: dict, y, x) -> np.ndarray:
-    """Return the form (ny, nx) in m that `fit_form` (or `fit_curved_form`) recorded, on the map's own
-    coordinates in m."""
-    if "height_middle" in removed:
-        return curved_form_from_record(removed, y, x)
-    value = {name: entry["value"] for name, entry in removed.items()}
-    y, x = np.asarray(y, dtype=float), np.asarray(x, dtype=float)
-    if "c_0_0" in value:
-        terms = [tuple(map(int, name[2:].split("_"))) for name in value if name.startswith("c_")]
-        coefficients = np.zeros([1 + max(t[k] for t in terms) for k in (1, 0)])
-        for i, j in terms:
-            coefficients[j, i] = value[f"c_{i}_{j}"]
-        scaled = [(c - value[f"middle_{d}"]) / value[f"half_length_{d}"] for c, d in ((y, "y"), (x, "x"))]
-        return legendre.leggrid2d(*scaled, coefficients)
-    slope_y, slope_x = value.get("slope_y", 0.0), value.get("slope_x", 0.0)
-    return (
-        value.get("mean", 0.0)
-        + slope_y * (y - (y[0] + y[-1]) / 2)[:, None]
-        + slope_x * (x - (x[0] + x[-1]) / 2)[None, :]
-    )
+def form_from_record(removed: Mapping[str, Mapping], y: npt.ArrayLike, x: npt.ArrayLike) -> np.ndarray:
+    """Return the form that levelling took off, whichever it was.
+
+    Parameters
+    ----------
+    removed : dict
+        the attribute `form_removed` of a levelled map, read from JSON; an empty one is a form of zero.
+    y, x : arrays (ny,) and (nx,), m
+        the map's own coordinates.
+
+    Returns
+    -------
+    array (ny, nx), m
+
+    Examples
+    --------
+    >>> import json
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> from roughcontact.maps import height_map
+    >>> tilted = height_map(np.arange(12.0).reshape(3, 4), 1.0)
+    >>> levelled = rc.level(tilted, form="plane")
+    >>> form = form_from_record(json.loads(levelled.attrs["form_removed"]), levelled["y"], levelled["x"])
+    >>> bool(np.allclose(levelled + form, tilted))
+    True
+    """
+    # only a sphere or a cylinder is recorded by its point in the middle
+    draw = curved_form_from_record if "height_middle" in removed else polynomial_from_record
+    return draw(removed, y, x)

@@ -11,7 +11,7 @@ from roughcontact.levelling.curved import fit_curved_form
 from roughcontact.levelling.filling import fill_harmonic, find_holes
 from roughcontact.levelling.filters import gaussian_mean_surface
 from roughcontact.levelling.outliers import find_outliers
-from roughcontact.levelling.polynomial import fit_form
+from roughcontact.levelling.polynomial import fit_polynomial
 from roughcontact.levelling.scan_lines import find_scars, line_offsets
 from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import height_parameters
@@ -45,8 +45,8 @@ def level(
         as measured; NaN where not measured.
     form : {"none", "mean", "plane", "polynomial", "sphere", "cylinder"}
         what is taken off.
-    order : int, 1 or more
-        total order of the polynomial, x^i y^j with i + j <= order.
+    order : int
+        total order of the polynomial, 1 or more: x^i y^j with i + j <= order.
     robust : bool
         fit so that deep valleys and high spikes have no weight (Tukey's biweight); else least squares.
     outlier_threshold : float or None
@@ -57,7 +57,7 @@ def level(
     scar_threshold : float or None
         pieces of scan lines that stick out against the lines before and after by more than this many
         standard deviations are taken for missing; None keeps every point.
-    s_filter, l_filter : float (m) or None
+    s_filter, l_filter : float or None, m
         nesting indices: waves shorter than `s_filter` and longer than `l_filter` are taken off, by areal
         Gaussian filters after the form. See `roughcontact.levelling.filters`.
     fill : {"harmonic", "none"}
@@ -67,11 +67,12 @@ def level(
 
     Returns
     -------
-    DataArray (y, x), m, with the attributes of `height` and `form`, `form_removed` (JSON),
-    `outliers_rejected`, `outlier_kinds` (JSON), `line_alignment`, `line_shift_rms` (m), `filters_removed`
-    (JSON), `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, the height parameters
-    of the measured points (`Sa`, `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1), and the coordinates
-    `filled(y, x)` and, where lines were aligned, `line_offset(y)` (m, taken off each row).
+    DataArray (y, x), m
+        with the attributes of `height` and `form`, `form_removed` (JSON), `outliers_rejected`,
+        `outlier_kinds` (JSON), `line_alignment`, `line_shift_rms` (m), `filters_removed` (JSON),
+        `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, the height parameters of the
+        measured points (`Sa`, `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1), and the coordinates
+        `filled(y, x)` and, where lines were aligned, `line_offset(y)` (m, taken off each row).
 
     Raises
     ------
@@ -80,6 +81,18 @@ def level(
         cylinder does not fit; an L-filter that leaves no wave.
     SettingsError
         an option that has no meaning.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> from roughcontact.maps import height_map
+    >>> tilt = 1e-9 * np.arange(40.0) + np.zeros((30, 1))
+    >>> values = tilt + 1e-9 * np.random.default_rng(0).standard_normal((30, 40))
+    >>> values[10:12, 20:24] = np.nan
+    >>> levelled = rc.level(height_map(values, 1e-6), form="plane")
+    >>> levelled.attrs["filled_points"], f"{levelled.attrs['Sq']:.2g} m"
+    (8, '9.7e-10 m')
     """
     _check_options(form, order, line_alignment, fill, max_missing)
     _check_positive(
@@ -96,7 +109,7 @@ def level(
     values = check_map(height)
     step = spacing(height)
 
-    kinds = {}
+    kinds: dict[str, int] = {}
     if outlier_threshold is not None:
         values = _without_outliers(values, outlier_threshold, kinds)
     offsets = np.zeros(len(values))
@@ -113,7 +126,7 @@ def level(
     missing = np.isnan(values)
     _check_missing(missing, height, kinds, max_missing)
 
-    removed = {}
+    removed: dict[str, dict] = {}
     if form != "none":
         surface, removed = _fit(values, height, form, order, robust)
         values = values - surface
@@ -149,7 +162,8 @@ def level(
     return xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs | parameters)
 
 
-def _check_options(form, order, line_alignment, fill, max_missing):
+def _check_options(form: str, order: int, line_alignment: str, fill: str, max_missing: float) -> None:
+    """Raise SettingsError where an option has no meaning."""
     check_choice("level.form", form, FORMS)
     check_choice("level.line_alignment", line_alignment, ALIGNMENTS)
     check_choice("level.fill", fill, FILLS)
@@ -159,7 +173,7 @@ def _check_options(form, order, line_alignment, fill, max_missing):
         raise SettingsError(f"level.max_missing = {max_missing!r}: give a share from 0 to 1")
 
 
-def _check_positive(**options):
+def _check_positive(**options: float | None) -> None:
     """Raise SettingsError where an option is neither positive nor None."""
     instead = {
         "outlier_threshold": "null to keep every point",
@@ -172,7 +186,7 @@ def _check_positive(**options):
             raise SettingsError(f"level.{name} = {value!r}: give a positive number, or {instead[name]}")
 
 
-def _without_outliers(values, threshold, kinds):
+def _without_outliers(values: np.ndarray, threshold: float, kinds: dict[str, int]) -> np.ndarray:
     """Return the heights with outliers missing; what was found is added to `kinds`."""
     outliers, found = find_outliers(values, threshold=threshold)
     for kind, count in found.items():
@@ -180,19 +194,23 @@ def _without_outliers(values, threshold, kinds):
     return np.where(outliers, np.nan, values)
 
 
-def _fit(values, height, form, order, robust):
+def _fit(
+    values: np.ndarray, height: xr.DataArray, form: str, order: int, robust: bool
+) -> tuple[np.ndarray, dict[str, dict]]:
     """Return the form (ny, nx) and its record."""
     coordinates = height["y"].values, height["x"].values
     if form not in ("sphere", "cylinder"):
         order = {"mean": 0, "plane": 1}.get(form, order)
-        return fit_form(values, coordinates, order=order, robust=robust)
+        return fit_polynomial(values, coordinates, order=order, robust=robust)
     try:
         return fit_curved_form(values, coordinates, shape=form, robust=robust)
     except HeightMapError as error:
         raise HeightMapError(f"{height.attrs.get('source_file') or 'the map'}: {error}") from error
 
 
-def _filter(values, step, s_filter, l_filter):
+def _filter(
+    values: np.ndarray, step: tuple[float, float], s_filter: float | None, l_filter: float | None
+) -> tuple[np.ndarray, dict[str, dict]]:
     """Return the heights without short and long waves, and what was taken off: index and rms, in m."""
     removed = {}
     for name, index in (("s_filter", s_filter), ("l_filter", l_filter)):
@@ -215,7 +233,10 @@ def _filter(values, step, s_filter, l_filter):
     return values, removed
 
 
-def _check_missing(missing, height, kinds, max_missing):
+def _check_missing(
+    missing: np.ndarray, height: xr.DataArray, kinds: dict[str, int], max_missing: float
+) -> None:
+    """Raise HeightMapError where more of the map is missing than is allowed."""
     share = missing.mean()
     if share <= max_missing and not missing.all():
         return

@@ -6,7 +6,8 @@ surface is taken out, since the highest points carry the load.
 
 import numpy as np
 
-from roughcontact.levelling.polynomial import fit_form
+from roughcontact.levelling.polynomial import fit_polynomial
+from roughcontact.levelling.robust import robust_scale
 
 _SPIKE_SIZE = 12  # points; a larger group is structure (a pit, a particle)
 _FAR_SPIKE = 10  # thresholds
@@ -17,7 +18,7 @@ _LINE = 8  # points that a line must have to be called dead
 _PLANE_POINTS = 250_000  # enough to find the tilt of a map
 
 
-def find_outliers(values, *, threshold: float) -> tuple[np.ndarray, dict[str, int]]:
+def find_outliers(values: np.ndarray, *, threshold: float) -> tuple[np.ndarray, dict[str, int]]:
     """Find points that are no surface.
 
     * `spike`: a point off the median of its 5 x 5 neighbourhood by more than `threshold` standard
@@ -45,9 +46,19 @@ def find_outliers(values, *, threshold: float) -> tuple[np.ndarray, dict[str, in
     kinds : dict
         number of points of each kind that occurs.
 
-    Notes
-    -----
-    Median and median absolute deviation as outlier rule: Davies, Gather, J. Am. Stat. Assoc. 88 (1993) 782.
+    References
+    ----------
+    .. [1] Davies, L., Gather, U. (1993), J. Am. Stat. Assoc. 88, 782: median and median absolute deviation
+       as outlier rule.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> values = np.random.default_rng(0).standard_normal((40, 40))
+    >>> values[20, 30] = 100.0
+    >>> outliers, kinds = find_outliers(values, threshold=8.0)
+    >>> np.argwhere(outliers).tolist(), kinds
+    ([[20, 30]], {'spike': 1})
     """
     found = {}
     outliers = np.zeros(values.shape, dtype=bool)
@@ -63,7 +74,8 @@ def find_outliers(values, *, threshold: float) -> tuple[np.ndarray, dict[str, in
     return outliers, found
 
 
-def _sentinels(values):
+def _sentinels(values: np.ndarray) -> np.ndarray:
+    """Return where a value stands that is farther from all others than these are from each other."""
     result = np.zeros(values.shape, dtype=bool)
     found = values.size >= _SENTINEL_POINTS
     while found:  # one after the other: a far one hides a near one
@@ -79,11 +91,13 @@ def _sentinels(values):
     return result
 
 
-def _dead_lines(values):
+def _dead_lines(values: np.ndarray) -> np.ndarray:
+    """Return the rows and columns of one single value among others that vary."""
     return _dead_rows(values) | _dead_rows(values.T).T
 
 
-def _dead_rows(values):
+def _dead_rows(values: np.ndarray) -> np.ndarray:
+    """Return the rows of one single value that stand off their neighbours."""
     result = np.zeros(values.shape, dtype=bool)
     known = ~np.isnan(values)
     measured = known.sum(axis=1) >= _LINE
@@ -108,7 +122,7 @@ def _dead_rows(values):
     return result
 
 
-def _step(lines, others):
+def _step(lines: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Return the median distance of each line from its counterpart; NaN where they share no point."""
     difference = np.abs(lines - others)
     result = np.full(len(difference), np.nan)
@@ -117,7 +131,8 @@ def _step(lines, others):
     return result
 
 
-def _spikes(values, threshold):
+def _spikes(values: np.ndarray, threshold: float) -> np.ndarray:
+    """Return the points that stand off their surroundings, alone or in small groups."""
     from scipy import ndimage
 
     result = np.zeros(values.shape, dtype=bool)
@@ -139,22 +154,22 @@ def _spikes(values, threshold):
     signed = (padded - ndimage.median_filter(padded, size=size))[inner]
     off = np.abs(signed)
     off[missing] = 0
-    scale = 1.4826 * np.median(off[~missing])
+    scale = robust_scale(off[~missing])
     floor = 1e-12 * np.ptp(residual)
     # far spikes stand out of patches that are disturbed as a whole, and too large for a group
-    for level in (threshold, _FAR_SPIKE * threshold):
-        candidates = off > max(level * scale, floor)
+    for limit in (threshold, _FAR_SPIKE * threshold):
+        candidates = off > max(limit * scale, floor)
         where = np.argwhere(
             _in_small_groups(candidates & (signed > 0)) | _in_small_groups(candidates & (signed < 0))
         )
         if where.size:
             spread = _ring_spread(padded, where, near, far)
-            worst = off[tuple(where.T)] > level * spread
+            worst = off[tuple(where.T)] > limit * spread
             result[tuple(where[worst & (spread > floor)].T)] = True
     return result
 
 
-def _in_small_groups(candidates):
+def _in_small_groups(candidates: np.ndarray) -> np.ndarray:
     """Return which candidates have few neighbours that are candidates as well."""
     from scipy import ndimage
 
@@ -164,11 +179,10 @@ def _in_small_groups(candidates):
     return small[groups]
 
 
-def _ring_spread(padded, where, near, far):
+def _ring_spread(padded: np.ndarray, where: np.ndarray, near: list[int], far: list[int]) -> np.ndarray:
     """Return the standard deviation of the heights in the ring around each point, from their medians."""
-    offsets = np.stack(np.meshgrid(*(np.arange(-f, f + 1) for f in far), indexing="ij"), axis=-1).reshape(
-        -1, 2
-    )
+    steps = (np.arange(-f, f + 1) for f in far)
+    offsets = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 2)
     offsets = offsets[(np.abs(offsets) > near).any(axis=1)]
     spread = np.empty(len(where))
     for start in range(0, len(where), 20_000):
@@ -180,12 +194,13 @@ def _ring_spread(padded, where, near, far):
     return spread
 
 
-def _without_tilt(values):
+def _without_tilt(values: np.ndarray) -> np.ndarray:
+    """Return the heights less the tilt of the map, found on some of its points."""
     every = max(1, int(np.sqrt(values.size / _PLANE_POINTS)))
     coordinates = [np.arange(n, dtype=float) for n in values.shape]
     thin = values[::every, ::every]
     if np.isnan(thin).all():
         return values
-    _, tilt = fit_form(thin, [c[::every] for c in coordinates], order=1, robust=True)
+    _, tilt = fit_polynomial(thin, [c[::every] for c in coordinates], order=1, robust=True)
     y, x = coordinates
     return values - (tilt["slope_y"]["value"] * y[:, None] + tilt["slope_x"]["value"] * x[None, :])

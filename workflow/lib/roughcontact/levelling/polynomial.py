@@ -1,8 +1,10 @@
 """Form of a map: polynomials fitted by least squares or robustly, in a well-conditioned basis."""
 
 import copy
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from roughcontact.levelling.robust import biweight, robust_scale
@@ -12,12 +14,17 @@ _START_POINTS = 250_000  # enough points for a good start
 _CONVERGED = 1e-6  # change of the form between iterations, in standard deviations of the residual
 
 
-def fit_form(values, coordinates, *, order: int, robust: bool = False) -> tuple[np.ndarray, dict]:
-    """Fit a polynomial form to a map that may have missing points.
+def fit_polynomial(
+    values: np.ndarray, coordinates: Sequence[np.ndarray], *, order: int, robust: bool = False
+) -> tuple[np.ndarray, dict[str, dict]]:
+    """Fit a polynomial to a map that may have missing points.
 
     form(x, y) = sum c_ij P_i(X) P_j(Y), i + j <= order, with Legendre polynomials P and X, Y the
     coordinates mapped to [-1, 1] over the map. The sum runs over c minimising sum (h - form)^2, or
     sum rho((h - form) / s) with Tukey's biweight and s from the median absolute residual.
+
+    The robust fit is by iteratively reweighted least squares [1]_, with the weights of the robust
+    filters [2]_. It starts from least absolute values, which valleys on one side do not carry away.
 
     Parameters
     ----------
@@ -25,8 +32,9 @@ def fit_form(values, coordinates, *, order: int, robust: bool = False) -> tuple[
         NaN where missing.
     coordinates : (y, x), arrays in m
     order : int
-        0 removes the mean.
+        total order i + j; 0 fits the mean.
     robust : bool
+        deep valleys and high spikes have no weight.
 
     Returns
     -------
@@ -36,10 +44,18 @@ def fit_form(values, coordinates, *, order: int, robust: bool = False) -> tuple[
         on `slope_x`, `slope_y` and from order 2 on `curvature_x`, `curvature_y` (all at the middle of the
         map) and the coefficients `c_i_j` with `middle_x`, `middle_y`, `half_length_x`, `half_length_y`.
 
-    Notes
-    -----
-    Iteratively reweighted least squares: Beaton, Tukey, Technometrics 16 (1974) 147; the same weights in
-    ISO 16610-31. It starts from least absolute values, which valleys on one side do not carry away.
+    References
+    ----------
+    .. [1] Beaton, A. E., Tukey, J. W. (1974), Technometrics 16, 147.
+    .. [2] ISO 16610-31:2016, robust Gaussian regression filters.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> y, x = np.arange(3.0), np.arange(4.0)
+    >>> form, removed = fit_polynomial(5.0 + 2.0 * x + 0.0 * y[:, None], (y, x), order=1)
+    >>> print({name: round(entry["value"], 6) + 0.0 for name, entry in removed.items()})
+    {'mean': 8.0, 'slope_x': 2.0, 'slope_y': 0.0}
     """
     measured = ~np.isnan(values)
     reference = float(np.median(values[measured]))
@@ -58,8 +74,8 @@ def fit_form(values, coordinates, *, order: int, robust: bool = False) -> tuple[
     return form, _record(coefficients, axes, order)
 
 
-def share_of_form(values, coordinates, *, order: int = 2) -> float:
-    """Return which share of the mean square height (mean off) a polynomial form makes up, 0 to 1.
+def share_of_form(values: np.ndarray, coordinates: Sequence[np.ndarray], *, order: int = 2) -> float:
+    """Return which share of the mean square height (mean off) a polynomial form makes up.
 
     Parameters
     ----------
@@ -68,20 +84,74 @@ def share_of_form(values, coordinates, *, order: int = 2) -> float:
     coordinates : (y, x), arrays in m
     order : int
         total order of the polynomial.
+
+    Returns
+    -------
+    float, 0 to 1
+        0 for a flat map.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> x = np.arange(8.0)
+    >>> print(round(share_of_form((x**2)[None, :], (np.zeros(1), x)), 6))
+    1.0
     """
     rough = values - values.flat[0]  # exactly zero for a flat map, wherever it lies
     rough -= rough.mean()
     total = float(np.mean(rough**2))
     if total == 0:
         return 0.0
-    form, _ = fit_form(rough, coordinates, order=order)
+    form, _ = fit_polynomial(rough, coordinates, order=order)
     return float(np.mean(form**2)) / total
+
+
+def polynomial_from_record(removed: Mapping[str, Mapping], y: npt.ArrayLike, x: npt.ArrayLike) -> np.ndarray:
+    """Return the form that `fit_polynomial` recorded.
+
+    Parameters
+    ----------
+    removed : dict
+        the record; an empty one is a form of zero.
+    y, x : arrays (ny,) and (nx,), m
+        the map's own coordinates.
+
+    Returns
+    -------
+    array (ny, nx), m
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> y, x = np.arange(2.0), np.arange(3.0)
+    >>> form, removed = fit_polynomial(y[:, None] + x**2, (y, x), order=2)
+    >>> print(np.round(polynomial_from_record(removed, y, x), 6))
+    [[0. 1. 4.]
+     [1. 2. 5.]]
+    """
+    value = {name: entry["value"] for name, entry in removed.items()}
+    y, x = np.asarray(y, dtype=float), np.asarray(x, dtype=float)
+    if "c_0_0" in value:
+        terms = [tuple(map(int, name[2:].split("_"))) for name in value if name.startswith("c_")]
+        coefficients = np.zeros([1 + max(t[k] for t in terms) for k in (1, 0)])
+        for i, j in terms:
+            coefficients[j, i] = value[f"c_{i}_{j}"]
+        scaled_y, scaled_x = (
+            (c - value[f"middle_{d}"]) / value[f"half_length_{d}"] for c, d in ((y, "y"), (x, "x"))
+        )
+        return np.asarray(legendre.leggrid2d(scaled_y, scaled_x, coefficients))
+    slope_y, slope_x = value.get("slope_y", 0.0), value.get("slope_x", 0.0)
+    return (
+        value.get("mean", 0.0)
+        + slope_y * (y - (y[0] + y[-1]) / 2)[:, None]
+        + slope_x * (x - (x[0] + x[-1]) / 2)[None, :]
+    )
 
 
 class _Axis:
     """Legendre polynomials along one axis, on its coordinates mapped to [-1, 1]."""
 
-    def __init__(self, coordinate, order):
+    def __init__(self, coordinate: np.ndarray, order: int):
         coordinate = np.asarray(coordinate, dtype=float)
         self.order = order
         self.middle = (coordinate[0] + coordinate[-1]) / 2
@@ -90,18 +160,21 @@ class _Axis:
         # all products P_a P_b, for the normal equations
         self.products = (self.basis[:, :, None] * self.basis[:, None, :]).reshape(coordinate.size, -1)
 
-    def thinned(self, every):
+    def thinned(self, every: int) -> "_Axis":
         """Return the same polynomials on every n-th point."""
         thin = copy.copy(self)
         thin.basis, thin.products = self.basis[::every], self.products[::every]
         return thin
 
 
-def _evaluate(coefficients, axes):
+def _evaluate(coefficients: np.ndarray, axes: list[_Axis]) -> np.ndarray:
+    """Return the polynomial on the points of both axes."""
     return axes[0].basis @ coefficients @ axes[1].basis.T
 
 
-def _fit_weighted(heights, weights, axes, terms):
+def _fit_weighted(
+    heights: np.ndarray, weights: np.ndarray, axes: list[_Axis], terms: list[tuple[int, int]]
+) -> np.ndarray:
     """Return c (j, i) that minimises sum w (h - form)^2, in two passes: the second mends the rounding."""
     y, x = axes
     ky, kx = y.order + 1, x.order + 1
@@ -118,7 +191,9 @@ def _fit_weighted(heights, weights, axes, terms):
     return coefficients
 
 
-def _fit_robust(heights, measured, axes, terms):
+def _fit_robust(
+    heights: np.ndarray, measured: np.ndarray, axes: list[_Axis], terms: list[tuple[int, int]]
+) -> np.ndarray:
     """Iterate on a thinned map first where the map is large: a few passes over all points are then enough."""
     every = int(np.sqrt(heights.size / _START_POINTS))
     if every > 1 and measured[::every, ::every].sum() > _START_POINTS / 4:
@@ -133,7 +208,16 @@ def _fit_robust(heights, measured, axes, terms):
     return _reweight(heights, measured, axes, terms, start, least_absolute=True)
 
 
-def _reweight(heights, measured, axes, terms, coefficients, *, least_absolute):
+def _reweight(
+    heights: np.ndarray,
+    measured: np.ndarray,
+    axes: list[_Axis],
+    terms: list[tuple[int, int]],
+    coefficients: np.ndarray,
+    *,
+    least_absolute: bool,
+) -> np.ndarray:
+    """Return the coefficients after fits whose weights follow the residuals, until they stand still."""
     for iteration in range(_ITERATIONS):
         residual = heights - _evaluate(coefficients, axes)
         scale = robust_scale(residual[measured])
@@ -153,7 +237,8 @@ def _reweight(heights, measured, axes, terms, coefficients, *, least_absolute):
     return coefficients
 
 
-def _record(coefficients, axes, order):
+def _record(coefficients: np.ndarray, axes: list[_Axis], order: int) -> dict[str, dict]:
+    """Return the record of a polynomial: mean, slopes and curvatures in the middle, coefficients."""
     y, x = axes
     quantity = {"mean": (coefficients[0, 0], "m")}
 

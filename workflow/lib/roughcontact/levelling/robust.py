@@ -7,11 +7,54 @@ import numpy as np
 _BIWEIGHT = 4.685
 
 
-def robust_scale(residual) -> float:
-    """Return the standard deviation of normal residuals, from the median of their absolute values."""
+def robust_scale(residual: np.ndarray) -> float:
+    """Return the standard deviation of normal residuals, from the median of their absolute values.
+
+    Parameters
+    ----------
+    residual : array
+        counted from zero.
+
+    Returns
+    -------
+    float, in the unit of `residual`
+        1.4826 times the median absolute residual.
+
+    References
+    ----------
+    .. [1] Davies, L., Gather, U. (1993), J. Am. Stat. Assoc. 88, 782.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> robust_scale(np.array([-1.0, 0.5, 1.0, 100.0]))
+    1.4826
+    """
     return 1.4826 * float(np.median(np.abs(residual)))
 
 
-def biweight(residual, scale) -> np.ndarray:
-    """Return Tukey's biweight (1 - (r / (4.685 s))^2)^2 of each residual, 0 beyond 4.685 s."""
+def biweight(residual: np.ndarray, scale: float) -> np.ndarray:
+    """Return Tukey's biweight of each residual, (1 - (r / (4.685 s))^2)^2, 0 beyond 4.685 s.
+
+    Parameters
+    ----------
+    residual : array
+    scale : float
+        standard deviation s of the residuals.
+
+    Returns
+    -------
+    array of the shape of `residual`, 0 to 1
+
+    References
+    ----------
+    .. [1] Beaton, A. E., Tukey, J. W. (1974), Technometrics 16, 147.
+    .. [2] Holland, P. W., Welsch, R. E. (1977), Comm. Stat. A 6, 813: the constant 4.685.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> print(np.round(biweight(np.array([0.0, 1.0, 4.685, 9.0]), 1.0), 3))
+    [1.    0.911 0.    0.   ]
+    """
     return np.maximum(1 - (residual / (_BIWEIGHT * scale)) ** 2, 0) ** 2

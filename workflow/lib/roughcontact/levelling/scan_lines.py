@@ -4,6 +4,8 @@ A scanning instrument takes the map line by line, each row (along x) in one go. 
 within a row it may lose the surface for a while.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from roughcontact.levelling.robust import robust_scale
@@ -12,7 +14,7 @@ _SCAR_ROWS = 4  # a wider fault is structure
 _SCAR_LENGTH = 16  # points along the line; a shorter fault is no scar (it may be a spike)
 
 
-def line_offsets(values, *, method: str) -> np.ndarray:
+def line_offsets(values: np.ndarray, *, method: str) -> np.ndarray:
     """Return by how much each row of a scanned map is shifted.
 
     * `median`: o_j = median over x of h_j, the height at which half of the row lies.
@@ -26,12 +28,21 @@ def line_offsets(values, *, method: str) -> np.ndarray:
     values : array (ny, nx), m
         NaN where missing.
     method : {"median", "matched-steps"}
+        how the rows are compared.
 
     Returns
     -------
-    offsets : array (ny,), m
+    array (ny,), m
         0 for rows without heights. Rows that share no measured point with the row before are not shifted
         against it by `matched-steps`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> groove = np.array([0.0, 0.0, -5.0, -5.0])
+    >>> rows = np.stack([groove, groove + 1.0, groove + 2.0])
+    >>> print(line_offsets(rows, method="matched-steps"))
+    [-1.  0.  1.]
     """
     known = ~np.isnan(values)
     rows = np.nonzero(known.any(axis=1))[0]
@@ -48,13 +59,16 @@ def line_offsets(values, *, method: str) -> np.ndarray:
     return offsets
 
 
-def find_scars(values, *, threshold: float) -> np.ndarray:
+def find_scars(values: np.ndarray, *, threshold: float) -> np.ndarray:
     """Find scars: pieces of one to four neighbouring rows that stick out against the rows before and after.
 
     A point of such a piece lies above both the row before and the row after the piece (or below both), by
     more than half of `threshold` standard deviations; at least 16 such points follow one another along the
     row, and their median is above `threshold` standard deviations. The standard deviation is that of the
     differences of neighbouring rows, from their median absolute value.
+
+    A groove or a ridge along x that is no wider than four points looks the same and is found as well. A map
+    of fewer than three rows, or of fewer than 16 columns, has no scars.
 
     Parameters
     ----------
@@ -65,12 +79,16 @@ def find_scars(values, *, threshold: float) -> np.ndarray:
 
     Returns
     -------
-    scars : bool array (ny, nx)
+    bool array (ny, nx)
+        true on scars.
 
-    Notes
-    -----
-    A groove or a ridge along x that is no wider than four points looks the same and is found as well. A map
-    of fewer than three rows, or of fewer than 16 columns, has no scars.
+    Examples
+    --------
+    >>> import numpy as np
+    >>> values = np.random.default_rng(0).standard_normal((20, 40))
+    >>> values[10, 5:35] += 50
+    >>> int(find_scars(values, threshold=5.0).sum())
+    30
     """
     ny, nx = values.shape
     scars = np.zeros(values.shape, dtype=bool)
@@ -96,7 +114,7 @@ def find_scars(values, *, threshold: float) -> np.ndarray:
     return scars
 
 
-def _long_runs(marked):
+def _long_runs(marked: np.ndarray) -> Iterator[tuple[int, int, int]]:
     """Return (row, begin, end) of the runs along x that are long enough for a scar."""
     edges = np.diff(np.pad(marked, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     row, begin = np.nonzero(edges == 1)

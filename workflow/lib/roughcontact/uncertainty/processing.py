@@ -13,7 +13,7 @@ import xarray as xr
 
 from roughcontact.levelling.filling import fill_harmonic, find_holes
 from roughcontact.levelling.forms import form_from_record
-from roughcontact.levelling.polynomial import fit_form, share_of_form
+from roughcontact.levelling.polynomial import fit_polynomial, share_of_form
 from roughcontact.maps import spacing
 from roughcontact.statistics.checks import FORM
 from roughcontact.uncertainty.ensemble import scale_to, shown_part, solve_member
@@ -184,7 +184,7 @@ def _with_order(levelled, order, robust):
     removed = json.loads(levelled.attrs["form_removed"])
     values = levelled.values + form_from_record(removed, *coordinates)
     measured = np.where(levelled["filled"].values == 0, values, np.nan)
-    form, removed = fit_form(measured, coordinates, order=order, robust=robust)
+    form, removed = fit_polynomial(measured, coordinates, order=order, robust=robust)
     other = {"form": "polynomial", "form_removed": json.dumps(removed)}
     return levelled.copy(data=values - form).assign_attrs(other)
 
