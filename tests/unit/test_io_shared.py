@@ -6,21 +6,16 @@ says why.
 
 import csv
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
+from shared_data import DATA
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.read import inspect_file, read_height_map
 from roughcontact.io.units import metres
 
-DATA = Path(__file__).parents[2].parent / "shared" / "data"
-
-pytestmark = [
-    pytest.mark.shared_data,
-    pytest.mark.skipif(not (DATA / "CATALOG.tsv").is_file(), reason="no folder of real instrument files"),
-]
+pytestmark = pytest.mark.shared_data
 
 FILES = (
     *(

@@ -6,7 +6,8 @@ import warnings
 
 import numpy as np
 import pytest
-from test_io_shared import DATA, FILES, GIVEN, OTHERWISE, REFUSED
+from shared_data import DATA
+from test_io_shared import FILES, GIVEN, OTHERWISE, REFUSED
 
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, InputFileError
@@ -18,10 +19,7 @@ from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.statistics.theory import persson_area
 from roughcontact.window.periodic_window import periodic_window
 
-pytestmark = [
-    pytest.mark.shared_data,
-    pytest.mark.skipif(not (DATA / "CATALOG.tsv").is_file(), reason="no folder of real instrument files"),
-]
+pytestmark = pytest.mark.shared_data
 
 LARGEST = 160  # points along a side that are solved: the middle of the map
 LOAD = 0.05
