@@ -8,7 +8,7 @@ import xarray as xr
 from roughcontact.errors import RoughContactError
 
 # name: (unit in UDUNITS spelling, what it is)
-VARIABLES = {
+VARIABLES: dict[str, tuple[str | None, str]] = {
     # maps
     "height": ("m", "surface height, positive outwards; NaN where not measured"),
     "filled": ("1", "1 where the height was not measured but filled in, 0 elsewhere"),
@@ -111,12 +111,28 @@ VARIABLES = {
 
 
 def describe(dataset: xr.Dataset) -> xr.Dataset:
-    """Return `dataset` with `units` and `long_name` on every variable, from the table above.
+    """Return a dataset with `units` and `long_name` on every variable, from the table `VARIABLES`.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        whose variables all stand in the table.
+
+    Returns
+    -------
+    Dataset
+        a copy; the values are shared.
 
     Raises
     ------
     RoughContactError
         where a variable is not in the table: a name that nobody explained must not reach a user's file.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> describe(xr.Dataset({"mean_gap": ("load", [2e-7])}))["mean_gap"].attrs
+    {'long_name': 'mean of the gap over the window', 'units': 'm'}
     """
     unknown = [name for name in dataset.variables if name not in VARIABLES]
     if unknown:
@@ -125,9 +141,8 @@ def describe(dataset: xr.Dataset) -> xr.Dataset:
         )
     dataset = dataset.copy()
     for name, variable in dataset.variables.items():
-        units, long_name = VARIABLES[name]
-        attrs = variable.attrs
-        attrs["long_name"] = long_name
+        units, long_name = VARIABLES[str(name)]
+        variable.attrs["long_name"] = long_name
         if units is not None:
-            attrs["units"] = units
+            variable.attrs["units"] = units
     return dataset

@@ -1,4 +1,6 @@
-"""Numbers per load of a contact solution: areas, clusters, pressures, gaps, energy, stiffness, and theory."""
+"""Numbers of each load of a contact solution: areas, clusters, pressures, gaps, energy, stiffness, theory."""
+
+from collections.abc import Hashable
 
 import numpy as np
 import xarray as xr
@@ -11,6 +13,7 @@ from roughcontact.roughness.parameters import roughness_parameters, summit_stati
 from roughcontact.roughness.texture import texture_parameters
 from roughcontact.statistics import theory
 from roughcontact.statistics.contact_geometry import contact_perimeter, count_clusters, relative_contact_area
+from roughcontact.statistics.densities import GAP_DECADES, PRESSURE_DECADES, density, logarithmic_edges
 
 # what the solver says of each load, handed on unchanged
 SOLVER_COLUMNS = (
@@ -28,11 +31,7 @@ SOLVER_COLUMNS = (
 # of ISO 25178-2, as `parameters.height_parameters` returns them
 HEIGHT_PARAMETERS = ("Sa", "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sdq")
 
-_PRESSURE_DECADES = (-3, 3)  # in units of E* g
-_GAP_DECADES = (-4, 0)  # in units of the peak-to-valley height, which no gap exceeds
-
-
-_DIMS = {"pressure_density": ("load", "pressure_bin"), "gap_density": ("load", "gap_bin")}
+_BINNED = ("pressure", "gap")  # what has a density, `{name}_density` over the bins `{name}_bin`
 
 
 def contact_statistics(contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins: int = 20) -> xr.Dataset:
@@ -41,22 +40,36 @@ def contact_statistics(contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins
     Parameters
     ----------
     contact : Dataset
-        As `solve_contact` returns it: `pressure` (load, y, x) Pa, `gap` (load, y, x) m, `height` (y, x) m
+        as `solve_contact` returns it: `pressure` (load, y, x) Pa, `gap` (load, y, x) m, `height` (y, x) m
         with the optional coordinate `filled`, `contact_modulus` Pa, coordinate `mean_pressure` (load) Pa.
     pressure_bins, gap_bins : int
-        Bins per factor of ten. Pressures: [0, 1e-3], then logarithmic to 1e3, in units of E* g. Gaps: [0,
+        bins per factor of ten. Pressures: [0, 1e-3], then logarithmic to 1e3, in units of E* g. Gaps: [0,
         1e-4], then logarithmic to 1, in units of the peak-to-valley height. The bounds depend on the
         surface and on E* alone, never on the loads; a value above the last bound is counted in the last
         bin, so nothing is lost.
 
     Returns
     -------
-    Dataset, dims (load, pressure_bin, gap_bin), SI units; `roughcontact.variables` explains each name
+    Dataset
+        dims (load, pressure_bin, gap_bin), SI units; `roughcontact.variables` explains each name.
 
     Raises
     ------
     SettingsError
         where a number of bins is no whole number of at least 1.
+
+    Examples
+    --------
+    A wave under 30 % of the load that flattens it touches over (2/π) asin √0.3 = 0.369 of its length.
+
+    >>> import numpy as np
+    >>> from roughcontact.contact.solve import solve_contact
+    >>> from roughcontact.maps import height_map
+    >>> wave = height_map(0.01 * np.cos(2 * np.pi * np.arange(512) / 512)[None, :], 1 / 512)
+    >>> contact = solve_contact(wave, contact_modulus=1.0, mean_pressure=0.3 * np.pi * 0.01)
+    >>> statistics = contact_statistics(contact)
+    >>> f"{statistics['relative_contact_area'].item():.3f}, {statistics['contact_clusters'].item()} patch"
+    '0.369, 1 patch'
     """
     for name, bins in (("pressure_bins", pressure_bins), ("gap_bins", gap_bins)):
         if int(bins) != bins or bins < 1:
@@ -70,20 +83,13 @@ def contact_statistics(contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins
     gradient = float(surface["rms_gradient"])
     # a flat map has neither gradient nor heights to set the scale of the bins
     edges = {
-        "pressure": (modulus * gradient or modulus) * _logarithmic_edges(_PRESSURE_DECADES, pressure_bins),
-        "gap": (float(np.ptp(height.values)) or steps[1]) * _logarithmic_edges(_GAP_DECADES, gap_bins),
+        "pressure": (modulus * gradient or modulus) * logarithmic_edges(PRESSURE_DECADES, pressure_bins),
+        "gap": (float(np.ptp(height.values)) or steps[1]) * logarithmic_edges(GAP_DECADES, gap_bins),
     }
     filled = height["filled"].values != 0 if "filled" in height.coords else None
     rows = [
-        _one_load(
-            contact["pressure"].values[index],
-            contact["gap"].values[index],
-            steps,
-            contact_modulus=modulus,
-            filled=filled,
-            edges=edges,
-        )
-        for index in range(contact.sizes["load"])
+        _one_load(pressure, gap, steps, contact_modulus=modulus, filled=filled, edges=edges)
+        for pressure, gap in zip(contact["pressure"].values, contact["gap"].values, strict=True)
     ]
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     columns |= {name: contact[name].values for name in SOLVER_COLUMNS if name in contact}
@@ -92,20 +98,14 @@ def contact_statistics(contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins
     columns["points_per_shortest_wavelength"] = np.full(
         mean_pressure.shape, surface.pop("points_per_shortest_wavelength")
     )
-    columns = {name: (_DIMS.get(name, ("load",)), values) for name, values in columns.items()}
-    coordinates = {"mean_pressure": ("load", mean_pressure)}
-    for name, bounds in edges.items():
-        coordinates[f"{name}_bin"] = (
-            f"{name}_bin",
-            (bounds[1:] + bounds[:-1]) / 2,
-            {"bounds": f"{name}_bin_bounds"},
-        )
-        coordinates[f"{name}_bin_bounds"] = (
-            (f"{name}_bin", "bounds"),
-            np.column_stack([bounds[:-1], bounds[1:]]),
-        )
+    dims = {f"{name}_density": ("load", f"{name}_bin") for name in _BINNED}
+    variables: dict[str, object] = {
+        name: (dims.get(name, ("load",)), values) for name, values in columns.items()
+    }
     return xr.Dataset(
-        columns | surface | {"contact_modulus": modulus}, coords=coordinates, attrs=contact.attrs
+        variables | surface | {"contact_modulus": modulus},
+        coords={"mean_pressure": ("load", mean_pressure)} | _bins(edges),
+        attrs=contact.attrs,
     )
 
 
@@ -117,17 +117,30 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     statistics : Dataset
         from `contact_statistics`.
     budget : Dataset
-        from `error_budget`, for the same loads; it may be empty. Its attributes `window_flag` and
-        `window_reason`, ... go along.
+        from `error_budget`, for the same loads; it may be empty. Its attributes `window_flag`,
+        `window_reason` and `processing_reason` go along.
+
+    Returns
+    -------
+    Dataset
 
     Raises
     ------
     SettingsError
         where the two are for different loads.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> loads = {"mean_pressure": ("load", [1e6])}
+    >>> statistics = xr.Dataset({"mean_gap": ("load", [2e-7])}, coords=loads)
+    >>> budget = xr.Dataset({"mean_gap_uncertainty": ("load", [1e-8])}, coords=loads)
+    >>> sorted(with_uncertainty(statistics, budget).data_vars)
+    ['mean_gap', 'mean_gap_uncertainty']
     """
     if not np.array_equal(statistics["mean_pressure"].values, budget["mean_pressure"].values):
         raise SettingsError("the error budget is for other loads than the statistics; compute both again")
-    found = [name for name in budget.data_vars if name.endswith("_uncertainty")]
+    found = [name for name in map(str, budget.data_vars) if name.endswith("_uncertainty")]
     words = {
         key: budget.attrs[key]
         for key in ("window_reason", "window_flag", "processing_reason")
@@ -136,9 +149,29 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     return statistics.merge(budget[found], compat="override", join="override").assign_attrs(words)
 
 
-def surface_statistics(height: xr.DataArray) -> dict:
-    """Return roughness (spectral), texture, size and position of the solved window, and the height parameters
-    that levelling left in its attributes; a dict of floats in SI units (`Std`: degree)."""
+def surface_statistics(height: xr.DataArray) -> dict[str, float]:
+    """Return the numbers of the solved window: roughness, texture, height parameters, size and position.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        periodic; its attributes hold the height parameters that levelling left, and where the window lies.
+
+    Returns
+    -------
+    dict
+        name -> number in SI units (`Std`: degree), as `roughcontact.variables` explains it. Roughness
+        parameters are spectral.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.maps import height_map
+    >>> wave = height_map(1e-6 * np.cos(2 * np.pi * np.arange(64) / 64)[None, :], 1e-6)
+    >>> found = surface_statistics(wave)
+    >>> f"{found['rms_height']:.3g} m in {found['window_length_x']:.3g} m"
+    '7.07e-07 m in 6.4e-05 m'
+    """
     (ny, nx), (dy, dx) = height.shape, spacing(height)
     # the middle of the range first: then a constant map is exactly zero, and flat, whatever its offset
     middle = (float(height.min()) + float(height.max())) / 2
@@ -152,11 +185,34 @@ def surface_statistics(height: xr.DataArray) -> dict:
     }
 
 
-def theory_columns(mean_pressure, height, *, contact_modulus, rms_gradient) -> dict:
-    """Return the load p' = p̄/(E* g) and the contact area of each theory at it, a dict of arrays (load).
+def theory_columns(
+    mean_pressure: np.ndarray, height: xr.DataArray, *, contact_modulus: float, rms_gradient: float
+) -> dict[str, np.ndarray]:
+    """Return the relative pressure p' = p̄/(E* g) and the contact area of each theory at it.
 
-    NaN where a theory says nothing: those of asperities on a single row or column, which has ridges and no
-    summits, and where they exceed full contact. A flat map has infinite p'.
+    Parameters
+    ----------
+    mean_pressure : array (load), Pa
+    height : DataArray (y, x), m
+        periodic.
+    contact_modulus : float, Pa
+    rms_gradient : float
+        spectral, of the map.
+
+    Returns
+    -------
+    dict
+        name -> array (load). NaN where a theory says nothing: those of asperities on a single row or column,
+        which has ridges and no summits, and where they exceed full contact. A flat map has infinite p'.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> height = rough_reference_surface(64)
+    >>> found = theory_columns(np.array([0.1]), height, contact_modulus=1.0, rms_gradient=0.5)
+    >>> f"p' = {found['relative_pressure'][0]:g}, Persson {found['area_persson'][0]:.4f}"
+    "p' = 0.2, Persson 0.3108"
     """
     if rms_gradient > 0:
         relative = mean_pressure / (contact_modulus * rms_gradient)
@@ -175,7 +231,15 @@ def theory_columns(mean_pressure, height, *, contact_modulus, rms_gradient) -> d
     }
 
 
-def _one_load(pressure, gap, steps, *, contact_modulus, filled, edges) -> dict:
+def _one_load(
+    pressure: np.ndarray,
+    gap: np.ndarray,
+    steps: tuple[float, float],
+    *,
+    contact_modulus: float,
+    filled: np.ndarray | None,
+    edges: dict[str, np.ndarray],
+) -> dict[str, object]:
     """Return all numbers of one load; `pressure` (ny, nx) Pa, `gap` (ny, nx) m, `filled` (ny, nx) or None."""
     touching = pressure > 0
     points = int(np.count_nonzero(touching))
@@ -194,21 +258,17 @@ def _one_load(pressure, gap, steps, *, contact_modulus, filled, edges) -> dict:
         "mean_gap": gap[~touching].sum() / gap.size,
         "contact_stiffness": 1 / compliance if compliance > 0 else np.inf,
         "elastic_energy": elastic_energy(pressure, steps, contact_modulus=contact_modulus),
-        "pressure_density": _density(carried, edges["pressure"]),
-        "gap_density": _density(gap[~touching], edges["gap"]),
+        "pressure_density": density(carried, edges["pressure"]),
+        "gap_density": density(gap[~touching], edges["gap"]),
     }
 
 
-def _logarithmic_edges(decades: tuple[int, int], per_decade: int) -> np.ndarray:
-    """Return 0 and then `per_decade` bounds per factor of ten."""
-    low, high = decades
-    return np.concatenate([[0.0], 10.0 ** np.linspace(low, high, (high - low) * int(per_decade) + 1)])
-
-
-def _density(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Return the probability density of `values` in the bins; NaN where there are no values."""
-    if values.size == 0:
-        return np.full(edges.size - 1, np.nan)
-    # values above the last bound fall in the last bin, roundings below zero in the first
-    bins = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
-    return np.bincount(bins, minlength=edges.size - 1) / (values.size * np.diff(edges))
+def _bins(edges: dict[str, np.ndarray]) -> dict[Hashable, tuple]:
+    """Return the coordinates that the bins have in a file: their centres, and their bounds."""
+    coordinates: dict[Hashable, tuple] = {}
+    for name, bounds in edges.items():
+        centres = (bounds[1:] + bounds[:-1]) / 2
+        coordinates[f"{name}_bin"] = (f"{name}_bin", centres, {"bounds": f"{name}_bin_bounds"})
+        both = np.column_stack([bounds[:-1], bounds[1:]])
+        coordinates[f"{name}_bin_bounds"] = ((f"{name}_bin", "bounds"), both)
+    return coordinates

@@ -1,0 +1,60 @@
+"""Probability densities over logarithmic bins whose bounds no load can move."""
+
+import numpy as np
+
+PRESSURE_DECADES = (-3, 3)  # in units of E* g
+GAP_DECADES = (-4, 0)  # in units of the peak-to-valley height, which no gap exceeds
+
+
+def logarithmic_edges(decades: tuple[int, int], per_decade: int) -> np.ndarray:
+    """Return the bounds of bins: 0, and then so many per factor of ten.
+
+    Parameters
+    ----------
+    decades : (int, int)
+        powers of ten of the lowest bound above zero and of the highest one.
+    per_decade : int
+        bins per factor of ten.
+
+    Returns
+    -------
+    array (bins + 1)
+
+    Examples
+    --------
+    >>> logarithmic_edges((-2, 0), 1)
+    array([0.  , 0.01, 0.1 , 1.  ])
+    """
+    low, high = decades
+    return np.concatenate([[0.0], 10.0 ** np.linspace(low, high, (high - low) * int(per_decade) + 1)])
+
+
+def density(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Return the probability density of values in bins.
+
+    A value above the last bound is counted in the last bin, and one below the first bound (a rounding below
+    zero) in the first, so that the density times the width of the bins always adds up to 1. A value on a
+    bound belongs to the bin above it.
+
+    Parameters
+    ----------
+    values : array
+        in any shape.
+    edges : array (bins + 1)
+        rising bounds of the bins, in the unit of the values.
+
+    Returns
+    -------
+    array (bins)
+        in the inverse unit of the values; NaN where there are no values.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> density(np.array([0.5, 1.0, 1.5, 9.0]), np.array([0.0, 1.0, 3.0]))
+    array([0.25 , 0.375])
+    """
+    if values.size == 0:
+        return np.full(edges.size - 1, np.nan)
+    bins = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
+    return np.bincount(bins, minlength=edges.size - 1) / (values.size * np.diff(edges))

@@ -1,0 +1,293 @@
+"""Checks of the map: whether the window that was solved stands for the surface that was measured."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.quantities import number, percent, quantity
+from roughcontact.statistics.outcome import FAILED, LOOK, PASSED, Check
+
+FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points that were not measured: look, fail
+GRADIENT_CHANGE = 0.1  # relative change of the rms gradient by periodisation
+HEIGHT_CHANGE = 0.5  # rms change of the heights by periodisation, of their rms
+FORM = 0.8  # share of the mean square height that a second-order polynomial makes up
+STEEP_PLACES = 0.5  # share of the mean square gradient that the steepest 1 % of the points make up
+# Autocorrelation lengths along the shorter side of the window: the correlation of a wave falls to 0.2 within
+# 0.22 of its length, so that a window of fewer holds less than one of the longest waves.
+LENGTHS = 5
+WINDOW_SHARE = 0.5  # share of the measured area that was used
+STEEP = 0.3  # rms gradient from which small-slope elasticity is a rough approximation
+TOO_STEEP = 3.0  # rms gradient that no rough surface has: a unit is wrong
+
+Attributes = Mapping[str, Any]
+
+
+def missing_points(statistics: xr.Dataset, height: Attributes, levelled: Attributes) -> Check:
+    """Check that next to no contact lies on points that were not measured.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        as `contact_statistics` returns it.
+    height : mapping
+        attributes of the map as measured.
+    levelled : mapping
+        attributes of the levelled map.
+
+    Returns
+    -------
+    Check
+    """
+    missing, rejected = height.get("missing_share", 0.0), levelled.get("outliers_rejected", 0)
+    filled = levelled.get("filled_share", 0.0)
+    in_contact = float(statistics["contact_on_filled_points"].max())
+    look, fail = FILLED_IN_CONTACT
+    outcome = FAILED if in_contact > fail else LOOK if in_contact > look else PASSED
+    if not (missing or rejected or filled):
+        return Check("Missing points", PASSED, "Every point was measured.")
+    measured = (
+        f"{percent(missing)} of the points were not measured" if missing else "Every point was measured"
+    )
+    text = (
+        f"{measured}; {rejected} were rejected as outliers; {percent(filled)} were filled in, and at most "
+        f"{percent(in_contact)} of the contact lies on them."
+    )
+    if outcome != PASSED:
+        text += " The contact there is that of the filling, not of the surface."
+    return Check("Missing points", outcome, text)
+
+
+def form(levelled: Attributes, window: Attributes) -> Check:
+    """Check that no bow decides where the surfaces touch.
+
+    Parameters
+    ----------
+    levelled : mapping
+        attributes of the levelled map.
+    window : mapping
+        attributes of the periodic window.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> form({"form": "plane"}, {"form_share": 0.9}).outcome
+    'look'
+    """
+    share = window.get("form_share", 0.0)
+    text = (
+        f"A bow (second-order polynomial) makes up {percent(share)} of the mean square height of the window"
+    )
+    if share <= FORM:
+        return Check("Form", PASSED, f"{text}.")
+    if levelled.get("form") in ("polynomial", "sphere", "cylinder"):
+        way_out = "It came with the periodic window: compare another window.method."
+    else:
+        way_out = "Take it off with level.form: polynomial, unless it belongs to the contact."
+    return Check("Form", LOOK, f"{text}: form, not roughness, decides where the surfaces touch. {way_out}")
+
+
+def periodicity(window: Attributes) -> Check:
+    """Check that making the window periodic changed neither heights nor gradient by much.
+
+    Parameters
+    ----------
+    window : mapping
+        attributes of the periodic window.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> periodicity({"periodisation": "none"}).sentence
+    'The window was periodic already: nothing was changed.'
+    """
+    method = window.get("periodisation", "none")
+    if method == "none":
+        return Check("Periodic window", PASSED, "The window was periodic already: nothing was changed.")
+    before, after = window["rms_gradient_before"], window["rms_gradient_after"]
+    # waves that were taken out afterwards, on request, are no fault of periodisation
+    after = float(np.hypot(after, window.get("band_removed_rms_gradient", 0.0)))
+    change = after / before - 1 if before > 0 else 0.0
+    relative = window.get("periodisation_relative_change", 0.0)
+    text = (
+        f"Making the window periodic ({method}) changed the heights by {percent(relative)} of their rms and "
+        f"the rms gradient by {percent(change)}."
+    )
+    if abs(change) > GRADIENT_CHANGE:
+        text += " Peak pressures follow the gradient."
+    if relative > HEIGHT_CHANGE:
+        text += " Opposite edges do not fit together, and closing them moved the contact."
+    if abs(change) > GRADIENT_CHANGE or relative > HEIGHT_CHANGE:
+        return Check("Periodic window", LOOK, f"{text} Compare another window.method.")
+    return Check("Periodic window", PASSED, text)
+
+
+def window_share(window: Attributes) -> Check:
+    """Check that the window covers most of the measured map.
+
+    Parameters
+    ----------
+    window : mapping
+        attributes of the periodic window.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> window_share({"window_share": 0.81}).sentence
+    'The solved window covers 81.0 % of the measured map.'
+    """
+    share = window.get("window_share", 1.0)
+    text = f"The solved window covers {percent(share)} of the measured map."
+    if share < WINDOW_SHARE:
+        text += " The rest was cropped away: see the frame on the levelled map."
+        return Check("Window", LOOK, text)
+    return Check("Window", PASSED, text)
+
+
+def longest_wave(statistics: xr.Dataset) -> Check:
+    """Check that the window holds the longest waves of the surface.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        as `contact_statistics` returns it.
+
+    Returns
+    -------
+    Check
+    """
+    length = float(statistics["Sal"])
+    sides = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
+    # a profile is as wide as a pixel, and has no aspect ratio
+    side = max(sides) if np.isnan(statistics["Str"]) else min(sides)
+    if np.isnan(length):
+        return Check("Longest wave", PASSED, "The map is flat: there is no wave to be too long.")
+    text = f"The window is {number(side / length, digits=2)} autocorrelation lengths (Sal) long"
+    if side < LENGTHS * length:
+        text += (
+            ": it is shorter than the longest waves of the surface, which another window would show "
+            "otherwise. Measure a larger field, or take long waves off (level.l_filter)."
+        )
+        return Check("Longest wave", LOOK, text)
+    return Check("Longest wave", PASSED, f"{text}: it holds the longest waves.")
+
+
+def band(window: Attributes) -> Check:
+    """Check that no wave is solved that the instrument is known not to resolve.
+
+    Parameters
+    ----------
+    window : mapping
+        attributes of the periodic window.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> lens = {"reliable_wavelength": 5e-6, "reliable_reason": "the lens", "band_shortest": 2e-6}
+    >>> band(lens).outcome
+    'look'
+    """
+    shortest, reliable = (window.get(name, 0.0) for name in ("band_shortest", "reliable_wavelength"))
+    reason = window.get("reliable_reason", "two pixels")
+    if reason == "two pixels" or shortest >= reliable * (1 - 1e-6):
+        return Check("Band", PASSED, "No wave is solved that the instrument is known not to resolve.")
+    text = (
+        f"Waves down to {quantity(shortest, 'm')} are solved; {reason} resolves {quantity(reliable, 'm')}. "
+        "What is shorter is partly noise, and peaks are partly rounded off: compare window.reliable_band."
+    )
+    return Check("Band", LOOK, text)
+
+
+def slope(statistics: xr.Dataset) -> Check:
+    """Check that the slopes are small, as the half-space theory assumes.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        as `contact_statistics` returns it.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> slope(xr.Dataset({"rms_gradient": 0.12})).sentence
+    'The rms gradient is 0.120: small, as the half-space theory assumes.'
+    """
+    gradient = float(statistics["rms_gradient"])
+    text = f"The rms gradient is {number(gradient)}"
+    if gradient > TOO_STEEP:
+        text += ": no rough surface is so steep. Check the units of heights and steps."
+        return Check("Slopes", FAILED, text)
+    if gradient > STEEP:
+        text += ": steep for a theory of small slopes. Treat the numbers as estimates."
+        return Check("Slopes", LOOK, text)
+    return Check("Slopes", PASSED, f"{text}: small, as the half-space theory assumes.")
+
+
+def steep_places(window: Attributes) -> Check:
+    """Check that a few steep places do not make up the rms gradient.
+
+    Parameters
+    ----------
+    window : mapping
+        attributes of the periodic window.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> steep_places({"steepest_share": 0.08}).sentence
+    'The steepest 1 % of the points make up 8.00 % of the mean square gradient.'
+    """
+    share = window.get("steepest_share", 0.0)
+    text = f"The steepest 1 % of the points make up {percent(share)} of the mean square gradient"
+    if share <= STEEP_PLACES:
+        return Check("Steep places", PASSED, f"{text}.")
+    text += (
+        ": steps, defects, dust or spikes. A load relative to the gradient is high for the rest of the "
+        "surface. Give loads as mean_pressure, and compare level.outlier_threshold."
+    )
+    return Check("Steep places", LOOK, text)
+
+
+def reading(height: Attributes) -> Check:
+    """Check that the file was read without a warning.
+
+    Parameters
+    ----------
+    height : mapping
+        attributes of the map as measured.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> reading({"ingest_warnings": '["the unit of the heights was guessed"]'}).sentence
+    'The unit of the heights was guessed.'
+    """
+    warnings = json.loads(height.get("ingest_warnings", "[]"))
+    if warnings:
+        sentences = (f"{warning[0].upper()}{warning[1:].rstrip('.')}." for warning in warnings)
+        return Check("Reading the file", LOOK, " ".join(sentences))
+    return Check("Reading the file", PASSED, "Read without a warning.")
