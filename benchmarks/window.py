@@ -15,6 +15,7 @@ import json
 import sys
 import time
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import window_page
@@ -22,12 +23,13 @@ import window_page
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
 import roughcontact as rc
+from roughcontact.choices import WindowMethod
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
-from roughcontact.window.periodic_window import METHODS
 
+METHODS = get_args(WindowMethod)
 KINDS = ("isotropic", "anisotropic", "turned", "bimodal")
 LOADS = (0.02, 0.1, 0.4)  # mean pressure / (E* rms gradient)
 TOLERANCE = 1e-3

@@ -1,19 +1,21 @@
 """Laws that levelling, filling and the window keep for any map."""
 
 import json
+from typing import get_args
 
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from roughcontact.choices import WindowMethod
 from roughcontact.levelling.filling import fill_harmonic, find_holes
 from roughcontact.levelling.forms import form_from_record
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.roughness import parameters
 from roughcontact.window import periodisation
-from roughcontact.window.periodic_window import METHODS, friendly_sides, largest_rectangle, periodic_window
+from roughcontact.window.periodic_window import friendly_sides, largest_rectangle, periodic_window
 
 quick = settings(max_examples=60, deadline=None)
 
@@ -89,7 +91,7 @@ def test_rectangle_is_good_and_nothing_beside_it_is_larger(good):
 
 
 @quick
-@given(maps(missing=True), st.sampled_from(METHODS), st.floats(0, 0.5))
+@given(maps(missing=True), st.sampled_from(get_args(WindowMethod)), st.floats(0, 0.5))
 def test_any_window_is_whole_and_its_record_true(height, method, width):
     levelled = level(height, outlier_threshold=None, max_missing=1)
     try:

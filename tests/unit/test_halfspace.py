@@ -182,7 +182,5 @@ def test_rules_that_need_no_sum_and_rules_that_do_not_exist():
         SettingsError, match=r"square period, this one is 1 m x 2 m; use 'zero' or 'nogi-kato'"
     ):
         zero_frequency_compliance("lattice", lengths=(2.0, 1.0))
-    with pytest.raises(
-        SettingsError, match="unknown zero_frequency 'kato'; choose zero, nogi-kato or lattice"
-    ):
+    with pytest.raises(SettingsError, match=r"zero_frequency = 'kato': .*choose zero, nogi-kato or lattice"):
         zero_frequency_compliance("kato", lengths=(1.0, 1.0))

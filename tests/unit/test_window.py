@@ -2,10 +2,12 @@
 
 import json
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
 
+from roughcontact.choices import Placement, WindowMethod
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
@@ -14,13 +16,13 @@ from roughcontact.references import synthetic
 from roughcontact.roughness.parameters import rms_gradient, rms_height
 from roughcontact.statistics.checks import FORM
 from roughcontact.window.periodic_window import (
-    METHODS,
-    PLACEMENTS,
     friendly_sides,
     largest_rectangle,
     periodic_window,
 )
 from roughcontact.window.search import SHORTEST_SIDE
+
+METHODS = get_args(WindowMethod)
 
 
 def cut_out(shape=(100, 130), pitch=(2e-6, 1e-6), seed=0):
@@ -210,7 +212,7 @@ def test_tilted_measurement_does_not_get_its_tilt_back():
 
 @pytest.mark.parametrize("shape", [(1, 301), (2, 300), (7, 4), (101, 99), (3, 3), (1, 2)])
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("placement", PLACEMENTS)
+@pytest.mark.parametrize("placement", get_args(Placement))
 def test_profiles_thin_small_and_odd_maps(shape, method, placement):
     height = height_map(np.random.default_rng(0).standard_normal(shape), (3e-6, 1e-6))
     window = periodic_window(level(height, outlier_threshold=None), method=method, placement=placement)

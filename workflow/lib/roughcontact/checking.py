@@ -1,7 +1,7 @@
 """What the verbs ask of a height map and of their options before they begin."""
 
 import difflib
-from collections.abc import Sequence
+from typing import Any, get_args
 
 import numpy as np
 import xarray as xr
@@ -50,7 +50,7 @@ def check_map(height: xr.DataArray) -> np.ndarray:
     return values
 
 
-def check_choice(key: str, value: object, choices: Sequence[str]) -> None:
+def check_choice(key: str, value: object, choices: Any) -> None:
     """Raise an error, with the nearest valid word, where a value is not among the choices.
 
     Parameters
@@ -59,8 +59,8 @@ def check_choice(key: str, value: object, choices: Sequence[str]) -> None:
         what the setting or argument is called.
     value : object
         what was given.
-    choices : sequence of str
-        what may be given.
+    choices : Literal type
+        the valid words, one of `roughcontact.choices`.
 
     Raises
     ------
@@ -69,13 +69,17 @@ def check_choice(key: str, value: object, choices: Sequence[str]) -> None:
 
     Examples
     --------
-    >>> check_choice("method", "miror", ("mirror", "taper"))
+    >>> from roughcontact.choices import Fill
+    >>> check_choice("fill", "harmonic", Fill)
+    >>> check_choice("fill", "harmonics", Fill)
     Traceback (most recent call last):
-        ...
-    roughcontact.errors.SettingsError: method = 'miror': did you mean 'mirror'? choose one of mirror, taper
+    ...
+    roughcontact.errors.SettingsError: fill = 'harmonics': did you mean 'harmonic'? choose harmonic or none
     """
-    if value in choices:
+    words = get_args(choices)
+    if value in words:
         return
-    near = difflib.get_close_matches(str(value), choices, n=1)
+    near = difflib.get_close_matches(str(value), words, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
-    raise SettingsError(f"{key} = {value!r}: {hint}choose one of {', '.join(choices)}")
+    valid = " or ".join(", ".join(words).rsplit(", ", 1))
+    raise SettingsError(f"{key} = {value!r}: {hint}choose {valid}")

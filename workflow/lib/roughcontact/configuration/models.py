@@ -18,6 +18,20 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 from pydantic.json_schema import WithJsonSchema
 
+from roughcontact.choices import (
+    SMALLEST_TOLERANCE,
+    Fill,
+    Influence,
+    LevelForm,
+    LineAlignment,
+    OnFailure,
+    OutsideCode,
+    Placement,
+    Precision,
+    UncertaintySource,
+    WindowMethod,
+    ZeroFrequency,
+)
 from roughcontact.errors import SettingsError
 
 NAME = re.compile(r"[A-Za-z0-9-]+")
@@ -63,9 +77,7 @@ class Section(BaseModel):
 class Level(Section):
     """Levelling: outliers out, scan lines aligned, form and waviness off, missing points filled in."""
 
-    form: Literal["none", "mean", "plane", "polynomial", "sphere", "cylinder"] = Field(
-        "plane", description="what is fitted to the measured map and taken off"
-    )
+    form: LevelForm = Field("plane", description="what is fitted to the measured map and taken off")
     order: Count = Field(2, ge=1, description="total order of the polynomial, x^i y^j with i + j <= order")
     robust: bool = Field(
         False, description="fit so that deep valleys and high spikes have no weight (else least squares)"
@@ -75,7 +87,7 @@ class Level(Section):
         description="isolated spikes that stand off their surroundings by more than this many local standard "
         "deviations are taken for missing; null keeps every point",
     )
-    line_alignment: Literal["none", "median", "matched-steps"] = Field(
+    line_alignment: LineAlignment = Field(
         "none",
         description="for scanned maps: how rows are shifted to match one another; median: each row's median "
         "to the same height; matched-steps: the median step from row to row to zero",
@@ -99,7 +111,7 @@ class Level(Section):
         "off; null keeps them",
         examples=[8.0e-4],
     )
-    fill: Literal["harmonic", "none"] = Field(
+    fill: Fill = Field(
         "harmonic",
         description="how missing points are filled in; those at the border are cut off instead",
     )
@@ -129,16 +141,14 @@ class Composite(Section):
 class Window(Section):
     """The periodic window that is solved."""
 
-    placement: Literal["largest", "search"] = Field(
+    placement: Placement = Field(
         "largest",
         description="which part of the map is solved; largest: the largest rectangle without missing points; "
         "search: the position and size with the best score, whole periods of a lay included",
     )
-    method: Literal["smooth-cross-fade", "periodic-plus-smooth", "cross-fade", "mirror", "taper", "raw"] = (
-        Field(
-            "smooth-cross-fade",
-            description="how that part is made periodic; docs/explanation/window.md compares them",
-        )
+    method: WindowMethod = Field(
+        "smooth-cross-fade",
+        description="how that part is made periodic; docs/explanation/window.md compares them",
     )
     width: Number = Field(
         0.1,
@@ -207,11 +217,11 @@ class Contact(Section):
     )
     tolerance: Number = Field(
         1e-4,
-        gt=1e-12,
+        ge=SMALLEST_TOLERANCE,
         lt=1,
         description="largest error_bound that is accepted (relative, energy norm), no unit",
     )
-    zero_frequency: Literal["zero", "nogi-kato", "lattice"] = Field(
+    zero_frequency: ZeroFrequency = Field(
         "zero",
         description="mean displacement in the approach: zero, nogi-kato (its mean over the q = 0 patch), "
         "lattice (one contact per window in free space); pressure and area do not depend on it",
@@ -222,18 +232,18 @@ class Contact(Section):
         description="largest pressure the softer body carries before it yields, Pa; none: elastic throughout",
         examples=[2.0e9],
     )
-    influence: Literal["sampled", "elements"] = Field(
+    influence: Influence = Field(
         "sampled",
         description="elastic influence function: sampled (exact for each wave of the grid) or elements "
         "(pressure constant on every pixel)",
     )
-    precision: Literal["double", "single"] = Field(
+    precision: Precision = Field(
         "double", description="of the result: double, or single for maps that fill the memory"
     )
     keep_fields: bool = Field(
         True, description="keep the maps of pressure, gap and contact of every load in contact.nc"
     )
-    on_failure: Literal["raise", "flag"] = Field(
+    on_failure: OnFailure = Field(
         "raise",
         description="what happens to a load that misses the tolerance: raise (the surface fails) or flag "
         "(the load is kept with converged = 0)",
@@ -250,8 +260,8 @@ class Statistics(Section):
 class Uncertainty(Section):
     """The error budget: what the ± of a headline number is made of; see docs/explanation/uncertainty.md."""
 
-    sources: list[Literal["solver", "discretisation", "window", "processing"]] = Field(
-        default_factory=lambda: ["solver", "discretisation", "window", "processing"],
+    sources: list[UncertaintySource] = Field(
+        default_factory=lambda: list(get_args(UncertaintySource)),
         description="a list of what goes into the ±; the empty list [] leaves the error budget out",
     )
     windows: Count = Field(
@@ -268,7 +278,7 @@ class Report(Section):
 class Crosscheck(Section):
     """Cross-check of every result by another code, an outside program; see docs/explanation/validation.md."""
 
-    code: Literal["none", "tamaas", "contactmechanics"] = Field(
+    code: Literal["none", OutsideCode] = Field(
         "none", description="the other code; its differences stand in the report, load by load"
     )
     python: str | None = Field(

@@ -5,17 +5,17 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import xarray as xr
 
+from roughcontact.checking import check_choice
+from roughcontact.choices import SMALLEST_TOLERANCE, Influence, OnFailure, Precision, ZeroFrequency
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.problem import Problem, check_positive, on_host, pose
 from roughcontact.contact.sweep import sweep
 from roughcontact.elasticity.halfspace import zero_frequency_compliance
-from roughcontact.elasticity.influence import INFLUENCE
 from roughcontact.errors import ConvergenceError, SettingsError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, empty
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.variables import describe
 
-SMALLEST_TOLERANCE = 1e-15
 # keyword arguments of `solve_contact` that a section of settings may hold
 SOLVER_SETTINGS = ("tolerance", "hardness", "influence", "zero_frequency", "precision", "on_failure")
 
@@ -27,10 +27,10 @@ def solve_contact(
     mean_pressure: float | Sequence[float],
     tolerance: float = 1e-4,
     hardness: float | None = None,
-    influence: str = "sampled",
-    zero_frequency: str = "zero",
-    precision: str = "double",
-    on_failure: str = "raise",
+    influence: Influence = "sampled",
+    zero_frequency: ZeroFrequency = "zero",
+    precision: Precision = "double",
+    on_failure: OnFailure = "raise",
     fields: bool = True,
     reduce: Callable[[xr.Dataset], xr.Dataset] | None = None,
     threads: int = 1,
@@ -99,12 +99,9 @@ def solve_contact(
             f"tolerance = {tolerance!r} must lie between {SMALLEST_TOLERANCE:g} and 1; "
             "1e-4 serves most purposes"
         )
-    if on_failure not in ("raise", "flag"):
-        raise SettingsError(f"on_failure = {on_failure!r}; choose 'raise' or 'flag'")
-    if influence not in INFLUENCE:
-        raise SettingsError(f"influence = {influence!r}; choose {' or '.join(map(repr, INFLUENCE))}")
-    if precision not in ("double", "single"):
-        raise SettingsError(f"precision = {precision!r}; choose 'double' or 'single'")
+    check_choice("on_failure", on_failure, OnFailure)
+    check_choice("influence", influence, Influence)
+    check_choice("precision", precision, Precision)
     cap = np.inf if hardness is None else check_positive("hardness", hardness, unit="Pa")
     if max(loads) >= cap:
         raise SettingsError(

@@ -8,18 +8,20 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from roughcontact.checking import check_choice
+from roughcontact.choices import OutsideCode
 from roughcontact.errors import CrossCheckError, HeightMapError, SettingsError
 from roughcontact.maps import spacing
 from roughcontact.references.closed_forms import gap_left_by
 from roughcontact.roughness import parameters
 
-CODES = {"tamaas": "Tamaas", "contactmechanics": "ContactMechanics"}
+CODES: dict[OutsideCode, str] = {"tamaas": "Tamaas", "contactmechanics": "ContactMechanics"}
 PROGRAM = Path(__file__).with_name("outside.py")
 _ROWS = 8  # a profile is handed over as so many equal rows: not every code solves a single one rightly
 
 
 def crosscheck(
-    window: xr.DataArray, contact: xr.Dataset, statistics: xr.Dataset, *, code: str, python: str
+    window: xr.DataArray, contact: xr.Dataset, statistics: xr.Dataset, *, code: OutsideCode, python: str
 ) -> xr.Dataset:
     """Solve the contact of a window by another code, and compare load by load.
 
@@ -51,11 +53,10 @@ def crosscheck(
     HeightMapError
         for a flat map: there is nothing to compare.
     """
-    if code not in CODES or not python:
+    check_choice("crosscheck.code", code, OutsideCode)
+    if not python:
         raise SettingsError(
-            f"crosscheck.code = {code!r}, crosscheck.python = {python!r}: give one of {', '.join(CODES)} and "
-            f"the "
-            "path of a Python that has it"
+            f"crosscheck.python = {python!r}: give the path of a Python that has {CODES[code]}"
         )
     gradient = parameters.rms_gradient(window)
     if gradient == 0:

@@ -10,6 +10,8 @@ import math
 
 import numpy as np
 
+from roughcontact.checking import check_choice
+from roughcontact.choices import Influence, ZeroFrequency
 from roughcontact.elasticity.influence import INFLUENCE
 from roughcontact.errors import SettingsError
 from roughcontact.fourier import halfplane_weights, wavevectors
@@ -32,7 +34,7 @@ class HalfSpace:
         shape: tuple[int, int],
         lengths: tuple[float, float],
         *,
-        influence: str = "sampled",
+        influence: Influence = "sampled",
         threads: int = 1,
         like=None,
     ):
@@ -113,7 +115,7 @@ class HalfSpace:
         return self._counts[precision]
 
 
-def zero_frequency_compliance(rule: str, *, lengths: tuple[float, float]) -> float:
+def zero_frequency_compliance(rule: ZeroFrequency, *, lengths: tuple[float, float]) -> float:
     """Return E* times the mean displacement per mean pressure (m), the part that q = 0 leaves open.
 
     ``zero``: the displacement is counted from its own mean. ``nogi-kato``: the mean of 2/|q| over the
@@ -129,17 +131,16 @@ def zero_frequency_compliance(rule: str, *, lengths: tuple[float, float]) -> flo
     SettingsError
         for an unknown rule, or for ``lattice`` on a period that is not square.
     """
+    check_choice("zero_frequency", rule, ZeroFrequency)
     ly, lx = lengths
     if rule == "zero":
         return 0.0
     if rule == "nogi-kato":
         a, b = math.pi / lx, math.pi / ly
         return lx * ly / (4 * math.pi**2) * 8 * (a * math.asinh(b / a) + b * math.asinh(a / b))
-    if rule == "lattice":
-        if not math.isclose(lx, ly, rel_tol=1e-6):
-            raise SettingsError(
-                f"zero_frequency 'lattice' holds for a square period, this one is {lx:g} m x {ly:g} m; "
-                "use 'zero' or 'nogi-kato'"
-            )
-        return 3.900265 / math.pi * lx
-    raise SettingsError(f"unknown zero_frequency {rule!r}; choose zero, nogi-kato or lattice")
+    if not math.isclose(lx, ly, rel_tol=1e-6):
+        raise SettingsError(
+            f"zero_frequency 'lattice' holds for a square period, this one is {lx:g} m x {ly:g} m; "
+            "use 'zero' or 'nogi-kato'"
+        )
+    return 3.900265 / math.pi * lx

@@ -1,13 +1,16 @@
 """Influence functions: how a pressure of wave vector q displaces the surface, u = S(q) p / E*.
 
 A new one, for instance that of a coated half-space, is one more function (qy, qx, spacing) -> S here and its
-name in `INFLUENCE`; S must be positive and have the dimension of a length.
+name in `INFLUENCE` and `roughcontact.choices`; S must be positive and have the dimension of a length.
 """
 
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
+
+from roughcontact.choices import Influence
 
 _NODES = 129  # along each axis of the first quarter of the Brillouin zone
 _IMAGES = 40  # aliases that are summed on each side
@@ -67,4 +70,4 @@ def _elements_over_sampled(aspect: float):
     return RectBivariateSpline(angles, angles, total)
 
 
-INFLUENCE = {"sampled": sampled, "elements": elements}
+INFLUENCE: dict[Influence, Callable] = {"sampled": sampled, "elements": elements}

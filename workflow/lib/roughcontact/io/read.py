@@ -15,12 +15,14 @@ from pathlib import Path
 
 import numpy as np
 
+from roughcontact.checking import check_choice
+from roughcontact.choices import Resampling
 from roughcontact.errors import HeightMapError, InputFileError, SettingsError
 from roughcontact.io import arrays, exchange, instrument, instrument_kinds, text
 from roughcontact.io.channels import Channel, SourceFile, choose_channel
 from roughcontact.io.guards import brief, check_archive, check_file, sha256
 from roughcontact.io.plausibility import quantisation_step, roughness_off_plane, suspicions
-from roughcontact.io.resampling import METHODS, resampled
+from roughcontact.io.resampling import resampled
 from roughcontact.io.units import is_length, metres
 
 __all__ = ["inspect_file", "read_height_map"]
@@ -190,10 +192,7 @@ def _on_even_grid(channel: Channel, path, resample, given) -> tuple[Channel, str
             f"{path}: {channel.uneven}; give resample = linear (table of surfaces or argument) to "
             "interpolate to an even grid, or interpolate and export it with the instrument's software"
         )
-    if resample not in METHODS:
-        raise SettingsError(
-            f"{path}: resample = {resample!r}: choose {' or '.join(METHODS)}, or leave it out"
-        )
+    check_choice(f"{path}: resample", resample, Resampling)
     steps = [None if given[name] is None else _positive(given[name], name, path) for name in ("dx", "dy")]
     if any(steps):  # the steps are in `unit`: so shall be the positions
         own = _unit_of_steps(given["unit"], f"dx = {given['dx']}, dy = {given['dy']}", path)

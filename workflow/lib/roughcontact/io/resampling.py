@@ -9,7 +9,6 @@ from roughcontact.errors import HeightMapError
 from roughcontact.io.channels import Channel
 from roughcontact.io.guards import check_points
 
-METHODS = ("linear",)
 _REACH = 2.0  # steps from the nearest point, beyond which a grid point counts as not measured
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_choice, check_map
+from roughcontact.choices import Fill, LevelForm, LineAlignment
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.levelling.curved import fit_curved_form
 from roughcontact.levelling.filling import fill_harmonic, find_holes
@@ -16,25 +17,21 @@ from roughcontact.levelling.scan_lines import find_scars, line_offsets
 from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import height_parameters
 
-FORMS = ("none", "mean", "plane", "polynomial", "sphere", "cylinder")
-ALIGNMENTS = ("none", "median", "matched-steps")
-FILLS = ("harmonic", "none")
-
 _ROUNDING = 16 * np.finfo(float).eps  # of a height less its form, relative to the form
 
 
 def level(
     height: xr.DataArray,
     *,
-    form: str = "plane",
+    form: LevelForm = "plane",
     order: int = 2,
     robust: bool = False,
     outlier_threshold: float | None = 6.0,
-    line_alignment: str = "none",
+    line_alignment: LineAlignment = "none",
     scar_threshold: float | None = None,
     s_filter: float | None = None,
     l_filter: float | None = None,
-    fill: str = "harmonic",
+    fill: Fill = "harmonic",
     max_missing: float = 0.4,
 ) -> xr.DataArray:
     """Reject outliers, align scan lines, remove form and waviness, fill the missing points of a height map.
@@ -164,9 +161,9 @@ def level(
 
 def _check_options(form: str, order: int, line_alignment: str, fill: str, max_missing: float) -> None:
     """Raise SettingsError where an option has no meaning."""
-    check_choice("level.form", form, FORMS)
-    check_choice("level.line_alignment", line_alignment, ALIGNMENTS)
-    check_choice("level.fill", fill, FILLS)
+    check_choice("level.form", form, LevelForm)
+    check_choice("level.line_alignment", line_alignment, LineAlignment)
+    check_choice("level.fill", fill, Fill)
     if form == "polynomial" and (order != int(order) or order < 1):
         raise SettingsError(f"level.order = {order!r}: give a whole number of 1 or more")
     if not 0 <= max_missing <= 1:

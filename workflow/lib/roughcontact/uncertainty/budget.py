@@ -1,11 +1,13 @@
 """The error budget: how far each headline number may be off, source by source, and all together."""
 
 from collections.abc import Sequence
+from typing import get_args
 
 import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_choice
+from roughcontact.choices import UncertaintySource
 from roughcontact.contact.solve import solve_contact
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, grid_marks
 from roughcontact.uncertainty.headline import QUANTITIES
@@ -13,7 +15,7 @@ from roughcontact.uncertainty.processing import processing_uncertainty
 from roughcontact.uncertainty.solver import solver_uncertainty
 from roughcontact.uncertainty.window_sampling import window_uncertainty
 
-SOURCES = ("solver", "discretisation", "window", "processing")
+SOURCES: tuple[UncertaintySource, ...] = get_args(UncertaintySource)
 COMBINED = "combined"
 # what the results of the members of an ensemble are called in the file
 _ENSEMBLES = {"window": "parts", "processing": "choices"}
@@ -29,7 +31,7 @@ def error_budget(
     window: xr.DataArray,
     settings: dict[str, dict],
     *,
-    sources: Sequence[str] = SOURCES,
+    sources: Sequence[UncertaintySource] = SOURCES,
     windows: int = 9,
 ) -> xr.Dataset:
     """Return the uncertainty of contact area, mean gap, peak and mean contact pressure, by source and in all.
@@ -66,7 +68,7 @@ def error_budget(
         where the solution of the window misses its tolerance.
     """
     for source in sources:
-        check_choice("uncertainty.sources", source, SOURCES)
+        check_choice("uncertainty.sources", source, UncertaintySource)
     contact = settings["contact"]
     coordinates = {"mean_pressure": ("load", np.asarray(contact["mean_pressure"], float))}
     if not sources:

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_choice, check_map
+from roughcontact.choices import Placement, WindowMethod
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.levelling.forms import form_from_record
 from roughcontact.levelling.polynomial import share_of_form
@@ -17,9 +18,7 @@ from roughcontact.window import periodisation
 from roughcontact.window.band import limit_band
 from roughcontact.window.search import search_window
 
-METHODS = ("smooth-cross-fade", "periodic-plus-smooth", "cross-fade", "mirror", "taper", "raw")
 _FADES = ("smooth-cross-fade", "cross-fade")  # need a band beyond the window
-PLACEMENTS = ("largest", "search")
 
 # The solver halves a grid while both sides are even; a side should come down to about this many points.
 _COARSE = 32
@@ -32,8 +31,8 @@ _KEPT = 6
 def periodic_window(
     levelled: xr.DataArray,
     *,
-    placement: str = "largest",
-    method: str = "smooth-cross-fade",
+    placement: Placement = "largest",
+    method: WindowMethod = "smooth-cross-fade",
     width: float = 0.1,
     min_share: float = 0.05,
     shortest_wavelength: float | None = None,
@@ -83,8 +82,8 @@ def periodic_window(
     SettingsError
         an option that has no meaning.
     """
-    check_choice("window.placement", placement, PLACEMENTS)
-    check_choice("window.method", method, METHODS)
+    check_choice("window.placement", placement, Placement)
+    check_choice("window.method", method, WindowMethod)
     if not 0 <= width <= 0.5:
         raise SettingsError(f"window.width = {width!r}: give a share of the side from 0 to 0.5")
     if not 0 <= min_share <= 1:

@@ -1,0 +1,25 @@
+"""The words and limits that settings, verbs and schema share; each stands here once.
+
+The settings are read before anything is computed, so this module imports nothing heavy.
+"""
+
+from typing import Literal
+
+LevelForm = Literal["none", "mean", "plane", "polynomial", "sphere", "cylinder"]
+LineAlignment = Literal["none", "median", "matched-steps"]
+Fill = Literal["harmonic", "none"]
+
+Placement = Literal["largest", "search"]
+WindowMethod = Literal["smooth-cross-fade", "periodic-plus-smooth", "cross-fade", "mirror", "taper", "raw"]
+
+ZeroFrequency = Literal["zero", "nogi-kato", "lattice"]
+Influence = Literal["sampled", "elements"]
+Precision = Literal["double", "single"]
+OnFailure = Literal["raise", "flag"]
+# what rounding leaves of the error bound of the smallest maps; that of a larger one is higher, and the solver
+# says so where it meets it
+SMALLEST_TOLERANCE = 1e-15
+
+UncertaintySource = Literal["solver", "discretisation", "window", "processing"]
+OutsideCode = Literal["tamaas", "contactmechanics"]
+Resampling = Literal["linear"]
