@@ -206,7 +206,7 @@ def test_every_setting_of_the_stages_is_an_option(capsys):
 def test_messages_speak_of_options():
     with pytest.raises(rc.SettingsError) as caught:
         resolve({"contact": {"contact_modulus": 0}, "level": {"fill": "x"}, "window": {"width": 2}})
-    sentence = in_options(str(caught.value))
+    sentence = in_options(caught.value)
     assert "\n" not in sentence
     for option in ("--contact-modulus = 0", "--level-fill = 'x'", "--window-width = 2"):
         assert option in sentence

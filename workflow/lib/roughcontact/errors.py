@@ -3,6 +3,8 @@
 Every message names the file or the key, the value that is wrong, and the way out.
 """
 
+from collections.abc import Sequence
+
 
 class RoughContactError(Exception):
     """Base of all errors raised on purpose by this package."""
@@ -13,7 +15,31 @@ class InputFileError(RoughContactError, ValueError):
 
 
 class SettingsError(RoughContactError, ValueError):
-    """A setting, a table entry or a function argument that has no meaning."""
+    """A setting, a table entry or a function argument that has no meaning.
+
+    Parameters
+    ----------
+    message : str
+        what is wrong, and the way out.
+    keys : sequence of str
+        the settings that `message` names, as it spells them: who offers them under other names, as the
+        options of a program, knows by these what to replace.
+    mistakes : sequence of SettingsError
+        the single mistakes, where `message` lists several.
+
+    Examples
+    --------
+    >>> error = SettingsError("level.order = 0: give a whole number of 1 or more", keys=["level.order"])
+    >>> str(error), error.keys
+    ('level.order = 0: give a whole number of 1 or more', ('level.order',))
+    """
+
+    def __init__(
+        self, message: str, *, keys: Sequence[str] = (), mistakes: Sequence["SettingsError"] = ()
+    ) -> None:
+        super().__init__(message)
+        self.keys = tuple(keys)
+        self.mistakes = tuple(mistakes)
 
 
 class HeightMapError(RoughContactError, ValueError):

@@ -114,6 +114,6 @@ def _solve(options) -> int:
     except SettingsError as error:
         from roughcontact.command_line.options import in_options
 
-        raise SettingsError(in_options(str(error))) from error
+        raise SettingsError(in_options(error)) from error
     print(as_json(result) if options.json else solution(result))
     return 0 if all(load["converged"] for load in result["loads"]) else 1

@@ -4,45 +4,65 @@ Names, meanings, defaults and checks are those of `roughcontact.configuration`; 
 """
 
 import os
-import re
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator
 
-from roughcontact.configuration.models import Contact, Level, Uncertainty, Window, resolve
+from pydantic.fields import FieldInfo
+
+from roughcontact.configuration.models import Contact, Level, Section, Uncertainty, Window, resolve
 from roughcontact.errors import SettingsError
 
 # what only the workflow needs (where fields go), or has an option of its own here
 _LEFT_OUT = {"bodies", "keep_fields"}
 _LISTS = {"mean_pressure": "+", "relative_pressure": "+", "sources": "*"}
-_SECTIONS = {"contact": Contact, "level": Level, "window": Window, "uncertainty": Uncertainty}
+_LOADS = ("mean_pressure", "relative_pressure")  # one or the other
+_SECTIONS: dict[str, type[Section]] = {
+    "contact": Contact,
+    "level": Level,
+    "window": Window,
+    "uncertainty": Uncertainty,
+}
+_HEADINGS = {
+    "contact": "contact (give --contact-modulus or --body twice)",
+    "level": "levelling",
+    "window": "periodic window",
+    "uncertainty": "error budget, the ± of the numbers",
+}
 
 
-def _options():
-    """Yield (section, key, option, field) of every setting that is offered."""
-    for section, model in _SECTIONS.items():
-        for key, field in model.model_fields.items():
-            if key not in _LEFT_OUT:
-                prefix = "" if section == "contact" else f"{section}-"
-                yield section, key, f"--{prefix}{key.replace('_', '-')}", field
+def add_settings(parser: ArgumentParser) -> None:
+    """Add an option for each setting of the stages.
 
+    Parameters
+    ----------
+    parser : ArgumentParser
+        of `roughcontact solve`.
 
-def add_settings(parser) -> None:
-    """Add the options to the parser of `roughcontact solve`."""
-    groups = {
-        "contact": parser.add_argument_group("contact (give --contact-modulus or --body twice)"),
-        "level": parser.add_argument_group("levelling"),
-        "window": parser.add_argument_group("periodic window"),
-        "uncertainty": parser.add_argument_group("error budget, the ± of the numbers"),
-    }
+    Examples
+    --------
+    >>> parser = ArgumentParser()
+    >>> add_settings(parser)
+    >>> options = parser.parse_args(["--level-form", "mean"])
+    >>> getattr(options, "level.form")
+    'mean'
+    """
+    groups = {section: parser.add_argument_group(heading) for section, heading in _HEADINGS.items()}
+    elasticity, loads = (groups["contact"].add_mutually_exclusive_group() for _ in range(2))
+    together = {"contact_modulus": elasticity} | dict.fromkeys(_LOADS, loads)
     for section, key, option, field in _options():
-        text = field.description.split("; give this")[0]
+        text = field.description or ""
         default = field.get_default(call_default_factory=True)
         if default is not None:
             shown = " ".join(default) if isinstance(default, list) else str(default)
             text += f" (default: {shown.lower() if isinstance(default, bool) else shown})"
-        words = {"nargs": _LISTS[key]} if key in _LISTS else {}
-        groups[section].add_argument(
-            option, dest=f"{section}.{key}", metavar="VALUE", help=text.replace("%", "%%"), **words
+        together.get(key, groups[section]).add_argument(
+            option,
+            dest=f"{section}.{key}",
+            metavar="VALUE",
+            nargs=_LISTS.get(key),
+            help=text.replace("%", "%%"),
         )
-    groups["contact"].add_argument(
+    elasticity.add_argument(
         "--body",
         nargs=2,
         action="append",
@@ -58,15 +78,33 @@ def add_settings(parser) -> None:
     )
 
 
-def chosen_settings(options) -> dict:
+def chosen_settings(options: Namespace) -> dict:
     """Return the full settings that the options stand for.
+
+    Parameters
+    ----------
+    options : Namespace
+        what the parser of `add_settings` read.
+
+    Returns
+    -------
+    dict
+        as `roughcontact.configuration.models.resolve` returns them, of a single case.
 
     Raises
     ------
     SettingsError
         for values that the settings do not take.
+
+    Examples
+    --------
+    >>> parser = ArgumentParser()
+    >>> add_settings(parser)
+    >>> settings = chosen_settings(parser.parse_args(["--contact-modulus", "1e9", "--level-form", "mean"]))
+    >>> settings["contact"]["contact_modulus"], settings["level"]["form"]
+    (1000000000.0, 'mean')
     """
-    config = {section: {} for section in _SECTIONS}
+    config: dict[str, dict] = {section: {} for section in _SECTIONS}
     for section, key, _, _ in _options():
         value = getattr(options, f"{section}.{key}")
         if value is not None:
@@ -83,12 +121,44 @@ def chosen_settings(options) -> dict:
     return resolve(config)[""]
 
 
-def in_options(message: str) -> str:
-    """Return a message about settings as one sentence that speaks of options."""
-    _, _, text = message.rpartition("mistakes in the settings:\n")
-    text = "; ".join(line.strip() for line in text.split("\n"))
+def in_options(error: SettingsError) -> str:
+    """Return the message of an error about settings as one sentence that names options.
+
+    Parameters
+    ----------
+    error : SettingsError
+        of `chosen_settings`, or of a stage that was given them.
+
+    Returns
+    -------
+    str
+        the mistakes side by side, each with its settings under the names that they have here.
+
+    Examples
+    --------
+    >>> in_options(SettingsError("level.order = 0: give 1 or more", keys=["level.order"]))
+    '--level-order = 0: give 1 or more'
+    """
+    return "; ".join(_with_options(mistake) for mistake in error.mistakes or (error,))
+
+
+def _with_options(mistake: SettingsError) -> str:
+    """Return the message of one mistake, the settings it names replaced by their options."""
+    names = {"contact.bodies": "--body"}
     for section, key, option, _ in _options():
-        text = re.sub(rf"\b{section}\.{key}\b", option, text)
-        if section == "contact":
-            text = re.sub(rf"(?<![-\w])(?:contact: )?{key}\b(?!-)", option, text)
-    return re.sub(r"\bcontact: ", "", re.sub(r"\b(contact\.)?bodies\b", "--body", text))
+        names[f"{section}.{key}"] = option
+        if section == "contact":  # `solve_contact` calls its arguments so
+            names[key] = option
+    message = str(mistake)
+    for key in mistake.keys:
+        message = message.replace(key, names.get(key, key))
+    return message
+
+
+def _options() -> Iterator[tuple[str, str, str, FieldInfo]]:
+    """Yield (section, key, option, field) of every setting that is offered."""
+    for section, model in _SECTIONS.items():
+        for key, field in model.model_fields.items():
+            if key not in _LEFT_OUT:
+                prefix = "" if section == "contact" else f"{section}-"
+                yield section, key, f"--{prefix}{key.replace('_', '-')}", field

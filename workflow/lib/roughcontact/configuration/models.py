@@ -184,12 +184,12 @@ class Body(Section):
 
 
 class Contact(Section):
-    """The contact problem: elasticity, loads, accuracy."""
+    """The contact problem: contact_modulus or bodies, mean_pressure or relative_pressure or neither."""
 
     contact_modulus: Positive | None = Field(
         None,
-        description="plane-strain contact modulus E*, Pa, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; "
-        "give this or bodies (1.154e11: steel on steel)",
+        description="plane-strain contact modulus E*, Pa, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; 1.154e11 "
+        "for steel on steel",
         examples=[1.154e11],
     )
     bodies: list[Body] | None = Field(
@@ -206,8 +206,8 @@ class Contact(Section):
     )
     mean_pressure: Loads | None = Field(
         None,
-        description="nominal pressure, Pa, one number or a list; give this, or relative_pressure, or neither "
-        "(then loads are planned, log-spaced)",
+        description="nominal pressure, Pa, one number or a list; where no load is given, loads are planned, "
+        "log-spaced",
         examples=[[1.0e6, 1.0e7, 1.0e8]],
     )
     relative_pressure: Loads | None = Field(
@@ -369,31 +369,31 @@ def resolve(config: dict) -> dict[str, dict]:
     base = {key: {} if value is None else value for key, value in config.items()}
     base.setdefault("contact", {})
     cases = base.pop("cases", {})
-    mistakes = _mistakes_in_cases(cases)
+    mistakes = [SettingsError(mistake) for mistake in _mistakes_in_cases(cases)]
     if mistakes or not cases:
         cases = {"": {}}
     resolved = {}
     for name, overrides in cases.items():
         merged = _merge(base, overrides)
-        mistakes += _mistakes_in_choice(
-            merged["contact"], f"cases.{name}.contact" if "contact" in overrides else "contact"
-        )
+        where = f"cases.{name}.contact" if "contact" in overrides else "contact"
+        mistakes += [SettingsError(mistake) for mistake in _mistakes_in_choice(merged["contact"], where)]
         try:
             settings = Settings.model_validate(merged).model_dump(mode="json", exclude={"cases"})
         except ValidationError as error:
-            mistakes += [_sentence(name, overrides, detail) for detail in error.errors()]
+            for detail in error.errors():
+                key = _dotted([part for part in detail["loc"] if not isinstance(part, int)][:2])
+                mistakes.append(SettingsError(_sentence(name, overrides, detail), keys=[key]))
             continue
         if settings["crosscheck"]["code"] != "none" and not settings["crosscheck"]["python"]:
-            mistakes.append(
-                f"crosscheck.python: missing (path of the Python that has {settings['crosscheck']['code']})"
-            )
+            code = settings["crosscheck"]["code"]
+            mistakes.append(SettingsError(f"crosscheck.python: missing (path of the Python that has {code})"))
         if settings["contact"]["bodies"]:
             settings["contact"]["contact_modulus"] = contact_modulus(settings["contact"]["bodies"])
         resolved[name] = settings
     if mistakes:
-        raise SettingsError(
-            "\n".join(["mistakes in the settings:", *(f"  {m}" for m in dict.fromkeys(mistakes))])
-        )
+        each = {str(mistake): mistake for mistake in mistakes}
+        lines = ["mistakes in the settings:", *(f"  {sentence}" for sentence in each)]
+        raise SettingsError("\n".join(lines), mistakes=list(each.values()))
     return resolved
 
 

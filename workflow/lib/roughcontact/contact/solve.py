@@ -105,7 +105,8 @@ def solve_contact(
     cap = np.inf if hardness is None else check_positive("hardness", hardness, unit="Pa")
     if max(loads) >= cap:
         raise SettingsError(
-            f"mean_pressure {max(loads):g} Pa is not below the hardness {cap:g} Pa: no contact carries it"
+            f"mean_pressure {max(loads):g} Pa is not below the hardness {cap:g} Pa: no contact carries it",
+            keys=("mean_pressure",),
         )
     working = DOUBLE if precision == "double" else SINGLE
     problem, window = pose(window, precision=working, threads=threads), on_host(window)

@@ -101,7 +101,8 @@ def level(
     if s_filter and l_filter and s_filter >= l_filter:
         raise SettingsError(
             f"level.s_filter = {s_filter:g} m is not below level.l_filter = {l_filter:g} m: nothing would be "
-            "left"
+            "left",
+            keys=("level.s_filter", "level.l_filter"),
         )
     values = check_map(height)
     step = spacing(height)

@@ -81,7 +81,8 @@ def limit_band(
     if shortest and longest and shortest >= longest:
         raise SettingsError(
             f"window.shortest_wavelength = {shortest:g} m is not below window.longest_wavelength = "
-            f"{longest:g} m"
+            f"{longest:g} m",
+            keys=("window.shortest_wavelength", "window.longest_wavelength"),
         )
     limit, limit_reason = reliable_wavelength(window)
     wanted = [(shortest, "window.shortest_wavelength")] if shortest else []
