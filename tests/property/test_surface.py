@@ -15,7 +15,9 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.roughness import parameters
 from roughcontact.window import periodisation
-from roughcontact.window.periodic_window import friendly_sides, largest_rectangle, periodic_window
+from roughcontact.window.periodic_window import periodic_window
+from roughcontact.window.rectangle import largest_rectangle
+from roughcontact.window.sides import friendly_sides
 
 quick = settings(max_examples=60, deadline=None)
 

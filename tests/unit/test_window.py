@@ -15,12 +15,10 @@ from roughcontact.maps import height_map, spacing
 from roughcontact.references import synthetic
 from roughcontact.roughness.parameters import rms_gradient, rms_height
 from roughcontact.statistics.checks import FORM
-from roughcontact.window.periodic_window import (
-    friendly_sides,
-    largest_rectangle,
-    periodic_window,
-)
+from roughcontact.window.periodic_window import periodic_window
+from roughcontact.window.rectangle import largest_rectangle
 from roughcontact.window.search import SHORTEST_SIDE
+from roughcontact.window.sides import friendly_sides
 
 METHODS = get_args(WindowMethod)
 
@@ -53,7 +51,7 @@ def test_largest_rectangle_against_trying_all():
     generator = np.random.default_rng(0)
     for _ in range(150):
         good = generator.random(generator.integers(1, 26, 2)) < generator.random()
-        for sides in (np.arange(41), friendly_sides(40, extra=0.2)):
+        for sides in (np.arange(41), friendly_sides(40, fade=0.2)):
             y0, x0, height, width = largest_rectangle(good, sides)
             assert good[y0 : y0 + height, x0 : x0 + width].all()
             assert sides[height] * sides[width] == largest_by_trying(good, sides)
@@ -94,7 +92,7 @@ def test_friendly_sides_fit_have_small_factors_and_lose_little():
                 side //= factor
         assert side == 1
     assert (np.diff(sides) >= 0).all()
-    with_band = friendly_sides(500, extra=0.125)
+    with_band = friendly_sides(500, fade=0.125)
     assert all(side + round(0.125 * side) <= n for n, side in enumerate(with_band) if n)
 
 

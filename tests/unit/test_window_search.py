@@ -2,7 +2,6 @@
 
 import json
 import time
-from functools import partial
 
 import numpy as np
 import pytest
@@ -12,8 +11,11 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.references import synthetic
 from roughcontact.report import page
-from roughcontact.window.periodic_window import _band, is_friendly, periodic_window
-from roughcontact.window.search import SHORTEST_SIDE, WEIGHTS, lay_period, search_window
+from roughcontact.window.lay import lay_period
+from roughcontact.window.periodic_window import periodic_window
+from roughcontact.window.score import WEIGHTS
+from roughcontact.window.search import SHORTEST_SIDE, search_window
+from roughcontact.window.sides import band_points, is_friendly
 
 
 def rough(shape, seed=0, **options):
@@ -28,12 +30,12 @@ def grooves(shape, period, seed=0):
 
 def search(values, largest, *, filled=None, fade=0.1):
     filled = np.zeros(values.shape) if filled is None else filled
-    return search_window(values, filled, largest, friendly=is_friendly, band=partial(_band, fade))
+    return search_window(values, filled, largest, fade=fade)
 
 
 def box(candidate, fade=0.1):
     return tuple(
-        slice(s, s + n + _band(fade, n)) for s, n in zip(candidate.start, candidate.sides, strict=True)
+        slice(s, s + n + band_points(n, fade)) for s, n in zip(candidate.start, candidate.sides, strict=True)
     )
 
 
@@ -46,7 +48,7 @@ def test_candidates_fit_and_have_no_missing_point():
     assert [c.score for c in found] == sorted(c.score for c in found)
     for candidate in found:
         part = values[box(candidate)]
-        assert part.shape == tuple(n + _band(0.1, n) for n in candidate.sides)
+        assert part.shape == tuple(n + band_points(n, 0.1) for n in candidate.sides)
         assert np.isfinite(part).all()
         assert all(is_friendly(n) for n in candidate.sides)
         assert all(n >= SHORTEST_SIDE * m for n, m in zip(candidate.sides, largest[1], strict=True))
@@ -61,7 +63,7 @@ def test_mismatch_and_missing_share_by_their_definitions():
     filled[50:60, 100:130] = 1
     heights = values - values.mean()
     for candidate in search(values, ((0, 0), (160, 160)), filled=filled)[:8]:
-        part, bands = heights[box(candidate)], [_band(0.1, n) for n in candidate.sides]
+        part, bands = heights[box(candidate)], [band_points(n, 0.1) for n in candidate.sides]
         heights_apart, slopes_apart = [], []
         for axis in (0, 1):
             lines, whole = (part, heights) if axis else (part.T, heights.T)

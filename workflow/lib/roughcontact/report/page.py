@@ -19,7 +19,7 @@ from roughcontact.report.budget_plots import shown_budget
 from roughcontact.results.storage import read_dataset, write_text
 from roughcontact.statistics import checks
 from roughcontact.variables import VARIABLES
-from roughcontact.window.search import WEIGHTS
+from roughcontact.window.score import WEIGHTS
 
 _NO_LAY = 0.5  # texture aspect ratio from which on a surface has no lay
 _SHOWN_LOADS = 3  # loads whose maps are drawn: the lowest, the middle, the highest

@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -19,20 +20,38 @@ _LIGHT = 550e-9  # m; files do not say it in a way that can be relied on
 
 
 def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
-    """Return the shortest wave that a map shows reliably, m, and what sets it, in words.
+    """Return the shortest wave that a map shows reliably, and what sets it.
 
     The longer one of two pixels (of the coarser pitch) and, where the file states the numerical aperture NA
     of the lens, the wave whose contrast the lens halves, 1.24 L / NA with green light, L = 550 nm: the
-    lateral period limit of ISO 25178-600 for a lens that is limited by diffraction.
+    lateral period limit [1]_ for a lens that is limited by diffraction, in incoherent light [2]_.
 
     Parameters
     ----------
     height : DataArray (y, x), m
         with the attribute `instrument` (JSON), as `read_height_map` leaves it.
 
-    Notes
-    -----
-    Goodman, Introduction to Fourier Optics (1968), section 6-3: contrast of a lens in incoherent light.
+    Returns
+    -------
+    wavelength : float, m
+    reason : str
+        in words.
+
+    References
+    ----------
+    .. [1] ISO 25178-600:2019, metrological characteristics for areal topography measuring methods.
+    .. [2] Goodman, J. W. (1968), Introduction to Fourier Optics, section 6-3.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.maps import height_map
+    >>> height = height_map(np.zeros((4, 4)), 1e-6, instrument={"numerical_aperture": 0.3})
+    >>> wavelength, reason = reliable_wavelength(height)
+    >>> print(f"{wavelength:.3g} m: {reason}")
+    2.27e-06 m: the lens (numerical aperture 0.3)
+    >>> reliable_wavelength(height.assign_attrs(instrument="{}"))
+    (2e-06, 'two pixels')
     """
     pitch = max(d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1)
     known = [(2 * pitch, "two pixels")]
@@ -55,16 +74,18 @@ def limit_band(
     ----------
     window : DataArray (y, x), m
         periodic.
-    shortest, longest : float (m) or None
-        None sets no limit.
+    shortest, longest : float or None, m
+        wavelengths; None sets no limit.
     reliable : bool
         shorter waves than `reliable_wavelength` go as well.
 
     Returns
     -------
-    DataArray (y, x), m, with the attributes of `window` and `band_shortest`, `band_longest` (m, of the waves
-    that are left; the grid's own limits where nothing else is said), `band_reason` (what sets the shortest),
-    `band_removed_rms_height` (m), `band_removed_rms_gradient`, `reliable_wavelength` (m), `reliable_reason`.
+    DataArray (y, x), m
+        with the attributes of `window` and `band_shortest`, `band_longest` (m, of the waves that are left;
+        the grid's own limits where nothing else is said), `band_reason` (what sets the shortest),
+        `band_removed_rms_height` (m), `band_removed_rms_gradient`, `reliable_wavelength` (m),
+        `reliable_reason`.
 
     Raises
     ------
@@ -72,6 +93,17 @@ def limit_band(
         where no wave of the window lies in the band.
     SettingsError
         where the band is empty.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.maps import height_map
+    >>> x = np.arange(64)
+    >>> long, short = np.cos(2 * np.pi * x / 32), np.cos(2 * np.pi * x / 4)
+    >>> window = height_map((long + short)[None, :], 1.0)
+    >>> limited = limit_band(window, shortest=8.0, longest=None, reliable=False)
+    >>> bool(np.allclose(limited, long)), round(limited.attrs["band_removed_rms_height"], 3)
+    (True, 0.707)
     """
     for name, value in (("shortest", shortest), ("longest", longest)):
         if value is not None and not 0 < value < math.inf:
@@ -117,7 +149,7 @@ def limit_band(
     )
 
 
-def _numerical_aperture(instrument) -> float | None:
+def _numerical_aperture(instrument: Mapping) -> float | None:
     """Return the numerical aperture that the file states, as its own entry or in a remark (`NA: 0.60`)."""
     if "numerical_aperture" in instrument:
         return float(instrument["numerical_aperture"])

@@ -1,8 +1,7 @@
 """The periodic window: the part of a levelled map that is solved, made periodic."""
 
 import json
-import math
-from functools import partial
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -16,14 +15,12 @@ from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import interior_rms_gradient, rms_gradient, steepest_share
 from roughcontact.window import periodisation
 from roughcontact.window.band import limit_band
-from roughcontact.window.search import search_window
+from roughcontact.window.rectangle import largest_rectangle
+from roughcontact.window.search import Candidate, search_window
+from roughcontact.window.sides import band_points, friendly_sides, used_points
 
 _FADES = ("smooth-cross-fade", "cross-fade")  # need a band beyond the window
 
-# The solver halves a grid while both sides are even; a side should come down to about this many points.
-_COARSE = 32
-# What one further halving is worth, as a share of the side.
-_HALVING = 0.02
 # Candidates of the search that are kept in the record, besides the largest rectangle.
 _KEPT = 6
 
@@ -57,23 +54,27 @@ def periodic_window(
         share of the side over which the two cross-fades blend or `taper` falls; the other methods have none.
     min_share : float, 0 to 1
         least share of the map that the rectangle must have.
-    shortest_wavelength, longest_wavelength : float (m) or None
+    shortest_wavelength, longest_wavelength : float or None, m
         waves outside this band are taken out of the window; None sets no limit.
     reliable_band : bool
         waves that are shorter than the map shows reliably are taken out. See `roughcontact.window.band`.
 
     Returns
     -------
-    DataArray (y, x), m, with the attributes of `levelled` and `periodisation`, `periodisation_rms_change`
-    (m), `periodisation_relative_change` (of the rms height), `rms_gradient_before` (of the part that was
-    cut out, without its edges), `rms_gradient_after` (of the window as it is solved),
-    `form_share` (of the mean square height of the window, the part that a second-order polynomial makes up),
-    `steepest_share` (of its mean square gradient, the part that the steepest 1 % of the points make up),
-    `band_shortest`, `band_longest` (m, the waves that are left), `band_reason` (what limits them),
-    `band_removed_rms_height` (m), `band_removed_rms_gradient`, `reliable_wavelength` (m), `window_offset_x`,
-    `window_offset_y` (m), `window_share`, `window_reason`, and after a search `window_scores` (JSON: the best
-    candidates and the largest rectangle, with the parts of their scores); the coordinate `filled` is cut as
-    well.
+    DataArray (y, x), m
+        with the coordinate `filled` of the part that was cut out, the attributes of `levelled`, and
+
+        * `periodisation`, `periodisation_rms_change` (m), `periodisation_relative_change` (of the rms height)
+        * `rms_gradient_before` (of the part that was cut out, without its edges), `rms_gradient_after` (of
+          the window as it is solved)
+        * `form_share` (of the mean square height of the window, the part that a second-order polynomial
+          makes up), `steepest_share` (of its mean square gradient, the part that the steepest 1 % of the
+          points make up)
+        * `band_shortest`, `band_longest` (m, the waves that are left), `band_reason` (what limits them),
+          `band_removed_rms_height` (m), `band_removed_rms_gradient`, `reliable_wavelength` (m)
+        * `window_offset_x`, `window_offset_y` (m), `window_share`, `window_reason`, and after a search
+          `window_scores` (JSON: the best candidates and the largest rectangle, with the parts of their
+          scores)
 
     Raises
     ------
@@ -81,6 +82,17 @@ def periodic_window(
         no rectangle of two points, or none as large as `min_share`.
     SettingsError
         an option that has no meaning.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> from roughcontact.references.synthetic import self_affine_surface
+    >>> large = self_affine_surface((200, 200), 1e-6, hurst=0.8, shortest=8e-6, longest=1e-4, rms_height=1e-7)
+    >>> measured = large.isel(y=slice(110), x=slice(130))
+    >>> window = rc.periodic_window(rc.level(measured), method="smooth-cross-fade")
+    >>> window.shape, round(float(window.attrs["window_share"]), 3)
+    ((100, 108), 0.915)
     """
     check_choice("window.placement", placement, Placement)
     check_choice("window.method", method, WindowMethod)
@@ -95,48 +107,28 @@ def periodic_window(
         return unchanged
 
     fade = width if method in _FADES else 0.0
-    flags = (
-        levelled["filled"].values if "filled" in levelled.coords else np.zeros(values.shape, dtype=np.int8)
-    )
     start, sides = _largest(levelled, values, fade, min_share)
     scores = None
     if placement == "search":
-        found = search_window(values, flags, (start, sides), friendly=is_friendly, band=partial(_band, fade))
+        found = search_window(values, _flags(levelled), (start, sides), fade=fade)
         least = min_share * values.size
-        found = [c for c in found if _points(c.sides, fade) >= least]
+        found = [c for c in found if used_points(c.sides, fade) >= least]
         scores = _scores(found, (start, sides), fade, spacing(levelled))
         start, sides = found[0].start, found[0].sides
-    band = [_band(fade, side) for side in sides]
+    band = [band_points(side, fade) for side in sides]
     used = [side + b for side, b in zip(sides, band, strict=True)]
     cut = levelled.isel({d: slice(s, s + u) for d, s, u in zip("yx", start, used, strict=True)})
-    flags = flags[tuple(slice(s, s + u) for s, u in zip(start, used, strict=True))]
-    heights = np.asarray(cut.values, dtype=float)
     step = spacing(levelled)
 
     # the part that stays, where it stays
     kept = tuple(slice(b // 2, b // 2 + side) for b, side in zip(band, sides, strict=True))
-    before = heights[kept]
-    if method == "mirror":
-        after, flags = periodisation.mirror(heights), periodisation.mirror(flags)
-    elif method in _FADES:
-        fading = periodisation.cross_fade(flags.astype(float), band)
-        flags = (fading > 1e-9).astype(np.int8)
-        if method == "cross-fade":
-            after = periodisation.cross_fade(heights, band)
-        else:
-            after = periodisation.smooth_cross_fade(heights, band, step)
-    elif method == "taper":
-        after = periodisation.taper(heights, width)
-    elif method == "periodic-plus-smooth":
-        after = periodisation.periodic_plus_smooth(heights, step)
-    else:
-        after = heights
-    before_map = cut.isel(y=kept[0], x=kept[1])
+    before = cut.isel(y=kept[0], x=kept[1])
+    after, flags = _made_periodic(cut, method, band, width, step)
     coords = {
-        d: xr.Variable(d, before_map[d].values[0] + s * np.arange(n), cut[d].attrs)
+        d: xr.Variable(d, before[d].values[0] + s * np.arange(n), cut[d].attrs)
         for d, s, n in zip("yx", step, after.shape, strict=True)
     }
-    change = after[: before.shape[0], : before.shape[1]] - before
+    change = after[: before.shape[0], : before.shape[1]] - before.values
     window = _record(
         after,
         coords | {"filled": (("y", "x"), flags)},
@@ -144,7 +136,7 @@ def periodic_window(
         waves=waves,
         method=method,
         change=float(np.sqrt(np.mean(change**2))),
-        gradient_before=interior_rms_gradient(before_map),
+        gradient_before=interior_rms_gradient(before),
         offset=[(s + k.start) * d for s, k, d in zip(start, kept, step, strict=True)],
         share=used[0] * used[1] / values.size,
         reason=_reason(values, used, after.shape, method, searched=scores is not None),
@@ -152,40 +144,61 @@ def periodic_window(
     return window if scores is None else window.assign_attrs(window_scores=scores)
 
 
-def is_friendly(side: int) -> bool:
-    """Return whether a side has no prime factor above 5, or is at most 32 points long."""
-    return math.isfinite(_side_score(side))
+def _flags(levelled: xr.DataArray) -> np.ndarray:
+    """Return which points of the map were filled in."""
+    if "filled" in levelled.coords:
+        return levelled["filled"].values
+    return np.zeros(levelled.shape, dtype=np.int8)
 
 
-def _band(fade, side):
-    """Return the points of the band that a side needs for blending."""
-    return round(fade * side) if side > 1 else 0
-
-
-def _points(sides, fade):
-    """Return the points of the map that a window and its bands need."""
-    return math.prod(side + _band(fade, side) for side in sides)
-
-
-def _largest(levelled, values, fade, min_share):
+def _largest(
+    levelled: xr.DataArray, values: np.ndarray, fade: float, min_share: float
+) -> tuple[tuple[int, int], tuple[int, int]]:
     """Return start and sides of the window in the largest rectangle without missing points."""
-    fitting = friendly_sides(max(values.shape), extra=fade)
+    fitting = friendly_sides(max(values.shape), fade=fade)
     y0, x0, height, breadth = largest_rectangle(~np.isnan(values), fitting)
     sides = int(fitting[height]), int(fitting[breadth])
-    used = [side + _band(fade, side) for side in sides]
+    used = [side + band_points(side, fade) for side in sides]
     _check_window(levelled, used, used[0] * used[1] / values.size, min_share)
     # in the middle of the rectangle
     return (y0 + (height - used[0]) // 2, x0 + (breadth - used[1]) // 2), sides
 
 
-def _scores(found, largest, fade, step):
+def _made_periodic(
+    cut: xr.DataArray, method: str, band: list[int], width: float, step: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the heights of a part of the map made periodic, and which of them rest on filled points."""
+    heights, flags = np.asarray(cut.values, dtype=float), _flags(cut)
+    if method == "mirror":
+        return periodisation.mirror(heights), periodisation.mirror(flags)
+    if method == "taper":
+        return periodisation.taper(heights, width), flags
+    if method == "periodic-plus-smooth":
+        return periodisation.periodic_plus_smooth(heights, step), flags
+    if method == "raw":
+        return heights, flags
+    # a blended point rests on a filled one where that one has a weight
+    flags = (periodisation.cross_fade(flags.astype(float), band) > 1e-9).astype(np.int8)
+    if method == "cross-fade":
+        return periodisation.cross_fade(heights, band), flags
+    return periodisation.smooth_cross_fade(heights, band, step), flags
+
+
+def _scores(
+    found: list[Candidate],
+    largest: tuple[tuple[int, int], tuple[int, int]],
+    fade: float,
+    step: tuple[float, float],
+) -> str:
     """Return the record of a search: the best sizes and the largest rectangle, as JSON."""
     own = [c for c in found if (c.start, c.sides) == largest]
     shown = found[:_KEPT] + [c for c in own if c not in found[:_KEPT]]
     rows = [
         {
             "points": list(c.sides),
-            "offset": [(s + _band(fade, n) // 2) * d for s, n, d in zip(c.start, c.sides, step, strict=True)],
+            "offset": [
+                (s + band_points(n, fade) // 2) * d for s, n, d in zip(c.start, c.sides, step, strict=True)
+            ],
             "largest_rectangle": (c.start, c.sides) == largest,
             "score": c.score,
             **c.parts,
@@ -195,99 +208,7 @@ def _scores(found, largest, fade, step):
     return json.dumps(rows)
 
 
-def friendly_sides(longest: int, *, extra: float = 0.0) -> np.ndarray:
-    """Return for each number of points 0 ... longest the best side of a window that fits into it.
-
-    Sides have no prime factor above 5. Among those the largest is taken, but one that can be halved once
-    more, down to 32 points, may be 2 % shorter. Up to 32 points any side is good.
-
-    Parameters
-    ----------
-    longest : int
-    extra : float
-        share of the side that must fit in besides (the band of a cross-fade).
-
-    Returns
-    -------
-    sides : int array (longest + 1,)
-    """
-    sides = np.zeros(longest + 1, dtype=int)
-    best, best_score = 0, -math.inf
-    for points in range(1, longest + 1):
-        side = points if extra == 0 else _largest_side(points, extra)
-        score = _side_score(side)
-        if score >= best_score:
-            best, best_score = side, score
-        sides[points] = best
-    return sides
-
-
-def _largest_side(points, extra):
-    """Return the largest side for which side + round(extra side) <= points."""
-    side = int(points / (1 + extra)) + 1
-    while side > 1 and side + round(extra * side) > points:
-        side -= 1
-    return side
-
-
-def _side_score(side):
-    if side <= _COARSE:
-        return math.log(side)
-    rest = side
-    for factor in (2, 3, 5):
-        while rest % factor == 0:
-            rest //= factor
-    if rest > 1:
-        return -math.inf
-    coarsest = side
-    while coarsest % 2 == 0 and coarsest > _COARSE:
-        coarsest //= 2
-    return math.log(side) - _HALVING * max(0.0, math.log2(coarsest / _COARSE))
-
-
-def largest_rectangle(good, sides) -> tuple[int, int, int, int]:
-    """Return (y0, x0, height, width) of the rectangle of good points that holds the largest window.
-
-    Row by row, the tallest column of good points that ends in each cell is widened as far as it goes; one of
-    these holds the largest rectangle. The work is a few array operations per row.
-
-    Parameters
-    ----------
-    good : bool array (ny, nx)
-    sides : int array
-        `sides[n]` is the side of the window that fits into n points; its area is what counts.
-
-    Notes
-    -----
-    The maximal rectangle problem: Vandevoorde, Dr. Dobb's Journal 23(4) (1998).
-    """
-    ny, nx = good.shape
-    columns = np.arange(nx)
-    tall = np.zeros(nx, dtype=int)
-    left = np.zeros(nx, dtype=int)
-    right = np.full(nx, nx)
-    best, best_area = (0, 0, 0, 0), 0
-    for row in range(ny):
-        here = good[row]
-        if not here.any():
-            tall[:], left[:], right[:] = 0, 0, nx
-            continue
-        # one past the last bad cell to the left, and the first bad cell to the right
-        from_left = np.maximum.accumulate(np.where(here, 0, columns + 1))
-        to_right = np.minimum.accumulate(np.where(here, nx, columns)[::-1])[::-1]
-        tall = np.where(here, tall + 1, 0)
-        left = np.where(here, np.maximum(left, from_left), 0)
-        right = np.where(here, np.minimum(right, to_right), nx)
-        area = np.where(here, sides[tall] * sides[right - left], 0)
-        column = int(np.argmax(area))
-        if area[column] > best_area:
-            best_area = int(area[column])
-            y0, x0 = row + 1 - tall[column], left[column]
-            best = (int(y0), int(x0), int(tall[column]), int(right[column] - x0))
-    return best
-
-
-def _already_periodic(levelled, values, waves):
+def _already_periodic(levelled: xr.DataArray, values: np.ndarray, waves: Mapping) -> xr.DataArray | None:
     """Return the map as a window where it is periodic, with or without its form; else None."""
     attrs = dict(levelled.attrs)
     removed = json.loads(attrs.get("form_removed", "{}"))
@@ -303,8 +224,7 @@ def _already_periodic(levelled, values, waves):
             "mean, and the map left alone."
         )
         attrs |= {"form": "mean", "form_removed": json.dumps({"mean": removed["mean"]})}
-    flags = levelled.coords.get("filled", np.zeros(values.shape, dtype=np.int8))
-    coords = {"y": levelled["y"], "x": levelled["x"], "filled": (("y", "x"), np.asarray(flags))}
+    coords = {"y": levelled["y"], "x": levelled["x"], "filled": (("y", "x"), _flags(levelled))}
     return _record(
         values,
         coords,
@@ -319,7 +239,20 @@ def _already_periodic(levelled, values, waves):
     )
 
 
-def _record(values, coords, attrs, *, waves, method, change, gradient_before, offset, share, reason):
+def _record(
+    values: np.ndarray,
+    coords: Mapping,
+    attrs: Mapping,
+    *,
+    waves: Mapping,
+    method: str,
+    change: float,
+    gradient_before: float | None,
+    offset: Sequence[float],
+    share: float,
+    reason: str,
+) -> xr.DataArray:
+    """Return the window limited to its band, with everything that was done to it in its attributes."""
     periodic = xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs)
     whole_gradient, rms = rms_gradient(periodic), float(np.std(values))
     window = limit_band(periodic, **waves)
@@ -339,7 +272,8 @@ def _record(values, coords, attrs, *, waves, method, change, gradient_before, of
     return window
 
 
-def _check_window(levelled, used, share, min_share):
+def _check_window(levelled: xr.DataArray, used: Sequence[int], share: float, min_share: float) -> None:
+    """Raise HeightMapError where the largest rectangle is none, or smaller than was asked for."""
     name = levelled.attrs.get("source_file") or "the map"
     if used[0] * used[1] < 2:
         raise HeightMapError(f"{name}: no two neighbouring points are measured: fill it with level.fill")
@@ -351,7 +285,10 @@ def _check_window(levelled, used, share, min_share):
         )
 
 
-def _reason(values, used, solved, method, *, searched):
+def _reason(
+    values: np.ndarray, used: Sequence[int], solved: Sequence[int], method: str, *, searched: bool
+) -> str:
+    """Return in words which part of the map is used, why, and how it was made periodic."""
     ny, nx = values.shape
     if (ny, nx) == tuple(used):
         text = f"The whole map of {nx} x {ny} points is used"

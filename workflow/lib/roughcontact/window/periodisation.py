@@ -1,12 +1,14 @@
 """Ways to make a map periodic, and the test whether it is so already. Plain arrays (ny, nx)."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 _LONG = 1 / 2  # of the band: standard deviation of the Gaussian mean that long waves pass
 _CLOSED = 0.55  # share of their smooth component that is taken off
 
 
-def is_periodic(values) -> bool:
+def is_periodic(values: np.ndarray) -> bool:
     """Return whether the map goes on beyond its edges as it does between its points.
 
     Across the seam of each axis the rms step of the heights, and the rms change of slope on both sides of
@@ -14,23 +16,52 @@ def is_periodic(values) -> bool:
     of the seam) for chance. A map with missing points is not periodic. A seam shows nothing where neighbours
     are as good as unrelated (rms step above 1.2 times the rms height) or where there are fewer than 64
     points: such a map does not count as periodic.
+
+    Parameters
+    ----------
+    values : array (ny, nx), m
+        NaN where missing.
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> wave = np.cos(2 * np.pi * np.arange(128) / 64)[None, :]
+    >>> is_periodic(wave), is_periodic(wave[:, :100])
+    (True, False)
     """
     if values.size < 64 or np.isnan(values).any():
         return False
     return _closes(values) and _closes(values.T)
 
 
-def periodic_heights(values, form) -> tuple[np.ndarray, bool] | None:
+def periodic_heights(values: np.ndarray, form: np.ndarray) -> tuple[np.ndarray, bool] | None:
     """Return the heights of a map that is periodic, with or without the form that levelling took off.
 
     Parameters
     ----------
-    values, form : arrays (ny, nx), m
+    values : array (ny, nx), m
+        levelled.
+    form : array (ny, nx), m
+        what was taken off.
 
     Returns
     -------
-    heights, mean taken off where the form was put back, and whether it was; None where the map is not
-    periodic.
+    (heights, put_back) or None
+        the heights (ny, nx) in m, with the form but for its mean where it had to be put back, and whether it
+        had; None where the map is not periodic either way.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> wave = np.sin(2 * np.pi * np.arange(128) / 64)[None, :]
+    >>> tilt = 0.1 * np.arange(128)[None, :]
+    >>> heights, put_back = periodic_heights(wave - tilt, tilt)
+    >>> put_back, bool(np.allclose(heights, wave))
+    (True, True)
     """
     if is_periodic(values):
         return values, False
@@ -40,7 +71,7 @@ def periodic_heights(values, form) -> tuple[np.ndarray, bool] | None:
     return whole - whole.mean(), True
 
 
-def _closes(values):
+def _closes(values: np.ndarray) -> bool:
     """Return whether the last column is followed by the first one."""
     columns = values.shape[1]
     if columns < 3:
@@ -61,11 +92,11 @@ def _closes(values):
     )
 
 
-def periodic_plus_smooth(values, spacing) -> np.ndarray:
+def periodic_plus_smooth(values: np.ndarray, spacing: Sequence[float]) -> np.ndarray:
     """Return the periodic component of a map: the map less the smoothest surface that closes its seams.
 
     The smooth component s minimises the sum of |grad s|^2 inside plus (step of h - s)^2 over the seams. It
-    solves a discrete Poisson equation whose source is the step b of the heights across the seams:
+    solves a discrete Poisson equation whose source is the step b of the heights across the seams [1]_:
     s(q) = b(q) / [w_x (2 cos(q_x dx) - 2) + w_y (2 cos(q_y dy) - 2)], with weights w = 1 / pitch^2 (in ratio)
     that make pixels of any shape fair. The mean stays.
 
@@ -74,9 +105,21 @@ def periodic_plus_smooth(values, spacing) -> np.ndarray:
     values : array (ny, nx), m
     spacing : (dy, dx), m
 
-    Notes
-    -----
-    Moisan, J. Math. Imaging Vis. 39 (2011) 161.
+    Returns
+    -------
+    array (ny, nx), m
+
+    References
+    ----------
+    .. [1] Moisan, L. (2011), J. Math. Imaging Vis. 39, 161.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> tilt = np.arange(8.0)[None, :]
+    >>> closed = periodic_plus_smooth(tilt, (1.0, 1.0))
+    >>> float(np.ptp(tilt)), round(float(np.ptp(closed)), 3)  # the step at the seam
+    (7.0, 0.875)
     """
     ny, nx = values.shape
     wy, wx = (min(spacing) / np.asarray(spacing)) ** 2
@@ -96,10 +139,25 @@ def periodic_plus_smooth(values, spacing) -> np.ndarray:
     return values - np.fft.irfft2(smooth, s=values.shape)
 
 
-def mirror(values) -> np.ndarray:
-    """Return the map and its mirror images side by side, (2 ny, 2 nx); an axis of one point stays.
+def mirror(values: np.ndarray) -> np.ndarray:
+    """Return the map and its mirror images side by side.
 
     The heights meet without a step, the slopes turn over at the seams.
+
+    Parameters
+    ----------
+    values : array (ny, nx)
+
+    Returns
+    -------
+    array (2 ny, 2 nx)
+        an axis of one point keeps it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> print(mirror(np.array([[1, 2, 3]])))
+    [[1 2 3 3 2 1]]
     """
     for axis, points in enumerate(values.shape):
         if points > 1:
@@ -107,7 +165,7 @@ def mirror(values) -> np.ndarray:
     return values
 
 
-def cross_fade(values, band, *, keep_variance: bool = False) -> np.ndarray:
+def cross_fade(values: np.ndarray, band: Sequence[int], *, keep_variance: bool = False) -> np.ndarray:
     """Return the map shortened by a band, in which its end runs over into its beginning.
 
     On an axis with n + b points: h'(i) = w h(i) + (1 - w) h(i + n) for i < b, h'(i) = h(i) for b <= i < n,
@@ -122,13 +180,21 @@ def cross_fade(values, band, *, keep_variance: bool = False) -> np.ndarray:
     Parameters
     ----------
     values : array (ny + by, nx + bx)
-    band : (by, bx)
-        points in the band, 0 to n on each axis.
+    band : (by, bx), points
+        in the band, 0 to n on each axis.
     keep_variance : bool
+        whether what blending takes from the variance is given back.
 
     Returns
     -------
     array (ny, nx)
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> steps = np.array([[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4.0, 4.0]])
+    >>> print(np.round(cross_fade(steps, (0, 2)), 3))  # from the second point on
+    [[0.586 0.    0.    0.    0.    3.414]]
     """
     mean = values.mean()
     values = values - mean
@@ -147,13 +213,13 @@ def cross_fade(values, band, *, keep_variance: bool = False) -> np.ndarray:
     return values + mean
 
 
-def _correlation(first, last) -> float:
+def _correlation(first: np.ndarray, last: np.ndarray) -> float:
     """Return the correlation of two arrays of zero mean, 0 to 1; 1 where one of them is flat."""
     scale = np.sqrt(np.mean(first**2) * np.mean(last**2))
     return float(np.clip(np.mean(first * last) / scale, 0, 1)) if scale > 0 else 1.0
 
 
-def smooth_cross_fade(values, band, spacing) -> np.ndarray:
+def smooth_cross_fade(values: np.ndarray, band: Sequence[int], spacing: Sequence[float]) -> np.ndarray:
     """Return the map shortened by a band: long waves closed in part, short ones faded with their variance.
 
     A cross-fade alone has to climb from one end to the other within the band: long waves make it steep.
@@ -163,22 +229,26 @@ def smooth_cross_fade(values, band, spacing) -> np.ndarray:
     and keep their variance (`cross_fade`, `keep_variance`): it is theirs that makes slopes and peaks. That of
     the long waves is largest at the edges of a levelled map, and is left to fall there: kept, it puts too
     much load on the rim. Long waves are what a Gaussian mean over half of the band (standard deviation) lets
-    pass.
+    pass. The shares were found by trying on cut-outs of periodic surfaces; the page on the window shows them.
 
     Parameters
     ----------
     values : array (ny + by, nx + bx), m
-    band : (by, bx)
-        points in the band, 0 to n on each axis.
+    band : (by, bx), points
+        in the band, 0 to n on each axis.
     spacing : (dy, dx), m
 
     Returns
     -------
     array (ny, nx), m
 
-    Notes
-    -----
-    The shares were found by trying on cut-outs of periodic surfaces: docs/explanation/window.md.
+    Examples
+    --------
+    >>> import numpy as np
+    >>> wave = np.cos(2 * np.pi * np.arange(72) / 64)[None, :]
+    >>> closed = smooth_cross_fade(wave, (0, 8), (1.0, 1.0))  # one period is left, from the fifth point on
+    >>> closed.shape, bool(np.abs(closed - wave[:, 4:68]).max() < 0.1)
+    ((1, 64), True)
     """
     long_waves = _gaussian_mean(values, [_LONG * b for b in band])
     # the smooth component of the part that stays, continued into the half bands on both sides
@@ -189,7 +259,7 @@ def smooth_cross_fade(values, band, spacing) -> np.ndarray:
     return closed + cross_fade(values - long_waves, band, keep_variance=True)
 
 
-def _gaussian_mean(values, deviations):
+def _gaussian_mean(values: np.ndarray, deviations: Sequence[float]) -> np.ndarray:
     """Return the Gaussian mean of a map that goes on as its mirror image beyond its edges.
 
     Its cosine series c_k, multiplied by exp(-(pi k s / n)^2 / 2) along each axis, s the standard deviation
@@ -204,8 +274,8 @@ def _gaussian_mean(values, deviations):
     return idctn(series)
 
 
-def taper(values, width) -> np.ndarray:
-    """Return the map drawn towards its mean near the edges by a Tukey window.
+def taper(values: np.ndarray, width: float) -> np.ndarray:
+    """Return the map drawn towards its mean near the edges by a Tukey window [1]_.
 
     Parameters
     ----------
@@ -213,9 +283,19 @@ def taper(values, width) -> np.ndarray:
     width : float, 0 to 1
         share of each axis, both ends together, over which the window falls (cosine) to zero.
 
-    Notes
-    -----
-    Tukey window: Harris, Proc. IEEE 66 (1978) 51.
+    Returns
+    -------
+    array (ny, nx)
+
+    References
+    ----------
+    .. [1] Harris, F. J. (1978), Proc. IEEE 66, 51.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> print(np.round(taper(np.array([[1.0, -1.0] * 4]), 0.5), 3))
+    [[ 0.146 -0.854  1.    -1.     1.    -1.     0.854 -0.146]]
     """
     mean = values.mean()
     result = values - mean

@@ -1,0 +1,130 @@
+"""Sides of windows: numbers of points whose Fourier transform is fast and that halve well."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+# The solver halves a grid while both sides are even; a side should come down to about this many points.
+_COARSE = 32
+# What one further halving is worth, as a share of the side.
+_HALVING = 0.02
+
+
+def is_friendly(side: int) -> bool:
+    """Return whether a side has no prime factor above 5, or is at most 32 points long.
+
+    Parameters
+    ----------
+    side : int, points
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> [side for side in range(30, 46) if is_friendly(side)]
+    [30, 31, 32, 36, 40, 45]
+    """
+    return math.isfinite(_side_score(side))
+
+
+def friendly_sides(longest: int, *, fade: float = 0.0) -> np.ndarray:
+    """Return for each number of points 0 ... longest the best side of a window that fits into it.
+
+    Sides have no prime factor above 5. Among those the largest is taken, but one that can be halved once
+    more, down to 32 points, may be 2 % shorter. Up to 32 points any side is good.
+
+    Parameters
+    ----------
+    longest : int, points
+    fade : float
+        share of the side that must fit in besides, the band of a cross-fade.
+
+    Returns
+    -------
+    int array (longest + 1,), points
+
+    Examples
+    --------
+    >>> print(friendly_sides(100)[[64, 97, 100]], friendly_sides(100, fade=0.25)[[64, 97, 100]])
+    [ 64  96 100] [50 75 80]
+    """
+    sides = np.zeros(longest + 1, dtype=int)
+    best, best_score = 0, -math.inf
+    for points in range(1, longest + 1):
+        side = points if fade == 0 else _largest_side(points, fade)
+        score = _side_score(side)
+        if score >= best_score:
+            best, best_score = side, score
+        sides[points] = best
+    return sides
+
+
+def band_points(side: int, fade: float) -> int:
+    """Return the points that a side needs beyond itself for blending.
+
+    Parameters
+    ----------
+    side : int, points
+    fade : float
+        share of the side over which the ends are blended.
+
+    Returns
+    -------
+    int, points
+        0 for a side of one point, which has no seam.
+
+    Examples
+    --------
+    >>> band_points(90, 0.1), band_points(1, 0.5)
+    (9, 0)
+    """
+    return round(fade * side) if side > 1 else 0
+
+
+def used_points(sides: Sequence[int], fade: float) -> int:
+    """Return how many points of the map a window and its bands need.
+
+    Parameters
+    ----------
+    sides : (rows, columns)
+        of the window.
+    fade : float
+        share of the side over which the ends are blended.
+
+    Returns
+    -------
+    int
+
+    Examples
+    --------
+    >>> used_points((90, 100), 0.1)
+    10890
+    """
+    return math.prod(side + band_points(side, fade) for side in sides)
+
+
+def _largest_side(points: int, fade: float) -> int:
+    """Return the largest side that fits into so many points together with its band."""
+    side = int(points / (1 + fade)) + 1
+    while side > 1 and side + band_points(side, fade) > points:
+        side -= 1
+    return side
+
+
+def _side_score(side: int) -> float:
+    """Return the logarithm of a side less what it lacks in halvings; -inf with a prime factor above 5."""
+    if side <= _COARSE:
+        return math.log(side)
+    rest = side
+    for factor in (2, 3, 5):
+        while rest % factor == 0:
+            rest //= factor
+    if rest > 1:
+        return -math.inf
+    coarsest = side
+    while coarsest % 2 == 0 and coarsest > _COARSE:
+        coarsest //= 2
+    return math.log(side) - _HALVING * max(0.0, math.log2(coarsest / _COARSE))
