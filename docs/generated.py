@@ -1,0 +1,160 @@
+"""Pages of the reference that are written from the code: settings, output variables, command line, modules.
+
+The texts stand once, in the code; `conf.py` has them written into docs/generated/ and docs/reference/api/
+before every build.
+"""
+
+import ast
+import contextlib
+import io
+import os
+from pathlib import Path
+from typing import get_args
+from unittest import mock
+
+import roughcontact
+from roughcontact import command_line
+from roughcontact.configuration import models
+from roughcontact.variables import VARIABLES
+
+PACKAGE = Path(roughcontact.__file__).parent
+
+
+def write(generated: Path, reference: Path) -> None:
+    """Write all generated pages, each only where it has changed, so that Sphinx builds no page twice."""
+    pages = {
+        generated / "settings.md": settings(),
+        generated / "variables.md": variables(),
+        generated / "command-line.md": command_line_help(),
+        **{reference / "api" / f"{name}.md": text for name, text in interface().items()},
+    }
+    for path, text in pages.items():
+        path.parent.mkdir(exist_ok=True)
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+
+
+def settings() -> str:
+    """Return one table for each section of the settings: key, default, what it may be, meaning."""
+    parts = []
+    for name, field in models.Settings.model_fields.items():
+        section = _section(field.annotation)
+        if section is None:
+            parts.append(f"## `{name}`\n\n{_sentence(field.description)} Default: {_default(field)}.")
+            continue
+        rows = [
+            (f"`{key}`", _default(entry), _cell(entry.description) + _choices(entry.annotation))
+            for key, entry in section.model_fields.items()
+        ]
+        parts.append(f"## `{name}`\n\n{section.__doc__}\n\n" + _table(("key", "default", "meaning"), rows))
+    return "\n\n".join(parts) + "\n"
+
+
+def variables() -> str:
+    """Return the table of all names that a result file can hold."""
+    rows = [(f"`{name}`", unit or "", _cell(meaning)) for name, (unit, meaning) in VARIABLES.items()]
+    return _table(("name", "unit", "meaning"), rows) + "\n"
+
+
+def command_line_help() -> str:
+    """Return what `--help` prints, of the program and of its verbs."""
+    parts = []
+    for arguments in ([], ["inspect"], ["solve"]):
+        printed = io.StringIO()
+        with (
+            mock.patch.dict(os.environ, {"COLUMNS": "90"}),
+            contextlib.redirect_stdout(printed),
+            contextlib.suppress(SystemExit),
+        ):
+            command_line.main([*arguments, "--help"])
+        title = " ".join(["roughcontact", *arguments])
+        parts.append(f"## `{title}`\n\n```text\n{printed.getvalue().rstrip()}\n```\n")
+    return "\n".join(parts)
+
+
+def interface() -> dict[str, str]:
+    """Return the pages of the Python interface by name: `index` with the public verbs, then one for each room."""
+    verbs = "\n".join(f"   {_home(name)}" for name in roughcontact.__all__ if not name.startswith("_"))
+    rooms = rooms_with_modules()
+    pages = {
+        "index": "\n\n".join(
+            [
+                "# Python interface",
+                "These are reachable as `roughcontact.NAME`; everything else is imported from its module.",
+                f"```{{eval-rst}}\n.. autosummary::\n   :nosignatures:\n\n{verbs}\n```",
+                "## By room",
+                "```{toctree}\n:maxdepth: 2\n\n" + "\n".join(rooms) + "\n```\n",
+            ]
+        )
+    }
+    for room, modules in rooms.items():
+        title = "What all rooms use" if room == "base" else f"`{room}`"
+        parts = [f"# {title}", first_paragraph(PACKAGE / room / "__init__.py") if room != "base" else ""]
+        for path in modules:
+            module = ".".join(("roughcontact", *path.relative_to(PACKAGE).with_suffix("").parts))
+            module = module.removesuffix(".__init__")
+            parts += [
+                f"## `{module}`",
+                f"```{{eval-rst}}\n.. automodule:: {module}\n   :members: {', '.join(public_names(path))}\n```",
+            ]
+        pages[room] = "\n\n".join(part for part in parts if part) + "\n"
+    return pages
+
+
+def rooms_with_modules() -> dict[str, list[Path]]:
+    """Return the modules with public names by room; `base` has those that lie in no room."""
+    rooms = {}
+    for path in sorted(PACKAGE.rglob("*.py"), key=lambda p: (p.parent != PACKAGE, p)):
+        if public_names(path) and path != PACKAGE / "__init__.py":
+            room = "base" if path.parent == PACKAGE else path.relative_to(PACKAGE).parts[0]
+            rooms.setdefault(room, []).append(path)
+    return rooms
+
+
+def public_names(path: Path) -> list[str]:
+    """Return the functions and classes that a module defines for others, in their order."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    kinds = (ast.FunctionDef, ast.ClassDef)
+    return [node.name for node in tree.body if isinstance(node, kinds) and not node.name.startswith("_")]
+
+
+def first_paragraph(path: Path) -> str:
+    """Return the first paragraph of a module's docstring."""
+    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+    return " ".join(text.split("\n\n")[0].split()).replace("*", "\\*")
+
+
+def _home(name: str) -> str:
+    """Return the full name of a public verb, where it is defined."""
+    return f"~{getattr(roughcontact, name).__module__}.{name}"
+
+
+def _section(annotation):
+    """Return the model of a section, None of a single setting."""
+    return annotation if isinstance(annotation, type) and issubclass(annotation, models.Section) else None
+
+
+def _default(field) -> str:
+    """Return the default of a setting, as YAML writes it."""
+    value = field.get_default(call_default_factory=True)
+    return "none" if value in (None, {}) else f"`{models._flow(value)}`"
+
+
+def _choices(annotation) -> str:
+    """Return the words that a setting may take, as the end of a sentence."""
+    words = [word for kind in models._inner(annotation) for word in get_args(kind) if isinstance(word, str)]
+    return f"; one of {', '.join(f'`{word}`' for word in words)}" if words else ""
+
+
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}."
+
+
+def _cell(text: str) -> str:
+    """Return text as one cell of a table of Markdown."""
+    return text.replace("|", "\\|").replace("*", "\\*").replace("<", "\\<")
+
+
+def _table(header, rows) -> str:
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join(f"| {' | '.join(row)} |" for row in lines)
