@@ -73,7 +73,7 @@ def command_line_help() -> str:
 
 
 def interface() -> dict[str, str]:
-    """Return the pages of the Python interface by name: `index` with the public verbs, then one for each room."""
+    """Return the pages of the Python interface by name: `index` with the public verbs, then each room."""
     verbs = "\n".join(f"   {_home(name)}" for name in roughcontact.__all__ if not name.startswith("_"))
     rooms = rooms_with_modules()
     pages = {
@@ -93,9 +93,10 @@ def interface() -> dict[str, str]:
         for path in modules:
             module = ".".join(("roughcontact", *path.relative_to(PACKAGE).with_suffix("").parts))
             module = module.removesuffix(".__init__")
+            members = ", ".join(public_names(path))
             parts += [
                 f"## `{module}`",
-                f"```{{eval-rst}}\n.. automodule:: {module}\n   :members: {', '.join(public_names(path))}\n```",
+                f"```{{eval-rst}}\n.. automodule:: {module}\n   :members: {members}\n```",
             ]
         pages[room] = "\n\n".join(part for part in parts if part) + "\n"
     return pages

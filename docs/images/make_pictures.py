@@ -1,6 +1,8 @@
-"""Draw report.png of this folder again: `python docs/images/make_pictures.py results/report.html` after a run.
+"""Draw report.png of this folder again, from the report of a run on the samples.
 
-Needs Chromium (as `chromium` or `google-chrome` on the path) and a report that holds the sample `sandblasted`.
+    python docs/images/make_pictures.py results/report.html
+
+Needs Chromium, as `chromium` or `google-chrome` on the path.
 """
 
 import re
@@ -27,7 +29,6 @@ def excerpt(report: str) -> str:
         sys.exit(f"the report has no longer all of the parts {PARTS}: choose others")
     # of the error budget the figure is enough, the table below it goes
     kept = [re.sub(r'<div class="scroll".*', "", part, flags=re.DOTALL) for part in kept]
-    # maps, too, leave without the sections that follow in their part
     text = "<h3>".join(["", *kept])
     heading = re.search(r"<h2>.*?</h2>", title, re.DOTALL).group()
     return f"{head}<body><main>{heading}{text}</main></body></html>"
