@@ -116,7 +116,7 @@ def test_a_word_that_is_none_is_refused_with_the_valid_ones(kind, value, said):
 def test_settings_and_choices_import_nothing_heavy():
     """Snakemake reads the settings in every job, before anything is computed."""
     program = (
-        "import sys, roughcontact.configuration.models, roughcontact.choices\n"
+        "import sys, roughcontact.configuration.resolve, roughcontact.configuration.surfaces\n"
         "print(*sys.modules.keys() & {'numpy', 'scipy', 'xarray', 'pandas', 'numba', 'netCDF4'})"
     )
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

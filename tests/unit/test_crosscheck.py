@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.configuration.models import resolve
+from roughcontact.configuration.resolve import resolve
 from roughcontact.crosscheck.crosscheck import crosscheck
 from roughcontact.errors import CrossCheckError, HeightMapError, SettingsError
 from roughcontact.maps import height_map

@@ -7,14 +7,9 @@ from pathlib import Path
 import pytest
 import yaml
 
-from roughcontact.configuration.models import (
-    Contact,
-    Settings,
-    contact_modulus,
-    default_yaml,
-    json_schema,
-    resolve,
-)
+from roughcontact.configuration.generated import default_yaml, json_schema
+from roughcontact.configuration.models import Contact, Settings
+from roughcontact.configuration.resolve import contact_modulus, resolve
 from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
@@ -49,7 +44,7 @@ def mistakes(config):
 )
 def test_generated_files_are_in_step(name, generate):
     assert (ROOT / name).read_text(encoding="utf-8") == generate(), (
-        f"{name} is old: run `PYTHONPATH=workflow/lib python -m roughcontact.configuration.models .`"
+        f"{name} is old: run `PYTHONPATH=workflow/lib python -m roughcontact.configuration .`"
     )
 
 

@@ -1,6 +1,6 @@
 """Two cases share a stage where all settings up to it are equal."""
 
-from roughcontact.configuration.models import resolve
+from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.stages import SECTIONS, owner, settings_of
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from roughcontact.configuration.models import resolve
+from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import read_surfaces
 
 ROOT = Path(__file__).parents[2]

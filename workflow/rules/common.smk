@@ -2,12 +2,13 @@ import os
 import sys
 from pathlib import Path
 
-ROOT = Path(workflow.basedir)
+# of this checkout: the folder of this file is workflow/rules, also where another workflow imports this one
+ROOT = Path(str(workflow.current_basedir)).parents[1]
 sys.path.insert(0, str(ROOT / "workflow/lib"))
 
 from roughcontact.errors import SettingsError
-from roughcontact.configuration.models import resolve
 from roughcontact.configuration.dependencies import source_digest
+from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.stages import SECTIONS, owner, settings_of
 from roughcontact.configuration.surfaces import find, measured, members, read_surfaces
 

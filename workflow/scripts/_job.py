@@ -9,13 +9,13 @@ import traceback
 import warnings
 from pathlib import Path
 
-from __main__ import snakemake
+from __main__ import snakemake  # the global of the script; `snakemake.script` has it in few versions only
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
 
 from roughcontact.errors import RoughContactError
 
-_log = open(snakemake.log[0], "w", encoding="utf-8", buffering=1)  # noqa: SIM115 - open until the job ends
+_log = Path(snakemake.log[0]).open("w", encoding="utf-8", buffering=1)  # noqa: SIM115 - open until the job ends
 _name = " ".join([snakemake.rule, *map(str, snakemake.wildcards)])
 
 

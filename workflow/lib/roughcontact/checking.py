@@ -82,4 +82,4 @@ def check_choice(key: str, value: object, choices: Any) -> None:
     near = difflib.get_close_matches(str(value), words, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
     valid = " or ".join(", ".join(words).rsplit(", ", 1))
-    raise SettingsError(f"{key} = {value!r}: {hint}choose {valid}")
+    raise SettingsError(f"{key} = {value!r}: {hint}choose {valid}", keys=[key])

@@ -9,7 +9,8 @@ from collections.abc import Iterator
 
 from pydantic.fields import FieldInfo
 
-from roughcontact.configuration.models import Contact, Level, Section, Uncertainty, Window, resolve
+from roughcontact.configuration.models import Contact, Level, Section, Uncertainty, Window
+from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import SettingsError
 
 # what only the workflow needs (where fields go), or has an option of its own here
@@ -89,7 +90,7 @@ def chosen_settings(options: Namespace) -> dict:
     Returns
     -------
     dict
-        as `roughcontact.configuration.models.resolve` returns them, of a single case.
+        as `roughcontact.configuration.resolve` returns them, of a single case.
 
     Raises
     ------

@@ -25,7 +25,7 @@ def solve_file(path, given: dict, settings: dict, *, threads: int = 1) -> dict:
     given : dict
         Keyword arguments of `read_height_map`.
     settings : dict
-        As `roughcontact.configuration.models.resolve` returns them, for one case.
+        As `roughcontact.configuration.resolve` returns them, for one case.
     threads : int
         Threads of the Fourier transforms.
 

@@ -3,6 +3,6 @@
 import sys
 from pathlib import Path
 
-from roughcontact.configuration.models import write_generated
+from roughcontact.configuration.generated import write_generated
 
 write_generated(Path(sys.argv[1] if len(sys.argv) > 1 else "."))

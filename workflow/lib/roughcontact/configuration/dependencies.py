@@ -14,6 +14,27 @@ def source_digest(script: str | Path) -> str:
     Only the modules of this package count, and those beside the script whose names start with _. Imports are
     found in the source, also inside functions, without running anything. The files of a folder beside a
     module that names it ("templates") count as well.
+
+    Parameters
+    ----------
+    script : str or Path
+        a Python file; what it says itself does not count.
+
+    Returns
+    -------
+    str
+        16 hexadecimal digits.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     script = Path(folder) / "script.py"
+    ...     _ = script.write_text("from roughcontact import errors")
+    ...     first = source_digest(script)
+    ...     _ = script.write_text("from roughcontact.errors import SettingsError")
+    ...     first == source_digest(script), len(first)
+    (True, 16)
     """
     script = Path(script)
     digest = hashlib.sha256()
@@ -24,7 +45,8 @@ def source_digest(script: str | Path) -> str:
 
 def _closure(script: Path) -> set[Path]:
     """Return the script and all the source files it depends on."""
-    found, waiting = set(), [script]
+    found: set[Path] = set()
+    waiting = [script]
     while waiting:
         path = waiting.pop()
         if path not in found:
@@ -36,7 +58,7 @@ def _closure(script: Path) -> set[Path]:
 @cache
 def _imported(path: Path) -> tuple[Path, ...]:
     """Return the files of the modules that `path` imports itself, and those of the data folders it names."""
-    files = []
+    files: list[Path] = []
     for node in ast.walk(ast.parse(path.read_bytes())):
         names = []
         if isinstance(node, ast.Import):

@@ -5,7 +5,10 @@ in all of them the stage is computed once, by the case that comes first. Where t
 not kept, contact and statistics are one stage.
 """
 
-SECTIONS = {
+from collections.abc import Mapping
+from typing import Any
+
+SECTIONS: dict[str, tuple[str, ...]] = {
     "height": (),
     "levelled": ("level",),
     "window": ("level", "window"),
@@ -15,8 +18,28 @@ SECTIONS = {
 }
 
 
-def settings_of(settings: dict, stage: str) -> dict:
-    """Return the part of `settings` that `stage` depends on."""
+def settings_of(settings: Mapping[str, Any], stage: str) -> dict[str, Any]:
+    """Return the settings that a stage depends on.
+
+    Parameters
+    ----------
+    settings : mapping
+        the full settings of a case, as `resolve` returns them.
+    stage : str
+        one of `SECTIONS`.
+
+    Returns
+    -------
+    dict
+        section -> settings; two cases in which it is equal share the stage.
+
+    Examples
+    --------
+    >>> from roughcontact.configuration.resolve import resolve
+    >>> settings = resolve({"contact": {"contact_modulus": 1e9}})[""]
+    >>> list(settings_of(settings, "window"))
+    ['level', 'window']
+    """
     if stage == "contact" and not settings["contact"]["keep_fields"]:
         stage = "statistics"
     found = {section: settings[section] for section in SECTIONS[stage]}
@@ -25,7 +48,30 @@ def settings_of(settings: dict, stage: str) -> dict:
     return found
 
 
-def owner(cases: dict[str, dict], case: str, stage: str) -> str:
-    """Return the first case whose `stage` is the same as that of `case`."""
+def owner(cases: Mapping[str, Mapping[str, Any]], case: str, stage: str) -> str:
+    """Return the case that computes a stage of another one.
+
+    Parameters
+    ----------
+    cases : mapping
+        name -> full settings of every case, as `resolve` returns them.
+    case : str
+        the case whose stage is asked for.
+    stage : str
+        one of `SECTIONS`.
+
+    Returns
+    -------
+    str
+        the first case whose stage depends on the same settings; `case` itself where it is the first.
+
+    Examples
+    --------
+    >>> from roughcontact.configuration.resolve import resolve
+    >>> cases = {"all": {}, "soft": {"contact": {"contact_modulus": 1e6}}}
+    >>> settings = resolve({"contact": {"contact_modulus": 1e9}, "cases": cases})
+    >>> owner(settings, "soft", "window"), owner(settings, "soft", "contact")
+    ('all', 'soft')
+    """
     wanted = settings_of(cases[case], stage)
     return next(name for name in cases if settings_of(cases[name], stage) == wanted)

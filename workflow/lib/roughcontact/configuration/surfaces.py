@@ -9,10 +9,11 @@ as `{surface}-face` and `{surface}-counter-face`; what is solved are its members
 """
 
 import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from roughcontact.configuration.models import NAME, NAME_RULE, nearest
+from roughcontact.configuration.messages import NAME_RULE, is_name, nearest
 from roughcontact.errors import SettingsError
 
 REQUIRED = ("surface", "path")
@@ -24,30 +25,71 @@ COLUMNS = (*REQUIRED, PAIR, *TEXTS, *NUMBERS)
 
 @dataclass(frozen=True)
 class Surface:
-    """One row of the table: `name`, where the file lies, and what overrides or completes it."""
+    """One row of the table.
+
+    Attributes
+    ----------
+    name : str
+        what the surface is called; also its folder of results.
+    path : Path
+        the measured file as found; where there is no such file, as the table says.
+    origin : str
+        table and line, for messages.
+    given : dict
+        keyword arguments of `read_height_map`: what overrides or completes the file.
+    counter_face : Path or None
+        the other file of a pair; None where a single face is measured.
+    """
 
     name: str
-    path: Path  # as found; where there is no such file, as the table says
-    origin: str  # table and line, for messages
-    given: dict  # keyword arguments of read_height_map
-    counter_face: Path | None = None  # the other file of a pair
+    path: Path
+    origin: str
+    given: dict[str, str | float]
+    counter_face: Path | None = None
 
 
 @dataclass(frozen=True)
 class Member:
-    """One way in which the faces of a pair lie on one another."""
+    """One way in which the faces of a pair lie on one another.
 
-    pair: str  # name in the table
-    number: int  # from 1
-    face: str  # names of the measured surfaces
+    Attributes
+    ----------
+    pair : str
+        its name in the table.
+    number : int
+        from 1.
+    face, counter_face : str
+        names of the two measured surfaces.
+    """
+
+    pair: str
+    number: int
+    face: str
     counter_face: str
 
 
-def find(path: str | Path, folders) -> Path | None:
-    """Return the first existing file among `folder / path`, None where there is none.
+def find(path: str | Path, folders: Iterable[str | Path]) -> Path | None:
+    """Return the first existing file among `folder / path`.
 
     An absolute path is taken as it is; a path in the working directory stays relative, so that nothing that
     is recorded depends on where that directory lies.
+
+    Parameters
+    ----------
+    path : str or Path
+        of the file, as it was given.
+    folders : iterable of str or Path
+        where it is looked for, in this order.
+
+    Returns
+    -------
+    Path or None
+        None where there is no such file.
+
+    Examples
+    --------
+    >>> find("no-such-file.x3p", ["."]) is None
+    True
     """
     for folder in folders:
         candidate = Path(folder) / path
@@ -56,14 +98,14 @@ def find(path: str | Path, folders) -> Path | None:
     return None
 
 
-def read_surfaces(table: str | Path, folders=(".",)) -> dict[str, Surface]:
-    """Read the table of surfaces.
+def read_surfaces(table: str | Path, folders: Sequence[str | Path] = (".",)) -> dict[str, Surface]:
+    r"""Read the table of surfaces.
 
     Parameters
     ----------
-    table
-        path of the tab-separated file.
-    folders
+    table : str or Path
+        the tab-separated file.
+    folders : sequence of str or Path
         where relative paths of the table are looked for, in this order; the table's own folder comes second.
 
     Returns
@@ -76,51 +118,35 @@ def read_surfaces(table: str | Path, folders=(".",)) -> dict[str, Surface]:
     ------
     SettingsError
         one message that lists all mistakes, each with its line, the value and the way out.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     table = Path(folder) / "surfaces.tsv"
+    ...     _ = table.write_text("surface\tpath\tdx\tunit\nground\tground.txt\t0.5\tum\n")
+    ...     read_surfaces(table)["ground"].given
+    {'unit': 'um', 'dx': 0.5}
     """
     table = Path(table)
-    try:
-        lines = table.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise SettingsError(
-            f"table of surfaces {table}: not readable ({error}); name a tab-separated text as `surfaces`"
-        ) from error
-    folders = [folders[0], table.parent, *folders[1:]]
-    rows = [
-        (n, line.split("\t")) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")
-    ]
-    if not rows:
-        raise SettingsError(
-            f"table of surfaces {table}: is empty; write a header (surface, path) and one row each"
-        )
-    (_, header), *rows = rows
-    header = [name.strip() for name in header]
+    header, rows = _cells(table)
     mistakes = _mistakes_in_header(header)
     if not mistakes and not rows:
         mistakes.append("has no row; add one line with the name and the path of each surface")
-    surfaces = {}
+    folders = [folders[0], table.parent, *folders[1:]]
+    surfaces: dict[str, Surface] = {}
     for line, cells in rows if not mistakes else ():
-        if any(cell.strip() for cell in cells[len(header) :]):
+        row = dict(zip(header, cells, strict=False))
+        if any(cells[len(header) :]):
             mistakes.append(f"line {line}: {len(cells)} cells, the header has {len(header)}")
-        row = dict(zip(header, (cell.strip() for cell in cells), strict=False))
-        given = {key: row[key] for key in TEXTS if row.get(key)}
-        given |= {key: _number(row[key], f"line {line}, {key}", mistakes) for key in NUMBERS if row.get(key)}
-        name, path = row["surface"], row.get("path", "")
-        if not NAME.fullmatch(name):
-            mistakes.append(f"line {line}, surface = {name!r}: a name has {NAME_RULE} (it becomes a folder)")
-        if name in surfaces:
-            mistakes.append(
-                f"line {line}, surface = {name}: stands twice (also {surfaces[name].origin}); rename one"
-            )
-        if not path:
-            mistakes.append(f"line {line}, path: is empty; give the file of surface {name}")
-        counter = row.get(PAIR)
-        surfaces[name] = Surface(
-            name,
-            find(path, folders) or Path(path),
-            f"{table}, line {line}",
-            given,
-            (find(counter, folders) or Path(counter)) if counter else None,
+        mistakes += _mistakes_in_row(row, line, surfaces)
+        given: dict[str, str | float] = {key: row[key] for key in TEXTS if row.get(key)}
+        given |= {key: _number(row[key]) for key in NUMBERS if row.get(key)}
+        path, counter_face = (
+            (find(row[key], folders) or Path(row[key])) if row.get(key) else None for key in ("path", PAIR)
         )
+        name = row.get("surface", "")
+        surfaces[name] = Surface(name, path or Path(), f"{table}, line {line}", given, counter_face)
     if mistakes:
         raise SettingsError(
             "\n".join([f"mistakes in the table of surfaces {table}:", *(f"  {m}" for m in mistakes)])
@@ -128,8 +154,25 @@ def read_surfaces(table: str | Path, folders=(".",)) -> dict[str, Surface]:
     return surfaces
 
 
-def measured(surfaces: dict[str, Surface]) -> dict[str, Surface]:
-    """Return name -> surface of every measured file: of a pair its face and its counter-face."""
+def measured(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
+    """Return every measured file: of a pair its face and its counter-face.
+
+    Parameters
+    ----------
+    surfaces : mapping
+        name -> Surface, as `read_surfaces` returns it.
+
+    Returns
+    -------
+    dict
+        name -> Surface, in the order of the table.
+
+    Examples
+    --------
+    >>> pair = Surface("seal", Path("a.x3p"), "line 2", {}, counter_face=Path("b.x3p"))
+    >>> {name: str(each.path) for name, each in measured({"seal": pair}).items()}
+    {'seal-face': 'a.x3p', 'seal-counter-face': 'b.x3p'}
+    """
     files = {}
     for name, row in surfaces.items():
         if row.counter_face is None:
@@ -140,13 +183,31 @@ def measured(surfaces: dict[str, Surface]) -> dict[str, Surface]:
     return files
 
 
-def members(surfaces: dict[str, Surface], count: int) -> dict[str, Member]:
-    """Return name -> member of the ensembles of all pairs, `count` of each.
+def members(surfaces: Mapping[str, Surface], count: int) -> dict[str, Member]:
+    """Return the members of the ensembles of all pairs.
+
+    Parameters
+    ----------
+    surfaces : mapping
+        name -> Surface, as `read_surfaces` returns it.
+    count : int
+        members of each pair.
+
+    Returns
+    -------
+    dict
+        name -> Member, in the order of the table.
 
     Raises
     ------
     SettingsError
         where a surface of the table has the name of a member or of a face of a pair.
+
+    Examples
+    --------
+    >>> pair = Surface("seal", Path("a.x3p"), "line 2", {}, counter_face=Path("b.x3p"))
+    >>> list(members({"seal": pair}, 3))
+    ['seal-1', 'seal-2', 'seal-3']
     """
     found = {
         f"{name}-{number}": Member(name, number, f"{name}-face", f"{name}-counter-face")
@@ -165,7 +226,28 @@ def members(surfaces: dict[str, Surface], count: int) -> dict[str, Member]:
     return found
 
 
-def _mistakes_in_header(header) -> list[str]:
+def _cells(table: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """Return the header, and the cells of each further row with the number of its line."""
+    try:
+        lines = table.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise SettingsError(
+            f"table of surfaces {table}: not readable ({error}); name a tab-separated text as `surfaces`"
+        ) from error
+    rows = [
+        (number, [cell.strip() for cell in line.split("\t")])
+        for number, line in enumerate(lines, 1)
+        if line.strip() and not line.startswith("#")
+    ]
+    if not rows:
+        raise SettingsError(
+            f"table of surfaces {table}: is empty; write a header (surface, path) and one row each"
+        )
+    (_, header), *rows = rows
+    return header, rows
+
+
+def _mistakes_in_header(header: Sequence[str]) -> list[str]:
     """Return what is wrong with the column names."""
     if len(header) == 1 and any(mark in header[0] for mark in ",; "):
         return [f"header {header[0]!r}: columns are separated by tabs, nothing else"]
@@ -174,16 +256,32 @@ def _mistakes_in_header(header) -> list[str]:
     ]
     mistakes += [f"column {name!r}: missing, the header needs it" for name in REQUIRED if name not in header]
     return mistakes + [
-        f"column {name!r}: stands twice" for name in dict.fromkeys(header) if header.count(name) > 1
+        f"column {name!r}: stands twice" for name in dict.fromkeys(header) if list(header).count(name) > 1
     ]
 
 
-def _number(text: str, where: str, mistakes: list[str]) -> float:
-    """Return a positive number, or add to the mistakes."""
+def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Surface]) -> list[str]:
+    """Return what is wrong with the cells of one row; `before` are the surfaces of the rows above."""
+    name = row.get("surface", "")
+    mistakes = [
+        f"line {line}, {key} = {row[key]!r}: must be a number greater than 0 (decimal point, no unit)"
+        for key in NUMBERS
+        if row.get(key) and not 0 < _number(row[key]) < math.inf
+    ]
+    if not is_name(name):
+        mistakes.append(f"line {line}, surface = {name!r}: {NAME_RULE}")
+    if name in before:
+        mistakes.append(
+            f"line {line}, surface = {name}: stands twice (also {before[name].origin}); rename one"
+        )
+    if not row.get("path"):
+        mistakes.append(f"line {line}, path: is empty; give the file of surface {name}")
+    return mistakes
+
+
+def _number(text: str) -> float:
+    """Return a number, NaN where the text is none."""
     try:
-        value = float(text)
+        return float(text)
     except ValueError:
-        value = math.nan
-    if not (0 < value < math.inf):
-        mistakes.append(f"{where} = {text!r}: must be a number greater than 0 (decimal point, no unit)")
-    return value
+        return math.nan

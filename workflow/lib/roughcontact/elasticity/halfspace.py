@@ -141,6 +141,7 @@ def zero_frequency_compliance(rule: ZeroFrequency, *, lengths: tuple[float, floa
     if not math.isclose(lx, ly, rel_tol=1e-6):
         raise SettingsError(
             f"zero_frequency 'lattice' holds for a square period, this one is {lx:g} m x {ly:g} m; "
-            "use 'zero' or 'nogi-kato'"
+            "use 'zero' or 'nogi-kato'",
+            keys=["zero_frequency"],
         )
     return 3.900265 / math.pi * lx

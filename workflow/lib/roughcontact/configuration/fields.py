@@ -1,0 +1,121 @@
+"""What a setting is made of, read off its model: the section below it, its words, its description."""
+
+from collections.abc import Sequence
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic.fields import FieldInfo
+
+from roughcontact.configuration.models import Section, Settings
+
+
+def section_of(field: FieldInfo) -> type[Section] | None:
+    """Return the section that a setting holds, alone or in a list.
+
+    Parameters
+    ----------
+    field : FieldInfo
+        a field of a section.
+
+    Returns
+    -------
+    type of Section or None
+        None where the setting is a plain value.
+
+    Examples
+    --------
+    >>> from roughcontact.configuration.models import Contact
+    >>> section_of(Contact.model_fields["bodies"]).__name__
+    'Body'
+    >>> section_of(Contact.model_fields["tolerance"]) is None
+    True
+    """
+    kinds = _parts(field.annotation)
+    return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Section)), None)
+
+
+def words_of(field: FieldInfo) -> list[str]:
+    """Return the words that a setting, or each entry of its list, may be.
+
+    Parameters
+    ----------
+    field : FieldInfo
+        a field of a section.
+
+    Returns
+    -------
+    list of str
+        empty where the setting is no choice among words.
+
+    Examples
+    --------
+    >>> from roughcontact.configuration.models import Level
+    >>> words_of(Level.model_fields["fill"])
+    ['harmonic', 'none']
+    >>> words_of(Level.model_fields["order"])
+    []
+    """
+    kinds = _parts(field.annotation)
+    return [word for kind in kinds if get_origin(kind) is Literal for word in get_args(kind)]
+
+
+def fields_at(location: Sequence[str | int]) -> dict[str, FieldInfo]:
+    """Return the fields of the section at a location.
+
+    Parameters
+    ----------
+    location : sequence of str and int
+        keys from the top down; positions in lists are passed over.
+
+    Returns
+    -------
+    dict
+        key -> field; empty where there is no such section.
+
+    Examples
+    --------
+    >>> list(fields_at(("contact", "bodies", 0)))
+    ['youngs_modulus', 'poissons_ratio']
+    """
+    section: type[Section] | None = Settings
+    for key in _keys(location):
+        field = section.model_fields.get(key) if section else None
+        section = section_of(field) if field else None
+    return section.model_fields if section else {}
+
+
+def field_at(location: Sequence[str | int]) -> FieldInfo | None:
+    """Return the field that a location names.
+
+    Parameters
+    ----------
+    location : sequence of str and int
+        keys from the top down; positions in lists are passed over.
+
+    Returns
+    -------
+    FieldInfo or None
+        None where there is no such setting.
+
+    Examples
+    --------
+    >>> field_at(("contact", "mean_pressure", 3)).description[:21]
+    'nominal pressure, Pa,'
+    """
+    *above, key = _keys(location)
+    return fields_at(above).get(key)
+
+
+def _keys(location: Sequence[str | int]) -> list[str]:
+    """Return a location without its positions in lists."""
+    return [part for part in location if isinstance(part, str)]
+
+
+def _parts(annotation: Any) -> list[Any]:
+    """Return the types within an annotation, unions and annotated types and lists taken apart."""
+    origin = get_origin(annotation)
+    if origin is Annotated:
+        return _parts(get_args(annotation)[0])
+    if origin in (Union, UnionType, list):
+        return [kind for part in get_args(annotation) for kind in _parts(part)]
+    return [annotation]

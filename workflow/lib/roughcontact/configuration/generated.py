@@ -1,0 +1,103 @@
+"""The default configuration and its JSON schema, both generated from the models."""
+
+import json
+import textwrap
+from pathlib import Path
+from typing import Any
+
+from roughcontact.configuration.fields import section_of, words_of
+from roughcontact.configuration.models import Section, Settings
+
+_HEAD = """\
+# yaml-language-server: $schema=../workflow/schemas/config.schema.json
+# Settings of roughcontact with their defaults, written by `python -m roughcontact.configuration`.
+# For a run of your own copy this file, change it, and hand it over with `--configfile`. A key
+# that is left out has its default. config/README.md explains settings and table of surfaces.
+"""
+_WIDTH = 112  # of a comment with its indentation
+
+
+def default_yaml() -> str:
+    """Return the default configuration: every key with its default, its meaning and its unit.
+
+    Returns
+    -------
+    str
+        the text of config/config.yaml.
+
+    Examples
+    --------
+    >>> "  max_missing: 0.4" in default_yaml().splitlines()
+    True
+    """
+    return _HEAD + "\n".join(_yaml(Settings, ""))
+
+
+def json_schema() -> str:
+    """Return the JSON schema of the configuration, for editors that complete and check YAML.
+
+    Returns
+    -------
+    str
+        the text of workflow/schemas/config.schema.json.
+
+    Examples
+    --------
+    >>> json.loads(json_schema())["$defs"]["Level"]["properties"]["fill"]["enum"]
+    ['harmonic', 'none']
+    """
+    schema = Settings.model_json_schema()
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
+    return json.dumps(schema, indent=2) + "\n"
+
+
+def write_generated(root: Path) -> None:
+    """Write config/config.yaml and workflow/schemas/config.schema.json.
+
+    Parameters
+    ----------
+    root : Path
+        the folder below which they lie; what is missing of it is made.
+    """
+    for name, text in (
+        ("config/config.yaml", default_yaml()),
+        ("workflow/schemas/config.schema.json", json_schema()),
+    ):
+        path = root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+
+def _yaml(model: type[Section], indent: str) -> list[str]:
+    """Return the lines of one section; settings without a default are shown as a comment with an example."""
+    lines = []
+    for name, field in model.model_fields.items():
+        section = section_of(field)
+        if section and model is Settings:
+            lines += ["", f"# {section.__doc__}", f"{name}:", *_yaml(section, indent + "  ")]
+            continue
+        text = field.description or ""
+        if words := words_of(field):
+            text += f"; one of {', '.join(words)}"
+        if model is Settings:
+            lines.append("")
+        lines += [f"{indent}# {line}" for line in textwrap.wrap(text, _WIDTH - len(indent))]
+        value, comment = field.get_default(call_default_factory=True), ""
+        if value in (None, {}):
+            value = field.examples[0] if field.examples else None
+            # the modulus has no default, yet the shipped configuration must run
+            comment = "" if name == "contact_modulus" else "# "
+        lines.append(f"{indent}{comment}{name}: {_flow(value)}")
+    return lines
+
+
+def _flow(value: Any) -> str:
+    """Return a value in YAML's one-line spelling, floats such that YAML 1.1 reads them as floats."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {_flow(v)}" for key, v in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_flow, value)) + "]"
+    if isinstance(value, float):
+        mantissa, _, exponent = f"{value:.6g}".partition("e")
+        return mantissa + ("" if "." in mantissa else ".0") + (f"e{exponent}" if exponent else "")
+    return value if isinstance(value, str) else json.dumps(value)

@@ -1,0 +1,155 @@
+"""What is said about a mistake in the settings: the key, the value, the rule, the way out."""
+
+import re
+from collections.abc import Collection, Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any
+
+from pydantic_core import ErrorDetails
+
+from roughcontact.configuration.fields import field_at, fields_at, words_of
+from roughcontact.errors import SettingsError
+
+NAME_RULE = "a name has letters, digits and hyphens only (it becomes a folder)"
+
+# the rule behind a mistake, by the name that pydantic gives it
+_RULES = {
+    "greater_than": "must be greater than {gt:g}",
+    "greater_than_equal": "must not be less than {ge:g}",
+    "less_than": "must be less than {lt:g}",
+    "less_than_equal": "must not be greater than {le:g}",
+    "too_short": "the list is empty, give at least one number or leave the key out",
+    "list_type": "must be a list",
+    "model_type": "must be a group of settings (indented lines `key: value`)",
+    "dict_type": "must be a group of settings (indented lines `key: value`)",
+    "string_too_short": "must not be empty",
+    "value_error": "{error}",
+}
+# the same for what is of another type, by the start of that name
+_TYPES = {
+    "bool": "must be true or false",
+    "float": "must be a finite number",
+    "finite": "must be a finite number",
+    "int": "must be a whole number",
+    "string": "must be text",
+}
+
+
+def is_name(text: str) -> bool:
+    """Return whether a surface or a case may have this name.
+
+    Parameters
+    ----------
+    text : str
+        the name.
+
+    Returns
+    -------
+    bool
+        True for letters, digits and hyphens, at least one.
+
+    Examples
+    --------
+    >>> is_name("ground-1"), is_name("ground 1"), is_name("")
+    (True, False, False)
+    """
+    return re.fullmatch(r"[A-Za-z0-9-]+", text) is not None
+
+
+def nearest(word: object, valid: Collection[str]) -> str:
+    """Return the end of a sentence that names the valid word nearest to a wrong one, or all of them.
+
+    Parameters
+    ----------
+    word : object
+        what was given.
+    valid : collection of str
+        what may be given.
+
+    Returns
+    -------
+    str
+        a question, or a list.
+
+    Examples
+    --------
+    >>> nearest("paht", ["surface", "path"])
+    'did you mean path?'
+    >>> nearest("colour", ["surface", "path"])
+    'valid are surface, path'
+    """
+    close = get_close_matches(str(word).lower(), valid, n=1, cutoff=0.6)
+    return f"did you mean {close[0]}?" if close else f"valid are {', '.join(valid)}"
+
+
+def mistake(case: str, overrides: Mapping[str, Any], detail: ErrorDetails) -> SettingsError:
+    """Return one mistake that pydantic found, in a sentence.
+
+    Parameters
+    ----------
+    case : str
+        name of the case; empty where there are none.
+    overrides : mapping
+        the settings of the case that differ from those above; a mistake in them is named as theirs.
+    detail : ErrorDetails
+        one entry of `ValidationError.errors()`.
+
+    Returns
+    -------
+    SettingsError
+        with key, value, rule, and what the setting means.
+
+    Examples
+    --------
+    >>> detail = {"type": "greater_than", "loc": ("level", "s_filter"), "input": -1, "ctx": {"gt": 0}}
+    >>> str(mistake("", {}, detail)).split(" (")[0]
+    'level.s_filter = -1: must be greater than 0'
+    """
+    location = detail["loc"]
+    setting = _dotted([part for part in location if not isinstance(part, int)][:2])
+    key = _dotted(location)
+    if case and location[0] in overrides and _given(overrides, location):
+        key = f"cases.{case}.{key}"
+    return SettingsError(f"{key}{_reason(detail)}", keys=[setting])
+
+
+def _reason(detail: ErrorDetails) -> str:
+    """Return what a message says behind the key."""
+    location = detail["loc"]
+    field = field_at(location)
+    meaning = (field.description if field else None) or ""
+    if detail["type"] == "extra_forbidden":
+        return f": unknown key, {nearest(location[-1], fields_at(location[:-1]))}"
+    if detail["type"] == "missing":
+        return f": missing ({meaning})"
+    return f" = {detail['input']!r}: {_rule(detail)}" + (f" ({meaning})" if meaning else "")
+
+
+def _rule(detail: ErrorDetails) -> str:
+    """Return which rule a value breaks."""
+    kind, location = detail["type"], detail["loc"]
+    field = field_at(location)
+    if kind == "literal_error" and field:
+        return f"unknown choice, {nearest(detail['input'], words_of(field))}"
+    if kind in ("too_short", "too_long") and location[-1] == "bodies":
+        return "needs exactly two bodies"
+    if kind in _RULES:
+        return _RULES[kind].format(**detail.get("ctx", {}))
+    return next((rule for start, rule in _TYPES.items() if kind.startswith(start)), detail["msg"])
+
+
+def _dotted(location: Sequence[str | int]) -> str:
+    """Return ("contact", "bodies", 0, "poissons_ratio") as contact.bodies[0].poissons_ratio."""
+    text = ""
+    for part in location:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
+    return text
+
+
+def _given(overrides: Any, location: Sequence[str | int]) -> bool:
+    """Return whether the overrides of a case reach down to `location` (or to the group it is missing in)."""
+    for part in location[:-1]:
+        if isinstance(part, int) or not isinstance(overrides, dict):
+            return True
+        overrides = overrides.get(part, {})
+    return not isinstance(overrides, dict) or location[-1] in overrides

@@ -1,0 +1,160 @@
+"""From what a YAML file says to checked settings, one set per case, or one error that lists all mistakes."""
+
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from typing import Any
+
+from pydantic import ValidationError
+
+from roughcontact.configuration.messages import NAME_RULE, is_name, mistake
+from roughcontact.configuration.models import Settings
+from roughcontact.errors import SettingsError
+
+# keys of `contact` of which only one may be given: a case that gives one replaces the other of the base
+_ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure"))
+# keys that are the same for all cases
+_COMMON = ("surfaces", "composite", "report", "crosscheck", "validation", "cases")
+
+
+def resolve(config: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Check a raw configuration and return the full settings of every case, as plain dictionaries.
+
+    Parameters
+    ----------
+    config : mapping
+        what the YAML file says: nested mappings, numbers possibly as text ("1e9").
+
+    Returns
+    -------
+    dict
+        name of the case -> settings, every key present, `contact.contact_modulus` always in Pa; without
+        `cases` there is the one entry "".
+
+    Raises
+    ------
+    SettingsError
+        one message that lists all mistakes, each with its key, the value, the rule and the nearest valid key.
+
+    Examples
+    --------
+    >>> settings = resolve({"contact": {"contact_modulus": "1e9", "mean_pressure": 1e5}})[""]
+    >>> settings["contact"]["contact_modulus"], settings["contact"]["mean_pressure"]
+    (1000000000.0, [100000.0])
+    >>> settings["level"]["form"]
+    'plane'
+    """
+    base = {key: {} if value is None else value for key, value in config.items()}
+    base.setdefault("contact", {})
+    cases = base.pop("cases", {})
+    mistakes = [SettingsError(text) for text in _mistakes_in_cases(cases)]
+    if mistakes or not cases:
+        cases = {"": {}}
+    resolved = {}
+    for name, overrides in cases.items():
+        settings, found = _resolve_case(name, base, overrides)
+        resolved[name] = settings
+        mistakes += found
+    if mistakes:
+        each = {str(error): error for error in mistakes}
+        lines = ["mistakes in the settings:", *(f"  {text}" for text in each)]
+        raise SettingsError("\n".join(lines), mistakes=list(each.values()))
+    return resolved
+
+
+def contact_modulus(bodies: Sequence[Mapping[str, float]]) -> float:
+    """Return the plane-strain contact modulus of two bodies, 1/E* = sum of (1 - nu^2)/E.
+
+    Parameters
+    ----------
+    bodies : sequence of two mappings
+        each with `youngs_modulus` (Pa) and `poissons_ratio` (no unit).
+
+    Returns
+    -------
+    float
+        E*, Pa.
+
+    References
+    ----------
+    .. [1] K. L. Johnson (1985), Contact Mechanics, eq. (4.4).
+
+    Examples
+    --------
+    >>> steel = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
+    >>> f"{contact_modulus([steel, steel]):.4g}"
+    '1.154e+11'
+    """
+    return 1 / sum((1 - body["poissons_ratio"] ** 2) / body["youngs_modulus"] for body in bodies)
+
+
+def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any], list[SettingsError]]:
+    """Return the settings of one case, and what is wrong with them."""
+    merged = _merge(base, overrides)
+    where = f"cases.{name}.contact" if "contact" in overrides else "contact"
+    mistakes = [SettingsError(text) for text in _mistakes_in_alternatives(merged["contact"], where)]
+    try:
+        settings = Settings.model_validate(merged).model_dump(mode="json", exclude={"cases"})
+    except ValidationError as error:
+        return {}, mistakes + [mistake(name, overrides, detail) for detail in error.errors()]
+    crosscheck = settings["crosscheck"]
+    if crosscheck["code"] != "none" and not crosscheck["python"]:
+        text = f"crosscheck.python: missing (path of the Python that has {crosscheck['code']})"
+        mistakes.append(SettingsError(text))
+    if settings["contact"]["bodies"]:
+        settings["contact"]["contact_modulus"] = contact_modulus(settings["contact"]["bodies"])
+    return settings, mistakes
+
+
+def _mistakes_in_cases(cases: Any) -> list[str]:
+    """Return what is wrong with the mapping of cases as such, whatever the settings in it."""
+    if not isinstance(cases, dict):
+        return [f"cases = {cases!r}: must be a mapping from names to settings"]
+    mistakes = []
+    for name, overrides in cases.items():
+        if not is_name(str(name)):
+            mistakes.append(f"cases.{name}: {NAME_RULE}")
+        if not isinstance(name, str):
+            mistakes.append(f"cases.{name}: a name is text, put it in quotes")
+        if not isinstance(overrides, dict):
+            mistakes.append(
+                f"cases.{name} = {overrides!r}: must be a group of settings that differ from those above"
+            )
+            continue
+        mistakes += [
+            f"cases.{name}.{key}: is common to all cases, set it at the top"
+            for key in _COMMON
+            if key in overrides
+        ]
+    return mistakes
+
+
+def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
+    """Return what is wrong with the settings of which one excludes the other."""
+    if not isinstance(contact, dict):
+        return []
+    elasticity, loads = ([key for key in keys if contact.get(key) is not None] for keys in _ALTERNATIVES)
+    mistakes = []
+    if len(elasticity) != 1:
+        mistakes.append(
+            f"{where}: {' and '.join(elasticity) or 'no elasticity'} given; give either contact_modulus "
+            "(E* in Pa) or bodies (two of youngs_modulus in Pa and poissons_ratio)"
+        )
+    if len(loads) == 2:
+        mistakes.append(
+            f"{where}: mean_pressure (Pa) and relative_pressure (no unit) given; give one of them or neither"
+        )
+    return mistakes
+
+
+def _merge(base: Any, overrides: Any) -> Any:
+    """Return `base` with `overrides` laid over it, mapping by mapping; anything else is replaced whole."""
+    if not (isinstance(base, dict) and isinstance(overrides, dict)):
+        return deepcopy(overrides)
+    merged = deepcopy(base)
+    for keys in _ALTERNATIVES:
+        if any(overrides.get(key) is not None for key in keys):
+            for key in keys:
+                merged.pop(key, None)
+    for key, value in overrides.items():
+        merged[key] = _merge(merged.get(key), value)
+    return merged
