@@ -7,7 +7,8 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.faces.composite import composite, relative_positions
+from roughcontact.faces.composite import composite
+from roughcontact.faces.positions import relative_positions
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface

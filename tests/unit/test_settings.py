@@ -13,7 +13,7 @@ from roughcontact.configuration.resolve import contact_modulus, resolve
 from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
-from roughcontact.faces.composite import relative_positions
+from roughcontact.faces.positions import relative_positions
 from roughcontact.levelling.level import level
 from roughcontact.report.page import write_report
 from roughcontact.statistics.contact_statistics import contact_statistics

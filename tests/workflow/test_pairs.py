@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from conftest import SETTINGS, Project, counted, write_maps
 
-from roughcontact.faces.composite import composite, relative_positions
+from roughcontact.faces.composite import composite
+from roughcontact.faces.positions import relative_positions
 from roughcontact.results.storage import read_dataset
 
 PAIR = (

@@ -2,7 +2,8 @@
 
 from _job import save, snakemake
 
-from roughcontact.faces.composite import composite, relative_positions
+from roughcontact.faces.composite import composite
+from roughcontact.faces.positions import relative_positions
 from roughcontact.results.storage import read_dataset
 
 settings = snakemake.params.settings

@@ -24,7 +24,7 @@ _HOME = {
     "inspect_file": "roughcontact.io.read",
     "level": "roughcontact.levelling.level",
     "composite": "roughcontact.faces.composite",
-    "relative_positions": "roughcontact.faces.composite",
+    "relative_positions": "roughcontact.faces.positions",
     "periodic_window": "roughcontact.window.periodic_window",
     "solve_contact": "roughcontact.contact.solve",
     "contact_statistics": "roughcontact.statistics.contact_statistics",

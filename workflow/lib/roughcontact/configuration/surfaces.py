@@ -5,7 +5,7 @@ A tab-separated text with a header; columns `surface` and `path`, optionally `ch
 
 A row that names a `counter_face` is a pair: two measured files that touch. Its files are read and levelled
 as `{surface}-face` and `{surface}-counter-face`; what is solved are its members `{surface}-1`,
-`{surface}-2` ..., the ways in which the one lies on the other (`roughcontact.faces.composite`).
+`{surface}-2` ..., the ways in which the one lies on the other (`roughcontact.faces.positions`).
 """
 
 import math

@@ -1,0 +1,205 @@
+"""How two faces lie on one another: the angle between their axes, and the grid that both reach."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.faces.face import ON_POINT, Face
+
+SAME_STEP = 1e-6  # relative difference of two steps that are one
+_MOST_POINTS = 2**27  # as many as are read of one file
+_RIGHT_ANGLE = 1e-9  # sine or cosine below which two axes count as parallel
+
+
+def check_pair(lower: Face, upper: Face, shift: Sequence[float], rotation: float) -> None:
+    """Raise an error where two faces cannot lie on one another in this way.
+
+    Parameters
+    ----------
+    lower, upper : Face
+        the face, and the counter-face on it.
+    shift : (y, x), m
+    rotation : float, degree
+
+    Raises
+    ------
+    HeightMapError
+        a map and a profile.
+    SettingsError
+        a shift or rotation that has no meaning.
+    """
+    name = pair_name(lower, upper)
+    across = [n == 1 for n in lower.shape]
+    if across != [n == 1 for n in upper.shape]:
+        raise HeightMapError(f"{name}: a map and a profile make no composite: measure both alike")
+    if len(shift) != 2 or not np.isfinite(shift).all():
+        raise SettingsError(f"shift = {shift!r}: give two lengths (y, x) in m")
+    if not np.isfinite(rotation):
+        raise SettingsError(f"rotation = {rotation!r}: give an angle in degrees")
+    if any(across) and (rotation or any(s for s, single in zip(shift, across, strict=True) if single)):
+        raise SettingsError(
+            f"{name}: profiles can only be shifted along their length (composite.rotations: [0])"
+        )
+
+
+def pair_name(lower: Face, upper: Face) -> str:
+    """Return what the pair is called, after both files.
+
+    Parameters
+    ----------
+    lower, upper : Face
+
+    Returns
+    -------
+    str
+    """
+    return f"{lower.name} + {upper.name}"
+
+
+def cosine_and_sine(rotation: float) -> tuple[float, float]:
+    """Return cosine and sine of an angle, exact at right angles.
+
+    Parameters
+    ----------
+    rotation : float, degree
+
+    Returns
+    -------
+    (cosine, sine)
+
+    Examples
+    --------
+    >>> [tuple(map(float, cosine_and_sine(angle))) for angle in (0, 90, 180)]
+    [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)]
+    """
+    angle = np.radians(rotation)
+    cosine, sine = (0.0 if abs(v) < _RIGHT_ANGLE else float(v) for v in (np.cos(angle), np.sin(angle)))
+    if sine == 0:
+        return np.sign(cosine), 0.0
+    return (0.0, np.sign(sine)) if cosine == 0 else (cosine, sine)
+
+
+def along_axes(pair: Sequence, turn: tuple[float, float]) -> tuple | None:
+    """Return a pair of the counter-face as it lies along the axes of the face.
+
+    Parameters
+    ----------
+    pair : (y, x)
+        sides, steps or points of the counter-face.
+    turn : (cosine, sine)
+        of its rotation.
+
+    Returns
+    -------
+    (y, x) or None
+        None where it lies askew.
+
+    Examples
+    --------
+    >>> along_axes((3, 1), (0.0, 1.0)), along_axes((3, 1), (0.6, 0.8))
+    ((1, 3), None)
+    """
+    if turn[1] == 0:
+        return tuple(pair)
+    return tuple(pair[::-1]) if turn[0] == 0 else None
+
+
+def common_period(lower: Face, upper: Face, turn: tuple[float, float]) -> bool:
+    """Return whether the sum of two faces is periodic with the period of the lower one.
+
+    Parameters
+    ----------
+    lower, upper : Face
+    turn : (cosine, sine)
+        of the rotation of the upper one.
+
+    Returns
+    -------
+    bool
+    """
+    lengths = along_axes(upper.lengths, turn)
+    return bool(
+        lower.periodic and upper.periodic and lengths and np.allclose(lengths, lower.lengths, rtol=SAME_STEP)
+    )
+
+
+def common_grid(
+    lower: Face, upper: Face, turn: tuple[float, float], shift: Sequence[float]
+) -> list[np.ndarray]:
+    """Return the points that both faces reach.
+
+    They are those of the lower face, closer ones along an axis where the upper one has them closer.
+
+    Parameters
+    ----------
+    lower, upper : Face
+    turn : (cosine, sine)
+        of the rotation of the upper one.
+    shift : (y, x), m
+        of the upper one.
+
+    Returns
+    -------
+    [y, x], arrays (ny,) and (nx,), m
+        positions off the middle of the lower face.
+
+    Raises
+    ------
+    HeightMapError
+        where there are less than two along an axis, or more in all than a map may have.
+    """
+    name = pair_name(lower, upper)
+    steps = along_axes(upper.step, turn) or (min(upper.step),) * 2
+    half_y, half_x = ((n - 1) * d / 2 for n, d in zip(upper.shape, upper.step, strict=True))
+    cosine, sine = (abs(v) for v in turn)
+    half = half_y * cosine + half_x * sine, half_x * cosine + half_y * sine
+    ranges = []
+    for axis, points in enumerate(lower.shape):
+        number, step = _points_and_step(points, lower.step[axis], steps[axis], periodic=lower.periodic)
+        first = -(points - 1) * lower.step[axis] / 2
+        start, stop = 0, number
+        if not upper.periodic:
+            low, high, tolerance = shift[axis] - half[axis], shift[axis] + half[axis], ON_POINT * step
+            start = max(0, int(np.ceil((low - first - tolerance) / step)))
+            stop = min(number, int(np.floor((high - first + tolerance) / step)) + 1)
+        if stop - start < min(number, 2):
+            raise HeightMapError(f"{name}: the faces do not overlap: choose a smaller shift")
+        ranges.append((start, stop, first, step))
+    ny, nx = (stop - start for start, stop, _, _ in ranges)
+    if ny * nx > _MOST_POINTS:
+        raise HeightMapError(
+            f"{name}: {ny} x {nx} points in the overlap, more than the {_MOST_POINTS} that are read: "
+            "the steps of the two maps are too different; crop one of them"
+        )
+    return [first + step * np.arange(start, stop) for start, stop, first, step in ranges]
+
+
+def covered_share(lower: Face, positions: Sequence[np.ndarray]) -> float:
+    """Return the share of the lower face that the common grid spans.
+
+    Parameters
+    ----------
+    lower : Face
+    positions : [y, x], arrays in m
+        from `common_grid`.
+
+    Returns
+    -------
+    float, 0 to 1
+    """
+    shares = [
+        1.0 if n == 1 else (p[-1] - p[0] + p[1] - p[0]) / ((n - 1) * d + p[1] - p[0])
+        for p, n, d in zip(positions, lower.shape, lower.step, strict=True)
+    ]
+    return min(1.0, float(np.prod(shares)))
+
+
+def _points_and_step(points: int, own: float, other: float, *, periodic: bool) -> tuple[int, float]:
+    """Return how many points an axis gets and how far apart: closer ones, evenly over the same length."""
+    if points == 1 or other >= own * (1 - SAME_STEP):
+        return points, own
+    intervals = points - (not periodic)
+    length = intervals * own
+    closer = int(np.ceil(length / other - ON_POINT))
+    return closer + (not periodic), length / closer

@@ -1,0 +1,107 @@
+"""An ensemble of ways in which one face can lie on another."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.errors import SettingsError
+from roughcontact.faces.face import Face
+from roughcontact.faces.overlap import SAME_STEP, along_axes, check_pair, cosine_and_sine
+
+
+def relative_positions(
+    face: xr.DataArray,
+    counter_face: xr.DataArray,
+    *,
+    shifts: int = 5,
+    rotations: Sequence[float] = (0.0,),
+    overlap: float = 0.75,
+    seed: int = 0,
+) -> list[dict]:
+    """Draw an ensemble of ways in which one face can lie on another: `shifts` random ones for each rotation.
+
+    A shift is uniform up to |a - b| / 2 + (1 - overlap) min(a, b) along each axis, a the side of the face and
+    b that of the counter-face through its middle, as it lies on the face; over its whole period where the
+    counter-face is periodic. Where the points of both maps can fall on one another they do, so that nothing
+    is interpolated.
+
+    Parameters
+    ----------
+    face, counter_face : DataArray (y, x), m
+        from `level`.
+    shifts : int
+        how many for each rotation.
+    rotations : sequence of float, degree
+        of the counter-face about its middle.
+    overlap : float, 0 to 1
+        least share of each side of the smaller map that the other one covers.
+    seed : int
+        of the random numbers; more shifts or rotations leave those that were drawn before as they are.
+
+    Returns
+    -------
+    list of dict
+        `shift` (y, x) in m and `rotation` in degrees: the keyword arguments of `composite`.
+
+    Raises
+    ------
+    HeightMapError
+        a map and a profile.
+    SettingsError
+        an option that has no meaning.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> from roughcontact.maps import height_map
+    >>> face = height_map(np.random.default_rng(0).standard_normal((20, 30)), 1.0)
+    >>> for position in rc.relative_positions(face, face, shifts=2, overlap=0.5):
+    ...     print(position)
+    {'shift': (3.0, -7.0), 'rotation': 0.0}
+    {'shift': (-9.0, -15.0), 'rotation': 0.0}
+    """
+    if shifts < 1 or not len(rotations):
+        raise SettingsError(
+            f"composite.shifts = {shifts!r}, composite.rotations = {rotations!r}: give at least one of each"
+        )
+    if not 0 < overlap <= 1:
+        raise SettingsError(f"composite.overlap = {overlap!r}: give a share above 0, up to 1")
+    lower, upper = Face(face), Face(counter_face)
+    check_pair(lower, upper, (0.0, 0.0), rotations[0])
+    members = []
+    for number, rotation in enumerate(rotations):
+        turn = cosine_and_sine(rotation)
+        drawn = np.random.default_rng([seed, number]).uniform(-1, 1, (shifts, 2))
+        reach = _reach(lower, upper, turn, overlap)
+        members += [
+            {"shift": _on_points(lower, upper, turn, row * reach), "rotation": float(rotation)}
+            for row in drawn
+        ]
+    return members
+
+
+def _reach(lower: Face, upper: Face, turn: tuple[float, float], overlap: float) -> np.ndarray:
+    """Return the largest shift (y, x), m."""
+    cosine, sine = (abs(v) for v in turn)
+    reach = []
+    for axis in (0, 1):
+        along, across = upper.lengths[axis], upper.lengths[1 - axis]
+        # through the middle of the turned rectangle
+        side = min(along / cosine if cosine else np.inf, across / sine if sine else np.inf)
+        own = lower.lengths[axis]
+        free = side / 2 if upper.periodic else abs(own - side) / 2 + (1 - overlap) * min(own, side)
+        reach.append(0.0 if lower.shape[axis] == 1 else free)
+    return np.array(reach)
+
+
+def _on_points(lower: Face, upper: Face, turn: tuple[float, float], shift: np.ndarray) -> tuple[float, ...]:
+    """Return the nearest shift that lays points on points, where there is one."""
+    steps, points = along_axes(upper.step, turn), along_axes(upper.shape, turn)
+    if steps is None or points is None or not np.allclose(steps, lower.step, rtol=SAME_STEP):
+        return tuple(map(float, shift))
+    odd = [(n - m) % 2 / 2 for n, m in zip(lower.shape, points, strict=True)]
+    return tuple(
+        float((np.rint(s / d - half) + half) * d) for s, d, half in zip(shift, lower.step, odd, strict=True)
+    )
