@@ -4,7 +4,8 @@
 Needs nothing but Python 3.11 or later. The environment lies in .venv beside this file; it is installed once,
 and again only after pyproject.toml has changed. Further arguments go to Snakemake (`python3 run.py -n`) or,
 after `test`, to pytest (`python3 run.py test tests/unit`; `python3 run.py test -m slow` for those that take
-long by their nature). `python3 run.py lint` does the checks of the source alone that `test` begins with.
+long by their nature). `python3 run.py lint` does only the checks of the source that `test` begins with, and
+`python3 run.py docs` builds the documentation.
 """
 
 import hashlib
@@ -17,20 +18,18 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
-MOST_WORKERS = 4  # of the tests; more wait for the runs of the workflow that share one folder
+MOST_WORKERS = 4  # of the tests; each of them keeps a few hundred megabytes
 
 
 def main(arguments):
     check_python()
-    command, rest = (
-        (arguments[0], arguments[1:]) if arguments[:1] in (["test"], ["lint"]) else ("", arguments)
-    )
-    install("dev" if command else "")
-    if command == "lint":
-        return lint()
-    if command == "test":
-        return lint() | test(rest)
-    return work(rest)
+    jobs = {"test": test, "lint": lint, "docs": docs}
+    if arguments and arguments[0] in jobs:
+        install("dev")
+        os.chdir(ROOT)
+        return jobs[arguments[0]](*arguments[1:])
+    install("")
+    return work(*arguments)
 
 
 def check_python():
@@ -67,7 +66,7 @@ def install(group):
         stamp.write_text(state)
 
 
-def work(arguments):
+def work(*arguments):
     """Run the workflow in the working directory, on all cores unless the arguments say otherwise."""
     command = [BIN / "snakemake", "--snakefile", ROOT / "Snakefile", "--rerun-incomplete"]
     if not any(word.split("=")[0] in ("--cores", "-c", "--jobs", "-j", "--profile") for word in arguments):
@@ -84,22 +83,39 @@ def lint():
         [BIN / "snakefmt", "--check", "Snakefile", "workflow/rules"],
         [BIN / "snakemake", "--lint"],
     ]
-    os.chdir(ROOT)
     return int(any([run(check) for check in checks]))
 
 
-def test(arguments):
-    """Run the tests side by side, on no more than as many cores as help."""
-    os.chdir(ROOT)
-    workers = min(os.cpu_count() or 1, MOST_WORKERS)
-    side_by_side = ["-n", str(workers), "--dist", "loadgroup"] if workers > 1 else []
-    return int(run([BIN / "python", "-m", "pytest", *side_by_side, *arguments]) != 0)
+def test(*arguments):
+    """Check the source, then run the tests side by side; the kernels are compiled meanwhile, once for all."""
+    compiling = start([BIN / "python", "tests/compile_kernels.py"])
+    failed = lint() | finish(compiling)
+    workers = str(min(os.cpu_count() or 1, MOST_WORKERS))
+    side_by_side = ["-n", workers, "--dist", "loadfile", "--no-loadscope-reorder"]
+    return failed | int(run([BIN / "python", "-m", "pytest", *side_by_side, *arguments]) != 0)
+
+
+def docs():
+    """Build the documentation and say where it begins."""
+    failed = run([BIN / "sphinx-build", "-W", "--keep-going", "-b", "html", "docs", "build/docs"])
+    if not failed:
+        print(ROOT / "build/docs/index.html")
+    return failed
 
 
 def run(command):
     """Run a command with the environment's programs first on the path, and return its exit status."""
+    return finish(start(command))
+
+
+def start(command):
+    """Start a command with the environment's programs first on the path."""
     environment = os.environ | {"PATH": f"{BIN}{os.pathsep}{os.environ.get('PATH', '')}"}
-    process = subprocess.Popen(command, env=environment)
+    return subprocess.Popen(command, env=environment)
+
+
+def finish(process):
+    """Return the exit status of a process when it has ended."""
     while True:
         try:
             return process.wait()

@@ -1,7 +1,7 @@
 """The target `cost`: run time against error of the maps of a run, and nothing else of it."""
 
 import pandas as pd
-from conftest import SETTINGS, TABLE
+from small_project import SETTINGS, TABLE
 
 
 def test_the_target_measures_the_windows(project):

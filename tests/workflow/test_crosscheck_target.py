@@ -2,7 +2,7 @@
 
 import sys
 
-from conftest import ROOT, SETTINGS, TABLE
+from small_project import ROOT, SETTINGS, TABLE
 
 from roughcontact.results.storage import read_dataset
 

@@ -3,12 +3,11 @@
 import os
 import signal
 import subprocess
-import time
 
 import numpy as np
 import psutil
 import pytest
-from conftest import SETTINGS, TABLE, counted
+from small_project import SETTINGS, TABLE, counted
 
 HEADER, GOOD, _ = TABLE
 
@@ -93,22 +92,22 @@ def test_a_mistake_in_settings_or_table_is_found_before_anything_runs(project, s
     assert not project.path("results").exists()
 
 
-def started(project, log, word):
-    """Start the workflow and return its process as soon as `word` stands in a log."""
-    with open(project.path("said"), "w") as said:
-        process = subprocess.Popen(
-            project.command("results/ground/contact.nc"), stderr=said, stdout=said, start_new_session=True
-        )
-    path, end = project.path(log), time.monotonic() + 60
-    while not (path.exists() and word in path.read_text()):
-        assert process.poll() is None, project.path("said").read_text()
-        assert time.monotonic() < end
-        time.sleep(0.01)
-    return process
+def started(project, word):
+    """Start the workflow and return its process as soon as it has said `word`."""
+    command = project.command("results/ground/contact.nc")
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
+    )
+    said = []
+    for line in process.stdout:
+        said.append(line)
+        if word in line:
+            return process
+    pytest.fail("".join(said))
 
 
 @pytest.fixture
-def slow(project):
+def lengthy(project):
     """A project whose solution takes some seconds."""
     loads = [0.01 * (1 + number) for number in range(24)]
     project.write(
@@ -117,8 +116,8 @@ def slow(project):
     return project
 
 
-def test_a_killed_job_leaves_nothing_and_is_taken_up_again(slow):
-    process = started(slow, "logs/ground/solve.log", "load 3 of 24")
+def test_a_killed_job_leaves_nothing_and_is_taken_up_again(lengthy):
+    process = started(lengthy, "load 3 of 24")
     solvers = [
         child
         for child in psutil.Process(process.pid).children(recursive=True)
@@ -126,21 +125,21 @@ def test_a_killed_job_leaves_nothing_and_is_taken_up_again(slow):
     ]
     solvers[-1].kill()
     assert process.wait(timeout=60) != 0
-    assert sorted(path.name for path in slow.path("results/ground").iterdir()) == [
+    assert sorted(path.name for path in lengthy.path("results/ground").iterdir()) == [
         "height.nc",
         "levelled.nc",
         "window.nc",
     ]
-    assert counted(slow.run("results/ground/contact.nc")) == {"solve": 1}
-    assert slow.path("results/ground/contact.nc").exists()
+    assert counted(lengthy.run("results/ground/contact.nc")) == {"solve": 1}
+    assert lengthy.path("results/ground/contact.nc").exists()
 
 
-def test_a_run_that_was_cut_off_goes_on_where_it_was(slow):
-    process = started(slow, "logs/ground/solve.log", "load 3 of 24")
+def test_a_run_that_was_cut_off_goes_on_where_it_was(lengthy):
+    process = started(lengthy, "load 3 of 24")
     os.killpg(process.pid, signal.SIGKILL)
     process.wait(timeout=60)
-    assert not slow.path("results/ground/contact.nc").exists()
-    slow.path("results/ground/.contact.nc.partial").touch()  # as if killed while it wrote
-    assert slow.run("--unlock").returncode == 0
-    assert counted(slow.run("results/ground/contact.nc", "--rerun-incomplete")) == {"solve": 1}
-    assert not list(slow.path("results").rglob("*.partial"))
+    assert not lengthy.path("results/ground/contact.nc").exists()
+    lengthy.path("results/ground/.contact.nc.partial").touch()  # as if killed while it wrote
+    assert lengthy.run("--unlock").returncode == 0
+    assert counted(lengthy.run("results/ground/contact.nc", "--rerun-incomplete")) == {"solve": 1}
+    assert not list(lengthy.path("results").rglob("*.partial"))

@@ -4,7 +4,9 @@ import csv
 import shutil
 
 import pytest
-from conftest import ROOT, SETTINGS, Project
+from small_project import ROOT, SETTINGS, Project
+
+pytestmark = pytest.mark.slow  # all parts are computed twice; in one process they are in test_validation.py
 
 SMALL = SETTINGS | {"validation": {"finest_grid": 256}}
 

@@ -1,0 +1,71 @@
+"""A small project to run the workflow in: two maps, a table and settings, in a folder of its own."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from roughcontact.references.synthetic import self_affine_surface
+
+ROOT = Path(__file__).parents[2]
+SETTINGS = {
+    "surfaces": "surfaces.tsv",
+    "contact": {"contact_modulus": "1e9", "relative_pressure": [0.05, 0.2], "tolerance": "1e-6"},
+}
+TABLE = (
+    "surface\tpath\tunit\tdx\tdy",
+    "ground\tmeasured/ground.npy\tum\t2\t1",
+    "turned\tmeasured/turned.txt\tum\t1\t1",
+)
+
+
+class Project:
+    """A folder with measured maps, a table and settings, in which the workflow is run."""
+
+    def __init__(self, folder: Path, checkout: Path):
+        self.folder, self.checkout = folder, checkout
+        (folder / "measured").mkdir(parents=True)
+
+    def write(self, settings=SETTINGS, table=TABLE):
+        """Write the settings and the table of surfaces."""
+        (self.folder / "settings.yaml").write_text(yaml.safe_dump(settings, sort_keys=False))
+        (self.folder / "surfaces.tsv").write_text("\n".join(table) + "\n")
+
+    def command(self, *arguments):
+        """Return the command that runs the workflow here, from any folder."""
+        here = ["--directory", self.folder, "--configfile", self.folder / "settings.yaml"]
+        words = [sys.executable, "-m", "snakemake", "--snakefile", self.checkout / "Snakefile", *here]
+        return [str(word) for word in (*words, "--cores", "2", *arguments)]
+
+    def run(self, *arguments) -> subprocess.CompletedProcess:
+        """Run the workflow; the result's `stderr` is all that was said."""
+        run = subprocess.run(self.command(*arguments), capture_output=True, text=True, check=False)
+        run.stderr += run.stdout
+        return run
+
+    def jobs(self, *arguments) -> dict[str, int]:
+        """Return how many jobs of each rule a run would have, the final target left out."""
+        return counted(self.run("--dry-run", *arguments))
+
+    def path(self, name: str) -> Path:
+        """Return the path of a file of this folder."""
+        return self.folder / name
+
+
+def counted(run) -> dict[str, int]:
+    """Return the jobs of each rule as a run announced them, the final target left out."""
+    assert run.returncode == 0, run.stderr
+    _, _, table = run.stderr.partition("Job stats:\n")
+    rows = re.findall(r"^([\w-]+) +(\d+)$", table.partition("\n\n")[0], re.MULTILINE)
+    return {rule: int(count) for rule, count in rows if rule not in ("all", "total")}
+
+
+def write_maps(folder: Path):
+    """Write two small measured maps in micrometres: an array of NumPy, and a matrix in text."""
+    wanted = {"hurst": 0.8, "shortest": 8, "longest": 32, "rms_gradient": 0.1}
+    ground, turned = (self_affine_surface((64, 64), 1.0, **wanted, seed=seed).values for seed in (1, 2))
+    np.save(folder / "ground.npy", ground)
+    np.savetxt(folder / "turned.txt", turned, fmt="%.6g")
