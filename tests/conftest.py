@@ -1,4 +1,4 @@
-"""Tests that need the folder of real instrument files are skipped where it is absent."""
+"""Which tests run, and in which order: those of real files only where these are, the longest first."""
 
 import os
 
@@ -12,6 +12,8 @@ def pytest_configure():
 
 
 def pytest_collection_modifyitems(items):
+    # of workers side by side none is left alone with a run of the workflow at the end
+    items.sort(key=lambda item: item.path.parent.name not in ("workflow", "golden"))
     if shared_data.FOUND:
         return
     absent = pytest.mark.skip(reason=f"no folder of real instrument files; {shared_data.VARIABLE} names it")
