@@ -243,3 +243,73 @@ def test_schema_is_json_and_knows_every_key():
     assert set(schema["properties"]) == set(Settings.model_fields)
     assert set(schema["$defs"]["Contact"]["properties"]) == set(Contact.model_fields)
     assert schema["$defs"]["Contact"]["additionalProperties"] is False
+
+
+@pytest.mark.parametrize(
+    ("name", "line"),
+    [
+        ("a_b", "cases.a_b: a name has letters, digits and hyphens only (it becomes a folder)"),
+        ("a\n", "cases.a\n: a name has letters, digits and hyphens only (it becomes a folder)"),
+        ("", "cases.: a name has letters, digits and hyphens only (it becomes a folder)"),
+        (7, "cases.7: a name is text, put it in quotes"),
+    ],
+)
+def test_names_of_cases_are_names_of_folders(name, line):
+    with pytest.raises(SettingsError) as caught:
+        resolve({"contact": {"contact_modulus": 1}, "cases": {name: {}}})
+    assert [str(mistake) for mistake in caught.value.mistakes] == [line]
+    assert list(resolve({"contact": {"contact_modulus": 1}, "cases": {"Az-09": {}}})) == ["Az-09"]
+
+
+@pytest.mark.parametrize("key", ["surfaces", "composite", "report", "crosscheck", "validation", "cases"])
+def test_what_is_common_to_all_cases_is_set_at_the_top(key):
+    (line,) = mistakes({"contact": {"contact_modulus": 1}, "cases": {"a": {key: {}}}})
+    assert line == f"cases.a.{key}: is common to all cases, set it at the top"
+
+
+def test_wrong_cases_leave_the_settings_above_to_be_checked():
+    lines = mistakes({"contact": {"contact_modulus": 0}, "cases": {"a b": {"level": {"order": 0}}}})
+    assert [line.split(":")[0] for line in lines] == ["cases.a b", "contact.contact_modulus = 0"]
+
+
+def test_groups_that_are_empty_in_the_file_have_their_defaults():
+    plain = only({"contact": {"contact_modulus": 1}})
+    assert only({"contact": {"contact_modulus": 1}, "level": None, "cases": None}) == plain
+    assert mistakes({"contact": None})[0].startswith("contact: no elasticity given")
+
+
+def test_a_case_replaces_what_it_excludes_and_nothing_else():
+    above = {"contact": {"bodies": [STEEL, STEEL], "relative_pressure": [0.1, 0.2], "tolerance": 0.1}}
+    own = {"contact": {"contact_modulus": 5.0, "mean_pressure": None}}
+    config = above | {"cases": {"own": own, "as-above": {}}}
+    cases = resolve(config)
+    assert cases["own"]["contact"]["bodies"] is None
+    assert cases["own"]["contact"]["contact_modulus"] == 5.0
+    assert cases["own"]["contact"]["relative_pressure"] == [0.1, 0.2]  # null gives nothing
+    assert cases["own"]["contact"]["tolerance"] == 0.1
+    assert cases["as-above"] == only(above)
+    assert "cases" not in cases["own"]
+    assert config == above | {"cases": {"own": own, "as-above": {}}}  # as it was
+    assert cases["own"]["window"] is not cases["as-above"]["window"]
+
+
+def test_a_mistake_is_named_where_it_stands():
+    lines = mistakes(
+        {
+            "contact": {"bodies": [STEEL, {"youngs_modulus": 1}]},
+            "level": {"order": 0},
+            "cases": {
+                "one": {"level": {"robust": 7}},
+                "two": {"contact": {"bodies": [STEEL, {}]}},
+                "three": {"window": 3},
+            },
+        }
+    )
+    assert [line.split(" = ")[0].split(": ")[0] for line in lines] == [
+        "level.order",
+        "cases.one.level.robust",
+        "contact.bodies[1].poissons_ratio",
+        "cases.two.contact.bodies[1].youngs_modulus",
+        "cases.two.contact.bodies[1].poissons_ratio",
+        "cases.three.window",
+    ]

@@ -32,3 +32,15 @@ def test_settings_of_a_stage_leave_out_what_comes_later():
     (settings,) = resolve({"contact": {"contact_modulus": 1}}).values()
     assert settings_of(settings, "height") == {}
     assert list(settings_of(settings, "window")) == ["level", "window"]
+
+
+def test_whether_fields_are_kept_is_nothing_to_the_error_budget():
+    stages = dict(zip(SECTIONS, owners({"contact": {"keep_fields": False}}), strict=True))
+    assert [stage for stage, case in stages.items() if case == "other"] == ["contact", "statistics"]
+
+
+def test_the_first_case_that_agrees_computes():
+    sections = {"one": {}, "two": {"level": {"form": "mean"}}, "three": {"level": {"form": "mean"}}}
+    cases = resolve({"contact": {"contact_modulus": 1}, "cases": sections})
+    assert [owner(cases, case, "levelled") for case in cases] == ["one", "two", "two"]
+    assert [owner(cases, case, "height") for case in cases] == ["one", "one", "one"]

@@ -149,3 +149,61 @@ def test_columns_and_options_are_the_arguments_of_reading(verb):
     arguments = [name for name in inspect.signature(verb).parameters if name != "path"]
     assert set(COLUMNS) - {*REQUIRED, PAIR} == set(arguments)
     assert [name.replace("-", "_") for name in _FILE_OPTIONS] == arguments
+
+
+def test_a_row_that_ends_early_is_named(table):
+    said = mistakes(table("path\tsurface", "a.txt"))
+    assert said.split("\n")[1:] == [
+        "  line 2, surface = '': a name has letters, digits and hyphens only (it becomes a folder)"
+    ]
+
+
+def test_cells_are_stripped_and_empty_ones_beyond_the_header_are_none(table):
+    surface = read_surfaces(table(" surface\tpath \tunit", " a \t a.txt\t \t\t"))["a"]
+    assert (surface.name, surface.path.name, surface.given) == ("a", "a.txt", {})
+    assert surface.counter_face is None
+
+
+def test_further_folders_come_after_that_of_the_table(table, tmp_path, monkeypatch):
+    names = ("first", "second", "third")
+    for name in names:
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "a.txt").write_text(name)
+    path = tmp_path / "second" / "surfaces.tsv"
+    path.write_text("surface\tpath\tcounter_face\na\ta.txt\ta.txt")
+    for name in names:
+        row = read_surfaces(path, [tmp_path / "first", tmp_path / "third"])["a"]
+        assert row.path.read_text() == row.counter_face.read_text() == name
+        (tmp_path / name / "a.txt").unlink()
+    row = read_surfaces(path, [tmp_path / "first", tmp_path / "third"])["a"]
+    assert (str(row.path), str(row.counter_face)) == ("a.txt", "a.txt")
+
+
+@pytest.mark.parametrize("number", ["0", "-0.0", "nan", "inf", "1 um", "true"])
+def test_pitches_are_positive_numbers(table, number):
+    said = mistakes(table("surface\tpath\tdx", f"a\ta.txt\t{number}"))
+    assert f"line 2, dx = '{number}': must be a number greater than 0 (decimal point, no unit)" in said
+
+
+def test_a_name_that_stands_twice_is_named_with_its_first_line(table):
+    path = table("surface\tpath", "a\ta.txt", "a\tb.txt")
+    assert f"line 3, surface = a: stands twice (also {path}, line 2); rename one" in mistakes(path)
+
+
+def test_a_table_that_is_no_text_is_named(tmp_path):
+    path = tmp_path / "surfaces.tsv"
+    path.write_bytes(b"\xff\xfe\x00")
+    said = mistakes(path)
+    assert said.startswith(f"table of surfaces {path}: not readable (")
+    assert said.endswith("name a tab-separated text as `surfaces`")
+
+
+@pytest.mark.parametrize("name", ["seal-counter-face", "seal-face", "seal-1"])
+def test_the_pair_that_needs_a_name_is_named(table, name):
+    surfaces = read_surfaces(table("surface\tpath\tcounter_face", "seal\ta\tb", f"{name}\tc"))
+    with pytest.raises(SettingsError) as caught:
+        members(surfaces, 1)
+    assert str(caught.value) == (
+        f"table of surfaces, line 3, surface = {name}: the pair seal needs this name for one of its parts; "
+        "rename one"
+    )

@@ -1,0 +1,236 @@
+"""The limits of every setting, and the sentence for every way to miss them."""
+
+import math
+from typing import get_args
+
+import pytest
+from annotated_types import Ge, Gt, Le, Lt, MinLen
+
+from roughcontact.choices import SMALLEST_TOLERANCE
+from roughcontact.configuration.models import Section, Settings
+from roughcontact.configuration.resolve import resolve
+from roughcontact.errors import SettingsError
+
+SMALLEST = math.ulp(0.0)
+ABOVE_ONE, BELOW_ONE = math.nextafter(1, 2), math.nextafter(1, 0)
+STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
+ENDLESS = [math.inf, -math.inf, math.nan]
+
+# setting: what is just within its limits, what is just beyond
+LIMITS = {
+    "level.order": ([1], [0]),
+    "level.outlier_threshold": ([SMALLEST, None], [0, -1]),
+    "level.scar_threshold": ([SMALLEST, None], [0, -1]),
+    "level.s_filter": ([SMALLEST, None], [0, -1]),
+    "level.l_filter": ([SMALLEST, None], [0, -1]),
+    "level.max_missing": ([0, 1], [-SMALLEST, ABOVE_ONE]),
+    "composite.shifts": ([1], [0]),
+    "composite.rotations": ([[0], [-400.0, 400.0]], [[]]),
+    "composite.overlap": ([SMALLEST, 1], [0, ABOVE_ONE]),
+    "composite.seed": ([0], [-1]),
+    "window.width": ([SMALLEST, 0.5], [0, math.nextafter(0.5, 1)]),
+    "window.min_share": ([0, 1], [-SMALLEST, ABOVE_ONE]),
+    "window.shortest_wavelength": ([SMALLEST, None], [0, -1]),
+    "window.longest_wavelength": ([SMALLEST, None], [0, -1]),
+    "contact.contact_modulus": ([SMALLEST], [0, -1]),
+    "contact.bodies": ([[STEEL, STEEL]], [[], [STEEL], [STEEL] * 3]),
+    "contact.bodies.youngs_modulus": ([SMALLEST], [0, -1]),
+    "contact.bodies.poissons_ratio": ([math.nextafter(-1, 0), 0.5], [-1, math.nextafter(0.5, 1)]),
+    "contact.mean_pressure": ([SMALLEST, [SMALLEST], [1, 2, 3], None], [0, [], [0], [1, -1]]),
+    "contact.relative_pressure": ([SMALLEST, [SMALLEST], [1, 2, 3], None], [0, [], [0], [1, -1]]),
+    "contact.tolerance": (
+        [SMALLEST_TOLERANCE, BELOW_ONE],
+        [math.nextafter(SMALLEST_TOLERANCE, 0), 1],
+    ),
+    "contact.hardness": ([SMALLEST, None], [0, -1]),
+    "statistics.pressure_bins": ([1], [0]),
+    "statistics.gap_bins": ([1], [0]),
+    "uncertainty.windows": ([4], [3]),
+    "uncertainty.sources": ([[], ["window"]], [["lens"], "window"]),
+    "validation.finest_grid": ([256], [255]),
+    "surfaces": (["s"], [""]),
+}
+OTHERS = {"composite.rotations", "contact.bodies", "uncertainty.sources", "surfaces"}
+NUMBERS = [key for key in LIMITS if key not in OTHERS]
+COUNTS = [
+    "level.order",
+    "composite.shifts",
+    "composite.seed",
+    "statistics.pressure_bins",
+    "statistics.gap_bins",
+    "uncertainty.windows",
+    "validation.finest_grid",
+]
+
+
+def configured(key, value):
+    """Return the smallest configuration in which the setting `key` has this value."""
+    if key == "contact.bodies":
+        return {"contact": {"bodies": value}}
+    if key.startswith("contact.bodies."):
+        return {"contact": {"bodies": [STEEL, STEEL | {key.rpartition(".")[2]: value}]}}
+    config = {"contact": {"contact_modulus": 1}}
+    *section, name = key.split(".")
+    (config.setdefault(section[0], {}) if section else config)[name] = value
+    return config
+
+
+def said(config):
+    """Return the one line that `config` provokes, and the settings that the error names."""
+    with pytest.raises(SettingsError) as caught:
+        resolve(config)
+    (mistake,) = caught.value.mistakes
+    assert str(caught.value) == f"mistakes in the settings:\n  {mistake}"
+    return str(mistake), mistake.keys
+
+
+def limited(section=Settings, above=""):
+    """Yield the names of all settings with a limit in their type or in their field."""
+    for name, field in section.model_fields.items():
+        kinds, limits = [field.annotation], list(field.metadata)
+        while kinds:
+            kind = kinds.pop()
+            limits += getattr(kind, "__metadata__", ())
+            if isinstance(kind, type) and issubclass(kind, Section):
+                yield from limited(kind, f"{above}{name}.")
+            kinds += get_args(kind)
+        if any(
+            isinstance(getattr(limit, "metadata", [limit])[0], Ge | Gt | Le | Lt | MinLen) for limit in limits
+        ):
+            yield f"{above}{name}"
+
+
+def test_the_table_names_every_setting_that_has_a_limit():
+    assert set(limited()) <= set(LIMITS)
+    assert len(set(limited())) >= 20
+
+
+@pytest.mark.parametrize("key", LIMITS)
+def test_what_is_within_the_limits_is_kept(key):
+    for value in LIMITS[key][0]:
+        found = resolve(configured(key, value))[""]
+        for part in key.split("."):
+            found = found[-1][part] if isinstance(found, list) else found[part]
+        loads = key.endswith("_pressure") and isinstance(value, float)
+        assert found == ([value] if loads else value)
+
+
+@pytest.mark.parametrize("key", LIMITS)
+def test_what_is_beyond_the_limits_is_refused_by_its_name(key):
+    for value in LIMITS[key][1]:
+        line, keys = said(configured(key, value))
+        assert line.startswith(key.replace("bodies.", "bodies[1]."))
+        assert keys == (".".join(key.split(".")[:2]),)
+
+
+@pytest.mark.parametrize("value", ENDLESS, ids=str)
+@pytest.mark.parametrize("key", NUMBERS)
+def test_infinities_and_nan_are_no_numbers(key, value):
+    line, _ = said(configured(key, value))
+    assert f" = {value!r}: must be a finite number" in line
+
+
+@pytest.mark.parametrize("value", ENDLESS, ids=str)
+@pytest.mark.parametrize("key", ["contact.mean_pressure", "contact.relative_pressure", "composite.rotations"])
+def test_infinities_and_nan_are_no_numbers_in_lists_either(key, value):
+    line, _ = said(configured(key, [1.0, value]))
+    assert line.startswith(f"{key}[1] = {value!r}: must be a finite number")
+
+
+@pytest.mark.parametrize("value", [True, False])
+@pytest.mark.parametrize("key", NUMBERS)
+def test_true_and_false_are_no_numbers(key, value):
+    assert f" = {value}: must be a number" in said(configured(key, value))[0]
+
+
+@pytest.mark.parametrize("key", COUNTS)
+def test_a_count_is_a_whole_number(key):
+    assert f"{key} = 5.5: must be a whole number" in said(configured(key, 5.5))[0]
+    assert f"{key} = 'many': must be a whole number" in said(configured(key, "many"))[0]
+    section, name = key.split(".")
+    assert resolve(configured(key, "300"))[""][section][name] == 300
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "line"),
+    [
+        ("level.order", 0, "level.order = 0: must not be less than 1 (total order of"),
+        ("window.width", 0, "window.width = 0: must be greater than 0 (share of the side"),
+        ("window.width", 0.7, "window.width = 0.7: must not be greater than 0.5 (share of"),
+        ("contact.tolerance", 1, "contact.tolerance = 1: must be less than 1 (largest error_bound"),
+        ("level.max_missing", "half", "level.max_missing = 'half': must be a finite number (largest share"),
+        ("level.robust", 3, "level.robust = 3: must be true or false (fit so that"),
+        ("report.title", ["a"], "report.title = ['a']: must be text (title of the page)"),
+        ("surfaces", "", "surfaces = '': must not be empty (path of the table"),
+        ("surfaces", 1, "surfaces = 1: must be text (path of the table"),
+        ("composite.rotations", 90, "composite.rotations = 90: must be a list (angles by which"),
+        ("uncertainty.sources", "window", "uncertainty.sources = 'window': must be a list (a list of"),
+        (
+            "composite.rotations",
+            [],
+            "composite.rotations = []: the list is empty, give at least one number or leave the key out",
+        ),
+        ("contact.bodies", [STEEL] * 3, f"contact.bodies = {[STEEL] * 3}: needs exactly two bodies (the two"),
+        ("contact.bodies", 2, "contact.bodies = 2: must be a list (the two bodies"),
+        ("level", [], "level = []: must be a group of settings (indented lines `key: value`)"),
+        (
+            "contact.bodies",
+            [STEEL, 3],
+            "contact.bodies[1] = 3: must be a group of settings (indented lines `key: value`) (the",
+        ),
+        (
+            "contact.bodies",
+            [STEEL, {"youngs_modulus": 1.0}],
+            "contact.bodies[1].poissons_ratio: missing (Poisson's ratio, no unit)",
+        ),
+        (
+            "contact.bodies",
+            [STEEL, STEEL | {"poison": 1}],
+            "contact.bodies[1].poison: unknown key, did you mean poissons_ratio?",
+        ),
+        ("level.Fill", "none", "level.Fill: unknown key, did you mean fill?"),
+        ("statistics.colour", 1, "statistics.colour: unknown key, valid are pressure_bins, gap_bins"),
+        ("level.fill", "HARMONIC", "level.fill = 'HARMONIC': unknown choice, did you mean harmonic? (how"),
+        ("level.fill", "xyz", "level.fill = 'xyz': unknown choice, valid are harmonic, none (how missing"),
+        (
+            "uncertainty.sources",
+            ["solver", "windows"],
+            "uncertainty.sources[1] = 'windows': unknown choice, did you mean window? (a list of",
+        ),
+        ("crosscheck.code", "tamas", "crosscheck.code = 'tamas': unknown choice, did you mean tamaas? (the"),
+        (
+            "crosscheck.code",
+            "tamaas",
+            "crosscheck.python: missing (path of the Python that has tamaas)",
+        ),
+    ],
+)
+def test_every_rule_has_its_sentence(key, value, line):
+    assert said(configured(key, value))[0].startswith(line)
+
+
+@pytest.mark.parametrize(
+    ("contact", "line"),
+    [
+        (
+            {},
+            "contact: no elasticity given; give either contact_modulus (E* in Pa) or bodies (two of "
+            "youngs_modulus in Pa and poissons_ratio)",
+        ),
+        (
+            {"contact_modulus": 1, "bodies": [STEEL, STEEL]},
+            "contact: contact_modulus and bodies given; give either contact_modulus (E* in Pa) or bodies "
+            "(two of youngs_modulus in Pa and poissons_ratio)",
+        ),
+        (
+            {"contact_modulus": 1, "mean_pressure": 1, "relative_pressure": 1},
+            "contact: mean_pressure (Pa) and relative_pressure (no unit) given; give one of them or neither",
+        ),
+    ],
+)
+def test_what_excludes_each_other_is_said_in_one_sentence(contact, line):
+    assert said({"contact": contact}) == (line, ())
+    case = {"contact": {"tolerance": 0.1} | contact}
+    assert said({"cases": {"one": case}}) == (line.replace("contact:", "cases.one.contact:", 1), ())
+    # what is wrong above the cases is named there, once
+    assert said({"contact": contact, "cases": {"one": {}, "two": {}}}) == (line, ())
