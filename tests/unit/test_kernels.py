@@ -26,7 +26,7 @@ SINGLE, DOUBLE = np.float32, np.float64
 # pressure and residual both single, both double, and the mixture of iterative refinement
 PRECISIONS = [(SINGLE, SINGLE), (DOUBLE, DOUBLE), (DOUBLE, SINGLE)]
 WEIGHTS = (0.11, 0.23, 0.08)
-LEVEL = 0.1
+OFFSET = 0.1
 
 
 @pytest.fixture(autouse=True)
@@ -50,11 +50,11 @@ def make_fields(shape, factors, precisions, cap):
         "heights": random(shape, outer),
         "separation": random(shape, outer),
         "before": random(shape, outer),
-        "product": random(shape, inner),
+        "correction": random(shape, inner),
         "values": random(shape, inner),
         "field": random(shape, inner),
         "passed": random(shape, inner),
-        "chosen": (rng.standard_normal(shape) * (rng.random(shape) < 0.5)).astype(inner),
+        "active": (rng.standard_normal(shape) * (rng.random(shape) < 0.5)).astype(inner),
         "share": (rng.random(shape) * (rng.random(shape) < 0.8)).astype(inner),
         "gain": rng.random(shape).astype(inner),
         "coarse": random(coarse_shape, inner),
@@ -82,39 +82,41 @@ CALLS = {
     "multiply": lambda k, f, factors, cap: k.multiply(f["spectrum"], f["symbol"]),
     "divide": lambda k, f, factors, cap: k.divide(f["spectrum"], f["symbol"], f["counts"]),
     "measure": lambda k, f, factors, cap: k.measure(
-        f["separation"], f["heights"], 0.3, 0.8, f["start"], f["before"], LEVEL, f["pressure"], cap
+        f["separation"], f["heights"], 0.3, 0.8, f["start"], f["before"], OFFSET, f["pressure"], cap
     ),
     "slope_power": lambda k, f, factors, cap: k.slope_power(
         f["spectrum"], f["waves"], f["along_y"], f["along_x"]
     ),
     "extent": lambda k, f, factors, cap: k.extent(f["heights"]),
     "restore_units": lambda k, f, factors, cap: k.restore_units(
-        f["pressure"], f["separation"], LEVEL, 0.7, 0.3, f["mark"]
+        f["pressure"], f["separation"], OFFSET, 0.7, 0.3, f["mark"]
     ),
     "make_dimensionless": lambda k, f, factors, cap: k.make_dimensionless(
         f["heights"], 0.3, 0.8, f["inner_out"]
     ),
-    "remainder": lambda k, f, factors, cap: k.remainder(
-        f["pressure"], f["separation"], LEVEL, cap, f["inner_out"]
+    "masked_residual": lambda k, f, factors, cap: k.masked_residual(
+        f["pressure"], f["separation"], OFFSET, cap, f["inner_out"]
     ),
-    "chosen_share": lambda k, f, factors, cap: k.chosen_share(f["chosen"], factors, f["coarse_out"]),
+    "active_share": lambda k, f, factors, cap: k.active_share(f["active"], factors, f["coarse_out"]),
     "advance": lambda k, f, factors, cap: k.advance(
         f["pressure"],
         f["separation"],
-        f["product"],
-        LEVEL,
+        f["correction"],
+        OFFSET,
         0.2,
         0.87,
         cap,
         f["outer_out"],
         f["inner_out"],
     ),
-    "receive": lambda k, f, factors, cap: k.receive(
-        f["pressure"], f["passed"], f["coarse"], factors, f["chosen"], cap
+    "redistribute": lambda k, f, factors, cap: k.redistribute(
+        f["pressure"], f["passed"], f["coarse"], factors, f["active"], cap
     ),
-    "bound": lambda k, f, factors, cap: k.bound(f["start"], cap / 2, f["inner_out"], f["other_out"]),
+    "project": lambda k, f, factors, cap: k.project(f["start"], cap / 2, f["inner_out"], f["other_out"]),
     "rescale": lambda k, f, factors, cap: k.rescale(f["separation"], 0.7, cap),
-    "hold": lambda k, f, factors, cap: k.hold(f["pressure"], f["separation"], LEVEL, cap, f["values"]),
+    "project_residual": lambda k, f, factors, cap: k.project_residual(
+        f["pressure"], f["separation"], OFFSET, cap, f["values"]
+    ),
     "block_mean": lambda k, f, factors, cap: k.block_mean(f["field"], factors, f["coarse_out"]),
     "weigh": lambda k, f, factors, cap: k.weigh(
         f["weight"], f["share"], factors, False, f["inner_out"], f["other_out"]
@@ -132,19 +134,19 @@ CALLS = {
         f["field"], f["share"], WEIGHTS, f["inner_out"]
     ),
     "fill_from": lambda k, f, factors, cap: k.fill_from(
-        f["values"], f["chosen"], f["coarse"], factors, WEIGHTS, f["inner_out"]
+        f["values"], f["active"], f["coarse"], factors, WEIGHTS, f["inner_out"]
     ),
     "empty_from": lambda k, f, factors, cap: k.empty_from(
-        f["field"], f["chosen"], WEIGHTS, f["inner_out"], factors, f["coarse_out"]
+        f["field"], f["active"], WEIGHTS, f["inner_out"], factors, f["coarse_out"]
     ),
     "gather": lambda k, f, factors, cap: k.gather(f["field"], f["share"], factors, f["coarse_out"]),
     "spread": lambda k, f, factors, cap: k.spread(f["field"], f["gain"], f["coarse"], factors),
-    "conclude": lambda k, f, factors, cap: k.conclude(
-        f["field"], f["passed"], f["coarse"], factors, f["chosen"]
+    "finish_restriction": lambda k, f, factors, cap: k.finish_restriction(
+        f["field"], f["passed"], f["coarse"], factors, f["active"]
     ),
     "refine": lambda k, f, factors, cap: k.refine(f["coarse_pressure"], factors, f["inner_out"]),
 }
-BOUNDED = ("measure", "remainder", "advance", "receive", "bound", "rescale", "hold")
+BOUNDED = ("measure", "masked_residual", "advance", "redistribute", "project", "rescale", "project_residual")
 
 
 def outcome(name, engine, fields, factors, cap, convert=np.array):
@@ -172,7 +174,7 @@ def assert_same(found, expected, precisions):
 
 def test_every_kernel_stands_here():
     twins = {name for name in vars(Compiled) if not name.startswith("_") and name.islower()}
-    twins -= {"pack", "weigh_small", "fill_small", "return_small"}  # against what they replace, below
+    twins.remove("small_grids")  # against what they replace, in test_interpolation
     assert twins == {name.split()[0] for name in CALLS}
     assert all(callable(getattr(array_api, name)) for name in twins)
 
@@ -210,38 +212,38 @@ ENGINES = [array_api, Compiled(1), Compiled(2)]
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
-def test_unsettled_points_are_those_whose_gap_should_vanish(engine):
+def test_the_active_set_is_where_the_gap_should_vanish(engine):
     # columns: no pressure, pressure below the cap, at the cap; rows: overlap, touch, gap
     pressure = np.array([[0.0, 0.5, 1.0]] * 3)
     separation = np.array([[-1.0] * 3, [0.0] * 3, [2.0] * 3]) + 0.25
     values = np.empty((3, 3))
-    assert engine.remainder(pressure, separation, 0.25, 1.0, values) == 5
+    assert engine.masked_residual(pressure, separation, 0.25, 1.0, values) == 5
     np.testing.assert_array_equal(values, [[-1, -1, 0], [0, array_api.CLOSED, 0], [0, 2, 2]])
     moved, free = np.empty((3, 3)), np.empty((3, 3))
-    product = np.array([[-2.0, -0.2, 9], [9, 0.1, 9], [9, 2, 0.3]])
-    scalars = {"level": 0.25, "mean": 0.1, "length": 0.5, "cap": 1.0}
-    engine.advance(pressure, separation, product, **scalars, out=moved, free=free)
+    correction = np.array([[-2.0, -0.2, 9], [9, 0.1, 9], [9, 2, 0.3]])
+    scalars = {"offset": 0.25, "mean": 0.1, "length": 0.5, "cap": 1.0}
+    engine.advance(pressure, separation, correction, **scalars, out=moved, free=free)
     # before holding: [1.05, 0.65, 1], [0, 0.5, 1], [0, -0.45, 0.9]
     np.testing.assert_allclose(moved, [[1, 0.65, 1], [0, 0.5, 1], [0, 0, 0.9]])
-    np.testing.assert_allclose(product, [[0.05, 0, 0], [0, 0, 0], [0, -0.45, 0]], atol=1e-15)
+    np.testing.assert_allclose(correction, [[0.05, 0, 0], [0, 0, 0], [0, -0.45, 0]], atol=1e-15)
     np.testing.assert_array_equal(free, [[0, 1, 0], [0, 1, 0], [0, 0, 1]])
-    assert np.abs(product).sum() == pytest.approx(0.5)
+    assert np.abs(correction).sum() == pytest.approx(0.5)
     # the coarse cell shares 0.9 among nine; only the free points receive
     passed, coarse = np.array([[9, 0.5, 9], [9, -0.7, 9], [9, 9, -0.25]]), np.array([[0.9]])
-    outside, total = engine.receive(moved, passed, coarse, (3, 3), free, 1.0)
+    outside, total = engine.redistribute(moved, passed, coarse, (3, 3), free, 1.0)
     np.testing.assert_allclose(moved, [[1, 1.25, 1], [0, -0.1, 1], [0, 0, 0.75]], atol=1e-15)
     assert outside == pytest.approx(0.25 + 0.1)
     assert total == pytest.approx(1 + 1 + 1 + 1 + 0.75)
     rescaled = moved.copy()
-    engine.bound(moved, 1.0, product, free)
+    engine.project(moved, 1.0, correction, free)
     np.testing.assert_allclose(moved, [[1, 1, 1], [0, 0, 1], [0, 0, 0.75]])
-    np.testing.assert_allclose(product, [[0, 0.25, 0], [0, -0.1, 0], [0, 0, 0]], atol=1e-15)
+    np.testing.assert_allclose(correction, [[0, 0.25, 0], [0, -0.1, 0], [0, 0, 0]], atol=1e-15)
     np.testing.assert_array_equal(free, [[0, 0, 0], [0, 0, 0], [0, 0, 1]])
     engine.rescale(rescaled, 0.5, 1.0)
     np.testing.assert_allclose(rescaled, 0.5 * moved)
-    held = np.full((3, 3), 0.5)
-    assert engine.hold(pressure, separation, 0.25, 1.0, held) == 1.5**2 + 0.5**2 + 1.5**2
-    np.testing.assert_array_equal(held, [[-1, 0.5, 0.5], [0, 0.5, 0.5], [0.5, 0.5, 2]])
+    projected = np.full((3, 3), 0.5)
+    assert engine.project_residual(pressure, separation, 0.25, 1.0, projected) == 1.5**2 + 0.5**2 + 1.5**2
+    np.testing.assert_array_equal(projected, [[-1, 0.5, 0.5], [0, 0.5, 0.5], [0.5, 0.5, 2]])
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
@@ -279,15 +281,15 @@ def test_sums_and_means_are_transposes(engine, shape, factors):
 def test_passes_in_one_sweep_equal_the_passes_one_by_one(engine, shape, factors):
     f = make_fields(shape, factors, (DOUBLE, DOUBLE), np.inf)
     mixed, found, expected = np.empty((3, *shape))
-    empty = np.where(f["chosen"] == 0, 1.0, 0.0)
+    empty = np.where(f["active"] == 0, 1.0, 0.0)
     array_api.mix(f["values"], empty, f["coarse"], factors, mixed)
     array_api.fill(f["values"], empty, mixed, WEIGHTS, expected)
-    engine.fill_from(f["values"], f["chosen"], f["coarse"], factors, WEIGHTS, found)
+    engine.fill_from(f["values"], f["active"], f["coarse"], factors, WEIGHTS, found)
     np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
     coarse, gathered = np.empty_like(f["coarse"]), np.empty_like(f["coarse"])
     array_api.empty_neighbours(f["field"], empty, WEIGHTS, expected)
     array_api.gather(expected, empty, factors, gathered)
-    engine.empty_from(f["field"], f["chosen"], WEIGHTS, found, factors, coarse)
+    engine.empty_from(f["field"], f["active"], WEIGHTS, found, factors, coarse)
     np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
     np.testing.assert_allclose(coarse, gathered, rtol=1e-13, atol=1e-13)
 

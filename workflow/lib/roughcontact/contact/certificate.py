@@ -9,15 +9,17 @@ p = 0 and e >= 0 at the cap. By Cauchy and Schwarz
 
 all in dimensionless form (`roughcontact.elasticity.halfspace`); ||.||_G is the norm of the elastic energy,
 without the mean. The freedom of r off the free contact makes the bound sharp: its energy is least where r
-continues w as `roughcontact.contact.interpolation` does. So r is that continuation, held at w where it would
-violate it.
+continues w as `roughcontact.contact.interpolation` does. So r is that interpolation, projected onto w where
+it would violate it.
 """
 
 from math import log2, sqrt
 
 import numpy as np
 
-from roughcontact.contact.state import norm
+from roughcontact.contact.grid import Grid, Residual
+from roughcontact.contact.state import State, norm
+from roughcontact.elasticity.halfspace import HalfSpace
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, precision_of
 
 # The residual is transformed in single precision: its norm is then known to this relative accuracy.
@@ -25,23 +27,24 @@ _SINGLE_SLACK = 1e-4
 _EPS = {precision: float(np.finfo(precision).eps) for precision in (SINGLE, DOUBLE)}
 
 
-def error_bound(grid, state, residual) -> float:
+def error_bound(grid: Grid, state: State, residual: Residual) -> float:
     """Return a bound of ||p - p*||_G / ||p||_G for the pressure of `state`.
 
-    `residual` is that of the state, extended; half an application of G^-1 more at most.
+    `residual` is that of the state, interpolated; half an application of G^-1 more at most.
     """
     return relative_bound(grid.halfspace, state, grid.residual_norm(state, residual))
 
 
-def bound_without_transform(grid, state) -> float:
+def bound_without_transform(grid: Grid, state: State) -> float:
     """Return a coarser bound, from ||r||_{G^-1}^2 <= mean(r^2) max|q|/2, for a residual of rounding alone."""
     gap = state.gap
     xp = gap.__array_namespace__()
-    held = xp.where(state.pressure > 0, gap, xp.minimum(gap, xp.zeros_like(gap)))
-    return relative_bound(grid.halfspace, state, norm(held, held) * np.sqrt(grid.halfspace.largest_stiffness))
+    projected = xp.where(state.pressure > 0, gap, xp.minimum(gap, xp.zeros_like(gap)))
+    size = norm(projected, projected)
+    return relative_bound(grid.halfspace, state, size * sqrt(grid.halfspace.largest_stiffness))
 
 
-def relative_bound(halfspace, state, residual_norm: float) -> float:
+def relative_bound(halfspace: HalfSpace, state: State, residual_norm: float) -> float:
     """Return the bound of the relative error that belongs to the norm ||r||_{G^-1} of the residual.
 
     What rounding hides in the residual is added, so that the bound holds down to the floor.
@@ -52,11 +55,25 @@ def relative_bound(halfspace, state, residual_norm: float) -> float:
     return residual_norm * (1 + _SINGLE_SLACK) / state.norm + rounding_floor(halfspace, state)
 
 
-def rounding_floor(halfspace, state, precision: str | None = None) -> float:
-    """Return the relative error that the rounding of one application can hide, in the precision of the state.
+def rounding_floor(halfspace: HalfSpace, state: State, precision: str | None = None) -> float:
+    """Return the relative error that the rounding of one application can hide.
 
-    The error of a Fourier transform is white, of relative size eps sqrt(log2 n) (Schatzman 1996, SIAM J. Sci.
-    Comput. 17, 1150); a white field of standard deviation s has ||.||_{G^-1} = s sqrt(mean |q| / 2).
+    The error of a Fourier transform is white, of relative size eps sqrt(log2 n) [1]_; a white field of
+    standard deviation s has ||.||_{G^-1} = s sqrt(mean |q| / 2).
+
+    Parameters
+    ----------
+    halfspace : HalfSpace
+        the operator.
+    state : State
+        pressure and scale of rounding.
+    precision : str, optional
+        of the application; that of the state where it is not given.
+
+    References
+    ----------
+    .. [1] Schatzman (1996), Accuracy of the discrete Fourier transform and the fast Fourier transform, SIAM
+       J. Sci. Comput. 17, 1150.
     """
     if state.norm == 0:
         return 0.0

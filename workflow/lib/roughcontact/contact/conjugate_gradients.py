@@ -1,6 +1,6 @@
-"""An accurate correction on a fixed set of points, for where one application of the inverse is too rough.
+"""An accurate correction on a fixed active set, for where one application of the inverse is too rough.
 
-That happens where the extension is poor: on grids of few cells or of sizes with large prime factors, with
+That happens where the interpolation is poor: on grids of few cells or of sizes with large prime factors, with
 pixels far longer than wide, with contacts and gaps of a few pixels.
 """
 
@@ -10,29 +10,53 @@ from itertools import islice
 
 import numpy as np
 
+from roughcontact.contact.grid import Grid, PreconditionedResidual
 from roughcontact.contact.state import mean_product
 from roughcontact.kernels.array_api import mean
-from roughcontact.kernels.arrays import precision_of
+from roughcontact.kernels.arrays import Array, precision_of
 
 MOST_STEPS = 40
 REDUCTION = 0.1  # of the residual
 
 
-def conjugate_gradients(grid, residual, product, chosen) -> Iterator[tuple]:
-    """Yield ever better solutions d of P G P d = P `residual`, and the square <r, M r> of what is left of it.
+def conjugate_gradients(
+    grid: Grid, residual: Array, preconditioned: Array, active: Array
+) -> Iterator[tuple[Array, float]]:
+    """Yield ever better solutions of the operator equation on a fixed active set.
 
-    Preconditioned conjugate gradients (Hestenes and Stiefel 1952), from d = 0; P keeps the `chosen` points
-    and takes the mean off. `product` is M `residual`, of the last preconditioning. Two applications a step;
-    ends where rounding leaves no further step. The steps change one array d.
+    Solves C G C d = C `residual` from d = 0, where C keeps the active points and takes the mean off them. Two
+    applications a step; ends where rounding leaves no further step. The steps change one array d.
+
+    Parameters
+    ----------
+    grid : Grid
+        operator and preconditioner, whose active set is that of its last residual.
+    residual : array (ny, nx)
+        right-hand side.
+    preconditioned : array (ny, nx)
+        M `residual`.
+    active : array (ny, nx) of bool
+        the active set.
+
+    Yields
+    ------
+    solution : array (ny, nx)
+        d.
+    rz : float
+        the square <r, M r> of what is left of the residual.
+
+    References
+    ----------
+    .. [1] Hestenes and Stiefel (1952), J. Res. Natl. Bur. Stand. 49, 409.
     """
     xp = residual.__array_namespace__()
 
-    def centred(field):
-        return xp.where(chosen, field - mean(field[chosen]), xp.zeros_like(field))
+    def centred(field: Array) -> Array:
+        return xp.where(active, field - mean(field[active]), xp.zeros_like(field))
 
-    remainder, preconditioned = centred(residual), centred(product)
-    direction, solution = preconditioned, xp.zeros_like(remainder)
-    rz = mean_product(remainder, preconditioned)
+    left, z = centred(residual), centred(preconditioned)
+    direction, solution = z, xp.zeros_like(left)
+    rz = mean_product(left, z)
     while True:
         yield solution, rz
         displaced = centred(grid.halfspace.displacement(direction))
@@ -41,23 +65,23 @@ def conjugate_gradients(grid, residual, product, chosen) -> Iterator[tuple]:
             return
         length = rz / curvature
         solution += length * direction
-        remainder = centred(remainder - length * displaced)
-        preconditioned = centred(grid.precondition_on_last_set(remainder))
-        before, rz = rz, mean_product(remainder, preconditioned)
-        direction = preconditioned + rz / before * direction
+        left = centred(left - length * displaced)
+        z = centred(grid.precondition_on_last_set(left))
+        before, rz = rz, mean_product(left, z)
+        direction = z + rz / before * direction
 
 
-def accurate(grid, product):
-    """Return `product` with a field that, subtracted from the pressure, takes most of the residual away."""
-    residual, unsettled = grid.last_residual(precision_of(product.field))
-    steps = conjugate_gradients(grid, residual, product.field, unsettled)
-    correction, first = next(steps)
+def corrected_accurately(grid: Grid, correction: PreconditionedResidual) -> PreconditionedResidual:
+    """Return `correction` with a field that, taken off the pressure, takes most of the residual away."""
+    residual, active = grid.last_residual(precision_of(correction.field))
+    steps = conjugate_gradients(grid, residual, correction.field, active)
+    solution, first = next(steps)
     for _, rz in islice(steps, MOST_STEPS):
         if rz <= REDUCTION**2 * first:
             break
-    return replace(product, field=correction, mean=0.0)
+    return replace(correction, field=solution, mean=0.0)
 
 
-def is_slow(bound: float, before: float) -> bool:
+def gains_little(bound: float, before: float) -> bool:
     """Return whether a step lowered the bound by so little that an accurate correction is worth its price."""
     return bool(np.isfinite(before) and bound > 0.5 * before)

@@ -1,19 +1,19 @@
-"""The iteration on one grid: a preconditioned step, held between the bounds of the pressure, again and again.
+"""The iteration on one grid: a preconditioned step, projected onto the feasible pressures, again and again.
 
-One step takes a feasible pressure, applies the operator afresh, extends the residual of the unsettled points
-(those that carry pressure, and those that overlap) over the rest of the surface, applies the inverse operator
-to that, and subtracts the result from the pressure, which is then held at 0:
+One step takes a feasible pressure, applies the operator afresh, interpolates the residual of the active set C
+(the points that carry pressure, and those that overlap) over the rest of the surface, applies the inverse
+operator to that, and subtracts the result from the pressure, which is then projected onto p >= 0:
 
     p <- [ p - t (M r - mean) ]+ .
 
-M = W^T G^-1 W is nowhere less than the inverse of the operator on the unsettled points and mostly at most an
-eighth more (`roughcontact.contact.interpolation`), so that what stands in the brackets is nearly the pressure
-of least energy that those points could carry with either sign. The one of least energy without tension is its
+M = P^T G^-1 P is nowhere less than the inverse of the operator on the active set and mostly at most an eighth
+more (`roughcontact.contact.interpolation`), so that what stands in the brackets is nearly the pressure of
+least energy that those points could carry with either sign. The one of least energy without tension is its
 projection onto p >= 0 in the norm of the energy. That projection is imitated: the points held at 0 hand the
-load that they lose to the contact around them, as charges at grounded conductors do, by W^T for the points
-that stay. The contact set so moves with every step, and two transform pairs cut the error by twenty. It is a
-primal-dual active set (Hintermueller, Ito and Kunisch 2002, SIAM J. Optim. 13, 865) whose linear systems are
-solved by one application of a nearly exact inverse.
+load that they lose to the contact around them, as charges at grounded conductors do, by P^T for the points
+that stay. The active set so moves with every step, and two transform pairs cut the error by twenty. It is a
+primal-dual active-set method [1]_ whose linear systems are solved by one application of a nearly exact
+inverse.
 
 The step length t follows from the energy along the last step, which is quadratic and known. Nothing is proved
 for steps of this kind: so every one must lower the elastic energy. One that does not is cut short where the
@@ -24,6 +24,11 @@ correction is an accurate one (`roughcontact.contact.conjugate_gradients`).
 The first steps are taken in single precision. Then pressure and separation are in double precision and the
 correction stays in single: it is small, and the next fresh application measures what rounding did to it
 (iterative refinement).
+
+References
+----------
+.. [1] Hintermueller, Ito and Kunisch (2002), The primal-dual active set strategy as a semismooth Newton
+   method, SIAM J. Optim. 13, 865.
 """
 
 from dataclasses import dataclass
@@ -31,21 +36,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from roughcontact.contact.certificate import error_bound, relative_bound, rounding_floor
-from roughcontact.contact.conjugate_gradients import accurate, is_slow
-from roughcontact.contact.grid import Grid
-from roughcontact.contact.projected_gradient import projected_step
-from roughcontact.contact.state import State, between, scale_to_load
-from roughcontact.kernels.arrays import DOUBLE, SINGLE, empty, in_precision, precision_of
+from roughcontact.contact.conjugate_gradients import corrected_accurately, gains_little
+from roughcontact.contact.grid import Grid, Residual
+from roughcontact.contact.line_search import LineSearch, minimize_between
+from roughcontact.contact.projected_gradient import projected_gradient_step
+from roughcontact.contact.state import State, scale_to_load
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, empty, in_precision, precision_of
 
 TOO_STIFF = 1e-3  # relative rounding floor of single precision from which all is done in double
 PATIENCE = 20  # steps that do not improve the bound before the iteration is called stalled
 FEW_STEPS = 10  # are enough for a first guess, else it is left to the safeguarded iteration
-FIRST_LENGTH, LONGEST = 0.965, 0.99
+FIRST_LENGTH, SHORTEST, LONGEST = 0.965, 0.4, 0.99  # of a step; M is nowhere less than the inverse
 TYPICAL = 0.05  # of the bound is what a good step leaves
 # A step that may leave this share of what is foreseen is taken in double: one that meets the tolerance in
 # single precision is followed by another, which costs three pairs; one that misses it in double costs a pair.
 HOPE = 0.5
-SHORTEST = 0.4  # step length; none need be longer than 1, because M is nowhere less than the inverse
 
 
 @dataclass(frozen=True)
@@ -59,94 +64,183 @@ class GridSolution:
 
 def solve_on_grid(
     grid: Grid,
-    start,
+    start: Array,
     mean_pressure: float,
     *,
     tolerance: float,
     finish: str = DOUBLE,
     max_steps: int = 200,
 ) -> GridSolution:
-    """Improve the pressure `start` (ny, nx) until the bound of its relative error is at most `tolerance`.
+    """Improve a pressure until the bound of its relative error is at most `tolerance`.
 
-    All in dimensionless form: heights in units of g L, pressures in units of E* g; the start, nowhere
-    negative, is scaled to the prescribed load first. The last application is in the precision `finish`, the
-    first ones in single, while the error is far above what single precision can tell. Ends early after
+    All in dimensionless form: heights in units of g L, pressures in units of E* g. Ends early after
     `max_steps` steps, at the rounding floor, or after `PATIENCE` steps in vain: the caller compares
     `error_bound` with its tolerance.
+
+    Parameters
+    ----------
+    grid : Grid
+        heights and operators.
+    start : array (ny, nx)
+        pressure, nowhere negative; it is scaled to the load first.
+    mean_pressure : float
+        the load.
+    tolerance : float
+        of `error_bound`.
+    finish : str
+        precision of the last application; the first ones are in single, while the error is far above what
+        single precision can tell.
+    max_steps : int
+        number of steps.
+
+    Returns
+    -------
+    GridSolution
+        the state, its bound and the number of steps.
     """
-    cap, halfspace = grid.cap, grid.halfspace
-    inner = precision = SINGLE
-    state, _ = grid.evaluate(
-        scale_to_load(in_precision(start, precision, copy=False), mean_pressure, cap=cap)
-    )
+    iterate = Iterate(grid, start, mean_pressure, tolerance=tolerance, finish=finish)
     del start
-    lowest, lowest_step, failures, bound_before = np.inf, 0, 0, np.inf
-    length = FIRST_LENGTH
-    trial = spare = None
     for step in range(max_steps + 1):
-        single_floor = rounding_floor(halfspace, state, SINGLE)
-        if single_floor > TOO_STIFF:
-            inner = precision = finish = DOUBLE
-        residual = grid.residual(state, precision=inner)
-        bound = _bound(grid, state, residual)
-        if bound < 0.99 * lowest:
-            lowest, lowest_step = bound, step
-        reached = precision_of(state.pressure)
-        hopeless = (
-            step == max_steps
-            or step - lowest_step > PATIENCE
-            or (reached == DOUBLE and bound <= 2 * rounding_floor(halfspace, state))
-        )
-        if (bound <= tolerance and reached == finish) or hopeless:
-            if reached != finish:
-                precision = finish
-                state = _in_precision(grid, state, precision, mean_pressure)
-                residual = grid.residual(state, precision=inner)
-            bound = error_bound(grid, state, residual)
-            if bound <= tolerance or hopeless:
+        iterate.measure(step)
+        stalled = step == max_steps or iterate.has_stalled(step)
+        if stalled or iterate.may_be_done():
+            iterate.certify()
+            if stalled or iterate.bound <= tolerance:
                 break
-            residual = grid.residual(state, precision=inner)
-        # the last step, as far as the one before tells, is taken in the precision of the result
-        foreseen = bound * min(1.0, max(TYPICAL, bound / bound_before))
-        if HOPE * foreseen <= tolerance or bound <= 30 * single_floor:
-            precision = finish
-        rises = precision != precision_of(state.pressure)
+            iterate.measure_residual()
+        iterate.choose_precision()
+        iterate.advance()
+    return GridSolution(iterate.state, iterate.bound, step)
+
+
+class Iterate:
+    """Where the iteration on a grid stands, and what its past says of the next step.
+
+    Attributes
+    ----------
+    state : State
+        the pressure that was reached.
+    residual : Residual
+        of the state; gone while a step is taken, because its spectrum need not lie beside another.
+    bound : float
+        of the relative error of the state; rigorous after `certify`.
+    precision : str
+        of the next pressure.
+    residual_precision : str
+        of residual and correction.
+    finish : str
+        of the result.
+    length : float
+        of the next step.
+    """
+
+    residual: Residual
+
+    def __init__(self, grid: Grid, start: Array, mean_pressure: float, *, tolerance: float, finish: str):
+        self.grid, self.mean_pressure = grid, mean_pressure
+        self.tolerance, self.finish = tolerance, finish
+        self.precision = self.residual_precision = SINGLE
+        self.state = self._state_in(SINGLE, start, copy=False)
+        self.bound = self._bound_before = self._lowest = np.inf
+        self._lowest_step = self._failures = 0
+        self.length = FIRST_LENGTH
+        self._spare: State | None = None  # whose arrays the next state may have
+
+    def measure(self, step: int) -> None:
+        """Find the residual of the state and the bound that it gives without the certificate."""
+        self._single_floor = rounding_floor(self.grid.halfspace, self.state, SINGLE)
+        if self._single_floor > TOO_STIFF:
+            self.residual_precision = self.precision = self.finish = DOUBLE
+        self.measure_residual()
+        self.bound = _bound_by(self.grid, self.state, self.residual)
+        if self.bound < 0.99 * self._lowest:
+            self._lowest, self._lowest_step = self.bound, step
+
+    def measure_residual(self) -> None:
+        """Find the residual of the state afresh."""
+        self.residual = self.grid.residual(self.state, precision=self.residual_precision)
+
+    def is_in_final_precision(self) -> bool:
+        """Return whether the state has the precision of the result."""
+        return precision_of(self.state.pressure) == self.finish
+
+    def has_stalled(self, step: int) -> bool:
+        """Return whether no further step would help: at the rounding floor, or after many in vain."""
+        return step - self._lowest_step > PATIENCE or (
+            precision_of(self.state.pressure) == DOUBLE
+            and self.bound <= 2 * rounding_floor(self.grid.halfspace, self.state)
+        )
+
+    def may_be_done(self) -> bool:
+        """Return whether the certificate is worth its price."""
+        return self.bound <= self.tolerance and self.is_in_final_precision()
+
+    def certify(self) -> None:
+        """Make the bound rigorous, for a state in the precision of the result; the residual is lost."""
+        if not self.is_in_final_precision():
+            self.precision = self.finish
+            self.state = self._state_in(self.precision, self.state.pressure)
+            self.measure_residual()
+        self.bound = error_bound(self.grid, self.state, self.residual)
+
+    def choose_precision(self) -> None:
+        """Take the last step, as far as the one before tells, in the precision of the result."""
+        foreseen = self.bound * min(1.0, max(TYPICAL, self.bound / self._bound_before))
+        if HOPE * foreseen <= self.tolerance or self.bound <= 30 * self._single_floor:
+            self.precision = self.finish
+
+    def advance(self) -> None:
+        """Take a step: correct the pressure, apply the operator, and accept the state or recover."""
+        grid, precision = self.grid, self.precision
+        rises = precision != precision_of(self.state.pressure)
         if rises:
-            spare = None
-        moved = empty(state.pressure, precision) if spare is None else spare.pressure
-        slow = step > 0 and is_slow(bound, bound_before)
-        product = grid.precondition(residual)
-        del residual  # and with it a spectrum that the next one need not lie beside
-        if slow:
-            product = accurate(grid, product)
-        bound_before = bound
-        moved = grid.advance(state, product, 1.0 if slow else length, mean_pressure, moved)
+            self._spare = None
+        out = empty(self.state.pressure, precision) if self._spare is None else self._spare.pressure
+        correction = grid.precondition(self.residual)
+        del self.residual
+        accurate = gains_little(self.bound, self._bound_before)
+        if accurate:
+            correction = corrected_accurately(grid, correction)
+        self._bound_before = self.bound
+        length = 1.0 if accurate else self.length
+        moved = grid.advance(self.state, correction, length, self.mean_pressure, out)
         if rises:
             # What tells the two energies apart is lost in the rounding of the first: it need not be kept.
-            state = trial = None
-            state, _ = grid.evaluate(moved)
-            continue
-        trial, way = grid.evaluate(moved, before=state, room=None if spare is None else spare.separation)
-        if way.falls:
-            if not slow:
-                length = min(LONGEST, max(SHORTEST, length * way.least))
-            state, spare = trial, state
-            continue
-        failures += 1
-        spare = None
-        length = max(SHORTEST, 0.5 * length)
-        lower = between(state, trial, way, cap=cap)
-        if lower is None and precision != finish:
-            precision = finish
-            state = _in_precision(grid, state, precision, mean_pressure)
-        else:
-            state = lower or state
-            for _ in range(2 ** min(1 + failures // 2, 6) if lower is None or failures > 1 else 0):
-                state = projected_step(grid, state, mean_pressure) or state
-    return GridSolution(state, bound, step)
+            del self.state
+            self.state, _ = grid.evaluate(moved)
+            return
+        workspace = None if self._spare is None else self._spare.separation
+        trial, line = grid.evaluate(moved, before=self.state, out=workspace)
+        if not line.descends:
+            self._recover(trial, line)
+            return
+        if not accurate:
+            self.length = min(LONGEST, max(SHORTEST, self.length * line.minimizer))
+        self.state, self._spare = trial, self.state
+
+    def _recover(self, trial: State, line: LineSearch) -> None:
+        """Go on from a step after which the energy is not lower: cut it short, or take safe steps."""
+        self._failures += 1
+        self._spare = None
+        self.length = max(SHORTEST, 0.5 * self.length)
+        lower = minimize_between(self.state, trial, line, cap=self.grid.cap)
+        if lower is None and self.precision != self.finish:
+            self.precision = self.finish
+            self.state = self._state_in(self.precision, self.state.pressure)
+            return
+        self.state = lower or self.state
+        if lower is None or self._failures > 1:
+            for _ in range(2 ** min(1 + self._failures // 2, 6)):
+                self.state = projected_gradient_step(self.grid, self.state, self.mean_pressure) or self.state
+
+    def _state_in(self, precision: str, pressure: Array, *, copy: bool = True) -> State:
+        pressure = in_precision(pressure, precision, copy=copy)
+        return self.grid.evaluate(scale_to_load(pressure, self.mean_pressure, cap=self.grid.cap))[0]
 
 
-def improve_on_grid(grid: Grid, start, mean_pressure: float, *, tolerance: float) -> tuple:
+def first_guess_on_grid(
+    grid: Grid, start: Array, mean_pressure: float, *, tolerance: float
+) -> tuple[Array, int]:
     """Return a pressure (ny, nx) whose relative error is about `tolerance`, and the number of steps to it.
 
     For a first guess on a finer grid: what the last step leaves is foreseen, not measured. Steps that gain
@@ -157,13 +251,13 @@ def improve_on_grid(grid: Grid, start, mean_pressure: float, *, tolerance: float
     for step in range(FEW_STEPS):
         state, _ = grid.evaluate(pressure)
         residual = grid.residual(state, precision=SINGLE)
-        bound = _bound(grid, state, residual)
+        bound = _bound_by(grid, state, residual)
         if bound <= tolerance:
             return state.pressure, step
-        if is_slow(bound, bound_before):
+        if gains_little(bound, bound_before):
             break
-        product = grid.precondition(residual)
-        pressure = grid.advance(state, product, FIRST_LENGTH, mean_pressure, empty(state.pressure, SINGLE))
+        correction = grid.precondition(residual)
+        pressure = grid.advance(state, correction, FIRST_LENGTH, mean_pressure, empty(state.pressure, SINGLE))
         if HOPE * TYPICAL * bound <= tolerance:
             return pressure, step + 1
         bound_before = bound
@@ -171,11 +265,6 @@ def improve_on_grid(grid: Grid, start, mean_pressure: float, *, tolerance: float
     return solution.state.pressure, step + solution.steps
 
 
-def _bound(grid, state, residual):
-    """Return the bound of the relative error that the extended residual gives, without the certificate."""
+def _bound_by(grid: Grid, state: State, residual: Residual) -> float:
+    """Return the bound of the relative error that the residual gives, without the certificate."""
     return relative_bound(grid.halfspace, state, np.sqrt(residual.energy))
-
-
-def _in_precision(grid, state, precision, mean_pressure):
-    pressure = in_precision(state.pressure, precision)
-    return grid.evaluate(scale_to_load(pressure, mean_pressure, cap=grid.cap))[0]

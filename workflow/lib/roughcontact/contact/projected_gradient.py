@@ -1,16 +1,24 @@
 """The safe step: projected gradient, slow but always downhill.
 
 The projection onto {0 <= p <= cap, mean(p) = given} is that of the Euclidean norm, whose projected steps
-lower the energy for every small enough step length (Bertsekas 1976, IEEE Trans. Autom. Control 21, 174).
+lower the energy for every small enough step length [1]_.
+
+References
+----------
+.. [1] Bertsekas (1976), On the Goldstein-Levitin-Polyak gradient projection method, IEEE Trans. Autom.
+   Control 21, 174.
 """
 
 import numpy as np
 
-from roughcontact.contact.state import State, between, mean_product
-from roughcontact.kernels.array_api import mean, unsettled
+from roughcontact.contact.grid import Grid
+from roughcontact.contact.line_search import minimize_between
+from roughcontact.contact.state import State, mean_product
+from roughcontact.kernels.array_api import active_set, mean
+from roughcontact.kernels.arrays import Array
 
 
-def project_to_load(pressure, mean_pressure: float, *, cap: float = np.inf):
+def project_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.inf) -> Array:
     """Return the nearest field to `pressure` between 0 and `cap` that has the prescribed mean.
 
     It is max(min(p - shift, cap), 0); the mean falls with the shift, which bisection finds to the last digit.
@@ -32,23 +40,23 @@ def project_to_load(pressure, mean_pressure: float, *, cap: float = np.inf):
     return projected
 
 
-def projected_step(grid, state: State, mean_pressure: float) -> State | None:
+def projected_gradient_step(grid: Grid, state: State, mean_pressure: float) -> State | None:
     """Return a state of lower energy, one projected gradient step away; None where rounding leaves none.
 
-    The first step length is that of steepest descent on the unsettled points, <r, r> / <r, G r>; it is halved
-    until the energy falls along the way to the projection.
+    The first step length is that of steepest descent on the active set, <r, r> / <r, G r>; it is halved until
+    the energy falls along the line to the projection.
     """
     xp = state.pressure.__array_namespace__()
     gap, pressure = state.gap, state.pressure
-    slope = xp.where(unsettled(pressure, gap, grid.cap), gap, xp.zeros_like(gap))
+    slope = xp.where(active_set(pressure, gap, grid.cap), gap, xp.zeros_like(gap))
     curvature = mean_product(slope, grid.halfspace.displacement(slope))
     if curvature <= 0:
         return None
     length = mean_product(slope, slope) / curvature
     for _ in range(40):
         moved = project_to_load(pressure - length * gap, mean_pressure, cap=grid.cap)
-        trial, way = grid.evaluate(moved, before=state)
-        lower = trial if way.falls else between(state, trial, way, cap=grid.cap)
+        trial, line = grid.evaluate(moved, before=state)
+        lower = trial if line.descends else minimize_between(state, trial, line, cap=grid.cap)
         if lower is not None:
             return lower
         length *= 0.5

@@ -58,8 +58,8 @@ def linear_response(
     displaced = grid.halfspace.displacement(increment)
     energy = mean_product(increment, displaced)
     residual = np.where(contact, displaced, 0)
-    product = grid.precondition_on(contact, residual - contact * residual[contact].mean())
-    for step, (correction, rz) in enumerate(conjugate_gradients(grid, residual, product, contact)):
+    preconditioned = grid.precondition_on(contact, residual - contact * residual[contact].mean())
+    for step, (correction, rz) in enumerate(conjugate_gradients(grid, residual, preconditioned, contact)):
         least = energy - mean_product(residual, correction)  # <x - d, G (x - d)>
         if rz <= tolerance**2 * least or step == MOST_STEPS:
             break

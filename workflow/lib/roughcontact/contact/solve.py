@@ -152,7 +152,7 @@ def solve_contact(
         pieces[index] = piece
         if progress is not None:
             progress(done, len(loads), f"mean pressure {load:.4g} Pa")
-    del solutions  # and with them the room to work in
+    del solutions  # and with them their workspace
     return describe(pieces[0] if len(pieces) == 1 else _joined(pieces))
 
 
@@ -185,7 +185,7 @@ def _label(
     )
     contact = empty(pressure, "int8")
     least_gap, total = kernels_for(pressure, threads=threads).restore_units(
-        pressure, gap, state.level, pressure_unit, height_unit, contact
+        pressure, gap, state.offset, pressure_unit, height_unit, contact
     )
     yielded = 0.0
     if hardness is not None:
@@ -195,7 +195,7 @@ def _label(
         yielded, least_gap = float(at_hardness.mean()), float(gap.min())
     per_load = {
         "relative_pressure": load / pressure_unit if not problem.flat else np.inf,
-        "approach": problem.reference - state.level * height_unit - compliance * load,
+        "approach": problem.reference - state.offset * height_unit - compliance * load,
         "iterations": solution.steps,
         "operator_applications": solution.applications,
         "error_bound": solution.error_bound,

@@ -1,78 +1,45 @@
-"""A feasible pressure, what one application of the operator tells of it, and the way between two of them."""
+"""A feasible pressure and what one application of the operator tells of it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from roughcontact.kernels.array_api import mean
+from roughcontact.kernels.arrays import Array
 
 
 @dataclass(frozen=True)
 class State:
-    """A pressure 0 <= p <= cap of the prescribed mean, shape (ny, nx), and its separation G p - H.
+    """A pressure 0 <= p <= cap of the prescribed mean and its separation G p - H.
 
-    The gap is the separation less `level`, which makes the mean gap over the free contact {0 < p < cap} zero.
-    `norm` = ||p||_G; `size`, the scale of rounding, is the root mean square of G p plus that of H.
+    Attributes
+    ----------
+    pressure, separation : array (ny, nx)
+        dimensionless.
+    offset : float
+        mean separation over the free contact {0 < p < cap}: the gap is the separation less that.
+    norm : float
+        ||p||_G.
+    size : float
+        scale of rounding: the root mean square of G p plus that of H.
     """
 
-    pressure: np.ndarray
-    separation: np.ndarray
-    level: float
+    pressure: Array
+    separation: Array
+    offset: float
     norm: float
     size: float
 
     @property
-    def gap(self):
-        return self.separation - self.level
+    def gap(self) -> Array:
+        """The separation less the offset."""
+        return self.separation - self.offset
 
 
-@dataclass(frozen=True)
-class Way:
-    """The elastic energy along the straight way from one state to another of equal load.
-
-    E(p) = <p, G p>/2 - <p, H> is quadratic along s = p' - p: it changes by t <s, v> + t^2 <s, v' - v>/2, with
-    the separations v = G p - H. `slope` = <s, v> and `slope_after` = <s, v'> are means over the grid.
-    """
-
-    slope: float
-    slope_after: float
-
-    @property
-    def least(self) -> float:
-        """The share t of the way at which the energy is least; it may lie beyond the end."""
-        curvature = self.slope_after - self.slope
-        return -self.slope / curvature if curvature > 0 else np.inf
-
-    @property
-    def falls(self) -> bool:
-        return self.slope + self.slope_after < 0
-
-
-def between(before: State, after: State, way: Way, *, cap: float) -> State | None:
-    """Return the state of least energy on the way; None where the energy rises from the start.
-
-    Both states are linear in the share, so that no application of the operator is needed.
-    """
-    if way.slope >= 0:
-        return None
-    share = way.least
-    pressure = before.pressure + share * (after.pressure - before.pressure)
-    separation = before.separation + share * (after.separation - before.separation)
-    square = (1 - share) * before.norm**2 + share * after.norm**2
-    square -= share * (1 - share) * (way.slope_after - way.slope)
-    return replace(
-        after,
-        pressure=pressure,
-        separation=separation,
-        level=contact_mean(pressure, separation, cap=cap),
-        norm=float(np.sqrt(max(square, 0))),
-    )
-
-
-def contact_mean(pressure, separation, *, cap: float) -> float:
+def contact_mean(pressure: Array, separation: Array, *, cap: float) -> float:
     """Return the mean separation over the free contact {0 < p < cap}.
 
-    Where every point in contact has reached the cap, any level between the separations of the points at the
+    Where every point in contact has reached the cap, any offset between the separations of the points at the
     cap and of those without pressure will do: the middle.
     """
     xp = pressure.__array_namespace__()
@@ -85,11 +52,16 @@ def contact_mean(pressure, separation, *, cap: float) -> float:
     return 0.5 * (float(xp.max(separation[full])) + float(xp.min(separation[~full])))
 
 
-def scale_to_load(pressure, mean_pressure: float, *, cap: float = np.inf):
+def scale_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.inf) -> Array:
     """Return max(pressure, 0) x factor, at most `cap`, with the factor that gives the prescribed mean.
 
     Without a cap that is one multiplication. With one, points at the cap stay there, the others are scaled,
     and those that the factor takes beyond the cap are held in turn, which ends after finitely many passes.
+
+    Raises
+    ------
+    ValueError
+        for a mean pressure that is not below the cap.
     """
     xp = pressure.__array_namespace__()
     positive = xp.clip(pressure, 0, None)
@@ -116,11 +88,11 @@ def scale_to_load(pressure, mean_pressure: float, *, cap: float = np.inf):
         held |= beyond
 
 
-def norm(left, right) -> float:
+def norm(left: Array, right: Array) -> float:
     """Return the root of the mean of left x right, a quadratic form that rounding may turn negative."""
     return float(np.sqrt(max(mean_product(left, right), 0.0)))
 
 
-def mean_product(left, right) -> float:
+def mean_product(left: Array, right: Array) -> float:
     """Return the mean over the grid of left x right, summed in double precision."""
     return mean(left * right)

@@ -1,28 +1,33 @@
 """The passes over the grid that the iteration is made of, for any array library.
 
 They ask their arrays for the library they belong to (the Python array API: NumPy, CuPy and others) and write
-into arrays that are there already. `roughcontact.kernels.numba_cpu` has the same functions, compiled for
-NumPy's arrays; `kernels_for` chooses.
+into arrays that are there already: an implementation of `roughcontact.kernels.protocol.Kernels`, and the
+definition of what each kernel computes.
 """
 
-CLOSED = 1e-30  # a gap that is zero to rounding, at a point that is not settled
+from collections.abc import Sequence
+from typing import Any
+
+from roughcontact.kernels.arrays import Array
+from roughcontact.kernels.protocol import Factors, Weights
+
+CLOSED = 1e-30  # stands for a gap of zero at a point of the active set
 _ALL_BUT_MEAN = (0, slice(1, None)), (slice(1, None), slice(None))  # of a spectrum
-TAIL = 0  # cells up to which the grids of a pyramid are passed over in one call; see the compiled twin
 
 
-def mean(field) -> float:
+def mean(field: Array) -> float:
     """Return the mean of a field, summed in double precision."""
     return _sum(field.__array_namespace__(), field) / field.size
 
 
-def multiply(spectrum, symbol) -> None:
+def multiply(spectrum: Array, symbol: Array) -> None:
     """Multiply `spectrum` by `symbol`; q = 0 becomes zero."""
     for part in _ALL_BUT_MEAN:
         spectrum[part] *= symbol[part]
     spectrum[0, 0] = 0
 
 
-def divide(spectrum, symbol, weights) -> float:
+def divide(spectrum: Array, symbol: Array, weights: Array) -> float:
     """Divide `spectrum` by `symbol`; q = 0 becomes zero.
 
     Returns the sum of |s|^2 / symbol over the waves but q = 0, in double precision: each counts as often as
@@ -36,11 +41,11 @@ def divide(spectrum, symbol, weights) -> float:
     return energy
 
 
-def _power(xp, spectrum):
+def _power(xp: Any, spectrum: Array) -> Array:
     return xp.real(spectrum) ** 2 + xp.imag(spectrum) ** 2
 
 
-def slope_power(spectrum, weights, along_y, along_x) -> float:
+def slope_power(spectrum: Array, weights: Array, along_y: Array, along_x: Array) -> float:
     """Return the sum of |s|^2 (y + x) over the waves, in double precision.
 
     y is the entry of `along_y` for the row; the entries for the column, x of `along_x` and how often the wave
@@ -50,7 +55,7 @@ def slope_power(spectrum, weights, along_y, along_x) -> float:
     return _sum(xp, _power(xp, spectrum) * (weights * (along_y[:, None] + along_x)))
 
 
-def extent(field) -> tuple[float, float, int]:
+def extent(field: Array) -> tuple[float, float, int]:
     """Return the least and the largest value, and how many are infinite or no number.
 
     Where there are any of those, the other two tell nothing.
@@ -61,19 +66,29 @@ def extent(field) -> tuple[float, float, int]:
     return float(xp.min(field)), float(xp.max(field)), missing
 
 
-def make_dimensionless(heights, reference, unit, out) -> None:
+def make_dimensionless(heights: Array, reference: float, unit: float, out: Array) -> None:
     """Put (`heights` - `reference`) / `unit` into `out`."""
     xp = heights.__array_namespace__()
     out[...] = xp.astype((heights - reference) / unit, out.dtype)
 
 
-def measure(separation, heights, reference, unit, start, before, level, pressure, cap):
+def measure(
+    separation: Array,
+    heights: Array,
+    reference: float,
+    unit: float,
+    start: Array,
+    before: Array,
+    offset: float,
+    pressure: Array,
+    cap: float,
+) -> Array:
     """Take the heights off the displacement that `separation` holds; return what that pass can tell.
 
     A height counts as (height - `reference`) / `unit`. The separation itself is in `separation` afterwards.
     Six sums, in double precision: pressure x displacement; displacement squared; separation over the free
     contact {0 < p < cap}, and the number of its points; change of pressure x separation `before`, and after,
-    both less `level`, which drops out but for rounding. The change is that from the pressure `start`.
+    both less `offset`, which drops out but for rounding. The change is that from the pressure `start`.
     """
     xp = pressure.__array_namespace__()
     displaced = xp.asarray(separation, copy=True)
@@ -85,112 +100,126 @@ def measure(separation, heights, reference, unit, start, before, level, pressure
         _sum(xp, displaced * displaced),
         _sum(xp, xp.where(free, separation, xp.zeros_like(separation))),
         int(xp.count_nonzero(free)),
-        _sum(xp, change * (before - level)),
-        _sum(xp, change * (separation - level)),
+        _sum(xp, change * (before - offset)),
+        _sum(xp, change * (separation - offset)),
     )
 
 
-def remainder(pressure, separation, level, cap, values) -> int:
-    """Put the gap at unsettled points into `values`, zero elsewhere; return their number.
+def masked_residual(pressure: Array, separation: Array, offset: float, cap: float, values: Array) -> int:
+    """Put the gap over the active set into `values`, zero elsewhere; return the number of its points.
 
-    Unsettled are the points that carry pressure below the cap, overlap without pressure, or gape at the cap:
-    there the gap should vanish. One that does vanish stands as `CLOSED`: no other value is zero.
+    The active set is where the gap should vanish: `active_set`. A gap that does vanish there stands as
+    `CLOSED`, so that the values are zero at inactive points alone.
     """
     xp = pressure.__array_namespace__()
-    gap = separation - level
-    chosen = unsettled(pressure, gap, cap)
-    values[...] = xp.astype(xp.where(chosen, gap, xp.zeros_like(gap)), values.dtype)
-    values[...] = xp.where(chosen & (values == 0), xp.full_like(values, CLOSED), values)
-    return int(xp.count_nonzero(chosen))
+    gap = separation - offset
+    active = active_set(pressure, gap, cap)
+    values[...] = xp.astype(xp.where(active, gap, xp.zeros_like(gap)), values.dtype)
+    values[...] = xp.where(active & (values == 0), xp.full_like(values, CLOSED), values)
+    return int(xp.count_nonzero(active))
 
 
-def advance(pressure, separation, product, level, mean, length, cap, out, free) -> None:
-    """Put p - length (product - mean), held between 0 and `cap`, into `out`.
+def advance(
+    pressure: Array,
+    separation: Array,
+    correction: Array,
+    offset: float,
+    mean: float,
+    length: float,
+    cap: float,
+    out: Array,
+    free: Array,
+) -> None:
+    """Put p - length (correction - mean), projected onto [0, `cap`], into `out`.
 
-    What holding took away comes into `product`. Settled points keep the pressure they have. `free` becomes 1
-    between the bounds, 0 elsewhere.
+    What the projection took away comes into `correction`. Inactive points keep the pressure they have.
+    `free` becomes 1 between the bounds, 0 elsewhere.
     """
     xp = pressure.__array_namespace__()
-    moved = pressure - length * (product - mean)
-    moved = xp.where(unsettled(pressure, separation - level, cap), moved, pressure)
-    held = xp.clip(moved, 0, None if cap == float("inf") else cap)
-    out[...] = xp.astype(held, out.dtype)
-    free[...] = xp.astype((held > 0) & (held < cap), free.dtype)
-    product[...] = xp.astype(moved - held, product.dtype)
+    moved = pressure - length * (correction - mean)
+    moved = xp.where(active_set(pressure, separation - offset, cap), moved, pressure)
+    projected = xp.clip(moved, 0, None if cap == float("inf") else cap)
+    out[...] = xp.astype(projected, out.dtype)
+    free[...] = xp.astype((projected > 0) & (projected < cap), free.dtype)
+    correction[...] = xp.astype(moved - projected, correction.dtype)
 
 
-def receive(field, passed, coarse, factors, free, cap) -> tuple[float, float]:
+def redistribute(
+    field: Array, passed: Array, coarse: Array, factors: Factors, free: Array, cap: float
+) -> tuple[float, float]:
     """Add `passed` and `coarse`, shared out, to `field` where `free` is not zero.
 
-    Returns how much of the field then lies outside of 0 and `cap`, and the sum of the field held between
+    Returns how much of the field then lies outside of 0 and `cap`, and the sum of the field projected between
     them, in double precision.
     """
     xp = field.__array_namespace__()
     shared = repeat(coarse, factors) / (factors[0] * factors[1])
     field += xp.astype((passed + shared) * (1 - _zeros_of(free)), field.dtype)
-    held = xp.clip(field, 0, None if cap == float("inf") else cap)
-    return _sum(xp, xp.abs(field - held)), _sum(xp, held)
+    projected = xp.clip(field, 0, None if cap == float("inf") else cap)
+    return _sum(xp, xp.abs(field - projected)), _sum(xp, projected)
 
 
-def bound(field, cap, taken, free) -> None:
-    """Hold `field` between 0 and `cap`; what that takes away comes into `taken`.
+def project(field: Array, cap: float, taken: Array, free: Array) -> None:
+    """Project `field` onto [0, `cap`]; what that takes away comes into `taken`.
 
     `free` becomes 1 between the bounds and 0 elsewhere.
     """
     xp = field.__array_namespace__()
-    held = xp.clip(field, 0, None if cap == float("inf") else cap)
-    taken[...] = xp.astype(field - held, taken.dtype)
-    free[...] = xp.astype((held > 0) & (held < cap), free.dtype)
-    field[...] = held
+    projected = xp.clip(field, 0, None if cap == float("inf") else cap)
+    taken[...] = xp.astype(field - projected, taken.dtype)
+    free[...] = xp.astype((projected > 0) & (projected < cap), free.dtype)
+    field[...] = projected
 
 
-def rescale(field, factor, cap) -> None:
-    """Hold `field` between 0 and `cap` and multiply it by a number."""
+def rescale(field: Array, factor: float, cap: float) -> None:
+    """Project `field` onto [0, `cap`] and multiply it by a number."""
     xp = field.__array_namespace__()
     field[...] = xp.clip(field, 0, None if cap == float("inf") else cap) * factor
 
 
-def hold(pressure, separation, level, cap, values) -> float:
-    """Hold `values` to what a certificate allows: at most the gap where p = 0, at least it at the cap.
+def project_residual(pressure: Array, separation: Array, offset: float, cap: float, values: Array) -> float:
+    """Project `values` onto what a certificate allows: at most the gap where p = 0, at least it at the cap.
 
     Returns the sum of the squares of what that changes.
     """
     xp = pressure.__array_namespace__()
-    gap = xp.astype(separation - level, values.dtype)
-    held = xp.where(pressure <= 0, xp.minimum(values, gap), values)
-    held = xp.where(pressure >= cap, xp.maximum(held, gap), held)
-    change = held - values
-    values[...] = held
+    gap = xp.astype(separation - offset, values.dtype)
+    projected = xp.where(pressure <= 0, xp.minimum(values, gap), values)
+    projected = xp.where(pressure >= cap, xp.maximum(projected, gap), projected)
+    change = projected - values
+    values[...] = projected
     return _sum(xp, change * change)
 
 
-def restore_units(pressure, gap, level, pressure_unit, gap_unit, contact) -> tuple[float, float]:
-    """Take `level` off the gap, multiply it and the pressure by their units, and mark where there is contact.
+def restore_units(
+    pressure: Array, gap: Array, offset: float, pressure_unit: float, gap_unit: float, contact: Array
+) -> tuple[float, float]:
+    """Take `offset` off the gap, multiply it and the pressure by their units, and mark the contact.
 
     Returns the least gap and the sum of the pressure, in their units and in double precision.
     """
     xp = pressure.__array_namespace__()
-    gap -= level
+    gap -= offset
     gap *= gap_unit
     pressure *= pressure_unit
     contact[...] = xp.astype(pressure > 0, contact.dtype)
     return float(xp.min(gap)), _sum(xp, pressure)
 
 
-def block_mean(field, factors, out) -> None:
+def block_mean(field: Array, factors: Factors, out: Array) -> None:
     """Put the means of `field` over blocks of `factors` cells into `out`."""
     xp = field.__array_namespace__()
     (ny, nx), (fy, fx) = out.shape, factors
     out[...] = xp.mean(xp.reshape(field, (ny, fy, nx, fx)), axis=(1, 3))
 
 
-def chosen_share(chosen, factors, out) -> None:
-    """Put the share of points where `chosen` is not zero, over blocks of `factors` cells, into `out`."""
-    xp = chosen.__array_namespace__()
-    block_mean(xp.astype(chosen != 0, out.dtype), factors, out)
+def active_share(active: Array, factors: Factors, out: Array) -> None:
+    """Put the share of points where `active` is not zero, over blocks of `factors` cells, into `out`."""
+    xp = active.__array_namespace__()
+    block_mean(xp.astype(active != 0, out.dtype), factors, out)
 
 
-def weigh(weight, share, factors, scattered, empty, gain) -> None:
+def weigh(weight: Array, share: Array, factors: Factors, scattered: bool, empty: Array, gain: Array) -> None:
     """Make the weight of every cell of the mean weight of its parts; put the ratio of the two into `gain`.
 
     The linear size of a contact that covers the `share` of a cell is the root of that, if it is in one piece,
@@ -207,18 +236,18 @@ def weigh(weight, share, factors, scattered, empty, gain) -> None:
     empty[...] = 1 - weight
 
 
-def weighted_mean(field, factors, gain, out) -> None:
+def weighted_mean(field: Array, factors: Factors, gain: Array, out: Array) -> None:
     """Put `gain` x the means of `field` over blocks of `factors` cells into `out`."""
     block_mean(field, factors, out)
     out *= gain
 
 
-def mix(values, empty, coarse, factors, out) -> None:
+def mix(values: Array, empty: Array, coarse: Array, factors: Factors, out: Array) -> None:
     """Put `values` + `empty` x `coarse`, each coarse cell repeated `factors` times, into `out`."""
     out[...] = values + empty * repeat(coarse, factors)
 
 
-def neighbours(field, weights, out) -> None:
+def neighbours(field: Array, weights: Weights, out: Array) -> None:
     """Put the weighted means of the eight neighbours, over the periodic boundary, into `out`.
 
     `weights`: those of a neighbour across y, across x, and diagonal.
@@ -230,61 +259,65 @@ def neighbours(field, weights, out) -> None:
     out[...] = xp.roll(row, 1, axis=1) + xp.roll(row, -1, axis=1) + across_y * column
 
 
-def fill(values, empty, mixed, weights, out) -> None:
+def fill(values: Array, empty: Array, mixed: Array, weights: Weights, out: Array) -> None:
     """Put `values` + `empty` x the neighbours' means of `mixed` into `out`."""
     neighbours(mixed, weights, out)
     out[...] = values + empty * out
 
 
-def fill_from(values, chosen, coarse, factors, weights, out) -> None:
+def fill_from(
+    values: Array, active: Array, coarse: Array, factors: Factors, weights: Weights, out: Array
+) -> None:
     """Put `values` + empty x the neighbours' means of the mixture of `values` and `coarse` into `out`.
 
     The mixture is `values` + empty x `coarse`, each coarse cell repeated `factors` times, with empty 1 where
-    `chosen` is zero and 0 elsewhere.
+    `active` is zero and 0 elsewhere.
     """
-    empty = _zeros_of(chosen)
+    empty = _zeros_of(active)
     fill(values, empty, values + empty * repeat(coarse, factors), weights, out)
 
 
-def empty_neighbours(field, empty, weights, out) -> None:
+def empty_neighbours(field: Array, empty: Array, weights: Weights, out: Array) -> None:
     """Put the neighbours' means of `empty` x `field` into `out`, the transpose of filling."""
     neighbours(empty * field, weights, out)
 
 
-def gather(field, empty, factors, out) -> None:
+def gather(field: Array, empty: Array, factors: Factors, out: Array) -> None:
     """Put the sums of `empty` x `field` over blocks of cells into `out`, the transpose of mixing."""
     block_mean(empty * field, factors, out)
     out *= factors[0] * factors[1]
 
 
-def empty_from(field, chosen, weights, passed, factors, coarse) -> None:
+def empty_from(
+    field: Array, active: Array, weights: Weights, passed: Array, factors: Factors, coarse: Array
+) -> None:
     """Put the neighbours' means of empty x `field` into `passed`, and gather that into `coarse`.
 
-    Empty as in `fill_from`, of which this is, with `conclude`, the transpose.
+    Empty as in `fill_from`, of which this is, with `finish_restriction`, the transpose.
     """
-    empty = _zeros_of(chosen)
+    empty = _zeros_of(active)
     empty_neighbours(field, empty, weights, passed)
     gather(passed, empty, factors, coarse)
 
 
-def spread(field, gain, coarse, factors) -> None:
+def spread(field: Array, gain: Array, coarse: Array, factors: Factors) -> None:
     """Add `coarse`, each cell shared out among its fine ones, to `field`, and multiply that by `gain`."""
     field += repeat(coarse, factors) / (factors[0] * factors[1])
     field *= gain
 
 
-def conclude(field, passed, coarse, factors, chosen) -> float:
-    """Add `passed` and `coarse`, shared out, to `field` where `chosen` is not zero; elsewhere make it zero.
+def finish_restriction(field: Array, passed: Array, coarse: Array, factors: Factors, active: Array) -> float:
+    """Add `passed` and `coarse`, shared out, to `field` where `active` is not zero; elsewhere make it zero.
 
     Returns the sum of the field, in double precision.
     """
     xp = field.__array_namespace__()
     shared = repeat(coarse, factors) / (factors[0] * factors[1])
-    field[...] = (field + (passed + shared)) * (1 - _zeros_of(chosen))
+    field[...] = (field + (passed + shared)) * (1 - _zeros_of(active))
     return _sum(xp, field)
 
 
-def refine(coarse, factors, out) -> None:
+def refine(coarse: Array, factors: Factors, out: Array) -> None:
     """Put the pressure `coarse` onto a grid `factors` times finer, into `out`, with edges between the cells.
 
     Towards the edge of a contact the pressure falls as the root of the distance (Johnson 1985, chapter 4), so
@@ -308,7 +341,7 @@ def refine(coarse, factors, out) -> None:
     out[...] = xp.reshape(parts, out.shape)
 
 
-def _continued(xp, square):
+def _continued(xp: Any, square: Array) -> Array:
     """Return `square`, continued linearly from the contact {> 0} into the cells beside it, below zero."""
     total, count = xp.zeros_like(square), xp.zeros_like(square)
     for ey in (-1, 0, 1):
@@ -323,29 +356,36 @@ def _continued(xp, square):
     return xp.where(square > 0, square, beyond)
 
 
-def _between(xp, field, offset, axis):
+def _between(xp: Any, field: Array, offset: float, axis: int) -> Array:
     """Return `field` interpolated linearly at `offset` cells, |offset| < 1, along an axis."""
     share = abs(offset)
     return (1 - share) * field + share * xp.roll(field, -1 if offset > 0 else 1, axis=axis)
 
 
-def repeat(field, factors):
+def repeat(field: Array, factors: Factors) -> Array:
     """Return `field` with every cell repeated `factors` times."""
     xp = field.__array_namespace__()
     return xp.repeat(xp.repeat(field, factors[0], axis=0), factors[1], axis=1)
 
 
-def unsettled(pressure, gap, cap):
-    """Return where the gap should vanish and may not yet: see `remainder`."""
+def active_set(pressure: Array, gap: Array, cap: float) -> Array:
+    """Return the active set: the points where the gap should vanish and may not yet.
+
+    They carry a pressure below the cap, overlap without pressure, or gape at the cap.
+    """
     none, full = pressure <= 0, pressure >= cap
     return (none & (gap < 0)) | (full & (gap > 0)) | ~(none | full)
 
 
-def _zeros_of(field):
+def _zeros_of(field: Array) -> Array:
     """Return 1 where `field` is zero and 0 elsewhere."""
     xp = field.__array_namespace__()
     return xp.astype(field == 0, field.dtype)
 
 
-def _sum(xp, field) -> float:
+def _sum(xp: Any, field: Array) -> float:
     return float(xp.sum(field, dtype=xp.float64))
+
+
+def small_grids(grids: Sequence[Any], stores: Sequence[Array], ends: Sequence[int]) -> None:
+    """Return None: every grid of a hierarchy is passed over by itself."""

@@ -18,14 +18,6 @@ from roughcontact.kernels.arrays import empty
 from roughcontact.kernels.memory import store
 from roughcontact.kernels.threads import threads_for
 
-try:
-    # MKL then shares one pool of threads with Numba: two pools take the cores from each other
-    ctypes.CDLL("libgomp.so.1")
-    os.environ.setdefault("MKL_THREADING_LAYER", "GNU")
-except OSError:
-    # Intel's threads go on waiting busily after a transform, for 200 ms; this spans the gap between two
-    os.environ.setdefault("KMP_BLOCKTIME", "1")
-
 
 class Plan:
     """Transforms of real fields of the shape of `like` in a `precision`, by the library that it belongs to.
@@ -65,6 +57,7 @@ class MklPlan(Plan):
     """
 
     def __init__(self, like, precision, *, threads=1, share=None):
+        _choose_mkl_threading()
         self.shape = like.shape
         self.threads = threads_for(like.size, threads)
         waves = (self.shape[0], self.shape[1] // 2 + 1)
@@ -98,6 +91,18 @@ def _mkl_threads(threads):
         yield
     finally:
         mkl.set_num_threads_local(before)
+
+
+@cache
+def _choose_mkl_threading() -> None:
+    """Before MKL is loaded, say how it threads, where the user has not said it in the environment."""
+    try:
+        # one pool of threads with Numba: two pools take the cores from each other
+        ctypes.CDLL("libgomp.so.1")
+        os.environ.setdefault("MKL_THREADING_LAYER", "GNU")
+    except OSError:
+        # Intel's threads go on waiting busily after a transform, for 200 ms; this spans the gap between two
+        os.environ.setdefault("KMP_BLOCKTIME", "1")
 
 
 @cache

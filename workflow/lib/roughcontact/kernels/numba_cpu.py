@@ -8,7 +8,10 @@ All is in one file because Numba compiles anew only what stands in a file that h
 written out because it keeps no compiled code of functions that are made by another.
 """
 
+import os
 from contextlib import contextmanager, nullcontext
+from functools import cache
+from itertools import pairwise
 from threading import Lock
 
 import numba
@@ -18,8 +21,6 @@ from roughcontact.kernels.array_api import CLOSED
 from roughcontact.kernels.memory import store
 from roughcontact.kernels.threads import threads_for
 
-# One pool of threads with MKL (`roughcontact.kernels.fft`), and the quickest to start.
-numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
 # Sums may be reordered, for the sake of vector instructions; infinities and NaN keep their meaning.
 _options = {
     "cache": True,
@@ -30,12 +31,12 @@ _options = {
 _compile = numba.njit(**_options)
 _compile_shared = numba.njit(parallel=True, **_options)
 _turn = Lock()
+_NUMBA_DEFAULT = ["tbb", "omp", "workqueue"]
+SMALL_GRID = 64 * 64  # cells up to which the grids of a hierarchy are passed over in one call
 
 
 class Compiled:
     """The kernels, run by up to `threads` threads."""
-
-    TAIL = 64 * 64  # cells up to which the grids of a pyramid are passed over in one call
 
     def __init__(self, threads: int = 1):
         self.threads = threads
@@ -61,50 +62,50 @@ class Compiled:
         arguments = heights, kind(reference), kind(1 / unit), out
         self._run(_make_dimensionless, _share_make_dimensionless, len(out), *arguments)
 
-    def measure(self, separation, heights, reference, unit, before_pressure, before, level, pressure, cap):
+    def measure(self, separation, heights, reference, unit, before_pressure, before, offset, pressure, cap):
         kind = pressure.dtype.type
         heights = heights, heights.dtype.type(reference), heights.dtype.type(1 / unit)
-        arguments = before_pressure, before, kind(level), pressure, kind(cap)
+        arguments = before_pressure, before, kind(offset), pressure, kind(cap)
         return tuple(self._run(_measure, _share_measure, len(pressure), separation, *heights, *arguments))
 
-    def remainder(self, pressure, separation, level, cap, values):
+    def masked_residual(self, pressure, separation, offset, cap, values):
         kind = separation.dtype.type
-        arguments = pressure, separation, kind(level), kind(cap), values
-        return self._run(_remainder, _share_remainder, len(pressure), *arguments)
+        arguments = pressure, separation, kind(offset), kind(cap), values
+        return self._run(_masked_residual, _share_masked_residual, len(pressure), *arguments)
 
-    def advance(self, pressure, separation, product, level, mean, length, cap, out, free):
-        kind, inner = pressure.dtype.type, product.dtype.type
-        scalars = kind(level), inner(mean), inner(length), kind(cap)
-        arguments = pressure, separation, product, *scalars, out, free
+    def advance(self, pressure, separation, correction, offset, mean, length, cap, out, free):
+        kind, inner = pressure.dtype.type, correction.dtype.type
+        scalars = kind(offset), inner(mean), inner(length), kind(cap)
+        arguments = pressure, separation, correction, *scalars, out, free
         self._run(_advance, _share_advance, len(out), *arguments)
 
-    def receive(self, field, passed, coarse, factors, free, cap):
+    def redistribute(self, field, passed, coarse, factors, free, cap):
         arguments = field, passed, coarse, *factors, free, field.dtype.type(cap)
-        return self._run(_receive, _share_receive, len(coarse), *arguments)
+        return self._run(_redistribute, _share_redistribute, len(coarse), *arguments)
 
-    def bound(self, field, cap, taken, free):
-        self._run(_bound, _share_bound, len(field), field, field.dtype.type(cap), taken, free)
+    def project(self, field, cap, taken, free):
+        self._run(_project, _share_project, len(field), field, field.dtype.type(cap), taken, free)
 
     def rescale(self, field, factor, cap):
         kind = field.dtype.type
         self._run(_rescale, _share_rescale, len(field), field, kind(factor), kind(cap))
 
-    def hold(self, pressure, separation, level, cap, values):
+    def project_residual(self, pressure, separation, offset, cap, values):
         kind = separation.dtype.type
-        arguments = pressure, separation, kind(level), kind(cap), values
-        return self._run(_hold, _share_hold, len(values), *arguments)
+        arguments = pressure, separation, kind(offset), kind(cap), values
+        return self._run(_project_residual, _share_project_residual, len(values), *arguments)
 
-    def restore_units(self, pressure, gap, level, pressure_unit, gap_unit, contact):
+    def restore_units(self, pressure, gap, offset, pressure_unit, gap_unit, contact):
         kind = pressure.dtype.type
-        scalars = kind(level), kind(pressure_unit), kind(gap_unit)
+        scalars = kind(offset), kind(pressure_unit), kind(gap_unit)
         arguments = pressure, gap, *scalars, contact
         return self._run(_restore_units, _share_restore_units, len(pressure), *arguments)
 
     def block_mean(self, field, factors, out):
         self._run(_block_mean, _share_block_mean, len(out), field, *factors, out)
 
-    def chosen_share(self, chosen, factors, out):
-        self._run(_chosen_share, _share_chosen_share, len(out), chosen, *factors, out)
+    def active_share(self, active, factors, out):
+        self._run(_active_share, _share_active_share, len(out), active, *factors, out)
 
     def weigh(self, weight, share, factors, scattered, empty, gain):
         arguments = weight, share, *factors, scattered, empty, gain
@@ -122,8 +123,8 @@ class Compiled:
     def fill(self, values, empty, mixed, weights, out):
         self._run(_fill, _share_fill, len(out), values, empty, mixed, *_cast(weights, mixed), out)
 
-    def fill_from(self, values, chosen, coarse, factors, weights, out):
-        arguments = values, chosen, coarse, *factors, *_cast(weights, coarse), out
+    def fill_from(self, values, active, coarse, factors, weights, out):
+        arguments = values, active, coarse, *factors, *_cast(weights, coarse), out
         self._run(_fill_from, _share_fill_from, len(out), *arguments)
 
     def empty_neighbours(self, field, empty, weights, out):
@@ -133,35 +134,21 @@ class Compiled:
     def gather(self, field, empty, factors, out):
         self._run(_gather, _share_gather, len(out), field, empty, *factors, out)
 
-    def empty_from(self, field, chosen, weights, passed, factors, coarse):
+    def empty_from(self, field, active, weights, passed, factors, coarse):
         arguments = *_cast(weights, field), passed, *factors, coarse
-        self._run(_empty_from, _share_empty_from, len(coarse), field, chosen, *arguments)
+        self._run(_empty_from, _share_empty_from, len(coarse), field, active, *arguments)
 
     def spread(self, field, gain, coarse, factors):
         self._run(_spread, _share_spread, len(coarse), field, gain, coarse, *factors)
 
-    def conclude(self, field, passed, coarse, factors, chosen):
-        arguments = field, passed, coarse, *factors, chosen
-        return self._run(_conclude, _share_conclude, len(coarse), *arguments)
+    def finish_restriction(self, field, passed, coarse, factors, active):
+        arguments = field, passed, coarse, *factors, active
+        return self._run(_finish_restriction, _share_finish_restriction, len(coarse), *arguments)
 
-    @staticmethod
-    def pack(levels, stores, ends, first):
-        """Return the levels from number `first` on in the form that the passes over small grids take."""
-        table = [
-            (*level.empty.shape, *level.factors, start, level.scattered)
-            for level, start in zip(levels[first:], ends[first:-1], strict=True)
-        ]
-        weights = np.array([level.weights for level in levels[first:]], dtype=stores[0].dtype)
-        return *stores, np.array(table), weights
-
-    def weigh_small(self, small):
-        _weigh_small(*small)
-
-    def fill_small(self, small, sweeps, room, other):
-        _fill_small(*small, sweeps, room, other)
-
-    def return_small(self, small, sweeps, room, other):
-        _return_small(*small, sweeps, room, other)
+    def small_grids(self, grids, stores, ends):
+        cells = [end - start for start, end in pairwise(ends)]
+        first = sum(count > SMALL_GRID for count in cells)
+        return SmallGrids(grids, stores, ends, first) if first < len(grids) else None
 
     def refine(self, coarse, factors, out):
         square = store.empty(coarse.shape, coarse.dtype)
@@ -175,6 +162,7 @@ class Compiled:
         """
         if threads_for(arguments[0].size, self.threads) == 1:
             return kernel(0, rows, *arguments)
+        _prefer_openmp()
         if numba.get_num_threads() == self.threads and numba.threading_layer() != "workqueue":
             # the usual case: to set what is set already takes as long as a small pass
             return shared(self.threads, rows, arguments)
@@ -182,8 +170,41 @@ class Compiled:
             return shared(threads, rows, arguments)
 
 
+class SmallGrids:
+    """The grids of a hierarchy from number `first` on, in the form that one call takes."""
+
+    def __init__(self, grids, stores, ends, first):
+        self.first = first
+        table = [
+            (*grid.empty.shape, *grid.factors, start, grid.scattered)
+            for grid, start in zip(grids[first:], ends[first:-1], strict=True)
+        ]
+        weights = np.array([grid.weights for grid in grids[first:]], dtype=stores[0].dtype)
+        self._packed = *stores, np.array(table), weights
+
+    def weigh(self):
+        _weigh_small(*self._packed)
+
+    def prolong(self, sweeps, work, other):
+        _prolong_small(*self._packed, sweeps, work, other)
+
+    def restrict(self, sweeps, work, other):
+        _restrict_small(*self._packed, sweeps, work, other)
+
+
 def _cast(weights, field):
     return tuple(field.dtype.type(weight) for weight in weights)
+
+
+@cache
+def _prefer_openmp() -> None:
+    """Ask Numba for OpenMP before its first threads start, unless the user has chosen something.
+
+    It is the quickest to start, and one pool of threads with MKL (`roughcontact.kernels.fft`).
+    """
+    chosen = {"NUMBA_THREADING_LAYER", "NUMBA_THREADING_LAYER_PRIORITY"} & set(os.environ)
+    if not chosen and numba.config.THREADING_LAYER_PRIORITY == _NUMBA_DEFAULT:
+        numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
 
 
 @contextmanager
@@ -253,7 +274,7 @@ def _make_dimensionless(first, last, heights, reference, scale, out):
 
 @_compile
 def _measure(
-    first, last, separation, heights, reference, scale, before_pressure, before, level, pressure, cap
+    first, last, separation, heights, reference, scale, before_pressure, before, offset, pressure, cap
 ):
     work = square = free_sum = slope = slope_after = 0.0
     free = 0
@@ -262,8 +283,8 @@ def _measure(
             p, u = pressure[i, j], separation[i, j]
             v = u - (heights[i, j] - reference) * scale
             change = p - before_pressure[i, j]
-            slope += change * (before[i, j] - level)
-            slope_after += change * (v - level)
+            slope += change * (before[i, j] - offset)
+            slope_after += change * (v - offset)
             separation[i, j] = v
             work += p * u
             square += u * u
@@ -274,38 +295,38 @@ def _measure(
 
 
 @_compile
-def _remainder(first, last, pressure, separation, level, cap, values):
+def _masked_residual(first, last, pressure, separation, offset, cap, values):
     count = 0
     zero, closed = values.dtype.type(0), values.dtype.type(CLOSED)
     for i in range(first, last):
         for j in range(pressure.shape[1]):
-            p, gap = pressure[i, j], separation[i, j] - level
-            none, full = p <= 0, p >= cap
-            unsettled = (none & (gap < 0)) | (full & (gap > 0)) | ((not none) & (not full))
+            p, gap = pressure[i, j], separation[i, j] - offset
+            lower, upper = p <= 0, p >= cap
+            active = (lower & (gap < 0)) | (upper & (gap > 0)) | ((not lower) & (not upper))
             value = values.dtype.type(gap)
             value = closed if value == zero else value
-            values[i, j] = value if unsettled else zero
-            count += unsettled
+            values[i, j] = value if active else zero
+            count += active
     return count
 
 
 @_compile
-def _advance(first, last, pressure, separation, product, level, mean, length, cap, out, free):
+def _advance(first, last, pressure, separation, correction, offset, mean, length, cap, out, free):
     zero, one = out.dtype.type(0), free.dtype.type(1)
     for i in range(first, last):
         for j in range(pressure.shape[1]):
-            p, gap = pressure[i, j], separation[i, j] - level
-            none, full = p <= 0, p >= cap
-            unsettled = (none & (gap < 0)) | (full & (gap > 0)) | ((not none) & (not full))
-            moved = p - length * (product[i, j] - mean) if unsettled else p
-            held = min(max(moved, zero), cap)
-            out[i, j] = held
-            product[i, j] = moved - held
-            free[i, j] = one if (held > zero) & (held < cap) else one - one
+            p, gap = pressure[i, j], separation[i, j] - offset
+            lower, upper = p <= 0, p >= cap
+            active = (lower & (gap < 0)) | (upper & (gap > 0)) | ((not lower) & (not upper))
+            moved = p - length * (correction[i, j] - mean) if active else p
+            projected = min(max(moved, zero), cap)
+            out[i, j] = projected
+            correction[i, j] = moved - projected
+            free[i, j] = one if (projected > zero) & (projected < cap) else one - one
 
 
 @_compile
-def _receive(first, last, field, passed, coarse, fy, fx, free, cap):
+def _redistribute(first, last, field, passed, coarse, fy, fx, free, cap):
     # rows are counted on the coarse grid
     row = np.empty(field.shape[1], dtype=passed.dtype)
     share = passed.dtype.type(1 / (fy * fx))
@@ -318,22 +339,22 @@ def _receive(first, last, field, passed, coarse, fy, fx, free, cap):
                 change = passed[i, j] + row[j]
                 value = field[i, j] + (change if free[i, j] != nothing else nothing)
                 field[i, j] = value
-                held = min(max(value, zero), cap)
-                outside += abs(value - held)
-                total += held
+                projected = min(max(value, zero), cap)
+                outside += abs(value - projected)
+                total += projected
     return outside, total
 
 
 @_compile
-def _bound(first, last, field, cap, taken, free):
+def _project(first, last, field, cap, taken, free):
     zero, one = field.dtype.type(0), free.dtype.type(1)
     for i in range(first, last):
         for j in range(field.shape[1]):
             value = field[i, j]
-            held = min(max(value, zero), cap)
-            field[i, j] = held
-            taken[i, j] = value - held
-            free[i, j] = one if (held > zero) & (held < cap) else one - one
+            projected = min(max(value, zero), cap)
+            field[i, j] = projected
+            taken[i, j] = value - projected
+            free[i, j] = one if (projected > zero) & (projected < cap) else one - one
 
 
 @_compile
@@ -345,27 +366,27 @@ def _rescale(first, last, field, factor, cap):
 
 
 @_compile
-def _hold(first, last, pressure, separation, level, cap, values):
+def _project_residual(first, last, pressure, separation, offset, cap, values):
     total = 0.0
     for i in range(first, last):
         for j in range(pressure.shape[1]):
             p, r = pressure[i, j], values[i, j]
-            gap = values.dtype.type(separation[i, j] - level)
-            held = min(r, gap) if p <= 0 else r
-            held = max(held, gap) if p >= cap else held
-            total += (held - r) * (held - r)
-            values[i, j] = held
+            gap = values.dtype.type(separation[i, j] - offset)
+            projected = min(r, gap) if p <= 0 else r
+            projected = max(projected, gap) if p >= cap else projected
+            total += (projected - r) * (projected - r)
+            values[i, j] = projected
     return total
 
 
 @_compile
-def _restore_units(first, last, pressure, gap, level, pressure_unit, gap_unit, contact):
+def _restore_units(first, last, pressure, gap, offset, pressure_unit, gap_unit, contact):
     least = np.full(gap.shape[1], np.inf, dtype=gap.dtype)
     total = 0.0
     for i in range(first, last):
         for j in range(pressure.shape[1]):
             p = pressure[i, j] * pressure_unit
-            g = (gap[i, j] - level) * gap_unit
+            g = (gap[i, j] - offset) * gap_unit
             pressure[i, j], gap[i, j] = p, g
             contact[i, j] = p > 0
             total += p
@@ -414,15 +435,15 @@ def _block_mean(first, last, field, fy, fx, out):
 
 
 @_compile
-def _chosen_share(first, last, chosen, fy, fx, out):
-    columns = np.empty(chosen.shape[1], dtype=out.dtype)
+def _active_share(first, last, active, fy, fx, out):
+    columns = np.empty(active.shape[1], dtype=out.dtype)
     zero, one = out.dtype.type(0), out.dtype.type(1)
     share = out.dtype.type(1 / (fy * fx))
     for i in range(first, last):
         columns[:] = 0
         for k in range(fy):
             for j in range(columns.size):
-                columns[j] += zero if chosen[i * fy + k, j] == zero else one
+                columns[j] += zero if active[i * fy + k, j] == zero else one
         _fold(columns, fx, share, out[i])
 
 
@@ -494,28 +515,28 @@ def _fill(first, last, values, empty, mixed, across_y, across_x, diagonal, out):
 
 
 @_compile
-def _mixed_row(i, values, chosen, coarse, fy, fx, row, out):
+def _mixed_row(i, values, active, coarse, fy, fx, row, out):
     zero = out.dtype.type(0)
     _unfold(coarse[i // fy], fx, out.dtype.type(1), row)
     for j in range(out.size):
-        out[j] = values[i, j] + (row[j] if chosen[i, j] == zero else zero)
+        out[j] = values[i, j] + (row[j] if active[i, j] == zero else zero)
 
 
 @_compile
-def _fill_from(first, last, values, chosen, coarse, fy, fx, across_y, across_x, diagonal, out):
+def _fill_from(first, last, values, active, coarse, fy, fx, across_y, across_x, diagonal, out):
     ny, nx = values.shape
     zero = out.dtype.type(0)
     row, result = np.empty(nx + 2, dtype=out.dtype), np.empty(nx, dtype=out.dtype)
     mixed = np.empty((3, nx), dtype=out.dtype)  # the row before, this one and the next, in turns
-    _mixed_row(_before(first, ny), values, chosen, coarse, fy, fx, result, mixed[2])
-    _mixed_row(first, values, chosen, coarse, fy, fx, result, mixed[0])
+    _mixed_row(_before(first, ny), values, active, coarse, fy, fx, result, mixed[2])
+    _mixed_row(first, values, active, coarse, fy, fx, result, mixed[0])
     for i in range(first, last):
         here = (i - first) % 3
-        _mixed_row(_after(i, ny), values, chosen, coarse, fy, fx, result, mixed[(here + 1) % 3])
+        _mixed_row(_after(i, ny), values, active, coarse, fy, fx, result, mixed[(here + 1) % 3])
         up, down = mixed[(here + 2) % 3], mixed[(here + 1) % 3]
         _around(up, mixed[here], down, across_y, across_x, diagonal, row, result)
         for j in range(nx):
-            out[i, j] = values[i, j] + (result[j] if chosen[i, j] == zero else zero)
+            out[i, j] = values[i, j] + (result[j] if active[i, j] == zero else zero)
 
 
 @_compile
@@ -545,31 +566,31 @@ def _gather(first, last, field, empty, fy, fx, out):
 
 
 @_compile
-def _empty_row(i, field, chosen, out):
+def _empty_row(i, field, active, out):
     zero = out.dtype.type(0)
     for j in range(out.size):
-        out[j] = field[i, j] if chosen[i, j] == zero else zero
+        out[j] = field[i, j] if active[i, j] == zero else zero
 
 
 @_compile
-def _empty_from(first, last, field, chosen, across_y, across_x, diagonal, passed, fy, fx, coarse):
+def _empty_from(first, last, field, active, across_y, across_x, diagonal, passed, fy, fx, coarse):
     # rows are counted on the coarse grid
     ny, nx = field.shape
     zero = field.dtype.type(0)
     row, columns = np.empty(nx + 2, dtype=field.dtype), np.empty(nx, dtype=field.dtype)
     gaps = np.empty((3, nx), dtype=field.dtype)  # the row before, this one and the next, in turns
     start = first * fy
-    _empty_row(_before(start, ny), field, chosen, gaps[2])
-    _empty_row(start, field, chosen, gaps[0])
+    _empty_row(_before(start, ny), field, active, gaps[2])
+    _empty_row(start, field, active, gaps[0])
     for block in range(first, last):
         columns[:] = 0
         for i in range(block * fy, block * fy + fy):
             here = (i - start) % 3
-            _empty_row(_after(i, ny), field, chosen, gaps[(here + 1) % 3])
+            _empty_row(_after(i, ny), field, active, gaps[(here + 1) % 3])
             up, down = gaps[(here + 2) % 3], gaps[(here + 1) % 3]
             _around(up, gaps[here], down, across_y, across_x, diagonal, row, passed[i])
             for j in range(nx):
-                columns[j] += passed[i, j] if chosen[i, j] == zero else zero
+                columns[j] += passed[i, j] if active[i, j] == zero else zero
         _fold(columns, fx, coarse.dtype.type(1), coarse[block])
 
 
@@ -586,7 +607,7 @@ def _spread(first, last, field, gain, coarse, fy, fx):
 
 
 @_compile
-def _conclude(first, last, field, passed, coarse, fy, fx, chosen):
+def _finish_restriction(first, last, field, passed, coarse, fy, fx, active):
     # rows are counted on the coarse grid
     row = np.empty(field.shape[1], dtype=field.dtype)
     share = field.dtype.type(1 / (fy * fx))
@@ -597,7 +618,7 @@ def _conclude(first, last, field, passed, coarse, fy, fx, chosen):
         for i in range(block * fy, block * fy + fy):
             for j in range(row.size):
                 z = field[i, j] + (passed[i, j] + row[j])
-                z = zero if chosen[i, j] == zero else z
+                z = zero if active[i, j] == zero else z
                 field[i, j] = z
                 total += z
     return total
@@ -611,12 +632,12 @@ def _grid(store, table, number):
 
 
 @_compile
-def _weigh_small(empty, gain, means, room, table, weights):
+def _weigh_small(empty, gain, means, work, table, weights):
     for number in range(len(table)):
-        weight, share = _grid(means, table, number), _grid(room, table, number)
+        weight, share = _grid(means, table, number), _grid(work, table, number)
         more = number + 1 < len(table)
         if more:
-            after = _grid(room, table, number + 1)
+            after = _grid(work, table, number + 1)
             fy, fx = table[number + 1, 2], table[number + 1, 3]
             _block_mean(0, len(after), share, fy, fx, after)
         gaps, gains = _grid(empty, table, number), _grid(gain, table, number)
@@ -640,7 +661,7 @@ def _mean_over_contact(field, empty):
 
 
 @_compile
-def _fill_small(empty, gain, means, room, table, weights, sweeps, one, other):
+def _prolong_small(empty, gain, means, work, table, weights, sweeps, one, other):
     last = len(table) - 1
     for number in range(last):
         coarse = _grid(means, table, number + 1)
@@ -652,14 +673,14 @@ def _fill_small(empty, gain, means, room, table, weights, sweeps, one, other):
         field, gaps, mixed = (
             _grid(means, table, number),
             _grid(empty, table, number),
-            _grid(room, table, number),
+            _grid(work, table, number),
         )
         across_y, across_x, diagonal = weights[number]
         if number == last:
-            level = _mean_over_contact(field, gaps)
+            offset = _mean_over_contact(field, gaps)
             for i in range(field.shape[0]):
                 for j in range(field.shape[1]):
-                    mixed[i, j] = field[i, j] + gaps[i, j] * level
+                    mixed[i, j] = field[i, j] + gaps[i, j] * offset
             for sweep in range(1, sweeps):
                 swept = one if sweep % 2 else other
                 _fill(0, len(field), field, gaps, mixed, across_y, across_x, diagonal, swept)
@@ -672,10 +693,10 @@ def _fill_small(empty, gain, means, room, table, weights, sweeps, one, other):
 
 
 @_compile
-def _return_small(empty, gain, means, room, table, weights, sweeps, one, other):
+def _restrict_small(empty, gain, means, work, table, weights, sweeps, one, other):
     last = len(table) - 1
     for number in range(last + 1):
-        total, gaps = _grid(room, table, number), _grid(empty, table, number)
+        total, gaps = _grid(work, table, number), _grid(empty, table, number)
         across_y, across_x, diagonal = weights[number]
         _neighbours(0, len(total), _grid(means, table, number), across_y, across_x, diagonal, total)
         if number < last:
@@ -693,8 +714,8 @@ def _return_small(empty, gain, means, room, table, weights, sweeps, one, other):
         total *= _grid(gain, table, number)
     for number in range(last - 1, -1, -1):
         fy, fx = table[number + 1, 2], table[number + 1, 3]
-        coarse = _grid(room, table, number + 1)
-        _spread(0, len(coarse), _grid(room, table, number), _grid(gain, table, number), coarse, fy, fx)
+        coarse = _grid(work, table, number + 1)
+        _spread(0, len(coarse), _grid(work, table, number), _grid(gain, table, number), coarse, fy, fx)
 
 
 @_compile
@@ -827,10 +848,12 @@ def _share_measure(shares, rows, arguments):
 
 
 @_compile_shared
-def _share_remainder(shares, rows, arguments):
+def _share_masked_residual(shares, rows, arguments):
     parts = np.empty(shares, dtype=np.int64)
     for share in numba.prange(shares):
-        parts[share] = _remainder(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+        parts[share] = _masked_residual(
+            _edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments
+        )
     return parts.sum()
 
 
@@ -841,18 +864,18 @@ def _share_advance(shares, rows, arguments):
 
 
 @_compile_shared
-def _share_receive(shares, rows, arguments):
+def _share_redistribute(shares, rows, arguments):
     parts = np.empty((2, shares))
     for share in numba.prange(shares):
-        part = _receive(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+        part = _redistribute(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
         parts[0, share], parts[1, share] = part
     return parts[0].sum(), parts[1].sum()
 
 
 @_compile_shared
-def _share_bound(shares, rows, arguments):
+def _share_project(shares, rows, arguments):
     for share in numba.prange(shares):
-        _bound(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+        _project(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
 
 
 @_compile_shared
@@ -862,10 +885,12 @@ def _share_rescale(shares, rows, arguments):
 
 
 @_compile_shared
-def _share_hold(shares, rows, arguments):
+def _share_project_residual(shares, rows, arguments):
     parts = np.empty(shares)
     for share in numba.prange(shares):
-        parts[share] = _hold(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+        parts[share] = _project_residual(
+            _edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments
+        )
     return parts.sum()
 
 
@@ -885,9 +910,9 @@ def _share_block_mean(shares, rows, arguments):
 
 
 @_compile_shared
-def _share_chosen_share(shares, rows, arguments):
+def _share_active_share(shares, rows, arguments):
     for share in numba.prange(shares):
-        _chosen_share(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+        _active_share(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
 
 
 @_compile_shared
@@ -951,10 +976,12 @@ def _share_spread(shares, rows, arguments):
 
 
 @_compile_shared
-def _share_conclude(shares, rows, arguments):
+def _share_finish_restriction(shares, rows, arguments):
     parts = np.empty(shares)
     for share in numba.prange(shares):
-        parts[share] = _conclude(_edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments)
+        parts[share] = _finish_restriction(
+            _edge(share, shares, rows), _edge(share + 1, shares, rows), *arguments
+        )
     return parts.sum()
 
 

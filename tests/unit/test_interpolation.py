@@ -1,12 +1,13 @@
-"""The extension over the gaps, its transpose, and how near it comes to the inverse of the operator."""
+"""The interpolation over the gaps, its transpose, and how near it comes to the inverse of the operator."""
 
 import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from roughcontact.contact.coarsening import coarsening_factors, hierarchy, line_factors, stencil
 from roughcontact.contact.grid import Grid
-from roughcontact.contact.interpolation import Extension, coarsening, collapse, pyramid, stencil
-from roughcontact.kernels import array_api
+from roughcontact.contact.interpolation import Interpolation
+from roughcontact.kernels import array_api, numba_cpu
 from roughcontact.kernels.numba_cpu import Compiled
 from roughcontact.references import synthetic
 
@@ -34,17 +35,17 @@ COLLAPSED = [
 
 
 def make(shape, pitches, contact, engine=array_api, dtype=float):
-    """Return the extension W from the contact set `contact` (ny, nx) and W as a function."""
+    """Return the interpolation P from the contact set `contact` (ny, nx) and P as a function."""
     lengths = tuple(n * d for n, d in zip(shape, pitches, strict=True))
-    extension = Extension(np.empty(shape), np.dtype(dtype).name, lengths, engine)
-    extension.choose(contact.astype(dtype))
+    interpolation = Interpolation(np.empty(shape), np.dtype(dtype).name, lengths, engine)
+    interpolation.set_active(contact.astype(dtype))
 
-    def extend(values):
+    def prolong(values):
         out = np.full(shape, np.nan, dtype=dtype)
-        extension.extend(values, out)
+        interpolation.prolong(values, out)
         return out
 
-    return extension, extend
+    return interpolation, prolong
 
 
 def scattered(shape, share, seed=0):
@@ -71,13 +72,13 @@ def test_the_transpose_is_the_transpose_and_the_contact_keeps_its_values(
 ):
     rng = np.random.default_rng(1)
     contact = scattered(shape, share)
-    extension, extend = make(shape, pitches, contact, engine, dtype)
+    interpolation, prolong = make(shape, pitches, contact, engine, dtype)
     values = np.where(contact, rng.standard_normal(shape), 0).astype(dtype)
     field = rng.standard_normal(shape).astype(dtype)
-    extended = extend(values)
+    extended = prolong(values)
     np.testing.assert_array_equal(extended[contact], values[contact])
     transposed = field.copy()
-    total = extension.transpose(transposed, np.full(shape, np.nan, dtype))
+    total = interpolation.restrict(transposed, np.full(shape, np.nan, dtype))
     assert not transposed[~contact].any()
     rounding = 16 * float(np.finfo(dtype).eps)
     scale = float(np.linalg.norm(extended) * np.linalg.norm(field))
@@ -91,16 +92,16 @@ def test_the_transpose_is_the_transpose_and_the_contact_keeps_its_values(
 
 
 @pytest.mark.parametrize(("shape", "pitches"), GRIDS)
-def test_the_extension_is_linear_and_between_the_values(shape, pitches):
+def test_the_interpolation_is_linear_and_between_the_values(shape, pitches):
     rng = np.random.default_rng(2)
     contact = scattered(shape, 0.2)
-    _, extend = make(shape, pitches, contact)
+    _, prolong = make(shape, pitches, contact)
     one, other = (np.where(contact, rng.standard_normal(shape), 0) for _ in range(2))
     np.testing.assert_allclose(
-        extend(2 * one - 3 * other), 2 * extend(one) - 3 * extend(other), rtol=0, atol=1e-13
+        prolong(2 * one - 3 * other), 2 * prolong(one) - 3 * prolong(other), rtol=0, atol=1e-13
     )
     # positive weights that sum to one; next to lines that do not touch, to less
-    reach = extend(contact.astype(float))
+    reach = prolong(contact.astype(float))
     assert reach.min() >= 0
     assert reach.max() <= 1 + 1e-14
     if (shape, pitches) not in COLLAPSED:
@@ -116,22 +117,22 @@ def test_the_weights_are_the_inverse_cube_of_the_distance():
     assert stencil((2.0, 3.0), (8, 1)) == pytest.approx((0.5, 0, 0))
 
 
-def test_grids_of_the_pyramid():
-    assert coarsening((1.0, 1.0), (12, 45)) == (2, 3)
-    assert coarsening((1.0, 1.0), (7, 25)) == (1, 5)  # 7 is prime
-    assert coarsening((1.0, 1.0), (6, 4)) == (1, 1)  # 3 cells would be too few
-    assert coarsening((2.0, 1.0), (64, 64)) == (1, 2)  # the finer axis alone
-    assert coarsening((1.0, 1.0), (1, 64)) == (1, 2)
-    assert collapse((1.0, 2.9), (8, 8)) == (1, 1)
-    assert collapse((1.0, 3.1), (8, 6)) == (8, 1)
-    assert collapse((3.1, 1.0), (8, 6)) == (1, 6)
-    assert collapse((3.1, 1.0), (1, 6)) == (1, 1)
-    assert pyramid((12, 24), (1.0, 2.0)) == (((6, 12), (2, 2), False), ((6, 6), (1, 2), False))
-    assert pyramid((8, 6), (1.0, 24.0)) == (((4, 6), (2, 1), False), ((1, 6), (4, 1), True))
-    assert pyramid((7, 7), (1.0, 1.0)) == ()
+def test_grids_of_the_hierarchy():
+    assert coarsening_factors((1.0, 1.0), (12, 45)) == (2, 3)
+    assert coarsening_factors((1.0, 1.0), (7, 25)) == (1, 5)  # 7 is prime
+    assert coarsening_factors((1.0, 1.0), (6, 4)) == (1, 1)  # 3 cells would be too few
+    assert coarsening_factors((2.0, 1.0), (64, 64)) == (1, 2)  # the finer axis alone
+    assert coarsening_factors((1.0, 1.0), (1, 64)) == (1, 2)
+    assert line_factors((1.0, 2.9), (8, 8)) == (1, 1)
+    assert line_factors((1.0, 3.1), (8, 6)) == (8, 1)
+    assert line_factors((3.1, 1.0), (8, 6)) == (1, 6)
+    assert line_factors((3.1, 1.0), (1, 6)) == (1, 1)
+    assert hierarchy((12, 24), (1.0, 2.0)) == (((6, 12), (2, 2), False), ((6, 6), (1, 2), False))
+    assert hierarchy((8, 6), (1.0, 24.0)) == (((4, 6), (2, 1), False), ((1, 6), (4, 1), True))
+    assert hierarchy((7, 7), (1.0, 1.0)) == ()
 
 
-def test_small_grids_in_one_call_equal_those_one_by_one():
+def test_small_grids_in_one_call_equal_those_one_by_one(monkeypatch):
     """Where the compiled kernels take the coarser grids together: nowhere, below the first, everywhere."""
     rng = np.random.default_rng(5)
     contact = scattered((48, 80), 0.2)
@@ -141,15 +142,14 @@ def test_small_grids_in_one_call_equal_those_one_by_one():
     )
     found = []
     for cells in (0, 12 * 20, 24 * 40):
-        engine = Compiled(1)
-        engine.TAIL = cells
-        extension, extend = make(contact.shape, (1.0, 1.0), contact, engine)
+        monkeypatch.setattr(numba_cpu, "SMALL_GRID", cells)
+        interpolation, prolong = make(contact.shape, (1.0, 1.0), contact, Compiled(1))
         back = field.copy()
-        extension.transpose(back, np.empty_like(back))
-        found.append((extension._first_small, extend(values), back))
-    assert [first for first, _, _ in found] == [4, 1, 0]
-    for _, extended, back in found[1:]:
-        np.testing.assert_allclose(extended, found[0][1], rtol=0, atol=1e-14)
+        interpolation.restrict(back, np.empty_like(back))
+        found.append((interpolation._small.first if interpolation._small else None, prolong(values), back))
+    assert [first for first, _, _ in found] == [None, 1, 0]
+    for _, prolonged, back in found[1:]:
+        np.testing.assert_allclose(prolonged, found[0][1], rtol=0, atol=1e-14)
         np.testing.assert_allclose(back, found[0][2], rtol=0, atol=1e-13)
 
 
@@ -159,19 +159,19 @@ def test_what_is_constant_along_lines_stays_so(shape, pitches):
     contact = scattered(shape, 0.3)
     finer = int(np.argmin(pitches))
     contact.swapaxes(finer, 0)[0] = True  # every line touches
-    extension, extend = make(shape, pitches, contact)
-    last = [level.line_gain is not None for level in extension.levels].index(True)
+    interpolation, prolong = make(shape, pitches, contact)
+    last = [grid.line_gain is not None for grid in interpolation.grids].index(True)
     lines = np.broadcast_to(np.expand_dims(rng.uniform(-1, 1, shape[1 - finer]), finer), shape)
-    # all that lines take from each other are the neighbours' weights across, grid by grid of the pyramid
-    weights = [extension.weights, *(level.weights for level in extension.levels[:last])]
+    # all that lines take from each other are the neighbours' weights across, grid by grid of the hierarchy
+    weights = [interpolation.weights, *(grid.weights for grid in interpolation.grids[:last])]
     taken = sum(2 * weight[1 - finer] + 4 * weight[2] for weight in weights)
-    found = extend(np.where(contact, lines, 0))
+    found = prolong(np.where(contact, lines, 0))
     assert taken < 0.2
     np.testing.assert_allclose(found, lines, rtol=0, atol=2 * taken)
 
 
 def in_dense_form(grid, contact):
-    """Return the matrices of G and of M = W^T G^-1 W on the pressures of mean zero on `contact`."""
+    """Return the matrices of G and of M = P^T G^-1 P on the pressures of mean zero on `contact`."""
     unit = np.zeros((contact.sum(), *contact.shape))
     unit[:, contact] = np.eye(len(unit))
     operator = np.array([grid.halfspace.displacement(field)[contact] for field in unit])
@@ -184,7 +184,7 @@ def in_dense_form(grid, contact):
 @pytest.mark.parametrize("share", [0.05, 0.3, 0.8])
 @pytest.mark.parametrize(("shape", "pitches"), GRIDS)
 def test_nowhere_less_than_the_inverse_on_small_grids(shape, pitches, share):
-    """All eigenvalues of W^T G^-1 W P G P, by dense matrices."""
+    """All eigenvalues of P^T G^-1 P C G C, by dense matrices."""
     contact = scattered(shape, share)
     contact.flat[0] = True
     grid = Grid(np.zeros(shape), tuple(n * d for n, d in zip(shape, pitches, strict=True)))
@@ -196,7 +196,7 @@ def test_nowhere_less_than_the_inverse_on_small_grids(shape, pitches, share):
 
 
 def extreme_eigenvalues(grid, contact, *, dtype=float, steps=40):
-    """Return the least and the largest eigenvalue of W^T G^-1 W P G P on the pressures of mean zero.
+    """Return the least and the largest eigenvalue of P^T G^-1 P C G C on the pressures of mean zero.
 
     The coefficients of preconditioned conjugate gradients make a tridiagonal matrix whose extreme
     eigenvalues are soon those of the product (Golub and Van Loan 2013, Matrix Computations, section 11.3).
@@ -205,16 +205,16 @@ def extreme_eigenvalues(grid, contact, *, dtype=float, steps=40):
     def centred(field):
         return np.where(contact, field - field[contact].mean(dtype=float).astype(field.dtype), 0)
 
-    remainder = centred(np.random.default_rng(4).standard_normal(contact.shape).astype(dtype))
-    product = centred(grid.precondition_on(contact, remainder))
-    direction, rz = product, np.vdot(remainder, product)
+    residual = centred(np.random.default_rng(4).standard_normal(contact.shape).astype(dtype))
+    product = centred(grid.precondition_on(contact, residual))
+    direction, rz = product, np.vdot(residual, product)
     first, lengths, ratios = rz, [], []
     while len(lengths) < steps and rz > 1e3 * np.finfo(dtype).eps ** 2 * first:
         displaced = centred(grid.halfspace.displacement(direction))
         lengths.append(float(rz / np.vdot(direction, displaced)))
-        remainder = remainder - dtype(lengths[-1]) * displaced
-        product = centred(grid.precondition_on(contact, remainder))
-        before, rz = rz, np.vdot(remainder, product)
+        residual = residual - dtype(lengths[-1]) * displaced
+        product = centred(grid.precondition_on(contact, residual))
+        before, rz = rz, np.vdot(residual, product)
         ratios.append(float(rz / before))
         direction = product + rz / before * direction
     lengths, ratios = np.array(lengths), np.array(ratios)[:-1]
@@ -249,7 +249,7 @@ def test_hardly_more_than_the_inverse(make_contact, largest, share):
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.8])
 @pytest.mark.parametrize(("size", "largest"), [(64, 1.15), (256, 1.15), (512, 1.15), (125, 1.3), (211, 1.7)])
 def test_patches_need_no_more_steps_on_finer_grids(size, largest, share):
-    """With pixels ever finer beside the patches the largest eigenvalue stays; a prime has no pyramid."""
+    """With pixels ever finer beside the patches the largest eigenvalue stays; a prime has no hierarchy."""
     shape = (size, size)
     contact = patches(shape, share, shortest=size / 16)
     _, high = extreme_eigenvalues(Grid(np.zeros(shape), (1.0, 1.0)), contact, steps=20)

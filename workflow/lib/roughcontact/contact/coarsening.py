@@ -1,0 +1,111 @@
+"""How a grid is coarsened: the factors to the next coarser one, grid by grid, and the stencil of neighbours.
+
+Cells are halved (or divided by 3 or 5 where their number is odd) along both axes at a time where they are
+about square, along the finer axis alone where they are not.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from roughcontact.kernels.protocol import Factors, Weights
+
+# Ratio of the pitches above which the lines along the finer axis are taken as contacts of their own.
+ELONGATED = 3.0
+SMALLEST = 4  # cells along an axis below which a hierarchy is not continued
+_SQUARE = 1.5  # ratio of the pitches up to which cells count as square
+
+
+class Coarsening(NamedTuple):
+    """One coarser grid of a hierarchy.
+
+    Attributes
+    ----------
+    shape : (ny, nx)
+        of the coarser grid.
+    factors : (fy, fx)
+        from the next finer grid to this one.
+    collapses_lines : bool
+        whether each cell is a whole line of the finer grid.
+    """
+
+    shape: tuple[int, int]
+    factors: Factors
+    collapses_lines: bool
+
+
+def pitches_of(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[float, float]:
+    """Return the pitches (dy, dx) of a grid."""
+    return lengths[0] / shape[0], lengths[1] / shape[1]
+
+
+def coarsening_factors(
+    pitches: tuple[float, float], shape: tuple[int, int], *, smallest: int = SMALLEST
+) -> Factors:
+    """Return the factors (fy, fx) to the next coarser grid; (1, 1) on the coarsest.
+
+    An axis is divided while it keeps at least `smallest` cells. One whose pitch is finer is coarsened alone,
+    until the cells are about square.
+    """
+    finest = min(p for p, n in zip(pitches, shape, strict=True) if n > 1)
+    factors = []
+    for n, p in zip(shape, pitches, strict=True):
+        divisor = next((f for f in (2, 3, 5) if n % f == 0 and n // f >= smallest), 1)
+        factors.append(divisor if p <= _SQUARE * finest else 1)
+    return factors[0], factors[1]
+
+
+def line_factors(pitches: tuple[float, float], shape: tuple[int, int]) -> Factors:
+    """Return the factors that make one cell of every line along the finer axis, or (1, 1).
+
+    Where pixels are far longer than wide, a line whose whole length is short against the distance to the next
+    is a contact of its own, coupled to the others by its load alone: a residual that is constant along it
+    must stay constant across its gaps. So its one cell takes the mean over its contact.
+    """
+    (ny, nx), (dy, dx) = shape, pitches
+    if min(shape) == 1 or max(pitches) <= ELONGATED * min(pitches):
+        return 1, 1
+    return (ny, 1) if dy < dx else (1, nx)
+
+
+@lru_cache(maxsize=64)
+def hierarchy(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[Coarsening, ...]:
+    """Return the grids coarser than `shape`, the finest first.
+
+    Examples
+    --------
+    >>> [grid.shape for grid in hierarchy((16, 32), (1.0, 2.0))]
+    [(8, 16), (4, 8), (4, 4)]
+    """
+    grids: list[Coarsening] = []
+    collapsed = False
+    while True:
+        pitches = pitches_of(shape, lengths)
+        factors, collapses = coarsening_factors(pitches, shape), False
+        if factors == (1, 1) and not collapsed:
+            factors = line_factors(pitches, shape)
+            collapsed = collapses = factors != (1, 1)
+        if factors == (1, 1):
+            return tuple(grids)
+        shape = shape[0] // factors[0], shape[1] // factors[1]
+        grids.append(Coarsening(shape, factors, collapses))
+
+
+def has_separate_lines(grids: tuple[Coarsening, ...]) -> bool:
+    """Return whether lines become cells in a hierarchy: they are contacts of their own."""
+    return any(grid.collapses_lines for grid in grids)
+
+
+@lru_cache(maxsize=64)
+def stencil(pitches: tuple[float, float], shape: tuple[int, int]) -> Weights:
+    """Return the weights of a neighbour across y, across x, and diagonal; those of all eight sum to 1.
+
+    They go with the inverse cube of the distance, as the kernel of G^-1 does.
+    """
+    dy, dx = pitches
+    weights = np.array([dy**-3.0, dx**-3.0, np.hypot(dy, dx) ** -3.0])
+    weights *= [shape[0] > 1, shape[1] > 1, min(shape) > 1]
+    weights /= 2 * weights[0] + 2 * weights[1] + 4 * weights[2]
+    across_y, across_x, diagonal = weights.tolist()
+    return across_y, across_x, diagonal

@@ -1,0 +1,56 @@
+"""The elastic energy along a step, which is quadratic, and the state where it is least."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from roughcontact.contact.state import State, contact_mean
+
+
+@dataclass(frozen=True)
+class LineSearch:
+    """The energy on the straight line from one state to another of equal load.
+
+    E(p) = <p, G p>/2 - <p, H> is quadratic along s = p' - p: it changes by t <s, v> + t^2 <s, v' - v>/2, with
+    the separations v = G p - H.
+
+    Attributes
+    ----------
+    slope, slope_after : float
+        <s, v> and <s, v'>, means over the grid.
+    """
+
+    slope: float
+    slope_after: float
+
+    @property
+    def minimizer(self) -> float:
+        """The share t of the line at which the energy is least; it may lie beyond the end."""
+        curvature = self.slope_after - self.slope
+        return -self.slope / curvature if curvature > 0 else np.inf
+
+    @property
+    def descends(self) -> bool:
+        """Whether the energy at the end is below that at the start."""
+        return self.slope + self.slope_after < 0
+
+
+def minimize_between(before: State, after: State, line: LineSearch, *, cap: float) -> State | None:
+    """Return the state of least energy on the line; None where the energy rises from the start.
+
+    Both fields of a state are linear in the share, so that no application of the operator is needed.
+    """
+    if line.slope >= 0:
+        return None
+    share = line.minimizer
+    pressure = before.pressure + share * (after.pressure - before.pressure)
+    separation = before.separation + share * (after.separation - before.separation)
+    square = (1 - share) * before.norm**2 + share * after.norm**2
+    square -= share * (1 - share) * (line.slope_after - line.slope)
+    return replace(
+        after,
+        pressure=pressure,
+        separation=separation,
+        offset=contact_mean(pressure, separation, cap=cap),
+        norm=float(np.sqrt(max(square, 0))),
+    )

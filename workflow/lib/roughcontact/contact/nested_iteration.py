@@ -1,0 +1,54 @@
+"""Nested iteration: a coarse solution is a cheap first guess for the next finer grid.
+
+Coarse heights are block means, measured to need fewer iterations than injection and Fourier truncation. How a
+coarse pressure comes onto the finer grid: `roughcontact.kernels.array_api.refine`.
+
+References
+----------
+Briggs, Henson and McCormick (2000), A Multigrid Tutorial, chapter 3.
+"""
+
+from collections.abc import Sequence
+
+from roughcontact.contact.coarsening import coarsening_factors, pitches_of
+from roughcontact.contact.grid import Grid
+from roughcontact.contact.iteration import first_guess_on_grid
+from roughcontact.kernels.arrays import SINGLE, Array, empty
+from roughcontact.kernels.choose import kernels_for
+from roughcontact.kernels.protocol import Factors
+
+COARSEST = 64  # cells along an axis: below that a grid costs more overhead than it saves
+COARSE_TOLERANCE = 0.03  # of all grids but the finest: a tighter one chases points the next grid moves anyway
+
+
+def nested_heights(heights: Array, lengths: tuple[float, float]) -> list[tuple[Factors, Array]]:
+    """Return [(factors, heights), ...] of the grids coarser than that of `heights`, the finest first.
+
+    The factors are those to the next finer grid.
+    """
+    nested = []
+    while max(heights.shape) > COARSEST:
+        pitches = pitches_of(heights.shape, lengths)
+        factors = coarsening_factors(pitches, heights.shape, smallest=COARSEST // 2)
+        if factors == (1, 1):
+            break
+        coarse = empty(heights, SINGLE, tuple(n // f for n, f in zip(heights.shape, factors, strict=True)))
+        kernels_for(heights).block_mean(heights, factors, coarse)
+        nested.append((factors, coarse))
+        heights = coarse
+    return nested
+
+
+def first_guess(grids: Sequence[Grid], factors: Sequence[Factors], load: float) -> tuple[Array, int]:
+    """Return a first guess of the pressure on the finest grid, and the steps taken on the others.
+
+    Each grid starts from the next coarser one's pressure, refined, and is solved to about `COARSE_TOLERANCE`.
+    """
+    coarsest = grids[-1].heights_in(SINGLE)
+    pressure, steps = coarsest.__array_namespace__().full_like(coarsest, load), 0
+    for number in range(len(grids) - 1, 0, -1):
+        found, taken = first_guess_on_grid(grids[number], pressure, load, tolerance=COARSE_TOLERANCE)
+        steps += taken
+        pressure = empty(found, SINGLE, grids[number - 1].shape)
+        grids[number].kernels.refine(found, factors[number - 1], pressure)
+    return pressure, steps

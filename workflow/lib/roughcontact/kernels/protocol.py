@@ -1,0 +1,116 @@
+"""What the solver asks of the passes over a grid, whoever makes them.
+
+`roughcontact.kernels.array_api` says what each kernel computes, for the arrays of any library;
+`roughcontact.kernels.numba_cpu` computes the same, compiled, for those of NumPy. Every kernel writes into
+arrays that are there already; `cap` is the largest pressure allowed, `factors` = (fy, fx) are those from a
+fine grid to a coarse one, `weights` those of a neighbour across y, across x, and diagonal.
+"""
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+from roughcontact.kernels.arrays import Array
+
+Factors = tuple[int, int]
+Weights = tuple[float, float, float]
+
+
+class Kernels(Protocol):
+    """The kernels: passes over the points of a grid."""
+
+    # over the waves of a spectrum
+    def multiply(self, spectrum: Array, symbol: Array) -> None: ...
+    def divide(self, spectrum: Array, symbol: Array, weights: Array) -> float: ...
+    def slope_power(self, spectrum: Array, weights: Array, along_y: Array, along_x: Array) -> float: ...
+
+    # before and after the iteration
+    def extent(self, field: Array) -> tuple[float, float, int]: ...
+    def make_dimensionless(self, heights: Array, reference: float, unit: float, out: Array) -> None: ...
+    def restore_units(
+        self,
+        pressure: Array,
+        gap: Array,
+        offset: float,
+        pressure_unit: float,
+        gap_unit: float,
+        contact: Array,
+    ) -> tuple[float, float]: ...
+
+    # a step of the iteration
+    def measure(
+        self,
+        separation: Array,
+        heights: Array,
+        reference: float,
+        unit: float,
+        start: Array,
+        before: Array,
+        offset: float,
+        pressure: Array,
+        cap: float,
+    ) -> tuple[float, ...]: ...
+    def masked_residual(
+        self, pressure: Array, separation: Array, offset: float, cap: float, values: Array
+    ) -> int: ...
+    def project_residual(
+        self, pressure: Array, separation: Array, offset: float, cap: float, values: Array
+    ) -> float: ...
+    def advance(
+        self,
+        pressure: Array,
+        separation: Array,
+        correction: Array,
+        offset: float,
+        mean: float,
+        length: float,
+        cap: float,
+        out: Array,
+        free: Array,
+    ) -> None: ...
+    def redistribute(
+        self, field: Array, passed: Array, coarse: Array, factors: Factors, free: Array, cap: float
+    ) -> tuple[float, float]: ...
+    def project(self, field: Array, cap: float, taken: Array, free: Array) -> None: ...
+    def rescale(self, field: Array, factor: float, cap: float) -> None: ...
+
+    # prolongation and restriction on a hierarchy of grids
+    def block_mean(self, field: Array, factors: Factors, out: Array) -> None: ...
+    def active_share(self, active: Array, factors: Factors, out: Array) -> None: ...
+    def weigh(
+        self, weight: Array, share: Array, factors: Factors, scattered: bool, empty: Array, gain: Array
+    ) -> None: ...
+    def weighted_mean(self, field: Array, factors: Factors, gain: Array, out: Array) -> None: ...
+    def mix(self, values: Array, empty: Array, coarse: Array, factors: Factors, out: Array) -> None: ...
+    def neighbours(self, field: Array, weights: Weights, out: Array) -> None: ...
+    def fill(self, values: Array, empty: Array, mixed: Array, weights: Weights, out: Array) -> None: ...
+    def fill_from(
+        self, values: Array, active: Array, coarse: Array, factors: Factors, weights: Weights, out: Array
+    ) -> None: ...
+    def empty_neighbours(self, field: Array, empty: Array, weights: Weights, out: Array) -> None: ...
+    def gather(self, field: Array, empty: Array, factors: Factors, out: Array) -> None: ...
+    def empty_from(
+        self, field: Array, active: Array, weights: Weights, passed: Array, factors: Factors, coarse: Array
+    ) -> None: ...
+    def spread(self, field: Array, gain: Array, coarse: Array, factors: Factors) -> None: ...
+    def finish_restriction(
+        self, field: Array, passed: Array, coarse: Array, factors: Factors, active: Array
+    ) -> float: ...
+    def refine(self, coarse: Array, factors: Factors, out: Array) -> None: ...
+
+    def small_grids(
+        self, grids: Sequence[Any], stores: Sequence[Array], ends: Sequence[int]
+    ) -> "SmallGrids | None": ...
+
+
+class SmallGrids(Protocol):
+    """The coarsest grids of a hierarchy, from number `first` on, passed over in one call.
+
+    For kernels whose calls cost more than their work on few cells; None stands for kernels that take each
+    grid by itself.
+    """
+
+    first: int
+
+    def weigh(self) -> None: ...
+    def prolong(self, sweeps: int, work: Array, other: Array) -> None: ...
+    def restrict(self, sweeps: int, work: Array, other: Array) -> None: ...
