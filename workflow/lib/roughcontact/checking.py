@@ -83,3 +83,39 @@ def check_choice(key: str, value: object, choices: Any) -> None:
     hint = f"did you mean {near[0]!r}? " if near else ""
     valid = " or ".join(", ".join(words).rsplit(", ", 1))
     raise SettingsError(f"{key} = {value!r}: {hint}choose {valid}", keys=[key])
+
+
+def check_positive(name: str, value: Any, *, unit: str) -> float:
+    """Return a value as a float where it is a finite positive number.
+
+    Parameters
+    ----------
+    name : str
+        what the setting or argument is called.
+    value : number or text
+        what was given.
+    unit : str
+        in which it is meant.
+
+    Returns
+    -------
+    float
+        the number.
+
+    Raises
+    ------
+    SettingsError
+        where it is no number, infinite, NaN, zero or negative.
+
+    Examples
+    --------
+    >>> check_positive("contact_modulus", "1e9", unit="Pa")
+    1000000000.0
+    """
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise SettingsError(f"{name} = {value!r} is not a number; give a positive number in {unit}") from None
+    if not (np.isfinite(number) and number > 0):
+        raise SettingsError(f"{name} = {number:g} must be a positive finite number in {unit}")
+    return number

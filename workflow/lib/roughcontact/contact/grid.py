@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from roughcontact.choices import Influence
 from roughcontact.contact.coarsening import has_separate_lines, hierarchy
 from roughcontact.contact.interpolation import Interpolation
 from roughcontact.contact.line_search import LineSearch
@@ -70,7 +71,7 @@ class Grid:
         what makes the heights dimensionless.
     cap : float
         largest pressure allowed (the hardness), or infinity.
-    influence : str
+    influence : {"sampled", "elements"}
         symbol of the operator (`roughcontact.elasticity.influence`).
     threads : int
         of transforms and passes.
@@ -84,7 +85,7 @@ class Grid:
         reference: float = 0.0,
         unit: float = 1.0,
         cap: float = np.inf,
-        influence: str = "sampled",
+        influence: Influence = "sampled",
         threads: int = 1,
     ):
         self.cap = cap

@@ -91,16 +91,21 @@ class Interpolation:
         ends = np.cumsum([0, *(int(np.prod(coarser.shape)) for coarser in plan)]).tolist()
         # the grids lie one after the other, so that all the small ones can be handed over at once
         stores = [empty(like, precision, (ends[-1],)) for _ in range(4)]
-        self.grids = [
-            CoarseGrid(
-                factors,
-                max(shape) <= SCATTERED,
-                stencil(pitches_of(shape, lengths), shape),
-                *(xp.reshape(store[start:end], shape) for store in stores),
-                empty(like, precision, shape) if collapses else None,
+        self.grids = []
+        for coarser, (start, end) in zip(plan, pairwise(ends), strict=True):
+            gaps, gain, means, work = (xp.reshape(store[start:end], coarser.shape) for store in stores)
+            self.grids.append(
+                CoarseGrid(
+                    factors=coarser.factors,
+                    scattered=max(coarser.shape) <= SCATTERED,
+                    weights=stencil(pitches_of(coarser.shape, lengths), coarser.shape),
+                    empty=gaps,
+                    gain=gain,
+                    means=means,
+                    work=work,
+                    line_gain=empty(like, precision, coarser.shape) if coarser.collapses_lines else None,
+                )
             )
-            for (shape, factors, collapses), (start, end) in zip(plan, pairwise(ends), strict=True)
-        ]
         coarsest = plan[-1].shape if plan else tuple(like.shape)
         self.sweeps = min(MOST_SWEEPS, max(coarsest))
         self._sweep_work = [empty(like, precision, coarsest) for _ in range(2)]

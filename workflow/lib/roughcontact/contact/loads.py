@@ -1,9 +1,12 @@
 """Which loads to solve: given in pascal, given relative to E* g, or a plan made for the map."""
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact.problem import check_positive, pose
+from roughcontact.checking import check_positive
+from roughcontact.contact.problem import pose
 from roughcontact.errors import HeightMapError, SettingsError
 
 # 1-2-5 steps of p / (E* g), from below 1 % to near full contact of a random surface (A = erf(sqrt(2) p'))
@@ -17,10 +20,23 @@ def plan_loads(
     mean_pressure: float | list[float] | None = None,
     relative_pressure: float | list[float] | None = None,
 ) -> list[float]:
-    """Return the mean pressures (Pa) to solve for.
+    """Return the mean pressures to solve for.
 
-    Either `mean_pressure` (Pa) or `relative_pressure` p' = p / (E* g), one number or a list; with neither,
-    the plan `DEFAULT_PLAN` of relative pressures. g is the rms gradient of `window`.
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        the map, whose rms gradient is g.
+    contact_modulus : float, Pa
+        E*.
+    mean_pressure : float or list of float, Pa, optional
+        the loads as they are.
+    relative_pressure : float or list of float, optional
+        p' = p / (E* g); with neither, the plan `DEFAULT_PLAN`.
+
+    Returns
+    -------
+    list of float, Pa
+        in the order given.
 
     Raises
     ------
@@ -28,6 +44,15 @@ def plan_loads(
         for both at once, an empty list, or a load that is not positive.
     HeightMapError
         where relative pressures are asked for on a flat map, which has no gradient to relate them to.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((1, 64), 1e-6, amplitude=1e-7, wavelength=64e-6)
+    >>> plan_loads(wave, contact_modulus=1e9, mean_pressure=1e6)
+    [1000000.0]
+    >>> len(plan_loads(wave, contact_modulus=1e9))
+    8
     """
     modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
     if mean_pressure is not None and relative_pressure is not None:
@@ -44,8 +69,33 @@ def plan_loads(
     return [value * modulus * gradient for value in relative]
 
 
-def check_loads(name: str, loads, *, unit: str) -> list[float]:
-    """Return `loads`, one number or a sequence, as a list of positive floats."""
+def check_loads(name: str, loads: Any, *, unit: str) -> list[float]:
+    """Return loads as a list of positive floats.
+
+    Parameters
+    ----------
+    name : str
+        what they are called.
+    loads : number or sequence of numbers
+        what was given.
+    unit : str
+        in which they are meant.
+
+    Returns
+    -------
+    list of float
+        at least one.
+
+    Raises
+    ------
+    SettingsError
+        for an empty list, or a load that is not positive.
+
+    Examples
+    --------
+    >>> check_loads("mean_pressure", [1e6, "5e6"], unit="Pa")
+    [1000000.0, 5000000.0]
+    """
     values = np.atleast_1d(np.asarray(loads, dtype=object)).ravel()
     if values.size == 0:
         raise SettingsError(

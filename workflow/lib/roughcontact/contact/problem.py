@@ -1,28 +1,44 @@
 """From a labelled map to a dimensionless problem, with every check the numbers need."""
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.kernels.arrays import DOUBLE, SINGLE
+from roughcontact.errors import HeightMapError
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import rms_gradient
 
+_Labelled = TypeVar("_Labelled", xr.DataArray, xr.Variable)
+
 
 @dataclass(frozen=True)
 class Problem:
-    """The heights h (ny, nx) on a cell of `lengths` = (Ly, Lx)/L, and what makes them dimensionless.
+    """The heights of a map, and what makes them dimensionless: H = (h - h_ref)/(g L).
 
-    H = (h - h_ref)/(g L) is never made for all of the map in double precision: it would fill memory.
-    `reference` h_ref is the middle of the height range: subtracting it first keeps an offset of metres from
-    eating the digits of nanometres. `scale` = g L (m) is the unit of height, L = sqrt(Lx Ly) that of length,
-    E* g that of pressure; `gradient` g is the spectral rms gradient. A flat map has g = 0 and no scale.
+    H is never made for all of the map in double precision: it would fill memory.
+
+    Attributes
+    ----------
+    heights : array (ny, nx), m
+        h.
+    lengths : (float, float)
+        of the periodic cell, (Ly, Lx)/L.
+    unit_length : float, m
+        L = sqrt(Lx Ly).
+    reference : float, m
+        h_ref, the middle of the height range: subtracting it first keeps an offset of metres from eating the
+        digits of nanometres.
+    gradient : float
+        g, the spectral rms gradient; E* g is the unit of pressure. A flat map has g = 0.
+    spacing : (dy, dx), m
+        of the points.
     """
 
-    heights: np.ndarray
+    heights: Array
     lengths: tuple[float, float]
     unit_length: float
     reference: float
@@ -31,15 +47,33 @@ class Problem:
 
     @property
     def scale(self) -> float:
+        """The unit of height g L, m; zero for a flat map."""
         return self.gradient * self.unit_length
 
     @property
+    def lengths_in_metres(self) -> tuple[float, float]:
+        """(Ly, Lx), m."""
+        return self.lengths[0] * self.unit_length, self.lengths[1] * self.unit_length
+
+    @property
     def flat(self) -> bool:
+        """Whether the map has no gradient: then there is nothing to solve."""
         return self.gradient == 0.0
 
 
-def check_map(window: xr.DataArray) -> None:
-    """Raise HeightMapError unless `window` is an evenly spaced map (y, x) of at least two cells."""
+def check_window(window: xr.DataArray) -> None:
+    """Say why a map cannot be solved.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        the map.
+
+    Raises
+    ------
+    HeightMapError
+        unless it is evenly spaced, with two cells or more.
+    """
     if window.dims != ("y", "x"):
         raise HeightMapError(f"the height map has dimensions {window.dims}; it must have ('y', 'x')")
     if window.size < 2:
@@ -59,15 +93,34 @@ def check_map(window: xr.DataArray) -> None:
 
 
 def pose(window: xr.DataArray, *, precision: str = DOUBLE, threads: int = 1) -> Problem:
-    """Return the dimensionless problem of the map `window` (y, x).
+    """Return the dimensionless problem of a map.
 
     Its heights are not copied where they can be used as they are; in single precision for a result in that.
     Heights of another array library stay where they are.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        the map.
+    precision : str
+        of the result.
+    threads : int
+        of the passes over the map.
+
+    Returns
+    -------
+    Problem
+        the map and its units.
+
+    Raises
+    ------
+    HeightMapError
+        for a map with missing heights, and for what `check_window` finds.
     """
     given, window = window.data, on_host(window)
-    check_map(window)
+    check_window(window)
     steps = spacing(window)
-    lengths = tuple(n * d for n, d in zip(window.shape, steps, strict=True))
+    lengths = window.shape[0] * steps[0], window.shape[1] * steps[1]
     kind = np.float32 if precision == SINGLE and window.dtype == np.float32 else np.float64
     heights = np.require(window.values, dtype=kind, requirements=["C", "A", "W"])
     if window.data is not given:
@@ -90,17 +143,6 @@ def pose(window: xr.DataArray, *, precision: str = DOUBLE, threads: int = 1) -> 
     )
 
 
-def on_host(array: xr.DataArray | xr.Variable):
+def on_host(array: _Labelled) -> _Labelled:
     """Return `array` with its values in a NumPy array, whatever library and device they are of."""
     return array if isinstance(array.data, np.ndarray) else array.as_numpy()
-
-
-def check_positive(name: str, value, *, unit: str) -> float:
-    """Return `value` as a float, or raise SettingsError where it is no finite positive number."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise SettingsError(f"{name} = {value!r} is not a number; give a positive number in {unit}") from None
-    if not (np.isfinite(number) and number > 0):
-        raise SettingsError(f"{name} = {number:g} must be a positive finite number in {unit}")
-    return number

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from roughcontact.checking import check_positive
 from roughcontact.contact.conjugate_gradients import conjugate_gradients
 from roughcontact.contact.grid import Grid
-from roughcontact.contact.problem import check_positive
 from roughcontact.contact.state import mean_product
 
 MOST_STEPS = 200
@@ -18,30 +18,49 @@ def linear_response(
     *,
     threads: int = 1,
 ) -> float:
-    """Return -d mean_gap / d mean_pressure (m Pa-1) of a fixed contact set, the inverse contact stiffness.
+    """Return how the mean gap of a fixed contact set answers to the load: -d mean_gap / d mean_pressure.
 
-    An increment x of the pressure on the contact set C, of mean 1, leaves no gap there: G x = s on C. The
-    slope s = <x, G x> is the least energy of all such increments. It is found by minimising, with an error of
-    second order: `tolerance` is that of x in the energy norm, s is good to about its square.
+    That is the inverse of the contact stiffness [1]_. An increment x of the pressure on the contact set C, of
+    mean 1, leaves no gap there: G x = s on C. The slope s = <x, G x> is the least energy of all such
+    increments. It is found by minimising, with an error of second order: `tolerance` is that of x in the
+    energy norm, s is good to about its square.
 
     Parameters
     ----------
-    contact
-        boolean map (ny, nx), True where the surfaces touch.
-    spacing
-        (dy, dx) in m.
-    contact_modulus
-        E* in Pa.
+    contact : array (ny, nx) of bool
+        True where the surfaces touch.
+    spacing : (dy, dx), m
+        of the points.
+    contact_modulus : float, Pa
+        E*.
+    tolerance : float
+        relative, of the pressure increment in the energy norm.
+    threads : int
+        of the solve.
 
     Returns
     -------
-    float
+    float, m/Pa
         0 for full contact, where the gap is closed and stays so.
 
     Raises
     ------
     ValueError
         where nothing is in contact.
+
+    References
+    ----------
+    .. [1] Barber (2003), Bounds on the electrical resistance between contacting elastic rough bodies, Proc.
+       R. Soc. A 459, 53.
+
+    Examples
+    --------
+    A wavy surface that touches along half of each wave, s = -2 lambda/(pi E*) ln sin(pi a):
+
+    >>> import numpy as np
+    >>> slope = linear_response(np.arange(512)[None, :] < 256, (1 / 512, 1 / 512), 1.0)
+    >>> print(f"{slope:.2f} {-2 / np.pi * np.log(np.sin(np.pi / 4)):.2f}")
+    0.22 0.22
     """
     modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
     contact = np.asarray(contact, dtype=bool)
@@ -51,7 +70,7 @@ def linear_response(
         return 0.0
     lengths = tuple(n * d for n, d in zip(contact.shape, spacing, strict=True))
     unit = float(np.sqrt(lengths[0] * lengths[1]))
-    grid = Grid(np.zeros(contact.shape), tuple(length / unit for length in lengths), threads=threads)
+    grid = Grid(np.zeros(contact.shape), (lengths[0] / unit, lengths[1] / unit), threads=threads)
     share = contact.mean()
 
     increment = contact / share

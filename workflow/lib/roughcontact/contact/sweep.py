@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from roughcontact.choices import Influence
 from roughcontact.contact.certificate import bound_without_transform, rounding_floor
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import solve_on_grid
@@ -48,7 +49,7 @@ def sweep(
     *,
     tolerance: float,
     cap: float = np.inf,
-    influence: str = "sampled",
+    influence: Influence = "sampled",
     precision: str = DOUBLE,
     threads: int,
 ) -> Iterator[Solution]:
@@ -67,7 +68,7 @@ def sweep(
         of the bound of the relative error.
     cap : float
         largest pressure allowed, in units of E* g.
-    influence : str
+    influence : {"sampled", "elements"}
         symbol of the operator.
     precision : str
         of the result.
@@ -93,7 +94,7 @@ def sweep(
     fluctuation, full_contact_from = _full_contact(grids, max(loads))
     for number, load in enumerate(loads, start=1):
         work = 0.0
-        if load >= full_contact_from:
+        if fluctuation is not None and load >= full_contact_from:
             pressure = in_precision(load + fluctuation, precision, copy=False)
             state, _ = finest.evaluate(scale_to_load(pressure, load))
             bound, steps = bound_without_transform(finest, state), 0

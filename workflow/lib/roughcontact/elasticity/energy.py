@@ -6,13 +6,34 @@ from roughcontact.fourier import halfplane_weights, wavenumbers
 
 
 def elastic_energy(pressure: np.ndarray, steps: tuple[float, float], *, contact_modulus: float) -> float:
-    """Return the elastic energy per area, ½ Σ_{q≠0} 2/(E*|q|) |p̂(q)|² (J/m²): zero for uniform pressure.
+    """Return the elastic energy per area, U = 1/2 sum_{q != 0} 2/(E*|q|) |p(q)|^2.
 
     Parameters
     ----------
     pressure : array (ny, nx), Pa
+        periodic.
     steps : (dy, dx), m
+        of the points.
     contact_modulus : float, Pa
+        E*.
+
+    Returns
+    -------
+    float, J/m^2
+        zero for a uniform pressure.
+
+    References
+    ----------
+    .. [1] Johnson (1985), Contact Mechanics, chapter 13.
+
+    Examples
+    --------
+    A pressure wave of amplitude A stores A^2/(2 E* q):
+
+    >>> import numpy as np
+    >>> wave = 2.0 * np.cos(2 * np.pi * np.arange(16) / 16)[None, :]
+    >>> print(f"{elastic_energy(wave, (1 / 16, 1 / 16), contact_modulus=1.0) * 2 * np.pi:.6f}")
+    2.000000
     """
     wavenumber = wavenumbers(pressure.shape, steps)
     wavenumber[0, 0] = np.inf

@@ -16,10 +16,30 @@ _NODES = 129  # along each axis of the first quarter of the Brillouin zone
 _IMAGES = 40  # aliases that are summed on each side
 
 
-def sampled(qy, qx, spacing):
-    """Return 2/|q|: the half-space (Johnson 1985, chapter 13) at the waves that the grid can hold.
+def sampled(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
+    """Return 2/|q|: the half-space at the waves that the grid can hold [1]_.
 
-    `qy` (ny, 1) and `qx` (1, nx//2 + 1) in rad per unit length; infinite at q = 0.
+    Parameters
+    ----------
+    qy, qx : array (ny, 1) and (1, nx//2 + 1)
+        wave vectors, rad per unit length.
+    spacing : (dy, dx)
+        of the points; this symbol does not depend on it.
+
+    Returns
+    -------
+    array (ny, nx//2 + 1)
+        infinite at q = 0.
+
+    References
+    ----------
+    .. [1] Johnson (1985), Contact Mechanics, chapter 13.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> sampled(np.array([[0.0], [3.0]]), np.array([[4.0]]), (1.0, 1.0)).ravel().tolist()
+    [0.5, 0.4]
     """
     symbol = qy * qy + qx * qx
     np.sqrt(symbol, out=symbol)
@@ -27,12 +47,29 @@ def sampled(qy, qx, spacing):
         return np.divide(2, symbol, out=symbol)
 
 
-def elements(qy, qx, spacing):
+def elements(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
     """Return the symbol of pressures constant on every pixel, displacements taken at their centres.
 
     It is the sum over the aliases Q = q + 2 pi (m/dy, n/dx) of 2/|Q| sinc(Q_y dy/2) sinc(Q_x dx/2): Love's
-    rectangle (Love 1929, Phil. Trans. R. Soc. A 228, 377), repeated with the period of the grid. Its ratio to
-    2/|q| depends on q_y dy and q_x dx alone and is smooth: it is summed at a few nodes and interpolated.
+    rectangle [1]_, repeated with the period of the grid. Its ratio to 2/|q| depends on q_y dy and q_x dx
+    alone and is smooth: it is summed at a few nodes and interpolated.
+
+    Parameters
+    ----------
+    qy, qx : array (ny, 1) and (1, nx//2 + 1)
+        wave vectors, rad per unit length.
+    spacing : (dy, dx)
+        of the points.
+
+    Returns
+    -------
+    array (ny, nx//2 + 1)
+        infinite at q = 0.
+
+    References
+    ----------
+    .. [1] Love (1929), The stress produced in a semi-infinite solid by pressure on part of the boundary,
+       Phil. Trans. R. Soc. A 228, 377.
     """
     # rounded, because the same pixels on another grid differ in the last digit
     ratio = _elements_over_sampled(float(f"{spacing[0] / spacing[1]:.12g}"))
@@ -47,7 +84,7 @@ def elements(qy, qx, spacing):
 
 
 @lru_cache(maxsize=16)
-def _elements_over_sampled(aspect: float):
+def _elements_over_sampled(aspect: float) -> RectBivariateSpline:
     """Return the ratio of the symbols as a function of q_y dy and q_x dx, 0 to pi, for `aspect` = dy/dx.
 
     Kept, because all square grids share it and the sum takes most of a second.

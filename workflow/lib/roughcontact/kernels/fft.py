@@ -7,45 +7,59 @@ of another library (CuPy, say) are transformed by that library.
 
 import ctypes
 import os
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from importlib.util import find_spec
 
 import numpy as np
 import scipy.fft
+from numpy.typing import DTypeLike
 
-from roughcontact.kernels.arrays import empty
+from roughcontact.kernels.arrays import Array, empty
 from roughcontact.kernels.memory import store
 from roughcontact.kernels.threads import threads_for
 
 
 class Plan:
-    """Transforms of real fields of the shape of `like` in a `precision`, by the library that it belongs to.
+    """Transforms of real fields, by the library that they belong to.
 
-    `forward` returns the spectrum (ny, nx//2 + 1), in the layout of `numpy.fft.rfft2`; the next call may
-    overwrite it. `inverse` puts the field, with the factor 1/(ny nx), into `out`, and may destroy the
-    spectrum. `scratch` is an array like the fields that every transform may overwrite.
+    Parameters
+    ----------
+    like : array (ny, nx)
+        of the shape, the library and the device of the fields.
+    precision : str
+        of the fields.
+    threads : int
+        allowed.
+
+    Attributes
+    ----------
+    scratch : array (ny, nx)
+        like the fields; every transform may overwrite it.
     """
 
-    def __init__(self, like, precision: str, *, threads: int = 1):
+    def __init__(self, like: Array, precision: str, *, threads: int = 1):
         self.shape = tuple(like.shape)
         self.threads = threads_for(like.size, threads)
         self.scratch = empty(like, precision)
 
-    def forward(self, field):
+    def forward(self, field: Array) -> Array:
+        """Return the spectrum (ny, nx//2 + 1) in the layout of `numpy.fft.rfft2`, lost with the next call."""
         return field.__array_namespace__().fft.rfftn(field, axes=(0, 1))
 
-    def inverse(self, spectrum, out) -> None:
+    def inverse(self, spectrum: Array, out: Array) -> None:
+        """Put the field, with the factor 1/(ny nx), into `out`; the spectrum may be lost."""
         out[...] = out.__array_namespace__().fft.irfftn(spectrum, s=self.shape, axes=(0, 1))
 
 
 class ScipyPlan(Plan):
     """The same for NumPy's arrays, by SciPy."""
 
-    def forward(self, field):
+    def forward(self, field: Array) -> Array:
         return scipy.fft.rfft2(field, workers=self.threads)
 
-    def inverse(self, spectrum, out):
+    def inverse(self, spectrum: Array, out: Array) -> None:
         out[...] = scipy.fft.irfft2(spectrum, s=self.shape, workers=self.threads, overwrite_x=True)
 
 
@@ -56,16 +70,18 @@ class MklPlan(Plan):
     given, and the scratch array in that of the spectrum.
     """
 
-    def __init__(self, like, precision, *, threads=1, share=None):
+    def __init__(self, like: Array, precision: str, *, threads: int = 1, share: "MklPlan | None" = None):
         _choose_mkl_threading()
         self.shape = like.shape
         self.threads = threads_for(like.size, threads)
         waves = (self.shape[0], self.shape[1] // 2 + 1)
         kind = np.result_type(precision, np.complex64)
-        self.spectrum = store.empty(waves, kind) if share is None else _within(share.spectrum, waves, kind)
+        self.spectrum: np.ndarray = (
+            store.empty(waves, kind) if share is None else _within(share.spectrum, waves, kind)
+        )
         self.scratch = _within(self.spectrum, self.shape, precision)
 
-    def forward(self, field):
+    def forward(self, field: Array) -> Array:
         import mkl_fft
 
         with _mkl_threads(self.threads):
@@ -73,7 +89,7 @@ class MklPlan(Plan):
             spectrum = mkl_fft.rfft(field, axis=1, out=self.spectrum)
             return mkl_fft.fft(spectrum, axis=0, out=spectrum)
 
-    def inverse(self, spectrum, out):
+    def inverse(self, spectrum: Array, out: Array) -> None:
         import mkl_fft
 
         with _mkl_threads(self.threads):
@@ -82,7 +98,7 @@ class MklPlan(Plan):
 
 
 @contextmanager
-def _mkl_threads(threads):
+def _mkl_threads(threads: int) -> Iterator[None]:
     """Let MKL use so many threads; left alone it takes all, and rounds differently with each number."""
     import mkl
 
@@ -111,7 +127,7 @@ def mkl_is_installed() -> bool:
     return find_spec("mkl_fft") is not None
 
 
-def make_plan(like, precision: str, *, threads: int = 1, share: Plan | None = None) -> Plan:
+def make_plan(like: Array, precision: str, *, threads: int = 1, share: Plan | None = None) -> Plan:
     """Return the fastest plan for fields like the array `like`; a single row or column is left to SciPy.
 
     A plan that may lie in the memory of `share`, of the same shape and higher precision, does.
@@ -119,11 +135,12 @@ def make_plan(like, precision: str, *, threads: int = 1, share: Plan | None = No
     if not isinstance(like, np.ndarray):
         return Plan(like, precision, threads=threads)
     if mkl_is_installed() and min(like.shape) > 1:
-        return MklPlan(like, precision, threads=threads, share=share)
+        shared = share if isinstance(share, MklPlan) else None
+        return MklPlan(like, precision, threads=threads, share=shared)
     return ScipyPlan(like, precision, threads=threads)
 
 
-def _within(memory, shape, dtype):
+def _within(memory: np.ndarray, shape: tuple[int, ...], dtype: DTypeLike) -> np.ndarray:
     """Return an array of `shape` and `dtype` that begins where the array `memory` begins."""
     size = int(np.prod(shape)) * np.dtype(dtype).itemsize
     return memory.reshape(-1).view(np.uint8)[:size].view(dtype).reshape(shape)

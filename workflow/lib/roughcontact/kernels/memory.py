@@ -2,7 +2,7 @@
 
 The system hands memory out page by page, each wiped at its first touch: fresh arrays for every solve cost a
 tenth of its time on one thread and a quarter on two, which wait for each other there. Here arrays lie side by
-side in one range of pages, and their room is lent again when an array and all views of it are gone. The
+side in one range of pages, and their memory is lent again when an array and all views of it are gone. The
 allocator of the process would keep memory, too, but in pieces: a solve of 1024 x 1024 points took half as
 much again from it as it needs at a time.
 """
@@ -16,6 +16,7 @@ from math import prod
 from threading import Lock
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 # Bytes of a store: maps up to 2048 x 2048 points fit whole, and a larger map puts elsewhere what does not.
 LIMIT = 256 * 2**20
@@ -23,17 +24,25 @@ SMALLEST = 2**16  # bytes: below that the memory allocator of the process keeps 
 
 
 class Store:
-    """Room for arrays, `limit` bytes; the system gives memory for what has been used of it, and no more."""
+    """Memory for arrays; the system gives what has been used of it, and no more.
+
+    Parameters
+    ----------
+    limit : int
+        bytes.
+    """
 
     def __init__(self, limit: int = LIMIT):
         self.limit = limit
-        self._pages = None
-        self._free = []  # (start, end) of every range that no array uses, in order, none beside the next
-        self._lent = {}  # by the id of a weak reference to each array: that reference, and its range
-        self._returned = deque()  # ranges that came back since the last call
+        self._pages: mmap.mmap | None = None
+        # (start, end) of every range that no array uses, in order, none beside the next
+        self._free: list[tuple[int, int]] = []
+        # by the id of a weak reference to each array: that reference, and its range
+        self._lent: dict[int, tuple[weakref.ref, tuple[int, int]]] = {}
+        self._returned: deque[tuple[int, int]] = deque()  # ranges that came back since the last call
         self._turn = Lock()
 
-    def empty(self, shape, dtype) -> np.ndarray:
+    def empty(self, shape: tuple[int, ...], dtype: DTypeLike) -> np.ndarray:
         """Return a new array, its content undefined."""
         dtype = np.dtype(dtype)
         size = prod(shape) * dtype.itemsize
@@ -44,10 +53,9 @@ class Store:
             if size > self.limit:  # where memory is short nothing is kept
                 self._give_back()
                 return np.empty(shape, dtype)
-            found = self._take(size)
-            if found is None:
+            found, pages = self._take(size), self._pages
+            if found is None or pages is None:
                 return np.empty(shape, dtype)
-            pages = self._pages
         finally:
             self._turn.release()
         # a view holds on to the last array in its chain of bases: this one, because its base is none
@@ -56,7 +64,7 @@ class Store:
         self._lent[id(reference)] = reference, found
         return array.reshape(shape)
 
-    def _end(self, reference):
+    def _end(self, reference: weakref.ref) -> None:
         self._returned.append(self._lent.pop(id(reference))[1])
 
     def lent(self) -> int:
@@ -70,10 +78,10 @@ class Store:
         with self._turn:
             self._give_back()
 
-    def _size(self):
+    def _size(self) -> int:
         return 0 if self._pages is None else len(self._pages)
 
-    def _take(self, size):
+    def _take(self, size: int) -> tuple[int, int] | None:
         """Take the first free range of `size` bytes or more from the list; None if there is none."""
         self._take_back()
         if self._pages is None:
@@ -86,7 +94,7 @@ class Store:
                 return start, start + size
         return None
 
-    def _take_back(self):
+    def _take_back(self) -> None:
         while self._returned:
             insort(self._free, self._returned.popleft())
         ranges, self._free = self._free, []
@@ -95,16 +103,16 @@ class Store:
                 start, _ = self._free.pop()
             self._free.append((start, end))
 
-    def _give_back(self):
+    def _give_back(self) -> None:
         self._take_back()
         if self._free == [(0, self._size())]:
             self._pages, self._free = None, []
-        elif hasattr(mmap, "MADV_DONTNEED"):  # not on Windows
+        elif self._pages is not None and hasattr(mmap, "MADV_DONTNEED"):  # not on Windows
             for start, end in self._free:
                 self._pages.madvise(mmap.MADV_DONTNEED, start, end - start)
 
 
-def _new_pages(size):
+def _new_pages(size: int) -> mmap.mmap:
     """Return `size` bytes, in whole pages, of which a child process that is forked gets a copy of its own."""
     private = {"flags": mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS} if hasattr(mmap, "MAP_PRIVATE") else {}
     pages = mmap.mmap(-1, _in_whole_pages(size), **private)
@@ -114,7 +122,7 @@ def _new_pages(size):
     return pages
 
 
-def _in_whole_pages(size):
+def _in_whole_pages(size: int) -> int:
     return -(-size // mmap.PAGESIZE) * mmap.PAGESIZE
 
 

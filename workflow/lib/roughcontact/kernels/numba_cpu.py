@@ -13,6 +13,7 @@ from contextlib import contextmanager, nullcontext
 from functools import cache
 from itertools import pairwise
 from threading import Lock
+from typing import Any
 
 import numba
 import numpy as np
@@ -22,14 +23,15 @@ from roughcontact.kernels.memory import store
 from roughcontact.kernels.threads import threads_for
 
 # Sums may be reordered, for the sake of vector instructions; infinities and NaN keep their meaning.
-_options = {
+_options: dict[str, Any] = {
     "cache": True,
     "nogil": True,
     "error_model": "numpy",
     "fastmath": {"reassoc", "contract", "nsz"},
 }
-_compile = numba.njit(**_options)
-_compile_shared = numba.njit(parallel=True, **_options)
+_compile: Any = numba.njit(**_options)
+_compile_shared: Any = numba.njit(parallel=True, **_options)
+_config: Any = numba.config
 _turn = Lock()
 _NUMBA_DEFAULT = ["tbb", "omp", "workqueue"]
 SMALL_GRID = 64 * 64  # cells up to which the grids of a hierarchy are passed over in one call
@@ -203,15 +205,15 @@ def _prefer_openmp() -> None:
     It is the quickest to start, and one pool of threads with MKL (`roughcontact.kernels.fft`).
     """
     chosen = {"NUMBA_THREADING_LAYER", "NUMBA_THREADING_LAYER_PRIORITY"} & set(os.environ)
-    if not chosen and numba.config.THREADING_LAYER_PRIORITY == _NUMBA_DEFAULT:
-        numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
+    if not chosen and _config.THREADING_LAYER_PRIORITY == _NUMBA_DEFAULT:
+        _config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
 
 
 @contextmanager
 def _threads(wanted):
     """Let Numba use `wanted` threads, or as many as it has; say how many."""
     before = numba.get_num_threads()
-    numba.set_num_threads(min(wanted, numba.config.NUMBA_NUM_THREADS))
+    numba.set_num_threads(min(wanted, _config.NUMBA_NUM_THREADS))
     try:
         # one of Numba's ways to thread must not be entered twice at a time
         with _turn if numba.threading_layer() == "workqueue" else nullcontext():

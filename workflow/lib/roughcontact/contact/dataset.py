@@ -1,0 +1,106 @@
+"""A dimensionless solution as a labelled dataset in SI units."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.contact.problem import Problem, on_host
+from roughcontact.contact.sweep import Solution
+from roughcontact.kernels.arrays import empty
+from roughcontact.kernels.choose import kernels_for
+
+
+def as_dataset(
+    solution: Solution,
+    problem: Problem,
+    window: xr.DataArray,
+    *,
+    load: float,
+    modulus: float,
+    compliance: float,
+    hardness: float | None,
+    attrs: dict,
+    threads: int,
+) -> xr.Dataset:
+    """Return one dimensionless solution as a dataset in SI units, with a dimension `load` of size 1.
+
+    Points at the hardness have yielded until the gap was closed: it is zero there.
+
+    Parameters
+    ----------
+    solution : Solution
+        whose fields are lost: they become those of the dataset.
+    problem : Problem
+        what made the map dimensionless.
+    window : DataArray (y, x), m
+        the map, with its values in NumPy's memory.
+    load : float, Pa
+        mean pressure.
+    modulus : float, Pa
+        E*.
+    compliance : float, m/Pa
+        mean displacement per mean pressure.
+    hardness : float or None, Pa
+        largest pressure allowed.
+    attrs : dict
+        of the dataset; `tolerance` says what counts as converged.
+    threads : int
+        of the passes over the fields.
+    """
+    state = solution.state
+    height_unit = problem.scale if not problem.flat else 1.0
+    pressure_unit = modulus * problem.gradient if not problem.flat else modulus
+    # in place: nobody needs the dimensionless fields any more
+    pressure, gap = (
+        on_host(xr.Variable(("y", "x"), field)).values for field in (state.pressure, state.separation)
+    )
+    contact = empty(pressure, "int8")
+    least_gap, total = kernels_for(pressure, threads=threads).restore_units(
+        pressure, gap, state.offset, pressure_unit, height_unit, contact
+    )
+    yielded = 0.0
+    if hardness is not None:
+        kind = pressure.dtype.type
+        at_hardness = pressure >= kind(hardness * (1 - 8 * float(np.finfo(kind).eps)))
+        pressure[at_hardness], gap[at_hardness] = hardness, 0.0
+        yielded, least_gap = float(at_hardness.mean()), float(gap.min())
+    per_load = {
+        "relative_pressure": load / pressure_unit if not problem.flat else np.inf,
+        "approach": problem.reference - state.offset * height_unit - compliance * load,
+        "iterations": solution.steps,
+        "operator_applications": solution.applications,
+        "error_bound": solution.error_bound,
+        "rounding_floor": solution.floor,
+        "yielded_area": yielded,
+        "max_penetration": max(0.0, -least_gap),
+        "converged": np.int8(solution.error_bound <= attrs["tolerance"]),
+        "load_error": abs(total / pressure.size / load - 1),
+    }
+    maps = {
+        "pressure": pressure,
+        "gap": gap,
+        "contact": contact,
+    }
+    return xr.Dataset(
+        {name: (("load", "y", "x"), field[None]) for name, field in maps.items()}
+        | {name: ("load", [value]) for name, value in per_load.items()}
+        | {"height": window.variable, "contact_modulus": modulus},
+        coords={"mean_pressure": ("load", [load]), **window.coords},
+        attrs=attrs,
+    )
+
+
+def joined(pieces: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Return the datasets of the loads as one."""
+    if len(pieces) == 1:
+        return pieces[0]
+    return xr.concat(
+        pieces,
+        dim="load",
+        data_vars="minimal",
+        coords="minimal",
+        compat="override",
+        join="override",
+        combine_attrs="override",
+    )
