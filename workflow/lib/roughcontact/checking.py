@@ -115,7 +115,9 @@ def check_positive(name: str, value: Any, *, unit: str) -> float:
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise SettingsError(f"{name} = {value!r} is not a number; give a positive number in {unit}") from None
+        raise SettingsError(
+            f"{name} = {value!r} is not a number; give a positive number in {unit}", keys=[name]
+        ) from None
     if not (np.isfinite(number) and number > 0):
-        raise SettingsError(f"{name} = {number:g} must be a positive finite number in {unit}")
+        raise SettingsError(f"{name} = {number:g} must be a positive finite number in {unit}", keys=[name])
     return number
