@@ -16,7 +16,7 @@ from roughcontact.command_line import main
 from roughcontact.command_line.options import in_options
 from roughcontact.configuration.models import Contact, Level, Uncertainty, Window
 from roughcontact.configuration.resolve import resolve
-from roughcontact.io.read import inspect_file
+from roughcontact.io.inspection import inspect_file
 from roughcontact.quantities import plus_minus
 
 ROOT = Path(__file__).parents[2]

@@ -13,7 +13,8 @@ import x3pio
 import xarray as xr
 
 from roughcontact.errors import HeightMapError, InputFileError
-from roughcontact.io.read import inspect_file, read_height_map
+from roughcontact.io.inspection import inspect_file
+from roughcontact.io.read import read_height_map
 from roughcontact.results.storage import write_dataset
 
 HEIGHTS = np.array([[1.5, -2.25, 3.0, 0.5], [4.0, np.nan, -6.75, 7.0], [0.25, 9.0, 10.5, -1.0]]) * 1e-6

@@ -13,8 +13,9 @@ import xarray as xr
 
 from roughcontact.errors import HeightMapError, InputFileError, RoughContactError
 from roughcontact.io import guards, instrument_kinds
+from roughcontact.io.inspection import inspect_file
 from roughcontact.io.plausibility import quantisation_step, roughness_off_plane, suspicions
-from roughcontact.io.read import inspect_file, read_height_map
+from roughcontact.io.read import read_height_map
 
 
 def saved(tmp_path, data, name="map.x3p"):

@@ -8,7 +8,8 @@ import x3pio
 import xarray as xr
 
 from roughcontact.errors import HeightMapError, InputFileError, SettingsError
-from roughcontact.io.read import inspect_file, read_height_map
+from roughcontact.io.inspection import inspect_file
+from roughcontact.io.read import read_height_map
 
 RNG = np.random.default_rng(3)
 X, Y = RNG.random((2, 4000)) * [[100.0], [60.0]]  # µm

@@ -12,7 +12,8 @@ import pytest
 from shared_data import DATA
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.read import inspect_file, read_height_map
+from roughcontact.io.inspection import inspect_file
+from roughcontact.io.read import read_height_map
 from roughcontact.io.units import metres
 
 pytestmark = pytest.mark.shared_data

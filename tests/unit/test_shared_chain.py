@@ -11,7 +11,8 @@ from test_io_shared import FILES, GIVEN, OTHERWISE, REFUSED
 
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError, InputFileError
-from roughcontact.io.read import inspect_file, read_height_map
+from roughcontact.io.inspection import inspect_file
+from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics import checks

@@ -15,7 +15,8 @@ from roughcontact.configuration.surfaces import (
     read_surfaces,
 )
 from roughcontact.errors import SettingsError
-from roughcontact.io.read import inspect_file, read_height_map
+from roughcontact.io.inspection import inspect_file
+from roughcontact.io.read import read_height_map
 
 
 @pytest.fixture

@@ -21,7 +21,7 @@ except PackageNotFoundError:  # used from a checkout that was not installed
 
 _HOME = {
     "read_height_map": "roughcontact.io.read",
-    "inspect_file": "roughcontact.io.read",
+    "inspect_file": "roughcontact.io.inspection",
     "level": "roughcontact.levelling.level",
     "composite": "roughcontact.faces.composite",
     "relative_positions": "roughcontact.faces.positions",

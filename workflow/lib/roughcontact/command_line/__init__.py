@@ -86,7 +86,7 @@ def _given(options) -> dict:
 
 def _inspect(options) -> int:
     from roughcontact.command_line.describe import as_json, inspection
-    from roughcontact.io.read import inspect_file
+    from roughcontact.io.inspection import inspect_file
 
     found, code = [], 0
     for file in options.files:

@@ -2,22 +2,63 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from roughcontact.errors import InputFileError
+from roughcontact.io import instrument_kinds
 
 
-class UnevenPositions(InputFileError):
+class UnevenPositionsError(InputFileError):
     """Positions that form no even grid; readers catch it and hand over the points as they are."""
+
+
+class Points(NamedTuple):
+    """Points that form no even grid, in the file's units.
+
+    Attributes
+    ----------
+    x, y, z : array (n,)
+        One entry per point; y is None for a profile.
+    uneven : str
+        What is wrong with the positions.
+    """
+
+    x: np.ndarray
+    y: np.ndarray | None
+    z: np.ndarray
+    uneven: str
 
 
 @dataclass
 class Channel:
-    """One map or profile of a file.
+    """One map or profile of a file. None stands for what the file does not say.
 
-    `read()` returns the heights in `height_unit`, float64 (ny, nx), NaN where not measured, row j at the j-th
-    y. `dx`, `dy` are the steps in `lateral_unit`; None stands for what the file does not say.
+    Attributes
+    ----------
+    name : str
+        As the file calls it.
+    shape : tuple of int
+        (ny, nx); ny is 1 for a profile.
+    read : callable () -> array (ny, nx)
+        Returns the heights in `height_unit` as float64, NaN where not measured, row j at the j-th y. Of a
+        channel that holds no heights it may raise `InputFileError` instead.
+    height_unit, lateral_unit : str or None
+        Units of the heights; of the steps and positions.
+    dx, dy : float or None
+        Steps, in `lateral_unit`.
+    first_x, first_y : float or None
+        Position of the first cell centre, in `lateral_unit`; None: half a step.
+    no_height : str
+        Why this channel holds no heights; empty for a height channel.
+    steps_from_size : bool
+        Whether the steps are a total size divided by the number of points that were found.
+    points : Points or None
+        The points themselves, where they form no even grid.
+    notes : list of str
+        What the header says that the user should know.
     """
 
     name: str
@@ -27,74 +68,148 @@ class Channel:
     dx: float | None = None
     dy: float | None = None
     lateral_unit: str | None = None
-    first_x: float | None = None  # position of the first cell centre; None: half a step
+    first_x: float | None = None
     first_y: float | None = None
-    no_height: str = ""  # why this channel holds no heights; empty for a height channel
-    steps_from_size: bool = False  # the steps are a total size divided by the points that were found
-    # positions that form no even grid: (x, y, z), one entry per point, y None for a profile; what is wrong
-    points: tuple | None = None
-    uneven: str = ""
-    notes: list[str] = field(default_factory=list)  # what the header says that the user should know
+    no_height: str = ""
+    steps_from_size: bool = False
+    points: Points | None = None
+    notes: list[str] = field(default_factory=list)
 
 
 @dataclass
-class SourceFile:
-    """One opened file: its format, its channels in the file's order, and what it says of the instrument.
+class MeasuredFile:
+    """One opened file.
 
-    `first_row` is where the instrument's own software draws row 0: at the top or at the bottom. `instrument`
-    has the words of `roughcontact.io.metadata`.
+    Attributes
+    ----------
+    format : str
+        Name of the format, for people.
+    channels : list of Channel
+        In the file's order.
+    first_row : str
+        Where the instrument's own software draws row 0: ``top`` or ``bottom``.
+    instrument : dict
+        What the file says of the instrument, with the words of `roughcontact.io.metadata`.
+    warnings : list of str
+        What the user should know of the file as a whole.
     """
 
     format: str
     channels: list[Channel]
     first_row: str
-    instrument: dict = field(default_factory=dict)
+    instrument: dict[str, Any] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
 
+    @property
+    def kind(self) -> instrument_kinds.Kind:
+        """The kind of instrument that the file names, with the ranges that it can measure."""
+        return instrument_kinds.of_name(self.instrument.get("kind"))
 
-def choose_channel(source: SourceFile, wanted, where: str, *, unit_given=False) -> tuple[Channel, str]:
+
+def choose_channel(
+    file: MeasuredFile, wanted: str | None, where: str, *, unit_given: bool = False
+) -> tuple[Channel, str]:
     """Return the channel to use and a sentence that says how it was chosen.
 
-    Without `wanted` it is the first channel that holds heights (a length unit, and no amplitude, phase, error
-    or the like by name); with `unit_given` the user says that the values of the only channel are heights.
+    Parameters
+    ----------
+    file : MeasuredFile
+    wanted : str or None
+        Name of the channel. Without it, it is the first one that holds heights (a length unit, and no
+        amplitude, phase, error or the like by name).
+    where : str
+        What the messages name as the place.
+    unit_given : bool
+        Whether the user says the unit of the heights, and so that the values of the only channel are heights.
+
+    Returns
+    -------
+    tuple of Channel and str
 
     Raises
     ------
     InputFileError
-        where no channel has the wanted name, or none holds heights.
+        Where no channel has the wanted name, or none holds heights.
+
+    Examples
+    --------
+    >>> names = {"Phase": "values in deg, no length", "Topography": "", "Topography back": ""}
+    >>> channels = [Channel(name, (2, 2), lambda: None, no_height=why) for name, why in names.items()]
+    >>> file = MeasuredFile("some format", channels, "top")
+    >>> choose_channel(file, None, "map.dat")[1]
+    "'Topography', the first height channel of 3"
+    >>> choose_channel(file, "topography BACK", "map.dat")[1]
+    "'Topography back', named by the user"
     """
-    names = [channel.name for channel in source.channels]
+    names = [channel.name for channel in file.channels]
     listing = ", ".join(repr(name) for name in names)
     if wanted is None:
-        for channel in source.channels:
+        for channel in file.channels:
             if not channel.no_height or (unit_given and len(names) == 1):
                 chosen = f"the first height channel of {len(names)}" if len(names) > 1 else "the only channel"
                 return channel, f"{channel.name!r}, {chosen}"
-        reasons = "; ".join(f"{channel.name!r}: {channel.no_height}" for channel in source.channels)
+        reasons = "; ".join(f"{channel.name!r}: {channel.no_height}" for channel in file.channels)
         raise InputFileError(f"{where}: no channel of this file holds heights ({reasons or 'it has none'})")
-    matches = [channel for channel in source.channels if channel.name == str(wanted)]
+    matches = [channel for channel in file.channels if channel.name == str(wanted)]
     if not matches:
-        matches = [c for c in source.channels if c.name.casefold() == str(wanted).strip().casefold()]
+        matches = [c for c in file.channels if c.name.casefold() == str(wanted).strip().casefold()]
     if len(matches) != 1:
         raise InputFileError(f"{where}: no channel is named {str(wanted)!r}; the file has {listing}")
     return matches[0], f"{matches[0].name!r}, named by the user"
 
 
-def as_heights(values, where: str, *, missing=None) -> np.ndarray:
-    """Return `values` as a float64 map (ny, nx), NaN where masked, infinite or equal to `missing`.
+def unreadable(message: str) -> Callable[[], np.ndarray]:
+    """Return what reads a channel without numbers: it raises InputFileError with this message.
+
+    Parameters
+    ----------
+    message : str
+
+    Returns
+    -------
+    callable
+    """
+
+    def read() -> np.ndarray:
+        raise InputFileError(message)
+
+    return read
+
+
+def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -> np.ndarray:
+    """Return values as a map of heights.
+
+    Parameters
+    ----------
+    values : array (ny, nx) or (nx,)
+        Real numbers of any type; also a masked array.
+    where : str
+        What the message names as the place.
+    missing : float, optional
+        The value that stands for a missing point.
+
+    Returns
+    -------
+    array (ny, nx)
+        A copy, float64; NaN where masked, infinite or equal to `missing`.
 
     Raises
     ------
     InputFileError
-        where the values are no plain real numbers.
+        Where the values are no plain real numbers.
+
+    Examples
+    --------
+    >>> as_heights([1, 2, -9999], "map.dat", missing=-9999)
+    array([[ 1.,  2., nan]])
     """
     mask = np.ma.getmaskarray(values) if isinstance(values, np.ma.MaskedArray) else None
-    values = np.ma.getdata(values)
-    if values.dtype.kind not in "iuf":
+    plain = np.asarray(np.ma.getdata(values))
+    if plain.dtype.kind not in "iuf":
         raise InputFileError(
-            f"{where}: the values are of type {values.dtype}, not real numbers; store heights as float64"
+            f"{where}: the values are of type {plain.dtype}, not real numbers; store heights as float64"
         )
-    heights = np.array(values, dtype=float, ndmin=2)
+    heights = np.array(plain, dtype=float, ndmin=2)
     if mask is not None:
         heights[np.atleast_2d(mask)] = np.nan
     if missing is not None:
@@ -103,38 +218,73 @@ def as_heights(values, where: str, *, missing=None) -> np.ndarray:
     return heights
 
 
-def even_step(positions, name: str) -> float:
-    """Return the step of evenly spaced positions (signed).
+def even_step(positions: ArrayLike, name: str) -> float:
+    """Return the step of evenly spaced positions.
+
+    Parameters
+    ----------
+    positions : array (n,)
+        Two or more.
+    name : str
+        Name of the axis, for the message.
+
+    Returns
+    -------
+    float
+        Negative for positions that decrease.
 
     Raises
     ------
-    UnevenPositions
-        where a position is off the even grid by more than 2 % of a step, which rounding does not explain.
+    UnevenPositionsError
+        Where a position is off the even grid by more than 2 % of a step, which rounding does not explain.
+
+    Examples
+    --------
+    >>> even_step([0.0, 0.501, 1.0], "x")
+    0.5
     """
     positions = np.asarray(positions, dtype=float)
-    step = (positions[-1] - positions[0]) / (positions.size - 1)
+    step = float((positions[-1] - positions[0]) / (positions.size - 1))
     off = np.max(np.abs(positions - positions[0] - step * np.arange(positions.size)))
     if not np.isfinite(step) or step == 0 or not off <= 0.02 * abs(step):
         worst = "" if not step or not np.isfinite(off) else f": up to {off / abs(step):.2g} of a step off"
-        raise UnevenPositions(f"the positions along {name} are not evenly spaced{worst}")
+        raise UnevenPositionsError(f"the positions along {name} are not evenly spaced{worst}")
     return step
 
 
-def scattered(name: str, x, y, z, error: UnevenPositions, **words) -> Channel:
+def scattered(
+    name: str, x: ArrayLike, y: ArrayLike | None, z: ArrayLike, error: UnevenPositionsError, **words: Any
+) -> Channel:
     """Return a channel of points that form no even grid: it can be read only by resampling.
 
     Parameters
     ----------
+    name : str
+        Name of the channel.
     x, y, z : arrays of equal size, in the file's units
         `y` is None for a profile. Points without a height are left out.
-    error : UnevenPositions
+    error : UnevenPositionsError
         What is wrong with the positions.
-    words
+    **words
         Further entries of the channel, `lateral_unit` and `height_unit` above all.
+
+    Returns
+    -------
+    Channel
+        With `points`.
+
+    Examples
+    --------
+    >>> error = UnevenPositionsError("the positions along x are not evenly spaced")
+    >>> channel = scattered("height", [0.0, 1.0, 3.0], None, [5.0, np.nan, 7.0], error, lateral_unit="um")
+    >>> channel.points.x, channel.points.z
+    (array([0., 3.]), array([5., 7.]))
     """
-    x, z = (np.asarray(values, dtype=float).ravel() for values in (x, z))
-    y = None if y is None else np.asarray(y, dtype=float).ravel()
-    measured = np.isfinite(z) & np.isfinite(x) & (True if y is None else np.isfinite(y))
-    points = x[measured], None if y is None else y[measured], z[measured]
-    shape = (1, int(np.count_nonzero(measured)))
-    return Channel(name, shape, lambda: points[2][None, :].copy(), points=points, uneven=str(error), **words)
+    along_x, heights = (np.asarray(values, dtype=float).ravel() for values in (x, z))
+    along_y = None if y is None else np.asarray(y, dtype=float).ravel()
+    measured = np.isfinite(heights) & np.isfinite(along_x)
+    if along_y is not None:
+        measured &= np.isfinite(along_y)
+        along_y = along_y[measured]
+    points = Points(along_x[measured], along_y, heights[measured], str(error))
+    return Channel(name, (1, points.z.size), points.z[None, :].copy, points=points, **words)

@@ -19,13 +19,37 @@ BYTES_PER_POINT = 32  # while a map is read: as it lies in the file, in double p
 
 
 def brief(error: Exception) -> str:
-    """Return the message of a library's error on one line of at most 160 characters."""
+    r"""Return the message of a library's error on one line of at most 160 characters.
+
+    Parameters
+    ----------
+    error : Exception
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> brief(ValueError("no header\n  in line 3")), brief(EOFError())
+    ('no header in line 3', 'EOFError')
+    """
     text = " ".join(str(error).split()) or type(error).__name__
     return text if len(text) <= 160 else text[:157] + "..."
 
 
 def check_file(path: Path) -> None:
-    """Refuse what is no regular file, is empty, or is larger than 4 GiB."""
+    """Refuse what is no regular file, is empty, or is larger than 4 GiB.
+
+    Parameters
+    ----------
+    path : Path
+
+    Raises
+    ------
+    InputFileError
+        With what to do about it.
+    """
     if path.is_dir():
         raise InputFileError(f"{path}: is a folder; name one file in it")
     if not path.exists():
@@ -44,13 +68,36 @@ def check_file(path: Path) -> None:
 
 
 def sha256(path: Path) -> str:
-    """Return the SHA-256 of a file, read in pieces."""
-    with open(path, "rb") as stream:
+    """Return the SHA-256 of a file, read in pieces.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits.
+    """
+    with path.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-def check_points(shape, where) -> None:
-    """Refuse a map of more points than are read, or than this computer can hold, before it is read."""
+def check_points(shape: tuple[int, int], where: str | Path) -> None:
+    """Refuse a map of more points than are read, or than this computer can hold, before it is read.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        (ny, nx).
+    where : str or Path
+        What the message names as the place.
+
+    Raises
+    ------
+    InputFileError
+        For more than 2²⁷ points, or more memory than there is.
+    """
     ny, nx = shape
     if ny * nx > MAX_POINTS:
         raise InputFileError(
@@ -59,8 +106,22 @@ def check_points(shape, where) -> None:
     check_memory(ny * nx * BYTES_PER_POINT, f"{ny} x {nx} points", where)
 
 
-def check_memory(needed: float, what: str, where) -> None:
-    """Refuse what needs more memory (bytes) to be read than this computer has."""
+def check_memory(needed: float, what: str, where: str | Path) -> None:
+    """Refuse what needs more memory to be read than this computer has.
+
+    Parameters
+    ----------
+    needed : float, bytes
+    what : str
+        What needs it, in the plural.
+    where : str or Path
+        What the message names as the place.
+
+    Raises
+    ------
+    InputFileError
+        With both numbers.
+    """
     total = memory_bytes()
     if total is not None and needed > total:
         raise InputFileError(
@@ -70,8 +131,14 @@ def check_memory(needed: float, what: str, where) -> None:
 
 
 def memory_bytes() -> float | None:
-    """Return the memory that this process may use (bytes), None where the system does not say it."""
-    found = []
+    """Return the memory that this process may use.
+
+    Returns
+    -------
+    float or None, bytes
+        The least of what the computer and its container have; None where the system does not say it.
+    """
+    found: list[float] = []
     with suppress(AttributeError, ValueError, OSError):
         found.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     with suppress(OSError, ValueError):  # the limit of a container or a batch job; "max" where there is none
@@ -85,9 +152,19 @@ def check_archive(path: Path) -> None:
     The sizes are those of the archive's directory; `zipfile` never unpacks more of a member than that.
     A document type declaration is refused as a whole: no instrument format needs one, and entities are its
     only use here (expansion bombs, reading of other files).
+
+    Parameters
+    ----------
+    path : Path
+        A file of any format; what is no archive is let through.
+
+    Raises
+    ------
+    InputFileError
+        Also for an archive that is damaged, encrypted or cut off.
     """
     if not zipfile.is_zipfile(path):
-        with open(path, "rb") as stream:
+        with path.open("rb") as stream:
             if stream.read(4) == b"PK\x03\x04":
                 raise InputFileError(
                     f"{path}: a ZIP archive (X3P, PLUX, ...) without its end: the file was cut off"
@@ -109,7 +186,8 @@ def check_archive(path: Path) -> None:
         raise InputFileError(f"{path}: the ZIP archive is damaged or encrypted ({brief(error)})") from error
 
 
-def _check_xml(archive, member, path):
+def _check_xml(archive: zipfile.ZipFile, member: zipfile.ZipInfo, path: Path) -> None:
+    """Refuse XML that is larger than 256 MiB or declares a document type or entities."""
     if member.file_size > MAX_XML_BYTES:
         raise InputFileError(f"{path}: {member.filename} in the archive has {member.file_size} bytes of XML")
     text = archive.read(member).replace(b"\0", b"").upper()  # UTF-16 becomes searchable without its zeros

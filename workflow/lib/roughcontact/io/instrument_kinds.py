@@ -9,7 +9,14 @@ from typing import NamedTuple
 
 
 class Kind(NamedTuple):
-    """One kind of instrument: its name, and lowest and highest step, field and span of the heights, m."""
+    """One kind of instrument, with the ranges that it can measure.
+
+    Attributes
+    ----------
+    name : str
+    step, field, span : tuple of float, m
+        Lowest and highest step, length of a side, and span of the heights.
+    """
 
     name: str
     step: tuple[float, float]
@@ -32,42 +39,22 @@ STYLUS = Kind("stylus profiler", step=(1e-9, 1e-3), field=(1e-6, 0.5), span=(1e-
 # where the file does not say with what it was measured
 ANY = Kind("", step=(1e-12, 1e-2), field=(1e-10, 1.0), span=(1e-12, 0.15))
 
-# format of SurfaceTopography -> kind, and the vendor where the format has but one
-OF_FORMAT = {
-    "di": (PROBE, "Bruker"),
-    "ezd": (PROBE, "Nanosurf"),
-    "ibw": (PROBE, ""),
-    "jpk": (PROBE, "JPK"),
-    "mdt": (PROBE, "NT-MDT"),
-    "mi": (PROBE, "Molecular Imaging"),
-    "nmm": (PROBE, ""),
-    "ps": (PROBE, "Park Systems"),
-    "wsxm": (PROBE, "Nanotec"),
-    "al3d": (OPTICAL, "Alicona"),
-    "datx": (OPTICAL, "Zygo"),
-    "frt": (OPTICAL, "FRT"),
-    "lext": (OPTICAL, "Olympus"),
-    "metropro": (OPTICAL, "Zygo"),
-    "nms": (OPTICAL, "NanoFocus"),
-    "oir": (OPTICAL, "Olympus"),
-    "opd": (OPTICAL, "Wyko"),
-    "plu": (OPTICAL, "Sensofar"),
-    "plux": (OPTICAL, "Sensofar"),
-    "poir": (OPTICAL, "Olympus"),
-    "vk": (OPTICAL, "Keyence"),
-    "zmg": (OPTICAL, "KLA Zeta"),
-    "zon": (OPTICAL, "Keyence"),
-    "mitutoyo": (STYLUS, "Mitutoyo"),
-    "opdx": (STYLUS, "Bruker"),
-    "qep": (STYLUS, "Mahr"),
-}
-
-
-def of_format(name: str) -> tuple[Kind, str]:
-    """Return kind and vendor of an instrument format, `ANY` and nothing where several write it."""
-    return OF_FORMAT.get(name, (ANY, ""))
-
 
 def of_name(name: str | None) -> Kind:
-    """Return the kind that a file's `instrument` names, `ANY` where it names none."""
+    """Return the kind that a file's `instrument` names.
+
+    Parameters
+    ----------
+    name : str or None
+
+    Returns
+    -------
+    Kind
+        `ANY` where it names none.
+
+    Examples
+    --------
+    >>> of_name("optical profiler").words, of_name(None) is ANY
+    ('an optical profiler', True)
+    """
     return next((kind for kind in (PROBE, OPTICAL, STYLUS) if kind.name == name), ANY)

@@ -8,6 +8,8 @@ a word is there only where the file says it. Names of persons are left out.
 import datetime
 import math
 import re
+from collections.abc import Mapping
+from typing import Any
 
 from roughcontact.quantities import number
 
@@ -69,20 +71,30 @@ _SILENT = {"", "0", "-", "none", "(none)", "null", "unknown", "not available", "
 _LONGEST = 200  # characters; what is longer is no name
 
 
-def instrument_words(stated: dict, header=None) -> dict:
+def instrument_words(stated: Mapping[str, Any], header: Mapping | None = None) -> dict[str, Any]:
     """Return what is known of the instrument, as plain JSON values in the order of `LABELS`.
 
     Parameters
     ----------
-    stated : dict
+    stated : mapping
         What a reader found under the words of this module. It wins over the header.
     header : mapping, optional
         The file's own header, searched (two levels deep) for the usual spellings of the words. Sections on
         software are passed over: their serial number is that of a licence.
+
+    Returns
+    -------
+    dict
+        Word -> text or number; only what is known.
+
+    Examples
+    --------
+    >>> instrument_words({"vendor": "Zygo"}, {"Objective": "20X Mirau", "Serial Number": 59407, "date": "-"})
+    {'vendor': 'Zygo', 'serial': 59407, 'lens': '20X Mirau'}
     """
-    found = {}
-    _search(header, found, depth=0)
-    found = {word: value for word, (_, value) in found.items()}
+    ranked: dict[str, tuple[int, str | float]] = {}
+    _search(header, ranked, depth=0)
+    found = {word: value for word, (_, value) in ranked.items()}
     for word, value in stated.items():
         if (plain := _plain(value)) is not None:
             found[word] = plain
@@ -96,7 +108,7 @@ def instrument_words(stated: dict, header=None) -> dict:
     return {word: found.pop(word) for word in LABELS if word in found} | found
 
 
-def _search(header, found, depth):
+def _search(header: Any, found: dict[str, tuple[int, str | float]], depth: int) -> None:
     """Note in `found` (word -> rank of its spelling, value) what a header says."""
     for key, value in header.items() if hasattr(header, "items") else ():
         name = re.sub(r"[^a-z0-9]", "", str(key).lower())
@@ -107,15 +119,15 @@ def _search(header, found, depth):
         if name.endswith("serialnumber") and name.startswith(("tip", "software")):
             continue
         word = _MEANING.get(name)
-        plain = _plain(value) if word else None
-        if plain is None:
+        plain = None if word is None else _plain(value)
+        if word is None or plain is None:
             continue
         rank = _SPELLINGS[word].index(name)
         if word not in found or rank < found[word][0]:
             found[word] = rank, plain
 
 
-def _plain(value):
+def _plain(value: Any) -> str | float | None:
     """Return a value as text or number on one line, None where it says nothing."""
     if isinstance(value, bytes):
         value = value.decode("latin-1")
@@ -129,8 +141,24 @@ def _plain(value):
     return None if value == 0 or not math.isfinite(value) else value
 
 
-def labelled(instrument: dict) -> list[tuple[str, str]]:
-    """Return (label, text) of what is known of the instrument, for people."""
+def labelled(instrument: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return what is known of the instrument, for people.
+
+    Parameters
+    ----------
+    instrument : mapping
+        As `instrument_words` returns it.
+
+    Returns
+    -------
+    list of (str, str)
+        Labels and texts.
+
+    Examples
+    --------
+    >>> labelled({"lens": "20X Mirau", "numerical_aperture": 0.4})
+    [('lens', '20X Mirau'), ('numerical aperture', '0.400')]
+    """
     return [
         (LABELS.get(word, word.replace("_", " ")), number(value) if isinstance(value, float) else str(value))
         for word, value in instrument.items()

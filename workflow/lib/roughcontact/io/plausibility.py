@@ -29,6 +29,11 @@ def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = ANY) ->
     -------
     list of str
         One sentence per suspicion, each with the numbers it rests on.
+
+    Examples
+    --------
+    >>> suspicions(np.zeros((8, 8)), 1e-6, 1e-6)
+    ['all heights are equal (0 m): the map is flat or holds no measurement']
     """
     measured = height[np.isfinite(height)]
     low, high = measured.min(), measured.max()
@@ -51,12 +56,27 @@ def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float
     """Return rms height (m) and rms gradient of a map off its mean plane, missing points left out.
 
     The plane is that of least squares; the gradient, sqrt(var(dh/dx) + var(dh/dy)), is taken between
-    neighbouring measured points. NaN where there are no neighbours.
+    neighbouring measured points.
 
     Parameters
     ----------
     height : array (ny, nx), m
+        NaN where not measured.
     dx, dy : float, m
+        Steps.
+
+    Returns
+    -------
+    rms_height : float, m
+    rms_gradient : float
+        NaN where no neighbours are measured.
+
+    Examples
+    --------
+    >>> waves = 1e-6 * np.array([[0.0, 2.0, 0.0, 2.0]] * 3)
+    >>> rms_height, rms_gradient = roughness_off_plane(waves, 4e-6, 4e-6)
+    >>> round(1e6 * rms_height, 3), round(rms_gradient, 3)
+    (0.894, 0.471)
     """
     measured = np.isfinite(height)
     count = np.count_nonzero(measured)
@@ -83,9 +103,25 @@ def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float
 
 
 def quantisation_step(height: np.ndarray) -> float | None:
-    """Return the step (m) of which all heights are multiples, None where there is none.
+    """Return the step of which all heights are multiples.
 
     It is the usual distance of neighbouring levels, if the levels lie on its lattice to a tenth of it.
+
+    Parameters
+    ----------
+    height : array (ny, nx), m
+        NaN where not measured.
+
+    Returns
+    -------
+    float or None, m
+        None where there is no such step.
+
+    Examples
+    --------
+    >>> counts = np.array([[0.0, 3.0, 4.0], [9.0, 10.0, 2.0]])
+    >>> round(1e9 * quantisation_step(5e-9 * counts), 3)
+    5.0
     """
     measured = height[np.isfinite(height)]
     levels = np.unique(_sample(measured))
@@ -106,11 +142,13 @@ def quantisation_step(height: np.ndarray) -> float | None:
     return float(step)
 
 
-def _sample(measured):
+def _sample(measured: np.ndarray) -> np.ndarray:
+    """Return about `_SAMPLE` of the heights, evenly taken."""
     return measured[:: max(1, measured.size // _SAMPLE)]
 
 
-def _geometry(shape, dx, dy):
+def _geometry(shape: tuple[int, ...], dx: float, dy: float) -> list[str]:
+    """Suspect pixels that are not square."""
     ny, nx = shape
     # a step that is a multiple of the other was chosen by the user; an odd one comes of a file that was cut
     ratio = max(dx / dy, dy / dx)
@@ -121,13 +159,15 @@ def _geometry(shape, dx, dy):
     )
     if abs(nx * dx / ny / (ny * dy / nx) - 1) <= 0.01:
         return [
-            f"{found}they would be with {nx} rows of {ny} points: rows and columns, or the two sizes, were "
-            "exchanged"
+            (
+                f"{found}they would be with {nx} rows of {ny} points: "
+                "rows and columns, or the two sizes, were exchanged"
+            )
         ]
     return [f"{found}check the size of the map, or whether the file was cut"]
 
 
-def _ranges(shape, span, dx, dy, kind):
+def _ranges(shape: tuple[int, ...], span: float, dx: float, dy: float, kind: Kind) -> list[str]:
     """Compare steps, field and heights with each other and with what the kind of instrument can measure."""
     ny, nx = shape
     fields = [nx * dx, ny * dy] if ny > 1 else [nx * dx]
@@ -152,23 +192,29 @@ def _ranges(shape, span, dx, dy, kind):
     return found
 
 
-def _slopes(height, dx, dy):
+def _slopes(height: np.ndarray, dx: float, dy: float) -> list[str]:
+    """Suspect slopes that nothing measures."""
     _, gradient = roughness_off_plane(height, dx, dy)
     if gradient > _STEEPEST:
         return [
-            f"the slopes are steeper than anything that is measured (rms gradient {number(gradient)}, "
-            f"{np.degrees(np.arctan(gradient)):.0f}°): check the units of heights and steps"
+            (
+                f"the slopes are steeper than anything that is measured (rms gradient {number(gradient)}, "
+                f"{np.degrees(np.arctan(gradient)):.0f}°): check the units of heights and steps"
+            )
         ]
     if 0 < gradient < _FLATTEST:
         return [
-            f"the slopes are smaller than those of polished optics (rms gradient {number(gradient)}): check "
-            "the units of heights and steps"
+            (
+                f"the slopes are smaller than those of polished optics (rms gradient {number(gradient)}): "
+                "check the units of heights and steps"
+            )
         ]
     return []
 
 
-def _extremes(measured, low, high):
-    found = []
+def _extremes(measured: np.ndarray, low: float, high: float) -> list[str]:
+    """Suspect points far from all others."""
+    found: list[str] = []
     if measured.size < 100:
         return found
     lower, upper = np.quantile(_sample(measured), [0.005, 0.995])
@@ -186,7 +232,7 @@ def _extremes(measured, low, high):
     return found
 
 
-def _levels(height, measured, low, high):
+def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -> list[str]:
     """Suspect few levels, plateaus, and heights quantised coarsely."""
     if measured.size < 100:
         return []
@@ -221,7 +267,8 @@ def _levels(height, measured, low, high):
     return found
 
 
-def _lines(height):
+def _lines(height: np.ndarray) -> list[str]:
+    """Suspect rows and columns that are constant or repeat the one before."""
     found = []
     for values, name in ((height, "rows"), (height.T, "columns")):
         count, length = values.shape
@@ -242,7 +289,7 @@ def _lines(height):
     return found
 
 
-def _noise(height):
+def _noise(height: np.ndarray) -> list[str]:
     """Suspect a map whose neighbours are unrelated both ways: so look files that were damaged on the way."""
     correlations = []
     for first, second in ((height[:, :-1], height[:, 1:]), (height[:-1], height[1:])):
@@ -255,7 +302,9 @@ def _noise(height):
         correlations.append(np.dot(a, b) / norm if norm > 0 else 1.0)
     if max(correlations) < 0.1:
         return [
-            f"neighbouring points are unrelated (correlation {correlations[0]:.2f} along x, "
-            f"{correlations[1]:.2f} along y): pure noise, or a binary file whose line ends were converted"
+            (
+                f"neighbouring points are unrelated (correlation {correlations[0]:.2f} along x, "
+                f"{correlations[1]:.2f} along y): pure noise, or a binary file whose line ends were converted"
+            )
         ]
     return []

@@ -1,4 +1,4 @@
-"""Reading: one measured file in, one labelled height map in SI units out.
+"""Reading a measured file as a height map in metres.
 
 The format is told by the content of a file, never by its name. Units are converted once, here. What a file
 does not say is never guessed: it is given as an argument (or in the table of surfaces), or the file is
@@ -9,12 +9,12 @@ at the top or at the bottom of its picture, is kept in the attribute `first_row`
 """
 
 import json
-import zipfile
-from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+<<<<<<< HEAD
 from roughcontact.checking import check_choice
 from roughcontact.choices import Resampling
 from roughcontact.errors import HeightMapError, InputFileError, SettingsError
@@ -24,25 +24,29 @@ from roughcontact.io.guards import brief, check_archive, check_file, sha256
 from roughcontact.io.plausibility import quantisation_step, roughness_off_plane, suspicions
 from roughcontact.io.resampling import resampled
 from roughcontact.io.units import is_length, metres
+=======
+from roughcontact.io.conversion import convert
+from roughcontact.io.guards import sha256
+from roughcontact.io.plausibility import suspicions
+from roughcontact.io.registry import open_file
+from roughcontact.io.request import Request
+>>>>>>> 3df81f8 (Reading by ideas: readers found in a folder, the scale, the request, the conversion and the two verbs in a module each)
 
-__all__ = ["inspect_file", "read_height_map"]
-
-_LARGEST_HEIGHT = 1e5  # m; higher than any mountain
-_NETCDF = (b"\x89HDF\r\n\x1a\n", b"CDF\x01", b"CDF\x02", b"CDF\x05")
-_SDF = (b"aISO-", b"bISO-", b"aBCR-", b"bBCR-", b"\xef\xbb\xbfaISO-")
-# text headers before binary heights; the last one is BCR in UTF-16
-_TEXT_WITH_BINARY = (
-    "\ufefffileformat".encode("utf-16-le"),
-    b"\\*",
-    b"[DataSet]",
-    b"fileType",
-    b"fileformat",
-    b"WSxM",
-)
+if TYPE_CHECKING:
+    import xarray as xr
 
 
-def read_height_map(path, *, channel=None, dx=None, dy=None, unit=None, height_unit=None, resample=None):
-    """Read a measured height map (or a profile) into metres.
+def read_height_map(
+    path: str | Path,
+    *,
+    channel: str | None = None,
+    dx: float | None = None,
+    dy: float | None = None,
+    unit: str | None = None,
+    height_unit: str | None = None,
+    resample: str | None = None,
+) -> "xr.DataArray":
+    r"""Read a measured height map (or a profile) into metres.
 
     Parameters
     ----------
@@ -63,58 +67,69 @@ def read_height_map(path, *, channel=None, dx=None, dy=None, unit=None, height_u
 
     Returns
     -------
-    DataArray (y, x)
-        `height` in m, NaN where not measured; coordinates are cell centres in m, evenly spaced and
-        increasing. A profile has one row. Attributes: `units`, `source_file`, `source_sha256`,
-        `source_format`, `channel`, `channels` (JSON list), `instrument` (JSON object), `first_row` ("top" or
-        "bottom": where the instrument's software draws row 0), `missing_points`, `missing_share`,
-        `ingest_warnings` (JSON list of sentences).
+    DataArray (y, x), m
+        `height`, NaN where not measured; coordinates are cell centres in m, evenly spaced and increasing. A
+        profile has one row. Attributes: `units`, `source_file`, `source_sha256`, `source_format`, `channel`,
+        `channels` (JSON list), `instrument` (JSON object), `first_row` ("top" or "bottom": where the
+        instrument's software draws row 0), `missing_points`, `missing_share`, `ingest_warnings` (JSON list of
+        sentences).
 
     Raises
     ------
     InputFileError
-        for a file that is missing, damaged, cut off, of unknown format, or silent about its size or units.
+        For a file that is missing, damaged, cut off, of unknown format, or silent about its size or units.
     HeightMapError
-        for a map without a measured point, or of one point.
+        For a map without a measured point, or of one point.
     SettingsError
-        for an argument that has no meaning.
+        For an argument that has no meaning.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> path = Path(folder.name) / "map.txt"
+    >>> _ = path.write_text("Width: 4 um\nHeight: 2 um\nValue units: nm\n1 2 3 4\n5 6 BAD 8\n")
+    >>> height = read_height_map(path)
+    >>> height.shape, height.attrs["source_format"], height.attrs["missing_points"]
+    ((2, 4), 'text matrix', 1)
+    >>> [round(1e6 * float(x), 3) for x in height.x]
+    [0.5, 1.5, 2.5, 3.5]
+    >>> round(1e9 * float(height.max()), 3)
+    8.0
+    >>> folder.cleanup()
     """
     import xarray as xr
 
     path = Path(path)
-    check_file(path)
-    source = _open(path)
-    given = {"dx": dx, "dy": dy, "unit": unit, "height_unit": height_unit}
-    chosen, sentence, heights, steps, notes = _read(source, path, channel, resample, given)
-    if len(source.channels) > 1 and _given(channel) is None:
-        notes.append(f"channel {sentence}, was read; name another one with channel")
-    notes += suspicions(heights, *steps, kind=instrument_kinds.of_name(source.instrument.get("kind")))
-    ny, nx = heights.shape
-    missing = int(np.isnan(heights).sum())
-    lateral_factor = steps[0] / chosen.dx if chosen.dx else None
-    coordinates = {
-        "x": _centres(nx, steps[0], chosen.first_x, lateral_factor),
-        "y": _centres(ny, steps[1], chosen.first_y, lateral_factor),
-    }
+    request = Request(channel, dx, dy, unit, height_unit, resample)
+    file = open_file(path)
+    converted = convert(file, request, path)
+    notes = list(converted.notes)
+    if len(file.channels) > 1 and request.channel is None:
+        notes.append(f"channel {converted.choice}, was read; name another one with channel")
+    notes += suspicions(converted.heights, converted.dx, converted.dy, kind=file.kind)
+    x, y = converted.centres()
+    missing = int(np.isnan(converted.heights).sum())
     return xr.DataArray(
-        heights,
+        converted.heights,
         dims=("y", "x"),
-        coords={axis: (axis, values, {"units": "m"}) for axis, values in coordinates.items()},
+        coords={"x": ("x", x, {"units": "m"}), "y": ("y", y, {"units": "m"})},
         name="height",
         attrs={
             "units": "m",
             "source_file": path.name,
             "source_sha256": sha256(path),
-            "source_format": source.format,
-            "channel": chosen.name,
-            "channels": json.dumps([each.name for each in source.channels], ensure_ascii=False),
-            "instrument": json.dumps(source.instrument, ensure_ascii=False, sort_keys=True),
-            "first_row": source.first_row,
+            "source_format": file.format,
+            "channel": converted.channel.name,
+            "channels": json.dumps([each.name for each in file.channels], ensure_ascii=False),
+            "instrument": json.dumps(file.instrument, ensure_ascii=False, sort_keys=True),
+            "first_row": file.first_row,
             "missing_points": missing,
-            "missing_share": missing / heights.size,
+            "missing_share": missing / converted.heights.size,
             "ingest_warnings": json.dumps(notes, ensure_ascii=False),
         },
     )
+<<<<<<< HEAD
 
 
 def inspect_file(path, *, channel=None, dx=None, dy=None, unit=None, height_unit=None, resample=None) -> dict:
@@ -417,3 +432,5 @@ def _described(channel: Channel) -> dict:
             "highest": float(np.nanmax(values)),
         }
     return described
+=======
+>>>>>>> 3df81f8 (Reading by ideas: readers found in a folder, the scale, the request, the conversion and the two verbs in a module each)

@@ -3,44 +3,124 @@
 Interpolation between points lowers slopes and with them the pressures, so it never happens by itself.
 """
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 
-from roughcontact.errors import HeightMapError
-from roughcontact.io.channels import Channel
+from roughcontact.errors import HeightMapError, InputFileError, SettingsError
+from roughcontact.io.channels import Channel, Points
 from roughcontact.io.guards import check_points
+from roughcontact.io.request import Request
+from roughcontact.io.scale import given_steps, unit_of_steps
+from roughcontact.io.units import is_length, metres
 
 _REACH = 2.0  # steps from the nearest point, beyond which a grid point counts as not measured
 
 
-def resampled(channel: Channel, steps: tuple[float | None, float | None], where) -> tuple[Channel, str]:
-    """Return a channel on an even grid and a sentence that says what was done.
-
-    Heights are linear within the triangles of Delaunay's triangulation (of a profile: between neighbours).
-    Outside them, and further than two steps from any point, the grid stays without heights.
+def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channel, Request, list[str]]:
+    """Return the channel on an even grid: as it is, or resampled where the user asks for that.
 
     Parameters
     ----------
     channel : Channel
-        With `points`.
+    request : Request
+        Its steps are those of the grid.
+    path : Path
+        Named by the messages.
+
+    Returns
+    -------
+    channel : Channel
+        On the grid.
+    request : Request
+        Of a resampled channel: without the steps, which are now those of the channel.
+    done : list of str
+        A sentence that says what was done; empty where nothing was.
+
+    Raises
+    ------
+    InputFileError
+        Where the points form no even grid and the user does not ask for one.
+    SettingsError
+        For a word or step of the user that has no meaning.
+    HeightMapError
+        For points that make no map.
+    """
+    points = channel.points
+    if points is None:
+        return channel, request, []
+    if request.resample is None:
+        raise InputFileError(
+            f"{path}: {points.uneven}; give resample = linear (table of surfaces or argument) to "
+            "interpolate to an even grid, or interpolate and export it with the instrument's software"
+        )
+    if request.resample not in METHODS:
+        raise SettingsError(
+            f"{path}: resample = {request.resample!r}: choose {' or '.join(METHODS)}, or leave it out"
+        )
+    steps = given_steps(request, path)
+    if any(steps):  # the steps are in `unit`: so shall be the positions
+        own = unit_of_steps(request, f"dx = {request.dx}, dy = {request.dy}", path)
+        if is_length(channel.lateral_unit):
+            factor = metres(channel.lateral_unit) / own
+            y = None if points.y is None else points.y * factor
+            points = points._replace(x=points.x * factor, y=y)
+        channel = replace(channel, lateral_unit=request.unit)
+    gridded, done = resampled(channel, points, steps, path)
+    return gridded, replace(request, dx=None, dy=None), [done]
+
+
+def resampled(
+    channel: Channel, points: Points, steps: tuple[float | None, float | None], where: str | Path
+) -> tuple[Channel, str]:
+    """Return a channel on an even grid and a sentence that says what was done.
+
+    Heights are linear within the triangles of Delaunay's triangulation [1]_ (of a profile: between
+    neighbours). Outside them, and further than two steps from any point, the grid stays without heights.
+
+    Parameters
+    ----------
+    channel : Channel
+        With the name and the units.
+    points : Points
+        In these units.
     steps : (dx, dy), in the channel's lateral unit
         Of the even grid; None: the mean distance of the points, sqrt(area / number), the same along x and y.
-    where : path, for messages
+    where : str or Path
+        Named by the messages.
+
+    Returns
+    -------
+    tuple of Channel and str
 
     Raises
     ------
     HeightMapError
-        for fewer than four points, or points on one line.
+        For fewer than four points (three of a profile), or points on one line.
 
-    Source: B. Delaunay (1934), Bull. Acad. Sci. URSS 793; SciPy's LinearNDInterpolator.
+    References
+    ----------
+    .. [1] B. Delaunay (1934), Sur la sphère vide, Bulletin de l'Académie des Sciences de l'URSS, Classe des
+       sciences mathématiques et naturelles 6, 793-800.
+
+    Examples
+    --------
+    >>> x = np.array([0.0, 1.0, 3.0, 4.0])
+    >>> points = Points(x, None, 10 * x, "the positions along x are not evenly spaced")
+    >>> trace = Channel("height", (1, 4), lambda: None, points=points)
+    >>> gridded, done = resampled(trace, points, (2.0, None), "trace.txt")
+    >>> gridded.read(), gridded.dx
+    (array([[ 0., 20., 40.]]), 2.0)
     """
-    x, y, z = channel.points
+    x, y, z, uneven = points
     if z.size < (3 if y is None else 4):
         raise HeightMapError(f"{where}: {z.size} points are too few to be resampled; measure again")
     along_x, along_y, heights = (_profile if y is None else _map)(x, y, z, steps, where)
     gridded = Channel(
         channel.name,
         heights.shape,
-        lambda: heights.copy(),
+        heights.copy,
         height_unit=channel.height_unit,
         dx=float(along_x[1] - along_x[0]),
         dy=None if y is None else float(along_y[1] - along_y[0]),
@@ -52,12 +132,13 @@ def resampled(channel: Channel, steps: tuple[float | None, float | None], where)
     )
     size = f"{heights.shape[1]}" if y is None else f"{heights.shape[0]} x {heights.shape[1]}"
     return gridded, (
-        f"{channel.uneven}: resampled as asked, {z.size} points interpolated linearly to {size} on an even "
+        f"{uneven}: resampled as asked, {z.size} points interpolated linearly to {size} on an even "
         "grid, which lowers slopes and peak pressures"
     )
 
 
 def _profile(x, _, z, steps, where):
+    """Return the positions of the grid and the heights (1, nx) there, linear between neighbours."""
     order = np.argsort(x, kind="stable")
     x, z = x[order], z[order]
     step = steps[0] or (x[-1] - x[0]) / (x.size - 1)
@@ -71,6 +152,7 @@ def _profile(x, _, z, steps, where):
 
 
 def _map(x, y, z, steps, where):
+    """Return the positions of the grid along x and y and the heights (ny, nx) there."""
     from scipy.interpolate import LinearNDInterpolator
     from scipy.spatial import QhullError, cKDTree
 

@@ -2,6 +2,7 @@
 
 import difflib
 import unicodedata
+from typing import TypeGuard
 
 from roughcontact.errors import InputFileError
 
@@ -24,23 +25,40 @@ _SPELLINGS = {
     2.54e-5: ("mil", "mils", "thou"),
     2.54e-8: ("uin", "μin", "microinch", "microinches"),
 }
-METRES = {unicodedata.normalize("NFKC", name): value for value, names in _SPELLINGS.items() for name in names}
+_METRES = {
+    unicodedata.normalize("NFKC", name): value for value, names in _SPELLINGS.items() for name in names
+}
 
 
-def _clean(unit) -> str:
+def _clean(unit: object) -> str:
+    """Return the spelling that is compared."""
     return unicodedata.normalize("NFKC", str(unit)).strip()
 
 
-def _lookup(unit) -> float | None:
+def _lookup(unit: object) -> float | None:
     """Return the value in metres, or None; symbols are case-sensitive, written-out words are not."""
     name = _clean(unit)
-    if name in METRES:
-        return METRES[name]
-    return METRES.get(name.lower()) if len(name) > 3 else None
+    if name in _METRES:
+        return _METRES[name]
+    return _METRES.get(name.lower()) if len(name) > 3 else None
 
 
-def is_length(unit) -> bool:
-    """Return whether `unit` is one of the accepted spellings of a length unit."""
+def is_length(unit: object) -> TypeGuard[str]:
+    """Return whether a text is one of the accepted spellings of a length unit.
+
+    Parameters
+    ----------
+    unit : str or None
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> is_length("µm"), is_length("Microns"), is_length("V"), is_length(None)
+    (True, True, False, False)
+    """
     return unit is not None and _lookup(unit) is not None
 
 
@@ -56,10 +74,24 @@ def metres(unit: str, *, where: str = "unit", error: type[Exception] = InputFile
         What the message shall name as the place of the unit.
     error : type
         What is raised for an unknown unit; the message names the nearest accepted spelling, if any is near.
+
+    Returns
+    -------
+    float, m
+
+    Raises
+    ------
+    InputFileError
+        Or `error`: for an unknown unit.
+
+    Examples
+    --------
+    >>> metres("nm"), metres("inch"), metres("micrometre")
+    (1e-09, 0.0254, 1e-06)
     """
     factor = _lookup(unit)
     if factor is None:
-        near = difflib.get_close_matches(_clean(unit).lower(), METRES, n=1)
+        near = difflib.get_close_matches(_clean(unit).lower(), _METRES, n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise error(
             f"{where}: unknown length unit {str(unit)!r}; {hint}accepted are m, mm, um, µm, nm, Å, pm, inch, "

@@ -1,0 +1,107 @@
+"""From the channels of a file to one map in metres: the channel, an even grid, the scale, the last check."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact.errors import HeightMapError
+from roughcontact.io.channels import Channel, MeasuredFile, choose_channel
+from roughcontact.io.request import Request
+from roughcontact.io.resampling import on_even_grid
+from roughcontact.io.scale import decide_scale
+
+_LARGEST_HEIGHT = 1e5  # m; higher than any mountain
+
+
+@dataclass(frozen=True)
+class Converted:
+    """One map or profile in metres, on an even grid.
+
+    Attributes
+    ----------
+    channel : Channel
+        The channel that was read, on its even grid, still in the file's units.
+    choice : str
+        Which channel was chosen, and why.
+    heights : array (ny, nx), m
+        NaN where not measured.
+    dx, dy : float, m
+        Steps.
+    notes : list of str
+        Sentences that the user should read.
+    """
+
+    channel: Channel
+    choice: str
+    heights: np.ndarray
+    dx: float
+    dy: float
+    notes: list[str]
+
+    def centres(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the cell centres (x, y) in m, from where the file puts the first one or half a step."""
+        ny, nx = self.heights.shape
+        factor = self.dx / self.channel.dx if self.channel.dx else None
+        return (
+            _centres(nx, self.dx, self.channel.first_x, factor),
+            _centres(ny, self.dy, self.channel.first_y, factor),
+        )
+
+
+def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
+    """Return the map of a file that the user asks for, in metres.
+
+    Parameters
+    ----------
+    file : MeasuredFile
+    request : Request
+        Channel, steps, units and the way of resampling, as far as the user gives them.
+    path : Path
+        Named by the messages.
+
+    Returns
+    -------
+    Converted
+
+    Raises
+    ------
+    InputFileError
+        Where there is no such channel, it holds no heights, its points form no even grid, or neither file nor
+        user says its steps or units.
+    HeightMapError
+        For a map without a measured point, of one point, or with heights that are no measurement.
+    SettingsError
+        For a word of the user that has no meaning.
+    """
+    channel, choice = choose_channel(
+        file, request.channel, str(path), unit_given=request.height_unit is not None
+    )
+    notes = file.warnings + channel.notes
+    if channel.no_height:
+        notes.append(f"channel {channel.name!r} is read at the user's word ({channel.no_height})")
+    channel, request, done = on_even_grid(channel, request, path)
+    scale = decide_scale(channel, request, path)
+    heights = _checked(channel.read() * scale.height_factor, path)
+    return Converted(channel, choice, heights, scale.dx, scale.dy, [*notes, *done, *scale.notes])
+
+
+def _checked(heights: np.ndarray, path: Path) -> np.ndarray:
+    """Return heights (m) that may be a measurement, or say why they are none."""
+    if heights.size == 1:
+        raise HeightMapError(f"{path}: the map has a single point; a map or a profile needs at least two")
+    if not np.isfinite(heights).any():
+        raise HeightMapError(f"{path}: all {heights.size} points of the map are missing; check the channel")
+    largest = np.nanmax(np.abs(heights))
+    if largest > _LARGEST_HEIGHT:
+        raise HeightMapError(
+            f"{path}: heights up to {largest:.3g} m are no measurement; the height unit is wrong or the file "
+            "is damaged (for instance a binary file whose line ends were converted)"
+        )
+    return heights
+
+
+def _centres(count: int, step: float, first: float | None, factor: float | None) -> np.ndarray:
+    """Return cell centres along one axis, m; `factor` is the metres per unit of `first`."""
+    start = 0.5 * step if first is None or factor is None else first * factor
+    return start + step * np.arange(count)

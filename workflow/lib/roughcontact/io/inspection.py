@@ -1,0 +1,147 @@
+"""What is in a measured file, and what reading it would give."""
+
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact.errors import HeightMapError, InputFileError
+from roughcontact.io.channels import Channel
+from roughcontact.io.conversion import Converted, convert
+from roughcontact.io.guards import sha256
+from roughcontact.io.plausibility import quantisation_step, roughness_off_plane, suspicions
+from roughcontact.io.registry import open_file
+from roughcontact.io.request import Request
+
+
+def inspect_file(
+    path: str | Path,
+    *,
+    channel: str | None = None,
+    dx: float | None = None,
+    dy: float | None = None,
+    unit: str | None = None,
+    height_unit: str | None = None,
+    resample: str | None = None,
+) -> dict:
+    r"""Return what is in a file, without asking for units that it does not say.
+
+    Parameters
+    ----------
+    path : str or Path
+    channel, dx, dy, unit, height_unit, resample : optional
+        As for `read_height_map`.
+
+    Returns
+    -------
+    dict
+        `file`, `bytes`, `sha256`, `format`, `first_row`, `instrument`; `channel` (the one that would be read,
+        or None) and `channel_choice` (why); `channels`, one dict per channel with `name`, `ny`, `nx`, `dx`,
+        `dy`, `lateral_unit`, `height_unit` (None where the file is silent), `is_height`, `reason`, and for
+        heights `missing_points`, `missing_share`, `rms_height`, `lowest`, `highest` (in `height_unit`);
+        `map`, what `read_height_map` would return, None where it would not: `ny`, `nx`, `dx`, `dy`, `size_x`,
+        `size_y`, `missing_points`, `missing_share`, `lowest`, `highest`, `rms_height` and `rms_gradient` (off
+        the mean plane), `quantisation_step` (None where heights are not quantised), in m;
+        `problem`: what `read_height_map` would say, or None; `warnings`.
+
+    Raises
+    ------
+    InputFileError
+        As for `read_height_map`, but not for units and sizes that the file does not say.
+    SettingsError
+        For an argument that has no meaning.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> path = Path(folder.name) / "map.txt"
+    >>> _ = path.write_text("Value units: nm\n1 2 3 4\n5 6 BAD 8\n")
+    >>> found = inspect_file(path)
+    >>> found["format"], found["map"], found["channels"][0]["height_unit"]
+    ('text matrix', None, 'nm')
+    >>> found["problem"].partition(";")[2]
+    ' give dx, dy, unit in the table of surfaces or as arguments'
+    >>> inspect_file(path, dx=1, dy=1, unit="um")["map"]["size_x"]
+    4e-06
+    >>> folder.cleanup()
+    """
+    path = Path(path)
+    request = Request(channel, dx, dy, unit, height_unit, resample)
+    file = open_file(path)
+    problem, warnings, name, choice, measured = None, list(file.warnings), None, None, None
+    try:
+        converted = convert(file, request, path)
+    except (InputFileError, HeightMapError) as error:
+        problem = str(error)
+        if request.channel is None:
+            name = next((each.name for each in file.channels if not each.no_height), None)
+    else:
+        name, choice, measured = converted.channel.name, converted.choice, _measured(converted)
+        found = suspicions(converted.heights, converted.dx, converted.dy, kind=file.kind)
+        warnings = converted.notes + found
+    return {
+        "file": path.name,
+        "bytes": path.stat().st_size,
+        "sha256": sha256(path),
+        "format": file.format,
+        "first_row": file.first_row,
+        "instrument": file.instrument,
+        "channel": name,
+        "channel_choice": choice,
+        "channels": [_described(each) for each in file.channels],
+        "map": measured,
+        "problem": problem,
+        "warnings": warnings,
+    }
+
+
+def _measured(converted: Converted) -> dict:
+    """Return what is known of a map (m) before anything is done to it."""
+    heights, dx, dy = converted.heights, converted.dx, converted.dy
+    ny, nx = heights.shape
+    rms_height, rms_gradient = roughness_off_plane(heights, dx, dy)
+    return {
+        "ny": ny,
+        "nx": nx,
+        "dx": dx,
+        "dy": dy,
+        "size_x": nx * dx,
+        "size_y": ny * dy,
+        **_missing(heights),
+        **_range(heights),
+        "rms_height": rms_height,
+        "rms_gradient": rms_gradient,
+        "quantisation_step": quantisation_step(heights),
+    }
+
+
+def _described(channel: Channel) -> dict:
+    """Return what is known of a channel, in the units of the file."""
+    described = {
+        "name": channel.name,
+        "ny": channel.shape[0],
+        "nx": channel.shape[1],
+        "dx": channel.dx,
+        "dy": channel.dy,
+        "lateral_unit": channel.lateral_unit,
+        "height_unit": channel.height_unit,
+        "is_height": not channel.no_height,
+        "reason": channel.no_height,
+    }
+    if channel.no_height:
+        return described
+    values = channel.read()
+    if np.isfinite(values).any():
+        described |= _missing(values) | {"rms_height": float(np.nanstd(values))} | _range(values)
+    return described
+
+
+def _missing(heights: np.ndarray) -> dict:
+    """Return how many points are missing."""
+    missing = int(np.isnan(heights).sum())
+    return {"missing_points": missing, "missing_share": missing / heights.size}
+
+
+def _range(heights: np.ndarray) -> dict:
+    """Return the lowest and the highest height."""
+    return {"lowest": float(np.nanmin(heights)), "highest": float(np.nanmax(heights))}

@@ -1,0 +1,229 @@
+"""The instrument formats: their marks, who writes them, and what the library passes over in their headers.
+
+Only formats that can be told by their content are here; the library's readers that accept any bytes (hgt, h5,
+mat, npz, xyz, asc) are not.
+"""
+
+import mmap
+import re
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from roughcontact.io.instrument_kinds import ANY, OPTICAL, PROBE, STYLUS, Kind
+from roughcontact.io.interface import ToldBy
+from roughcontact.io.text.lines import looks_like_text
+
+Header = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Format:
+    """One format that SurfaceTopography reads.
+
+    Attributes
+    ----------
+    name : str
+        What the library calls it.
+    marks : tuple of bytes
+        Its first bytes; several formats may share one. Without a mark only the attempt to read tells it.
+    kind : Kind
+        The kind of instrument that writes it.
+    vendor : str
+        Where the format has but one.
+    offset : int
+        Where the mark lies, bytes.
+    text_header : bool
+        Whether the header is plain text. All others are binary from the start, so that a text that begins
+        with their mark is a text.
+    told_by : ToldBy
+        `ToldBy.CONTENTS` where the mark is that of a container, in which another reader looks for this
+        format.
+    """
+
+    name: str
+    marks: tuple[bytes, ...] = ()
+    kind: Kind = ANY
+    vendor: str = ""
+    offset: int = 0
+    text_header: bool = False
+    told_by: ToldBy = ToldBy.MARK
+
+    def has_mark(self, head: bytes) -> bool:
+        """Return whether a file that begins with `head` has the mark of this format."""
+        return head.startswith(self.marks, self.offset) and (self.text_header or not looks_like_text(head))
+
+    def is_plausible(self, header: Header) -> bool:
+        """Return whether the fields of a header can be of this format: guards against chance matches."""
+        return True
+
+    def claimed_bytes(self, header: Header, points: int) -> int:
+        """Return how many bytes a file with maps of so many points has by its header; 0: not said."""
+        return 0
+
+    def steps(self, header: Header, steps: np.ndarray) -> np.ndarray:
+        """Return the steps (dx, dy), from those that the library found."""
+        return steps
+
+    def not_measured(self, header: Header, heights: np.ndarray) -> np.ndarray | None:
+        """Return which points (ny, nx) carry a code for a missing point that the library does not know."""
+        return None
+
+    def instrument(self, path: Path) -> dict[str, Any]:
+        """Return what the file says of the instrument beyond what the library finds."""
+        return {}
+
+    def sign_notes(self, header: Header) -> list[str]:
+        """Return a sentence where the header says that heights were inverted, or are those of an imprint."""
+        return []
+
+
+_INVERTED = "the header says that the map was inverted or mirrored: check that peaks point up"
+_IMPRINT = (
+    "the header says that an imprint (replica) was measured: hills of the map are valleys of the surface"
+)
+
+
+class _Alicona(Format):
+    def claimed_bytes(self, header, points):
+        start = int(header.get("TextureImageOffset", 0))
+        planes = len(str(header.get("TexturePtr", "")).split(";"))
+        return start + planes * int(header["Rows"]) * int(header["Cols"]) if start else 0
+
+
+class _DigitalSurf(Format):
+    def sign_notes(self, header):
+        notes = [_IMPRINT] if int(header.get("imprint") or 0) else []
+        return [*notes, _INVERTED] if int(header.get("inversion") or 0) else notes
+
+
+class _MetroPro(Format):
+    def sign_notes(self, header):
+        return [_INVERTED] if int(header.get("sign") or 0) else []
+
+
+class _MicroProf(Format):
+    def not_measured(self, header, heights):
+        # counts below the first and above the last valid one are codes, of which the library knows one
+        scale = (header.get("0x6c") or {}).get("height_scale_factor")
+        limits = header.get("0x70")
+        if not scale or not limits:
+            return None
+        counts = np.rint(heights / scale)
+        return (counts < limits["first_valid"]) | (counts > limits["last_valid"])
+
+
+_DATE_OF_NANOFOCUS = 1076  # where the header has it, bytes
+
+
+class _NanoFocus(Format):
+    def is_plausible(self, header):
+        steps = np.array([header["dx_mm"], header["dy_mm"]])
+        span = header["zmax"] - header["zmin"]
+        return bool(np.all((steps > 1e-3) & (steps < 1e6)) and 0 < span < 1e5)
+
+    def steps(self, header, steps):
+        # nanometres, where the library reads millimetres (fields of 160 m, not 160 µm)
+        return np.array([header["dx_mm"], header["dy_mm"]]) * 1e-3
+
+    def instrument(self, path):
+        with path.open("rb") as stream:
+            stream.seek(_DATE_OF_NANOFOCUS)
+            date = re.match(rb"\d{4}-\d\d-\d\dT\d\d:\d\d", stream.read(16))
+        return {"acquisition_time": date and date[0].decode()}
+
+
+class _Sensofar(Format):
+    def claimed_bytes(self, header, points):
+        layout = header["measurement_configuration"]
+        return layout["num_layers"] * points * (4 + 3 * layout["num_images"])
+
+
+class _Wyko(Format):
+    def instrument(self, path):
+        """Return lens and numerical aperture, where a file of the newer kind holds them.
+
+        They are among the named values of its block MeasurementSet, which the library passes over: the length
+        of the name (4 bytes), the name, then 0x12 0x01, a length and a text, or 0x0d and a double.
+        """
+        with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            lens = re.search(rb"\x09\0\0\0Objective\x12\x01([\x01-\x40])", data)
+            aperture = re.search(rb"\x05\0\0\0ObjNa\x0d(.{8})", data, re.DOTALL)
+            found = {}
+            if lens:
+                found["lens"] = data[lens.end() : lens.end() + lens[1][0]].decode("latin-1")
+            if aperture:
+                found["numerical_aperture"] = struct.unpack("<d", aperture[1])[0]
+        return found
+
+    def sign_notes(self, header):
+        inverted = str(header.get("Data_Invert", "No")).strip().lower() not in ("no", "")
+        return [_INVERTED] if inverted else []
+
+
+_TIFF = (b"II*\0", b"MM\0*")
+_ZIP = (b"PK\x03\x04",)
+_BCR = ("fileformat".encode("utf-16-le"), "\ufefffileformat".encode("utf-16-le"))
+
+# In the order in which those that share a mark, or have none, are tried.
+FORMATS = (
+    Format("di", (b"\\*",), PROBE, "Bruker", text_header=True),
+    Format("ezd", (b"[DataSet]",), PROBE, "Nanosurf", text_header=True),
+    Format("mi", (b"fileType",), PROBE, "Molecular Imaging", text_header=True),
+    _DigitalSurf("sur", (b"DIGITAL SURF",)),
+    _Alicona("al3d", (b"AliconaImaging",), OPTICAL, "Alicona"),
+    _MicroProf("frt", (b"FRTM_GLIDERV",), OPTICAL, "FRT"),
+    Format("wsxm", (b"WSxM",), PROBE, "Nanotec", text_header=True),
+    Format("tmd", (b"Binary TrueMap",)),
+    Format("gwy", (b"GWYP",)),
+    Format("mdt", (b"\x01\xb0\x93\xff",), PROBE, "NT-MDT"),
+    Format("zmg", (b"Zeta-Instruments",), OPTICAL, "KLA Zeta"),
+    Format("zon", (b"KPK0", b"KPK1"), OPTICAL, "Keyence"),
+    Format("vk", (b"VK3_", b"VK4_", b"VK6", b"VK7"), OPTICAL, "Keyence"),
+    Format("opdx", (b"VCA DATA",), STYLUS, "Bruker"),
+    Format("datx", (b"\x89HDF",), OPTICAL, "Zygo", told_by=ToldBy.CONTENTS),
+    Format("mnt", (b"\xd0\xcf\x11\xe0",)),
+    Format("oir", (b"OLYMPUSRAWFORMAT",), OPTICAL, "Olympus"),
+    Format("ps", _TIFF, PROBE, "Park Systems"),
+    Format("jpk", _TIFF, PROBE, "JPK"),
+    Format("lext", _TIFF, OPTICAL, "Olympus"),
+    Format("plux", _ZIP, OPTICAL, "Sensofar"),
+    Format("nmm", _ZIP, PROBE),
+    Format("poir", _ZIP, OPTICAL, "Olympus"),
+    Format("qep", _ZIP, STYLUS, "Mahr"),
+    Format("mitutoyo", _ZIP, STYLUS, "Mitutoyo"),
+    Format("bcr", (b"fileformat", *_BCR), text_header=True),
+    _MetroPro("metropro", (b"\x88\x1b\x03\x6f", b"\x88\x1b\x03\x70", b"\x88\x1b\x03\x71"), OPTICAL, "Zygo"),
+    _Wyko("opd", (b"Directory",), OPTICAL, "Wyko", offset=2),
+    Format("os3d", (b"OmniSurf3D",)),
+    Format("ibw", (), PROBE),
+    _Sensofar("plu", (), OPTICAL, "Sensofar"),
+    _NanoFocus("nms", (), OPTICAL, "NanoFocus"),
+)
+
+
+def marked(head: bytes) -> list[Format]:
+    """Return the formats whose mark a file has.
+
+    Parameters
+    ----------
+    head : bytes
+        Its first bytes.
+
+    Returns
+    -------
+    list of Format
+        In the order in which they are tried; empty where there is none.
+
+    Examples
+    --------
+    >>> [each.name for each in marked(b"II*" + bytes(100))]
+    ['ps', 'jpk', 'lext']
+    >>> marked(b"GWYP is how this text begins")
+    []
+    """
+    return [each for each in FORMATS if each.marks and each.has_mark(head)]

@@ -1,0 +1,224 @@
+"""Instrument formats, through SurfaceTopography, fenced.
+
+A physical size, unit or scale is never handed to the library, so what is missing in the file stays missing.
+Its heights are indexed [x, y] and arranged so that their transpose, drawn as a picture, looks as in the
+instrument's software (and as in Gwyddion): row 0 of the transpose is the upper line of that picture. Only the
+transpose is taken here, so that row j is also row j of every other reader; y grows from row to row, downwards
+in the picture.
+"""
+
+import logging
+import re
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from math import prod
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.channels import (
+    Channel,
+    MeasuredFile,
+    UnevenPositionsError,
+    as_heights,
+    scattered,
+    unreadable,
+)
+from roughcontact.io.guards import brief, check_memory, check_points
+from roughcontact.io.instruments.formats import Format, Header
+from roughcontact.io.metadata import instrument_words
+from roughcontact.io.units import is_length
+
+_BYTES_PER_BYTE = 8  # memory for each byte of a file: integers of two bytes become numbers of eight, twice
+_NO_HEIGHT_NAME = re.compile(
+    r"phase|amplitude|deflection|error|friction|lateral|current|potential|voltage|intensity|modulation|stiffness|"
+    r"adhesion|dissipation|temperature|image|colou?r|mask|quality",
+    re.IGNORECASE,
+)
+
+
+def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
+    """Open a file by the first of some formats that can read it.
+
+    Parameters
+    ----------
+    path : Path
+    formats : sequence of Format
+        With the mark of the file, or all without one.
+
+    Returns
+    -------
+    MeasuredFile
+
+    Raises
+    ------
+    InputFileError
+        Where none of them reads it, or it is damaged.
+    """
+    size = path.stat().st_size
+    check_memory(size * _BYTES_PER_BYTE, f"{size} bytes of this format", path)
+    _refuse_converted_line_ends(path)
+    failures: list[tuple[str, Exception]] = []
+    with _silence():
+        from SurfaceTopography.Exceptions import FileFormatMismatch
+        from SurfaceTopography.IO import lookup_reader_by_format
+
+        for each in formats:
+            library = lookup_reader_by_format[each.name]
+            try:
+                return _open(library(str(path)), each, path)
+            except InputFileError:
+                raise
+            except FileFormatMismatch:
+                continue
+            except Exception as error:  # a reader may fail on foreign bytes in any way
+                failures.append((library.name(), error))
+    if failures and any(each.marks for each in formats):
+        known, reason = failures[0]
+        raise InputFileError(
+            f"{path}: looks like {known}, but is damaged, cut off or of a kind that holds no map "
+            f"({brief(reason)})"
+        ) from reason
+    raise InputFileError(
+        f"{path}: the format is not known, or the file is damaged (told by content, not by extension); "
+        "export the map as X3P, SDF, netCDF or a text matrix with its size and units"
+    ) from (failures[0][1] if failures else None)
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep the library's warnings and log lines (whole byte arrays among them) off the user's screen."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        logging.disable(before)
+
+
+def _refuse_converted_line_ends(path: Path) -> None:
+    """Refuse a binary file that went through a text-mode transfer: every line feed follows a carriage return.
+
+    One byte in 256 of binary data is a line feed, so that in more than 50 of them none without a carriage
+    return does not happen by chance. Only the end of the file is looked at, where no header is.
+    """
+    size = path.stat().st_size
+    with path.open("rb") as stream:
+        stream.seek(max(size // 2, size - 2**24))
+        data = stream.read()
+    feeds = data.count(b"\n")
+    if feeds > 50 and feeds == data.count(b"\r\n"):
+        raise InputFileError(
+            f"{path}: every line feed in this binary file follows a carriage return: it was transferred as "
+            "text and is damaged; copy it again in binary mode"
+        )
+
+
+def _header(info: Any) -> Header:
+    """Return the file's own header, as the library keeps it with a channel."""
+    return info.info.get("raw_metadata") or {}
+
+
+def _open(reader: Any, file_format: Format, path: Path) -> MeasuredFile:
+    """Return what the library's reader found in a file."""
+    from SurfaceTopography.Exceptions import FileFormatMismatch
+
+    infos = list(reader.channels)
+    if not infos:
+        raise InputFileError(f"{path}: this {reader.name()} file holds no map")
+    if not file_format.is_plausible(_header(infos[0])):
+        raise FileFormatMismatch
+    # Heights are read once here: a channel that the file ends in the middle of shows that it was cut off.
+    channels = [_channel(info, file_format, path) for info in infos]
+    _refuse_short_file(infos[0], file_format, path)
+    instrument = _instrument(infos[0], file_format, path)
+    return MeasuredFile(reader.name(), channels, first_row="top", instrument=instrument)
+
+
+def _channel(info: Any, file_format: Format, path: Path) -> Channel:
+    """Return one channel of a file, with its heights already read."""
+    from SurfaceTopography.Exceptions import CorruptFile
+
+    shape = (1, info.nb_grid_pts[0]) if len(info.nb_grid_pts) == 1 else tuple(info.nb_grid_pts[::-1])
+    check_points(shape, path)
+    lateral_unit, height_unit, no_height = _units(info)
+    refused = f"{path}: channel {info.channel_id!r} cannot be read"
+    try:
+        topography = info.topography()
+        values = topography.heights()
+    except CorruptFile as error:
+        raise InputFileError(
+            f"{path}: channel {info.channel_id!r} is not whole: the file was cut off"
+        ) from error
+    except Exception as error:
+        refused = f"{refused} ({brief(error)})"
+        if not no_height:
+            raise InputFileError(refused) from error
+        words: dict[str, Any] = {
+            "height_unit": height_unit,
+            "lateral_unit": lateral_unit,
+            "no_height": no_height,
+        }
+        return Channel(info.channel_id, shape, unreadable(refused), **words)
+    if isinstance(topography.unit, str):
+        lateral_unit = topography.unit  # the library brings steps and heights to one unit
+        if is_length(height_unit):
+            height_unit = topography.unit
+    words = {"height_unit": height_unit, "lateral_unit": lateral_unit, "no_height": no_height}
+    if not topography.is_uniform:
+        uneven = UnevenPositionsError("the positions along x are not evenly spaced")
+        return scattered(info.channel_id, topography.positions(), None, values, uneven, **words)
+    heights = as_heights(values, str(path))
+    if topography.dim == 2:
+        heights = heights.T
+    header = _header(info)
+    not_measured = file_format.not_measured(header, heights)
+    if not_measured is not None:
+        heights[not_measured] = np.nan
+    dx, dy = _steps(topography, file_format, header)
+    notes = file_format.sign_notes(header)
+    return Channel(info.channel_id, heights.shape, lambda: heights, dx=dx, dy=dy, notes=notes, **words)
+
+
+def _units(info: Any) -> tuple[str | None, str | None, str]:
+    """Return the lateral unit of a channel, that of its values, and why these are no heights."""
+    # (lateral unit, unit of the values) where they differ; some readers state the first for the second
+    differ = isinstance(info.unit, tuple)
+    lateral_unit, unit = info.unit if differ else (info.unit, info.data_unit)
+    if differ or not info.is_height_channel or (unit is not None and not is_length(unit)):
+        unit = unit or "no unit"
+        return lateral_unit, unit, f"values in {unit}, no length"
+    return lateral_unit, unit, "by its name no topography" if _NO_HEIGHT_NAME.search(info.name) else ""
+
+
+def _steps(topography: Any, file_format: Format, header: Header) -> tuple[float | None, float | None]:
+    """Return the steps (dx, dy) of a map in its unit, None where the file does not say them."""
+    if topography.physical_sizes is None:
+        return None, None
+    steps = np.asarray(topography.physical_sizes, dtype=float) / np.asarray(topography.nb_grid_pts)
+    steps = file_format.steps(header, steps)
+    return float(steps[0]), float(steps[1]) if steps.size > 1 else None
+
+
+def _refuse_short_file(info: Any, file_format: Format, path: Path) -> None:
+    """Refuse a file whose header claims more bytes than there are: it was cut off after the heights."""
+    size, claimed = path.stat().st_size, file_format.claimed_bytes(_header(info), prod(info.nb_grid_pts))
+    if size < claimed:
+        raise InputFileError(f"{path}: {size} bytes where its header needs {claimed}: it was cut off")
+
+
+def _instrument(info: Any, file_format: Format, path: Path) -> dict:
+    """Return vendor, name, serial number, lens, date and the like."""
+    stated = dict(info.info.get("instrument") or {})
+    stated.setdefault("vendor", file_format.vendor)
+    stated |= {"kind": file_format.kind.name, "acquisition_time": info.info.get("acquisition_time")}
+    found = {word: value for word, value in stated.items() if value is not None}
+    stated = file_format.instrument(path) | found
+    if info.info.get("comment"):
+        stated["comment"] = info.info["comment"]
+    return instrument_words(stated, info.info.get("raw_metadata"))

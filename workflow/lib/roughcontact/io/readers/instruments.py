@@ -1,0 +1,38 @@
+"""Instrument files that are told by their first bytes, through SurfaceTopography.
+
+To add one that the library reads, add a row to `roughcontact.io.instruments.formats`.
+"""
+
+from pathlib import Path
+
+from roughcontact.io.channels import MeasuredFile
+from roughcontact.io.instruments.formats import marked
+from roughcontact.io.instruments.library import read_as
+from roughcontact.io.interface import Reader, ToldBy, head_of
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Return whether a file begins with the mark of an instrument's format."""
+    return any(each.told_by is ToldBy.MARK for each in marked(head))
+
+
+def read(path: Path) -> MeasuredFile:
+    """Open a file by the first of the formats with its mark that can read it.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    MeasuredFile
+
+    Raises
+    ------
+    InputFileError
+        For a file that is damaged, cut off, or holds no map.
+    """
+    return read_as(path, marked(head_of(path)))
+
+
+READER = Reader(ToldBy.MARK, recognises, read)

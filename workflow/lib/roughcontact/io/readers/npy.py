@@ -1,0 +1,53 @@
+"""NumPy arrays (`.npy`): heights without units. Row j is the j-th y; row 0 is the lowest line."""
+
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights
+from roughcontact.io.guards import brief, check_points
+from roughcontact.io.interface import Reader, ToldBy
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Return whether a file begins as NumPy's do."""
+    return head.startswith(b"\x93NUMPY")
+
+
+def read(path: Path) -> MeasuredFile:
+    """Open a file of one real array, (ny, nx) or (nx,), without pickle.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    MeasuredFile
+        One channel, without steps and units.
+
+    Raises
+    ------
+    InputFileError
+        For a file that is damaged or holds no map.
+    """
+    try:
+        values = np.load(path, mmap_mode="r", allow_pickle=False)
+    except Exception as error:  # NumPy parses the header as Python text and may fail in any way of the parser
+        raise InputFileError(
+            f"{path}: not readable as a NumPy array ({brief(error)}); "
+            "save a plain float64 array with numpy.save"
+        ) from error
+    shape = (1, *values.shape) if values.ndim == 1 else values.shape
+    if len(shape) != 2 or 0 in shape:
+        raise InputFileError(
+            f"{path}: an array of shape {values.shape}; a map has two axes (y, x), a profile one"
+        )
+    check_points(shape, path)
+    kind = "" if values.dtype.kind in "iuf" else f"values of type {values.dtype}, not real numbers"
+    channel = Channel("height", shape, lambda: as_heights(values, str(path)), no_height=kind)
+    return MeasuredFile("NumPy array", [channel], first_row="bottom")
+
+
+READER = Reader(ToldBy.MARK, recognises, read)

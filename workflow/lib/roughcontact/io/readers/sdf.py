@@ -1,0 +1,77 @@
+"""SDF, ISO 25178-71: a header and one map, in text or binary, in metres.
+
+In the standard y grows from row to row in a right-handed system, so row 0 is the lowest line of the map and
+is drawn at the bottom.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights
+from roughcontact.io.guards import brief, check_memory, check_points
+from roughcontact.io.interface import Reader, ToldBy
+from roughcontact.io.metadata import instrument_words
+
+_MARKS = (b"aISO-", b"bISO-", b"aBCR-", b"bBCR-", b"\xef\xbb\xbfaISO-")
+_BYTES_PER_BYTE = 12  # memory for each byte of a file: numbers as text, their pieces, in double precision
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Return whether a file begins with one of the revisions of the format."""
+    return head.startswith(_MARKS)
+
+
+def read(path: Path) -> MeasuredFile:
+    """Open an SDF file with sdfio: ASCII and binary, the BCR and ISO revisions, bad points as missing.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    MeasuredFile
+        One channel.
+
+    Raises
+    ------
+    InputFileError
+        For a file that is damaged or cut off.
+    """
+    import sdfio
+
+    size = path.stat().st_size
+    check_memory(size * _BYTES_PER_BYTE, f"{size} bytes of SDF", path)
+    try:
+        file = sdfio.read(path)
+    except (sdfio.SdfError, ValueError, ArithmeticError) as error:
+        raise InputFileError(f"{path}: not readable as SDF: {brief(error)}") from error
+    header = file.header
+    check_points(file.data.shape, path)
+    instrument = instrument_words(
+        {
+            "vendor": header.manufacturer_id,
+            "acquisition_time": header.create_date,
+            "modified": header.mod_date,
+        }
+    )
+    channel = Channel(
+        name="height",
+        shape=file.data.shape,
+        read=lambda: as_heights(file.data, str(path)),
+        height_unit="m",
+        dx=_step(header.x_scale),
+        dy=_step(header.y_scale) if file.data.shape[0] > 1 else None,
+        lateral_unit="m",
+    )
+    return MeasuredFile("SDF (ISO 25178-71)", [channel], first_row="bottom", instrument=instrument)
+
+
+def _step(value: float | None) -> float | None:
+    """Return a step of the header; zero or a negative number stands for one that it does not say."""
+    return float(value) if value and np.isfinite(value) and value > 0 else None
+
+
+READER = Reader(ToldBy.MARK, recognises, read)

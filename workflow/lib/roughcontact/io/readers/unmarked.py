@@ -1,0 +1,37 @@
+"""The last resort: instrument files without a mark, told only by the attempt to read them."""
+
+from pathlib import Path
+
+from roughcontact.io.channels import MeasuredFile
+from roughcontact.io.instruments.formats import FORMATS, marked
+from roughcontact.io.instruments.library import read_as
+from roughcontact.io.interface import Reader, ToldBy, head_of
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Return True: whatever no other reader took is tried."""
+    return True
+
+
+def read(path: Path) -> MeasuredFile:
+    """Open a file by the first of the formats without a mark whose header agrees with it.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    MeasuredFile
+
+    Raises
+    ------
+    InputFileError
+        For a file that none of them reads: its format is not known.
+    """
+    # a container that is too damaged for its contents to be looked at has a mark nevertheless
+    formats = marked(head_of(path)) or [each for each in FORMATS if not each.marks]
+    return read_as(path, formats)
+
+
+READER = Reader(ToldBy.NOTHING, recognises, read)

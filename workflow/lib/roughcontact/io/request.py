@@ -1,0 +1,48 @@
+"""What the user says of a file beside its path."""
+
+import math
+from dataclasses import dataclass, fields
+from numbers import Real
+
+
+@dataclass(frozen=True)
+class Request:
+    """What the user asks for and knows; None for all that is left to the file.
+
+    An empty cell of a table (an empty text, NaN) stands for None.
+
+    Attributes
+    ----------
+    channel : str or None
+        Name of the channel.
+    dx, dy : float or None
+        Steps from point to point, in `unit`.
+    unit, height_unit : str or None
+        Units of the steps and of the heights.
+    resample : str or None
+        How points on no even grid are brought to one.
+
+    Examples
+    --------
+    >>> Request(channel="", dx=2.0, dy=float("nan"), unit="um")
+    Request(channel=None, dx=2.0, dy=None, unit='um', height_unit=None, resample=None)
+    """
+
+    channel: str | None = None
+    dx: float | None = None
+    dy: float | None = None
+    unit: str | None = None
+    height_unit: str | None = None
+    resample: str | None = None
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            if _is_empty(getattr(self, field.name)):
+                object.__setattr__(self, field.name, None)
+
+
+def _is_empty(value: object) -> bool:
+    """Return whether a value is what an empty cell of a table hands over."""
+    if isinstance(value, str):
+        return not value.strip()
+    return value is None or (isinstance(value, Real) and math.isnan(value))

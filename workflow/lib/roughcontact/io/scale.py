@@ -1,0 +1,230 @@
+"""The scale of a map: steps and units that the file states, and those that the user gives.
+
+What the user gives wins; where both speak and differ, a sentence says so. What neither says is never guessed.
+"""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact.errors import InputFileError, SettingsError
+from roughcontact.io.channels import Channel
+from roughcontact.io.request import Request
+from roughcontact.io.units import is_length, metres
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Steps and unit of heights of one map.
+
+    Attributes
+    ----------
+    dx, dy : float, m
+        Steps from point to point; of a profile without `dy` both are `dx`.
+    height_factor : float, m
+        Metres per unit of the file's heights.
+    notes : list of str
+        Sentences on where the user's word stands against that of the file.
+    """
+
+    dx: float
+    dy: float
+    height_factor: float
+    notes: list[str] = field(default_factory=list)
+
+
+def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
+    """Return the scale of a channel on an even grid.
+
+    Parameters
+    ----------
+    channel : Channel
+        With the steps and units that the file states.
+    request : Request
+        With the steps and units that the user gives.
+    path : Path
+        Named by the messages.
+
+    Returns
+    -------
+    Scale
+
+    Raises
+    ------
+    InputFileError
+        Where neither the file nor the user says a step or a unit, the channel holds no heights, or the size
+        that the file states does not suit its number of lines.
+    SettingsError
+        For a step that is no positive number, is given without a unit, or an unknown unit.
+
+    Examples
+    --------
+    >>> said = Channel("height", (3, 4), lambda: None, height_unit="nm", dx=2.0, dy=2.0, lateral_unit="um")
+    >>> scale = decide_scale(said, Request(dx=5.0, unit="um"), Path("map.txt"))
+    >>> scale.dx, scale.dy, scale.height_factor
+    (4.9999999999999996e-06, 2e-06, 1e-09)
+    >>> scale.notes
+    ['dx = 5e-06 m as given by the user, where the file says 2e-06 m']
+    """
+    if channel.no_height and request.height_unit is None and not is_length(channel.height_unit):
+        raise InputFileError(f"{path}: channel {channel.name!r} holds no heights ({channel.no_height})")
+    notes: list[str] = []
+    factor = _lateral_factor(channel, request, path, notes)
+    dx, dy = (_step(name, channel, request, factor, path, notes) for name in ("dx", "dy"))
+    if channel.shape[0] == 1 and dy is None:
+        dy = dx
+    if dx is None or dy is None:
+        raise InputFileError(_what_is_missing(channel, path))
+    if channel.steps_from_size and request.dx is None and request.dy is None:
+        _refuse_cut_matrix(channel.shape, dx, dy, path)
+    height_factor = _height_factor(channel, request, path, notes)
+    return Scale(dx, dy, height_factor, notes)
+
+
+def given_steps(request: Request, path: Path) -> tuple[float | None, float | None]:
+    """Return the steps that the user gives.
+
+    Parameters
+    ----------
+    request : Request
+    path : Path
+        Named by the message.
+
+    Returns
+    -------
+    dx, dy : float or None
+        In the unit of the request; None where there is none.
+
+    Raises
+    ------
+    SettingsError
+        For a step that is no positive number.
+    """
+    return (
+        None if request.dx is None else _positive(request.dx, "dx", path),
+        None if request.dy is None else _positive(request.dy, "dy", path),
+    )
+
+
+def unit_of_steps(request: Request, steps: str, path: Path) -> float:
+    """Return the metres per unit of the steps that the user gives.
+
+    Parameters
+    ----------
+    request : Request
+    steps : str
+        What is given, for the message, as in ``dx = 2``.
+    path : Path
+        Named by the messages.
+
+    Returns
+    -------
+    float, m
+
+    Raises
+    ------
+    SettingsError
+        Where no unit, or an unknown one, is given.
+
+    Examples
+    --------
+    >>> unit_of_steps(Request(dx=2.0, unit="um"), "dx = 2", Path("map.txt"))
+    1e-06
+    """
+    if request.unit is None:
+        raise SettingsError(f"{path}: {steps} is given without a unit; give unit as well")
+    return metres(request.unit, where=f"{path}: unit", error=SettingsError)
+
+
+def _step(
+    name: str, channel: Channel, request: Request, factor: float | None, path: Path, notes: list[str]
+) -> float | None:
+    """Return one step in m, None where nobody says it; note where file and user differ."""
+    given, stated = getattr(request, name), getattr(channel, name)
+    if given is None:
+        return None if stated is None or factor is None else stated * factor
+    step = _positive(given, name, path) * unit_of_steps(request, f"{name} = {given}", path)
+    if stated is not None and is_length(channel.lateral_unit):
+        in_file = stated * metres(channel.lateral_unit)
+        if abs(in_file / step - 1) > 1e-3:
+            notes.append(f"{name} = {step:.6g} m as given by the user, where the file says {in_file:.6g} m")
+    return step
+
+
+def _lateral_factor(channel: Channel, request: Request, path: Path, notes: list[str]) -> float | None:
+    """Return the metres per unit of the file's own steps, None where nobody says it or needs it."""
+    stated, needed = channel.lateral_unit, request.dx is None or request.dy is None
+    if request.unit is None:
+        return metres(stated, where=f"{path}: lateral unit") if stated is not None and needed else None
+    factor = metres(request.unit, where=f"{path}: unit", error=SettingsError)
+    if needed and channel.dx is not None and _differs(stated, factor):
+        notes.append(
+            f"the steps are taken in {request.unit} as given by the user, where the file says {stated}"
+        )
+    return factor
+
+
+def _height_factor(channel: Channel, request: Request, path: Path, notes: list[str]) -> float:
+    """Return the metres per unit of the file's heights."""
+    stated = channel.height_unit
+    if request.height_unit is not None:
+        factor = metres(request.height_unit, where=f"{path}: height_unit", error=SettingsError)
+        if _differs(stated, factor):
+            notes.append(
+                f"the heights are taken in {request.height_unit} as given by the user, where the file says "
+                f"{stated}"
+            )
+        return factor
+    if stated is not None:
+        return metres(stated, where=f"{path}: height unit")
+    if request.unit is None:
+        raise InputFileError(
+            f"{path}: the file does not say the unit of its heights; give height_unit (or unit) "
+            "in the table of surfaces or as an argument"
+        )
+    return metres(request.unit, where=f"{path}: unit", error=SettingsError)
+
+
+def _differs(stated: str | None, factor: float) -> bool:
+    """Return whether the file states another unit than that of `factor` metres."""
+    return stated is not None and (not is_length(stated) or metres(stated) != factor)
+
+
+def _positive(value: float, name: str, path: Path) -> float:
+    """Return a step that the user gives as a number."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = np.nan
+    if not (np.isfinite(number) and number > 0) or isinstance(value, bool):
+        raise SettingsError(f"{path}: {name} = {value!r} must be a positive number")
+    return number
+
+
+def _what_is_missing(channel: Channel, path: Path) -> str:
+    """Return what the user has to give where neither he nor the file says the steps."""
+    ny, nx = channel.shape
+    kind = f"a profile of {nx} points" if ny == 1 else f"a map of {ny} x {nx} points"
+    known = f" (its heights are in {channel.height_unit})" if channel.height_unit else ""
+    stated = {"dx": channel.dx} if ny == 1 else {"dx": channel.dx, "dy": channel.dy}
+    absent = [name for name, step in stated.items() if step is None]
+    return (
+        f"{path}: {kind} that does not say its {'size' if absent else 'lateral unit'}{known}; "
+        f"give {', '.join([*absent, 'unit'])} in the table of surfaces or as arguments"
+    )
+
+
+def _refuse_cut_matrix(shape: tuple[int, int], dx: float, dy: float, path: Path) -> None:
+    """Refuse a text matrix that seems to have lost its last lines.
+
+    Its header gives the size of the whole field and not the number of lines, so that a file that was cut off
+    shows only in pixels that are too long along y. Scans with every second, third ... line are let through.
+    """
+    ratio = dy / dx
+    if ratio > 1.01 and abs(ratio / round(ratio) - 1) > 0.01:
+        ny, nx = shape
+        raise InputFileError(
+            f"{path}: {ny} lines of {nx} numbers do not fit the size in the header: the pixels would be "
+            f"{dx:.6g} m x {dy:.6g} m; the file seems to be cut off. If it is whole, give dx, dy and unit"
+        )

@@ -1,0 +1,66 @@
+"""Text files as lines: which files are text, and in which code."""
+
+from pathlib import Path
+
+from roughcontact.errors import InputFileError
+
+_BYTE_ORDER_MARKS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb\xbf": "utf-8-sig"}
+_LONGEST = 2**30  # bytes
+
+
+def looks_like_text(head: bytes) -> bool:
+    """Return whether the first bytes of a file are text (UTF-8, UTF-16 with its mark, or an 8-bit code).
+
+    Parameters
+    ----------
+    head : bytes
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> looks_like_text("Width: 10 µm".encode()), looks_like_text(bytes(range(16)))
+    (True, False)
+    """
+    if head.startswith(tuple(_BYTE_ORDER_MARKS)):
+        return True
+    return bool(head) and not any((byte < 32 and byte not in b"\t\n\r\f") or byte == 127 for byte in head)
+
+
+def lines_of(path: Path) -> list[str]:
+    """Return the lines of a text file, with plain minus signs.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    list of str
+
+    Raises
+    ------
+    InputFileError
+        For more than 1 GiB, for what is damaged, and for binary data behind a beginning of text.
+    """
+    return _decode(path.read_bytes(), path).replace("−", "-").splitlines()
+
+
+def _decode(data: bytes, path: Path) -> str:
+    """Return the text by its byte order mark, else as UTF-8, else as Latin-1."""
+    if len(data) > _LONGEST:
+        raise InputFileError(f"{path}: {len(data)} bytes of text; convert the map to X3P, SDF or netCDF")
+    for mark, encoding in _BYTE_ORDER_MARKS.items():
+        if data.startswith(mark):
+            try:
+                return data.decode(encoding)
+            except UnicodeDecodeError as error:
+                raise InputFileError(f"{path}: damaged {encoding} text ({error})") from error
+    if b"\0" in data:
+        raise InputFileError(f"{path}: starts as text but goes on as binary data; this format is not known")
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")

@@ -1,0 +1,114 @@
+"""Lists of points x, y, z put on the even grid that they form."""
+
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.channels import UnevenPositionsError, even_step
+from roughcontact.io.guards import check_points
+
+
+def points_on_grid(
+    x: np.ndarray, y: np.ndarray, z: np.ndarray, path: Path
+) -> tuple[np.ndarray, dict[str, float | None], tuple[float, float]]:
+    """Return the map that a list of points forms; points that are absent are missing.
+
+    Positions are sorted into lines by gaps larger than half the largest one, so that rounding does no harm.
+
+    Parameters
+    ----------
+    x, y, z : array (n,)
+        The points, in any order.
+    path : Path
+        Named by the messages.
+
+    Returns
+    -------
+    heights : array (ny, nx)
+        NaN where a point is absent.
+    steps : dict
+        `x` and `y` -> step; None along an axis of one line.
+    first : tuple of float
+        Position (x, y) of the first point of the grid.
+
+    Raises
+    ------
+    UnevenPositionsError
+        Where they form no even grid.
+    InputFileError
+        Where several points have one position, or the list ends in the middle of a line.
+
+    Examples
+    --------
+    >>> x, y, z = np.array([[0, 0, 1], [2, 0, 2], [0, 3, 4], [2, 3, 5]]).T
+    >>> heights, steps, first = points_on_grid(x, y, z, Path("points.txt"))
+    >>> heights
+    array([[1., 2.],
+           [4., 5.]])
+    >>> steps
+    {'x': 2.0, 'y': 3.0}
+    """
+    try:
+        return _on_grid(x, y, z, path)
+    except UnevenPositionsError as error:
+        if np.unique(x + 1j * y).size != z.size:
+            raise _same_position(path) from error
+        raise
+
+
+def _on_grid(x, y, z, path):
+    """Return what `points_on_grid` does, where the points do form a grid."""
+    along_x, column = _grid_lines(x, "x")
+    along_y, row = _grid_lines(y, "y")
+    nx, ny = along_x.size, along_y.size
+    if z.size < 0.5 * nx * ny:
+        raise UnevenPositionsError(
+            f"{z.size} points x y z do not form an even grid ({nx} different x, {ny} different y)"
+        )
+    check_points((ny, nx), path)
+    if np.unique(row * nx + column).size != z.size:
+        raise _same_position(path)
+    _refuse_cut_list(row, column, path)
+    heights = np.full((ny, nx), np.nan)
+    heights[row, column] = z
+    lines = {"x": along_x, "y": along_y}
+    steps = {name: even_step(along, name) if along.size > 1 else None for name, along in lines.items()}
+    return heights, steps, (float(along_x[0]), float(along_y[0]))
+
+
+def _same_position(path: Path) -> InputFileError:
+    """Return the error for a list in which several points have one position."""
+    return InputFileError(f"{path}: several points of the list have the same position")
+
+
+def _refuse_cut_list(row: np.ndarray, column: np.ndarray, path: Path) -> None:
+    """Refuse a list in which only the grid line that stands last in the file is incomplete, at its end."""
+    for line, across in ((row, column), (column, row)):
+        written_by_line = np.count_nonzero(np.diff(line)) == np.unique(line).size - 1
+        counts = np.bincount(line)
+        others = np.delete(counts, line[-1])
+        if written_by_line and others.size and others.min() == others.max() > counts[line[-1]]:
+            before = across[line != line[-1]][: others[0]]
+            if np.array_equal(across[line == line[-1]], before[: counts[line[-1]]]):
+                raise InputFileError(
+                    f"{path}: the list of points ends in the middle of a grid line: the file was cut off"
+                )
+
+
+def _grid_lines(positions: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return the distinct positions of the grid lines and the line of each point."""
+    distinct = np.unique(positions)
+    if distinct.size == 1:
+        return distinct, np.zeros(positions.size, dtype=int)
+    gaps = np.diff(distinct)
+    limit = 0.5 * np.max(gaps)
+    if np.any((gaps < limit) & (gaps > 0.02 * np.max(gaps))):
+        raise UnevenPositionsError(
+            f"the points x y z do not lie on an even grid (steps along {name} between "
+            f"{gaps.min():g} and {gaps.max():g})"
+        )
+    starts = np.concatenate([[0], np.flatnonzero(gaps > limit) + 1])
+    centres = np.add.reduceat(distinct, starts) / np.diff(np.append(starts, distinct.size))
+    line = np.searchsorted(starts, np.searchsorted(distinct, positions), side="right") - 1
+    return centres, line
