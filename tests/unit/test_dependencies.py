@@ -58,6 +58,8 @@ def digests(workflow):
         ("lib/roughcontact/window/periodisation.py", {"composite", "window", "uncertainty", "validate"}),
         ("lib/roughcontact/levelling/outliers.py", {"level", "uncertainty", "validate"}),
         ("lib/roughcontact/io/units.py", {"ingest", "validate"}),
+        ("lib/roughcontact/io/readers/sdf.py", {"ingest", "validate"}),  # found in its folder at run time
+        ("lib/roughcontact/io/instruments/library.py", {"ingest", "validate"}),
         ("lib/roughcontact/contact/solve.py", {*SOLVERS, "validate"}),
         ("lib/roughcontact/results/collect.py", {"collect"}),
         ("lib/roughcontact/report/templates/report.css", PAGES),
@@ -79,3 +81,13 @@ def test_an_edit_of_what_all_share_concerns_all(package):
     path.write_bytes(path.read_bytes() + b"\n")
     after = digests(package)
     assert all(before[name] != after[name] for name in before)
+
+
+def test_a_new_reader_concerns_what_reads_files(package):
+    before = digests(package)
+    (package / "lib/roughcontact/io/readers/another.py").write_text("from roughcontact.report import page\n")
+    after = digests(package)
+    assert {name for name in before if before[name] != after[name]} == {"ingest", "validate"}
+    page = package / "lib/roughcontact/report/page.py"
+    page.write_bytes(page.read_bytes() + b"\n")
+    assert digests(package)["ingest"] != after["ingest"]

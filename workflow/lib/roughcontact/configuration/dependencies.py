@@ -13,7 +13,8 @@ def source_digest(script: str | Path) -> str:
 
     Only the modules of this package count, and those beside the script whose names start with _. Imports are
     found in the source, also inside functions, without running anything. The files of a folder beside a
-    module that names it ("templates") count as well.
+    module that names it ("templates") count as well, and so do all modules of a room of the package that a
+    module names in a string ("roughcontact.io.readers"), because they are found at run time.
 
     Parameters
     ----------
@@ -57,7 +58,7 @@ def _closure(script: Path) -> set[Path]:
 
 @cache
 def _imported(path: Path) -> tuple[Path, ...]:
-    """Return the files of the modules that `path` imports itself, and those of the data folders it names."""
+    """Return the files of the modules that `path` imports itself, and those of the folders it names."""
     files: list[Path] = []
     for node in ast.walk(ast.parse(path.read_bytes())):
         names = []
@@ -67,9 +68,25 @@ def _imported(path: Path) -> tuple[Path, ...]:
             names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
         for name in names:
             files += _files(name, path.parent)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value.isidentifier():
-            files += [file for file in (path.parent / node.value).glob("*.*") if file.suffix != ".py"]
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            files += _named(node.value, path.parent)
     return tuple(files)
+
+
+def _named(text: str, beside: Path) -> list[Path]:
+    """Return the files of what a string names: a data folder beside its module, or a room of the package.
+
+    A room is named by a string where its modules are found at run time, so that all of them are imported.
+    """
+    parts = text.split(".")
+    if not all(part.isidentifier() for part in parts):
+        return []
+    if len(parts) == 1:
+        return [file for file in (beside / text).glob("*.*") if file.suffix != ".py"]
+    room = PACKAGE.joinpath(*parts[1:])
+    if parts[0] != PACKAGE.name or not (room / "__init__.py").is_file():
+        return []
+    return [*_files(text, beside), *room.glob("*.py")]
 
 
 def _files(name: str, beside: Path) -> list[Path]:

@@ -8,7 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from roughcontact.errors import HeightMapError, InputFileError, SettingsError
+from roughcontact.checking import check_choice
+from roughcontact.choices import Resampling
+from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import Channel, Points
 from roughcontact.io.guards import check_points
 from roughcontact.io.request import Request
@@ -55,10 +57,7 @@ def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channe
             f"{path}: {points.uneven}; give resample = linear (table of surfaces or argument) to "
             "interpolate to an even grid, or interpolate and export it with the instrument's software"
         )
-    if request.resample not in METHODS:
-        raise SettingsError(
-            f"{path}: resample = {request.resample!r}: choose {' or '.join(METHODS)}, or leave it out"
-        )
+    check_choice(f"{path}: resample", request.resample, Resampling)
     steps = given_steps(request, path)
     if any(steps):  # the steps are in `unit`: so shall be the positions
         own = unit_of_steps(request, f"dx = {request.dx}, dy = {request.dy}", path)
