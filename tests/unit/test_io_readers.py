@@ -1,0 +1,202 @@
+"""How readers are found, in which order they are asked, and what reading imports."""
+
+import io
+import subprocess
+import sys
+import zipfile
+from itertools import groupby
+
+import h5py
+import numpy as np
+import pytest
+import sdfio
+import x3pio
+import xarray as xr
+
+from roughcontact.errors import InputFileError
+from roughcontact.io import readers as room
+from roughcontact.io.interface import ToldBy, head_of
+from roughcontact.io.read import read_height_map
+from roughcontact.io.registry import open_file, readers, recognised
+
+HEIGHTS = np.arange(12.0).reshape(3, 4) * 1e-6
+
+NEW_FORMAT = '''
+"""Maps of another instrument: a mark, the number of columns, the heights in nanometres."""
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.channels import Channel, MeasuredFile
+from roughcontact.io.interface import Reader, ToldBy
+
+
+def recognises(path, head):
+    return head.startswith(b"ANOTHER\\0")
+
+
+def read(path):
+    data = path.read_bytes()
+    columns = data[8]
+    heights = np.frombuffer(data, "<f8", offset=9)
+    if heights.size % columns:
+        raise InputFileError(f"{path}: cut off")
+    heights = heights.reshape(-1, columns)
+    steps = {"dx": 2.0, "dy": 2.0, "lateral_unit": "um"}
+    channel = Channel("height", heights.shape, heights.copy, height_unit="nm", **steps)
+    return MeasuredFile("another", [channel], first_row="top")
+
+
+READER = Reader(ToldBy.MARK, recognises, read)
+'''
+
+
+@pytest.fixture
+def another_format(tmp_path, monkeypatch):
+    """Add a format by one file in a folder that counts as part of `readers`."""
+    folder = tmp_path / "more_readers"
+    folder.mkdir()
+    (folder / "another.py").write_text(NEW_FORMAT, encoding="utf-8")
+    monkeypatch.setattr(room, "__path__", [*room.__path__, str(folder)])
+    yield
+    sys.modules.pop("roughcontact.io.readers.another", None)
+
+
+def test_one_file_adds_a_format(tmp_path, another_format):
+    path = tmp_path / "map.xyz"
+    path.write_bytes(b"ANOTHER\0" + bytes([4]) + (1e9 * HEIGHTS).tobytes())
+    height = read_height_map(path)
+    np.testing.assert_allclose(height.values, HEIGHTS, rtol=1e-12)
+    assert float(height.x[1] - height.x[0]) == pytest.approx(2e-6)
+    assert height.attrs["source_format"] == "another"
+    path.write_bytes(path.read_bytes()[:-8])
+    with pytest.raises(InputFileError, match="cut off"):
+        read_height_map(path)
+
+
+def test_without_that_file_the_format_is_not_known(tmp_path):
+    path = tmp_path / "map.xyz"
+    path.write_bytes(b"ANOTHER\0" + bytes([4]) + (1e9 * HEIGHTS).tobytes())
+    with pytest.raises(InputFileError, match="the format is not known"):
+        read_height_map(path)
+
+
+def x3p():
+    stream = io.BytesIO()
+    x3pio.write(stream, HEIGHTS, x_scale=1e-6, y_scale=1e-6)
+    return stream.getvalue()
+
+
+def archive():
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as packed:
+        packed.writestr("index.xml", "<xml/>")
+    return stream.getvalue()
+
+
+def hdf5(*groups):
+    stream = io.BytesIO()
+    with h5py.File(stream, "w") as file:
+        for group in groups:
+            file.create_group(group)
+    return stream.getvalue()
+
+
+def npy():
+    stream = io.BytesIO()
+    np.save(stream, HEIGHTS)
+    return stream.getvalue()
+
+
+def netcdf(**options):
+    stream = io.BytesIO()
+    xr.DataArray(HEIGHTS, dims=("y", "x"), name="height").to_netcdf(stream, **options)
+    return stream.getvalue()
+
+
+def sdf(file_format):
+    stream = io.BytesIO()
+    sdfio.write(stream, HEIGHTS, x_scale=1e-6, y_scale=1e-6, format=file_format)
+    return stream.getvalue()
+
+
+TEXT = b"\n1.5 2.5 3.5\n4.5 5.5 7.5\n"
+BINARY = bytes(range(256))
+FILES = {
+    "X3P": (x3p, "x3p"),
+    "another archive": (archive, "instruments"),
+    "HDF5 of Zygo": (lambda: hdf5("MetaData"), "datx"),
+    "other HDF5": (lambda: hdf5("Height"), "netcdf"),
+    "HDF5 without the whole mark": (lambda: b"\x89HDF" + BINARY, "unmarked"),
+    "netCDF": (lambda: netcdf(engine="scipy"), "netcdf"),
+    "NumPy": (npy, "npy"),
+    "SDF in text": (lambda: sdf(sdfio.FileFormat.ASCII), "sdf"),
+    "SDF": (lambda: sdf(sdfio.FileFormat.BINARY), "sdf"),
+    "text": (lambda: TEXT, "text"),
+    "text in UTF-16": (lambda: TEXT.decode().encode("utf-16"), "text"),
+    "instrument with a header in text": (lambda: b"\\*File list" + TEXT, "instruments"),
+    "instrument with a header in UTF-16": (lambda: "fileformat = bcrstm".encode("utf-16"), "instruments"),
+    "instrument": (lambda: b"DIGITAL SURF" + BINARY, "instruments"),
+    "text that begins with the mark of a binary format": (lambda: b"DIGITAL SURF" + TEXT, "text"),
+    "instrument whose mark lies further on": (lambda: b"\x01\0Directory" + BINARY, "instruments"),
+    "no format": (lambda: BINARY, "unmarked"),
+}
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_each_file_has_its_reader_whatever_the_order_among_equals(tmp_path, kind):
+    made, expected = FILES[kind]
+    path = tmp_path / "file.dat"
+    path.write_bytes(made())
+    assert recognised(path)[0] == expected
+    claims = [(reader.told_by, name) for name, reader in readers() if reader.recognises(path, head_of(path))]
+    assert claims[-1] == (ToldBy.NOTHING, "unmarked")
+    for _, equals in groupby(claims, key=lambda claim: claim[0]):
+        assert len(list(equals)) == 1
+
+
+def test_the_order_is_the_documented_one():
+    told_by = [reader.told_by for _, reader in readers()]
+    assert told_by == sorted(told_by)
+    assert list(ToldBy) == [ToldBy.CONTENTS, ToldBy.MARK, ToldBy.TEXT, ToldBy.NOTHING]
+    assert told_by.count(ToldBy.NOTHING) == 1
+    names = {rank: {name for name, reader in readers() if reader.told_by is rank} for rank in ToldBy}
+    assert names[ToldBy.CONTENTS] >= {"datx", "x3p"}
+    assert names[ToldBy.MARK] >= {"instruments", "netcdf", "npy", "sdf"}
+    assert names[ToldBy.TEXT] >= {"text"}
+
+
+@pytest.mark.parametrize(("before", "after"), [("x3p", "instruments"), ("datx", "netcdf"), ("sdf", "text")])
+def test_the_order_matters_where_two_readers_claim_a_file(tmp_path, before, after):
+    made = {"x3p": x3p, "datx": lambda: hdf5("MetaData"), "sdf": lambda: sdf(sdfio.FileFormat.ASCII)}[before]
+    path = tmp_path / "file.dat"
+    path.write_bytes(made())
+    claims = [name for name, reader in readers() if reader.recognises(path, head_of(path))]
+    assert claims[:2] == [before, after]
+
+
+def test_damaged_hdf5_is_refused_whoever_wrote_it(tmp_path):
+    path = tmp_path / "file.dat"
+    path.write_bytes(hdf5("MetaData")[:200])
+    with pytest.raises(InputFileError, match="damaged or cut off HDF5 file"):
+        open_file(path)
+
+
+def test_values_that_are_no_numbers_are_refused_in_a_sentence(tmp_path):
+    path = tmp_path / "words.nc"
+    xr.DataArray([["a", "b"], ["c", "d"]], dims=("y", "x"), name="words").to_netcdf(path)
+    with pytest.raises(InputFileError, match=r"variable 'words' holds values of type .*, not real numbers"):
+        read_height_map(path, dx=1, dy=1, unit="um", height_unit="um")
+
+
+def test_reading_an_array_imports_no_library_of_instruments(tmp_path):
+    np.save(tmp_path / "map.npy", HEIGHTS)
+    program = (
+        "import sys; from roughcontact import read_height_map;"
+        "read_height_map(sys.argv[1], dx=1, dy=1, unit='um');"
+        "print(*{'SurfaceTopography', 'x3pio', 'sdfio', 'h5py', 'netCDF4', 'scipy'} & set(sys.modules))"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program, str(tmp_path / "map.npy")], capture_output=True, text=True, check=True
+    )
+    assert run.stdout.split() == []
