@@ -11,7 +11,8 @@ from roughcontact.levelling.filters import gaussian_mean_surface
 from roughcontact.levelling.level import level
 from roughcontact.levelling.scan_lines import find_scars, line_offsets
 from roughcontact.maps import height_map
-from roughcontact.roughness.parameters import height_parameters, rms_height
+from roughcontact.roughness.heights import height_parameters
+from roughcontact.roughness.parameters import rms_height
 from roughcontact.roughness.spectrum import areal_spectrum
 from roughcontact.roughness.texture import texture_parameters
 from roughcontact.window.band import limit_band

@@ -10,7 +10,7 @@ import pytest
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
-from roughcontact.roughness.parameters import height_parameters
+from roughcontact.roughness.heights import height_parameters
 from roughcontact.statistics.contact_statistics import HEIGHT_PARAMETERS, surface_statistics
 from roughcontact.window.periodic_window import periodic_window
 

@@ -8,6 +8,7 @@ import pytest
 from roughcontact.maps import height_map
 from roughcontact.references import synthetic
 from roughcontact.roughness import parameters
+from roughcontact.roughness.summits import summit_statistics
 from roughcontact.window import periodisation
 
 
@@ -125,7 +126,7 @@ def test_summits_agree_with_the_theory_of_random_surfaces():
         (512, 512), 1e-6, hurst=0.8, shortest=8e-6, longest=256e-6, rms_gradient=0.2, seed=4
     )
     _, m2, m4 = parameters.spectral_moments(height)
-    summits = parameters.summit_statistics(height)
+    summits = summit_statistics(height)
     assert summits["density"] == pytest.approx(m4 / (6 * np.pi * np.sqrt(3) * m2), rel=0.06)
     assert 1 / summits["mean_radius"] == pytest.approx(8 / 3 * np.sqrt(m4 / np.pi), rel=0.04)
     assert 0 < summits["height_std"] < parameters.rms_height(height) * 1.05
@@ -133,7 +134,7 @@ def test_summits_agree_with_the_theory_of_random_surfaces():
 
 def test_summits_of_a_wave_in_closed_form():
     height = synthetic.product_wave_surface((40, 40), 0.1, amplitude=0.3, wavelength=2.0)
-    summits = parameters.summit_statistics(height)
+    summits = summit_statistics(height)
     assert summits["density"] == pytest.approx(8 / 16)  # two per wavelength squared, 2 x 2 waves
     assert summits["mean_radius"] == pytest.approx(1 / (0.3 * np.pi**2), rel=1e-12)
     assert summits["height_std"] == pytest.approx(0, abs=1e-12)
@@ -149,7 +150,7 @@ def test_flat_map_is_exactly_flat(shape, level):
     assert parameters.interior_rms_gradient(flat) == 0
     assert math.isnan(found["nayak_parameter"])
     assert math.isnan(found["points_per_shortest_wavelength"])
-    assert math.isnan(parameters.summit_statistics(flat)["mean_radius"])
+    assert math.isnan(summit_statistics(flat)["mean_radius"])
 
 
 def test_parameters_together_are_the_parameters_one_by_one():

@@ -16,7 +16,7 @@ from roughcontact.faces.overlap import (
     pair_name,
 )
 from roughcontact.levelling.polynomial import fit_polynomial
-from roughcontact.roughness.parameters import height_parameters
+from roughcontact.roughness.heights import height_parameters
 from roughcontact.window.band import reliable_wavelength
 
 

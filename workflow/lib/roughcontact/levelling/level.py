@@ -15,7 +15,7 @@ from roughcontact.levelling.outliers import find_outliers
 from roughcontact.levelling.polynomial import fit_polynomial
 from roughcontact.levelling.scan_lines import find_scars, line_offsets
 from roughcontact.maps import spacing
-from roughcontact.roughness.parameters import height_parameters
+from roughcontact.roughness.heights import height_parameters
 
 _ROUNDING = 16 * np.finfo(float).eps  # of a height less its form, relative to the form
 

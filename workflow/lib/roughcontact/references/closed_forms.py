@@ -5,31 +5,74 @@ modulus E*, pressure and mean pressure in Pa, lengths in m. Waves have amplitude
 mean pressure over the pressure of full contact p*.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
+import numpy.typing as npt
 
 from roughcontact.fourier import halfplane_weights, wavenumbers
 
 # --- Westergaard: h = D cos(2πx/λ) ------------------------------------------------------------------------
 
 
-def westergaard_full_contact_pressure(amplitude, wavelength, contact_modulus):
-    """Return the mean pressure that just closes the wave D cos(2πx/λ): p* = π E* D/λ (Pa).
+def westergaard_full_contact_pressure(amplitude: float, wavelength: float, contact_modulus: float) -> float:
+    """Return the mean pressure that just closes the wave D cos(2πx/λ): p* = π E* D/λ [1]_, [2]_.
 
-    Source: Westergaard (1939), J. Appl. Mech. 6, A49; Johnson, Contact Mechanics (1985), sec. 13.2.
+    Parameters
+    ----------
+    amplitude : float, m
+        D.
+    wavelength : float, m
+        λ.
+    contact_modulus : float, Pa
+        E*.
+
+    Returns
+    -------
+    float, Pa
+
+    References
+    ----------
+    .. [1] Westergaard, H. M. (1939), J. Appl. Mech. 6, A49.
+    .. [2] Johnson, K. L. (1985), Contact Mechanics, section 13.2.
+
+    Examples
+    --------
+    >>> print(f"{westergaard_full_contact_pressure(1e-6, 1e-4, 1e9):.4g} Pa")
+    3.142e+07 Pa
     """
     return np.pi * contact_modulus * amplitude / wavelength
 
 
-def westergaard_contact_share(load_ratio):
-    """Return the share of the wave in contact, (2/π) asin √r, for r = p̄/p* (1 from r = 1 on).
+def westergaard_contact_share(load_ratio: npt.ArrayLike) -> np.ndarray:
+    """Return the share of the wave in contact, (2/π) asin √r [1]_, [2]_.
 
-    Source: Westergaard (1939); Johnson (1985), sec. 13.2.
+    Parameters
+    ----------
+    load_ratio : float or array
+        r = p̄/p*; from 1 on the share is 1.
+
+    Returns
+    -------
+    float or array of the shape of `load_ratio`, 0 to 1
+
+    References
+    ----------
+    .. [1] Westergaard, H. M. (1939), J. Appl. Mech. 6, A49.
+    .. [2] Johnson, K. L. (1985), Contact Mechanics, section 13.2.
+
+    Examples
+    --------
+    >>> print(np.round(westergaard_contact_share([0.0, 0.5, 1.0, 2.0]), 6))
+    [0.  0.5 1.  1. ]
     """
     return 2 / np.pi * np.arcsin(np.sqrt(np.clip(load_ratio, 0, 1)))
 
 
-def westergaard_pressure(x, wavelength, mean_pressure, load_ratio):
-    """Return the pressure under the wave D cos(2πx/λ), crest at x = 0.
+def westergaard_pressure(
+    x: npt.ArrayLike, wavelength: float, mean_pressure: float, load_ratio: float
+) -> np.ndarray:
+    """Return the pressure under the wave D cos(2πx/λ), crest at x = 0 [1]_, [2]_.
 
     p = (2p̄/r) cos ψ √(r - sin²ψ), ψ = πx/λ, where sin²ψ < r; from r = 1 on the wave is closed and
     p = p̄ + p* cos(2πx/λ).
@@ -38,7 +81,9 @@ def westergaard_pressure(x, wavelength, mean_pressure, load_ratio):
     ----------
     x : array, m
     wavelength : float, m
+        λ.
     mean_pressure : float, Pa
+        p̄.
     load_ratio : float
         r = p̄/p*, greater than 0.
 
@@ -46,7 +91,15 @@ def westergaard_pressure(x, wavelength, mean_pressure, load_ratio):
     -------
     array of the shape of `x`, Pa
 
-    Source: Westergaard (1939); Johnson (1985), sec. 13.2.
+    References
+    ----------
+    .. [1] Westergaard, H. M. (1939), J. Appl. Mech. 6, A49.
+    .. [2] Johnson, K. L. (1985), Contact Mechanics, section 13.2.
+
+    Examples
+    --------
+    >>> print(np.round(westergaard_pressure([0.0, 0.25, 0.5], 1.0, 1.0, 1.0), 6))
+    [2. 1. 0.]
     """
     phase = np.pi * np.asarray(x, float) / wavelength
     if load_ratio >= 1:
@@ -55,14 +108,35 @@ def westergaard_pressure(x, wavelength, mean_pressure, load_ratio):
     return 2 * mean_pressure / load_ratio * np.abs(np.cos(phase)) * np.sqrt(inside)
 
 
-def westergaard_gap(x, wavelength, amplitude, load_ratio):
-    """Return the gap (m) over the wave D cos(2πx/λ), crest at x = 0.
+def westergaard_gap(x: npt.ArrayLike, wavelength: float, amplitude: float, load_ratio: float) -> np.ndarray:
+    """Return the gap over the wave D cos(2πx/λ), crest at x = 0.
 
     gap = 2D [s √(s² - r) - r ln((s + √(s² - r))/√r)], s = |sin(πx/λ)|, where s² > r, 0 elsewhere: the
-    conjugate of the pressure, integrated from the edge of the contact. Its mean is
+    integral of the conjugate function of the stress function [1]_ from the edge of the contact. Its mean is
     `westergaard_mean_gap`; at r = 0 it is D - h.
 
-    Source: integral of the conjugate function of Westergaard's stress function (Westergaard 1939).
+    Parameters
+    ----------
+    x : array, m
+    wavelength : float, m
+        λ.
+    amplitude : float, m
+        D.
+    load_ratio : float
+        r = p̄/p*.
+
+    Returns
+    -------
+    array of the shape of `x`, m
+
+    References
+    ----------
+    .. [1] Westergaard, H. M. (1939), J. Appl. Mech. 6, A49.
+
+    Examples
+    --------
+    >>> print(np.round(westergaard_gap([0.0, 0.25, 0.5], 1.0, 1.0, 0.0), 6))
+    [0. 1. 2.]
     """
     s = np.abs(np.sin(np.pi * np.asarray(x, float) / wavelength))
     root = np.sqrt(np.clip(s**2 - load_ratio, 0, None))
@@ -73,28 +147,93 @@ def westergaard_gap(x, wavelength, amplitude, load_ratio):
     return 2 * amplitude * (s * root - load_ratio * logarithm)
 
 
-def westergaard_mean_gap(amplitude, load_ratio):
-    """Return the mean gap (m) over the wave: ū = D (1 - r + r ln r), 0 from r = 1 on.
+def westergaard_mean_gap(amplitude: float, load_ratio: npt.ArrayLike) -> np.ndarray:
+    """Return the mean gap over the wave: ū = D (1 - r + r ln r) [1]_.
 
-    Source: Johnson (1985), sec. 13.2; follows from `westergaard_energy` by dU/dū = -p̄.
+    It follows from `westergaard_energy` by dU/dū = -p̄.
+
+    Parameters
+    ----------
+    amplitude : float, m
+        D.
+    load_ratio : float or array
+        r = p̄/p*; from 1 on the gap is 0.
+
+    Returns
+    -------
+    float or array of the shape of `load_ratio`, m
+
+    References
+    ----------
+    .. [1] Johnson, K. L. (1985), Contact Mechanics, section 13.2.
+
+    Examples
+    --------
+    >>> print(np.round(westergaard_mean_gap(1.0, [0.0, 0.1, 1.0]), 4))
+    [1.     0.6697 0.    ]
     """
     r = np.clip(np.asarray(load_ratio, float), 0, 1)
     logarithm = np.log(np.where(r > 0, r, 1.0))
     return amplitude * (1 - r + r * logarithm)
 
 
-def westergaard_stiffness(amplitude, wavelength, contact_modulus, load_ratio):
-    """Return the stiffness -dp̄/dū (Pa/m) of the wave: p*/(D ln(1/r)), infinite from r = 1 on."""
+def westergaard_stiffness(
+    amplitude: float, wavelength: float, contact_modulus: float, load_ratio: float
+) -> float:
+    """Return the stiffness -dp̄/dū of the wave: p*/(D ln(1/r)), from `westergaard_mean_gap`.
+
+    Parameters
+    ----------
+    amplitude : float, m
+        D.
+    wavelength : float, m
+        λ.
+    contact_modulus : float, Pa
+        E*.
+    load_ratio : float
+        r = p̄/p*, greater than 0.
+
+    Returns
+    -------
+    float, Pa/m
+        infinite from r = 1 on.
+
+    Examples
+    --------
+    >>> print(round(westergaard_stiffness(1.0, np.pi, 1.0, np.exp(-2.0)), 6))
+    0.5
+    """
     full = westergaard_full_contact_pressure(amplitude, wavelength, contact_modulus)
     return full / (amplitude * -np.log(load_ratio)) if load_ratio < 1 else np.inf
 
 
-def westergaard_energy(amplitude, wavelength, contact_modulus, load_ratio):
-    """Return the elastic energy per area (J/m²), relative to uniform pressure: D p* r² (1/4 - ln(r)/2).
+def westergaard_energy(
+    amplitude: float, wavelength: float, contact_modulus: float, load_ratio: float
+) -> float:
+    """Return the elastic energy per area, relative to uniform pressure: D p* r² (1/4 - ln(r)/2).
 
-    From r = 1 on it stays at D p*/4, that of the flattened wave.
+    That is ½ Σ_{q≠0} G |p̂|² of `westergaard_pressure`. From r = 1 on it stays at D p*/4, that of the
+    flattened wave.
 
-    Source: ½ Σ_{q≠0} G |p̂|² of `westergaard_pressure`; at r = 1 the energy of full contact.
+    Parameters
+    ----------
+    amplitude : float, m
+        D.
+    wavelength : float, m
+        λ.
+    contact_modulus : float, Pa
+        E*.
+    load_ratio : float
+        r = p̄/p*, greater than 0.
+
+    Returns
+    -------
+    float, J/m²
+
+    Examples
+    --------
+    >>> print(round(westergaard_energy(1.0, np.pi, 1.0, 1.0), 6))
+    0.25
     """
     r = min(load_ratio, 1.0)
     full = westergaard_full_contact_pressure(amplitude, wavelength, contact_modulus)
@@ -109,26 +248,80 @@ JGH_CONTACT_SHARE = {0.05: 0.11294, 0.1: 0.19061, 0.3: 0.51418, 0.5: 0.70423, 0.
 JGH_PEAK_AND_GAP = {0.1: (8.83885, 0.38475), 0.5: (2.95866, 0.04508)}
 
 
-def jgh_full_contact_pressure(amplitude, wavelength, contact_modulus):
-    """Return the mean pressure that just closes D cos(2πx/λ) cos(2πy/λ): p* = √2 π E* D/λ (Pa).
+def jgh_full_contact_pressure(amplitude: float, wavelength: float, contact_modulus: float) -> float:
+    """Return the mean pressure that just closes D cos(2πx/λ) cos(2πy/λ): p* = √2 π E* D/λ [1]_.
 
-    Source: Johnson, Greenwood and Higginson (1985), Int. J. Mech. Sci. 27, 383.
+    Parameters
+    ----------
+    amplitude : float, m
+        D.
+    wavelength : float, m
+        λ.
+    contact_modulus : float, Pa
+        E*.
+
+    Returns
+    -------
+    float, Pa
+
+    References
+    ----------
+    .. [1] Johnson, K. L., Greenwood, J. A., Higginson, J. G. (1985), Int. J. Mech. Sci. 27, 383.
+
+    Examples
+    --------
+    >>> print(round(jgh_full_contact_pressure(1.0, np.pi, 1.0), 6))
+    1.414214
     """
     return np.sqrt(2) * np.pi * contact_modulus * amplitude / wavelength
 
 
-def jgh_contact_share_low(load_ratio):
-    """Return the relative contact area for r → 0, π [3r/(8π)]^(2/3): two Hertz contacts per λ².
+def jgh_contact_share_low(load_ratio: npt.ArrayLike) -> np.ndarray:
+    """Return the relative contact area for r → 0, π [3r/(8π)]^(2/3): two Hertz contacts per λ² [1]_.
 
-    Source: Johnson, Greenwood and Higginson (1985), asymptote for small loads.
+    Parameters
+    ----------
+    load_ratio : float or array
+        r = p̄/p*.
+
+    Returns
+    -------
+    float or array of the shape of `load_ratio`
+
+    References
+    ----------
+    .. [1] Johnson, K. L., Greenwood, J. A., Higginson, J. G. (1985), Int. J. Mech. Sci. 27, 383: asymptote
+       for small loads.
+
+    Examples
+    --------
+    >>> print(np.round(jgh_contact_share_low([0.001, 0.008]), 5))
+    [0.00762 0.03046]
     """
     return np.pi * (3 * np.asarray(load_ratio, float) / (8 * np.pi)) ** (2 / 3)
 
 
-def jgh_contact_share_high(load_ratio):
-    """Return the relative contact area for r → 1, 1 - (3/2π)(1 - r): pressurised penny-shaped gaps.
+def jgh_contact_share_high(load_ratio: npt.ArrayLike) -> np.ndarray:
+    """Return the relative contact area for r → 1, 1 - (3/2π)(1 - r): pressurised penny-shaped gaps [1]_.
 
-    Source: Johnson, Greenwood and Higginson (1985), asymptote near full contact.
+    Parameters
+    ----------
+    load_ratio : float or array
+        r = p̄/p*.
+
+    Returns
+    -------
+    float or array of the shape of `load_ratio`
+
+    References
+    ----------
+    .. [1] Johnson, K. L., Greenwood, J. A., Higginson, J. G. (1985), Int. J. Mech. Sci. 27, 383: asymptote
+       near full contact.
+
+    Examples
+    --------
+    >>> print(np.round(jgh_contact_share_high([0.9, 1.0]), 4))
+    [0.9523 1.    ]
     """
     return 1 - 3 / (2 * np.pi) * (1 - np.asarray(load_ratio, float))
 
@@ -143,12 +336,33 @@ LATTICE_CUBES = 9.033621683100950
 NOGI_KATO_CONSTANT = 4 * np.arcsinh(1.0) / np.pi
 
 
-def hertz(force, radius, contact_modulus):
-    """Return contact radius (m), peak pressure (Pa), approach (m) and elastic energy (J) of a sphere.
+def hertz(force: float, radius: float, contact_modulus: float) -> dict[str, float]:
+    """Return what a sphere does under a force [1]_.
 
     a³ = 3FR/(4E*), p0 = 2E*a/(πR), δ = a²/R, U = (8/15) E* √R δ^(5/2).
 
-    Source: Johnson (1985), eqs. (4.22)-(4.24).
+    Parameters
+    ----------
+    force : float, N
+        F.
+    radius : float, m
+        R.
+    contact_modulus : float, Pa
+        E*.
+
+    Returns
+    -------
+    dict of float
+        `contact_radius` (a, m), `max_pressure` (p0, Pa), `approach` (δ, m), `energy` (U, J).
+
+    References
+    ----------
+    .. [1] Johnson, K. L. (1985), Contact Mechanics, eqs. (4.22)-(4.24).
+
+    Examples
+    --------
+    >>> {name: round(float(value), 4) for name, value in hertz(4 / 3, 1.0, 1.0).items()}
+    {'contact_radius': 1.0, 'max_pressure': 0.6366, 'approach': 1.0, 'energy': 0.5333}
     """
     a = (3 * force * radius / (4 * contact_modulus)) ** (1 / 3)
     approach = a**2 / radius
@@ -160,37 +374,72 @@ def hertz(force, radius, contact_modulus):
     }
 
 
-def hertz_displacement(distance, contact_radius, max_pressure, contact_modulus):
-    """Return the displacement (m) inside a Hertz contact, u = π p0 (2a² - r²)/(4 E* a), r <= a.
+def hertz_displacement(
+    distance: npt.ArrayLike, contact_radius: float, max_pressure: float, contact_modulus: float
+) -> np.ndarray:
+    """Return the displacement inside a Hertz contact, u = π p0 (2a² - r²)/(4 E* a), r <= a [1]_.
+
+    "A numerical approach to the contact of nominally flat surfaces" prints it as eq. (16) with 2 E* a in the
+    denominator, twice too much: u(0) must be the approach a²/R.
 
     Parameters
     ----------
     distance : array, m
         r, distance from the middle of the contact.
     contact_radius : float, m
+        a.
     max_pressure : float, Pa
+        p0.
     contact_modulus : float, Pa
+        E*.
 
-    Source: Johnson (1985), eq. (3.41a). "A numerical approach to the contact of nominally flat surfaces"
-    prints it as eq. (16) with 2 E* a in the denominator, twice too much: u(0) must be the approach a²/R.
+    Returns
+    -------
+    array of the shape of `distance`, m
+
+    References
+    ----------
+    .. [1] Johnson, K. L. (1985), Contact Mechanics, eq. (3.41a).
+
+    Examples
+    --------
+    >>> print(np.round(hertz_displacement([0.0, 1.0], 1.0, 2 / np.pi, 1.0), 6))
+    [1.  0.5]
     """
     r, a = np.asarray(distance, float), contact_radius
     return np.pi * max_pressure * (2 * a**2 - r**2) / (4 * contact_modulus * a)
 
 
-def hertz_spectrum(wavenumber, contact_radius, max_pressure):
-    """Return the Fourier transform (N) of a Hertz pressure, ∫ p exp(-i q·x) dx dy, at |q| > 0 in rad/m.
+def hertz_spectrum(wavenumber: npt.ArrayLike, contact_radius: float, max_pressure: float) -> np.ndarray:
+    """Return the Fourier transform of a Hertz pressure, ∫ p exp(-i q·x) dx dy.
 
-    2π p0 a² [sin(qa) - qa cos(qa)]/(qa)³; the force (2/3)π a² p0 for q → 0.
+    2π p0 a² [sin(qa) - qa cos(qa)]/(qa)³, the Hankel transform of order zero of p0 √(1 - r²/a²); the force
+    (2/3)π a² p0 for q → 0.
 
-    Source: Hankel transform of order zero of p0 √(1 - r²/a²).
+    Parameters
+    ----------
+    wavenumber : array, rad/m
+        |q|, greater than 0.
+    contact_radius : float, m
+        a.
+    max_pressure : float, Pa
+        p0.
+
+    Returns
+    -------
+    array of the shape of `wavenumber`, N
+
+    Examples
+    --------
+    >>> print(round(hertz_spectrum(1e-3, 1.0, 1.0) / (2 / 3 * np.pi), 6))
+    1.0
     """
     qa = np.asarray(wavenumber, float) * contact_radius
     return 2 * np.pi * max_pressure * contact_radius**2 * (np.sin(qa) - qa * np.cos(qa)) / qa**3
 
 
-def periodic_hertz(force, radius, contact_modulus, period):
-    """Return contact radius, peak pressure, approach and energy of a sphere repeated with a square period L.
+def periodic_hertz(force: float, radius: float, contact_modulus: float, period: float) -> dict[str, float]:
+    """Return what a sphere does that is repeated with a square period L.
 
     With x = a_H/L and s = 0.6391 x³, the mean displacement set to zero, and the energy that of the part
     of the displacement that is not uniform::
@@ -200,17 +449,34 @@ def periodic_hertz(force, radius, contact_modulus, period):
 
     Around one contact the others act like F/(π E* L) (-3.900265 + 9.033622/4 (r² + 2a²/5)/L²): a shift, and
     a flatter sphere 1/R + 2c with c = 9.033622 F/(4π E* L³), hence 2cR = 3s. U is the integral of F dδ. First
-    order in x³: the error is about x⁵.
+    order in x³: the error is about x⁵. The lattice sums of the square lattice are Σ 1/n = -3.900265 (uniform
+    background) and Σ 1/n³ = 9.033622 [1]_; 2a²/5 is the second moment of the Hertz pressure.
 
     Parameters
     ----------
     force : float, N
+        F.
     radius : float, m
+        R.
     contact_modulus : float, Pa
+        E*.
     period : float, m
+        L.
 
-    Source: lattice sums Σ 1/n = -3.900265 (uniform background) and Σ 1/n³ = 9.033622 of the square lattice
-    (Glasser and Zucker 1980, Theoretical Chemistry 5, 67), second moment of the Hertz pressure 2a²/5.
+    Returns
+    -------
+    dict of float
+        `contact_radius` (m), `max_pressure` (Pa), `approach` (m), `energy` (J), as of `hertz`.
+
+    References
+    ----------
+    .. [1] Glasser, M. L., Zucker, I. J. (1980), Theoretical Chemistry 5, 67.
+
+    Examples
+    --------
+    >>> alone, repeated = hertz(1.0, 1.0, 1e3), periodic_hertz(1.0, 1.0, 1e3, 1.0)
+    >>> f"{repeated['max_pressure'] / alone['max_pressure'] - 1:.2e}"
+    '9.58e-04'
     """
     single = hertz(force, radius, contact_modulus)
     s = LATTICE_CUBES / (6 * np.pi) * 4 / 3 * (single["contact_radius"] / period) ** 3
@@ -226,44 +492,95 @@ def periodic_hertz(force, radius, contact_modulus, period):
 # --- Full contact of any periodic map ----------------------------------------------------------------------
 
 
-def full_contact_fluctuation(height, spacing, contact_modulus):
-    """Return the pressure fluctuation that flattens a periodic map: p̂(q) = (E*|q|/2) ĥ(q), q ≠ 0.
+def full_contact_fluctuation(
+    height: np.ndarray, spacing: Sequence[float], contact_modulus: float
+) -> np.ndarray:
+    """Return the pressure fluctuation that flattens a periodic map: p̂(q) = (E*|q|/2) ĥ(q), q ≠ 0 [1]_.
+
+    It is exact for the discrete problem.
 
     Parameters
     ----------
     height : array (ny, nx), m
     spacing : (dy, dx), m
     contact_modulus : float, Pa
+        E*.
 
     Returns
     -------
-    array (ny, nx), Pa, zero mean; contact is full where mean pressure >= -min of it
+    array (ny, nx), Pa
+        zero mean; contact is full where the mean pressure is not below -min of it.
 
-    Source: exact for the discrete problem; Johnson (1985), sec. 13.2, one wave at a time.
+    References
+    ----------
+    .. [1] Johnson, K. L. (1985), Contact Mechanics, section 13.2, one wave at a time.
+
+    Examples
+    --------
+    >>> wave = np.cos(2 * np.pi * np.arange(8) / 8)[None, :]
+    >>> pressure = full_contact_fluctuation(wave, (1.0, 1.0), 1.0)
+    >>> print(round(-pressure.min(), 6), round(westergaard_full_contact_pressure(1.0, 8.0, 1.0), 6))
+    0.392699 0.392699
     """
     symbol = contact_modulus * wavenumbers(height.shape, spacing) / 2
     return np.fft.irfft2(symbol * np.fft.rfft2(height), s=height.shape)
 
 
-def full_contact_energy(height, spacing, contact_modulus):
-    """Return the elastic energy per area (J/m²) of the flattened map, (E*/4) Σ |q| |ĥ(q)|²."""
+def full_contact_energy(height: np.ndarray, spacing: Sequence[float], contact_modulus: float) -> float:
+    """Return the elastic energy per area of the flattened map, (E*/4) Σ |q| |ĥ(q)|².
+
+    Parameters
+    ----------
+    height : array (ny, nx), m
+    spacing : (dy, dx), m
+    contact_modulus : float, Pa
+        E*.
+
+    Returns
+    -------
+    float, J/m²
+
+    Examples
+    --------
+    >>> wave = np.cos(2 * np.pi * np.arange(8) / 8)[None, :]
+    >>> energy = full_contact_energy(wave, (1.0, 1.0), 1.0)
+    >>> print(round(energy, 6), round(westergaard_energy(1.0, 8.0, 1.0, 1.0), 6))
+    0.098175 0.098175
+    """
     spectrum = np.abs(np.fft.rfft2(height) / height.size) ** 2
     weighted = halfplane_weights(height.shape) * wavenumbers(height.shape, spacing) * spectrum
     return contact_modulus / 4 * weighted.sum()
 
 
-def gap_left_by(pressure, height, spacing, contact_modulus):
-    """Return u - h less its mean over the contact (m), by NumPy's transforms alone: apart from the solver.
+def gap_left_by(
+    pressure: np.ndarray, height: np.ndarray, spacing: Sequence[float], contact_modulus: float
+) -> np.ndarray:
+    """Return u - h less its mean over the contact, by NumPy's transforms alone: apart from the solver.
 
-    û = 2 p̂/(E*|q|), q ≠ 0.
+    û = 2 p̂/(E*|q|), q ≠ 0 [1]_.
 
     Parameters
     ----------
-    pressure, height : array (ny, nx), Pa and m
+    pressure : array (ny, nx), Pa
+    height : array (ny, nx), m
     spacing : (dy, dx), m
     contact_modulus : float, Pa
+        E*.
 
-    Source: Johnson (1985), sec. 13.2, one wave at a time.
+    Returns
+    -------
+    array (ny, nx), m
+
+    References
+    ----------
+    .. [1] Johnson, K. L. (1985), Contact Mechanics, section 13.2, one wave at a time.
+
+    Examples
+    --------
+    >>> wave = np.cos(2 * np.pi * np.arange(8) / 8)[None, :]
+    >>> pressure = 10 + full_contact_fluctuation(wave, (1.0, 1.0), 1.0)
+    >>> bool(np.allclose(gap_left_by(pressure, wave, (1.0, 1.0), 1.0), 0))
+    True
     """
     q = wavenumbers(height.shape, spacing)
     q[0, 0] = np.inf
@@ -288,12 +605,31 @@ OUTSIDE_CODES = {
 # --- Zero frequency ----------------------------------------------------------------------------------------
 
 
-def nogi_kato_zero_frequency(length_y, length_x, contact_modulus):
-    """Return the mean of 2/(E*|q|) over the cell of the zero frequency (m/Pa).
+def nogi_kato_zero_frequency(length_y: float, length_x: float, contact_modulus: float) -> float:
+    """Return the mean of 2/(E*|q|) over the cell of the zero frequency [1]_.
 
-    G00 = (Lx Ly/4π²)(2/E*) 4 [a asinh(b/a) + b asinh(a/b)], a = π/Lx, b = π/Ly; a square: 1.12220 L/E*.
+    G00 = (Lx Ly/4π²)(2/E*) 4 [a asinh(b/a) + b asinh(a/b)], a = π/Lx, b = π/Ly, their average in closed form;
+    a square: 1.12220 L/E*.
 
-    Source: Nogi and Kato (1997), J. Tribol. 119, 493, with their average done in closed form.
+    Parameters
+    ----------
+    length_y, length_x : float, m
+        sides of the window.
+    contact_modulus : float, Pa
+        E*.
+
+    Returns
+    -------
+    float, m/Pa
+
+    References
+    ----------
+    .. [1] Nogi, T., Kato, T. (1997), J. Tribol. 119, 493.
+
+    Examples
+    --------
+    >>> print(round(nogi_kato_zero_frequency(2.0, 2.0, 1.0), 4))
+    2.2444
     """
     a, b = np.pi / length_x, np.pi / length_y
     integral = 4 * (a * np.arcsinh(b / a) + b * np.arcsinh(a / b))

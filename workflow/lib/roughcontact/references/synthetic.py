@@ -5,6 +5,8 @@ with cell centres as coordinates. The same arguments give the same heights, ever
 with one row.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
@@ -14,9 +16,18 @@ from roughcontact.maps import height_map, pitches
 
 
 def self_affine_surface(
-    shape, spacing, *, hurst, shortest, longest, rms_height=None, rms_gradient=None, stretch=1.0, seed=0
+    shape: Sequence[int],
+    spacing: float | Sequence[float],
+    *,
+    hurst: float,
+    shortest: float,
+    longest: float,
+    rms_height: float | None = None,
+    rms_gradient: float | None = None,
+    stretch: float = 1.0,
+    seed: int = 0,
 ) -> xr.DataArray:
-    """Periodic self-affine surface with random phases.
+    """Return a periodic self-affine surface with random phases [1]_.
 
     The amplitudes follow |h(q)| ~ |q|^-(1+H) for 2 pi/longest <= |q| <= 2 pi/shortest and vanish elsewhere
     (|q|^-(1/2+H) for a profile); only the phases are random, so that the rms values come out as asked.
@@ -25,25 +36,37 @@ def self_affine_surface(
     ----------
     shape : (ny, nx)
     spacing : float or (dy, dx), m
-    hurst : float
-        Hurst exponent H, 0 to 1.
+    hurst : float, 0 to 1
+        Hurst exponent H.
     shortest, longest : float, m
         the band of wavelengths; at least two pixels and at most the length of the map have an effect.
-    rms_height, rms_gradient : float, m and 1
+    rms_height : float or None, m
+    rms_gradient : float or None, dimensionless
         one of the two sets the heights.
     stretch : float
         how much longer the waves are along y than along x (1: isotropic); the band is that along x.
     seed : int
         of `numpy.random.default_rng`.
 
+    Returns
+    -------
+    DataArray (y, x), m
+
     Raises
     ------
     SettingsError
         where the band is empty on this grid, or not exactly one rms value is given.
 
-    Notes
-    -----
-    Persson, Albohr, Tartaglino, Volokitin, Tosatti, J. Phys.: Condens. Matter 17 (2005) R1.
+    References
+    ----------
+    .. [1] Persson, B. N. J., Albohr, O., Tartaglino, U., Volokitin, A. I., Tosatti, E. (2005), J. Phys.:
+       Condens. Matter 17, R1.
+
+    Examples
+    --------
+    >>> height = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=64e-6, rms_height=1e-7)
+    >>> height.shape, f"{float(height.std()):.3g} m"
+    ((64, 64), '1e-07 m')
     """
     shape, spacing = tuple(shape), pitches(spacing)
     if (rms_height is None) == (rms_gradient is None):
@@ -73,8 +96,8 @@ def self_affine_surface(
     )
 
 
-def rough_reference_surface(points) -> xr.DataArray:
-    """Periodic rough surface that the reference solutions are known for: unit side, `points` per side.
+def rough_reference_surface(points: int) -> xr.DataArray:
+    """Return the periodic rough surface that the reference solutions are known for, of unit side.
 
     F = fft2(default_rng(0).standard_normal((64, 64))) K^-1.8 for 2 <= K <= 16 waves per side, 0 elsewhere,
     zero-padded to `points` x `points`; rms height 0.023699516, rms gradient 0.55501825.
@@ -82,7 +105,21 @@ def rough_reference_surface(points) -> xr.DataArray:
     Parameters
     ----------
     points : int
-        points per side, more than 32.
+        per side, more than 32.
+
+    Returns
+    -------
+    DataArray (y, x), m
+
+    Raises
+    ------
+    SettingsError
+        where the surface does not fit on so few points.
+
+    Examples
+    --------
+    >>> round(float(rough_reference_surface(40).std()), 9), round(float(rough_reference_surface(64).std()), 9)
+    (0.023699516, 0.023699516)
     """
     if points <= 32:
         raise SettingsError(f"points = {points}: the surface holds 16 waves per side and needs more than 32")
@@ -102,18 +139,18 @@ def rough_reference_surface(points) -> xr.DataArray:
 
 
 def turned_surface(
-    shape,
-    spacing,
+    shape: Sequence[int],
+    spacing: float | Sequence[float],
     *,
-    feed,
-    nose_radius,
-    groove_scatter=0.0,
-    arc_radius=np.inf,
-    rms_roughness=0.0,
-    hurst=0.8,
-    seed=0,
+    feed: float,
+    nose_radius: float,
+    groove_scatter: float = 0.0,
+    arc_radius: float = np.inf,
+    rms_roughness: float = 0.0,
+    hurst: float = 0.8,
+    seed: int = 0,
 ) -> xr.DataArray:
-    """Face-turned surface: parabolic grooves of the tool nose, one per feed, lay along y.
+    """Return a face-turned surface: parabolic grooves of the tool nose, one per feed, lay along y [1]_.
 
     h = s^2 / (2 R) + depth of the groove + fine roughness, s = distance from the middle of the groove.
 
@@ -131,14 +168,24 @@ def turned_surface(
         distance of the map from the axis of turning; infinite for straight grooves.
     rms_roughness : float, m
         rms height of the self-affine fine roughness on top, waves from two pixels to one feed.
-    hurst : float
+    hurst : float, 0 to 1
         its Hurst exponent.
     seed : int
         of `numpy.random.default_rng`.
 
-    Notes
-    -----
-    Ideal turned profile, peak-to-valley f^2 / (8 R): Shaw, Metal Cutting Principles (2005).
+    Returns
+    -------
+    DataArray (y, x), m
+
+    References
+    ----------
+    .. [1] Shaw, M. C. (2005), Metal Cutting Principles: ideal profile, peak-to-valley f^2 / (8 R).
+
+    Examples
+    --------
+    >>> height = turned_surface((1, 800), 1e-6, feed=100e-6, nose_radius=400e-6)
+    >>> f"{np.ptp(height.values):.1e} m"  # feed^2 / (8 R)
+    '3.1e-06 m'
     """
     dy, dx = pitches(spacing)
     ny, nx = shape
@@ -165,26 +212,59 @@ def turned_surface(
             shortest=2 * max(dx, dy if ny > 1 else dx),
             longest=feed,
             rms_height=rms_roughness,
-            seed=generator.integers(2**32),
+            seed=int(generator.integers(2**32)),
         )
     return height_map(heights, (dy, dx), instrument={"generator": "turned", "seed": int(seed)})
 
 
 def ground_surface(
-    shape, spacing, *, hurst, shortest, longest, rms_height, stretch=8.0, skewness_power=1.0, seed=0
+    shape: Sequence[int],
+    spacing: float | Sequence[float],
+    *,
+    hurst: float,
+    shortest: float,
+    longest: float,
+    rms_height: float,
+    stretch: float = 8.0,
+    skewness_power: float = 1.0,
+    seed: int = 0,
 ) -> xr.DataArray:
-    """Ground surface: self-affine across the lay, `stretch` times longer waves along it (y).
+    """Return a ground surface: self-affine across the lay, `stretch` times longer waves along it (y).
 
     Parameters
     ----------
     shape : (ny, nx)
     spacing : float or (dy, dx), m
-    hurst, shortest, longest, stretch, seed
-        see `self_affine_surface`; the band of wavelengths is that across the lay.
+    hurst : float, 0 to 1
+        Hurst exponent.
+    shortest, longest : float, m
+        the band of wavelengths across the lay.
     rms_height : float, m
+    stretch : float
+        how much longer the waves are along the lay.
     skewness_power : float
         above 1 it draws the valleys deeper and the plateaus flatter, as grinding and honing do:
         heights below the highest point are raised to this power.
+    seed : int
+        of `numpy.random.default_rng`.
+
+    Returns
+    -------
+    DataArray (y, x), m
+
+    Raises
+    ------
+    SettingsError
+        where the band is empty on this grid.
+
+    Examples
+    --------
+    >>> height = ground_surface(
+    ...     (64, 128), 1e-6, hurst=0.8, shortest=4e-6, longest=64e-6, rms_height=1e-7, skewness_power=1.5
+    ... )
+    >>> skewness = float((height**3).mean() / (height**2).mean() ** 1.5)
+    >>> f"{float(height.std()):.3g} m", skewness < 0
+    ('1e-07 m', True)
     """
     heights = self_affine_surface(
         shape,
@@ -203,42 +283,104 @@ def ground_surface(
     return height_map(heights, spacing, instrument={"generator": "ground", "seed": int(seed)})
 
 
-def westergaard_surface(shape, spacing, *, amplitude, wavelength) -> xr.DataArray:
-    """One-dimensional wave h = amplitude cos(2 pi x / wavelength), crest on the first cell.
+def westergaard_surface(
+    shape: Sequence[int], spacing: float | Sequence[float], *, amplitude: float, wavelength: float
+) -> xr.DataArray:
+    """Return the one-dimensional wave h = amplitude cos(2 pi x / wavelength), crest on the first cell.
 
-    Complete contact at p* = pi E* amplitude / wavelength (Westergaard, J. Appl. Mech. 6 (1939) A49).
+    Complete contact at p* = pi E* amplitude / wavelength [1]_.
+
+    Parameters
+    ----------
+    shape : (ny, nx)
+    spacing : float or (dy, dx), m
+    amplitude, wavelength : float, m
+
+    Returns
+    -------
+    DataArray (y, x), m
+
+    References
+    ----------
+    .. [1] Westergaard, H. M. (1939), J. Appl. Mech. 6, A49.
+
+    Examples
+    --------
+    >>> print(np.abs(np.round(westergaard_surface((1, 4), 1.0, amplitude=1.0, wavelength=4.0).values, 6)))
+    [[1. 0. 1. 0.]]
     """
     _, x = _from_first_cell(shape, spacing)
     return height_map(np.broadcast_to(amplitude * np.cos(2 * np.pi * x / wavelength), shape), spacing)
 
 
-def product_wave_surface(shape, spacing, *, amplitude, wavelength) -> xr.DataArray:
-    """Two-dimensional wave h = amplitude cos(2 pi x / wavelength) cos(2 pi y / wavelength).
+def product_wave_surface(
+    shape: Sequence[int], spacing: float | Sequence[float], *, amplitude: float, wavelength: float
+) -> xr.DataArray:
+    """Return the two-dimensional wave h = amplitude cos(2 pi x / wavelength) cos(2 pi y / wavelength).
 
-    Complete contact at p* = sqrt(2) pi E* amplitude / wavelength
-    (Johnson, Greenwood, Higginson, Int. J. Mech. Sci. 27 (1985) 383).
+    Complete contact at p* = sqrt(2) pi E* amplitude / wavelength [1]_. The crest is on the first cell.
+
+    Parameters
+    ----------
+    shape : (ny, nx)
+    spacing : float or (dy, dx), m
+    amplitude, wavelength : float, m
+
+    Returns
+    -------
+    DataArray (y, x), m
+
+    References
+    ----------
+    .. [1] Johnson, K. L., Greenwood, J. A., Higginson, J. G. (1985), Int. J. Mech. Sci. 27, 383.
+
+    Examples
+    --------
+    >>> height = product_wave_surface((4, 4), 1.0, amplitude=2.0, wavelength=4.0)
+    >>> print(np.round(height.values[::2, ::2], 6))
+    [[ 2. -2.]
+     [-2.  2.]]
     """
     y, x = _from_first_cell(shape, spacing)
     q = 2 * np.pi / wavelength
     return height_map(amplitude * np.cos(q * x) * np.cos(q * y), spacing)
 
 
-def sum_wave_surface(shape, spacing, *, amplitudes, wavelengths) -> xr.DataArray:
-    """Orthogonal waves h = A_y cos(2 pi y / l_y) + A_x cos(2 pi x / l_x).
+def sum_wave_surface(
+    shape: Sequence[int],
+    spacing: float | Sequence[float],
+    *,
+    amplitudes: Sequence[float],
+    wavelengths: Sequence[float],
+) -> xr.DataArray:
+    """Return orthogonal waves h = A_y cos(2 pi y / l_y) + A_x cos(2 pi x / l_x).
 
     Complete contact at p* = pi E* (A_x / l_x + A_y / l_y); with equal amplitudes and wavelengths it is the
     product wave turned by 45 degrees, with twice the amplitude and sqrt(2) times the wavelength.
 
     Parameters
     ----------
+    shape : (ny, nx)
+    spacing : float or (dy, dx), m
     amplitudes, wavelengths : (along y, along x), m
+
+    Returns
+    -------
+    DataArray (y, x), m
+
+    Examples
+    --------
+    >>> height = sum_wave_surface((4, 4), 1.0, amplitudes=(1.0, 2.0), wavelengths=(4.0, 4.0))
+    >>> print(np.round(height.values[::2, ::2], 6))
+    [[ 3. -1.]
+     [ 1. -3.]]
     """
     y, x = _from_first_cell(shape, spacing)
     (ay, ax), (ly, lx) = amplitudes, wavelengths
     return height_map(ay * np.cos(2 * np.pi * y / ly) + ax * np.cos(2 * np.pi * x / lx), spacing)
 
 
-def _from_first_cell(shape, spacing):
+def _from_first_cell(shape: Sequence[int], spacing: float | Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
     """Return (y, x), shapes (ny, 1) and (1, nx), distances from the first cell centre in m."""
     dy, dx = pitches(spacing)
     return np.arange(shape[0])[:, None] * dy, np.arange(shape[1])[None, :] * dx

@@ -8,7 +8,7 @@ import numpy as np
 
 from roughcontact.maps import spacing
 from roughcontact.quantities import prefix, quantity
-from roughcontact.roughness import parameters
+from roughcontact.roughness.summits import summit_statistics
 from roughcontact.statistics import theory
 
 # Okabe and Ito (2008): eight colours that colour-blind people can tell apart (yellow left out: too pale for
@@ -238,7 +238,7 @@ def area_against_load(statistics, window) -> str:
         axes = figure.add_subplot()
         line = _theory_lines(axes, load)
         modulus = float(statistics["contact_modulus"])
-        summits = parameters.summit_statistics(window)
+        summits = summit_statistics(window)
         area = theory.greenwood_williamson_area(line * unit, summits, contact_modulus=modulus)
         if np.isfinite(area).any():
             axes.plot(

@@ -23,58 +23,47 @@ _CLIFF = 0.1
 
 
 def rms_height(height: xr.DataArray) -> float:
-    """Root mean square height, sqrt(mean (h - mean h)^2), in m (Sq of ISO 25178-2)."""
-    return float(np.std(_from_first_point(height.values)))
-
-
-def height_parameters(height: xr.DataArray) -> dict[str, float]:
-    """Return the height parameters of ISO 25178-2, and Sdq, of a levelled map that need not be periodic.
-
-    With z the height above the mean of all measured points:
-
-    * `Sa` = mean |z|, `Sq` = sqrt(mean z^2), m
-    * `Ssk` = mean z^3 / Sq^3, `Sku` = mean z^4 / Sq^4; NaN for a flat map
-    * `Sp` = max z, `Sv` = -min z, `Sz` = Sp + Sv, m
-    * `Sdq` = sqrt(mean (dz/dx)^2 + mean (dz/dy)^2) with the differences of neighbouring points, each
-      direction averaged over its own pairs of measured points. It depends on the pitch (`rms_gradient` is
-      spectral).
+    """Return the root mean square height, sqrt(mean (h - mean h)^2): Sq of ISO 25178-2.
 
     Parameters
     ----------
     height : DataArray (y, x), m
-        NaN where missing; such points do not count.
 
-    Notes
-    -----
-    ISO 25178-2:2021, 4.1 and 4.2.
+    Returns
+    -------
+    float, m
+
+    Examples
+    --------
+    >>> from roughcontact.maps import height_map
+    >>> rms_height(height_map([[1.0, 3.0], [3.0, 1.0]], 1.0))
+    1.0
     """
-    values = height.values
-    z = values[~np.isnan(values)]
-    z = z - z[0]  # exactly zero for a flat map, wherever it lies
-    z -= z.mean()
-    sq = math.sqrt(np.mean(z**2))
-    slopes = 0.0
-    for axis, pitch in enumerate(spacing(height)):
-        steps = np.diff(values, axis=axis)
-        steps = steps[~np.isnan(steps)]
-        if steps.size:
-            slopes += float(np.mean((steps / pitch) ** 2))
-    return {
-        "Sa": float(np.mean(np.abs(z))),
-        "Sq": sq,
-        "Ssk": float(np.mean((z / sq) ** 3)) if sq > 0 else math.nan,
-        "Sku": float(np.mean((z / sq) ** 4)) if sq > 0 else math.nan,
-        "Sp": float(z.max()),
-        "Sv": float(-z.min()),
-        "Sz": float(np.ptp(z)),
-        "Sdq": math.sqrt(slopes),
-    }
+    return float(np.std(_from_first_point(height.values)))
 
 
 def rms_gradient(height: xr.DataArray, *, threads: int = 1) -> float:
-    """Root mean square gradient g = sqrt(sum |q|^2 |h(q)|^2), spectral, dimensionless.
+    """Return the root mean square gradient g = sqrt(sum |q|^2 |h(q)|^2), spectral.
 
     The waves at the Nyquist limit count with their |q|, as they do in the half-space.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        periodic.
+    threads : int
+        that the transform may take.
+
+    Returns
+    -------
+    float, dimensionless
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((1, 64), 2 * math.pi / 64, amplitude=1.0, wavelength=2 * math.pi)
+    >>> round(rms_gradient(wave) ** 2, 6)
+    0.5
     """
     given = np.require(height.values, dtype=float, requirements=["C", "A", "W"])
     values, kernels = empty(given, DOUBLE), kernels_for(given, threads=threads)
@@ -86,11 +75,28 @@ def rms_gradient(height: xr.DataArray, *, threads: int = 1) -> float:
 
 
 def interior_rms_gradient(height: xr.DataArray) -> float:
-    """Root mean square gradient of a map that is not periodic, spectral, dimensionless.
+    """Return the root mean square gradient of a map that is not periodic, spectral.
 
     That of the map and its mirror images, which meet without a step: along each axis the sum of
     (pi k / (n d))^2 |c_k|^2 over the cosine series c of the lines. What happens inside counts as in
     `rms_gradient`, a step from one edge to the other does not.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        without missing points.
+
+    Returns
+    -------
+    float, dimensionless
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.maps import height_map
+    >>> tilted = height_map(0.1 * np.arange(200.0)[None, :], 1.0)
+    >>> round(interior_rms_gradient(tilted), 2), round(rms_gradient(tilted), 2)
+    (0.1, 1.66)
     """
     values = _from_first_point(height.values)
     total = 0.0
@@ -104,7 +110,7 @@ def interior_rms_gradient(height: xr.DataArray) -> float:
 
 
 def steepest_share(height: xr.DataArray, *, share: float = 0.01) -> float:
-    """Return how much of the mean square gradient of a periodic map its steepest points make up, 0 to 1.
+    """Return how much of the mean square gradient of a periodic map its steepest points make up.
 
     The gradient is that of the steps to the next point along x and y. Of a map with normally distributed
     slopes, alike in all directions, the steepest 1 % of the points make up 0.01 (1 - ln 0.01) = 5.6 %.
@@ -112,8 +118,22 @@ def steepest_share(height: xr.DataArray, *, share: float = 0.01) -> float:
     Parameters
     ----------
     height : DataArray (y, x), m
-    share : float
+        periodic.
+    share : float, 0 to 1
         of the points; at least one point is taken.
+
+    Returns
+    -------
+    float, 0 to 1
+        0 for a flat map.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.maps import height_map
+    >>> step = height_map(np.repeat([[0.0, 1.0]], 50, axis=1), 1.0)  # up in the middle, down at the seam
+    >>> steepest_share(step, share=0.01), steepest_share(step, share=0.02)
+    (0.5, 1.0)
     """
     squares = np.zeros(height.shape)
     for axis, pitch in enumerate(spacing(height)):
@@ -126,90 +146,165 @@ def steepest_share(height: xr.DataArray, *, share: float = 0.01) -> float:
 
 
 def rms_curvature(height: xr.DataArray) -> float:
-    """Root mean square of the mean curvature (h_xx + h_yy) / 2, spectral, in 1/m."""
+    """Return the root mean square of the mean curvature (h_xx + h_yy) / 2, spectral.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        periodic.
+
+    Returns
+    -------
+    float, 1/m
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((1, 64), 2 * math.pi / 64, amplitude=1.0, wavelength=2 * math.pi)
+    >>> round(rms_curvature(wave) ** 2, 6)  # of -cos(x) / 2
+    0.125
+    """
     return math.sqrt(_moments(height, _power(height.values))[2]) / 2
 
 
 def spectral_moments(height: xr.DataArray) -> tuple[float, float, float]:
-    """Return Nayak's moments (m0, m2, m4): variances of height, slope and curvature of profiles.
+    """Return Nayak's moments: variances of height, slope and curvature of profiles [1]_, [2]_.
 
-    In m^2, 1 and m^-2: m0 = sum |h(q)|^2, m2 = sum |q|^2 |h(q)|^2 / 2, m4 = 3/8 sum |q|^4 |h(q)|^2. They are
-    the mean over profiles in all directions (mean cos^2 = 1/2, mean cos^4 = 3/8), for an isotropic surface
-    the same in each. For a profile they are its own: no factors.
+    m0 = sum |h(q)|^2, m2 = sum |q|^2 |h(q)|^2 / 2, m4 = 3/8 sum |q|^4 |h(q)|^2. They are the mean over
+    profiles in all directions (mean cos^2 = 1/2, mean cos^4 = 3/8), for an isotropic surface the same in
+    each. For a profile they are its own: no factors.
 
-    Notes
-    -----
-    Longuet-Higgins, Phil. Trans. R. Soc. A 249 (1957) 321; Nayak, J. Lubr. Technol. 93 (1971) 398.
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        periodic.
+
+    Returns
+    -------
+    m0 : float, m^2
+    m2 : float, dimensionless
+    m4 : float, m^-2
+
+    References
+    ----------
+    .. [1] Longuet-Higgins, M. S. (1957), Phil. Trans. R. Soc. A 249, 321.
+    .. [2] Nayak, P. R. (1971), J. Lubr. Technol. 93, 398.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((1, 64), 2 * math.pi / 64, amplitude=1.0, wavelength=2 * math.pi)
+    >>> [round(moment, 6) for moment in spectral_moments(wave)]
+    [0.5, 0.5, 0.5]
     """
     return _of_profiles(height, *_moments(height, _power(height.values)))
 
 
 def nayak_parameter(height: xr.DataArray) -> float:
-    """Nayak's bandwidth parameter m0 m4 / m2^2, dimensionless; NaN for a flat map.
+    """Return Nayak's bandwidth parameter m0 m4 / m2^2 [1]_.
 
     1.5 is the least for an isotropic surface (a single wavelength), 1 for a profile; the wider the band the
-    larger (Nayak, J. Lubr. Technol. 93 (1971) 398).
+    larger.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        periodic.
+
+    Returns
+    -------
+    float, dimensionless
+        NaN for a flat map.
+
+    References
+    ----------
+    .. [1] Nayak, P. R. (1971), J. Lubr. Technol. 93, 398.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> round(nayak_parameter(westergaard_surface((1, 64), 1.0, amplitude=1.0, wavelength=16.0)), 6)
+    1.0
     """
     return _bandwidth(*spectral_moments(height))
 
 
 def shortest_wavelength(height: xr.DataArray) -> float:
-    """Shortest wavelength that the map holds, in m; NaN for a flat map.
+    """Return the shortest wavelength that the map holds.
 
     2 pi / q_s, where the waves with |q| > q_s carry at most 1 % of the mean square gradient; from there q_s
     goes on up to the edge of the spectrum, where the gradient per wavenumber falls below a tenth of its mean
     over the third of an octave before. For a surface with a sharp cut-off that is the cut-off, also after
     it was cut out and made periodic; for a measured map whose spectrum reaches the Nyquist limit it is two
     pixels.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        periodic.
+
+    Returns
+    -------
+    float, m
+        NaN for a flat map.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import self_affine_surface
+    >>> height = self_affine_surface((128, 128), 0.5, hurst=0.8, shortest=4.0, longest=32.0, rms_height=1.0)
+    >>> round(shortest_wavelength(height), 6)
+    4.0
     """
     return _cutoff_wavelength(height, _power(height.values), spacing(height))
 
 
 def points_per_shortest_wavelength(height: xr.DataArray) -> float:
-    """Points that sample the shortest wave that the map holds; at least 2; NaN for a flat map.
+    """Return how many points sample the shortest wave that the map holds.
 
     The wavelength of `shortest_wavelength`, taken in pixels along each axis, so that it counts the points in
     the direction that samples the map worst where the pixels are not square.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        periodic.
+
+    Returns
+    -------
+    float
+        2 or more; NaN for a flat map.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import self_affine_surface
+    >>> height = self_affine_surface((128, 128), 0.5, hurst=0.8, shortest=4.0, longest=32.0, rms_height=1.0)
+    >>> round(points_per_shortest_wavelength(height), 6)
+    8.0
     """
     return _cutoff_wavelength(height, _power(height.values), (1.0, 1.0))
 
 
-def summit_statistics(height: xr.DataArray) -> dict[str, float]:
-    """Summits of the map, as the model of Greenwood and Williamson takes them.
+def roughness_parameters(height: xr.DataArray) -> dict[str, float]:
+    """Return the parameters of a periodic map that its statistics name.
 
-    A summit is a point higher than its eight neighbours, over the periodic boundary; its curvature is the
-    spectral mean curvature -(h_xx + h_yy) / 2 there.
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        periodic.
 
     Returns
     -------
-    dict with `density` (m^-2), `mean_radius` (m, 1 / mean curvature), `height_std` (m, standard deviation
-    of the summit heights), `mean_height` (m, above the mean plane). A profile has no summits: all NaN; so
-    are the last three where there is no summit.
+    dict of float
+        `rms_height` (m), `rms_gradient`, `rms_curvature` (1/m), `nayak_parameter` and
+        `points_per_shortest_wavelength`.
 
-    Notes
-    -----
-    Greenwood, Williamson, Proc. R. Soc. A 295 (1966) 300.
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> found = roughness_parameters(westergaard_surface((1, 64), 1.0, amplitude=1.0, wavelength=16.0))
+    >>> round(found["rms_height"], 6), round(found["points_per_shortest_wavelength"], 6)
+    (0.707107, 16.0)
     """
-    names = ("density", "mean_radius", "height_std", "mean_height")
-    if min(height.shape) == 1:
-        return dict.fromkeys(names, math.nan)
-    values = height.values - height.values.mean()
-    summit = _is_summit(values)
-    count = int(summit.sum())
-    dy, dx = spacing(height)
-    result = dict.fromkeys(names, math.nan) | {"density": count / (values.size * dy * dx)}
-    if count:
-        q = fourier.wavenumbers(values.shape, (dy, dx))
-        curvature = np.fft.irfft2(q**2 / 2 * np.fft.rfft2(values), s=values.shape)[summit]
-        result["mean_radius"] = float(1 / curvature.mean())
-        result["height_std"] = float(values[summit].std())
-        result["mean_height"] = float(values[summit].mean())
-    return result
-
-
-def roughness_parameters(height: xr.DataArray) -> dict[str, float]:
-    """Return `rms_height`, `rms_gradient`, `rms_curvature`, `nayak_parameter` and
-    `points_per_shortest_wavelength` of a periodic map, in SI units."""
     power = _power(height.values)
     m0, gradient, laplacian = _moments(height, power)
     return {
@@ -221,12 +316,12 @@ def roughness_parameters(height: xr.DataArray) -> dict[str, float]:
     }
 
 
-def _from_first_point(values):
+def _from_first_point(values: np.ndarray) -> np.ndarray:
     """Return the heights above the first one: exactly zero for a flat map, wherever it lies."""
     return values - values.flat[0]
 
 
-def _power(values):
+def _power(values: np.ndarray) -> np.ndarray:
     """Return |h(q)|^2 of each wave, both half-planes counted, mean removed; their sum is the variance."""
     values = _from_first_point(values)
     values -= values.mean()
@@ -236,23 +331,27 @@ def _power(values):
     return power
 
 
-def _moments(height, power):
+def _moments(height: xr.DataArray, power: np.ndarray) -> tuple[float, float, float]:
     """Return sum |q|^(2k) |h(q)|^2 for k = 0, 1, 2."""
     q2 = fourier.wavenumbers(height.shape, spacing(height)) ** 2
     return float(power.sum()), float((q2 * power).sum()), float((q2 * q2 * power).sum())
 
 
-def _of_profiles(height, m0, gradient, laplacian):
+def _of_profiles(
+    height: xr.DataArray, m0: float, gradient: float, laplacian: float
+) -> tuple[float, float, float]:
+    """Return the moments of profiles from those of the surface."""
     if min(height.shape) == 1:
         return m0, gradient, laplacian
     return m0, gradient / 2, laplacian * 3 / 8
 
 
-def _bandwidth(m0, m2, m4):
+def _bandwidth(m0: float, m2: float, m4: float) -> float:
+    """Return m0 m4 / m2^2, NaN for a flat map."""
     return m0 / m2 * (m4 / m2) if m2 > 0 else math.nan
 
 
-def _cutoff_wavelength(height, power, unit):
+def _cutoff_wavelength(height: xr.DataArray, power: np.ndarray, unit: tuple[float, float]) -> float:
     """Return the shortest wavelength, lengths measured with the pitch `unit` = (dy, dx)."""
     slope = power * fourier.wavenumbers(height.shape, spacing(height)) ** 2
     total = slope.sum()
@@ -272,16 +371,3 @@ def _cutoff_wavelength(height, power, unit):
     cutoff = fundamental * edge
     pitch = min(d for n, d in zip(height.shape, unit, strict=True) if n > 1)
     return float(max(2 * np.pi / cutoff, 2 * pitch))
-
-
-def _is_summit(values):
-    """Return where a point is higher than its eight neighbours; of equal neighbours one counts."""
-    summit = np.ones(values.shape, dtype=bool)
-    for dy in (-1, 0, 1):
-        for dx in (-1, 0, 1):
-            neighbour = np.roll(values, (dy, dx), axis=(0, 1))
-            if (dy, dx) > (0, 0):
-                summit &= values > neighbour
-            elif (dy, dx) < (0, 0):
-                summit &= values >= neighbour
-    return summit

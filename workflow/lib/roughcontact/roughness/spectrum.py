@@ -7,7 +7,7 @@ from roughcontact.maps import spacing
 
 
 def areal_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the power spectrum of a periodic map for every wave, C(q) = A |h(q)|^2.
+    """Return the power spectrum of a periodic map for every wave, C(q) = A |h(q)|^2 [1]_.
 
     h(q) are the amplitudes of h(r) = sum h(q) exp(i q.r) and A is the area of the map (for a profile its
     length), so that the mean square height is the sum of C(q) / A, or the integral of C(q) d^2q / (2 pi)^2.
@@ -15,15 +15,26 @@ def areal_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray, np.nda
     Parameters
     ----------
     height : DataArray (y, x), m
+        periodic.
 
     Returns
     -------
-    qy, qx : arrays (ny,) and (nx,), rad/m, in the order of `numpy.fft.fftfreq`
+    qy, qx : arrays (ny,) and (nx,), rad/m
+        in the order of `numpy.fft.fftfreq`.
     power : array (ny, nx), m^4; of a profile m^3
 
-    Notes
-    -----
-    Jacobs, Junge, Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 013001, eqs. (4) and (8).
+    References
+    ----------
+    .. [1] Jacobs, T. D. B., Junge, T., Pastewka, L. (2017), Surf. Topogr.: Metrol. Prop. 5, 013001, eqs. (4)
+       and (8).
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((1, 8), 0.5, amplitude=2.0, wavelength=4.0)
+    >>> qy, qx, power = areal_spectrum(wave)
+    >>> print(np.round(power, 6), round(float(power.sum()) / 4.0, 6))  # the mean square height is 2
+    [[0. 4. 0. 0. 0. 0. 0. 4.]] 2.0
     """
     step = spacing(height)
     values = height.values - height.values.flat[0]
@@ -47,8 +58,16 @@ def isotropic_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
 
     Returns
     -------
-    q : array (shells,), rad/m, rising
+    q : array (shells,), rad/m
+        rising.
     power : array (shells,), m^4; of a profile m^3
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> q, power = isotropic_spectrum(westergaard_surface((1, 8), 0.5, amplitude=2.0, wavelength=4.0))
+    >>> print(np.round(q * 4.0 / (2 * np.pi), 6), np.round(power, 6))
+    [1. 2. 3. 4.] [4. 0. 0. 0.]
     """
     qy, qx, power = areal_spectrum(height)
     lengths = [n * d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1]
@@ -73,14 +92,24 @@ def angular_spectrum(height: xr.DataArray, *, step: float = 0.5) -> tuple[np.nda
     Parameters
     ----------
     height : DataArray (y, x), m
-        not a profile.
+        periodic; not a profile.
     step : float, degree
+        between the directions.
 
     Returns
     -------
-    theta : array, degree from x towards y, 0 to 180
-    power : array, m^2
-        per radian, both ends of the wavevector counted.
+    theta : array, degree
+        from x towards y, 0 to 180.
+    power : array, m^2 per radian
+        both ends of the wavevector counted.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((64, 64), 1.0, amplitude=1.0, wavelength=8.0)
+    >>> theta, power = angular_spectrum(wave)
+    >>> float(theta[np.argmax(power)])  # the wave runs along x
+    0.0
     """
     from scipy.ndimage import map_coordinates
 

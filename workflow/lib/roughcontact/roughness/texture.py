@@ -1,6 +1,7 @@
 """Texture of a periodic map: how far heights are correlated, and in which direction the lay runs."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
@@ -14,14 +15,26 @@ _PER_PIXEL = 4  # points along a ray
 
 
 def autocorrelation(height: xr.DataArray) -> np.ndarray:
-    """Return the autocorrelation of a periodic map, 1 at no shift; that is in the middle, [ny//2, nx//2].
+    """Return the autocorrelation of a periodic map.
 
-    R(t) = mean z(r) z(r + t) / mean z^2, z the height above the mean, over the periodic boundary; NaN for a
-    flat map.
+    R(t) = mean z(r) z(r + t) / mean z^2, z the height above the mean, over the periodic boundary.
 
     Parameters
     ----------
     height : DataArray (y, x), m
+        periodic.
+
+    Returns
+    -------
+    array (ny, nx), -1 to 1
+        1 at no shift; that is in the middle, [ny // 2, nx // 2]. NaN for a flat map.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((1, 8), 1.0, amplitude=5.0, wavelength=4.0)
+    >>> print(np.abs(np.round(autocorrelation(wave), 6)))  # every fourth point alike
+    [[1. 0. 1. 0. 1. 0. 1. 0.]]
     """
     values = height.values - height.values.flat[0]
     values = values - values.mean()
@@ -33,7 +46,7 @@ def autocorrelation(height: xr.DataArray) -> np.ndarray:
 
 
 def texture_parameters(height: xr.DataArray) -> dict[str, float]:
-    """Return the spatial parameters of ISO 25178-2 of a periodic map.
+    """Return the spatial parameters of ISO 25178-2 [1]_ of a periodic map.
 
     * `Sal`, m: the shortest distance over which the autocorrelation falls to 0.2
     * `Str`, 0 to 1: Sal over the longest such distance; near 0 with a lay, near 1 without. Where the
@@ -41,15 +54,29 @@ def texture_parameters(height: xr.DataArray) -> dict[str, float]:
     * `Std`, degree from x towards y, 0 to 180: the direction in which the waves are strongest (where the
       angular power spectrum is largest). Grooves run across it: the lay is at Std + 90 degree.
 
+    A map of few correlation lengths scatters: none is better known than the number of patches of the size of
+    Sal on the map allows.
+
     Parameters
     ----------
     height : DataArray (y, x), m
-        periodic. A profile has no `Str` and no `Std`: NaN; a flat map has none of the three.
+        periodic.
 
-    Notes
-    -----
-    ISO 25178-2:2021, 4.3. A map of few correlation lengths scatters: neither is better known than the number
-    of patches of the size of Sal on the map allows.
+    Returns
+    -------
+    dict of float
+        `Sal`, `Str`, `Std`. A profile has no `Str` and no `Std`: NaN; a flat map has none of the three.
+
+    References
+    ----------
+    .. [1] ISO 25178-2:2021, 4.3.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((64, 64), 1.0, amplitude=1.0, wavelength=16.0)
+    >>> {name: round(value, 2) for name, value in texture_parameters(wave).items()}
+    {'Sal': 3.49, 'Str': 0.11, 'Std': 0.0}
     """
     result = dict.fromkeys(("Sal", "Str", "Std"), math.nan)
     correlation = autocorrelation(height)
@@ -63,8 +90,8 @@ def texture_parameters(height: xr.DataArray) -> dict[str, float]:
     return result
 
 
-def decay_lengths(correlation, spacing) -> tuple[float, float]:
-    """Return the shortest and the longest distance, in m, over which the autocorrelation falls to 0.2.
+def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[float, float]:
+    """Return the shortest and the longest distance over which the autocorrelation falls to 0.2.
 
     Along rays from the middle, between points by cubic splines; a ray on which it never does counts with its
     length, half the map.
@@ -74,6 +101,18 @@ def decay_lengths(correlation, spacing) -> tuple[float, float]:
     correlation : array (ny, nx)
         from `autocorrelation`.
     spacing : (dy, dx), m
+
+    Returns
+    -------
+    shortest, longest : float, m
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((1, 640), 0.1, amplitude=1.0, wavelength=16.0)
+    >>> shortest, _ = decay_lengths(autocorrelation(wave), (0.1, 0.1))
+    >>> round(shortest, 3), round(16.0 * math.acos(0.2) / (2 * math.pi), 3)
+    (3.487, 3.487)
     """
     from scipy.ndimage import find_objects, label, map_coordinates, spline_filter
 

@@ -9,7 +9,8 @@ from roughcontact.contact.response import linear_response
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.errors import SettingsError
 from roughcontact.maps import spacing
-from roughcontact.roughness.parameters import roughness_parameters, summit_statistics
+from roughcontact.roughness.parameters import roughness_parameters
+from roughcontact.roughness.summits import summit_statistics
 from roughcontact.roughness.texture import texture_parameters
 from roughcontact.statistics import theory
 from roughcontact.statistics.contact_geometry import contact_perimeter, count_clusters, relative_contact_area
@@ -28,7 +29,7 @@ SOLVER_COLUMNS = (
     "converged",
 )
 
-# of ISO 25178-2, as `parameters.height_parameters` returns them
+# of ISO 25178-2, as `roughness.heights.height_parameters` returns them
 HEIGHT_PARAMETERS = ("Sa", "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sdq")
 
 _BINNED = ("pressure", "gap")  # what has a density, `{name}_density` over the bins `{name}_bin`

@@ -115,7 +115,7 @@ def greenwood_williamson_curve(
     Parameters
     ----------
     summits : dict
-        `density` (m-2), `mean_radius` (m), `height_std` (m), as `roughness.parameters.summit_statistics`
+        `density` (m-2), `mean_radius` (m), `height_std` (m), as `roughness.summits.summit_statistics`
         returns it.
     contact_modulus : float, Pa
 
@@ -155,7 +155,7 @@ def greenwood_williamson_area(
     ----------
     mean_pressure : array-like, Pa
     summits : dict
-        as `roughness.parameters.summit_statistics` returns it.
+        as `roughness.summits.summit_statistics` returns it.
     contact_modulus : float, Pa
 
     Returns

@@ -7,6 +7,7 @@ from roughcontact.contact.solve import solve_contact
 from roughcontact.quantities import number, percent
 from roughcontact.references import closed_forms, synthetic
 from roughcontact.roughness import parameters
+from roughcontact.roughness.summits import summit_statistics
 from roughcontact.statistics import theory
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.validation import drawing
@@ -166,7 +167,7 @@ def _ensemble(points):
         height = ensemble_map(points, seed)
         contact = solve_contact(height, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-4)
         areas.append([relative_contact_area(touching > 0) for touching in contact["contact"].values])
-        summits.append(parameters.summit_statistics(height))
+        summits.append(summit_statistics(height))
     areas = np.array(areas)
     mean = areas.mean(axis=0)
     theories = _theories(loads, summits)
