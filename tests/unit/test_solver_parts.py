@@ -1,0 +1,363 @@
+"""The parts of the solver by themselves: certificate, state, line search, safe step, iteration, sweep."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from roughcontact.contact.certificate import (
+    bound_without_transform,
+    error_bound,
+    relative_bound,
+    rounding_floor,
+)
+from roughcontact.contact.grid import Grid
+from roughcontact.contact.iteration import Iterate, first_guess_on_grid, solve_on_grid
+from roughcontact.contact.line_search import LineSearch, minimize_between
+from roughcontact.contact.nested_iteration import COARSE_TOLERANCE, first_guess, nested_heights
+from roughcontact.contact.problem import pose
+from roughcontact.contact.projected_gradient import project_to_load, projected_gradient_step
+from roughcontact.contact.state import contact_mean, norm, scale_to_load
+from roughcontact.contact.sweep import sweep
+from roughcontact.kernels.arrays import DOUBLE, SINGLE
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import self_affine_surface
+
+LENGTHS = (1.0, 1.0)
+EPS = {SINGLE: 2.0**-23, DOUBLE: 2.0**-52}
+
+
+def rough(points=32, seed=0):
+    """Return dimensionless heights of unit rms gradient."""
+    surface = self_affine_surface(
+        (points, points), 1 / points, hurst=0.8, shortest=4 / points, longest=0.5, rms_gradient=1.0, seed=seed
+    )
+    return surface.values
+
+
+def symbol(shape, lengths=LENGTHS):
+    """Return |q|/2 over the full plane."""
+    qy, qx = (2 * np.pi * np.fft.fftfreq(n, length / n) for n, length in zip(shape, lengths, strict=True))
+    return np.hypot(qy[:, None], qx[None, :]) / 2
+
+
+def energy_norm(field, *, inverse=False):
+    """Return ||.||_G, or ||.||_{G^-1}, by sums over all waves."""
+    power = np.abs(np.fft.fft2(field) / field.size) ** 2
+    stiffness = symbol(field.shape)
+    stiffness[0, 0] = 1.0
+    power[0, 0] = 0.0
+    return float(np.sqrt((power * (stiffness if inverse else 1 / stiffness)).sum()))
+
+
+def solved(grid, load, tolerance=1e-12):
+    """Return the converged state of a load."""
+    start = np.full(grid.shape, load)
+    return solve_on_grid(grid, start, load, tolerance=tolerance).state
+
+
+# the error bound
+
+
+@pytest.mark.parametrize("load", [0.02, 0.2, 0.8])
+@pytest.mark.parametrize("steps", [1, 2, 3])
+def test_the_bound_is_never_below_the_error_and_hardly_above(load, steps):
+    """Far from convergence, too; twice the bound, or nine tenths of it, would not pass."""
+    grid = Grid(rough(64), LENGTHS)
+    exact = solved(grid, load).pressure
+    found = solve_on_grid(grid, np.full(grid.shape, load), load, tolerance=1e-12, max_steps=steps)
+    error = energy_norm(found.state.pressure - exact) / energy_norm(found.state.pressure)
+    assert 1e-7 < error < 1
+    assert 1.0 <= found.error_bound / error < 1.6
+
+
+def test_the_bound_of_ten_maps_is_sharp_in_the_mean():
+    ratios = []
+    for seed in range(10):
+        grid = Grid(rough(64, seed), LENGTHS)
+        exact = solved(grid, 0.1).pressure
+        found = solve_on_grid(grid, np.full(grid.shape, 0.1), 0.1, tolerance=1e-2)
+        error = energy_norm(found.state.pressure - exact) / energy_norm(found.state.pressure)
+        ratios.append(found.error_bound / error)
+    assert min(ratios) >= 1
+    assert np.median(ratios) < 1.2
+
+
+def test_the_norm_that_the_bound_takes_is_that_of_a_residual_that_certifies():
+    """Compared with sums over waves of the projected, interpolated residual."""
+    grid = Grid(rough(), LENGTHS)
+    state, _ = grid.evaluate(scale_to_load(np.random.default_rng(0).random(grid.shape) - 0.5, 0.2))
+    residual = grid.residual(state, precision=DOUBLE)
+    interpolated = grid._workspace_in(DOUBLE).field.copy()
+    assert np.sqrt(residual.energy) == pytest.approx(energy_norm(interpolated, inverse=True), rel=1e-10)
+    allowed = np.where(state.pressure > 0, state.gap, np.minimum(interpolated, state.gap))
+    found = error_bound(grid, state, residual) * state.norm
+    exact = energy_norm(allowed, inverse=True)
+    floor = rounding_floor(grid.halfspace, state) * state.norm
+    assert found - floor >= exact * (1 + 1e-4) * (1 - 1e-10)
+    assert found - floor <= exact * 1.2
+
+
+def test_the_bound_without_a_transform_is_a_bound_from_the_stiffest_wave():
+    grid = Grid(rough(), LENGTHS)
+    state, _ = grid.evaluate(scale_to_load(np.random.default_rng(1).random(grid.shape) - 0.5, 0.3))
+    gap = np.where(state.pressure > 0, state.gap, np.minimum(state.gap, 0))  # penetrations alone where p = 0
+    expected = np.sqrt(np.mean(gap**2) * symbol(grid.shape).max()) * (1 + 1e-4) / energy_norm(state.pressure)
+    floor = rounding_floor(grid.halfspace, state)
+    assert bound_without_transform(grid, state) == pytest.approx(expected + floor, rel=1e-6)
+    assert bound_without_transform(grid, state) > energy_norm(gap, inverse=True) / state.norm
+
+
+def test_a_uniform_pressure_is_right_where_it_leaves_no_residual_and_unknown_elsewhere():
+    grid = Grid(rough(), LENGTHS)
+    state, _ = grid.evaluate(np.full(grid.shape, 0.5))
+    state = dataclasses.replace(state, norm=0.0)
+    assert relative_bound(grid.halfspace, state, 0.0) == 0.0
+    assert relative_bound(grid.halfspace, state, 1e-300) == np.inf
+    assert rounding_floor(grid.halfspace, state) == 0.0
+
+
+@pytest.mark.parametrize("precision", [SINGLE, DOUBLE])
+def test_the_floor_is_the_norm_of_white_noise_of_the_size_of_rounding(precision):
+    grid = Grid(rough(), LENGTHS)
+    state, _ = grid.evaluate(scale_to_load(rough().astype(precision), 0.2))
+    stiffness = symbol(grid.shape)[:, : grid.shape[1] // 2 + 1]
+    stiffness[0, 0] = 0
+    white = EPS[precision] * np.sqrt(np.log2(state.pressure.size)) * state.size
+    expected = white * np.sqrt(stiffness.mean()) / state.norm
+    assert rounding_floor(grid.halfspace, state) == pytest.approx(expected, rel=1e-3)
+    assert rounding_floor(grid.halfspace, state, SINGLE) == pytest.approx(
+        expected * EPS[SINGLE] / EPS[precision], rel=1e-3
+    )
+    noise = np.random.default_rng(0).standard_normal((64, *grid.shape))
+    ratio = np.sqrt(np.mean([energy_norm(field, inverse=True) ** 2 for field in noise]) / stiffness.mean())
+    assert ratio == pytest.approx(1, rel=0.05)
+
+
+# states and the line between two of them
+
+
+def test_a_state_holds_what_sums_over_waves_give():
+    heights = rough()
+    grid = Grid(heights, LENGTHS)
+    pressure = scale_to_load(np.random.default_rng(2).random(grid.shape) - 0.6, 0.1)
+    state, line = grid.evaluate(pressure)
+    stiffness = symbol(grid.shape)
+    stiffness[0, 0] = np.inf
+    displaced = np.fft.ifft2(np.fft.fft2(pressure) / stiffness).real
+    np.testing.assert_allclose(state.separation, displaced - heights, atol=1e-13)
+    assert state.norm == pytest.approx(energy_norm(pressure), rel=1e-12)
+    assert state.offset == pytest.approx((displaced - heights)[pressure > 0].mean(), rel=1e-12)
+    assert state.size == pytest.approx(
+        np.sqrt(np.mean(displaced**2)) + np.sqrt(np.mean(heights**2)), rel=1e-6
+    )
+    np.testing.assert_array_equal(state.gap, state.separation - state.offset)
+    assert (line.slope, line.slope_after) == (0, 0)  # nothing has changed
+
+
+def elastic_energy(grid, pressure, heights):
+    return 0.5 * energy_norm(pressure) ** 2 - float(np.mean(pressure * heights))
+
+
+def test_the_line_search_finds_the_least_energy_between_two_states():
+    heights = rough()
+    grid = Grid(heights, LENGTHS)
+    rng = np.random.default_rng(3)
+    before, _ = grid.evaluate(scale_to_load(rng.random(grid.shape) - 0.5, 0.2))
+    after, line = grid.evaluate(scale_to_load(heights - 0.5 * heights.max(), 0.2), before=before)
+
+    def energy(share):
+        moved = before.pressure + share * (after.pressure - before.pressure)
+        return elastic_energy(grid, moved, heights)
+
+    step = 1e-4
+    assert line.slope == pytest.approx((energy(step) - energy(-step)) / (2 * step), rel=1e-6)
+    assert line.slope_after == pytest.approx((energy(1 + step) - energy(1 - step)) / (2 * step), rel=1e-6)
+    best = minimize_scalar(energy, bracket=(0, 1)).x
+    assert line.minimizer == pytest.approx(best, abs=1e-6)
+    assert line.descends == (energy(1) < energy(0))
+    lower = minimize_between(before, after, line, cap=np.inf)
+    fresh, _ = grid.evaluate(lower.pressure)
+    np.testing.assert_allclose(lower.separation, fresh.separation, atol=1e-13)
+    assert lower.norm == pytest.approx(fresh.norm, rel=1e-10)
+    assert lower.offset == pytest.approx(fresh.offset, rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("slope", "after", "minimizer", "descends"),
+    [(-1.0, -0.5, 2.0, True), (-1.0, 1.0, 0.5, False), (-1.0, 3.0, 0.25, False), (-2.0, -2.0, np.inf, True)],
+)
+def test_minimizer_and_descent_of_known_parabolas(slope, after, minimizer, descends):
+    line = LineSearch(slope, after)
+    assert line.minimizer == minimizer
+    assert line.descends is descends
+
+
+def test_no_state_lies_below_one_from_which_the_energy_rises():
+    grid = Grid(rough(), LENGTHS)
+    state, _ = grid.evaluate(np.full(grid.shape, 0.5))
+    assert minimize_between(state, state, LineSearch(0.0, 1.0), cap=np.inf) is None
+    assert minimize_between(state, state, LineSearch(1e-300, 1.0), cap=np.inf) is None
+
+
+def test_the_offset_where_no_point_is_free():
+    pressure = np.array([[2.0, 2.0, 0.0, 0.0]])
+    separation = np.array([[-3.0, -1.0, 2.0, 5.0]])
+    # any value between the highest at the cap and the lowest without pressure
+    assert contact_mean(pressure, separation, cap=2.0) == pytest.approx(0.5)
+    assert contact_mean(pressure[:, :2], separation[:, :2], cap=2.0) == -1.0
+    assert contact_mean(pressure, separation, cap=3.0) == -2.0
+
+
+@pytest.mark.parametrize(
+    ("pressure", "load", "cap", "expected"),
+    [
+        ([-1.0, 1.0, 3.0], 2.0, np.inf, [0.0, 1.5, 4.5]),
+        ([0.0, 1.0, 3.0], 2.0, 4.0, [0.0, 2.0, 4.0]),  # beyond the cap: held, and the rest scaled
+        ([0.0, 4.0, 4.0, 1.0], 2.5, 4.0, [0.0, 4.0, 4.0, 2.0]),  # at the cap: they stay
+        ([0.0, 4.0, 4.0], 1.0, 4.0, [0.0, 1.5, 1.5]),  # more than the load: all give way
+        ([0.0, 4.0, 4.0, 0.0], 3.0, 4.0, [2.0, 4.0, 4.0, 2.0]),  # nothing else carries: the others share
+    ],
+)
+def test_scaling_to_a_load(pressure, load, cap, expected):
+    np.testing.assert_allclose(scale_to_load(np.array(pressure), load, cap=cap), expected, atol=1e-14)
+
+
+def test_a_load_at_the_cap_is_refused():
+    with pytest.raises(ValueError, match="cannot be carried below the cap 2"):
+        scale_to_load(np.ones(4), 2.0, cap=2.0)
+
+
+def test_a_norm_of_rounding_is_zero_and_not_a_root_of_less():
+    assert norm(np.array([1.0]), np.array([-1e-30])) == 0.0
+    assert norm(np.array([3.0, 4.0]), np.array([3.0, 4.0])) == pytest.approx(np.sqrt(12.5))
+
+
+# the safe step
+
+
+@pytest.mark.parametrize("cap", [np.inf, 0.5])
+def test_the_projection_is_the_nearest_feasible_field(cap):
+    rng = np.random.default_rng(4)
+    field, load = rng.standard_normal(40), 0.3
+    projected = project_to_load(field, load, cap=cap)
+    assert projected.mean() == pytest.approx(load, rel=1e-14)
+    assert projected.min() >= 0
+    assert projected.max() <= cap
+    for _ in range(200):  # no feasible direction leads nearer
+        other = project_to_load(rng.standard_normal(40), load, cap=cap)
+        assert np.vdot(field - projected, other - projected) <= 1e-12
+    assert 0 < np.count_nonzero(projected) < 40
+
+
+@pytest.mark.parametrize("cap", [np.inf, 0.6])
+def test_safe_steps_alone_converge_downhill(cap):
+    heights = rough(16)
+    grid = Grid(heights, LENGTHS, cap=cap)
+    load = 0.2
+    exact = solved(grid, load, 1e-10).pressure
+    state, _ = grid.evaluate(np.full(grid.shape, load))
+    energies, errors = [], []
+    for _ in range(300):
+        lower = projected_gradient_step(grid, state, load)
+        if lower is None:
+            break
+        state = lower
+        energies.append(elastic_energy(grid, state.pressure, heights))
+        errors.append(energy_norm(state.pressure - exact))
+        assert state.pressure.min() >= 0
+        assert state.pressure.max() <= cap * (1 + 1e-14)
+        assert state.pressure.mean() == pytest.approx(load, rel=1e-12)
+    assert (np.diff(energies) <= 1e-15 * abs(energies[0])).all()
+    assert errors[-1] < 1e-3 * errors[0]
+
+
+def test_there_is_no_safe_step_from_the_solution_of_a_flat_map():
+    grid = Grid(np.zeros((8, 8)), LENGTHS)
+    state, _ = grid.evaluate(np.full(grid.shape, 0.5))
+    assert projected_gradient_step(grid, state, 0.5) is None
+
+
+# the iteration and what is around it
+
+
+def test_the_iteration_ends_by_its_tolerance_its_steps_or_the_floor():
+    grid = Grid(rough(64), LENGTHS)
+    start = np.full(grid.shape, 0.2)
+    enough = solve_on_grid(grid, start.copy(), 0.2, tolerance=1e-6)
+    assert enough.error_bound <= 1e-6
+    assert enough.state.pressure.dtype == np.float64
+    cut = solve_on_grid(grid, start.copy(), 0.2, tolerance=1e-6, max_steps=1)
+    assert cut.steps == 1
+    assert cut.error_bound > 1e-6
+    floor = solve_on_grid(grid, start.copy(), 0.2, tolerance=1e-16)
+    assert 1e-16 < floor.error_bound <= 4 * rounding_floor(grid.halfspace, floor.state)
+    single = solve_on_grid(grid, start.copy(), 0.2, tolerance=1e-3, finish=SINGLE)
+    assert single.state.pressure.dtype == np.float32
+    assert single.error_bound <= 1e-3
+
+
+@pytest.mark.parametrize("load", [0.05, 0.5])
+def test_every_step_lowers_the_energy(load):
+    heights = rough(64)
+    grid = Grid(heights, LENGTHS)
+    iterate = Iterate(grid, np.full(grid.shape, load), load, tolerance=1e-10, finish=DOUBLE)
+    energies = []
+    for step in range(8):
+        iterate.measure(step)
+        energies.append(elastic_energy(grid, iterate.state.pressure.astype(float), heights))
+        assert iterate.state.pressure.min() >= 0
+        iterate.choose_precision()
+        iterate.advance()
+    # to the rounding of the first steps, in single precision
+    assert (np.diff(energies) <= 1e-6 * abs(energies[0])).all()
+    assert energies[0] - energies[-1] > 1e-3 * abs(energies[-1])
+
+
+def test_a_stalled_iteration_is_noticed():
+    grid = Grid(rough(), LENGTHS)
+    iterate = Iterate(grid, np.full(grid.shape, 0.2), 0.2, tolerance=1e-3, finish=DOUBLE)
+    iterate.measure(0)
+    assert not iterate.has_stalled(20)
+    assert iterate.has_stalled(21)
+
+
+def test_a_first_guess_is_as_good_as_it_is_said_to_be():
+    heights = rough(256)
+    fine = Grid(heights, LENGTHS)
+    nested = nested_heights(heights.astype(np.float32), LENGTHS)
+    assert [coarse.shape for _, coarse in nested] == [(128, 128), (64, 64)]
+    np.testing.assert_allclose(nested[0][1], heights.reshape(128, 2, 128, 2).mean((1, 3)), atol=1e-6)
+    grids = [fine, *(Grid(coarse, LENGTHS) for _, coarse in nested)]
+    guess, steps = first_guess(grids, [factors for factors, _ in nested], 0.1)
+    exact = solved(fine, 0.1, 1e-8).pressure
+    assert steps > 0
+    assert guess.mean() == pytest.approx(0.1, rel=1e-5)
+    assert energy_norm(guess - exact) < 0.15 * energy_norm(exact)
+    found, _ = first_guess_on_grid(fine, guess, 0.1, tolerance=COARSE_TOLERANCE)
+    assert energy_norm(found - exact) < 2 * COARSE_TOLERANCE * energy_norm(exact)
+
+
+def test_a_sweep_counts_every_application_and_solves_each_load_as_if_alone():
+    surface = height_map(1e-6 * rough(128), (1e-6, 1e-6))
+    problem = pose(surface)
+    loads = [0.05, 0.1, 3.0]
+    together = list(sweep(problem, loads, tolerance=1e-5, threads=1))
+    for load, solution in zip(loads, together, strict=True):
+        (alone,) = sweep(problem, [load], tolerance=1e-5, threads=1)
+        np.testing.assert_array_equal(solution.state.pressure, alone.state.pressure)
+        assert solution.steps == alone.steps
+        assert solution.error_bound == alone.error_bound <= 1e-5
+        assert solution.state.pressure.mean() == pytest.approx(load, rel=1e-10)
+    full = together[-1]
+    assert full.steps == 0  # closed form
+    assert full.state.pressure.min() > 0
+    assert full.state.pressure.std() == pytest.approx(0.5, rel=1e-3)  # g/2 in units of E* g
+    assert together[0].applications > together[0].steps >= 2
+
+
+def test_a_flat_map_takes_no_application():
+    (solution,) = sweep(pose(height_map(np.zeros((4, 6)), 1e-6)), [0.7], tolerance=1e-4, threads=1)
+    assert (solution.state.pressure == 0.7).all()
+    assert (solution.applications, solution.steps, solution.error_bound) == (0, 0, 0)
