@@ -22,6 +22,7 @@ MOST_WORKERS = 4  # of the tests; each of them keeps a few hundred megabytes
 
 
 def main(arguments):
+    """Do what the first argument names, in an environment that is made where it is not there."""
     check_python()
     jobs = {"test": test, "lint": lint, "docs": docs}
     if arguments and arguments[0] in jobs:
@@ -83,7 +84,8 @@ def lint():
         [BIN / "snakefmt", "--check", "Snakefile", "workflow/rules"],
         [BIN / "snakemake", "--lint"],
     ]
-    return int(any([run(check) for check in checks]))
+    codes = [run(check) for check in checks]  # all of them, also after one that fails
+    return int(any(codes))
 
 
 def test(*arguments):

@@ -125,12 +125,16 @@ def report(cases: list[dict]) -> str:
     """Return what the cases say, in words and by group."""
     resolved = [case for case in cases if case["resolved"]]
     lines = [
-        f"{len(cases)} cases, contact from {min(c['points'] for c in cases)} point(s) to "
-        f"{max(c['contact'] for c in cases):.1%}, true errors from "
-        f"{min(c['true_error'] for c in resolved):.0e} to {max(c['true_error'] for c in resolved):.0e}.",
-        f"{sum(not case['converged'] for case in cases)} did not reach their tolerance; "
-        f"{sum(case['converged'] and not case['resolved'] for case in cases)} are left out: solved as "
-        "well as their reference.",
+        (
+            f"{len(cases)} cases, contact from {min(c['points'] for c in cases)} point(s) to "
+            f"{max(c['contact'] for c in cases):.1%}, true errors from "
+            f"{min(c['true_error'] for c in resolved):.0e} to {max(c['true_error'] for c in resolved):.0e}."
+        ),
+        (
+            f"{sum(not case['converged'] for case in cases)} did not reach their tolerance; "
+            f"{sum(case['converged'] and not case['resolved'] for case in cases)} are left out: solved as "
+            "well as their reference."
+        ),
         "",
         "| maps | cases | bound below error | bound / error: 5 % | 50 % | 95 % | largest | within 3 |",
         "| --- | --- | --- | --- | --- | --- | --- | --- |",

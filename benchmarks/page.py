@@ -231,10 +231,14 @@ def write(results: dict, path: Path) -> None:
     )
     parts = [
         "# Benchmark",
-        "Written by `python benchmarks/speed.py --page docs/explanation/benchmark.md`; see\n"
-        "`benchmarks/README.md`.",
-        f"**Machine.** {machine['processor']}, {machine['cores']} cores, {machine['memory_GiB']} GiB;\n"
-        f"{machine['system']}, Python {machine['python']}. **Versions.** {versions}.",
+        (
+            "Written by `python benchmarks/speed.py --page docs/explanation/benchmark.md`; see\n"
+            "`benchmarks/README.md`."
+        ),
+        (
+            f"**Machine.** {machine['processor']}, {machine['cores']} cores, {machine['memory_GiB']} GiB;\n"
+            f"{machine['system']}, Python {machine['python']}. **Versions.** {versions}."
+        ),
         PROBLEM,
         "## Time to a true error of 1e-4",
         table(results).strip(),
@@ -247,8 +251,10 @@ def write(results: dict, path: Path) -> None:
     if results["sweeps"]:
         parts += [
             "## Sweep of loads",
-            "20 loads, spaced evenly on a log scale from 0.1 % to 95 % contact, to an error bound of 1e-4:\n"
-            "one call for all against 20 calls.",
+            (
+                "20 loads, spaced evenly on a log scale from 0.1 % to 95 % contact, to an error bound "
+                "of 1e-4:\none call for all against 20 calls."
+            ),
             _rows(
                 ("points", "threads", "one call", "20 calls", "share of time", "share of pairs"),
                 [
@@ -270,8 +276,11 @@ def write(results: dict, path: Path) -> None:
         cells = {(entry["code"], entry["size"]): entry["bytes_per_pixel"] for entry in results["memory"]}
         parts += [
             "## Memory",
-            "Peak memory of one solve (p̄/E* = 0.03, one thread) above what the process held before it, in\n"
-            "bytes per point; the heights that go in are not counted. One array in double precision is 8.",
+            (
+                "Peak memory of one solve (p̄/E* = 0.03, one thread) above what the process held before it, "
+                "in\nbytes per point; the heights that go in are not counted. "
+                "One array in double precision is 8."
+            ),
             _rows(
                 ("code", *(f"{size}²" for size in sizes)),
                 [
@@ -290,8 +299,10 @@ def write(results: dict, path: Path) -> None:
                         entry["shortcut"],
                         entry["against"],
                         f"{entry['with']['seconds']:.2g} / {entry['without']['seconds']:.2g}",
-                        f"{entry['with']['operator_applications']:.3g} / "
-                        f"{entry['without']['operator_applications']:.3g}",
+                        (
+                            f"{entry['with']['operator_applications']:.3g} / "
+                            f"{entry['without']['operator_applications']:.3g}"
+                        ),
                         f"{entry['without']['seconds'] / entry['with']['seconds']:.1f}",
                     )
                     for entry in results["shortcuts"]

@@ -83,7 +83,7 @@ def main():
         "--warnings", action="store_true", help="print the suspicions about each file as well"
     )
     options = parser.parse_args()
-    with open(options.folder / "CATALOG.tsv", encoding="utf-8") as stream:
+    with (options.folder / "CATALOG.tsv").open(encoding="utf-8") as stream:
         names = [row["file"] for row in csv.DictReader(stream, delimiter="\t")]
     loads = "  ".join(f"A({pressure:g})" for pressure in RELATIVE_PRESSURES)
     print(

@@ -247,7 +247,7 @@ def keep(results: dict, folder: Path) -> None:
     temporary.replace(folder / "results.json")
     columns = ["code", "size", "load", "seed", "threads", "purpose", "tolerance", "seconds", "true_error"]
     columns += ["error_bound", "operator_applications", "converged", "peak_bytes", "failure"]
-    with open(folder / "solves.csv", "w", encoding="utf-8", newline="") as stream:
+    with (folder / "solves.csv").open("w", encoding="utf-8", newline="") as stream:
         writer = csv.DictWriter(stream, columns, extrasaction="ignore")
         writer.writeheader()
         writer.writerows(results["solves"])

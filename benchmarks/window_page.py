@@ -163,7 +163,8 @@ def worst_misses(rows) -> dict[str, dict[str, float]]:
 
 def best_method(rows) -> str:
     """Return the method whose misses, in units of the marks, have the least sum of squares; those that solve
-    a larger map than was measured (mirror) are left out."""
+    a larger map than was measured (mirror) are left out.
+    """
     misses = worst_misses(rows)
     misses.pop("mirror", None)
     return min(misses, key=lambda m: sum((misses[m][name] / mark) ** 2 for name, mark in MARKS.items()))
@@ -246,7 +247,8 @@ def _placement_verdict(rows) -> str:
 
 def search_gain(rows) -> tuple[float, float]:
     """Return the mean square error of the area with the search less that with the largest rectangle, map by
-    map, and its standard error."""
+    map, and its standard error.
+    """
     squares = [
         np.array([(row["area"] - 1) ** 2 for row in _select(rows, placement=placement)])
         for placement in ("search", "largest")

@@ -70,11 +70,11 @@ def test_cylinder_with_an_inclined_axis():
 def test_it_is_least_squares():
     """No small change of any of its numbers makes the sum of squares less."""
     generator = np.random.default_rng(0)
-    for shape, values in (
+    for shape, smooth in (
         ("sphere", ball(3e-3, (0.5e-3, 0.7e-3, 0))),
         ("cylinder", roll(3e-3, np.array([0.5e-3, 0.7e-3, 0]), (1, 0.2, 0))),
     ):
-        values = values + 2e-6 * generator.standard_normal(values.shape)
+        values = smooth + 2e-6 * generator.standard_normal(smooth.shape)
         form, _, record = record_of(values, shape=shape)
         least = np.sum((values - form) ** 2)
         numbers = ["height_middle", "slope_x", "slope_y", "curvature"]

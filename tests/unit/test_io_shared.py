@@ -77,11 +77,20 @@ OTHERWISE = {
     "AFM.txt": {"size_x": 1024e-9, "size_y": 1024e-9, "rms": 4.136829e-9},
     # one missing point is an empty element; the size is 4 increments of 16.016 mm
     "ISO5436-sample1.x3p": {
-        **{"nx": 4, "ny": 4, "size_x": 0.064064, "size_y": 0.064064, "rms": 0.6105091545, "missing": 1 / 16},
+        "nx": 4,
+        "ny": 4,
+        "size_x": 0.064064,
+        "size_y": 0.064064,
+        "rms": 0.6105091545,
+        "missing": 1 / 16,
     },
     # the same map as sample-land-cran.x3p, as doubles, its root element misnamed and in a folder
     "sample-land.x3p": {
-        **{"nx": 918, "ny": 256, "size_x": 0.00236844, "size_y": 0.00066048, "rms": 34.3342749e-6},
+        "nx": 918,
+        "ny": 256,
+        "size_x": 0.00236844,
+        "size_y": 0.00066048,
+        "rms": 34.3342749e-6,
         "missing": 0.107621868,
     },
 }
@@ -193,7 +202,8 @@ INSTRUMENT = {
     "KautschukInfiniteFocus.x3p": {"vendor": "Alicona Imaging GmbH", "serial": "H271106000"},
     "Hamby252_Barrel1_Bullet1_Land4.x3p": {"name": "usurf", "lens": "20x"},
     "sample-land-cran.x3p": {
-        **{"serial": "350262016", "lens": "Nikon - EPI 20X"},
+        "serial": "350262016",
+        "lens": "Nikon - EPI 20X",
         "acquisition_time": "2018-09-15T17:46:09+00:00",
     },
 }
@@ -207,7 +217,7 @@ SILENT = {
 
 
 def catalogue():
-    with open(DATA / "CATALOG.tsv", encoding="utf-8") as stream:
+    with (DATA / "CATALOG.tsv").open(encoding="utf-8") as stream:
         return {row["file"]: row for row in csv.DictReader(stream, delimiter="\t")}
 
 

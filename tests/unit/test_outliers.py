@@ -39,7 +39,7 @@ def test_noise_is_not_eaten(shape):
 def structured():
     y, x = np.indices((96, 96)) - 48.0
     noise = 0.01 * np.random.default_rng(0).standard_normal((96, 96))
-    turned = dict(feed=32e-6, nose_radius=4e-4)
+    turned = {"feed": 32e-6, "nose_radius": 4e-4}
     return {
         "turned": synthetic.turned_surface(
             (96, 96), 1e-6, arc_radius=5e-3, rms_roughness=2e-8, **turned

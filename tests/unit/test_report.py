@@ -46,8 +46,8 @@ def run_surface(folder, name, height, *, case=None, loads=None, keep_fields=True
     solved["statistics"] = contact_statistics(contact)
     kept = contact if keep_fields else contact.drop_dims(["y", "x"])
     solved["contact"] = kept
-    for stage, data in solved.items():
-        data = data.rename("height").to_dataset() if stage in STAGES[:3] else data
+    for stage, found in solved.items():
+        data = found.rename("height").to_dataset() if stage in STAGES[:3] else found
         write_dataset(
             data.assign_attrs(provenance(SETTINGS, source_sha256="ab" * 32)), folder / f"{stage}.nc"
         )
@@ -407,7 +407,7 @@ def test_page_in_a_browser(page, tmp_path, width):
     asked = []
 
     class Handler(http.server.SimpleHTTPRequestHandler):
-        def log_message(self, format, *values):
+        def log_message(self, *_):
             asked.append(self.path)
 
     handler = functools.partial(Handler, directory=str(tmp_path))

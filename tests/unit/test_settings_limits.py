@@ -214,13 +214,17 @@ def test_every_rule_has_its_sentence(key, value, line):
     [
         (
             {},
-            "contact: no elasticity given; give either contact_modulus (E* in Pa) or bodies (two of "
-            "youngs_modulus in Pa and poissons_ratio)",
+            (
+                "contact: no elasticity given; give either contact_modulus (E* in Pa) or bodies (two of "
+                "youngs_modulus in Pa and poissons_ratio)"
+            ),
         ),
         (
             {"contact_modulus": 1, "bodies": [STEEL, STEEL]},
-            "contact: contact_modulus and bodies given; give either contact_modulus (E* in Pa) or bodies "
-            "(two of youngs_modulus in Pa and poissons_ratio)",
+            (
+                "contact: contact_modulus and bodies given; give either contact_modulus (E* in Pa) or bodies "
+                "(two of youngs_modulus in Pa and poissons_ratio)"
+            ),
         ),
         (
             {"contact_modulus": 1, "mean_pressure": 1, "relative_pressure": 1},

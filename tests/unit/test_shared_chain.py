@@ -47,7 +47,7 @@ VERDICTS = {
 @pytest.fixture(scope="module")
 def catalogue():
     """The rows of the catalogue by name of the file."""
-    with open(DATA / "CATALOG.tsv", encoding="utf-8", newline="") as file:
+    with (DATA / "CATALOG.tsv").open(encoding="utf-8", newline="") as file:
         return {row["file"]: row for row in csv.DictReader(file, delimiter="\t")}
 
 

@@ -110,7 +110,7 @@ def test_the_page_states_all_of_every_line(parts, tmp_path):
 
 def test_the_table_keeps_every_digit(parts, tmp_path):
     page.write_table(tmp_path / "lines.csv", list(parts.values()))
-    with open(tmp_path / "lines.csv", newline="", encoding="utf-8") as file:
+    with (tmp_path / "lines.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     lines = [line for part in parts.values() for line in part.lines]
     assert [float(row["value"]) for row in rows] == [line.value for line in lines]
@@ -218,7 +218,7 @@ def test_parts_are_written_the_same_twice(parts):
 
 def test_the_numbers_of_the_readme_are_those_of_the_page():
     """Each row of the table in README.md is a line of validation.csv, rounded as the page rounds it."""
-    with open(ROOT / "docs/explanation/validation.csv", newline="", encoding="utf-8") as file:
+    with (ROOT / "docs/explanation/validation.csv").open(newline="", encoding="utf-8") as file:
         kept = {row["what"]: row for row in csv.DictReader(file)}
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     assert f"{len(kept)} lines" in readme
@@ -238,7 +238,7 @@ def test_the_numbers_of_the_readme_are_those_of_the_page():
 
 def test_the_kept_table_has_the_lines_of_this_version(parts):
     """The kept table is a copy of results/validation/lines.csv: copy it again where this fails."""
-    with open(ROOT / "docs/explanation/validation.csv", newline="", encoding="utf-8") as file:
+    with (ROOT / "docs/explanation/validation.csv").open(newline="", encoding="utf-8") as file:
         kept = [row["what"] for row in csv.DictReader(file)]
 
     def without_sizes(names):

@@ -52,7 +52,7 @@ def paired(tmp_path_factory, checkout):
 
 def table(project, name):
     """Return the rows of a table of the results."""
-    with open(project.path(f"results/{name}"), newline="") as file:
+    with project.path(f"results/{name}").open(newline="") as file:
         return list(csv.DictReader(file))
 
 

@@ -39,7 +39,7 @@ def files_of(project):
 @contextmanager
 def edited(path, old, new):
     """Replace a piece of a file and put it back at the end, with the time it had."""
-    times, text = os.stat(path), path.read_text()
+    times, text = path.stat(), path.read_text()
     assert old in text
     path.write_text(text.replace(old, new, 1))
     yield
@@ -77,7 +77,7 @@ def test_the_table_of_surfaces_reaches_the_map(finished):
 
 
 def test_the_summary_has_a_row_for_each_surface_and_load(finished):
-    with open(finished.path("results/summary.csv"), newline="") as file:
+    with finished.path("results/summary.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [(row["surface"], float(row["relative_pressure"])) for row in rows] == [
         (surface, pytest.approx(load)) for surface in ("ground", "turned") for load in (0.05, 0.2)
@@ -242,7 +242,7 @@ def test_without_fields_the_numbers_are_the_same(study):
 
 
 def test_the_summary_compares_the_cases(study):
-    with open(study.path("results/summary.csv"), newline="") as file:
+    with study.path("results/summary.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["case"] for row in rows] == [case for case in CASES for _ in range(2)]
     areas = [row["relative_contact_area"] for row in rows]

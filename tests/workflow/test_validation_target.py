@@ -26,7 +26,7 @@ def validated(tmp_path_factory, checkout):
 
 def lines(project):
     """Return the rows of the table of lines."""
-    with open(project.path("results/validation/lines.csv"), newline="", encoding="utf-8") as file:
+    with project.path("results/validation/lines.csv").open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
 
 
