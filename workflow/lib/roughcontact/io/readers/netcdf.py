@@ -29,7 +29,13 @@ _MARKS = (*_CLASSIC, b"CDF\x05", b"\x89HDF\r\n\x1a\n")
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file begins as netCDF does; HDF5 of other kinds is told by its contents before."""
+    r"""Return whether a file begins as netCDF does; HDF5 of other kinds is told by its contents before.
+
+    Examples
+    --------
+    >>> recognises(Path("map.dat"), b"CDF\x01"), recognises(Path("map.nc"), b"\x89HDF")
+    (True, False)
+    """
     return head.startswith(_MARKS)
 
 

@@ -11,7 +11,13 @@ from roughcontact.io.interface import Reader, ToldBy
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file begins as NumPy's do."""
+    r"""Return whether a file begins as NumPy's do.
+
+    Examples
+    --------
+    >>> recognises(Path("map.dat"), b"\x93NUMPY\x01\x00")
+    True
+    """
     return head.startswith(b"\x93NUMPY")
 
 

@@ -19,7 +19,13 @@ _BYTES_PER_BYTE = 12  # memory for each byte of a file: numbers as text, their p
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file begins with one of the revisions of the format."""
+    """Return whether a file begins with one of the revisions of the format.
+
+    Examples
+    --------
+    >>> recognises(Path("map.dat"), b"aISO-1.0"), recognises(Path("map.sdf"), b"1.0 2.0")
+    (True, False)
+    """
     return head.startswith(_MARKS)
 
 

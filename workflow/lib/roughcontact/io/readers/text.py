@@ -26,7 +26,13 @@ _INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquis
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file begins as readable text."""
+    """Return whether a file begins as readable text.
+
+    Examples
+    --------
+    >>> recognises(Path("map.dat"), b"Width: 2 mm"), recognises(Path("map.txt"), bytes(8))
+    (True, False)
+    """
     return looks_like_text(head)
 
 
