@@ -104,6 +104,8 @@ def test_a_flat_map_and_an_unknown_code_are_refused():
         crosscheck(flat, contact, rc.contact_statistics(contact), code="tamaas", python=sys.executable)
     with pytest.raises(SettingsError, match="'abaqus'"):
         crosscheck(flat, contact, rc.contact_statistics(contact), code="abaqus", python=sys.executable)
+    with pytest.raises(SettingsError, match=r"crosscheck\.python = '': .* a Python that has Tamaas"):
+        crosscheck(flat, contact, rc.contact_statistics(contact), code="tamaas", python="")
 
 
 def test_settings_ask_for_the_python():

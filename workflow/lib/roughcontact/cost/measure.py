@@ -1,6 +1,8 @@
 """Solve one map on several grids to several tolerances, with times and errors."""
 
 import time
+from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -9,7 +11,7 @@ import xarray as xr
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError
 from roughcontact.maps import refined
-from roughcontact.statistics.contact_geometry import relative_contact_area
+from roughcontact.uncertainty.headline import headline
 
 QUANTITIES = {
     "relative_contact_area": 1.5,
@@ -25,7 +27,7 @@ _REPEAT_BELOW = 0.3  # seconds: shorter sweeps are timed three times, the fastes
 
 
 def run_time_against_error(
-    window: xr.DataArray, *, contact_modulus: float, mean_pressure, threads: int = 1
+    window: xr.DataArray, *, contact_modulus: float, mean_pressure: Sequence[float], threads: int = 1
 ) -> pd.DataFrame:
     """Return time and errors of a sweep of loads on every grid, to every tolerance.
 
@@ -43,12 +45,14 @@ def run_time_against_error(
     mean_pressure : list of float, Pa
         all loads are solved in one sweep, as a run does.
     threads : int
+        of the solver.
 
     Returns
     -------
-    DataFrame, a row for each grid, tolerance and load: `points_x`, `points_y`, `tolerance`, `mean_pressure`
-    (Pa), `seconds` (of the whole sweep), and for each of `QUANTITIES` its value and its relative error
-    `..._error`
+    DataFrame
+        a row for each grid, tolerance and load: `points_x`, `points_y`, `tolerance`, `mean_pressure` (Pa),
+        `seconds` (of the whole sweep), and for each of `QUANTITIES` its value and its relative error
+        `..._error`.
 
     Raises
     ------
@@ -68,19 +72,19 @@ def run_time_against_error(
         raise HeightMapError(
             f"the window of {sides} points has no coarser grid to compare with: it is too small"
         )
-    problem = {"contact_modulus": contact_modulus, "mean_pressure": mean_pressure, "threads": threads}
-    _solve(grids[-1], tolerance=1e-1, **problem)  # loads the libraries
-    reference, _ = _solve(finest, tolerance=_REFERENCE_TOLERANCE, **problem)
+    solve = partial(_solve, contact_modulus=contact_modulus, mean_pressure=mean_pressure, threads=threads)
+    solve(grids[-1], tolerance=1e-1)  # loads the libraries
+    reference, _ = solve(finest, tolerance=_REFERENCE_TOLERANCE)
     own = {name: np.zeros(len(mean_pressure)) for name in QUANTITIES}
     for step, grid in enumerate(grids[1:], start=1):
-        found, _ = _solve(grid, tolerance=_REFERENCE_TOLERANCE, **problem)
+        found, _ = solve(grid, tolerance=_REFERENCE_TOLERANCE)
         for name, order in QUANTITIES.items():
             difference = np.abs(found[name] - reference[name])
             own[name] = np.maximum(own[name], difference / (2 ** (step * order) - 1))
     rows = []
     for grid in grids[1:]:
         for tolerance in TOLERANCES:
-            found, seconds = _solve(grid, tolerance=tolerance, **problem)
+            found, seconds = solve(grid, tolerance=tolerance)
             errors = {
                 f"{name}_error": _relative(np.abs(found[name] - reference[name]) + own[name], reference[name])
                 for name in QUANTITIES
@@ -101,7 +105,7 @@ def run_time_against_error(
     return pd.concat(rows, ignore_index=True)
 
 
-def _finest(window):
+def _finest(window: xr.DataArray) -> xr.DataArray:
     """Return the map on the finest grid: its Fourier series at 4, 2 or 1 times as many points per axis."""
     axes = sum(n > 1 for n in window.shape)
     factor = _MOST_REFINED
@@ -110,7 +114,7 @@ def _finest(window):
     return refined(window, factor)
 
 
-def _every_second(grid):
+def _every_second(grid: xr.DataArray) -> xr.DataArray | None:
     """Return every second point along each axis; None where that is no periodic grid or too coarse a one."""
     sides = [n for n in grid.shape if n > 1]
     if any(n % 2 or n // 2 < _FEWEST_POINTS for n in sides):
@@ -118,23 +122,26 @@ def _every_second(grid):
     return grid[tuple(slice(None, None, 2 if n > 1 else 1) for n in grid.shape)]
 
 
-def _solve(grid, *, tolerance, **problem):
+def _solve(
+    grid: xr.DataArray,
+    *,
+    tolerance: float,
+    contact_modulus: float,
+    mean_pressure: Sequence[float],
+    threads: int,
+) -> tuple[dict[str, np.ndarray], float]:
     """Return (quantities, each an array (load); seconds) of one sweep."""
-
-    def count(contact):
-        pressure, gap = (contact[name].values[0] for name in ("pressure", "gap"))
-        touching = pressure > 0
-        numbers = {
-            "relative_contact_area": relative_contact_area(touching),
-            "mean_gap": gap[~touching].sum() / gap.size,
-            "max_pressure": pressure.max(),
-        }
-        return xr.Dataset({name: ("load", [number]) for name, number in numbers.items()})
-
     best = np.inf
     for _ in range(3):
         start = time.perf_counter()
-        result = solve_contact(grid, tolerance=tolerance, reduce=count, **problem)
+        result = solve_contact(
+            grid,
+            contact_modulus=contact_modulus,
+            mean_pressure=mean_pressure,
+            tolerance=tolerance,
+            reduce=headline,
+            threads=threads,
+        )
         seconds = time.perf_counter() - start
         best = min(best, seconds)
         if seconds > _REPEAT_BELOW or tolerance == _REFERENCE_TOLERANCE:
@@ -142,6 +149,6 @@ def _solve(grid, *, tolerance, **problem):
     return {name: result[name].values for name in QUANTITIES}, best
 
 
-def _relative(difference, reference):
+def _relative(difference: np.ndarray, reference: np.ndarray) -> np.ndarray:
     """Return difference / |reference|, zero where both are zero (the gap in full contact)."""
     return np.divide(difference, np.abs(reference), out=np.zeros_like(difference), where=difference > 0)

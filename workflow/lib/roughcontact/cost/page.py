@@ -1,8 +1,10 @@
 """The page that shows what each grid and tolerance costs and gives, surface by surface."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from roughcontact.cost.advice import WORDS, advice, choices, in_words
 from roughcontact.quantities import number, percent
@@ -14,12 +16,12 @@ _LEAST_DRAWN = 1e-8  # of an error, on a logarithmic axis
 _TEMPLATES = Path(__file__).with_name("templates")
 
 
-def write_page(path, tables: dict) -> None:
+def write_page(path: str | Path, tables: Mapping[str, pd.DataFrame]) -> None:
     """Write the page, one self-contained HTML file.
 
     Parameters
     ----------
-    path : where to write
+    path : str or Path
     tables : dict
         name of a surface (and case) -> DataFrame as `measure.run_time_against_error` returns it.
     """
@@ -43,15 +45,29 @@ def write_page(path, tables: dict) -> None:
     write_text(html, path)
 
 
-def chart(table, quantity: str) -> str:
-    """Draw the time of all loads against the error to count on: a line per grid, a mark per tolerance."""
+def chart(table: pd.DataFrame, quantity: str) -> str:
+    """Draw the time of all loads against the error to count on: a line per grid, a mark per tolerance.
+
+    Parameters
+    ----------
+    table : DataFrame
+        as `measure.run_time_against_error` returns it.
+    quantity : str
+        a key of `WORDS`.
+
+    Returns
+    -------
+    str
+        the picture as data URI.
+    """
     from matplotlib.ticker import LogLocator, NullFormatter
 
     options = choices(table)
     with new_figure(4.3, 3.8) as figure:
         axes = figure.add_subplot()
         grids = options.groupby(["points_x", "points_y"], sort=True)
-        for index, (sides, rows) in enumerate(grids):
+        for index, (_, rows) in enumerate(grids):
+            sides = rows[["points_x", "points_y"]].iloc[0]
             axes.plot(
                 100 * np.maximum(rows[f"{quantity}_error"], _LEAST_DRAWN),
                 rows["seconds"],

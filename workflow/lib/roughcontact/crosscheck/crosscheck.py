@@ -43,8 +43,9 @@ def crosscheck(
 
     Returns
     -------
-    Dataset, dim load: `other_contact_area_pixels`, `other_max_pressure` (Pa), `other_mean_gap` (m),
-    `pressure_difference` and `contact_difference` (NaN without fields); attributes `code` and `version`.
+    Dataset
+        dim load: `other_contact_area_pixels`, `other_max_pressure` (Pa), `other_mean_gap` (m),
+        `pressure_difference` and `contact_difference` (NaN without fields); attributes `code` and `version`.
 
     Raises
     ------
@@ -52,6 +53,8 @@ def crosscheck(
         where the program does not run or does not converge, with what it said.
     HeightMapError
         for a flat map: there is nothing to compare.
+    SettingsError
+        for a code that there is not, or without a Python to run it.
     """
     check_choice("crosscheck.code", code, OutsideCode)
     if not python:
@@ -62,11 +65,11 @@ def crosscheck(
     if gradient == 0:
         raise HeightMapError("the map is flat: there is nothing to cross-check; set crosscheck.code: none")
     loads, modulus = statistics["mean_pressure"].values, float(statistics["contact_modulus"])
-    steps, unit = spacing(window), modulus * gradient
+    (dy, dx), unit = spacing(window), modulus * gradient
     # in units that make everything of order 1: some codes have absolute tolerances
-    length = float(np.sqrt(np.prod([n * step for n, step in zip(window.shape, steps, strict=True)])))
+    length = float(np.sqrt(np.prod([n * step for n, step in zip(window.shape, (dy, dx), strict=True)])))
     scaled = (window.values - window.values.mean()) / (gradient * length)
-    pitches = tuple(step / length for step in steps)
+    pitches = (dy / length, dx / length)
     solved, version = _solve_outside(scaled, pitches, loads / unit, code=code, python=python)
     rows = []
     for index, other in enumerate(solved):
@@ -90,7 +93,9 @@ def crosscheck(
     )
 
 
-def _solve_outside(heights, pitches, loads, *, code, python):
+def _solve_outside(
+    heights: np.ndarray, pitches: tuple[float, float], loads: np.ndarray, *, code: str, python: str
+) -> tuple[np.ndarray, str]:
     """Return (pressures (load, ny, nx), version) of another code; dimensionless, E* = 1."""
     shape = heights.shape
     rows, columns = (_ROWS if n == 1 else n for n in shape)

@@ -1,6 +1,6 @@
 """Solve a periodic contact problem with Tamaas or ContactMechanics: a program of its own, for their Python.
 
-python solve.py CODE PROBLEM SOLUTION
+python outside.py CODE PROBLEM SOLUTION
 
 PROBLEM holds `heights` (ny, nx), `lengths` (Ly, Lx) and `loads`, dimensionless, E* = 1. SOLUTION gets
 `pressures` (load, ny, nx) and `version`. It imports nothing of roughcontact, and roughcontact never imports
@@ -8,12 +8,38 @@ it: the codes are used as outside programs.
 """
 
 import sys
+from collections.abc import Iterator
 
 import numpy as np
 
 
-def tamaas(heights, lengths, loads):
-    """Polonsky and Keer's conjugate gradients, to 1e-10 of Tamaas's own error."""
+def tamaas(heights: np.ndarray, lengths: np.ndarray, loads: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield the pressure at each load by Tamaas, to 1e-10 of its own error.
+
+    The solver is that of Polonsky and Keer, conjugate gradients on the contact set [1]_.
+
+    Parameters
+    ----------
+    heights : array (ny, nx)
+        one period.
+    lengths : array (2)
+        of the period, along y and x.
+    loads : array (load)
+        mean pressures; E* = 1.
+
+    Yields
+    ------
+    array (ny, nx)
+
+    Raises
+    ------
+    SystemExit
+        where a load does not converge, with what is to be said of it.
+
+    References
+    ----------
+    .. [1] Polonsky and Keer (1999), Wear 231, 206.
+    """
     import tamaas as tm
 
     tm.set_log_level(tm.LogLevel.error)
@@ -27,8 +53,33 @@ def tamaas(heights, lengths, loads):
         yield model.traction.copy()
 
 
-def contactmechanics(heights, lengths, loads):
-    """Polonsky and Keer's conjugate gradients, to overlaps and tensions of 1e-9."""
+def contactmechanics(heights: np.ndarray, lengths: np.ndarray, loads: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield the pressure at each load by ContactMechanics, to overlaps and tensions of 1e-9.
+
+    The solver is that of Polonsky and Keer, conjugate gradients on the contact set [1]_.
+
+    Parameters
+    ----------
+    heights : array (ny, nx)
+        one period.
+    lengths : array (2)
+        of the period, along y and x.
+    loads : array (load)
+        mean pressures; E* = 1.
+
+    Yields
+    ------
+    array (ny, nx)
+
+    Raises
+    ------
+    SystemExit
+        where a load does not converge, with what is to be said of it.
+
+    References
+    ----------
+    .. [1] Polonsky and Keer (1999), Wear 231, 206.
+    """
     from ContactMechanics import PeriodicFFTElasticHalfSpace
     from ContactMechanics.Systems import NonSmoothContactSystem
     from SurfaceTopography import Topography
@@ -47,7 +98,8 @@ def contactmechanics(heights, lengths, loads):
         yield np.asarray(system.force).T * heights.size / area
 
 
-def main():
+def main() -> None:
+    """Solve the problem in one file by the code of the command line, and write the solution to another."""
     code, problem, solution = sys.argv[1:]
     from importlib.metadata import version
 

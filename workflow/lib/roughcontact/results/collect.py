@@ -1,5 +1,9 @@
 """All surfaces (and cases) of a run in one dataset and one table."""
 
+from collections.abc import Hashable, Mapping, Sequence
+from pathlib import Path
+from typing import TypedDict
+
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -8,7 +12,7 @@ from roughcontact.results.storage import read_dataset
 from roughcontact.variables import VARIABLES
 
 # how a unit is spelled in a column's name
-_SUFFIX = {
+_SUFFIX: dict[str | None, str] = {
     "1": "",
     "m": "_m",
     "Pa": "_Pa",
@@ -23,7 +27,15 @@ _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "rela
 _WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged")
 
 
-def collect_statistics(entries: list[dict]) -> xr.Dataset:
+class Entry(TypedDict):
+    """One file of statistics, and the surface and case it belongs to."""
+
+    surface: str
+    case: str | None
+    statistics: str | Path
+
+
+def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     """Return the statistics of all surfaces, and of all cases where there are any, in one dataset.
 
     Parameters
@@ -33,9 +45,11 @@ def collect_statistics(entries: list[dict]) -> xr.Dataset:
 
     Returns
     -------
-    Dataset, dims (surface, load, ...), or (case, surface, load, ...) where entries have cases. Labels are the
-    coordinates `surface_name` (surface) and `case_name` (case). Loads and bins may differ between surfaces:
-    shorter ones are padded with NaN, and `mean_pressure` and the bounds of the bins depend on the surface.
+    Dataset
+        dims (surface, load, ...), or (case, surface, load, ...) where entries have cases. Labels are the
+        coordinates `surface_name` (surface) and `case_name` (case). Loads and bins may differ between
+        surfaces: shorter ones are padded with NaN, and `mean_pressure` and the bounds of the bins depend on
+        the surface.
 
     Raises
     ------
@@ -48,7 +62,8 @@ def collect_statistics(entries: list[dict]) -> xr.Dataset:
         (cases.index(entry["case"]), surfaces.index(entry["surface"])): read_dataset(entry["statistics"])
         for entry in entries
     }
-    sizes, dims = {}, {}
+    sizes: dict[Hashable, int] = {}
+    dims: dict[Hashable, tuple[Hashable, ...]] = {}
     for dataset in datasets.values():
         sizes |= {dim: max(size, sizes.get(dim, 0)) for dim, size in dataset.sizes.items()}
         dims |= {name: variable.dims for name, variable in dataset.variables.items()}
@@ -61,7 +76,8 @@ def collect_statistics(entries: list[dict]) -> xr.Dataset:
         for place, dataset in datasets.items():
             if name in dataset.variables:
                 part = dataset[name].values
-                values[(*place, *map(slice, part.shape))] = part
+                corner: tuple[int | slice, ...] = (*place, *(slice(size) for size in part.shape))
+                values[corner] = part
         columns[name] = (("case", "surface", *dims[name]), values)
     collected = xr.Dataset(columns, coords={"surface_name": ("surface", np.array(surfaces, dtype=object))})
     collected = collected.set_coords([name for name in _COORDINATES if name in columns])
@@ -78,12 +94,34 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
 
     Densities stay in the netCDF file. Of the error budget there is the combined uncertainty of each quantity,
     and what each source adds to that of the contact area. Loads that only pad a shorter list are left out.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        from `collect_statistics`.
+
+    Returns
+    -------
+    DataFrame
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import xarray as xr
+    >>> labels = {"surface_name": ("surface", np.array(["ground"], object))}
+    >>> labels["mean_pressure"] = (("surface", "load"), [[1e6, 2e6]])
+    >>> gaps = xr.Dataset({"mean_gap": (("surface", "load"), [[3e-7, 2e-7]])}, coords=labels)
+    >>> print(summary_table(gaps).to_string(index=False))
+    surface  mean_pressure_Pa   mean_gap_m
+     ground         1000000.0 3.000000e-07
+     ground         2000000.0 2.000000e-07
     """
     statistics = _with_columns_of_the_budget(statistics)
     names = [
         name
-        for name, variable in statistics.variables.items()
-        if not name.endswith("_name") and not {"pressure_bin", "gap_bin", "source"} & set(variable.dims)
+        for name in map(str, statistics.variables)
+        if not name.endswith("_name")
+        and not {"pressure_bin", "gap_bin", "source"} & set(statistics[name].dims)
     ]
     names.sort(key=lambda name: _LEADING.index(name) if name in _LEADING else len(_LEADING))
     order = [dim for dim in ("case", "surface", "load") if dim in statistics.dims]
@@ -91,7 +129,8 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     labels = [dim for dim in ("case", "surface") if f"{dim}_name" in statistics.coords]
     frame = pd.DataFrame({dim: statistics[f"{dim}_name"].values[table[dim]] for dim in labels})
     for name in names:
-        frame[name + _SUFFIX[VARIABLES[name.partition("_from_")[0]][0]]] = table[name].to_numpy()
+        unit, _ = VARIABLES[name.partition("_from_")[0]]
+        frame[name + _SUFFIX[unit]] = table[name].to_numpy()
     frame = frame[np.isfinite(table["mean_pressure"].to_numpy())].reset_index(drop=True)
     # padding made counts and flags floating; where none is missing they are whole numbers again
     for name in _WHOLE_NUMBERS:
@@ -100,7 +139,7 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     return frame
 
 
-def _with_columns_of_the_budget(statistics):
+def _with_columns_of_the_budget(statistics: xr.Dataset) -> xr.Dataset:
     """Return the statistics with the error budget as columns: combined, and of the area by source."""
     if "source" not in statistics.dims:
         return statistics
@@ -116,7 +155,7 @@ def _with_columns_of_the_budget(statistics):
     return statistics.drop_dims("source").assign(columns)
 
 
-def pairs_table(summary: pd.DataFrame, pairs: dict[str, str]) -> pd.DataFrame:
+def pairs_table(summary: pd.DataFrame, pairs: Mapping[str, str]) -> pd.DataFrame:
     """Return one row per pair of faces (, case) and load: mean and spread over the members of its ensemble.
 
     Loads are taken in order, first with first: where they are relative, the mean pressure of the members
@@ -131,8 +170,16 @@ def pairs_table(summary: pd.DataFrame, pairs: dict[str, str]) -> pd.DataFrame:
 
     Returns
     -------
-    DataFrame with `surface` (the pair), `members` (count), and for every number of `summary` a column with
-    its mean and one, named `spread_...`, with its standard deviation (n - 1; NaN for a single member).
+    DataFrame
+        `surface` (the pair), `members` (count), and for every number of `summary` a column with its mean and
+        one, named `spread_...`, with its standard deviation (n - 1; NaN for a single member).
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> summary = pd.DataFrame({"surface": ["p-1", "p-2"], "mean_gap_m": [1.0, 3.0]})
+    >>> pairs_table(summary, {"p-1": "p", "p-2": "p"}).round(3).to_dict("records")
+    [{'surface': 'p', 'members': 2, 'mean_gap_m': 2.0, 'spread_mean_gap_m': 1.414}]
     """
     names = [name for name in ("case", "surface") if name in summary]
     numbers = [name for name in summary if name not in names]

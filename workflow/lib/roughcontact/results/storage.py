@@ -1,11 +1,12 @@
 """Result files: netCDF, written whole or not at all, byte-identical for identical content."""
 
 import json
-import os
 import platform
+from collections.abc import Hashable, Iterator
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -18,10 +19,27 @@ from roughcontact.variables import describe
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
 
 
-def provenance(settings: dict, *, source_sha256: str = "") -> dict:
+def provenance(settings: dict[str, Any], *, source_sha256: str = "") -> dict[str, str]:
     """Return the attributes that say how a file came about: settings, versions, checksum of the input.
 
     No wall clock and no host name, so that two equal runs write equal files.
+
+    Parameters
+    ----------
+    settings : dict
+        whatever JSON can write.
+    source_sha256 : str
+        checksum of the measured file.
+
+    Returns
+    -------
+    dict
+        names and texts, as netCDF attributes.
+
+    Examples
+    --------
+    >>> provenance({"level": {"form": "plane"}})["settings"]
+    '{"level": {"form": "plane"}}'
     """
     packages = ("numpy", "scipy", "xarray", "netCDF4")
     versions = {"roughcontact": __version__, "python": platform.python_version()}
@@ -36,15 +54,35 @@ def provenance(settings: dict, *, source_sha256: str = "") -> dict:
 
 
 def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
-    """Write `dataset` to `path` (netCDF-4), to a temporary name first, so that no half file is ever seen.
+    """Write a dataset as netCDF-4, to a temporary name first, so that no half file is ever seen.
 
-    Every variable gets its unit and description from `roughcontact.variables`; a name that is not in that
-    table is refused. Arrays of 4096 elements and more are compressed (zlib level 1, byte shuffle).
+    Every variable gets its unit and description from `roughcontact.variables`. Arrays of 4096 elements and
+    more are compressed (fastest zlib, byte shuffle).
+
+    Parameters
+    ----------
+    dataset : Dataset or DataArray
+        an array without a name is a height.
+    path : str or Path
+        its folder is made where it is missing.
+
+    Raises
+    ------
+    RoughContactError
+        where a variable is not in the table of `roughcontact.variables`.
+
+    Examples
+    --------
+    >>> import tempfile, xarray as xr
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_dataset(xr.Dataset({"mean_gap": ("load", [2e-7])}), f"{folder}/statistics.nc")
+    ...     read_dataset(f"{folder}/statistics.nc")["mean_gap"].attrs["units"]
+    'm'
     """
     if isinstance(dataset, xr.DataArray):
         dataset = dataset.to_dataset(name=dataset.name or "height", promote_attrs=True)
     dataset = describe(dataset)
-    encoding = {}
+    encoding: dict[Hashable, dict[str, Any]] = {}
     for name, variable in dataset.variables.items():
         encoding[name] = {"_FillValue": None}
         if name in dataset.data_vars and np.issubdtype(variable.dtype, np.floating):
@@ -57,6 +95,14 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
 
 def read_dataset(path: str | Path) -> xr.Dataset:
     """Read one of the project's own result files into memory.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    Dataset
 
     Raises
     ------
@@ -71,18 +117,41 @@ def read_dataset(path: str | Path) -> xr.Dataset:
 
 
 def write_table(frame: pd.DataFrame, path: str | Path) -> None:
-    """Write `frame` to `path` as CSV (UTF-8, ten digits), whole or not at all."""
+    """Write a table as CSV (UTF-8, ten digits), whole or not at all.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        written without its index.
+    path : str or Path
+    """
     write_text(frame.to_csv(index=False, float_format="%.10g", lineterminator="\n"), path)
 
 
 def write_text(text: str, path: str | Path) -> None:
-    """Write `text` to `path` as UTF-8, whole or not at all."""
+    """Write a text as UTF-8, whole or not at all.
+
+    Parameters
+    ----------
+    text : str
+    path : str or Path
+        its folder is made where it is missing.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_text("A/A₀", f"{folder}/new/a.txt")
+    ...     Path(folder, "new", "a.txt").read_text(encoding="utf-8")
+    'A/A₀'
+    """
     with _whole(path) as partial:
         partial.write_bytes(text.encode())
 
 
 @contextmanager
-def _whole(path: str | Path):
+def _whole(path: str | Path) -> Iterator[Path]:
     """Yield a temporary name beside `path` that takes its place at the end: no half file is ever seen.
 
     The name is always the same, so that what a killed job has left is written over.
@@ -92,6 +161,6 @@ def _whole(path: str | Path):
     partial = path.with_name(f".{path.name}.partial")
     try:
         yield partial
-        os.replace(partial, path)
+        partial.replace(path)
     finally:
         partial.unlink(missing_ok=True)
