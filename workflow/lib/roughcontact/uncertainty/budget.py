@@ -1,7 +1,7 @@
 """The error budget: how far each headline number may be off, source by source, and all together."""
 
-from collections.abc import Sequence
-from typing import get_args
+from collections.abc import Mapping, Sequence
+from typing import Any, get_args
 
 import numpy as np
 import xarray as xr
@@ -29,7 +29,7 @@ _COMMENT = (
 def error_budget(
     levelled: xr.DataArray,
     window: xr.DataArray,
-    settings: dict[str, dict],
+    settings: Mapping[str, Mapping[str, Any]],
     *,
     sources: Sequence[UncertaintySource] = SOURCES,
     windows: int = 9,
@@ -38,7 +38,7 @@ def error_budget(
 
     Sources: `solver` (its certificate), `discretisation` (pixels half as large), `window` (an ensemble of
     parts of the window), `processing` (other reasonable ways to level, fill and make periodic). They are
-    independent of one another, U² = sum of U_i² (JCGM 100:2008, 5.1.2).
+    independent of one another, U² = sum of U_i² ([1]_, 5.1.2).
 
     Parameters
     ----------
@@ -54,11 +54,12 @@ def error_budget(
 
     Returns
     -------
-    Dataset, dims (load, source): `{quantity}_uncertainty`, the half-width of the 95 % interval in the unit of
-    the quantity, `source` being the four and `combined`; NaN for a source that was left out or that this map
-    does not give. Along (member, load) and (choice, load) what the members of the two ensembles came to,
-    `{quantity}_parts` and `{quantity}_choices`. Attributes `window_reason`, `window_flag`,
-    `processing_reason`: what was done, and what is wrong with it, in words.
+    Dataset
+        dims (load, source): `{quantity}_uncertainty`, the half-width of the 95 % interval in the unit of the
+        quantity, `source` being the four and `combined`; NaN for a source that was left out or that this map
+        does not give. Along (member, load) and (choice, load) what the members of the two ensembles came to,
+        `{quantity}_parts` and `{quantity}_choices`. Attributes `window_reason`, `window_flag`,
+        `processing_reason`: what was done, and what is wrong with it, in words.
 
     Raises
     ------
@@ -66,6 +67,19 @@ def error_budget(
         for a source that there is not, or too small a number of windows.
     ConvergenceError
         where the solution of the window misses its tolerance.
+
+    References
+    ----------
+    .. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> height = rough_reference_surface(64)  # periodic, so that it is its own window
+    >>> settings = {"contact": {"contact_modulus": 1.0, "mean_pressure": [0.1]}}
+    >>> budget = error_budget(height, height, settings, sources=["solver"])
+    >>> budget["mean_gap_uncertainty"].sel(source="combined").item() < 1e-5
+    True
     """
     for source in sources:
         check_choice("uncertainty.sources", source, UncertaintySource)
@@ -77,7 +91,7 @@ def error_budget(
     found = {"solver": solved[[_uncertainty(name) for name in QUANTITIES]]}
     found["solver"] = found["solver"].rename({_uncertainty(name): name for name in QUANTITIES})
     # a part that does not converge leaves its source open, and does not end the job
-    lenient = contact | {"on_failure": "flag"}
+    lenient = {**contact, "on_failure": "flag"}
     if "discretisation" in sources:
         found["discretisation"] = discretisation_uncertainty(window, contact=lenient, solved=solved)
     if "window" in sources:
@@ -109,14 +123,30 @@ def combine(found: dict[str, xr.Dataset]) -> xr.Dataset:
     """Return `{quantity}_uncertainty` (load, source) from the half-widths of each source, and combined.
 
     U = b + sqrt(sum (U_i - b_i)²), b = sum b_i; a source that is absent, or NaN at a load, does not count.
-    b_i is what is known to be off (JCGM 100:2008, F.2.4.5): of the pressure in contact, which is a mean over
-    whole pixels, and of nothing else.
+    b_i is what is known to be off ([1]_, F.2.4.5): of the pressure in contact, which is a mean over whole
+    pixels, and of nothing else.
 
     Parameters
     ----------
     found : dict
         source -> Dataset (load) with the half-widths of `QUANTITIES` and, as `{quantity}_bias`, of what is
         known to be off.
+
+    Returns
+    -------
+    Dataset
+        dims (load, source), `source` being the four and `combined`; NaN where none is known.
+
+    References
+    ----------
+    .. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> solver, pixels = (xr.Dataset({name: ("load", [u]) for name in QUANTITIES}) for u in (3.0, 4.0))
+    >>> combine({"solver": solver, "discretisation": pixels})["mean_gap_uncertainty"].values
+    array([[ 3.,  4., nan, nan,  5.]])
     """
     loads = next(iter(found.values())).sizes["load"]
     columns = {}

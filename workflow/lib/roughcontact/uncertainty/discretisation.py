@@ -27,8 +27,12 @@ The constants are measured on band-limited maps of known fine solution (`roughco
 tests/unit/test_uncertainty_discretisation.py).
 """
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from roughcontact.contact.solve import solve_contact
 from roughcontact.maps import refined, spacing
@@ -46,13 +50,14 @@ _MOST_POINTS = 1024**2  # of what is refined; of a larger window a part stands f
 
 
 def discretisation_uncertainty(
-    window: xr.DataArray, *, contact: dict, solved: xr.Dataset | None = None
+    window: xr.DataArray, *, contact: Mapping[str, Any], solved: xr.Dataset | None = None
 ) -> xr.Dataset:
     """Return what the pixel size makes uncertain in each quantity, from a solution with pixels half as large.
 
     Contact area hypot(2 D, 0.02 M / N, 0.3 sqrt(M) / N), mean gap hypot(2 D, that of the solver), largest
-    pressure hypot(2 D, 0.2 d), mean contact pressure p̄/A - p̄/A_points + p̄ u(A) / A² (see the module). Of a
-    window of more than 1024² points, a part of that size shows the relative changes.
+    pressure hypot(2 D, 0.2 d), mean contact pressure p̄/A - p̄/A_points + p̄ u(A) / A²; the head of this
+    module explains them. Of a window of more than 1024² points, a part of that size shows the relative
+    changes.
 
     Parameters
     ----------
@@ -65,8 +70,17 @@ def discretisation_uncertainty(
 
     Returns
     -------
-    Dataset, dim load: the half-widths of 95 % intervals of `QUANTITIES`, each in its own unit, and
-    `mean_contact_pressure_bias` (Pa), the part of it that is no matter of chance
+    Dataset
+        dim load: the half-widths of 95 % intervals of `QUANTITIES`, each in its own unit, and
+        `mean_contact_pressure_bias` (Pa), the part of it that is no matter of chance.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> problem = {"contact_modulus": 1.0, "mean_pressure": [0.1]}
+    >>> found = discretisation_uncertainty(rough_reference_surface(64), contact=problem)
+    >>> f"{found['relative_contact_area'].item():.3f}"
+    '0.005'
     """
     if solved is None:
         solved = solve_contact(window, **contact, reduce=grid_marks)
@@ -106,8 +120,17 @@ def grid_marks(contact: xr.Dataset) -> xr.Dataset:
 
     Returns
     -------
-    Dataset, dim load: `QUANTITIES`, `switches` between contact and non-contact along all rows and columns,
-    `beside_the_peak` (Pa) the difference between the highest point and its neighbours
+    Dataset
+        dim load: `QUANTITIES`, `switches` between contact and non-contact along all rows and columns,
+        `beside_the_peak` (Pa) the difference between the highest point and its neighbours.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> fields = {"pressure": [[[0.0, 3.0, 1.0, 0.0]]], "gap": [[[0.5, 0.0, 0.0, 0.3]]]}
+    >>> found = grid_marks(xr.Dataset({name: (("load", "y", "x"), v) for name, v in fields.items()}))
+    >>> found["switches"].item(), found["beside_the_peak"].item()
+    (2, 2.5)
     """
     switches, drop = [], []
     for pressure, _ in fields_of(contact):
@@ -116,21 +139,20 @@ def grid_marks(contact: xr.Dataset) -> xr.Dataset:
     return headline(contact).assign(switches=("load", switches), beside_the_peak=("load", drop))
 
 
-def _solve(window, contact) -> xr.Dataset:
+def _solve(window: xr.DataArray, contact: Mapping[str, Any]) -> xr.Dataset:
     """Return the four quantities of a map and the solver's part of the mean gap; NaN for a failed load."""
     tolerance = min(_TOLERANCE, contact.get("tolerance", _TOLERANCE))
-    found = solve_contact(
-        window, **contact | {"tolerance": tolerance, "on_failure": "flag"}, reduce=_headline_and_gap
-    )
+    arguments = {**contact, "tolerance": tolerance, "on_failure": "flag"}
+    found = solve_contact(window, **arguments, reduce=_headline_and_gap)
     return found[[*QUANTITIES, "mean_gap_uncertainty"]].where(found["converged"] == 1)
 
 
-def _headline_and_gap(contact):
+def _headline_and_gap(contact: xr.Dataset) -> xr.Dataset:
     """Return the four quantities of a load and what the solver leaves open of the mean gap."""
     return headline(contact).assign(mean_gap_uncertainty=solver_uncertainty(contact)["mean_gap"])
 
 
-def _part(window):
+def _part(window: xr.DataArray) -> xr.DataArray:
     """Return the middle of a window that is too large to be refined, made periodic; else the window."""
     sides = list(window.shape)
     while np.prod(sides) > _MOST_POINTS:
@@ -143,7 +165,7 @@ def _part(window):
     return part.copy(data=periodic_plus_smooth(part.values, spacing(part)))
 
 
-def _beside_the_peak(pressure) -> float:
+def _beside_the_peak(pressure: np.ndarray) -> float:
     """Return how much higher the highest point is than the mean of its neighbours along the axes."""
     place = np.unravel_index(pressure.argmax(), pressure.shape)
     lines = (pressure[:, place[1]], pressure[place[0]])
@@ -156,12 +178,12 @@ def _beside_the_peak(pressure) -> float:
     return float(pressure[place] - np.mean(neighbours))
 
 
-def _ratio(value, base) -> np.ndarray:
+def _ratio(value: ArrayLike, base: ArrayLike) -> np.ndarray:
     """Return value / base, zero where the value is (no gap is left in full contact)."""
     value, base = np.broadcast_arrays(np.asarray(value, float), np.asarray(base, float))
     return np.divide(value, base, out=np.zeros(base.shape), where=value != 0)
 
 
-def _root_of_squares(*parts):
+def _root_of_squares(*parts: np.ndarray) -> np.ndarray:
     """Return the root of the sum of the squares of several arrays."""
     return np.sqrt(sum(part**2 for part in parts))

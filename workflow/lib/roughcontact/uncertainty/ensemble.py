@@ -1,6 +1,7 @@
 """One member of an ensemble: a quick solve of a window, and the four numbers that the error budget is for."""
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -13,28 +14,49 @@ _OWN = ("tolerance", "fields", "reduce", "progress")  # what a member decides fo
 
 
 class Member(NamedTuple):
-    """What a quick solve gives: {quantity: array (load)}, and the work in FFT pairs times points."""
+    """What a quick solve gives.
+
+    Attributes
+    ----------
+    values : dict
+        quantity -> array (load).
+    work : float
+        FFT pairs times points.
+    """
 
     values: dict[str, np.ndarray]
     work: float
 
 
-def solve_member(window: xr.DataArray, contact: dict, *, tolerance: float) -> Member:
+def solve_member(window: xr.DataArray, contact: Mapping[str, Any], *, tolerance: float) -> Member:
     """Solve one window of an ensemble, without keeping fields.
 
     Parameters
     ----------
     window : DataArray (y, x), m
+        periodic.
     contact : dict
         keyword arguments of `solve_contact`. A load that misses the tolerance raises or, with `on_failure` =
         "flag", is NaN.
     tolerance : float
         of the pressure, unless `contact` has a wider one.
 
+    Returns
+    -------
+    Member
+
     Raises
     ------
     ConvergenceError
         as `solve_contact`.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> problem = {"contact_modulus": 1.0, "mean_pressure": [0.1]}
+    >>> found = solve_member(rough_reference_surface(64), problem, tolerance=1e-2)
+    >>> found.values["relative_contact_area"].round(2)
+    array([0.34])
     """
     arguments = {key: value for key, value in contact.items() if key not in _OWN}
     tolerance = max(tolerance, contact.get("tolerance", 0.0))
@@ -47,7 +69,30 @@ def solve_member(window: xr.DataArray, contact: dict, *, tolerance: float) -> Me
 
 
 def shown_part(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str, slice]:
-    """Return which rows and columns of a map its periodic window shows, without bands and mirror images."""
+    """Return which rows and columns of a map its periodic window shows, without bands and mirror images.
+
+    Parameters
+    ----------
+    levelled : DataArray (y, x), m
+        the map.
+    periodic : DataArray (y, x), m
+        the window, from `periodic_window` of that map.
+
+    Returns
+    -------
+    dict
+        ``{"y": slice, "x": slice}``, of the points of the map.
+
+    Examples
+    --------
+    >>> from roughcontact.levelling.level import level
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.window.periodic_window import periodic_window
+    >>> levelled = level(rough_reference_surface(64)[:40])
+    >>> mirrored = periodic_window(levelled, method="mirror")
+    >>> mirrored.shape, shown_part(levelled, mirrored)
+    ((80, 128), {'y': slice(0, 40, None), 'x': slice(0, 64, None)})
+    """
     mirrored = periodic.attrs["periodisation"] == "mirror"
     shown = {}
     for d, n, step in zip("yx", periodic.shape, spacing(levelled), strict=True):
@@ -56,7 +101,7 @@ def shown_part(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str, slic
     return shown
 
 
-def scale_to(result, values, *, base) -> np.ndarray:
+def scale_to(result: np.ndarray, values: np.ndarray, *, base: np.ndarray) -> np.ndarray:
     """Return the deviations of members from their base, scaled to the main result and added to it.
 
     A small window or a coarse grid gives other absolute values; relative deviations carry over. The factor
@@ -69,6 +114,17 @@ def scale_to(result, values, *, base) -> np.ndarray:
     values : array (member, load)
     base : array (load)
         what the members deviate from.
+
+    Returns
+    -------
+    array (member, load)
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> scale_to(np.array([0.2]), np.array([[0.11], [0.09]]), base=np.array([0.1])).round(3)
+    array([[0.22],
+           [0.18]])
     """
     ratio = np.divide(result, base, out=np.ones_like(base), where=base != 0)
     return result + np.clip(ratio, 0.5, 2.0) * (values - base)

@@ -1,5 +1,7 @@
 """The four numbers that the error budget is for, counted in a solution without all the others."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import xarray as xr
 
@@ -19,19 +21,39 @@ def headline(contact: xr.Dataset) -> xr.Dataset:
 
     Returns
     -------
-    Dataset, dim load: `relative_contact_area` (1), `mean_gap` (m), `max_pressure` and `mean_contact_pressure`
-    (Pa)
+    Dataset
+        dim load: `relative_contact_area` (1), `mean_gap` (m), `max_pressure` and `mean_contact_pressure`
+        (Pa).
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> fields = {"pressure": [[[0.0, 3.0, 1.0, 0.0]]], "gap": [[[0.5, 0.0, 0.0, 0.3]]]}
+    >>> found = headline(xr.Dataset({name: (("load", "y", "x"), v) for name, v in fields.items()}))
+    >>> [round(found[name].item(), 3) for name in ("mean_gap", "max_pressure", "mean_contact_pressure")]
+    [0.2, 3.0, 2.0]
     """
     rows = [_one_load(*fields) for fields in fields_of(contact)]
     return xr.Dataset({name: ("load", [row[name] for row in rows]) for name in QUANTITIES})
 
 
-def fields_of(contact: xr.Dataset):
-    """Yield (pressure, gap), arrays (ny, nx) in Pa and m, of each load of a solution."""
+def fields_of(contact: xr.Dataset) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Yield pressure and gap of each load of a solution.
+
+    Parameters
+    ----------
+    contact : Dataset
+        as `solve_contact` returns it, with its fields.
+
+    Yields
+    ------
+    pressure : array (ny, nx), Pa
+    gap : array (ny, nx), m
+    """
     yield from zip(contact["pressure"].values, contact["gap"].values, strict=True)
 
 
-def _one_load(pressure: np.ndarray, gap: np.ndarray) -> dict:
+def _one_load(pressure: np.ndarray, gap: np.ndarray) -> dict[str, float]:
     """Return the four quantities of one load."""
     touching = pressure > 0
     return {

@@ -7,6 +7,8 @@ side: a uniform distribution of that half-width a, with the standard uncertainty
 """
 
 import json
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -16,7 +18,7 @@ from roughcontact.levelling.forms import form_from_record
 from roughcontact.levelling.polynomial import fit_polynomial, share_of_form
 from roughcontact.maps import spacing
 from roughcontact.statistics.checks import FORM
-from roughcontact.uncertainty.ensemble import scale_to, shown_part, solve_member
+from roughcontact.uncertainty.ensemble import Member, scale_to, shown_part, solve_member
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.window.periodic_window import periodic_window
 
@@ -28,11 +30,16 @@ _TOLERANCE = 1e-3  # of the pressure: choices may differ by less than a percent
 
 
 def processing_uncertainty(
-    levelled: xr.DataArray, *, level: dict, window: dict, contact: dict, solved: xr.Dataset
+    levelled: xr.DataArray,
+    *,
+    level: Mapping[str, Any],
+    window: Mapping[str, Any],
+    contact: Mapping[str, Any],
+    solved: xr.Dataset,
 ) -> xr.Dataset:
     """Return the expanded uncertainty that the choices of processing leave in the result of a map.
 
-    U = 2 sqrt(sum over groups a^2 / 3), a = largest deviation from the user's own choice within a group:
+    U = 2 sqrt(sum over groups a^2 / 3) [1]_, a = largest deviation from the user's own choice within a group:
 
     * form: the polynomial of the next higher order, and of the next lower one unless that leaves a bow
       which makes up more of the mean square height than the check "Form" allows
@@ -66,29 +73,31 @@ def processing_uncertainty(
     ------
     ConvergenceError
         where the solve of a choice misses its tolerance.
-    """
-    chosen = periodic_window(levelled, **window)
-    cases = [("own", "as chosen", periodic_window(_coarsened(levelled), **window))]
-    if chosen.attrs["periodisation"] != "none":
-        cases += [
-            ("form", name, periodic_window(_coarsened(other), **window))
-            for name, other in _other_forms(levelled, level)
-        ]
-        cases += [
-            ("periodisation", f"made periodic by {method}", _by_method(levelled, chosen, window, method))
-            for method in _FAIR_METHODS
-            if method != chosen.attrs["periodisation"]
-        ]
-    if chosen["filled"].any():
-        cases.append(
-            ("filling", "holes filled with roughness", periodic_window(rough_filling(levelled), **window))
-        )
 
-    names = [name for _, name, _ in cases]
-    groups = np.array([group for group, _, _ in cases])
+    References
+    ----------
+    .. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.7.
+
+    Examples
+    --------
+    A periodic map leaves no choice.
+
+    >>> from roughcontact.contact.solve import solve_contact
+    >>> from roughcontact.levelling.level import level
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.uncertainty.headline import headline
+    >>> levelled = level(rough_reference_surface(64))
+    >>> problem = {"contact_modulus": 1.0, "mean_pressure": [0.1]}
+    >>> solved = solve_contact(levelled, **problem, reduce=headline)
+    >>> found = processing_uncertainty(levelled, level={}, window={}, contact=problem, solved=solved)
+    >>> found.attrs["reason"]
+    'The map is periodic and nothing was filled in: no choice of processing makes a difference.'
+    """
+    choices = _choices(levelled, level, window)
+    groups = np.array([choice.group for choice in choices])
     on_coarse_grid = np.isin(groups, ("own", "form"))
-    members = [solve_member(periodic, contact, tolerance=_TOLERANCE) for _, _, periodic in cases]
-    result = {}
+    members = [solve_member(choice.window, contact, tolerance=_TOLERANCE) for choice in choices]
+    result: dict[str, tuple] = {}
     for name in QUANTITIES:
         main = solved[name].values
         values = np.array([member.values[name] for member in members])
@@ -96,6 +105,7 @@ def processing_uncertainty(
         farthest = [np.abs(values[groups == group] - main).max(axis=0) for group in np.unique(groups)]
         result[name] = ("load", COVERAGE_FACTOR * np.sqrt(np.sum(np.square(farthest), axis=0) / 3))
         result[f"{name}_members"] = (("choice", "load"), values)
+    names = [choice.name for choice in choices]
     return xr.Dataset(
         result,
         coords={
@@ -122,6 +132,22 @@ def rough_filling(levelled: xr.DataArray) -> xr.DataArray:
     ----------
     levelled : DataArray (y, x), m
         from `level`, with the coordinate `filled`.
+
+    Returns
+    -------
+    DataArray (y, x), m
+        the same, except in the holes.
+
+    Examples
+    --------
+    >>> from roughcontact.levelling.level import level
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> height = rough_reference_surface(64)
+    >>> height[10:16, 20:26] = float("nan")
+    >>> levelled = level(height)
+    >>> changed = rough_filling(levelled) != levelled
+    >>> bool((changed == (levelled["filled"] == 1)).all())
+    True
     """
     from scipy import ndimage
 
@@ -137,25 +163,59 @@ def rough_filling(levelled: xr.DataArray) -> xr.DataArray:
     return levelled.copy(data=np.where(labels > 0, values + other - smooth, values))
 
 
-def _by_method(levelled, chosen, window, method):
+class _Choice(NamedTuple):
+    """A way to process the map: the group it belongs to, its name in words, the periodic window it gives."""
+
+    group: str
+    name: str
+    window: xr.DataArray
+
+
+def _choices(levelled: xr.DataArray, level: Mapping[str, Any], window: Mapping[str, Any]) -> list[_Choice]:
+    """Return the user's own choice, and each other one that makes a difference to this map."""
+    chosen = periodic_window(levelled, **window)
+    choices = [_Choice("own", "as chosen", periodic_window(_coarsened(levelled), **window))]
+    if chosen.attrs["periodisation"] != "none":
+        choices += [
+            _Choice("form", name, periodic_window(_coarsened(other), **window))
+            for name, other in _other_forms(levelled, level)
+        ]
+        choices += [
+            _Choice(
+                "periodisation", f"made periodic by {method}", _by_method(levelled, chosen, window, method)
+            )
+            for method in _FAIR_METHODS
+            if method != chosen.attrs["periodisation"]
+        ]
+    if chosen["filled"].any():
+        refilled = periodic_window(rough_filling(levelled), **window)
+        choices.append(_Choice("filling", "holes filled with roughness", refilled))
+    return choices
+
+
+def _by_method(
+    levelled: xr.DataArray, chosen: xr.DataArray, window: Mapping[str, Any], method: str
+) -> xr.DataArray:
     """Return the window made periodic in another way: of the same points, where no band is needed beside."""
-    other = window | {"method": method}
+    other = {**window, "method": method}
     if method != "periodic-plus-smooth":
         return periodic_window(levelled, **other)
     part = levelled.isel(shown_part(levelled, chosen))
-    return periodic_window(part, **other | {"placement": "largest"})
+    return periodic_window(part, **{**other, "placement": "largest"})
 
 
-def _coarsened(levelled):
-    """Return a map of block means where it is fine enough, else the map itself; a block with a missing point
-    is missing, one with a filled point filled."""
+def _coarsened(levelled: xr.DataArray) -> xr.DataArray:
+    """Return a map of block means where it is fine enough, else the map itself.
+
+    A block with a missing point is missing, one with a filled point filled.
+    """
     factors = tuple(2 if n > 1 else 1 for n in levelled.shape)
     if min(n // f for n, f in zip(levelled.shape, factors, strict=True) if f > 1) < _LEAST_POINTS:
         return levelled
     sides = [n // f for n, f in zip(levelled.shape, factors, strict=True)]
     whole = levelled[tuple(slice(n * f) for n, f in zip(sides, factors, strict=True))]
     split = (sides[0], factors[0], sides[1], factors[1])
-    coords = {
+    coords: dict[str, tuple] = {
         d: (d, whole[d].values.reshape(n, f).mean(axis=1), whole[d].attrs)
         for d, n, f in zip("yx", sides, factors, strict=True)
     }
@@ -164,7 +224,7 @@ def _coarsened(levelled):
     return xr.DataArray(heights, dims=("y", "x"), coords=coords, name=levelled.name, attrs=levelled.attrs)
 
 
-def _other_forms(levelled, level):
+def _other_forms(levelled: xr.DataArray, level: Mapping[str, Any]) -> list[tuple[str, xr.DataArray]]:
     """Return (name, levelled map) of the neighbouring orders of the form."""
     order = {"none": 0, "mean": 0, "plane": 1}.get(levelled.attrs["form"], level.get("order", 2))
     if levelled.attrs["form"] in ("sphere", "cylinder"):
@@ -178,7 +238,7 @@ def _other_forms(levelled, level):
     return found
 
 
-def _with_order(levelled, order, robust):
+def _with_order(levelled: xr.DataArray, order: int, robust: bool) -> xr.DataArray:
     """Return a map with its form put back and a polynomial off instead, fitted to the measured points."""
     coordinates = _coordinates(levelled)
     removed = json.loads(levelled.attrs["form_removed"])
@@ -189,17 +249,20 @@ def _with_order(levelled, order, robust):
     return levelled.copy(data=values - form).assign_attrs(other)
 
 
-def _coordinates(levelled):
+def _coordinates(levelled: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the coordinates (y, x) of a map."""
     return levelled["y"].values, levelled["x"].values
 
 
-def _reason(names):
+def _reason(names: list[str]) -> str:
+    """Return what was tried, in words."""
     if not names:
         return "The map is periodic and nothing was filled in: no choice of processing makes a difference."
     return f"One at a time, beside the own choice: {'; '.join(names)}."
 
 
-def _flag(members):
+def _flag(members: list[Member]) -> str:
+    """Return what is wrong with the ensemble, in words; empty where nothing is."""
     if np.isnan([member.values[name] for member in members for name in QUANTITIES]).any():
         return "A choice of processing missed the tolerance."
     return ""

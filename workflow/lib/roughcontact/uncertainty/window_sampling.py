@@ -18,6 +18,8 @@ any window, which carries the scatter of the parts' peaks over to that of the wi
 """
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -38,15 +40,23 @@ _BIAS = 2.0  # half-width of what the size may leave, over d/(r - 1)
 _COVERAGE = 0.95
 _STILL_GROWING = 0.3  # share by which the size may leave the mean gap off: then waves are too long
 
+Part = dict[str, slice]  # rows ("y") and columns ("x") of a map
+
 
 def window_uncertainty(
-    levelled: xr.DataArray, *, window: dict, contact: dict, solved: xr.Dataset, number: int = 9
+    levelled: xr.DataArray,
+    *,
+    window: Mapping[str, Any],
+    contact: Mapping[str, Any],
+    solved: xr.Dataset,
+    number: int = 9,
 ) -> xr.Dataset:
     """Return the expanded uncertainty of the result of a window as a sample of its surface.
 
-    U^2 = (t s)^2 / m + (2 b)^2 / 3 with s the standard deviation of the parts' results, scaled to the result
-    of the window, t of Student for 95 % and one less than their number, b = 2 d/(r - 1); largest pressure:
-    U = t s (mean of the parts' peaks) / peak, s as it is (see the module for all).
+    U^2 = (t s)^2 / m + (2 b)^2 / 3 [1]_ with s the standard deviation of the parts' results, scaled to the
+    result of the window, t of Student for 95 % and one less than their number, b = 2 d/(r - 1); largest
+    pressure: U = t s (mean of the parts' peaks) / peak [2]_, s as it is. The head of this module explains
+    all.
 
     Parameters
     ----------
@@ -76,13 +86,30 @@ def window_uncertainty(
         where `number` is below 4.
     ConvergenceError
         where the solve of a part misses its tolerance.
+
+    References
+    ----------
+    .. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.7 and 5.1.2.
+    .. [2] Gumbel (1958), Statistics of Extremes.
+
+    Examples
+    --------
+    >>> from roughcontact.contact.solve import solve_contact
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.uncertainty.headline import headline
+    >>> levelled = level(rough_reference_surface(64))
+    >>> problem = {"contact_modulus": 1.0, "mean_pressure": [0.1]}
+    >>> solved = solve_contact(levelled, **problem, reduce=headline)
+    >>> found = window_uncertainty(levelled, window={}, contact=problem, solved=solved)
+    >>> found.sizes["member"], round(found.attrs["coverage_factor"], 2)
+    (9, 2.31)
     """
     if number != int(number) or number < 4:
         raise SettingsError(f"windows = {number!r}: give a whole number of 4 or more")
     whole = shown_part(levelled, periodic_window(levelled, **window))
     parts = _cut(whole, spacing(levelled), int(number), window.get("shortest_wavelength") or 0.0)
     form = "none" if levelled.attrs["form"] in ("none", "mean") else "plane"
-    own = window | {"placement": "largest", "min_share": 0.0}
+    own = {**window, "placement": "largest", "min_share": 0.0}
     members, points = [], []
     for part in parts:
         again = level(levelled.isel(part), form=form, outlier_threshold=None, fill="none")
@@ -90,15 +117,18 @@ def window_uncertainty(
         points.append(math.prod(_sides(shown_part(again, periodic))))
         members.append(solve_member(periodic, contact, tolerance=_TOLERANCE))
     sides = _sides(whole)
-    more = math.prod(sides) / np.mean(points)
+    more = float(math.prod(sides) / np.mean(points))
     freedom = len(parts) - 1
     factor = float(stdtrit(freedom, (1 + _COVERAGE) / 2)) if freedom else math.nan
     dims = sum(n > 1 for n in sides)
-    result, bias = {}, {}
+    result: dict[str, tuple] = {}
+    bias = {}
     for name in QUANTITIES:
         values = np.array([member.values[name] for member in members])
         half_width, bias[name] = _half_width(name, values, solved[name].values, more, factor, dims)
         result |= {name: ("load", half_width), f"{name}_members": (("member", "load"), values)}
+    incomplete = bool(np.isnan(result["mean_gap"][1]).any())
+    grows = bool((bias["mean_gap"] > _STILL_GROWING * _open(solved)).any())
     covered = sum(math.prod(levelled.isel(part).shape) for part in parts) / levelled.size
     return xr.Dataset(
         result | _places(levelled, parts),
@@ -108,13 +138,15 @@ def window_uncertainty(
             "degrees_of_freedom": freedom,
             "map_share": covered,
             "reason": _reason(levelled, parts, covered),
-            "flag": _flag(levelled, parts, result, bias["mean_gap"] > _STILL_GROWING * _open(solved)),
+            "flag": _flag(levelled, parts, incomplete, grows),
             "work": sum(member.work for member in members),
         },
     )
 
 
-def _half_width(name, values, result, more, factor, dims):
+def _half_width(
+    name: str, values: np.ndarray, result: np.ndarray, more: float, factor: float, dims: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the expanded uncertainty of a quantity (load), and what the size of the window may leave of it.
 
     values: (member, load); more: points of the window over those of a part.
@@ -129,11 +161,12 @@ def _half_width(name, values, result, more, factor, dims):
     return np.hypot(factor * scatter, 2 * bias / math.sqrt(3)), bias
 
 
-def _sides(part):
+def _sides(part: Part) -> list[int]:
+    """Return the points (ny, nx) of a part."""
     return [part[d].stop - part[d].start for d in "yx"]
 
 
-def _cut(whole, step, number, shortest):
+def _cut(whole: Part, step: tuple[float, float], number: int, shortest: float) -> list[Part]:
     """Return the parts of a window as {dim: slice}: where their number times their squareness is largest."""
     sides = _sides(whole)
     most = [
@@ -154,12 +187,12 @@ def _cut(whole, step, number, shortest):
     ]
 
 
-def _squareness(length_y, length_x, sides):
+def _squareness(length_y: float, length_x: float, sides: list[int]) -> float:
     """Return the shorter length of a part over the longer one; 1 for a profile."""
     return 1.0 if 1 in sides else min(length_y, length_x) / max(length_y, length_x)
 
 
-def _places(levelled, parts):
+def _places(levelled: xr.DataArray, parts: list[Part]) -> dict[str, tuple]:
     """Return the variables that say where the parts lie in the map."""
     found = {}
     for d, step in zip("yx", spacing(levelled), strict=True):
@@ -168,7 +201,8 @@ def _places(levelled, parts):
     return found
 
 
-def _reason(levelled, parts, covered):
+def _reason(levelled: xr.DataArray, parts: list[Part], covered: float) -> str:
+    """Return what was done, in words."""
     ny, nx = levelled.isel(parts[0]).shape
     if len(parts) == 1:
         return f"The window of {nx} x {ny} points is too small to be cut into parts."
@@ -178,22 +212,23 @@ def _reason(levelled, parts, covered):
     )
 
 
-def _open(solved):
+def _open(solved: xr.Dataset) -> np.ndarray:
     """Return the mean gap (load), infinite in full contact."""
     gap = solved["mean_gap"].values
     return np.where(gap > 0, gap, np.inf)
 
 
-def _flag(levelled, parts, result, grows):
+def _flag(levelled: xr.DataArray, parts: list[Part], incomplete: bool, grows: bool) -> str:
+    """Return what is wrong with the ensemble, in words; empty where nothing is."""
     ny, nx = levelled.isel(parts[0]).shape
     if len(parts) == 1:
         return (
             f"The map is too small to tell how far its result stands for the surface: {nx} x {ny} points "
             "make no ensemble of windows. Measure more places, or a larger one."
         )
-    if np.isnan(result["mean_gap"][1]).any():
+    if incomplete:
         return "Part of the ensemble of windows missed the tolerance."
-    if grows.any():
+    if grows:
         return (
             "The mean gap grows with the window: the surface has waves about as long as the window or "
             "longer. The interval holds for waves up to the length of the map."
