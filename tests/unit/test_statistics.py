@@ -251,6 +251,56 @@ def test_densities_are_whole_whatever_the_pressures():
     assert stats.sizes["gap_bin"] == 4 * 3 + 1
 
 
+def test_the_bins_are_scaled_by_the_surface():
+    """Pressures to 1000 E* g, gaps to the peak-to-valley height, whatever the loads."""
+    height = rough_reference_surface(36).values * 3e-6
+    pressure = np.zeros((1, 36, 36))
+    pressure[0, 3:6, 3:6] = 1e5
+    stats = contact_statistics(solution(pressure, np.ones_like(pressure), height, (2e-6, 1e-6)))
+    pressures, gaps = (stats[f"{name}_bin_bounds"].values for name in ("pressure", "gap"))
+    scale = MODULUS * float(stats["rms_gradient"])
+    np.testing.assert_allclose(pressures[[0, -1], 1], [1e-3 * scale, 1e3 * scale], rtol=1e-13)
+    valley = height.max() - height.min()
+    np.testing.assert_allclose(gaps[[0, -1], 1], [1e-4 * valley, valley], rtol=1e-13)
+
+
+def test_the_bins_of_a_flat_map_are_scaled_by_modulus_and_pitch():
+    fields = np.full((1, 4, 6), 2e6)
+    stats = contact_statistics(solution(fields, 0 * fields, np.zeros((4, 6)), (7e-6, 3e-6)))
+    assert stats["pressure_bin_bounds"].values[-1, 1] == pytest.approx(1e3 * MODULUS, rel=1e-13)
+    assert stats["gap_bin_bounds"].values[-1, 1] == pytest.approx(3e-6, rel=1e-13)
+
+
+def test_gaps_are_counted_where_nothing_touches():
+    """Half of the open points have a gap in one bin, half in another; what is left in contact is rounding."""
+    height = np.array([[0.0, -1e-6, -0.5e-6, 0.0]])
+    pressure, gap = np.array([[[4e6, 0.0, 0.0, 2e6]]]), np.array([[[1e-12, 4e-7, 8e-7, 1e-12]]])
+    stats = contact_statistics(solution(pressure, gap, height, (1e-6, 1e-6)), gap_bins=1)
+    bounds = stats["gap_bin_bounds"].values
+    shares = stats["gap_density"].values[0] * np.diff(bounds).ravel()
+    np.testing.assert_allclose(shares, [0, 0, 0, 0, 1.0], atol=1e-15)
+    assert stats["mean_gap"].item() == pytest.approx(3e-7, rel=1e-14)
+    assert stats["mean_contact_pressure"].item() == 3e6
+    assert stats["pressure_std"].item() == 1e6
+    assert stats["relative_contact_area_pixels"].item() == 0.5
+
+
+def test_any_positive_pressure_is_contact_and_none_is_not():
+    height = np.array([[0.0, -1e-6, -1e-6, -1e-6]])
+    pressure = np.array([[[1e6, 1e-300, 0.0, 0.0]]])
+    stats = contact_statistics(solution(pressure, np.zeros_like(pressure), height, (1e-6, 1e-6)))
+    assert stats["relative_contact_area_pixels"].item() == 0.5
+
+
+def test_isolated_points_keep_more_than_half_of_their_area():
+    """Four switches is the most that a point can have: the corrected area never reaches zero."""
+    board = (np.add.outer(np.arange(8), np.arange(6)) % 2) == 0
+    assert contact_geometry.count_switches(board) == (48, 48)
+    expected = 0.5 * (1 - 4 * C)
+    assert contact_geometry.relative_contact_area(board) == pytest.approx(expected, rel=1e-14)
+    assert contact_geometry.relative_contact_area(board) > 0.26
+
+
 def test_full_contact_of_a_rough_map():
     height = rough_reference_surface(64).values * 1e-4
     steps = (1e-3, 2e-3)
@@ -323,6 +373,28 @@ def test_solver_columns_are_handed_on_and_everything_is_described():
     assert stats.attrs == contact.attrs
     assert not {"y", "x"} & set(stats.dims)
     assert stats["pressure_bin"].attrs["bounds"] == "pressure_bin_bounds"
+
+
+def test_the_window_has_its_size_and_its_place():
+    contact = westergaard([0.3], rows=4, points=64)
+    contact["height"].attrs |= {"window_offset_x": 5e-6, "window_offset_y": 7e-6, "Sq": 2e-6}
+    stats = contact_statistics(contact)
+    assert stats["window_length_x"].item() == pytest.approx(WAVELENGTH, rel=1e-12)
+    assert stats["window_length_y"].item() == pytest.approx(4 * 3e-6, rel=1e-12)
+    assert (stats["window_offset_x"].item(), stats["window_offset_y"].item()) == (5e-6, 7e-6)
+    assert stats["Sq"].item() == 2e-6
+    assert "Sa" not in stats
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_theories_of_asperities_say_nothing_of_a_profile(turned):
+    contact = westergaard([0.1], rows=1, points=128)
+    if turned:
+        contact = contact.rename(y="x", x="y").transpose("load", "y", "x")
+    stats = contact_statistics(contact)
+    assert np.isnan(stats["area_bush_gibson_thomas"]).all()
+    assert np.isnan(stats["area_greenwood_williamson"]).all()
+    assert np.isfinite(stats["area_persson"]).all()
 
 
 def test_contact_on_filled_points():

@@ -2,14 +2,17 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from roughcontact.contact.solve import solve_contact
 from roughcontact.maps import height_map, refined
 from roughcontact.references import closed_forms, synthetic
 from roughcontact.uncertainty import discretisation
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, grid_marks
-from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.headline import QUANTITIES, headline
+from roughcontact.uncertainty.solver import solver_uncertainty
 from roughcontact.validation.coverage import pixel_size_cases
+from roughcontact.window.periodisation import periodic_plus_smooth
 
 PROBLEM = {"contact_modulus": 1.0, "tolerance": 1e-4}
 
@@ -77,3 +80,84 @@ def test_what_is_flat_has_no_error_of_the_pixel_size():
     flat = height_map(np.zeros((32, 32)), 1.0)
     found = discretisation_uncertainty(flat, contact=PROBLEM | {"mean_pressure": [1.0]})
     assert all(float(found[name][0]) == 0 for name in QUANTITIES)
+
+
+def test_the_formulas_of_the_half_widths():
+    """Each number from the two solutions by hand, as the head of the module states it."""
+    window, loads = synthetic.rough_reference_surface(64), [0.05, 0.4]
+    contact = PROBLEM | {"mean_pressure": loads}
+    solved = solve_contact(window, **contact, reduce=grid_marks)
+    fine = solve_contact(refined(window, 2), **contact)
+    finer, certificate = headline(fine), solver_uncertainty(fine)
+    found = discretisation_uncertainty(window, contact=contact)
+    change = {name: 2 * abs(solved[name].values - finer[name].values) for name in QUANTITIES}
+    switches = solved["switches"].values
+    area = np.sqrt(
+        change["relative_contact_area"] ** 2
+        + (0.02 * switches / window.size) ** 2
+        + (0.3 * np.sqrt(switches) / window.size) ** 2
+    )
+    share = solved["relative_contact_area"].values
+    bias = abs(loads / share - solved["mean_contact_pressure"].values)
+    expected = {
+        "relative_contact_area": area,
+        "mean_gap": np.hypot(change["mean_gap"], certificate["mean_gap"].values),
+        "max_pressure": np.hypot(change["max_pressure"], 0.2 * solved["beside_the_peak"].values),
+        "mean_contact_pressure": bias + loads * area / share**2,
+        "mean_contact_pressure_bias": bias,
+    }
+    assert set(found) == set(expected)
+    for name, values in expected.items():
+        np.testing.assert_allclose(found[name], values, rtol=1e-9, err_msg=name)
+
+
+@pytest.mark.parametrize(
+    ("given", "used"), [({"tolerance": 1e-1}, 1e-3), ({"tolerance": 1e-6}, 1e-6), ({}, 1e-3)]
+)
+def test_the_finer_grid_is_solved_to_a_thousandth_or_better(monkeypatch, given, used):
+    window = synthetic.rough_reference_surface(36)
+    asked = []
+
+    def recorded(*arguments, **keywords):
+        asked.append((keywords["tolerance"], keywords["on_failure"]))
+        return solve_contact(*arguments, **keywords)
+
+    contact = {"contact_modulus": 1.0, "mean_pressure": [0.1]} | given
+    solved = solve_contact(window, **contact, reduce=grid_marks)
+    monkeypatch.setattr(discretisation, "solve_contact", recorded)
+    discretisation_uncertainty(window, contact=contact, solved=solved)
+    assert asked == [(used, "flag")]
+
+
+def test_a_load_that_the_finer_grid_misses_has_no_interval():
+    window, problem = synthetic.rough_reference_surface(36), {"contact_modulus": 1.0, "mean_pressure": [0.1]}
+    solved = solve_contact(window, **problem, reduce=grid_marks)
+    found = discretisation_uncertainty(window, contact=problem | {"tolerance": 1e-15}, solved=solved)
+    assert all(np.isnan(found[name]).all() for name in QUANTITIES)
+
+
+def test_the_part_of_a_large_window_is_its_middle(monkeypatch):
+    ramp = np.add.outer(1000.0 * np.arange(9), np.arange(12.0))
+    window = height_map(ramp, (1.0, 2.0))
+    monkeypatch.setattr(discretisation, "_MOST_POINTS", 9 * 12)
+    assert discretisation._part(window) is window
+    monkeypatch.setattr(discretisation, "_MOST_POINTS", 9 * 12 - 1)
+    part = discretisation._part(window)
+    assert part.shape == (9, 6)
+    np.testing.assert_array_equal(part["x"], window["x"][3:9])
+    monkeypatch.setattr(discretisation, "_MOST_POINTS", 9 * 6 - 1)
+    part = discretisation._part(window)
+    assert part.shape == (5, 6)  # half of an odd side, rounded up
+    np.testing.assert_array_equal(part["y"], window["y"][2:7])
+    expected = periodic_plus_smooth(ramp[2:7, 3:9], (1.0, 2.0))
+    np.testing.assert_allclose(part.values, expected, rtol=1e-12, atol=1e-12)
+
+
+def test_switches_and_peak_of_each_load():
+    pressure = np.zeros((2, 3, 4))
+    pressure[0, 1, 1], pressure[1, :, 2] = 8.0, 5.0
+    fields = {"pressure": pressure, "gap": np.where(pressure > 0, 0.0, 1.0)}
+    found = grid_marks(xr.Dataset({name: (("load", "y", "x"), v) for name, v in fields.items()}))
+    np.testing.assert_array_equal(found["switches"], [4, 6])
+    np.testing.assert_array_equal(found["beside_the_peak"], [8.0, 2.5])
+    np.testing.assert_array_equal(found["max_pressure"], [8.0, 5.0])

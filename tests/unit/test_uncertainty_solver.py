@@ -77,6 +77,14 @@ def test_points_within_reach_are_those_near_the_edge_of_the_contact():
     assert points_within_reach(wide, np.array([[0.0, 0.0, 2.0, 2.0]]), 0.01) == 0.5
 
 
+def test_what_lies_at_the_reach_is_not_within_it():
+    pressure, gap = np.array([[8.0, 0.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 0.0, 2.0]])
+    # rms pressure 4, rms gap 1: the reach of the gap is the bound itself
+    assert points_within_reach(pressure, gap, 1.0) == 2  # the two closed points
+    assert points_within_reach(pressure, gap, 2.0) == 2  # the open one lies at its reach, as does the peak
+    assert points_within_reach(pressure, gap, np.nextafter(2.0, 3.0)) == 4
+
+
 def test_full_contact_has_no_gap_to_be_uncertain_of():
     contact = solve_contact(rough(0), contact_modulus=1.0, mean_pressure=50.0)
     half_widths = solver_uncertainty(contact)

@@ -176,9 +176,22 @@ def test_a_part_that_there_is_not():
         validate("wave")
 
 
+def test_the_papers_part_needs_a_sample():
+    with pytest.raises(SettingsError, match="needs a sample"):
+        validate("paper", finest_grid=256)
+
+
 def test_fitted_order_of_a_power_law():
     sizes = np.array([64, 128, 512])
     assert convergence.fitted_order(sizes, 7 * sizes**-1.7) == pytest.approx(1.7, rel=1e-12)
+
+
+def test_the_scatter_of_a_fitted_order():
+    """Errors that are rms of so many normal numbers: the fitted orders scatter as the formula says."""
+    sizes, cases = np.array([32, 64, 128, 256]), 24
+    errors = np.random.default_rng(1).standard_normal((4000, cases, sizes.size))
+    orders = [convergence.fitted_order(sizes, rms) for rms in np.sqrt((errors**2).mean(axis=1))]
+    assert np.std(orders) == pytest.approx(convergence.slope_scatter(sizes, cases), rel=0.05)
 
 
 def test_the_gap_of_a_pressure_is_that_of_the_solver():

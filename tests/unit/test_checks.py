@@ -1,0 +1,126 @@
+"""The limits of the checks: what lies at a limit passes, what lies just beyond asks for a look or fails."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from roughcontact.statistics import checks, contact_checks, map_checks
+from roughcontact.statistics.outcome import FAILED, LOOK, PASSED
+
+
+def per_load(**columns):
+    """Return a dataset of columns along the loads."""
+    return xr.Dataset({name: ("load", np.atleast_1d(values)) for name, values in columns.items()})
+
+
+@pytest.mark.parametrize(("counted", "outcome"), [(100, PASSED), (99, LOOK)])
+def test_a_hundred_points_in_contact_are_enough(counted, outcome):
+    statistics = per_load(relative_contact_area_pixels=[counted / 4096, 0.5])
+    assert contact_checks.contact_points(statistics, 4096).outcome == outcome
+
+
+@pytest.mark.parametrize(("excess", "outcome"), [(0.1999, PASSED), (0.2001, LOOK)])
+def test_counting_may_overstate_the_area_by_a_fifth(excess, outcome):
+    statistics = per_load(
+        points_per_shortest_wavelength=8.0,
+        relative_contact_area=0.1,
+        relative_contact_area_pixels=0.1 * (1 + excess),
+    )
+    assert contact_checks.resolution(statistics).outcome == outcome
+
+
+@pytest.mark.parametrize(
+    ("share", "outcome"), [(0.01, PASSED), (0.0101, LOOK), (0.1, LOOK), (0.1001, FAILED)]
+)
+def test_contact_on_points_that_were_not_measured(share, outcome):
+    statistics = per_load(contact_on_filled_points=[0.0, share])
+    check = map_checks.missing_points(statistics, {"missing_share": 0.02}, {"filled_share": 0.02})
+    assert check.outcome == outcome
+    assert ("that of the filling" in check.sentence) == (outcome != PASSED)
+
+
+@pytest.mark.parametrize(
+    ("check", "window", "outcome"),
+    [
+        (map_checks.window_share, {"window_share": 0.5}, PASSED),
+        (map_checks.window_share, {"window_share": 0.499}, LOOK),
+        (map_checks.window_share, {}, PASSED),
+        (map_checks.steep_places, {"steepest_share": 0.5}, PASSED),
+        (map_checks.steep_places, {"steepest_share": 0.501}, LOOK),
+        (map_checks.band, {"reliable_reason": "the lens", "band_shortest": 4e-6}, PASSED),
+    ],
+)
+def test_limits_of_the_window(check, window, outcome):
+    assert check(window).outcome == outcome
+
+
+@pytest.mark.parametrize(("share", "outcome"), [(0.8, PASSED), (0.801, LOOK)])
+@pytest.mark.parametrize(
+    ("taken_off", "way_out"),
+    [("plane", "level.form"), ("polynomial", "window.method"), ("sphere", "window.method")],
+)
+def test_a_bow_may_make_up_four_fifths(share, outcome, taken_off, way_out):
+    check = map_checks.form({"form": taken_off}, {"form_share": share})
+    assert check.outcome == outcome
+    assert (way_out in check.sentence) == (outcome == LOOK)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "removed", "heights", "outcome"),
+    [
+        (1.0, 1.0999, 0.0, 0.5, PASSED),
+        (1.0, 1.1001, 0.0, 0.0, LOOK),
+        (1.0, 0.8999, 0.0, 0.0, LOOK),
+        (1.0, 1.0, 0.0, 0.501, LOOK),
+        (1.0, 0.6, 0.8, 0.0, PASSED),  # what the band took out was asked for
+        (0.0, 1.0, 0.0, 0.0, PASSED),
+    ],
+)
+def test_periodisation_may_change_the_gradient_by_a_tenth(before, after, removed, heights, outcome):
+    check = map_checks.periodicity(
+        {
+            "periodisation": "mirror",
+            "rms_gradient_before": before,
+            "rms_gradient_after": after,
+            "band_removed_rms_gradient": removed,
+            "periodisation_relative_change": heights,
+        }
+    )
+    assert check.outcome == outcome
+
+
+@pytest.mark.parametrize(("gradient", "outcome"), [(0.3, PASSED), (0.301, LOOK), (3.0, LOOK), (3.01, FAILED)])
+def test_limits_of_the_slope(gradient, outcome):
+    assert map_checks.slope(xr.Dataset({"rms_gradient": gradient})).outcome == outcome
+
+
+@pytest.mark.parametrize(
+    ("length_y", "aspect", "outcome"),
+    [(5.0, 0.5, PASSED), (4.99, 0.5, LOOK), (0.1, np.nan, PASSED)],  # a profile counts along itself
+)
+def test_five_autocorrelation_lengths_are_enough(length_y, aspect, outcome):
+    statistics = xr.Dataset({"Sal": 1.0, "Str": aspect, "window_length_x": 9.0, "window_length_y": length_y})
+    assert map_checks.longest_wave(statistics).outcome == outcome
+
+
+def test_words_of_a_load_at_each_limit():
+    limits = {
+        "relative_contact_area_pixels": 0.12,
+        "relative_contact_area": 0.1,
+        "contact_on_filled_points": 0.01,
+        "mean_contact_pressure": 0.1,
+    }
+    at_the_limit = per_load(converged=1, **limits).assign(contact_modulus=1.0)
+    at_the_limit["relative_contact_area"] = at_the_limit["relative_contact_area_pixels"] / 1.199
+    assert checks.load_flags(at_the_limit, 1000) == [[]]
+    beyond = per_load(converged=0, **{name: 1.01 * value for name, value in limits.items()})
+    beyond["relative_contact_area"] = beyond["relative_contact_area_pixels"] / 1.201
+    assert checks.load_flags(beyond.assign(contact_modulus=1.0), 800) == [
+        [
+            "not converged",
+            "few contact points",
+            "coarse patches",
+            "contact on filled points",
+            "beyond hardness",
+        ]
+    ]
