@@ -38,8 +38,8 @@ def relative_contact_area(touching: np.ndarray) -> float:
     The pixels of a solved contact overstate its area, in proportion to the length of its boundary: A/A0 =
     Na/N - c M/N with c = (π - 1 + ln 2)/24 [1]_. M counts the switches between contact and non-contact along
     all rows and columns. A switch along x is a piece of boundary as long as dy and overstates the area by c
-    dx of it, so that it weighs c dx dy, as does one along y: the share needs no pitch. It is not allowed
-    below zero.
+    dx of it, so that it weighs c dx dy, as does one along y: the share needs no pitch. A point has four
+    switches at most, so that more than half of it is left.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def relative_contact_area(touching: np.ndarray) -> float:
     '0.2500 0.2205'
     """
     corrected = np.count_nonzero(touching) - PERIMETER_CORRECTION * sum(count_switches(touching))
-    return float(max(corrected, 0.0) / touching.size)
+    return float(corrected / touching.size)
 
 
 def contact_perimeter(touching: np.ndarray, steps: tuple[float, float]) -> float:

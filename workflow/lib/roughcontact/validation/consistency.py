@@ -1,6 +1,9 @@
 """Consistency: numbers that are computed apart and must fit together, whatever the surface."""
 
+from collections.abc import Sequence
+
 import numpy as np
+import xarray as xr
 
 from roughcontact.contact.response import linear_response
 from roughcontact.contact.solve import solve_contact
@@ -9,7 +12,7 @@ from roughcontact.maps import height_map, spacing
 from roughcontact.references import synthetic
 from roughcontact.roughness import parameters
 from roughcontact.validation import drawing
-from roughcontact.validation.lines import Evidence, Figure, Part, compare
+from roughcontact.validation.lines import Evidence, Figure, Line, Part, compare
 
 TITLE = "Energy, gap and stiffness belong together"
 _POINTS = 128
@@ -38,21 +41,32 @@ TILED = Evidence(
 
 
 def part(*, finest_grid: int) -> Part:
-    """Return the lines and figures of this part; maps of 128 points serve at every `finest_grid`."""
+    """Return the lines and figures of this part.
+
+    Parameters
+    ----------
+    finest_grid : int
+        points along the finest grid.
+        Maps of 128 points serve whatever it is.
+
+    Returns
+    -------
+    Part
+    """
     height = synthetic.rough_reference_surface(_POINTS)
     sweep, figure = _sweep(height)
     text = (
         "Pressure, gap and energy come from different sums over the solution. Along a sweep of loads they "
-        "must fit: "
-        "the energy grows by the work of the load, and the gap answers to the load as the contact set does. "
-        "And "
-        "nothing may change when the map is solved together with copies of itself. The rough reference case, "
-        f"{_POINTS} × {_POINTS} points."
+        "must fit: the energy grows by the work of the load, and the gap answers to the load as the contact "
+        "set does. And nothing may change when the map is solved together with copies of itself. The rough "
+        f"reference case, {_POINTS} × {_POINTS} points."
     )
     return Part("consistency", TITLE, text, [*_differences(height), *sweep, *_tiling()], [figure])
 
 
-def _solved(height, loads, tolerance):
+def _solved(
+    height: xr.DataArray, loads: Sequence[float], tolerance: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return (energies, mean gaps, contact sets) at the loads, E* = 1."""
     contact = solve_contact(height, contact_modulus=1.0, mean_pressure=loads, tolerance=tolerance)
     pressures, gaps = contact["pressure"].values, contact["gap"].values
@@ -61,7 +75,7 @@ def _solved(height, loads, tolerance):
     return np.array(energies), np.array(means), pressures > 0
 
 
-def _differences(height):
+def _differences(height: xr.DataArray) -> list[Line]:
     """Return the lines of small differences around several loads."""
     gradient = parameters.rms_gradient(height)
     lines = []
@@ -89,16 +103,16 @@ def _differences(height):
     return lines
 
 
-def _sweep(height):
+def _sweep(height: xr.DataArray) -> tuple[list[Line], Figure]:
     """Return lines and figure of a whole sweep of loads: sums over it against the difference of its ends."""
     gradient = parameters.rms_gradient(height)
     relative = np.geomspace(0.01, 1.0, 49)
     loads = relative * gradient
-    energies, gaps, sets = _solved(height, loads, 1e-8)
+    energies, gaps, sets = _solved(height, list(loads), 1e-8)
     compliances = np.array([linear_response(touching, spacing(height), 1.0, 1e-3) for touching in sets])
     middle = np.sqrt(loads[1:] * loads[:-1])
     work = -(middle * np.diff(gaps)).sum()
-    closed = np.trapezoid(compliances * loads, np.log(loads))
+    closed = float(np.trapezoid(compliances * loads, np.log(loads)))
     slopes = -np.diff(energies) / np.diff(gaps)
     lines = [
         compare(
@@ -135,12 +149,12 @@ def _sweep(height):
     return lines, Figure("Along a sweep of loads", image, caption)
 
 
-def _tiling():
+def _tiling() -> list[Line]:
     """Return the lines of a map solved alone and together with copies of itself."""
     single = synthetic.rough_reference_surface(64)
     load = 0.2 * parameters.rms_gradient(single)
 
-    def numbers(height):
+    def numbers(height: xr.DataArray) -> dict[str, float]:
         contact = solve_contact(height, contact_modulus=1.0, mean_pressure=load, tolerance=1e-10)
         pressure, gap = contact["pressure"].values[0], contact["gap"].values[0]
         return {

@@ -1,6 +1,10 @@
 """Does the ± hold? Intervals of the error budget against surfaces whose true numbers are known."""
 
+from collections.abc import Sequence
+from typing import TypedDict
+
 import numpy as np
+import xarray as xr
 from scipy.ndimage import maximum_filter
 
 from roughcontact.contact.solve import solve_contact
@@ -13,6 +17,8 @@ from roughcontact.uncertainty.discretisation import discretisation_uncertainty, 
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.validation.lines import Evidence, Line, Part, Table, compare
 from roughcontact.window.periodic_window import periodic_window
+
+Cases = dict[str, tuple[np.ndarray, np.ndarray]]  # quantity -> half-widths and errors
 
 TITLE = "The error budget: how often the ± holds"
 _PROMISED, _LEAST = 0.95, 0.90  # share of the intervals that hold the true value
@@ -42,7 +48,17 @@ MASTER = Evidence(
 
 
 def part(*, finest_grid: int) -> Part:
-    """Return the lines of this part."""
+    """Return the lines of this part.
+
+    Parameters
+    ----------
+    finest_grid : int
+        points along the finest grid.
+
+    Returns
+    -------
+    Part
+    """
     maps = _MAPS if finest_grid >= 1024 else _FEW_MAPS
     alone = pixel_size_cases(maps)
     combined = measured_cases(maps, master_points=min(320, finest_grid))
@@ -75,15 +91,56 @@ def part(*, finest_grid: int) -> Part:
     return Part("coverage", TITLE, text, lines, (), [table])
 
 
-def pixel_size_cases(maps: int, *, seed: int = 2024) -> dict:
-    """Return {quantity: (half-widths, errors)} of the pixel size on maps of known fine solution.
+class _Problem(TypedDict):
+    """Keyword arguments of `solve_contact`, E* = 1."""
+
+    contact_modulus: float
+    mean_pressure: list[float]
+    tolerance: float
+
+
+class _Cases:
+    """Half-widths and errors of each quantity, map after map."""
+
+    def __init__(self) -> None:
+        self._pairs: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {name: [] for name in QUANTITIES}
+
+    def add(self, half_widths: xr.Dataset, result: xr.Dataset, truth: xr.Dataset) -> None:
+        """Take in the loads of one map."""
+        for name, pairs in self._pairs.items():
+            error = np.abs(result[name].values - truth[name].values)
+            pairs.append((half_widths[name].values, error))
+
+    def joined(self) -> Cases:
+        """Return all half-widths and all errors of each quantity."""
+        joined = {}
+        for name, pairs in self._pairs.items():
+            half_widths, errors = (np.concatenate(values) for values in zip(*pairs, strict=True))
+            joined[name] = (half_widths, errors)
+        return joined
+
+
+def pixel_size_cases(maps: int, *, seed: int = 2024) -> Cases:
+    """Return half-widths and errors of the pixel size on maps of known fine solution.
 
     Each map has 64 x 64 points and is solved at five loads, p' from 0.007 to 0.9; its shortest wave has 2.2
     to 16 points, its longest is a quarter to the whole of the side, 0.2 <= H <= 1. The truth is its Fourier
     series on eight times as many points along each axis.
+
+    Parameters
+    ----------
+    maps : int
+        how many.
+    seed : int
+        of the random maps and loads.
+
+    Returns
+    -------
+    dict
+        quantity -> (half-widths, errors), arrays over all maps and loads, in the unit of the quantity.
     """
     generator = np.random.default_rng(seed)
-    found = {name: ([], []) for name in QUANTITIES}
+    found = _Cases()
     for _ in range(maps):
         longest = generator.uniform(0.25, 1)
         shortest = min(np.exp(generator.uniform(np.log(2.2), np.log(16))) / 64, 0.8 * longest)
@@ -97,24 +154,38 @@ def pixel_size_cases(maps: int, *, seed: int = 2024) -> dict:
             seed=int(generator.integers(2**31)),
         )
         loads = np.sort(np.exp(generator.uniform(np.log(0.007), np.log(0.9), _LOADS_EACH)))
-        contact = {"contact_modulus": 1.0, "mean_pressure": list(loads), "tolerance": 1e-4}
+        contact = _problem(loads)
         solved = solve_contact(window, **contact, reduce=grid_marks)
         half_widths = discretisation_uncertainty(window, contact=contact, solved=solved)
-        _collect(found, half_widths, solved, _truth(refined(window, 8), loads))
-    return _joined(found)
+        found.add(half_widths, solved, _truth(refined(window, 8), loads))
+    return found.joined()
 
 
-def measured_cases(maps: int, *, master_points: int, seed: int = 7) -> dict:
-    """Return {quantity: (half-widths, errors)} of the combined intervals of maps cut from known surfaces.
+def measured_cases(maps: int, *, master_points: int, seed: int = 7) -> Cases:
+    """Return half-widths and errors of the combined intervals of maps cut from known surfaces.
 
     Each surface is self-affine and periodic, of `master_points` squared, its longest wave a quarter of the
     map at most. The map is cut out of it at random, 3/8 to 5/8 of its side, tilted, and 1 % of its points are
     missing, in spots. Levelling, window and budget are those of the default settings; the loads are given
     in Pa, so that the truth is the surface at the same mean pressure, with pixels half as large. That of the
     largest pressure is the median over all squares as large as the window.
+
+    Parameters
+    ----------
+    maps : int
+        how many.
+    master_points : int
+        along the side of each surface.
+    seed : int
+        of the random surfaces, maps and loads.
+
+    Returns
+    -------
+    dict
+        quantity -> (half-widths, errors), arrays over all maps and loads, in the unit of the quantity.
     """
     generator = np.random.default_rng(seed)
-    found = {name: ([], []) for name in QUANTITIES}
+    found = _Cases()
     for _ in range(maps):
         side = int(generator.uniform(3 / 8, 5 / 8) * master_points)
         longest = generator.uniform(0.1, 0.25) * side / master_points
@@ -130,16 +201,38 @@ def measured_cases(maps: int, *, master_points: int, seed: int = 7) -> dict:
         loads = np.sort(0.1 * np.exp(generator.uniform(np.log(0.01), np.log(0.7), _LOADS_EACH)))
         levelled = level(measured(master, side, generator))
         window = periodic_window(levelled)
-        contact = {"contact_modulus": 1.0, "mean_pressure": list(loads), "tolerance": 1e-4}
+        contact = _problem(loads)
         budget = error_budget(levelled, window, {"level": {}, "window": {}, "contact": contact})
         half_widths = budget.sel(source=COMBINED).rename({f"{name}_uncertainty": name for name in QUANTITIES})
         result = solve_contact(window, **contact, reduce=headline)
-        _collect(found, half_widths, result, _truth(refined(master, 2), loads, box=2 * window.shape[0]))
-    return _joined(found)
+        found.add(half_widths, result, _truth(refined(master, 2), loads, box=2 * window.shape[0]))
+    return found.joined()
 
 
-def measured(master, side: int, generator):
-    """Return a map as an instrument would deliver it: cut out of a surface, tilted, with spots missing."""
+def measured(master: xr.DataArray, side: int, generator: np.random.Generator) -> xr.DataArray:
+    """Return a map as an instrument would deliver it: cut out of a surface, tilted, with spots missing.
+
+    Parameters
+    ----------
+    master : DataArray (y, x)
+        periodic.
+    side : int
+        points along each side of the map.
+    generator : Generator
+        of place, tilt and spots.
+
+    Returns
+    -------
+    DataArray (y, x)
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> master = synthetic.rough_reference_surface(64)
+    >>> found = measured(master, 32, np.random.default_rng(1))
+    >>> found.shape, bool(0.01 <= found.isnull().mean() < 0.1)
+    ((32, 32), True)
+    """
     starts = generator.integers(0, master.shape[0], 2)
     heights = np.roll(master.values, -starts, (0, 1))[:side, :side].copy()
     y, x = (axis / side - 0.5 for axis in np.mgrid[:side, :side])
@@ -154,37 +247,30 @@ def measured(master, side: int, generator):
     return height_map(heights, float(master["x"][1] - master["x"][0]))
 
 
-def _truth(surface, loads, *, box: int = 0):
+def _problem(loads: Sequence[float] | np.ndarray) -> _Problem:
+    """Return the problem that every map of this part is solved for."""
+    return {"contact_modulus": 1.0, "mean_pressure": list(loads), "tolerance": 1e-4}
+
+
+def _truth(surface: xr.DataArray, loads: np.ndarray, *, box: int = 0) -> xr.Dataset:
     """Return the four quantities of a surface; the pressure in contact is the load over the corrected area.
 
     The largest pressure is the median over all squares with sides of `box` points, where one is given.
     """
 
-    def count(contact):
+    def count(contact: xr.Dataset) -> xr.Dataset:
         found = headline(contact)
         if box:
             largest = maximum_filter(contact["pressure"].values[0], box, mode="wrap")
             found["max_pressure"] = ("load", [np.median(largest)])
         return found
 
-    problem = {"contact_modulus": 1.0, "mean_pressure": list(loads), "tolerance": 1e-4}
-    solved = solve_contact(surface, **problem, reduce=count)
+    solved = solve_contact(surface, **_problem(loads), reduce=count)
     pressure = solved["mean_pressure"].values / solved["relative_contact_area"].values
     return solved.assign(mean_contact_pressure=("load", pressure))
 
 
-def _collect(found, half_widths, result, truth):
-    """Append half-widths and errors of one map."""
-    for name, (widths, errors) in found.items():
-        widths.append(half_widths[name].values)
-        errors.append(np.abs(result[name].values - truth[name].values))
-
-
-def _joined(found):
-    return {name: tuple(np.concatenate(values) for values in pair) for name, pair in found.items()}
-
-
-def _coverage(what, covered, maps, evidence) -> Line:
+def _coverage(what: str, covered: float, maps: int, evidence: Evidence) -> Line:
     """Return the line of a share of intervals that hold: 95 % is promised, more is no fault.
 
     The least is 90 %. With few maps, twice the standard deviation of a share of so many goes off that.
@@ -197,7 +283,7 @@ def _coverage(what, covered, maps, evidence) -> Line:
     return Line(what, _PROMISED, covered, deviation, "absolute", float(tolerance), reason, evidence)
 
 
-def _width(what, width, evidence) -> Line:
+def _width(what: str, width: float, evidence: Evidence) -> Line:
     """Return the line of the median of half-width over error: from 1 to 3."""
     return compare(
         what,

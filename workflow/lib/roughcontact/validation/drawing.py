@@ -1,8 +1,13 @@
 """The figures of the validation page."""
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from roughcontact.report.plots import COLOURS, MARKERS, as_png, as_svg, new_figure
+
+Curve = tuple[str, ArrayLike, ArrayLike]  # label, x values, y values
 
 _KNOWN = {"color": "#444444", "linewidth": 1.2}
 _SHADES = ("#444444", "#7a4a00", "#00563d", "#96210a")  # a dark colour for each theory
@@ -10,7 +15,15 @@ _LINES = ("-", "--", ":", "-.")
 
 
 def chart(
-    known, found, *, x, y, published=(), scales=("linear", "linear"), limits=None, note=None, more=()
+    known: Sequence[Curve],
+    found: Sequence[Curve],
+    *,
+    x: str,
+    y: str,
+    published: Sequence[Curve] = (),
+    scales: tuple[str, str] = ("linear", "linear"),
+    note: str | None = None,
+    more: Sequence[tuple[ArrayLike, ArrayLike]] = (),
 ) -> str:
     """Draw what is known as dark lines and what was computed as coloured marks.
 
@@ -23,11 +36,15 @@ def chart(
         numbers of others, drawn as open circles around the marks.
     scales : (str, str)
         ``linear`` or ``log``, of x and y.
-    limits : ((x low, x high), (y low, y high)) or None
     note : str or None
         printed into the picture.
     more : list of (x values, y values)
         further lines like the first of `known`.
+
+    Returns
+    -------
+    str
+        the picture as data URI.
     """
     with new_figure(4.3, 3.4) as figure:
         axes = figure.add_subplot()
@@ -49,21 +66,36 @@ def chart(
         for horizontal, vertical in more:
             axes.plot(horizontal, vertical, **_KNOWN)
         axes.set(xscale=scales[0], yscale=scales[1], xlabel=x, ylabel=y)
-        if limits:
-            axes.set(xlim=limits[0], ylim=limits[1])
         if note:
             axes.set_title(note, fontsize=9, color=COLOURS[1], loc="left")
         axes.legend()
         return as_svg(figure)
 
 
-def error_chart(errors, sizes, *, x, y, title=None) -> str:
+def error_chart(
+    errors: Sequence[tuple[str, np.ndarray, float]],
+    sizes: Sequence[int],
+    *,
+    x: str,
+    y: str,
+    title: str | None = None,
+) -> str:
     """Draw errors against the number of points, logarithmic, with lines of slope 1 and 2 beside them.
 
     Parameters
     ----------
     errors : list of (label, errors at the sizes, fitted order)
     sizes : sequence of int
+        numbers of points.
+    x, y : str
+        labels of the axes.
+    title : str or None
+        of the legend.
+
+    Returns
+    -------
+    str
+        the picture as data URI.
     """
     with new_figure(4.3, 3.8) as figure:
         axes = figure.add_subplot()
@@ -71,7 +103,7 @@ def error_chart(errors, sizes, *, x, y, title=None) -> str:
         for order in (1, 2):
             guide = largest * 2 * (sizes[0] / np.asarray(sizes, float)) ** order
             axes.plot(sizes, guide, linestyle=_LINES[order], label=f"order {order}", **_KNOWN)
-        for index, (label, values, order) in enumerate(errors):
+        for index, (label, values, fitted) in enumerate(errors):
             axes.plot(
                 sizes,
                 values,
@@ -79,7 +111,7 @@ def error_chart(errors, sizes, *, x, y, title=None) -> str:
                 markersize=4,
                 linewidth=0.8,
                 color=COLOURS[index],
-                label=f"{label}: {order:.2f}",
+                label=f"{label}: {fitted:.2f}",
             )
         axes.set(xscale="log", yscale="log", xlabel=x, ylabel=y)
         axes.set_xticks(sizes, [str(size) for size in sizes])
@@ -88,7 +120,12 @@ def error_chart(errors, sizes, *, x, y, title=None) -> str:
         return as_svg(figure)
 
 
-def area_chart(line_loads, lines, loads, areas) -> str:
+def area_chart(
+    line_loads: np.ndarray,
+    lines: Sequence[tuple[str, np.ndarray]],
+    loads: np.ndarray,
+    areas: np.ndarray,
+) -> str:
     """Draw area over load, so that slopes are heights: an ensemble of maps, and theories.
 
     Parameters
@@ -99,6 +136,11 @@ def area_chart(line_loads, lines, loads, areas) -> str:
     loads : array (load)
         p' of the maps.
     areas : array (map, load)
+
+    Returns
+    -------
+    str
+        the picture as data URI.
     """
     with new_figure(5.2, 3.8) as figure:
         axes = figure.add_subplot()
@@ -116,7 +158,9 @@ def area_chart(line_loads, lines, loads, areas) -> str:
         return as_svg(figure)
 
 
-def pressure_relief(x, y, pressure, *, labels, note) -> str:
+def pressure_relief(
+    x: np.ndarray, y: np.ndarray, pressure: np.ndarray, *, labels: tuple[str, str, str], note: str
+) -> str:
     """Draw a pressure over one period as a relief, the way the paper's figure 2 does.
 
     Parameters
@@ -124,6 +168,14 @@ def pressure_relief(x, y, pressure, *, labels, note) -> str:
     x, y : array (n)
     pressure : array (n, n)
     labels : (x, y, z)
+        of the axes.
+    note : str
+        printed into the picture.
+
+    Returns
+    -------
+    str
+        the picture as data URI.
     """
     with new_figure(4.6, 3.8, layout=None) as figure:
         axes = figure.add_axes((0.0, 0.02, 0.88, 0.9), projection="3d")

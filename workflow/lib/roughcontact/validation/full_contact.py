@@ -1,20 +1,23 @@
 """Full contact of rough maps: exact for the discrete problem, whatever the map."""
 
+import xarray as xr
+
 from roughcontact.contact.solve import solve_contact
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.maps import spacing
 from roughcontact.references import closed_forms, synthetic
 from roughcontact.roughness import parameters
-from roughcontact.validation.lines import Evidence, Part, compare, compare_largest
+from roughcontact.validation.lines import Evidence, Line, Part, compare, compare_largest
 
 TITLE = "Full contact of rough maps"
-ROUNDING = 1e-12
+ROUNDING, EXACT = 1e-12, "rounding: the discrete answer is exact"
 
 _TEST = "tests/unit/test_reference.py::test_full_contact_flattens_the_map"
 _SOURCE = "Johnson (1985), sec. 13.2, one wave at a time"
 
 
-def _evidence(formula, function):
+def _evidence(formula: str, function: str) -> Evidence:
+    """Return the evidence of a formula that holds wave by wave."""
     return Evidence(formula, _SOURCE, function, _TEST)
 
 
@@ -27,7 +30,17 @@ ENERGY = _evidence("U = (E*/4) Σ |q| |ĥ(q)|²", "references.closed_forms.full_
 
 
 def part(*, finest_grid: int) -> Part:
-    """Return the lines of this part."""
+    """Return the lines of this part.
+
+    Parameters
+    ----------
+    finest_grid : int
+        points along the finest grid.
+
+    Returns
+    -------
+    Part
+    """
     points = finest_grid // 8
     maps = {
         "isotropic, odd size": synthetic.self_affine_surface(
@@ -54,28 +67,27 @@ def part(*, finest_grid: int) -> Part:
     lines = [line for name, height in maps.items() for line in _lines(name, height)]
     text = (
         "Once everything touches, each wave of the map carries its own wave of pressure. No iteration is "
-        "needed, "
-        "and the answer must agree to rounding; just below that load a point must open."
+        "needed, and the answer must agree to rounding; just below that load a point must open."
     )
     return Part("full_contact", TITLE, text, lines)
 
 
-def _lines(name, height):
+def _lines(name: str, height: xr.DataArray) -> list[Line]:
     """Return the lines of one map."""
     fluctuation = closed_forms.full_contact_fluctuation(height.values, spacing(height), 1.0)
     least = -fluctuation.min()
     loads = [0.999 * least, (1 + 1e-9) * least, 5 * least]
     contact = solve_contact(height, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-6)
     just, far = contact["pressure"].values[1:]
-    rounding = {"tolerance": ROUNDING, "reason": "rounding: the discrete answer is exact"}
     open_points = (contact["pressure"].values == 0).sum(axis=(1, 2))
     return [
         compare_largest(
             f"{name}, {label}: pressure / E*, every point",
             pressure,
             load + fluctuation,
+            tolerance=ROUNDING,
+            reason=EXACT,
             evidence=PRESSURE,
-            **rounding,
         )
         for label, load, pressure in (("just closed", loads[1], just), ("5 × that load", loads[2], far))
     ] + [
@@ -83,15 +95,17 @@ def _lines(name, height):
             f"{name}: standard deviation of p / E*",
             far.std(),
             parameters.rms_gradient(height) / 2,
+            tolerance=ROUNDING,
+            reason=EXACT,
             evidence=SPREAD,
-            **rounding,
         ),
         compare(
             f"{name}: energy / (E* × length)",
             elastic_energy(far, spacing(height), contact_modulus=1.0),
             closed_forms.full_contact_energy(height.values, spacing(height), 1.0),
+            tolerance=ROUNDING,
+            reason=EXACT,
             evidence=ENERGY,
-            **rounding,
         ),
         compare(
             f"{name}: closed at 1 + 1e-9 of the least full load and open at 0.999 (1 = yes)",

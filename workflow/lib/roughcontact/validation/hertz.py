@@ -1,5 +1,7 @@
 """One sphere in a square period: Hertz, with what the neighbours in the lattice change."""
 
+from functools import partial
+
 import numpy as np
 
 from roughcontact.contact.solve import solve_contact
@@ -14,9 +16,8 @@ RADIUS, FORCE = 10.0, 1e-5  # of a period and of E* times its area: a_H = 0.0422
 
 _TESTS = "tests/unit/test_reference.py"
 LATTICE = Evidence(
-    "a = a_H (1 − s), p₀ = p₀_H (1 + 2s), δ = a_H²/R (1 + 8s/5) − 3.900265 F/(πE*L), U = (2/5) F a_H²/R (1 + "
-    "5s/2) "
-    "− 3.900265 F²/(2πE*L), s = 0.639 (a_H/L)³",
+    "a = a_H (1 − s), p₀ = p₀_H (1 + 2s), δ = a_H²/R (1 + 8s/5) − 3.900265 F/(πE*L), U = (2/5) F a_H²/R (1 "
+    "+ 5s/2) − 3.900265 F²/(2πE*L), s = 0.639 (a_H/L)³",
     "Johnson (1985), eqs. (4.22) to (4.24); lattice sums of Glasser and Zucker (1980)",
     "references.closed_forms.periodic_hertz",
     f"{_TESTS}::test_lattice_constant_by_an_ewald_sum",
@@ -30,14 +31,23 @@ ALONE = Evidence(
 
 
 def part(*, finest_grid: int) -> Part:
-    """Return the lines of this part."""
+    """Return the lines of this part.
+
+    Parameters
+    ----------
+    finest_grid : int
+        points along the finest grid.
+
+    Returns
+    -------
+    Part
+    """
     points = finest_grid // 2
     x = (np.arange(points) + 0.27) / points - 0.5
     height = height_map(-(x[None, :] ** 2 + x[:, None] ** 2) / (2 * RADIUS), 1 / points)
     known = closed_forms.periodic_hertz(FORCE, RADIUS, 1.0, 1.0)
-    problem = {"contact_modulus": 1.0, "mean_pressure": FORCE, "tolerance": 1e-7}
-    contact = solve_contact(height, **problem)
-    free = solve_contact(height, zero_frequency="lattice", **problem)
+    solve = partial(solve_contact, height, contact_modulus=1.0, mean_pressure=FORCE, tolerance=1e-7)
+    contact, free = solve(), solve(zero_frequency="lattice")
     pressure = contact["pressure"].values[0]
     across = known["contact_radius"] * points
     found = {
@@ -85,8 +95,7 @@ def part(*, finest_grid: int) -> Part:
     )
     text = (
         "A sphere (as a paraboloid, a_H = 0.042 L) in a square period L. The first lines allow for the "
-        "neighbours "
-        "to first order; the last one takes their shift out, so that the approach must be that of a sphere "
-        "alone."
+        "neighbours to first order; the last one takes their shift out, so that the approach must be that "
+        "of a sphere alone."
     )
     return Part("hertz", TITLE, text, lines)

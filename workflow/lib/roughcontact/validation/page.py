@@ -3,9 +3,11 @@
 import csv
 import io
 import json
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 from roughcontact.errors import DeviationError
 from roughcontact.quantities import number
@@ -22,13 +24,29 @@ MEASURES = {
 _TEMPLATES = Path(__file__).with_name("templates")
 
 
-def read_parts(paths) -> list[Part]:
-    """Return the parts that were written as JSON, in the given order."""
+def read_parts(paths: Iterable[str | Path]) -> list[Part]:
+    """Return the parts that were written as JSON, in the given order.
+
+    Parameters
+    ----------
+    paths : iterable of str or Path
+
+    Returns
+    -------
+    list of Part
+    """
     return [from_json(Path(path).read_text(encoding="utf-8")) for path in paths]
 
 
-def write_page(path, parts: list[Part]) -> None:
-    """Write the page for people, one self-contained HTML file; what does not hold is marked and listed."""
+def write_page(path: str | Path, parts: Sequence[Part]) -> None:
+    """Write the page for people, one self-contained HTML file; what does not hold is marked and listed.
+
+    Parameters
+    ----------
+    path : str or Path
+    parts : sequence of Part
+        in the order of the page.
+    """
     lines = [line for part in parts for line in part.lines]
     html = template("validation.html", folder=_TEMPLATES).render(
         parts=[_shown(part) for part in parts],
@@ -44,8 +62,14 @@ def write_page(path, parts: list[Part]) -> None:
     write_text(html, path)
 
 
-def write_table(path, parts: list[Part]) -> None:
-    """Write all lines as CSV, one row each, every digit kept."""
+def write_table(path: str | Path, parts: Sequence[Part]) -> None:
+    """Write all lines as CSV, one row each, every digit kept.
+
+    Parameters
+    ----------
+    path : str or Path
+    parts : sequence of Part
+    """
     rows = [_record(part, line) for part in parts for line in part.lines]
     buffer = io.StringIO()
     writer = csv.DictWriter(buffer, fieldnames=list(rows[0]), lineterminator="\n")
@@ -54,13 +78,28 @@ def write_table(path, parts: list[Part]) -> None:
     write_text(buffer.getvalue(), path)
 
 
-def check(parts: list[Part], page) -> int:
+def check(parts: Sequence[Part], page: str | Path) -> int:
     """Return how many lines there are, all of which hold.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+    page : str or Path
+        where a reader sees what does not hold.
+
+    Returns
+    -------
+    int
 
     Raises
     ------
     DeviationError
         where a line does not hold: each with its numbers, and the page to look at.
+
+    Examples
+    --------
+    >>> check([Part("sums", "Sums", "Of small numbers.", [])], "validation.html")
+    0
     """
     lines = [line for part in parts for line in part.lines]
     failures = [_sentence(line) for line in lines if not line.holds]
@@ -73,7 +112,7 @@ def check(parts: list[Part], page) -> int:
     return len(lines)
 
 
-def _record(part: Part, line: Line) -> dict:
+def _record(part: Part, line: Line) -> dict[str, str]:
     """Return a line as a row of the table."""
     numbers = {name: repr(float(getattr(line, name))) for name in ("reference", "value", "deviation")}
     return (
@@ -92,7 +131,7 @@ def _sentence(line: Line) -> str:
     )
 
 
-def _shown(part: Part) -> dict:
+def _shown(part: Part) -> dict[str, Any]:
     """Return a part as the template wants it: lines with the same evidence together, numbers as text."""
     evidences = list(dict.fromkeys(line.evidence for line in part.lines))
     ordered = sorted(part.lines, key=lambda line: evidences.index(line.evidence))
@@ -112,8 +151,25 @@ def _shown(part: Part) -> dict:
     }
 
 
-def cells(line: Line) -> dict:
-    """Return what the page shows of a line, numbers as text."""
+def cells(line: Line) -> dict[str, str | bool]:
+    """Return what the page shows of a line, numbers as text.
+
+    Parameters
+    ----------
+    line : Line
+
+    Returns
+    -------
+    dict
+
+    Examples
+    --------
+    >>> from roughcontact.validation.lines import Evidence, compare
+    >>> one = Evidence("1 + 1 = 2", "Peano (1889)", "references.closed_forms.hertz", "tests/a.py::test")
+    >>> shown = cells(compare("a sum", 1.98, 2.0, tolerance=0.02, reason="two digits", evidence=one))
+    >>> shown["reference"], shown["value"], shown["deviation"]
+    ('2', '1.98000', '0.010')
+    """
     return {
         "what": line.what,
         "reference": _value(line.reference),

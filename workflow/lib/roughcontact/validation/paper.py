@@ -4,6 +4,8 @@ A wave of amplitude Δ and length λ along x and along y; unit pressure P = π E
 of the contact radius a_H in figure 1; pressures in units of E*.
 """
 
+from pathlib import Path
+
 import numpy as np
 
 from roughcontact.contact.solve import solve_contact
@@ -17,7 +19,7 @@ from roughcontact.report import plots
 from roughcontact.roughness import parameters
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.validation import drawing
-from roughcontact.validation.lines import Evidence, Figure, Part, compare, compare_largest
+from roughcontact.validation.lines import Evidence, Figure, Line, Part, compare, compare_largest
 from roughcontact.window.periodic_window import periodic_window
 
 TITLE = "The paper's figures and its three steps"
@@ -67,31 +69,88 @@ FULL_MAP = Evidence(
 )
 
 
-def part(sample, *, finest_grid: int) -> Part:
-    """Return the lines and figures of this part; `sample` is the measured file of the three steps."""
+def part(sample: str | Path, *, finest_grid: int) -> Part:
+    """Return the lines and figures of this part.
+
+    Parameters
+    ----------
+    sample : str or Path
+        measured file of the three steps.
+    finest_grid : int
+        points along the finest grid.
+
+    Returns
+    -------
+    Part
+    """
     first = _figure_1(finest_grid)
     waves = _figures_2_and_3(finest_grid // 8)
     steps = _three_steps(sample)
-    lines, figures = ([*a, *b, *c] for a, b, c in zip(first, waves, steps, strict=True))
     text = (
         "Figures 1, 2, 3a and 3b of the paper, in its axes: lines are formulas, marks are computed. In full "
         "contact the discrete answer is exact, so that the agreement must be to rounding. Below, the three "
-        "steps "
-        "it proposes (measure, pick a window, solve one period) on the sample map sandblasted.x3p."
+        "steps it proposes (measure, pick a window, solve one period) on the sample map sandblasted.x3p."
     )
+    lines, figures = [*first[0], *waves[0], *steps[0]], [*first[1], *waves[1], *steps[1]]
     return Part("paper", TITLE, text, lines, figures)
 
 
-def full_contact_of_the_wave(points, mean_pressure, unit):
-    """Return eq. (4), p̄ + P [cos(2πx/λ) + cos(2πy/λ)], at `points` per wavelength; (points, points), Pa."""
+def full_contact_of_the_wave(points: int, mean_pressure: float, unit: float) -> np.ndarray:
+    """Return the pressure in full contact of the paper's wave, p̄ + P [cos(2πx/λ) + cos(2πy/λ)], eq. (4).
+
+    Parameters
+    ----------
+    points : int
+        per wavelength.
+    mean_pressure : float, Pa
+        p̄.
+    unit : float, Pa
+        P = π E* Δ/λ.
+
+    Returns
+    -------
+    array (points, points), Pa
+
+    Examples
+    --------
+    At p̄ = 2P the hollow just closes.
+
+    >>> full_contact_of_the_wave(4, 2.0, 1.0)[:3, :3].round(6)
+    array([[4., 3., 2.],
+           [3., 2., 1.],
+           [2., 1., 0.]])
+    """
     wave = np.cos(2 * np.pi * np.arange(points) / points)
     return mean_pressure + unit * (wave[:, None] + wave[None, :])
 
 
-def hertz_displacement_on_a_grid(period, points, rule):
-    """Return (x, u(x, 0)) of the Hertz pressure of a = p₀ = E* = 1, repeated with a square `period`.
+def hertz_displacement_on_a_grid(period: float, points: int, rule: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return the displacement by the Hertz pressure of a = p₀ = E* = 1, repeated with a square period.
 
-    By the package's half-space, q = 0 by `rule` (`halfspace.zero_frequency_compliance`).
+    It is that of the package's half-space.
+
+    Parameters
+    ----------
+    period : float
+        in units of the contact radius.
+    points : int
+        along the period.
+    rule : str
+        for q = 0, as `elasticity.halfspace.zero_frequency_compliance` has them.
+
+    Returns
+    -------
+    x : array (points)
+    displacement : array (points)
+        at (x, 0), the middle of the contact being (0, 0).
+
+    Examples
+    --------
+    In the middle of a single contact it is π/2, the approach of the spheres.
+
+    >>> x, displacement = hertz_displacement_on_a_grid(16.0, 256, "lattice")
+    >>> round(float(displacement[128]), 2)
+    1.57
     """
     x = (np.arange(points) - points // 2) * period / points
     inside = 1 - x[None, :] ** 2 - x[:, None] ** 2
@@ -101,8 +160,22 @@ def hertz_displacement_on_a_grid(period, points, rule):
     return x, displaced + zero_frequency_compliance(rule, lengths=lengths) * pressure.mean()
 
 
-def hertz_displacement_by_series(x, period, zero_frequency):
-    """Return u(x, 0) of the same pressure by its exact Fourier coefficients, q = 0 by `zero_frequency`."""
+def hertz_displacement_by_series(x: np.ndarray, period: float, zero_frequency: float) -> np.ndarray:
+    """Return the displacement of `hertz_displacement_on_a_grid` by its exact Fourier coefficients.
+
+    Parameters
+    ----------
+    x : array (n)
+    period : float
+        in units of the contact radius.
+    zero_frequency : float
+        displacement over mean pressure at q = 0.
+
+    Returns
+    -------
+    array (n)
+        at (x, 0).
+    """
     waves = 2 * np.pi * np.arange(_SERIES + 1) / period
     q = np.hypot(waves[:, None], waves[None, :])
     q[0, 0] = 1.0
@@ -113,7 +186,7 @@ def hertz_displacement_by_series(x, period, zero_frequency):
     return np.cos(np.outer(x, waves)) @ along_x + zero_frequency * 2 * np.pi / 3 / period**2
 
 
-def _figure_1(finest_grid):
+def _figure_1(finest_grid: int) -> tuple[list[Line], list[Figure]]:
     """Return lines and figure: displacement by a Hertz pressure repeated with period 2a, and alone."""
     points, alone_points = finest_grid // 4, finest_grid
     period, wide = 2.0, 32.0
@@ -160,15 +233,13 @@ def _figure_1(finest_grid):
     )
     caption = (
         "Displacement along x under a Hertz pressure that repeats with period 2a_H, and under a single one. "
-        "The "
-        "paper's eq. (16) has 2E*a in the denominator, which would put the dashed line at twice its height: "
-        "at "
-        "the middle it must be the Hertz approach, 1 here."
+        "The paper's eq. (16) has 2E*a in the denominator, which would put the dashed line at twice its "
+        "height: at the middle it must be the Hertz approach, 1 here."
     )
     return [periodic, single], [Figure("Figure 1", image, caption)]
 
 
-def _figures_2_and_3(points):
+def _figures_2_and_3(points: int) -> tuple[list[Line], list[Figure]]:
     """Return lines and figures: pressure on the closed wave at p̄ = 2P and 4P, onset of full contact."""
     amplitude = 0.01
     unit = np.pi * amplitude
@@ -231,7 +302,7 @@ def _figures_2_and_3(points):
     return lines, figures
 
 
-def _onset_of_full_contact(points=64):
+def _onset_of_full_contact(points: int = 64) -> float:
     """Return the least p̄/P at which every point of the wave touches, by bisection."""
     height = synthetic.sum_wave_surface(
         (points, points), 1 / points, amplitudes=(0.01, 0.01), wavelengths=(1.0, 1.0)
@@ -247,7 +318,7 @@ def _onset_of_full_contact(points=64):
     return (low + high) / 2
 
 
-def _three_steps(sample):
+def _three_steps(sample: str | Path) -> tuple[list[Line], list[Figure]]:
     """Return lines and figures of a map that goes through the paper's three steps."""
     window = periodic_window(level(read_height_map(sample), form="polynomial"))
     steps, rms = spacing(window), parameters.rms_height(window)

@@ -1,5 +1,8 @@
 """The verb that computes one part of the validation."""
 
+from pathlib import Path
+
+from roughcontact.checking import check_choice
 from roughcontact.errors import SettingsError
 from roughcontact.validation import (
     PARTS,
@@ -17,33 +20,43 @@ from roughcontact.validation.lines import Part
 _SMALLEST_GRID = 256
 
 
-def validate(part: str, sample=None, *, finest_grid: int = 2048) -> Part:
+def validate(part: str, sample: str | Path | None = None, *, finest_grid: int = 2048) -> Part:
     """Compute one part of the validation.
 
     Parameters
     ----------
     part : str
         one of `PARTS`.
-    sample : path
-        measured file of the paper's three steps; no other part needs it.
+    sample : str or Path, optional
+        measured file of the paper's three steps; only the part ``paper`` needs it.
     finest_grid : int
         points along the finest grid, a power of 2 of at least 256. Rows are solved with so many points,
         single maps with half, ensembles with a quarter; tolerances follow the grid.
 
+    Returns
+    -------
+    Part
+
     Raises
     ------
     SettingsError
-        for a part that there is not, or a grid of another size.
+        for a part that there is not, a grid of another size, or the part ``paper`` without a sample.
+
+    Examples
+    --------
+    >>> part = validate("full_contact", finest_grid=256)
+    >>> len(part.lines), all(line.holds for line in part.lines)
+    (15, True)
     """
-    if part not in PARTS:
-        raise SettingsError(f"part = {part!r} of the validation; there are {', '.join(PARTS)}")
+    check_choice("part", part, PARTS)
     if finest_grid < _SMALLEST_GRID or finest_grid & (finest_grid - 1):
         raise SettingsError(
             f"validation.finest_grid = {finest_grid}: must be a power of 2, {_SMALLEST_GRID} or more; 2048 "
-            f"takes a "
-            "minute or two"
+            "takes a minute or two"
         )
     if part == "paper":
+        if sample is None:
+            raise SettingsError("part = 'paper' needs a sample: give a measured file")
         return paper.part(sample, finest_grid=finest_grid)
     modules = {
         "waves": waves,

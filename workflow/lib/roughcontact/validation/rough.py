@@ -1,6 +1,7 @@
 """Rough maps: the rough reference case, a map that other codes solved, an ensemble beside the theories."""
 
 import numpy as np
+import xarray as xr
 
 from roughcontact.contact.loads import DEFAULT_PLAN
 from roughcontact.contact.solve import solve_contact
@@ -11,7 +12,7 @@ from roughcontact.roughness.summits import summit_statistics
 from roughcontact.statistics import theory
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.validation import drawing
-from roughcontact.validation.lines import Evidence, Figure, Part, Table, compare
+from roughcontact.validation.lines import Evidence, Figure, Line, Part, Table, compare
 
 TITLE = "Rough maps, other codes, and the statistical theories"
 _MAPS = 6
@@ -52,24 +53,49 @@ SLOPES = Evidence(
 
 
 def part(*, finest_grid: int) -> Part:
-    """Return the lines and figures of this part."""
+    """Return the lines and figures of this part.
+
+    Parameters
+    ----------
+    finest_grid : int
+        points along the finest grid.
+
+    Returns
+    -------
+    Part
+    """
     case = _reference_case(finest_grid // 2)
     codes = _outside_codes()
     ensemble, figure, table = _ensemble(finest_grid // 4)
     text = (
         "A rough map has no closed form: here other codes give the numbers. Below, the contact area of "
-        "several "
-        "self-affine maps over the load, with the statistical theories. Persson and Xu know only the rms "
-        "gradient; "
-        "Bush, Gibson and Thomas hold at low load; Greenwood and Williamson get the summits of each map "
-        "itself. The "
-        "table shows how far each is off: they are no reference, and none of them enters the solution."
+        "several self-affine maps over the load, with the statistical theories. Persson and Xu know only "
+        "the rms gradient; Bush, Gibson and Thomas hold at low load; Greenwood and Williamson get the "
+        "summits of each map itself. The table shows how far each is off: they are no reference, and none "
+        "of them enters the solution."
     )
     return Part("rough", TITLE, text, [*case, *codes, *ensemble], [figure], [table])
 
 
-def ensemble_map(points, seed):
-    """Return a self-affine map of unit side and gradient, H = 0.8, waves of 8 points to a quarter side."""
+def ensemble_map(points: int, seed: int) -> xr.DataArray:
+    """Return a self-affine map of unit side and gradient, H = 0.8, waves of 8 points to a quarter side.
+
+    Parameters
+    ----------
+    points : int
+        along each side.
+    seed : int
+
+    Returns
+    -------
+    DataArray (y, x)
+
+    Examples
+    --------
+    >>> from roughcontact.roughness.parameters import rms_gradient
+    >>> round(rms_gradient(ensemble_map(64, seed=0)), 6)
+    1.0
+    """
     return synthetic.self_affine_surface(
         (points, points),
         1 / points,
@@ -81,14 +107,23 @@ def ensemble_map(points, seed):
     )
 
 
-def _reference_case(points):
+def _reference_case(points: int) -> list[Line]:
     """Return the lines of the rough reference case."""
     height = synthetic.rough_reference_surface(points)
     gradient, rms = parameters.rms_gradient(height), parameters.rms_height(height)
-    digits = {"reason": "all digits that are known", "evidence": MAP}
     lines = [
-        compare("Rough reference case: rms height", rms, 0.023699516, tolerance=3e-8, **digits),
-        compare("Rough reference case: rms gradient g", gradient, 0.55501825, tolerance=1e-8, **digits),
+        compare(
+            f"Rough reference case: {what}",
+            value,
+            known,
+            tolerance=tolerance,
+            reason="all digits that are known",
+            evidence=MAP,
+        )
+        for what, value, known, tolerance in (
+            ("rms height", rms, 0.023699516, 3e-8),
+            ("rms gradient g", gradient, 0.55501825, 1e-8),
+        )
     ]
     known = closed_forms.ROUGH_AREA_AND_GAP
     contact = solve_contact(
@@ -127,7 +162,7 @@ def _reference_case(points):
     return lines
 
 
-def _outside_codes():
+def _outside_codes() -> list[Line]:
     """Return the lines of one map that two other codes have solved."""
     height = ensemble_map(256, seed=0)
     known = closed_forms.OUTSIDE_CODES
@@ -138,7 +173,7 @@ def _outside_codes():
         for what, value, expected, tolerance, reason in (
             (
                 "points in contact",
-                np.count_nonzero(pressure),
+                float(np.count_nonzero(pressure)),
                 touching,
                 0.5 / touching,
                 "the very same points",
@@ -159,16 +194,16 @@ def _outside_codes():
     return lines
 
 
-def _ensemble(points):
+def _ensemble(points: int) -> tuple[list[Line], Figure, Table]:
     """Return (lines, figure, table) of the area of several maps against the load, with the theories."""
     loads = np.array(DEFAULT_PLAN)
-    areas, summits = [], []
+    solved_areas, summits = [], []
     for seed in range(_MAPS):
         height = ensemble_map(points, seed)
-        contact = solve_contact(height, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-4)
-        areas.append([relative_contact_area(touching > 0) for touching in contact["contact"].values])
+        contact = solve_contact(height, contact_modulus=1.0, mean_pressure=list(loads), tolerance=1e-4)
+        solved_areas.append([relative_contact_area(touching > 0) for touching in contact["contact"].values])
         summits.append(summit_statistics(height))
-    areas = np.array(areas)
+    areas = np.array(solved_areas)
     mean = areas.mean(axis=0)
     theories = _theories(loads, summits)
     low, high = np.sqrt(8 / np.pi), np.sqrt(2 * np.pi)
@@ -187,7 +222,7 @@ def _ensemble(points):
         "Contact area over load",
         drawing.area_chart(line_loads, _theories(line_loads, summits), loads, areas),
         f"Area divided by load for {_MAPS} self-affine maps ({bands}): marks are the mean, the band is the "
-        f"range.",
+        "range.",
     )
     rows = [
         [
@@ -212,7 +247,7 @@ def _ensemble(points):
     return [line], figure, table
 
 
-def _theories(loads, summits):
+def _theories(loads: np.ndarray, summits: list[dict[str, float]]) -> list[tuple[str, np.ndarray]]:
     """Return (name, areas at the loads) of each theory; Greenwood-Williamson as the mean over the maps."""
     asperities = [theory.greenwood_williamson_area(loads, one, contact_modulus=1.0) for one in summits]
     return [

@@ -1,6 +1,7 @@
 """Regular waves: Westergaard's ridges, and the product wave of Johnson, Greenwood and Higginson."""
 
 import numpy as np
+import xarray as xr
 
 from roughcontact.contact.solve import solve_contact
 from roughcontact.elasticity.energy import elastic_energy
@@ -9,7 +10,7 @@ from roughcontact.quantities import number
 from roughcontact.references import closed_forms
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.validation import drawing
-from roughcontact.validation.lines import Evidence, Figure, Part, compare, compare_largest, compare_rms
+from roughcontact.validation.lines import Evidence, Figure, Line, Part, compare, compare_largest, compare_rms
 
 TITLE = "Regular waves: Westergaard, and Johnson, Greenwood and Higginson"
 AMPLITUDE = 0.01  # D/λ; wavelength and E* are 1
@@ -19,7 +20,8 @@ _REFERENCE = "tests/unit/test_reference.py"
 _WESTERGAARD = "Westergaard (1939); Johnson (1985), sec. 13.2"
 
 
-def _evidence(formula, function, test, source=_WESTERGAARD):
+def _evidence(formula: str, function: str, test: str, source: str = _WESTERGAARD) -> Evidence:
+    """Return the evidence of a closed form."""
     return Evidence(formula, source, f"references.closed_forms.{function}", f"{_REFERENCE}::{test}")
 
 
@@ -72,33 +74,77 @@ CRESTS = {
 
 
 def part(*, finest_grid: int) -> Part:
-    """Return the lines and figures of this part."""
+    """Return the lines and figures of this part.
+
+    Parameters
+    ----------
+    finest_grid : int
+        points along the finest grid.
+
+    Returns
+    -------
+    Part
+    """
     ridges, ridge_figures = _ridges(finest_grid)
     crests, crest_figures = _crests(finest_grid // 2)
     text = (
         "A wave is pressed flat by p*; r = p̄/p* is the load. Westergaard's ridges D cos(2πx/λ) have a "
-        "closed form "
-        "for everything. The product wave D cos(2πx/λ) cos(2πy/λ) has closed forms at both ends of the load "
-        "range, "
-        "and between them numbers of an independent code."
+        "closed form for everything. The product wave D cos(2πx/λ) cos(2πy/λ) has closed forms at both ends "
+        "of the load range, and between them numbers of an independent code."
     )
     return Part("waves", TITLE, text, [*ridges, *crests], [*ridge_figures, *crest_figures])
 
 
-def ridge(points, phase=PHASE[1]):
-    """Return (x, height) of one row of Westergaard's wave, crest `phase` points before the first point."""
+def ridge(points: int, phase: float = PHASE[1]) -> tuple[np.ndarray, xr.DataArray]:
+    """Return one row of Westergaard's wave, of unit length and amplitude `AMPLITUDE`.
+
+    Parameters
+    ----------
+    points : int
+    phase : float
+        how many points the crest lies before the first point.
+
+    Returns
+    -------
+    x : array (points)
+        distance from the crest.
+    height : DataArray (y, x)
+
+    Examples
+    --------
+    >>> x, height = ridge(4, 0.0)
+    >>> height.values.round(3)
+    array([[ 0.01,  0.  , -0.01, -0.  ]])
+    """
     x = (np.arange(points) + phase) / points
     return x, height_map(AMPLITUDE * np.cos(2 * np.pi * x)[None, :], 1 / points)
 
 
-def product_wave(points, phase=PHASE):
-    """Return the height of one period of the product wave, crest `phase` points before the first point."""
+def product_wave(points: int, phase: tuple[float, float] = PHASE) -> xr.DataArray:
+    """Return one period of the product wave, of unit length and amplitude `AMPLITUDE`.
+
+    Parameters
+    ----------
+    points : int
+        along each side.
+    phase : (float, float)
+        how many points the crest lies before the first point, along y and x.
+
+    Returns
+    -------
+    DataArray (y, x)
+
+    Examples
+    --------
+    >>> product_wave(4, (0.0, 0.0)).values[:, 0].round(3)
+    array([ 0.01,  0.  , -0.01, -0.  ])
+    """
     y, x = ((np.arange(points) + shift) / points for shift in phase)
     heights = AMPLITUDE * np.cos(2 * np.pi * y)[:, None] * np.cos(2 * np.pi * x)[None, :]
     return height_map(heights, 1 / points)
 
 
-def _ridges(points):
+def _ridges(points: int) -> tuple[list[Line], list[Figure]]:
     """Return lines and figure of Westergaard's wave, one row of `points` points."""
     full = closed_forms.westergaard_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
     x, height = ridge(points)
@@ -205,7 +251,7 @@ def _ridges(points):
     return lines, [Figure("Westergaard: pressure", image, caption)]
 
 
-def _crests(points):
+def _crests(points: int) -> tuple[list[Line], list[Figure]]:
     """Return lines and figure of the product wave, `points` x `points`."""
     full = closed_forms.jgh_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
     height = product_wave(points)
