@@ -38,8 +38,9 @@ KNOWN = {"tolerance": 0.1, "reason": "for the test", "evidence": EVIDENCE}
 
 _JOB = """
 import sys
+from roughcontact.validation import PARTS
 from roughcontact.validation.lines import to_json
-from roughcontact.validation.parts import PARTS, validate
+from roughcontact.validation.parts import validate
 for name in PARTS:
     with open(f"{name}.json", "w", encoding="utf-8") as file:
         file.write(to_json(validate(name, sys.argv[1], finest_grid=256)))

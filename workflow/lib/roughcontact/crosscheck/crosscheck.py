@@ -94,7 +94,7 @@ def crosscheck(
 
 
 def _solve_outside(
-    heights: np.ndarray, pitches: tuple[float, float], loads: np.ndarray, *, code: str, python: str
+    heights: np.ndarray, pitches: tuple[float, float], loads: np.ndarray, *, code: OutsideCode, python: str
 ) -> tuple[np.ndarray, str]:
     """Return (pressures (load, ny, nx), version) of another code; dimensionless, E* = 1."""
     shape = heights.shape

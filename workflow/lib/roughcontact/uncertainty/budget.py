@@ -18,7 +18,7 @@ from roughcontact.uncertainty.window_sampling import window_uncertainty
 SOURCES: tuple[UncertaintySource, ...] = get_args(UncertaintySource)
 COMBINED = "combined"
 # what the results of the members of an ensemble are called in the file
-_ENSEMBLES = {"window": "parts", "processing": "choices"}
+_ENSEMBLES: dict[UncertaintySource, str] = {"window": "parts", "processing": "choices"}
 _COMMENT = (
     "half-widths of 95 % intervals, in the unit of the quantity; combined: root of the sum of squares of the "
     "sources that are given (of the pressure in contact, what whole pixels are known to be off is added to "

@@ -25,6 +25,7 @@ import numpy as np
 import xarray as xr
 from scipy.special import stdtrit
 
+from roughcontact.choices import LevelForm
 from roughcontact.errors import SettingsError
 from roughcontact.levelling.level import level
 from roughcontact.maps import spacing
@@ -108,7 +109,7 @@ def window_uncertainty(
         raise SettingsError(f"windows = {number!r}: give a whole number of 4 or more")
     whole = shown_part(levelled, periodic_window(levelled, **window))
     parts = _cut(whole, spacing(levelled), int(number), window.get("shortest_wavelength") or 0.0)
-    form = "none" if levelled.attrs["form"] in ("none", "mean") else "plane"
+    form: LevelForm = "none" if levelled.attrs["form"] in ("none", "mean") else "plane"
     own = {**window, "placement": "largest", "min_share": 0.0}
     members, points = [], []
     for part in parts:

@@ -5,5 +5,10 @@ formula, source and test are. Rooms: `lines` (a line, a part, what holds), one m
 (the public verb that computes one), `drawing` (figures), `page` (the page for people, and what fails).
 """
 
+from typing import Literal, get_args
+
 # in the order of the page; each is a module of this package with a function `part`
-PARTS = ("paper", "waves", "hertz", "full_contact", "convergence", "rough", "consistency", "coverage")
+PartName = Literal[
+    "paper", "waves", "hertz", "full_contact", "convergence", "rough", "consistency", "coverage"
+]
+PARTS: tuple[PartName, ...] = get_args(PartName)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from roughcontact.choices import ZeroFrequency
 from roughcontact.contact.solve import solve_contact
 from roughcontact.elasticity.halfspace import HalfSpace, zero_frequency_compliance
 from roughcontact.io.read import read_height_map
@@ -124,7 +125,9 @@ def full_contact_of_the_wave(points: int, mean_pressure: float, unit: float) -> 
     return mean_pressure + unit * (wave[:, None] + wave[None, :])
 
 
-def hertz_displacement_on_a_grid(period: float, points: int, rule: str) -> tuple[np.ndarray, np.ndarray]:
+def hertz_displacement_on_a_grid(
+    period: float, points: int, rule: ZeroFrequency
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the displacement by the Hertz pressure of a = p₀ = E* = 1, repeated with a square period.
 
     It is that of the package's half-space.
@@ -135,7 +138,7 @@ def hertz_displacement_on_a_grid(period: float, points: int, rule: str) -> tuple
         in units of the contact radius.
     points : int
         along the period.
-    rule : str
+    rule : {"zero", "nogi-kato", "lattice"}
         for q = 0, as `elasticity.halfspace.zero_frequency_compliance` has them.
 
     Returns

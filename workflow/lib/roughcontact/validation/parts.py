@@ -5,7 +5,7 @@ from pathlib import Path
 from roughcontact.checking import check_choice
 from roughcontact.errors import SettingsError
 from roughcontact.validation import (
-    PARTS,
+    PartName,
     consistency,
     convergence,
     coverage,
@@ -20,13 +20,13 @@ from roughcontact.validation.lines import Part
 _SMALLEST_GRID = 256
 
 
-def validate(part: str, sample: str | Path | None = None, *, finest_grid: int = 2048) -> Part:
+def validate(part: PartName, sample: str | Path | None = None, *, finest_grid: int = 2048) -> Part:
     """Compute one part of the validation.
 
     Parameters
     ----------
     part : str
-        one of `PARTS`.
+        one of `roughcontact.validation.PARTS`.
     sample : str or Path, optional
         measured file of the paper's three steps; only the part ``paper`` needs it.
     finest_grid : int
@@ -48,7 +48,7 @@ def validate(part: str, sample: str | Path | None = None, *, finest_grid: int = 
     >>> len(part.lines), all(line.holds for line in part.lines)
     (15, True)
     """
-    check_choice("part", part, PARTS)
+    check_choice("part", part, PartName)
     if finest_grid < _SMALLEST_GRID or finest_grid & (finest_grid - 1):
         raise SettingsError(
             f"validation.finest_grid = {finest_grid}: must be a power of 2, {_SMALLEST_GRID} or more; 2048 "
