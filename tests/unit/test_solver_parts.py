@@ -109,6 +109,16 @@ def test_the_bound_without_a_transform_is_a_bound_from_the_stiffest_wave():
     assert bound_without_transform(grid, state) > energy_norm(gap, inverse=True) / state.norm
 
 
+@pytest.mark.parametrize("precision", [SINGLE, DOUBLE])
+def test_what_rounding_hides_is_added_to_the_bound(precision):
+    grid = Grid(rough(), LENGTHS)
+    state, _ = grid.evaluate(scale_to_load(rough().astype(precision), 0.2))
+    floor = rounding_floor(grid.halfspace, state)
+    assert relative_bound(grid.halfspace, state, 0.0) == floor > 0
+    residual = 3 * floor * state.norm
+    assert relative_bound(grid.halfspace, state, residual) == pytest.approx(4 * floor, rel=1e-3)
+
+
 def test_a_uniform_pressure_is_right_where_it_leaves_no_residual_and_unknown_elsewhere():
     grid = Grid(rough(), LENGTHS)
     state, _ = grid.evaluate(np.full(grid.shape, 0.5))
