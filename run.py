@@ -5,7 +5,8 @@ Needs nothing but Python 3.11 or later. The environment lies in .venv beside thi
 and again only after pyproject.toml has changed. Further arguments go to Snakemake (`python3 run.py -n`) or,
 after `test`, to pytest (`python3 run.py test tests/unit`; `python3 run.py test -m slow` for those that take
 long by their nature). `python3 run.py lint` does only the checks of the source that `test` begins with, and
-`python3 run.py docs` builds the documentation.
+`python3 run.py docs` builds the documentation. `python3 run.py lowest` runs the tests of the package with the
+lowest versions that pyproject.toml admits.
 """
 
 import hashlib
@@ -24,7 +25,7 @@ MOST_WORKERS = 4  # of the tests; each of them keeps a few hundred megabytes
 def main(arguments):
     """Do what the first argument names, in an environment that is made where it is not there."""
     check_python()
-    jobs = {"test": test, "lint": lint, "docs": docs}
+    jobs = {"test": test, "lint": lint, "docs": docs, "lowest": lowest}
     if arguments and arguments[0] in jobs:
         install("dev")
         os.chdir(ROOT)
@@ -103,6 +104,18 @@ def docs():
     if not failed:
         print(ROOT / "build/docs/index.html")
     return failed
+
+
+def lowest(*arguments):
+    """Run the tests of the package with the lowest versions it admits, in an environment of their own."""
+    folder = ROOT / ".venv-lowest"
+    python = folder / BIN.name / "python"
+    wanted = ["--resolution", "lowest-direct", "--editable", f"{ROOT}[workflow]", "--group", "test"]
+    return (
+        run([sys.executable, "-m", "venv", "--clear", folder])
+        or run([BIN / "uv", "pip", "install", "--quiet", "--python", python, *wanted])
+        or run([python, "-m", "pytest", "tests/unit", "tests/property", *arguments])
+    )
 
 
 def run(command):
