@@ -13,7 +13,7 @@ from typing import get_args
 from unittest import mock
 
 import roughcontact
-from roughcontact import command_line
+from roughcontact.command_line import program
 from roughcontact.configuration import models
 from roughcontact.variables import VARIABLES
 
@@ -66,7 +66,7 @@ def command_line_help() -> str:
             contextlib.redirect_stdout(printed),
             contextlib.suppress(SystemExit),
         ):
-            command_line.main([*arguments, "--help"])
+            program.main([*arguments, "--help"])
         title = " ".join(["roughcontact", *arguments])
         parts.append(f"## `{title}`\n\n```text\n{printed.getvalue().rstrip()}\n```\n")
     return "\n".join(parts)

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.command_line import main
 from roughcontact.command_line.options import in_options
+from roughcontact.command_line.program import main
 from roughcontact.configuration.models import Contact, Level, Uncertainty, Window
 from roughcontact.configuration.resolve import resolve
 from roughcontact.io.inspection import inspect_file

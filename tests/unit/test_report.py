@@ -23,8 +23,9 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.quantities import number, percent, prefix, quantity
 from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.report import plots
-from roughcontact.report.page import write_panel, write_report
+from roughcontact.report import map_plots
+from roughcontact.report.page import write_report
+from roughcontact.report.panel import write_panel
 from roughcontact.results.collect import collect_statistics
 from roughcontact.results.storage import provenance, write_dataset
 from roughcontact.statistics import checks
@@ -349,7 +350,7 @@ def test_percent_and_prefix():
 def test_maps_of_odd_shapes_are_drawn(shape):
     values = np.random.default_rng(0).standard_normal(shape) * 1e-6
     values[0, 0] = np.nan
-    assert plots.height_map(height_map(values, 1e-6)).startswith("data:image/png;base64,")
+    assert map_plots.height_map(height_map(values, 1e-6)).startswith("data:image/png;base64,")
 
 
 @pytest.mark.parametrize(("first_row", "top_is_high"), [("top", False), ("bottom", True), (None, True)])
@@ -357,7 +358,7 @@ def test_the_first_row_is_drawn_where_the_instrument_draws_it(first_row, top_is_
     height = height_map(np.linspace(0, 1e-6, 40)[:, None] + np.zeros((40, 40)), 1e-6)
     if first_row:
         height.attrs["first_row"] = first_row
-    coded = plots.height_map(height).partition("base64,")[2]
+    coded = map_plots.height_map(height).partition("base64,")[2]
     picture = np.asarray(Image.open(io.BytesIO(base64.b64decode(coded))).convert("RGB")).astype(int)
     column = picture[:, 250]  # within the map; purple is low, yellow is high
     coloured = column[np.ptp(column, axis=1) > 30]
@@ -367,7 +368,7 @@ def test_the_first_row_is_drawn_where_the_instrument_draws_it(first_row, top_is_
 def test_a_fine_map_keeps_its_share_of_contact_when_it_is_drawn_smaller():
     pressure = (np.random.default_rng(0).random((900, 900)) < 0.3) * 1e9
     height = height_map(pressure * 1e-15, 1e-6)
-    coded = plots.gap_map(height, np.where(pressure > 0, 0, 1e-6), pressure).partition("base64,")[2]
+    coded = map_plots.gap_map(height, np.where(pressure > 0, 0, 1e-6), pressure).partition("base64,")[2]
     picture = np.asarray(Image.open(io.BytesIO(base64.b64decode(coded))).convert("RGB")).astype(float)
     inside = picture[100:300, 150:400]
     open_gap = 255 * np.array(matplotlib.colormaps["cividis"](1.0)[:3])

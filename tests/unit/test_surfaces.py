@@ -4,7 +4,7 @@ import inspect
 
 import pytest
 
-from roughcontact.command_line import _FILE_OPTIONS
+from roughcontact.command_line.program import _FILE_OPTIONS
 from roughcontact.configuration.surfaces import (
     COLUMNS,
     PAIR,

@@ -10,7 +10,7 @@ from roughcontact.contact.solve import solve_contact
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.references import synthetic
-from roughcontact.report import page
+from roughcontact.report.tables import score_table
 from roughcontact.window.lay import lay_period
 from roughcontact.window.periodic_window import periodic_window
 from roughcontact.window.score import WEIGHTS
@@ -177,7 +177,7 @@ def test_search_costs_less_than_one_solve():
 def test_the_report_lists_the_scores():
     levelled = level(height_map(rough((512, 512), seed=5)[:282, :300], 1e-6))
     window = periodic_window(levelled, placement="search")
-    table = page._scores(window)
+    table = score_table(window)
     best, scores = table["rows"][0], json.loads(window.attrs["window_scores"])
     assert len(table["rows"]) == len(scores)
     assert best["cells"][0] == f"{window.shape[1]} × {window.shape[0]}"
@@ -185,4 +185,4 @@ def test_the_report_lists_the_scores():
     assert best["words"].startswith("solved")
     assert sum("largest rectangle" in row["words"] for row in table["rows"]) == 1
     assert all(len(row["cells"]) == len(table["header"]) for row in table["rows"])
-    assert page._scores(periodic_window(levelled)) is None
+    assert score_table(periodic_window(levelled)) is None

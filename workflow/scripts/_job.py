@@ -8,6 +8,8 @@ import sys
 import traceback
 import warnings
 from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, TextIO
 
 from __main__ import snakemake  # the global of the script; `snakemake.script` has it in few versions only
 
@@ -15,7 +17,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
 
 from roughcontact.errors import RoughContactError
 
-_log = Path(snakemake.log[0]).open("w", encoding="utf-8", buffering=1)  # noqa: SIM115 - open until the job ends
+if TYPE_CHECKING:
+    import xarray as xr
+
+# open until the job ends
+_log = Path(snakemake.log[0]).open("w", encoding="utf-8", buffering=1)  # noqa: SIM115
 _name = " ".join([snakemake.rule, *map(str, snakemake.wildcards)])
 
 
@@ -30,10 +36,19 @@ def progress(done: int, total: int, text: str) -> None:
     say(f"load {done} of {total}: {text}")
 
 
-def save(result, path: str, settings: dict, *, source: dict) -> None:
+def save(result: "xr.DataArray | xr.Dataset", path: str, settings: dict, *, source: dict) -> None:
     """Write a result with the settings behind it, the versions, and the checksum of the measured file.
 
-    `source` are the attributes of the height map it was computed from.
+    Parameters
+    ----------
+    result : DataArray or Dataset
+        what the job computed.
+    path : str
+        where to write.
+    settings : dict
+        those that had a part in the result.
+    source : dict
+        attributes of the height map it was computed from, with `source_sha256`.
     """
     from roughcontact.results.storage import provenance, write_dataset
 
@@ -43,7 +58,7 @@ def save(result, path: str, settings: dict, *, source: dict) -> None:
     write_dataset(result.assign_attrs(origin), path)
 
 
-def _report_error(kind, error, trace) -> None:
+def _report_error(kind: type[BaseException], error: BaseException | str, trace: TracebackType | None) -> None:
     """Write the traceback to the log, and to the screen the one sentence that helps."""
     traceback.print_exception(kind, error, trace, file=_log)
     if kind is KeyboardInterrupt:  # by the user, who knows
@@ -53,7 +68,14 @@ def _report_error(kind, error, trace) -> None:
     print(f"[{_name}] ERROR: {error}", file=sys.stderr, flush=True)
 
 
-def _log_warning(message, category, filename, lineno, file=None, line=None) -> None:
+def _log_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
     """Write a warning to the log."""
     _log.write(warnings.formatwarning(message, category, filename, lineno, line))
 

@@ -1,5 +1,6 @@
 """What the two scripts that solve have in common."""
 
+import xarray as xr
 from _job import progress, snakemake
 
 from roughcontact.contact.loads import plan_loads
@@ -7,8 +8,26 @@ from roughcontact.contact.solve import SOLVER_SETTINGS
 from roughcontact.errors import HeightMapError
 
 
-def solver_arguments(window, contact: dict) -> dict:
-    """Return the keyword arguments of `solve_contact` that the settings `contact` stand for."""
+def solver_arguments(window: xr.DataArray, contact: dict) -> dict:
+    """Return the keyword arguments of `solve_contact` that the settings stand for.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        the map to be solved, for loads relative to its rms gradient.
+    contact : dict
+        the section `contact` of the settings.
+
+    Returns
+    -------
+    dict
+        elasticity, loads in Pa, accuracy, threads, and who is told how far the sweep has come.
+
+    Raises
+    ------
+    HeightMapError
+        for relative loads on a flat map.
+    """
     problem = {"contact_modulus": contact["contact_modulus"]}
     given = {key: contact[key] for key in ("mean_pressure", "relative_pressure")}
     try:

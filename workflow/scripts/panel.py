@@ -2,7 +2,7 @@
 
 from _job import snakemake
 
-from roughcontact.report.page import write_panel
+from roughcontact.report.panel import write_panel
 
 write_panel(
     snakemake.output[0],

@@ -112,6 +112,28 @@ def spacing(height: xr.DataArray) -> tuple[float, float]:
     return steps.get("y", other), steps.get("x", other)
 
 
+def side_lengths(height: xr.DataArray) -> tuple[float, float]:
+    """Return the lengths of both sides of a map, that of a single cell being its pitch.
+
+    Parameters
+    ----------
+    height : DataArray (y, x)
+        evenly spaced.
+
+    Returns
+    -------
+    (length y, length x), in the unit of the coordinates
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> side_lengths(height_map(np.zeros((2, 5)), (3.0, 1.0)))
+    (6.0, 5.0)
+    """
+    (ny, nx), (dy, dx) = height.shape, spacing(height)
+    return ny * dy, nx * dx
+
+
 def refined(window: xr.DataArray, factor: int) -> xr.DataArray:
     """Return a periodic map at `factor` times as many points per axis, by its own Fourier series.
 

@@ -3,6 +3,8 @@
 import json
 import math
 import textwrap
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 from roughcontact.io.metadata import labelled
 from roughcontact.quantities import number, percent, plus_minus, prefix, quantity
@@ -20,12 +22,29 @@ _COLUMNS = (
 )
 
 
-def as_json(value) -> str:
-    """Return JSON of plain values; what is not finite becomes null, which every reader knows."""
+def as_json(value: object) -> str:
+    """Return JSON of plain values; what is not finite becomes null, which every reader knows.
+
+    Parameters
+    ----------
+    value : dict, list or plain value
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> print(as_json({"mean_gap": float("inf")}))
+    {
+     "mean_gap": null
+    }
+    """
     return json.dumps(_finite(value), indent=1, ensure_ascii=False, allow_nan=False)
 
 
-def _finite(value):
+def _finite(value: object) -> object:
+    """Return plain values with null for what is not finite."""
     if isinstance(value, dict):
         return {key: _finite(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
@@ -33,8 +52,21 @@ def _finite(value):
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def inspection(found: dict, file: str) -> str:
-    """Return in plain words what `inspect_file` found."""
+def inspection(found: Mapping[str, Any], file: str) -> str:
+    """Return in plain words what `inspect_file` found.
+
+    Parameters
+    ----------
+    found : dict
+        as `inspect_file` returns it.
+    file : str
+        path of the file, as it was given.
+
+    Returns
+    -------
+    str
+        the path, and below it a line for each thing that is known.
+    """
     lines = [
         ("format", f"{found['format']}, {found['bytes']} bytes"),
         ("channel", found["channel_choice"] or found["channel"] or "none that holds heights"),
@@ -52,7 +84,8 @@ def inspection(found: dict, file: str) -> str:
     return "\n".join([str(file), *(_line(label, text) for label, text in lines)])
 
 
-def _line(label, text):
+def _line(label: str, text: str) -> str:
+    """Return a label and its text, long texts wrapped beside the label."""
     return textwrap.fill(
         text,
         _WIDTH,
@@ -63,7 +96,8 @@ def _line(label, text):
     )
 
 
-def _map_lines(found):
+def _map_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return what is known of a map that can be read."""
     pitch = " × ".join(dict.fromkeys(quantity(found[step], "m", digits=4) for step in ("dx", "dy")))
     if found["ny"] == 1:
         points = f"profile of {found['nx']} points"
@@ -72,25 +106,21 @@ def _map_lines(found):
         points = f"{found['nx']} × {found['ny']} points (x, y)"
         field = " × ".join(quantity(found[size], "m", digits=4) for size in ("size_x", "size_y"))
     step = found["quantisation_step"]
+    heights = f"{quantity(found['lowest'], 'm')} to {quantity(found['highest'], 'm')}"
+    if step:
+        heights += f", multiples of {quantity(step, 'm')}"
+    rms = f"rms height {quantity(found['rms_height'], 'm')}, rms gradient {number(found['rms_gradient'])}"
     return [
         ("size", points),
         ("field", field),
         ("spacing", pitch),
         ("missing", f"{percent(found['missing_share'])}, {found['missing_points']} points"),
-        (
-            "heights",
-            f"{quantity(found['lowest'], 'm')} to {quantity(found['highest'], 'm')}"
-            + (f", multiples of {quantity(step, 'm')}" if step else ""),
-        ),
-        (
-            "off mean plane",
-            f"rms height {quantity(found['rms_height'], 'm')}, "
-            f"rms gradient {number(found['rms_gradient'])} (between neighbours)",
-        ),
+        ("heights", heights),
+        ("off mean plane", f"{rms} (between neighbours)"),
     ]
 
 
-def _silent_lines(found):
+def _silent_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return what is known of a map whose size or unit the file does not say."""
     channel = next((each for each in found["channels"] if each["name"] == found["channel"]), None)
     if channel is None:
@@ -108,13 +138,24 @@ def _silent_lines(found):
     return lines
 
 
-def _channel(channel):
+def _channel(channel: Mapping[str, Any]) -> str:
+    """Return name, size and unit of a channel, or why it holds no heights."""
     what = f"in {channel['height_unit'] or 'a unit not said'}" if channel["is_height"] else channel["reason"]
     return f"{channel['name']!r}: {channel['nx']} × {channel['ny']} points, {what}"
 
 
-def solution(result: dict) -> str:
-    """Return the headline numbers of `solve_file` as a table with its checks."""
+def solution(result: Mapping[str, Any]) -> str:
+    """Return the headline numbers of a solution as a table, with the checks that ask for a look.
+
+    Parameters
+    ----------
+    result : dict
+        as `solve_file` returns it.
+
+    Returns
+    -------
+    str
+    """
     surface, window = result["surface"], result["window"]
     lengths = [quantity(surface[f"window_length_{axis}"], "m") for axis in ("x", "y")]
     size = f"{window['nx']} × {window['ny']} points, {' × '.join(lengths)}"
@@ -140,7 +181,7 @@ def solution(result: dict) -> str:
     return "\n".join(lines)
 
 
-def _cell(load, name, unit):
+def _cell(load: Mapping[str, Any], name: str, unit: str) -> str:
     """Return a number of a load with its unit, and with its ± where there is one."""
     value, half_width = load[name], load.get(f"{name}_uncertainty", {}).get("combined", math.nan)
     if not half_width > 0:
@@ -149,16 +190,15 @@ def _cell(load, name, unit):
     return f"{plus_minus(value * factor, half_width * factor)} {shown}"
 
 
-def _table(loads):
+def _table(loads: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return the lines of the table of numbers, loads rising."""
     rows = [[heading for _, heading, _ in _COLUMNS] + [""]]
     for load in sorted(loads, key=lambda load: load["mean_pressure"]):
         cells = [_cell(load, name, unit) for name, _, unit in _COLUMNS]
         rows.append([*cells, ", ".join(load["flags"])])
     widths = [max(len(row[column]) for row in rows) for column in range(len(_COLUMNS))]
-    return [
-        (
-            "  "
-            + "  ".join([cell.rjust(width) for cell, width in zip(row, widths, strict=False)] + [row[-1]])
-        ).rstrip()
-        for row in rows
-    ]
+    lines = []
+    for *numbers, flags in rows:
+        cells = [cell.rjust(width) for cell, width in zip(numbers, widths, strict=True)]
+        lines.append("  ".join(["", *cells, flags]).rstrip())
+    return lines

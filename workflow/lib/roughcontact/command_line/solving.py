@@ -2,8 +2,13 @@
 
 import json
 import sys
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
 
 from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
@@ -15,27 +20,37 @@ from roughcontact.uncertainty.budget import error_budget
 from roughcontact.variables import VARIABLES
 from roughcontact.window.periodic_window import periodic_window
 
+Progress = Callable[[int, int | None, str], None]
 
-def solve_file(path, given: dict, settings: dict, *, threads: int = 1) -> dict:
+
+def solve_file(
+    path: str | Path, given: Mapping[str, Any], settings: Mapping[str, Any], *, threads: int = 1
+) -> dict[str, Any]:
     """Read, level, window and solve one map, and return the headline numbers.
 
     Parameters
     ----------
     path : str or Path
+        a measured height map.
     given : dict
-        Keyword arguments of `read_height_map`.
+        keyword arguments of `read_height_map`.
     settings : dict
-        As `roughcontact.configuration.resolve` returns them, for one case.
+        as `roughcontact.configuration.resolve` returns them, for one case.
     threads : int
-        Threads of the Fourier transforms.
+        threads of the Fourier transforms.
 
     Returns
     -------
     dict of plain values, SI units
         `file`, `source_sha256`, `measured`, `window` (numbers of points), `surface` (name -> number),
         `loads` (one dict per load, name -> number, `{name}_uncertainty` -> source -> half-width, with the
-        words `flags`), `units` (name -> unit),
-        `checks` (name, outcome, sentence), `verdict`, `settings`.
+        words `flags`), `units` (name -> unit), `checks` (name, outcome, sentence), `verdict`, `warnings`
+        (sentences), `settings`.
+
+    Raises
+    ------
+    RoughContactError
+        for a file, a setting or a map that the stages refuse, or a load that misses the tolerance.
     """
     contact = settings["contact"]
     with _progress() as show:
@@ -62,30 +77,17 @@ def solve_file(path, given: dict, settings: dict, *, threads: int = 1) -> dict:
     outcome = checks.surface_checks(
         statistics, height=height.attrs, levelled=levelled.attrs, window=window.attrs, points=window.size
     )
-    surface, per_load = (
-        [name for name in statistics.variables if statistics[name].dims == dims] for dims in ((), ("load",))
-    )
-    uncertain = [name for name in statistics.variables if name.endswith("_uncertainty")]
-    by_source = statistics[uncertain].to_dict()["data_vars"]
-    sources = statistics["source"].values.tolist() if uncertain else []
-    flags = checks.load_flags(statistics, window.size)
     return {
         "file": str(path),
         "source_sha256": height.attrs["source_sha256"],
         "measured": {"ny": height.shape[0], "nx": height.shape[1], "format": height.attrs["source_format"]},
         "window": {
-            **{"ny": window.shape[0], "nx": window.shape[1]},
+            "ny": window.shape[0],
+            "nx": window.shape[1],
             "periodisation": window.attrs.get("periodisation", "none"),
             "share": float(window.attrs.get("window_share", 1.0)),
         },
-        "surface": {name: float(statistics[name]) for name in surface},
-        "loads": [
-            {name: statistics[name].values[index].item() for name in per_load}
-            | {name: dict(zip(sources, by_source[name]["data"][index], strict=True)) for name in uncertain}
-            | {"flags": words}
-            for index, words in enumerate(flags)
-        ],
-        "units": {name: VARIABLES[name][0] for name in (*surface, *per_load, *uncertain)},
+        **_plain_numbers(statistics, checks.load_flags(statistics, window.size)),
         "checks": [check._asdict() for check in outcome],
         "verdict": checks.VERDICTS[checks.verdict(outcome)],
         "warnings": json.loads(height.attrs["ingest_warnings"]),
@@ -95,8 +97,28 @@ def solve_file(path, given: dict, settings: dict, *, threads: int = 1) -> dict:
     }
 
 
+def _plain_numbers(statistics: xr.Dataset, flags: list[list[str]]) -> dict[str, Any]:
+    """Return the numbers of a surface, those of its loads, and the units of both, as plain values."""
+    names = [str(name) for name in statistics.variables]
+    surface, per_load = ([n for n in names if statistics[n].dims == dims] for dims in ((), ("load",)))
+    uncertain = [name for name in names if name.endswith("_uncertainty")]
+    by_source = {name: statistics[name].values.tolist() for name in uncertain}
+    sources = statistics["source"].values.tolist() if uncertain else []
+    loads = [
+        {name: statistics[name].values[index].item() for name in per_load}
+        | {name: dict(zip(sources, by_source[name][index], strict=True)) for name in uncertain}
+        | {"flags": words}
+        for index, words in enumerate(flags)
+    ]
+    return {
+        "surface": {name: float(statistics[name]) for name in surface},
+        "loads": loads,
+        "units": {name: VARIABLES[name][0] for name in (*surface, *per_load, *uncertain)},
+    }
+
+
 @contextmanager
-def _progress():
+def _progress() -> Iterator[Progress]:
     """Yield a function (done, total, text) that moves a bar on standard error, if that is a terminal."""
     if not sys.stderr.isatty():
         yield lambda done, total, text: None
@@ -114,7 +136,7 @@ def _progress():
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("", total=None, loads="")
 
-        def show(done, total, text):
+        def show(done: int, total: int | None, text: str) -> None:
             loads = f"{done} of {total} loads" if total else ""
             # one load has no parts to count: the bar then only shows that work goes on
             several = total if total and total > 1 else None

@@ -1,10 +1,13 @@
 """The error budget as the report shows it: a figure and a table of what the ± is made of."""
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import number, plus_minus, prefix, quantity
-from roughcontact.report.plots import COLOURS, MARKERS, as_svg, new_figure
+from roughcontact.report.figures import COLOURS, MARKERS, as_svg, new_figure
 
 # what each quantity is called on the page
 _SHOWN = {
@@ -23,13 +26,25 @@ _WORDS = {
 _LEAST = 0.01  # percent; less is not drawn
 
 
-def shown_budget(numbers: xr.Dataset) -> dict | None:
+def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
     """Return figure, table and notes of the error budget of a surface; None where there is none.
 
     Parameters
     ----------
     numbers : Dataset
         statistics of one surface with `{quantity}_uncertainty` (load, source).
+
+    Returns
+    -------
+    dict or None
+        `image` (source of the figure), `header` and `rows` (of the table, as text), `notes` (sentences on
+        how the parts were found, and on those that are not there).
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> shown_budget(xr.Dataset({"mean_gap": ("load", [1e-6])})) is None
+    True
     """
     if "source" not in numbers.dims:
         return None
@@ -60,13 +75,13 @@ def shown_budget(numbers: xr.Dataset) -> dict | None:
     }
 
 
-def _largest(parts) -> str:
+def _largest(parts: Mapping[str, float]) -> str:
     """Return the word for the source with the largest part, nothing where all is exact."""
     known = {source: part for source, part in parts.items() if part > 0}
-    return _WORDS[max(known, key=known.get)] if known else "–"
+    return _WORDS[max(known, key=known.__getitem__)] if known else "–"
 
 
-def _figure(numbers, present) -> str:
+def _figure(numbers: xr.Dataset, present: Sequence[str]) -> str:
     """Draw the relative half-widths (percent) of each source against the load, a panel for each quantity."""
     load = numbers["mean_pressure"].values
     factor, unit = prefix(float(np.median(load)), "Pa")

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from roughcontact.report.plots import COLOURS, MARKERS, as_png, as_svg, new_figure
+from roughcontact.report.figures import COLOURS, MARKERS, as_png, as_svg, new_figure
 
 Curve = tuple[str, ArrayLike, ArrayLike]  # label, x values, y values
 

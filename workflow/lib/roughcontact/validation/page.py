@@ -11,7 +11,7 @@ from typing import Any
 
 from roughcontact.errors import DeviationError
 from roughcontact.quantities import number
-from roughcontact.report.page import template
+from roughcontact.report.template import template
 from roughcontact.results.storage import provenance, write_text
 from roughcontact.validation.lines import Line, Part, from_json
 

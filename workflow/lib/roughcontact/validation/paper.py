@@ -16,7 +16,7 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import spacing
 from roughcontact.quantities import number, percent
 from roughcontact.references import closed_forms, synthetic
-from roughcontact.report import plots
+from roughcontact.report import map_plots
 from roughcontact.roughness import parameters
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.validation import drawing
@@ -365,12 +365,12 @@ def _three_steps(sample: str | Path) -> tuple[list[Line], list[Figure]]:
     figures = [
         Figure(
             "Steps 1 and 2: the window",
-            plots.height_map(window),
+            map_plots.height_map(window),
             "The sample map, form and outliers off, holes filled, made periodic.",
         ),
         Figure(
             "Step 3: the solution of one period",
-            plots.pressure_map(window, pressures[0]),
+            map_plots.pressure_map(window, pressures[0]),
             f"Contact pressure at p̄ = 0.05 E* g, E* = 1 GPa: {area} of the area in contact.",
         ),
     ]

@@ -1,0 +1,145 @@
+"""The program `roughcontact`: its verbs, and how it ends.
+
+Exit codes: 0 done, 1 a load missed the tolerance, 2 bad input (one sentence on standard error says what), 130
+interrupted.
+"""
+
+import argparse
+import sys
+from typing import Any, NoReturn
+
+from roughcontact import __version__
+from roughcontact.errors import ConvergenceError, RoughContactError, SettingsError
+
+_DESCRIPTION = (
+    "The program `roughcontact`: what is in a file, and the contact of one map without any workflow."
+)
+
+# what a file does not say: the arguments of read_height_map, the columns of the table of surfaces
+_FILE_OPTIONS = {
+    "channel": "which channel of the file, by name",
+    "dx": "step from point to point along x, in --unit",
+    "dy": "step from point to point along y, in --unit",
+    "unit": "unit of --dx and --dy, and of the heights without --height-unit: m, mm, um, nm, ...",
+    "height-unit": "unit of the heights",
+    "resample": "linear: interpolate points that lie on no even grid to one",
+}
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that speaks in single sentences."""
+
+    def error(self, message: str) -> NoReturn:
+        """Leave with one sentence instead of the whole usage."""
+        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the program.
+
+    Parameters
+    ----------
+    arguments : list of str, optional
+        those of the command line where none are given.
+
+    Returns
+    -------
+    int
+        exit code: 0 done, 1 a load missed the tolerance, 2 bad input, 130 interrupted.
+
+    Examples
+    --------
+    >>> main(["inspect", "--json", "nowhere.x3p"])
+    []
+    2
+    """
+    arguments = sys.argv[1:] if arguments is None else list(arguments)
+    try:
+        options = _parser(settings=arguments[:1] == ["solve"]).parse_args(arguments)
+        return options.run(options)
+    except ConvergenceError as error:
+        return _failed(error, 1)
+    except RoughContactError as error:
+        return _failed(error, 2)
+    except KeyboardInterrupt:
+        return _failed("interrupted", 130)
+
+
+def _failed(error: RoughContactError | str, code: int) -> int:
+    """Say on standard error what went wrong, and return the exit code."""
+    print(f"roughcontact: {error}", file=sys.stderr)
+    return code
+
+
+def _parser(*, settings: bool) -> argparse.ArgumentParser:
+    """Return the parser; the options of `solve` come from the settings, which take a moment to import."""
+    parser = _Parser(prog="roughcontact", description=_DESCRIPTION)
+    parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
+    verbs = parser.add_subparsers(required=True, metavar="inspect | solve")
+
+    inspect = verbs.add_parser("inspect", help="say in plain words what is in a file")
+    inspect.add_argument("files", nargs="+", metavar="FILE", help="measured height maps, any format")
+    _add_file_options(inspect)
+    inspect.set_defaults(run=_inspect)
+
+    solve = verbs.add_parser("solve", help="read, level, make periodic and solve one map; print the numbers")
+    solve.add_argument("file", metavar="FILE", help="a measured height map, any format")
+    _add_file_options(solve)
+    solve.set_defaults(run=_solve)
+    if settings:
+        from roughcontact.command_line.options import add_settings
+
+        add_settings(solve)
+    return parser
+
+
+def _add_file_options(parser: argparse.ArgumentParser) -> None:
+    """Add what both verbs take: what the file does not say, and how to print."""
+    group = parser.add_argument_group("what the file does not say")
+    for name, text in _FILE_OPTIONS.items():
+        kind, shown = (float, "NUMBER") if name in ("dx", "dy") else (str, "TEXT")
+        group.add_argument(f"--{name}", help=text, type=kind, metavar=shown)
+    parser.add_argument(
+        "--json", action="store_true", help="print for machines: SI units, names as in the files"
+    )
+
+
+def _given(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the keyword arguments of `read_height_map` that were given."""
+    words = (name.replace("-", "_") for name in _FILE_OPTIONS)
+    return {word: value for word in words if (value := getattr(options, word)) is not None}
+
+
+def _inspect(options: argparse.Namespace) -> int:
+    """Print what is in each file; a file that is none is said, and the next one is looked at."""
+    from roughcontact.command_line.describe import as_json, inspection
+    from roughcontact.io.inspection import inspect_file
+
+    found, code = [], 0
+    for file in options.files:
+        try:
+            contents = inspect_file(file, **_given(options))
+        except RoughContactError as error:
+            code = _failed(error, 2)
+            continue
+        found.append(contents)
+        if not options.json:
+            print(inspection(contents, file), end="\n\n" if len(options.files) > 1 else "\n")
+    if options.json:
+        print(as_json(found))
+    return code
+
+
+def _solve(options: argparse.Namespace) -> int:
+    """Print the contact of one map."""
+    from roughcontact.command_line.describe import as_json, solution
+    from roughcontact.command_line.options import chosen_settings, in_options
+    from roughcontact.command_line.solving import solve_file
+
+    try:
+        settings = chosen_settings(options)
+        result = solve_file(options.file, _given(options), settings, threads=options.threads)
+    except SettingsError as error:
+        raise SettingsError(in_options(error)) from error
+    print(as_json(result) if options.json else solution(result))
+    return 0 if all(load["converged"] for load in result["loads"]) else 1

@@ -1,0 +1,296 @@
+"""What is known of a surface, in words: the facts beside its checks, and the captions of its pictures."""
+
+import json
+import textwrap
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.io.metadata import labelled
+from roughcontact.maps import side_lengths, spacing
+from roughcontact.quantities import number, percent, quantity
+
+_NO_LAY = 0.5  # texture aspect ratio from which on a surface has no lay
+
+
+def surface_facts(
+    measured: xr.DataArray, levelled: xr.DataArray, window: xr.DataArray, numbers: xr.Dataset
+) -> list[tuple[str, str]]:
+    """Return what is known of a surface, from its file to its contact modulus.
+
+    Parameters
+    ----------
+    measured, levelled, window : DataArray (y, x), m
+        the map after each stage, with the attributes that the stage leaves.
+    numbers : Dataset
+        statistics of the surface.
+
+    Returns
+    -------
+    list of (name, text)
+        in the order of the page; what is not known is left out.
+    """
+    pitch = " × ".join(dict.fromkeys(quantity(step, "m") for step in spacing(measured)[::-1]))
+    instrument = labelled(json.loads(measured.attrs.get("instrument", "{}")))
+    words = ", ".join(f"{label} {text}" for label, text in instrument)
+    source = [str(measured.attrs.get(key, "")) for key in ("source_file", "source_format")]
+    resolution = float(numbers["points_per_shortest_wavelength"][0])
+    facts = [
+        ("File", " · ".join(filter(None, source))),
+        ("Channel", str(measured.attrs.get("channel", ""))),
+        ("Instrument", textwrap.shorten(words, 160, placeholder=" …")),
+        ("Map", f"{_size(measured)} of {pitch}"),
+        ("Missing points", percent(measured.attrs.get("missing_share", 0.0))),
+        ("Counter-face", _counter_face(levelled)),
+        ("Removed form", _removed(levelled)),
+        ("Scan lines", _lines(levelled)),
+        ("Filters", _filters(levelled)),
+        ("Sa, Sq, Sz", _parameters(levelled, ("Sa", "Sq", "Sz"), "m")),
+        ("Ssk, Sku, Sdq", _parameters(levelled, ("Ssk", "Sku", "Sdq"), "1")),
+        ("Window", _size(window)),
+        ("Periodisation", str(window.attrs.get("periodisation", "none"))),
+        ("Sal, Str, lay", _texture(numbers)),
+        ("rms height", quantity(float(numbers["rms_height"]), "m")),
+        ("rms gradient g", number(float(numbers["rms_gradient"]))),
+        ("rms curvature", f"{number(float(numbers['rms_curvature']) * 1e-3)} mm⁻¹"),
+        ("Nayak parameter", number(float(numbers["nayak_parameter"]))),
+        ("Points per shortest wave", number(resolution, digits=2)),
+        ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
+    ]
+    return [(name, text) for name, text in facts if text]
+
+
+def versions(numbers: xr.Dataset) -> str:
+    """Return the versions that wrote the statistics of a surface.
+
+    Parameters
+    ----------
+    numbers : Dataset
+        with the attribute `versions`, a JSON object.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> versions(xr.Dataset(attrs={"versions": '{"python": "3.11", "numpy": "2.1"}'}))
+    'python 3.11, numpy 2.1'
+    """
+    return ", ".join(
+        f"{name} {text}" for name, text in json.loads(numbers.attrs.get("versions", "{}")).items()
+    )
+
+
+def measured_caption(measured: xr.DataArray) -> str:
+    """Return what the picture of the measured map shows.
+
+    Parameters
+    ----------
+    measured : DataArray
+        with the attribute `missing_points`.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.maps import height_map
+    >>> measured_caption(height_map(np.array([[0.0, np.nan]]), 1e-6))
+    '1 points not measured (pink).'
+    """
+    missing = measured.attrs.get("missing_points", 0)
+    return f"{missing} points not measured (pink)." if missing else "Every point was measured."
+
+
+def levelled_caption(levelled: xr.DataArray) -> str:
+    """Return what levelling filled in and rejected.
+
+    Parameters
+    ----------
+    levelled : DataArray (y, x)
+        with the attributes that `level` leaves.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.maps import height_map
+    >>> levelled_caption(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(outlier_kinds='{"scar": 3}'))
+    '0 points filled in, 0 outliers rejected (3 scar). The red frame is the solved window.'
+    """
+    filled, rejected = levelled.attrs.get("filled_points", 0), levelled.attrs.get("outliers_rejected", 0)
+    frame = "" if 1 in levelled.shape else " The red frame is the solved window."
+    kinds = json.loads(levelled.attrs.get("outlier_kinds", "{}"))
+    named = ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in kinds.items())
+    hole = f" (largest hole {levelled.attrs['largest_hole']})" if filled else ""
+    rejections = f"{rejected} outliers rejected" + (f" ({named})" if named else "")
+    return f"{filled} points filled in{hole}, {rejections}.{frame}"
+
+
+def spectrum_caption(window: xr.DataArray) -> str:
+    """Return which waves of a window are solved, and what the others were.
+
+    Parameters
+    ----------
+    window : DataArray (y, x)
+        with the attributes that `periodic_window` leaves.
+
+    Returns
+    -------
+    str
+    """
+    shortest, longest = (quantity(window.attrs[f"band_{end}"], "m") for end in ("shortest", "longest"))
+    band = f"Waves from {shortest} to {longest} are solved"
+    if removed := window.attrs["band_removed_rms_height"]:
+        gradient = number(window.attrs["band_removed_rms_gradient"])
+        band += f"; taken out: rms height {quantity(removed, 'm')}, rms gradient {gradient}"
+    return f"Mean over all directions. {band}."
+
+
+def lay_caption(numbers: xr.Dataset) -> str:
+    """Return the direction of the lay; a surface that is the same in all directions has none.
+
+    Parameters
+    ----------
+    numbers : Dataset
+        with the texture aspect ratio `Str` and the texture direction `Std` (degrees).
+
+    Returns
+    -------
+    str
+
+    References
+    ----------
+    .. [1] ISO 25178-2 (2021), texture aspect ratio Str and texture direction Std.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> lay_caption(xr.Dataset({"Str": 0.1, "Std": 150.0}))
+    'Strongest waves at 150° (Std), lay at 60°, from x towards y.'
+    >>> lay_caption(xr.Dataset({"Str": 0.9, "Std": 150.0}))
+    'No lay: much the same in all directions.'
+    """
+    if not _has_lay(numbers):
+        return "No lay: much the same in all directions."
+    return f"Strongest waves at {float(numbers['Std']):.0f}° (Std), lay at {_lay(numbers)}, from x towards y."
+
+
+def autocorrelation_caption(numbers: xr.Dataset, *, profile: bool) -> str:
+    """Return over which length the autocorrelation of a window falls.
+
+    Parameters
+    ----------
+    numbers : Dataset
+        with the autocorrelation length `Sal` (m) and the texture aspect ratio `Str`.
+    profile : bool
+        whether the window is a profile, which has one direction.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> autocorrelation_caption(xr.Dataset({"Sal": 2e-5, "Str": 0.5}), profile=True)
+    'Falls to 0.2 over 20.0 µm (Sal).'
+    """
+    length = f"Falls to 0.2 over {quantity(float(numbers['Sal']), 'm')} (Sal)"
+    if not profile:
+        length += f" in the direction of the fastest fall; Str = {number(float(numbers['Str']))}"
+    return f"{length}."
+
+
+def _has_lay(numbers: xr.Dataset) -> bool:
+    """Return whether a surface has a direction."""
+    return not float(numbers["Str"]) > _NO_LAY
+
+
+def _lay(numbers: xr.Dataset) -> str:
+    """Return the direction of the lay, across that of the strongest waves."""
+    return f"{(float(numbers['Std']) + 90) % 180:.0f}°"
+
+
+def _size(height: xr.DataArray) -> str:
+    """Return the size of a map, x first; of a profile, its length."""
+    sides = [(n, length) for n, length in zip(height.shape, side_lengths(height), strict=True) if n > 1][::-1]
+    lengths = " × ".join(quantity(length, "m") for _, length in sides)
+    points = " × ".join(str(n) for n, _ in sides)
+    return f"{lengths}, {points} points"
+
+
+def _counter_face(levelled: xr.DataArray) -> str:
+    """Return how the other face of a pair lies on this one, nothing where there is a single face."""
+    attrs = levelled.attrs
+    if "counter_face" not in attrs:
+        return ""
+    shift = ", ".join(quantity(attrs[f"shift_{axis}"], "m") for axis in ("x", "y"))
+    return (
+        f"{attrs['counter_face']}, its middle at {shift} (x, y) from that of the face, turned by "
+        f"{attrs['rotation']:g}°, on {percent(attrs['covered_share'])} of the face"
+    )
+
+
+def _removed(levelled: xr.DataArray) -> str:
+    """Return which form levelling removed."""
+    removed = json.loads(levelled.attrs.get("form_removed", "{}"))
+    parts = [
+        f"{name.replace('_', ' ')} {_removed_part(entry, levelled)}"
+        for name, entry in removed.items()
+        if name.startswith(("mean", "slope", "curvature", "radius", "axis"))  # the rest are coefficients
+    ]
+    return f"{levelled.attrs.get('form', 'none')}" + (f": {', '.join(parts)}" if parts else "")
+
+
+def _removed_part(entry: Mapping[str, Any], levelled: xr.DataArray) -> str:
+    """Return a mean, slope or curvature: 0 where over the whole map it makes no difference."""
+    if entry["units"] == "degree":
+        return f"{entry['value']:.2f}°".replace("-", "−")
+    power = {"m": 0, "1": 1, "m-1": 2}[entry["units"]]
+    over_the_map = abs(entry["value"]) * max(side_lengths(levelled)) ** power
+    nothing = over_the_map < 1e-6 * float(np.nanstd(levelled.values))
+    return quantity(0.0 if nothing else entry["value"], entry["units"].replace("m-1", "m⁻¹"))
+
+
+def _lines(levelled: xr.DataArray) -> str:
+    """Return how the scan lines were aligned, nothing where they were not."""
+    method = levelled.attrs.get("line_alignment", "none")
+    if method == "none":
+        return ""
+    return f"aligned ({method}), shifts of {quantity(levelled.attrs['line_shift_rms'], 'm')} rms"
+
+
+def _filters(levelled: xr.DataArray) -> str:
+    """Return which waves levelling took off, nothing where it took none."""
+    names = {"s_filter": "S-filter", "l_filter": "L-filter"}
+    return "; ".join(
+        f"{names[name]} {quantity(entry['nesting_index']['value'], 'm')}, "
+        f"{quantity(entry['rms_removed']['value'], 'm')} rms taken off"
+        for name, entry in json.loads(levelled.attrs.get("filters_removed", "{}")).items()
+    )
+
+
+def _parameters(levelled: xr.DataArray, names: Sequence[str], unit: str) -> str:
+    """Return some height parameters of the levelled map; they are those of the measured points."""
+    return ", ".join(quantity(levelled.attrs[name], unit) for name in names if name in levelled.attrs)
+
+
+def _texture(numbers: xr.Dataset) -> str:
+    """Return length and direction of the texture, nothing for a flat map."""
+    if not np.isfinite(numbers["Sal"]):
+        return ""
+    length = quantity(float(numbers["Sal"]), "m")
+    if not np.isfinite(numbers["Str"]):
+        return length
+    lay = _lay(numbers) if _has_lay(numbers) else "none"
+    return f"{length}, {number(float(numbers['Str']))}, {lay}"

@@ -1,0 +1,183 @@
+"""The panel of a surface: its part of the report, with its checks, pictures and numbers."""
+
+import json
+import textwrap
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.errors import InputFileError
+from roughcontact.maps import side_lengths
+from roughcontact.quantities import percent, quantity
+from roughcontact.report import facts, load_plots, map_plots, tables, texture_plots
+from roughcontact.report.budget_plots import shown_budget
+from roughcontact.report.summary import embedded
+from roughcontact.report.template import template
+from roughcontact.results.storage import read_dataset, write_text
+from roughcontact.statistics import checks
+
+
+def write_panel(
+    path: str | Path,
+    *,
+    surface: str,
+    case: str | None = None,
+    height: str | Path,
+    levelled: str | Path,
+    window: str | Path,
+    contact: str | Path,
+    statistics: str | Path,
+    settings: dict,
+    crosscheck: str | Path | None = None,
+    counter_face: str | Path | None = None,
+) -> None:
+    """Write one surface's part of the report, an HTML fragment with its images inside.
+
+    Parameters
+    ----------
+    path : path
+        where to write.
+    surface, case : str
+        names; `case` is None in a run without cases.
+    height, levelled, window, contact, statistics : path
+        the result files of the surface. Where `contact` keeps no maps of pressure and gap the part says so.
+    settings : dict
+        the settings of the run.
+    crosscheck : path or None
+        what another code found, where the run was cross-checked.
+    counter_face : path or None
+        the other measured file of a pair of faces.
+
+    Raises
+    ------
+    InputFileError
+        for a file that is not readable.
+    """
+    measured, plane, solved = (_read_map(file) for file in (height, levelled, window))
+    numbers = read_dataset(statistics)
+    order = np.argsort(numbers["mean_pressure"].values, kind="stable")
+    numbers = numbers.isel(load=order)
+    shown = _shown_loads(numbers.sizes["load"])
+    outcome = checks.surface_checks(
+        numbers,
+        height=plane.attrs if counter_face else measured.attrs,  # of both faces together
+        levelled=plane.attrs,
+        window=solved.attrs,
+        points=solved.size,
+    )
+    name = surface if case is None else f"{surface} · {case}"
+    identifier = surface if case is None else f"{case}--{surface}"
+    verdict = checks.verdict(outcome)
+    reasons = [_reason(check) for check in outcome if check.outcome != checks.PASSED]
+    rough = float(numbers["rms_gradient"]) > 0  # a flat map has neither waves nor charts
+    html = template("panel.html").render(
+        identifier=identifier,
+        name=name,
+        verdict=verdict,
+        verdict_words=checks.VERDICTS[verdict],
+        checks=outcome,
+        facts=facts.surface_facts(measured, plane, solved, numbers),
+        maps=_maps(measured, plane, solved, counter_face),
+        scores=tables.score_table(solved),
+        profile=1 in solved.shape,
+        fields=_fields(contact, solved, order[shown]),
+        waves=_waves(solved, numbers) if rough else [],
+        charts=_charts(numbers, solved, shown) if rough else [],
+        budget=shown_budget(numbers),
+        table=tables.number_table(numbers, checks.load_flags(numbers, solved.size)),
+        crosscheck=tables.crosscheck_table(crosscheck, numbers, order) if crosscheck else None,
+        summary=embedded({"identifier": identifier, "name": name, "verdict": verdict, "reasons": reasons}),
+        settings=json.dumps(settings, indent=1, sort_keys=True),
+        versions=facts.versions(numbers),
+        source_sha256=measured.attrs.get("source_sha256", ""),
+    )
+    write_text(html, path)
+
+
+def _read_map(path: str | Path) -> xr.DataArray:
+    """Return the height map of a result file, attributes of the file included."""
+    dataset = read_dataset(path)
+    return dataset["height"].assign_attrs(dataset.attrs | dataset["height"].attrs)
+
+
+def _shown_loads(loads: int) -> list[int]:
+    """Return the places of the loads whose maps are drawn: the lowest, the middle, the highest."""
+    return sorted({0, loads // 2, loads - 1})
+
+
+def _reason(check: checks.Check) -> str:
+    """Return the name of a check and its first sentence, for the top of the page."""
+    first = check.sentence.split(". ")[0].rstrip(".")
+    return f"{check.name}: {textwrap.shorten(first, 200, placeholder=' …')}"
+
+
+def _frame(window: xr.DataArray) -> map_plots.Frame:
+    """Return (x, y, length x, length y) of the part of the map that the window shows, m."""
+    x, y = (window.attrs.get(f"window_offset_{axis}", 0.0) for axis in ("x", "y"))
+    images = 2 if window.attrs.get("periodisation") == "mirror" else 1  # the part and its mirror image
+    ly, lx = side_lengths(window)
+    return x, y, lx / images, ly / images
+
+
+def _maps(
+    measured: xr.DataArray,
+    levelled: xr.DataArray,
+    window: xr.DataArray,
+    counter_face: str | Path | None,
+) -> list[tuple[str, str, str]]:
+    """Return (title, image, caption) of the heights after each stage; of a pair, what was measured twice."""
+    if counter_face:
+        faces = [("Face, as measured", measured), ("Counter-face, as measured", _read_map(counter_face))]
+    else:
+        faces = [("As measured", measured)]
+    return [
+        *((title, map_plots.height_map(face), facts.measured_caption(face)) for title, face in faces),
+        (
+            "Sum of both, levelled" if counter_face else "Levelled",
+            map_plots.height_map(levelled, rectangle=_frame(window)),
+            facts.levelled_caption(levelled),
+        ),
+        ("Solved window", map_plots.height_map(window), window.attrs.get("window_reason", "")),
+    ]
+
+
+def _fields(path: str | Path, window: xr.DataArray, loads: np.ndarray) -> list[tuple[str, str, str]]:
+    """Return (caption, pressure map, gap map) of a few loads, an empty list where no maps were kept."""
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as contact:
+            if "pressure" not in contact or "gap" not in contact:
+                return []
+            chosen = contact[["pressure", "gap", "mean_pressure"]].isel(load=loads).load()
+    except OSError as error:
+        raise InputFileError(f"{path}: not readable as netCDF ({error}); delete it and run again") from error
+    fields = []
+    for index in range(chosen.sizes["load"]):
+        pressure, gap = (chosen[name].values[index] for name in ("pressure", "gap"))
+        caption = f"p̄ = {quantity(float(chosen['mean_pressure'][index]), 'Pa')}"
+        area = percent(np.count_nonzero(pressure > 0) / pressure.size)
+        pictures = map_plots.pressure_map(window, pressure), map_plots.gap_map(window, gap, pressure)
+        fields.append((f"{caption}: {area} of the pixels touch", *pictures))
+    return fields
+
+
+def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, str]]:
+    """Return (title, image, caption) of the pictures of the waves of a window that is not flat."""
+    profile = 1 in window.shape
+    pictures = [("Power spectrum", texture_plots.spectrum(window), facts.spectrum_caption(window))]
+    if not profile:
+        directions = texture_plots.directional_spectrum(window)
+        pictures.append(("Waves by direction", directions, facts.lay_caption(numbers)))
+    caption = facts.autocorrelation_caption(numbers, profile=profile)
+    pictures.append(("Autocorrelation", texture_plots.autocorrelation_map(window), caption))
+    return pictures
+
+
+def _charts(numbers: xr.Dataset, window: xr.DataArray, shown: Sequence[int]) -> list[tuple[str, str]]:
+    """Return (title, image) of the charts of a window that is not flat."""
+    return [
+        ("Contact area against load", load_plots.area_against_load(numbers, window)),
+        ("Mean gap against load", load_plots.gap_against_load(numbers)),
+        ("Distribution of the contact pressure", load_plots.pressure_distribution(numbers, shown)),
+    ]

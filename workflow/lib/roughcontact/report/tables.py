@@ -1,0 +1,227 @@
+"""The tables of the report, as text: numbers against load, scores of windows, cross-check, pairs of faces."""
+
+import json
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from roughcontact.quantities import number, percent, plus_minus, prefix, quantity
+from roughcontact.results.storage import read_dataset
+from roughcontact.variables import VARIABLES
+from roughcontact.window.score import WEIGHTS
+
+# the columns of the table of numbers: variable, short name, unit (a share is given in percent)
+_COLUMNS = (
+    ("mean_pressure", "mean pressure p̄", "Pa"),
+    ("relative_pressure", "p̄/(E*\N{NO-BREAK SPACE}g)", "1"),
+    ("relative_contact_area", "contact area A/A₀", "%"),
+    ("relative_contact_area_pixels", "pixels in contact", "%"),
+    ("mean_contact_pressure", "pressure in contact", "Pa"),
+    ("pressure_std", "its std", "Pa"),
+    ("max_pressure", "largest pressure", "Pa"),
+    ("mean_gap", "mean gap ū", "m"),
+    ("contact_stiffness", "stiffness −dp̄/dū", "Pa m-1"),
+    ("elastic_energy", "elastic energy", "J m-2"),
+    ("contact_perimeter", "contact perimeter", "m"),
+    ("contact_clusters", "contact patches", "1"),
+    ("contact_on_filled_points", "on filled points", "%"),
+    ("error_bound", "error bound", "1"),
+)
+
+# of these, those of the table of pairs
+_OF_PAIRS = ("mean_pressure", "relative_contact_area", "mean_contact_pressure", "max_pressure", "mean_gap")
+
+# the parts of the score of a window, as `WEIGHTS` names them, and whether in percent
+_SCORE_PARTS = (
+    ("height_mismatch", "heights at the seams", False),
+    ("slope_mismatch", "slopes at the seams", False),
+    ("missing", "filled points", True),
+    ("stationarity", "gradient among quarters", True),
+    ("representativeness", "spectrum off the map's", True),
+    ("size", "sampling error", True),
+)
+
+Table = dict[str, Any]
+
+
+def number_table(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> Table:
+    """Return the table of numbers against load, each column in one unit that suits all its values.
+
+    Parameters
+    ----------
+    numbers : Dataset
+        statistics of one surface, loads rising.
+    flags : sequence of (sequence of str)
+        for each load the words that warn of its numbers.
+
+    Returns
+    -------
+    dict
+        `header`, a (title, unit, meaning) for each column; `rows`, each with its `cells` and its `flags`.
+    """
+    header, columns = [], []
+    for name, title, unit in _COLUMNS:
+        values = numbers[name].values.astype(float)
+        factor, shown = _unit_of_column(values, unit)
+        header.append((title, "" if shown == "1" else shown, VARIABLES[name][1]))
+        half_widths = _half_widths(numbers, name)
+        if half_widths is not None:
+            pairs = zip(values * factor, half_widths * factor, strict=True)
+            columns.append([plus_minus(*pair) for pair in pairs])
+        elif name == "contact_clusters":  # a whole number
+            columns.append([f"{value:.0f}" for value in values])
+        else:
+            columns.append([number(value * factor) for value in values])
+    rows = [
+        {"cells": cells, "flags": ", ".join(words)} for *cells, words in zip(*columns, flags, strict=True)
+    ]
+    return {"header": header, "rows": rows}
+
+
+def _unit_of_column(values: np.ndarray, unit: str) -> tuple[float, str]:
+    """Return the factor and the name of the unit that suits the middle of some values."""
+    finite = np.abs(values[np.isfinite(values) & (values != 0)])
+    middle = float(np.exp(np.log(finite).mean())) if finite.size else 0.0
+    if unit == "%":
+        return 100.0, "%"
+    if unit == "Pa m-1":  # a stiffness reads best as pressure per micrometre
+        factor, shown = prefix(middle * 1e-6, "Pa")
+        return factor * 1e-6, f"{shown}/µm"
+    if unit == "J m-2":
+        factor, shown = prefix(middle, "J")
+        return factor, f"{shown}/m²"
+    return prefix(middle, unit)
+
+
+def _half_widths(numbers: xr.Dataset, name: str) -> np.ndarray | None:
+    """Return the combined uncertainty of a quantity (load), None where there is no budget for it."""
+    if f"{name}_uncertainty" not in numbers:
+        return None
+    return numbers[f"{name}_uncertainty"].sel(source="combined").values
+
+
+def score_table(window: xr.DataArray) -> Table | None:
+    """Return the table of the scores of windows of different sizes.
+
+    Parameters
+    ----------
+    window : DataArray (y, x)
+        with the attributes that `periodic_window` leaves.
+
+    Returns
+    -------
+    dict or None
+        `header`, a title for each column; `rows`, each with its `cells` and with `words` on what it is. None
+        where the window was not searched for.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.maps import height_map
+    >>> score_table(height_map(np.zeros((2, 2)), 1e-6)) is None
+    True
+    """
+    if "window_scores" not in window.attrs:
+        return None
+    candidates = json.loads(window.attrs["window_scores"])
+    parts = [f"{title} (weight {WEIGHTS[name]:g})" for name, title, _ in _SCORE_PARTS]
+    rows = []
+    for index, candidate in enumerate(candidates):
+        corner = ", ".join(quantity(value, "m") for value in candidate["offset"][::-1])
+        values = [
+            percent(candidate[name]) if in_percent else f"{candidate[name]:.2f}"
+            for name, _, in_percent in _SCORE_PARTS
+        ]
+        size = " × ".join(str(points) for points in candidate["points"][::-1])
+        words = ["solved"] * (index == 0) + ["largest rectangle"] * candidate["largest_rectangle"]
+        rows.append(
+            {"cells": [size, corner, f"{candidate['score']:.3f}", *values], "words": ", ".join(words)}
+        )
+    return {"header": ["window, points", "corner, x and y", "score", *parts], "rows": rows}
+
+
+def crosscheck_table(path: str | Path, numbers: xr.Dataset, order: np.ndarray) -> Table:
+    """Return who cross-checked the results of a surface, and by how much both differ.
+
+    Parameters
+    ----------
+    path : path
+        what `crosscheck` found.
+    numbers : Dataset
+        statistics of the surface, loads rising.
+    order : array (load,)
+        places of these loads in the file at `path`.
+
+    Returns
+    -------
+    dict
+        `code`, name and version; `header`, a title for each column; `rows`, the cells of each load.
+    """
+    other = read_dataset(path).isel(load=order)
+    header = (
+        "mean pressure p̄",
+        "pixels in contact",
+        "by the other code",
+        "points that differ",
+        "pressure, rms difference",
+        "largest pressure, difference",
+        "mean gap, difference",
+    )
+    rows = []
+    for own, theirs in ((numbers.isel(load=i), other.isel(load=i)) for i in range(order.size)):
+        relative = [
+            float(theirs[f"other_{name}"]) / float(own[name]) - 1 if own[name] > 0 else 0.0
+            for name in ("max_pressure", "mean_gap")
+        ]
+        points = float(theirs["contact_difference"])
+        rows.append(
+            [
+                quantity(float(own["mean_pressure"]), "Pa"),
+                f"{100 * float(own['relative_contact_area_pixels']):.4f} %",
+                f"{100 * float(theirs['other_contact_area_pixels']):.4f} %",
+                "–" if np.isnan(points) else f"{points:.0f}",
+                number(float(theirs["pressure_difference"]), digits=2),
+                *(number(value, digits=2) for value in relative),
+            ]
+        )
+    return {"code": f"{other.attrs['code']} {other.attrs['version']}", "header": header, "rows": rows}
+
+
+def pair_table(path: str | Path) -> Table:
+    """Return the table of pairs of faces: mean and spread over the ways to lay the faces on one another.
+
+    Parameters
+    ----------
+    path : path
+        the CSV of `collect.pairs_table`.
+
+    Returns
+    -------
+    dict
+        `header`, a title for each column; `rows`, the cells of each pair and load.
+    """
+    table = pd.read_csv(path)
+    columns = [
+        (title, _in_words(unit), f"{name}_{unit}" if unit in ("m", "Pa") else name)
+        for name, title, unit in _COLUMNS
+        if name in _OF_PAIRS
+    ]
+    rows = []
+    for _, row in table.iterrows():
+        name = " · ".join(str(row[key]) for key in ("surface", "case") if key in table)
+        cells = [name, str(row["members"])]
+        for _, show, column in columns:
+            mean, spread = float(row[column]), float(row[f"spread_{column}"])
+            cells.append(show(mean) if np.isnan(spread) else f"{show(mean)} ± {show(spread)}")
+        rows.append(cells)
+    return {"header": ["pair", "members", *(title for title, _, _ in columns)], "rows": rows}
+
+
+def _in_words(unit: str) -> Callable[[float], str]:
+    """Return what makes text of a value in this unit."""
+    return percent if unit == "%" else partial(quantity, unit=unit)
