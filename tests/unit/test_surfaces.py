@@ -122,7 +122,7 @@ def test_all_mistakes_at_once(table):
         "line 5, surface = d: stands twice",
         "line 5, dx = 'inf'",
     ):
-        assert part in said
+        assert f"\n  {part}" in said
     assert len(said.split("\n")) == 8
 
 

@@ -149,7 +149,7 @@ def _dotted(location: Sequence[str | int]) -> str:
 def _given(overrides: Any, location: Sequence[str | int]) -> bool:
     """Return whether the overrides of a case reach down to `location` (or to the group it is missing in)."""
     for part in location[:-1]:
-        if isinstance(part, int) or not isinstance(overrides, dict):
+        if not isinstance(overrides, dict):
             return True
         overrides = overrides.get(part, {})
     return not isinstance(overrides, dict) or location[-1] in overrides
