@@ -68,5 +68,13 @@ def escape_bars(app, what, name, obj, options, lines):
             literal = indent
 
 
+def rubrics_in_modules(app, what, name, obj, options, lines):
+    """Make rubrics of the headings in a docstring of a module: numpydoc does not, and modules share pages."""
+    if what == "module":
+        text = re.sub(r"^(\w+)\n-+$", r".. rubric:: \1", "\n".join(lines), flags=re.MULTILINE)
+        lines[:] = text.split("\n")
+
+
 def setup(app):
-    app.connect("autodoc-process-docstring", escape_bars, priority=100)  # before numpydoc rearranges them
+    for change in (escape_bars, rubrics_in_modules):
+        app.connect("autodoc-process-docstring", change, priority=100)  # before numpydoc rearranges them

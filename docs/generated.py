@@ -1,4 +1,4 @@
-"""Pages of the reference that are written from the code: settings, output variables, command line, modules.
+"""Pages that are written from the code: settings, variables, command line, modules, lines of the validation.
 
 The texts stand once, in the code; `conf.py` has them written into docs/generated/ and docs/reference/api/
 before every build.
@@ -6,18 +6,25 @@ before every build.
 
 import ast
 import contextlib
+import csv
 import io
 import os
+from itertools import groupby
 from pathlib import Path
-from typing import get_args
 from unittest import mock
+
+import yaml
 
 import roughcontact
 from roughcontact.command_line import program
-from roughcontact.configuration import models
+from roughcontact.configuration.fields import section_of, words_of
+from roughcontact.configuration.models import Settings
+from roughcontact.validation.lines import Evidence, Line
+from roughcontact.validation.page import cells
 from roughcontact.variables import VARIABLES
 
 PACKAGE = Path(roughcontact.__file__).parent
+VALIDATION = Path(__file__).parent / "explanation" / "validation.csv"
 
 
 def write(generated: Path, reference: Path) -> None:
@@ -26,6 +33,7 @@ def write(generated: Path, reference: Path) -> None:
         generated / "settings.md": settings(),
         generated / "variables.md": variables(),
         generated / "command-line.md": command_line_help(),
+        generated / "validation.md": validation(),
         **{reference / "api" / f"{name}.md": text for name, text in interface().items()},
     }
     for path, text in pages.items():
@@ -37,13 +45,13 @@ def write(generated: Path, reference: Path) -> None:
 def settings() -> str:
     """Return one table for each section of the settings: key, default, what it may be, meaning."""
     parts = []
-    for name, field in models.Settings.model_fields.items():
-        section = _section(field.annotation)
+    for name, field in Settings.model_fields.items():
+        section = section_of(field)
         if section is None:
             parts.append(f"## `{name}`\n\n{_sentence(field.description)} Default: {_default(field)}.")
             continue
         rows = [
-            (f"`{key}`", _default(entry), _cell(entry.description) + _choices(entry.annotation))
+            (f"`{key}`", _default(entry), _cell(entry.description) + _words(entry))
             for key, entry in section.model_fields.items()
         ]
         parts.append(f"## `{name}`\n\n{section.__doc__}\n\n" + _table(("key", "default", "meaning"), rows))
@@ -54,6 +62,29 @@ def variables() -> str:
     """Return the table of all names that a result file can hold."""
     rows = [(f"`{name}`", unit or "", _cell(meaning)) for name, (unit, meaning) in VARIABLES.items()]
     return _table(("name", "unit", "meaning"), rows) + "\n"
+
+
+def validation() -> str:
+    """Return the lines of the kept validation, one table for each part, rounded as its own page does."""
+    with VALIDATION.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    parts = [f"{len(rows)} lines, each within its tolerance."]
+    header = ("line", "reference", "roughcontact", "deviation", "tolerance")
+    for name, lines in groupby(rows, key=lambda row: row["part"]):
+        table = [tuple(map(_cell, validation_line(row))) for row in lines]
+        parts.append(f"### {name.replace('_', ' ').capitalize()}\n\n{_table(header, table)}")
+    return "\n\n".join(parts) + "\n"
+
+
+def validation_line(row: dict[str, str]) -> tuple[str, ...]:
+    """Return a row of the kept table as the page of the validation shows it."""
+    numbers = [float(row[name]) for name in ("reference", "value", "deviation")]
+    nowhere = Evidence(formula="", source="", code="", test="")
+    line = Line(row["what"], *numbers, row["measure"], float(row["tolerance"]), row["reason"], nowhere)
+    if not line.holds:
+        raise ValueError(f"{VALIDATION}: a line beyond its tolerance: {row['what']}")
+    shown = cells(line)
+    return (row["what"], *(shown[name] for name in ("reference", "value", "deviation", "tolerance")))
 
 
 def command_line_help() -> str:
@@ -130,20 +161,16 @@ def _home(name: str) -> str:
     return f"~{getattr(roughcontact, name).__module__}.{name}"
 
 
-def _section(annotation):
-    """Return the model of a section, None of a single setting."""
-    return annotation if isinstance(annotation, type) and issubclass(annotation, models.Section) else None
-
-
 def _default(field) -> str:
     """Return the default of a setting, as YAML writes it."""
     value = field.get_default(call_default_factory=True)
-    return "none" if value in (None, {}) else f"`{models._flow(value)}`"
+    text = yaml.safe_dump(value, default_flow_style=True).removesuffix("\n...\n").strip()
+    return f"`{text}`"
 
 
-def _choices(annotation) -> str:
-    """Return the words that a setting may take, as the end of a sentence."""
-    words = [word for kind in models._inner(annotation) for word in get_args(kind) if isinstance(word, str)]
+def _words(field) -> str:
+    """Return the words that a setting may be, as the end of a sentence."""
+    words = words_of(field)
     return f"; one of {', '.join(f'`{word}`' for word in words)}" if words else ""
 
 

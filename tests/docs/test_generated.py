@@ -1,0 +1,134 @@
+"""What stands in the documentation is what stands in the code: rooms, settings, variables, columns, lines."""
+
+import csv
+import importlib
+import re
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import roughcontact
+from roughcontact.configuration.fields import section_of
+from roughcontact.configuration.models import Settings
+from roughcontact.configuration.surfaces import COLUMNS
+from roughcontact.variables import VARIABLES
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "workflow/lib/roughcontact"
+
+
+@pytest.fixture(scope="module")
+def generated():
+    """The module that writes the pages."""
+    sys.path.insert(0, str(ROOT / "docs"))
+    yield importlib.import_module("generated")
+    sys.path.remove(str(ROOT / "docs"))
+
+
+@pytest.fixture(scope="module")
+def architecture():
+    return (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def rooms():
+    """The folders of the package, and the modules that lie in none."""
+    folders = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
+    return folders | {path.stem for path in PACKAGE.glob("*.py")} - {"__init__"}
+
+
+def in_picture(architecture):
+    """Return the rows of the picture, top first, each a set of rooms."""
+    picture = re.search(r"```text\n(.*?)```", architecture, re.DOTALL).group(1)
+    return [set(line.split(" | ")) for line in picture.splitlines()]
+
+
+def test_the_picture_of_the_layout_has_exactly_the_rooms_there_are(architecture, rooms):
+    rows = in_picture(architecture)
+    assert set.union(*rows) == rooms
+    assert sum(map(len, rows)) == len(rooms)
+
+
+def test_the_picture_of_the_layout_is_the_order_that_the_linter_holds(architecture):
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    (layers,) = (contract["layers"] for contract in contracts if contract["type"] == "layers")
+    assert in_picture(architecture) == [set(layer.split(" | ")) for layer in layers]
+
+
+def test_the_table_of_the_layout_explains_every_room_once(architecture, rooms):
+    table = architecture.partition("| room | what is in it |")[2].partition("\n\n")[0]
+    named = [name for row in table.splitlines() for name in re.findall(r"`(\w+)`", row.split(" | ")[0])]
+    assert sorted(named) == sorted(rooms)
+
+
+def test_every_setting_has_a_row(generated):
+    page = generated.settings()
+    for name, field in Settings.model_fields.items():
+        section = section_of(field)
+        part = page.partition(f"## `{name}`\n")[2].partition("\n## ")[0]
+        assert part.strip()
+        for key in section.model_fields if section else ():
+            assert f"\n| `{key}` | " in part
+
+
+def test_every_variable_has_a_row(generated):
+    rows = generated.variables().splitlines()[2:]
+    assert [row.split("`")[1] for row in rows] == list(VARIABLES)
+
+
+def test_every_public_function_is_on_a_page_of_the_interface(generated):
+    pages = generated.interface()
+    for path in PACKAGE.rglob("*.py"):
+        names = generated.public_names(path)
+        if path == PACKAGE / "__init__.py" or not names:
+            continue
+        room = "base" if path.parent == PACKAGE else path.relative_to(PACKAGE).parts[0]
+        assert f":members: {', '.join(names)}\n" in pages[room]
+    for name in roughcontact.__all__:
+        assert name.startswith("_") or f".{name}\n" in pages["index"]
+
+
+def test_the_help_of_every_verb_is_shown(generated):
+    page = generated.command_line_help()
+    for words in ("usage: roughcontact [-h]", "usage: roughcontact inspect", "usage: roughcontact solve"):
+        assert words in page
+    assert "--level-form" in page
+
+
+def test_every_column_of_the_table_of_surfaces_is_explained():
+    text = (ROOT / "config/README.md").read_text(encoding="utf-8")
+    table = text.partition("| column | needed |")[2].partition("\n\n")[0]
+    named = [name for row in table.splitlines() for name in re.findall(r"`(\w+)`", row.split(" | ")[0])]
+    assert sorted(named) == sorted(COLUMNS)
+
+
+def test_every_section_of_the_settings_is_named_beside_the_configuration():
+    text = (ROOT / "config/README.md").read_text(encoding="utf-8")
+    table = text.partition("| section | what it is |")[2]
+    assert re.findall(r"^\| `(\w+)`", table, re.MULTILINE) == list(Settings.model_fields)
+
+
+def test_every_line_of_the_validation_is_shown(generated):
+    with (ROOT / "docs/explanation/validation.csv").open(newline="", encoding="utf-8") as file:
+        kept = [row["what"] for row in csv.DictReader(file)]
+    shown = re.findall(r"^\| (.*?) \| ", generated.validation(), re.MULTILINE)
+    shown = [what.replace("\\", "") for what in shown if what not in ("line", "---")]
+    assert shown == kept
+    assert f"{len(kept)} lines" in (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_every_dependency_is_in_the_table_of_the_readme():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    wanted = list(project["project"]["dependencies"])
+    for extra in project["project"]["optional-dependencies"].values():
+        wanted += extra
+    for group in project["dependency-groups"].values():
+        wanted += [entry for entry in group if isinstance(entry, str)]
+    names = {re.match(r"[\w-]+", entry).group().lower() for entry in wanted}
+    # named together with what they belong to
+    names = {{"pytest-cov": "cov", "pytest-xdist": "xdist"}.get(name, name) for name in names}
+    names.discard("snakemake-executor-plugin-slurm")
+    table = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Dependencies")[2].lower()
+    assert {name for name in names if not re.search(rf"(?<![\w-]){name}(?![\w-])", table)} == set()
