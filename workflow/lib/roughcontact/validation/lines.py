@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
+from typing import SupportsFloat
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -99,10 +100,10 @@ class Part:
 
 def compare(
     what: str,
-    value: float,
-    reference: float,
+    value: SupportsFloat,
+    reference: SupportsFloat,
     *,
-    tolerance: float,
+    tolerance: SupportsFloat,
     reason: str,
     evidence: Evidence,
     measure: str = "relative",
@@ -137,9 +138,9 @@ def compare(
     >>> round(line.deviation, 6), line.holds
     (0.01, True)
     """
-    value, reference = float(value), float(reference)
-    deviation = abs(value - reference) / (abs(reference) if measure == "relative" else 1.0)
-    return Line(what, reference, value, deviation, measure, float(tolerance), reason, evidence)
+    found, known = float(value), float(reference)
+    deviation = abs(found - known) / (abs(known) if measure == "relative" else 1.0)
+    return Line(what, known, found, deviation, measure, float(tolerance), reason, evidence)
 
 
 def compare_largest(
@@ -147,7 +148,7 @@ def compare_largest(
     values: ArrayLike,
     reference: ArrayLike,
     *,
-    tolerance: float,
+    tolerance: SupportsFloat,
     reason: str,
     evidence: Evidence,
 ) -> Line:
@@ -192,7 +193,7 @@ def compare_rms(
     values: ArrayLike,
     reference: ArrayLike,
     *,
-    tolerance: float,
+    tolerance: SupportsFloat,
     reason: str,
     evidence: Evidence,
 ) -> Line:
