@@ -26,6 +26,7 @@ from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.report import map_plots
 from roughcontact.report.page import write_report
 from roughcontact.report.panel import write_panel
+from roughcontact.report.summary import embedded, summary_of
 from roughcontact.results.collect import collect_statistics
 from roughcontact.results.storage import provenance, write_dataset
 from roughcontact.statistics import checks
@@ -34,6 +35,9 @@ from roughcontact.window.periodic_window import periodic_window
 
 STAGES = ("height", "levelled", "window", "contact", "statistics")
 SETTINGS = {"contact": {"contact_modulus": 2e9}, "note": "<b>&"}
+INSTRUMENT = json.dumps(
+    {"kind": "optical profiler", "acquisition_time": "2011-07-23", "numerical_aperture": 0.4}
+)
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome") or shutil.which("chrome")
 
 
@@ -88,7 +92,7 @@ def page(tmp_path_factory):
         run_surface(folder, "holes", holes),
         run_surface(folder, "profile", profile),
         run_surface(folder, "flat", flat, loads=[1e6, 2e6]),
-        run_surface(folder, "sparse", rough(3), keep_fields=False),
+        run_surface(folder, "sparse", rough(3).assign_attrs(instrument=INSTRUMENT), keep_fields=False),
     ]
     return assemble(folder, runs, title="Four <surfaces>")
 
@@ -152,12 +156,24 @@ def test_numbers_of_the_page_are_those_of_the_file(page):
     assert "remarks" in text
 
 
-def test_metadata_of_the_instrument_stand_under_their_labels(tmp_path):
-    known = {"kind": "optical profiler", "acquisition_time": "2011-07-23", "numerical_aperture": 0.4}
-    height = rough().assign_attrs(instrument=json.dumps(known))
-    panel, _ = run_surface(tmp_path, "ground", height, loads=[1e6])
+def test_metadata_of_the_instrument_stand_under_their_labels(page):
+    panel = page.parent / "all" / "sparse" / "panel.html"
     said = "kind optical profiler, date 2011-07-23, numerical aperture 0.4"
     assert said in panel.read_text(encoding="utf-8")
+
+
+def test_a_panel_says_of_itself_what_was_embedded():
+    known = {
+        "identifier": "one",
+        "name": "one</script><p class='summary'>& \"two\"",
+        "verdict": "look",
+        "reasons": ["Form: <b> & ±"],
+    }
+    decoy = '<script type="application/json" class="other">{}</script>'
+    panel = (
+        f'<section>{decoy}<script type="application/json" class="summary">{embedded(known)}</script>{decoy}'
+    )
+    assert summary_of(panel, "panel.html") == known
 
 
 def test_cases_stand_side_by_side(tmp_path):

@@ -147,6 +147,14 @@ def spectrum_caption(window: xr.DataArray) -> str:
     Returns
     -------
     str
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.maps import height_map
+    >>> band = {"band_shortest": 2e-6, "band_longest": 1e-4, "band_removed_rms_height": 0.0}
+    >>> spectrum_caption(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(band))
+    'Mean over all directions. Waves from 2.00 µm to 100 µm are solved.'
     """
     shortest, longest = (quantity(window.attrs[f"band_{end}"], "m") for end in ("shortest", "longest"))
     band = f"Waves from {shortest} to {longest} are solved"

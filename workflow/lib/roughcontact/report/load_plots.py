@@ -153,6 +153,13 @@ def gap_against_load(statistics: xr.Dataset) -> str:
     -------
     str
         source of the image, a data URI.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> numbers = xr.Dataset({"mean_pressure": ("load", [1e6, 2e6]), "mean_gap": ("load", [2e-7, 1e-7])})
+    >>> gap_against_load(numbers.assign(rms_height=3e-7)).partition(",")[0]
+    'data:image/svg+xml;base64'
     """
     order = np.argsort(statistics["mean_pressure"].values)
     load, gap = (statistics[name].values[order] for name in ("mean_pressure", "mean_gap"))

@@ -71,6 +71,14 @@ def pressure_map(height: xr.DataArray, pressure: np.ndarray) -> str:
     -------
     str
         source of the image, a data URI.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.maps import height_map as labelled
+    >>> pressure = np.array([[0.0, 2e6, 0.0]])
+    >>> pressure_map(labelled(np.array([[0.0, 1e-6, 0.0]]), 1e-6), pressure).partition(",")[0]
+    'data:image/svg+xml;base64'
     """
     if 1 in pressure.shape:
         return _profile(height, [(pressure.ravel(), "pressure", COLOURS[1])], label="pressure", unit="Pa")
