@@ -4,6 +4,8 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from scipy import ndimage
+from scipy.optimize import brentq
 
 from roughcontact.choices import WindowMethod
 from roughcontact.levelling.level import level
@@ -205,6 +207,134 @@ def test_periodicity_of_simple_maps():
     # neighbours without relation, and maps too small, show nothing
     assert not periodisation.is_periodic(np.random.default_rng(0).standard_normal((40, 60)))
     assert not periodisation.is_periodic(np.cos(2 * np.pi * np.arange(20) / 20)[None, :])
+
+
+def line_waves(steps, rows):
+    """Waves along x, from point to point by such phases, shifted evenly against one another from row to row.
+
+    A step by the phase d has the rms 2 sin(d / 2) over the rows, and the rms height is 1. Down the rows the
+    map is periodic, whatever the phases.
+    """
+    phases = np.concatenate([[0.0], np.cumsum(steps)])
+    shifts = 2 * np.pi * np.arange(rows)[:, None] / rows
+    return np.sqrt(2) * np.cos(phases + shifts)
+
+
+@pytest.mark.parametrize("rows", [9, 100, 2500])
+def test_how_steep_a_seam_may_be(rows):
+    """By 20 % + 1.5 / sqrt(points of the seam) steeper than inside, and not by more."""
+    columns, turns = 41, 4
+
+    def steepness(seam):
+        """Larger one of the rms step and the rms change of slope at the seam, over those inside."""
+        inside = (2 * np.pi * turns - seam) / (columns - 1)
+        bend = abs(np.exp(1j * seam) - 2 + np.exp(-1j * inside))
+        return max(np.sin(seam / 2) / np.sin(inside / 2), bend / (4 * np.sin(inside / 2) ** 2))
+
+    for factor, periodic in ((0.999, True), (1.001, False)):
+        wanted = factor * (1.2 + 1.5 / np.sqrt(rows))
+        seam = brentq(lambda phase, wanted=wanted: steepness(phase) - wanted, 0.65, 2.0)
+        inside = (2 * np.pi * turns - seam) / (columns - 1)
+        values = line_waves(np.full(columns - 1, inside), rows)
+        assert periodisation.is_periodic(values) is periodic
+        assert periodisation.is_periodic(values.T) is periodic
+
+
+@pytest.mark.parametrize(("steep", "periodic"), [(0, False), (2, False), (3, True), (8, True)])
+def test_a_seam_may_be_as_steep_as_the_steepest_twentieth_inside(steep, periodic):
+    """2 of 40 steps inside are just a twentieth: the 95 % that are not exceeded know nothing of them."""
+    flat = (2 * np.pi * 3 - 0.8 * (steep + 1)) / (40 - steep)
+    steps = np.full(40, flat)
+    steps[2 : 2 + 4 * steep : 4] = 0.8
+    assert flat < 0.6
+    assert periodisation.is_periodic(line_waves(steps, 2500)) is periodic
+
+
+@pytest.mark.parametrize(("turns", "periodic"), [(204, True), (206, False)])
+def test_neighbours_as_good_as_unrelated_show_nothing(turns, periodic):
+    """The rms step is 1.197 and 1.206 times the rms height."""
+    values = line_waves(np.full(999, 2 * np.pi * turns / 1000), 16)
+    assert periodisation.is_periodic(values) is periodic
+
+
+def test_sixty_four_points_are_enough():
+    wave = np.cos(2 * np.pi * np.arange(64) / 32)[None, :]
+    assert periodisation.is_periodic(wave)
+    assert not periodisation.is_periodic(np.cos(2 * np.pi * np.arange(63) / 31.5)[None, :])
+
+
+def test_two_columns_say_nothing_and_three_do():
+    wave = np.cos(2 * np.pi * np.arange(64) / 32)[:, None]
+    assert periodisation.is_periodic(wave + np.array([0.0, 0.1]))
+    assert not periodisation.is_periodic(wave + np.array([0.0, 0.1, 0.2]))
+
+
+def test_the_form_is_put_back_only_where_that_makes_the_map_periodic():
+    x = np.arange(128)[None, :]
+    wave = np.sin(2 * np.pi * x / 64) + 3.0
+    heights, put_back = periodisation.periodic_heights(wave, 0.1 * x)
+    assert heights is wave
+    assert not put_back
+    heights, put_back = periodisation.periodic_heights(wave - 0.1 * x, 0.1 * x)
+    assert put_back
+    np.testing.assert_allclose(heights, wave - 3.0, atol=1e-12)
+    assert periodisation.periodic_heights(wave + 0.1 * x, 0.1 * x) is None
+    assert periodisation.periodic_heights(wave + 0.1 * x, np.full(x.shape, 0.3)) is None
+
+
+@pytest.mark.parametrize("band", [1, 4, 5])
+def test_each_point_of_a_cross_fade(band):
+    """The result starts in the middle of the band, rounded down."""
+    values = np.random.default_rng(6).standard_normal((3, 20 + band))
+    place = np.arange(20) + band // 2
+    weight = np.sin(np.pi / 2 * (np.arange(band) + 0.5) / band) ** 2
+    expected = np.empty((3, 20))
+    for column, at in enumerate(place % 20):
+        expected[:, column] = values[:, at]
+        if at < band:
+            expected[:, column] = weight[at] * values[:, at] + (1 - weight[at]) * values[:, 20 + at]
+    np.testing.assert_allclose(periodisation.cross_fade(values, (0, band)), expected, atol=1e-14)
+    np.testing.assert_allclose(periodisation.cross_fade(values.T, (band, 0)), expected.T, atol=1e-14)
+
+
+@pytest.mark.parametrize("correlation", [-0.9, 0.0, 0.6, 1.0])
+def test_variance_is_kept_whatever_the_correlation_of_the_ends(correlation):
+    """Ends that are against one another count as unrelated, so that nothing blows up."""
+    generator = np.random.default_rng(7)
+    values, other = generator.standard_normal((2, 20_000, 30))
+    values[:, 20:] = correlation * values[:, :10] + np.sqrt(1 - correlation**2) * other[:, :10]
+    kept = periodisation.cross_fade(values, (0, 10), keep_variance=True).std(axis=0)
+    weight = np.sin(np.pi / 2 * (np.arange(10) + 0.5) / 10) ** 2
+    blended = np.ones(20)
+    if correlation < 0:
+        both = 2 * weight * (1 - weight)
+        blended[:10] = np.sqrt((1 - both + both * correlation) / (1 - both))
+    np.testing.assert_allclose(kept, np.roll(blended, -5), rtol=0.03)
+
+
+def test_smooth_cross_fade_by_its_parts():
+    """Long waves are what a Gaussian over half of the band passes; 0.55 of their smooth component goes."""
+    values = np.cumsum(np.random.default_rng(8).standard_normal((70, 83)), axis=1)
+    band = (6, 9)
+    long_waves = ndimage.gaussian_filter(values, [3.0, 4.5], mode="reflect", truncate=10)
+    inner = long_waves[3:67, 4:78]
+    smooth = np.pad(inner - periodisation.periodic_plus_smooth(inner, (2.0, 1.0)), ((3, 3), (4, 5)), "edge")
+    expected = periodisation.cross_fade(long_waves - 0.55 * smooth, band)
+    expected += periodisation.cross_fade(values - long_waves, band, keep_variance=True)
+    found = periodisation.smooth_cross_fade(values, band, (2.0, 1.0))
+    np.testing.assert_allclose(found, expected, atol=1e-10)
+
+
+def test_taper_of_a_map_is_the_product_of_both_windows():
+    values = np.random.default_rng(9).standard_normal((16, 30)) + 2.0
+    tapered = periodisation.taper(values, 0.25)
+    windows = []
+    for points in values.shape:
+        distance = np.minimum(np.arange(points) + 0.5, points - 0.5 - np.arange(points))
+        rising = 0.5 * (1 - np.cos(np.pi * distance / (0.25 * points / 2)))
+        windows.append(np.where(distance < 0.25 * points / 2, rising, 1.0))
+    expected = (values - values.mean()) * windows[0][:, None] * windows[1] + values.mean()
+    np.testing.assert_allclose(tapered, expected, atol=1e-14)
 
 
 def ratios(method, width=0.125):

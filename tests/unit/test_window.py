@@ -82,6 +82,20 @@ def test_friendly_sides(points, side):
     assert friendly_sides(points)[points] == side
 
 
+@pytest.mark.parametrize(
+    ("points", "side"),
+    [
+        (32, 32),
+        (31, 31),  # up to 32 points any side is good
+        (37, 36),
+        (499, 480),  # 486 is 0.0124 longer (logarithm), 480 halves 2.9 times more down to 32: worth 0.0585
+        (500, 500),  # 0.0408 longer than 480, which halves twice as often: worth 0.0393
+    ],
+)
+def test_halvings_against_points(points, side):
+    assert friendly_sides(points)[points] == side
+
+
 def test_friendly_sides_fit_have_small_factors_and_lose_little():
     sides = friendly_sides(3000)
     for points in range(33, 3001):
@@ -239,6 +253,60 @@ def test_maps_without_a_window():
     with pytest.raises(HeightMapError, match=r"window.min_share = 0.1: fill the holes"):
         periodic_window(height_map(holes, 1.0), min_share=0.1)
     assert periodic_window(height_map(holes, 1.0), min_share=0.0, method="raw").shape == (7, 120)
+
+
+def test_limits_of_the_options_are_allowed():
+    levelled = level(cut_out((40, 50)))
+    assert periodic_window(levelled, width=0.0, min_share=0.0).shape == (40, 50)
+    half = periodic_window(levelled, width=0.5)  # 26 + 13 of 40, 32 + 16 of 50 points
+    assert half.shape == (26, 32)
+    for options in ({"width": 0.5001}, {"width": -0.0001}, {"min_share": 1.0001}, {"min_share": -0.0001}):
+        with pytest.raises(SettingsError, match="give a share"):
+            periodic_window(levelled, **options)
+
+
+@pytest.mark.parametrize("placement", ["largest", "search"])
+def test_a_window_may_be_just_as_small_as_the_least_share(placement):
+    """27 x 50 of 30 x 100 points: the left half is missing, and three rows."""
+    values = cut_out((30, 100)).values
+    values[:, :50] = values[27:] = np.nan
+    height = height_map(values, 1e-6)
+    options = {"placement": placement, "method": "raw"}
+    assert periodic_window(height, min_share=0.45, **options).attrs["window_share"] == 0.45
+    with pytest.raises(HeightMapError, match=r"has 50 x 27 points, 45\.0 % of the map"):
+        periodic_window(height, min_share=0.4501, **options)
+
+
+def test_a_search_keeps_to_the_least_share_and_records_a_few():
+    levelled = level(cut_out((110, 120)))
+    least = 0.6
+    window = periodic_window(levelled, placement="search", method="raw", min_share=least)
+    scores = json.loads(window.attrs["window_scores"])
+    assert len(scores) in (6, 7)  # the best six, and the largest rectangle where it is none of them
+    assert all(np.prod(s["points"]) >= least * 110 * 120 for s in scores)
+    assert [s["score"] for s in scores[:6]] == sorted(s["score"] for s in scores[:6])
+
+
+def test_the_window_lies_in_the_middle_of_the_rectangle():
+    """101 columns hold 100; 107 hold 100 as well and leave 3 and 4."""
+    levelled = level(cut_out((101, 107)))
+    window = periodic_window(levelled, method="raw")
+    assert window.shape == (100, 100)
+    assert window.attrs["window_offset_y"] == 0
+    assert window.attrs["window_offset_x"] == pytest.approx(3e-6)
+
+
+def test_a_blended_point_counts_as_filled_where_a_filled_one_has_a_weight():
+    values = cut_out((64, 110)).values
+    values[20, 2] = np.nan  # in the band along x: it is blended with the point one side on
+    levelled = level(height_map(values, 1e-6))
+    window = periodic_window(levelled, method="cross-fade", width=0.1)
+    assert window.shape == (54, 100)
+    assert np.argwhere(window["filled"].values == 1).tolist() == [[18, 97]]
+    values = cut_out((64, 110)).values
+    values[20, 102] = np.nan  # the other one of the two
+    window = periodic_window(level(height_map(values, 1e-6)), method="cross-fade", width=0.1)
+    assert np.argwhere(window["filled"].values == 1).tolist() == [[18, 97]]
 
 
 @pytest.mark.parametrize(

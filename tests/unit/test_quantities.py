@@ -1,0 +1,84 @@
+"""Numbers as people read them: which prefix, how many digits, at which limits."""
+
+import numpy as np
+import pytest
+
+from roughcontact.quantities import number, percent, plus_minus, prefix, quantity
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "factor", "shown"),
+    [
+        (1500.0, "m", 1e-3, "km"),
+        (1000.0, "m", 1e-3, "km"),
+        (999.94, "m", 1.0, "m"),
+        (999.96, "m", 1e-3, "km"),  # four digits would be 1000
+        (1.0, "m", 1.0, "m"),
+        (0.99994, "m", 1e3, "mm"),
+        (0.99996, "m", 1.0, "m"),
+        (-2.5e-6, "m", 1e6, "µm"),
+        (1e-15, "m", 1e15, "fm"),
+        (1e-16, "m", 1.0, "m"),  # no prefix below
+        (3e12, "Pa", 1e-12, "TPa"),
+        (3e16, "Pa", 1e-12, "TPa"),  # none above
+        (2e3, "J", 1e-3, "kJ"),
+        (2e3, "m-1", 1.0, "m-1"),  # composed units take none
+        (2e3, "1", 1.0, "1"),
+        (0.0, "m", 1.0, "m"),
+        (np.inf, "m", 1.0, "m"),
+    ],
+)
+def test_prefix(value, unit, factor, shown):
+    assert prefix(value, unit) == (factor, shown)
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [
+        (1.5, 2, "1.5 km"),
+        (1.5, 3, "1.50 km"),
+        (12.345, 3, "12.3 km"),
+        (0.25, 3, "250 m"),
+    ],
+)
+def test_kilometres(value, digits, text):
+    assert quantity(1000 * value, "m", digits=digits) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [
+        (1e-3, 3, "0.00100"),
+        (0.99949e-3, 3, "9.99×10⁻⁴"),
+        (0.9996e-3, 3, "0.00100"),  # rounds up to what is written without a power
+        (999499.0, 3, "999499"),
+        (999600.0, 3, "1.00×10⁶"),
+        (-0.5, 1, "−0.5"),
+        (-1.25e9, 3, "−1.25×10⁹"),
+        (-np.inf, 3, "−∞"),
+        (0.0, 3, "0"),
+    ],
+)
+def test_number(value, digits, text):
+    assert number(value, digits=digits) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "half_width", "text"),
+    [
+        (0.123456, 0.0096, "0.1235 ± 0.0096"),
+        (0.123456, 0.00999, "0.123 ± 0.010"),  # two digits after rounding
+        (-12.34, 1.2, "−12.3 ± 1.2"),
+        (123456.0, 1234.0, "123500 ± 1200"),
+        (1.0, np.nan, "1.00"),
+        (1.0, np.inf, "1.00"),
+        (1.0, -0.1, "1.00"),
+        (1e-9, 2e-12, "1.00×10⁻⁹ ± 2.0×10⁻¹²"),  # too small for places
+    ],
+)
+def test_plus_minus(value, half_width, text):
+    assert plus_minus(value, half_width) == text
+
+
+def test_percent_of_extremes():
+    assert [percent(share) for share in (0.0, 1.0, 1e-7, np.nan)] == ["0 %", "100 %", "1.00×10⁻⁵ %", "– %"]
