@@ -250,6 +250,15 @@ def test_a_seam_may_be_as_steep_as_the_steepest_twentieth_inside(steep, periodic
     assert periodisation.is_periodic(line_waves(steps, 2500)) is periodic
 
 
+@pytest.mark.parametrize("before", [True, False])
+def test_a_kink_on_one_side_of_the_seam_is_seen(before):
+    """Steps shrink bit by bit from the first to the last, and the seam is like the first one; or reversed."""
+    steps = np.linspace(10.0, 1.0, 60)
+    steps *= 2 * np.pi / (steps.sum() + steps[0])
+    values = line_waves(steps if before else steps[::-1], 2500)
+    assert not periodisation.is_periodic(values)
+
+
 @pytest.mark.parametrize(("turns", "periodic"), [(204, True), (206, False)])
 def test_neighbours_as_good_as_unrelated_show_nothing(turns, periodic):
     """The rms step is 1.197 and 1.206 times the rms height."""
