@@ -93,7 +93,8 @@ def parsed(page):
 def checkout(tmp_path, monkeypatch):
     """A copy of the checkout with this environment on the path, as working directory.
 
-    Every `python3 run.py` works in this environment and installs nothing: `.ci/run` does that, from nothing.
+    `python3 run.py` and `roughcontact` are those of this checkout, in this environment, and install nothing:
+    `.ci/run` does that, from nothing.
     """
     for name in ("run.py", "Snakefile", "pyproject.toml"):
         shutil.copy(ROOT / name, tmp_path)
@@ -102,14 +103,17 @@ def checkout(tmp_path, monkeypatch):
     (tmp_path / "workflow").symlink_to(ROOT / "workflow")
     programs = tmp_path / ".programs"
     programs.mkdir()
+    python = shlex.quote(sys.executable)
     start = "import pathlib, run, sys; run.install = lambda *_: None; "
     start += "run.BIN = pathlib.Path(sys.executable).parent; sys.exit(run.main(sys.argv[1:]))"
-    python = shlex.quote(sys.executable)
-    (programs / "python3").write_text(
-        f'#!/bin/sh\n[ "$1" = run.py ] || exec {python} "$@"\n'
-        f'shift; exec {python} -c {shlex.quote(start)} "$@"\n'
-    )
-    (programs / "python3").chmod(0o755)
+    start = shlex.quote(start)
+    scripts = {
+        "python3": f'[ "$1" = run.py ] || exec {python} "$@"\nshift\nexec {python} -c {start} "$@"',
+        "roughcontact": f'exec {python} -m roughcontact.command_line "$@"',
+    }
+    for name, script in scripts.items():
+        (programs / name).write_text(f"#!/bin/sh\n{script}\n")
+        (programs / name).chmod(0o755)
     path = [str(programs), str(Path(sys.executable).parent), os.environ["PATH"]]
     monkeypatch.setenv("PATH", os.pathsep.join(path))
     monkeypatch.setenv("PYTHONPATH", str(ROOT / "workflow/lib"))
