@@ -123,6 +123,7 @@ def test_all_mistakes_at_once(table):
         "line 5, dx = 'inf'",
     ):
         assert f"\n  {part}" in said
+    assert said.split("\n")[0] == f"mistakes in the table of surfaces {path}:"
     assert len(said.split("\n")) == 8
 
 
@@ -134,7 +135,7 @@ def test_all_mistakes_at_once(table):
         (["surface\tpath\tpath", "a\tb\tc"], "column 'path': stands twice"),
         (["surface,path", "a,b"], "columns are separated by tabs"),
         (["surface\tpath"], "has no row"),
-        ([""], "is empty"),
+        ([""], "surfaces.tsv: is empty; write a header (surface, path) and one row each"),
     ],
 )
 def test_tables_that_are_none(table, lines, said):

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
@@ -112,10 +112,7 @@ def _keys(location: Sequence[str | int]) -> list[str]:
 
 
 def _parts(annotation: Any) -> list[Any]:
-    """Return the types within an annotation, unions and annotated types and lists taken apart."""
-    origin = get_origin(annotation)
-    if origin is Annotated:
-        return _parts(get_args(annotation)[0])
-    if origin in (Union, UnionType, list):
+    """Return the types within an annotation, unions and lists taken apart."""
+    if get_origin(annotation) in (Union, UnionType, list):
         return [kind for part in get_args(annotation) for kind in _parts(part)]
     return [annotation]
