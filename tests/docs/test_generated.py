@@ -42,7 +42,7 @@ def rooms():
 def in_picture(architecture):
     """Return the rows of the picture, top first, each a set of rooms."""
     picture = re.search(r"```text\n(.*?)```", architecture, re.DOTALL).group(1)
-    return [set(line.split(" | ")) for line in picture.splitlines()]
+    return [set(line.strip("│ ").split(" | ")) for line in picture.splitlines() if line.startswith("│")]
 
 
 def test_the_picture_of_the_layout_has_exactly_the_rooms_there_are(architecture, rooms):
