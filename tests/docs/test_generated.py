@@ -132,3 +132,17 @@ def test_every_dependency_is_in_the_table_of_the_readme():
     names.discard("snakemake-executor-plugin-slurm")
     table = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Dependencies")[2].lower()
     assert {name for name in names if not re.search(rf"(?<![\w-]){name}(?![\w-])", table)} == set()
+
+
+def test_the_recipes_name_files_and_functions_that_exist():
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`([^`\n]+)`", re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)))
+    source = "\n".join(path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py"))
+    files = {name for name in named if re.fullmatch(r"[\w./*-]+\.(py|md)", name) and "NAME" not in name}
+    functions = {name for name in named if re.fullmatch(r"[a-z_]+_[a-z_]+|PARTS|Check|ToldBy", name)}
+    functions -= {"data_samples", *(path.name for path in PACKAGE.iterdir())}
+    assert len(files) > 15
+    assert len(functions) > 4
+    assert [name for name in files if not (any(ROOT.glob(name)) or any(PACKAGE.glob(f"**/{name}")))] == []
+    defined = set(re.findall(r"^(?:def |class )?(\w+)(?:\(| = )", source, re.MULTILINE))
+    assert functions - defined == set()
