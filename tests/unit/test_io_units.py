@@ -48,3 +48,48 @@ def test_message_names_the_nearest_spelling():
         SettingsError, match=r"unit: unknown length unit 'mircon'; did you mean 'micron'\? accepted are m,"
     ):
         metres("mircon", where="unit", error=SettingsError)
+
+
+@pytest.mark.parametrize(
+    ("prefix", "symbol", "power"),
+    [
+        ("kilo", "k", 3),
+        ("", "", 0),
+        ("deci", "d", -1),
+        ("centi", "c", -2),
+        ("milli", "m", -3),
+        ("micro", "u", -6),
+        ("micro", "\u00b5", -6),
+        ("nano", "n", -9),
+        ("pico", "p", -12),
+    ],
+)
+def test_every_prefix_of_the_metre(prefix, symbol, power):
+    for spelling in (f"{symbol}m", *(f"{prefix}{word}" for word in ("metre", "metres", "meter", "meters"))):
+        assert metres(spelling) == float(f"1e{power}")
+
+
+@pytest.mark.parametrize(
+    ("spellings", "inches"),
+    [
+        (("in", "inch", "inches", '"', "Inch"), 1.0),
+        (("mil", "mils", "thou", "Mils", "THOU"), 1e-3),
+        (("uin", "\u03bcin", "microinch", "microinches", "MicroInch"), 1e-6),
+    ],
+)
+def test_an_inch_is_25_4_millimetres(spellings, inches):
+    for spelling in spellings:
+        assert metres(spelling) == pytest.approx(25.4e-3 * inches, rel=1e-15)
+
+
+@pytest.mark.parametrize("symbol", ["Mil", "MIL", "UIN", "Uin", "IN", "KM", "Um"])
+def test_symbols_of_up_to_three_letters_are_case_sensitive(symbol):
+    assert not is_length(symbol)
+
+
+def test_what_is_like_no_unit_gets_no_hint():
+    with pytest.raises(InputFileError) as caught:
+        metres("\u00b5\u00b5\u00b5", where="file, line 3")
+    assert str(caught.value).startswith(
+        "file, line 3: unknown length unit '\u00b5\u00b5\u00b5'; accepted are m, mm"
+    )
