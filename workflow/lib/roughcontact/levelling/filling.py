@@ -77,7 +77,7 @@ def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[floa
     Raises
     ------
     HeightMapError
-        where the heights around a hole are so far apart that the equation cannot be solved.
+        where 500 iterations do not solve the equation of a wide hole.
 
     References
     ----------

@@ -12,8 +12,8 @@ def lay_period(values: np.ndarray, axis: int) -> float | None:
     """Return the period of the lay along an axis, or None where there is none.
 
     The place of the first maximum of the autocorrelation along the axis (mean over lines), after it has gone
-    below zero, that comes near the highest one (0.8 of it). It must reach 0.3, and at least four periods must
-    fit into the map.
+    below zero, that comes near the highest one (0.8 of it). It must reach 0.3, and more than four periods
+    must fit into the map.
 
     Parameters
     ----------
