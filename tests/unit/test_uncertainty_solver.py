@@ -77,6 +77,12 @@ def test_points_within_reach_are_those_near_the_edge_of_the_contact():
     assert points_within_reach(wide, np.array([[0.0, 0.0, 2.0, 2.0]]), 0.01) == 0.5
 
 
+@pytest.mark.parametrize(("pressure", "counted"), [(0.19, 0.5), (0.21, 0.0)])
+def test_half_of_the_points_within_four_reaches_are_counted(pressure, counted):
+    pressures = np.array([[10.0, pressure, 0.0, 0.0]])  # rms 5: the reach is 0.05
+    assert points_within_reach(pressures, np.array([[0.0, 0.0, 2.0, 2.0]]), 0.01) == counted
+
+
 def test_what_lies_at_the_reach_is_not_within_it():
     pressure, gap = np.array([[8.0, 0.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 0.0, 2.0]])
     # rms pressure 4, rms gap 1: the reach of the gap is the bound itself
