@@ -1,15 +1,19 @@
 """The figures of the validation page."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from roughcontact.report.figures import COLOURS, MARKERS, as_png, as_svg, new_figure
 
+if TYPE_CHECKING:
+    from mpl_toolkits.mplot3d.axes3d import Axes3D
+
 Curve = tuple[str, ArrayLike, ArrayLike]  # label, x values, y values
 
-_KNOWN = {"color": "#444444", "linewidth": 1.2}
+_KNOWN: dict[str, Any] = {"color": "#444444", "linewidth": 1.2}
 _SHADES = ("#444444", "#7a4a00", "#00563d", "#96210a")  # a dark colour for each theory
 _LINES = ("-", "--", ":", "-.")
 
@@ -61,7 +65,7 @@ def chart(
                 label=label,
             )
         for label, horizontal, vertical in published:
-            style = {"linestyle": "none", "marker": "o", "markersize": 9, "fillstyle": "none"}
+            style: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 9, "fillstyle": "none"}
             axes.plot(horizontal, vertical, color="#444444", label=label, **style)
         for horizontal, vertical in more:
             axes.plot(horizontal, vertical, **_KNOWN)
@@ -178,7 +182,7 @@ def pressure_relief(
         the picture as data URI.
     """
     with new_figure(4.6, 3.8, layout=None) as figure:
-        axes = figure.add_axes((0.0, 0.02, 0.88, 0.9), projection="3d")
+        axes = cast("Axes3D", figure.add_axes((0.0, 0.02, 0.88, 0.9), projection="3d"))
         axes.plot_surface(*np.meshgrid(x, y), pressure, cmap="viridis", rcount=64, ccount=64, linewidth=0)
         axes.set_xlabel(labels[0])
         axes.set_ylabel(labels[1])
