@@ -2,19 +2,28 @@
 
 import sys
 
-from small_project import ROOT, SETTINGS, TABLE
+from small_project import ROOT, SETTINGS, TABLE, counted
 
 from roughcontact.results.storage import read_dataset
 
 
-def test_the_differences_stand_in_the_report(project):
+def checked_by(python):
+    """Return the settings of a run that the code of that Python checks."""
+    return SETTINGS | {"crosscheck": {"code": "tamaas", "python": str(python)}}
+
+
+def test_a_run_stops_where_the_code_is_missing_and_goes_on_where_it_is_there(project):
+    project.write(checked_by(sys.executable), TABLE[:2])
+    run = project.run()
+    assert run.returncode != 0
+    assert "[crosscheck ground] ERROR: Tamaas did not solve the problem" in run.stderr
+    assert "No module named 'tamaas'" in run.stderr
+
     python = project.path("python")
     python.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{ROOT / "tests/other_code.py"}" "$@"\n')
     python.chmod(0o755)
-    settings = SETTINGS | {"crosscheck": {"code": "tamaas", "python": str(python)}}
-    project.write(settings, TABLE[:2])
-    run = project.run()
-    assert run.returncode == 0, run.stderr
+    project.write(checked_by(python), TABLE[:2])
+    assert counted(project.run()) == {"crosscheck": 1, "panel": 1, "collect": 1, "report": 1}
     other = read_dataset(project.path("results/ground/crosscheck.nc"))
     assert (other["pressure_difference"] < 1e-3).all()
     html = project.path("results/report.html").read_text()
@@ -23,11 +32,3 @@ def test_the_differences_stand_in_the_report(project):
     assert project.jobs() == {}
     project.write(SETTINGS, TABLE[:2])
     assert project.jobs() == {"panel": 1, "report": 1}
-
-
-def test_a_code_that_is_missing_stops_the_run_with_a_sentence(project):
-    project.write(SETTINGS | {"crosscheck": {"code": "tamaas", "python": sys.executable}}, TABLE[:2])
-    run = project.run()
-    assert run.returncode != 0
-    assert "[crosscheck ground] ERROR: Tamaas did not solve the problem" in run.stderr
-    assert "No module named 'tamaas'" in run.stderr

@@ -147,7 +147,8 @@ def test_a_name_that_a_pair_needs(project):
 
 def test_a_missing_counter_face_is_named(project):
     project.write(settings(), [row.replace("turned.txt", "nothing.x3p") for row in PAIR])
-    run = project.run("--keep-going")
+    run = project.run("--keep-going", *(f"results/{name}/window.nc" for name in ("ground", "seal-1")))
     assert run.returncode != 0
     assert "measured/nothing.x3p: no such file" in run.stderr
-    assert project.path("results/ground/statistics.nc").exists()
+    assert project.path("results/ground/window.nc").exists()
+    assert not project.path("results/seal-1/window.nc").exists()
