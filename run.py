@@ -19,6 +19,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
+PACKAGE = ROOT / "workflow/lib/roughcontact"
 MOST_WORKERS = 4  # of the tests; each of them keeps a few hundred megabytes
 
 
@@ -77,10 +78,12 @@ def work(*arguments):
 
 
 def lint():
-    """Check format, style and the order of the rooms; return 1 where one of them fails."""
+    """Check format, style, docstrings, types and the order of the rooms; return 1 where one fails."""
     checks = [
         [BIN / "ruff", "format", "--check", "."],
         [BIN / "ruff", "check", "."],
+        [BIN / "numpydoc", "lint", *sorted(PACKAGE.rglob("*.py"))],
+        [BIN / "mypy"],
         [BIN / "lint-imports", "--no-logo"],
         [BIN / "snakefmt", "--check", "Snakefile", "workflow/rules"],
         [BIN / "snakemake", "--lint"],

@@ -38,7 +38,7 @@ _HOME = {
     "ConvergenceError": "roughcontact.errors",
 }
 
-__all__ = ["__version__", *_HOME]
+__all__ = ["__version__", *_HOME]  # noqa: PLE0604 - the keys are strings
 
 
 def __getattr__(name):

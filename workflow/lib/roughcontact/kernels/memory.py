@@ -99,9 +99,8 @@ class Store:
             insort(self._free, self._returned.popleft())
         ranges, self._free = self._free, []
         for start, end in ranges:
-            if self._free and self._free[-1][1] == start:
-                start, _ = self._free.pop()
-            self._free.append((start, end))
+            touching = self._free and self._free[-1][1] == start
+            self._free.append((self._free.pop()[0] if touching else start, end))
 
     def _give_back(self) -> None:
         self._take_back()

@@ -1,4 +1,4 @@
-"""netCDF: each variable over two axes, in the units that it and its coordinates carry.
+"""NetCDF: each variable over two axes, in the units that it and its coordinates carry.
 
 Row j is the j-th y; row 0 is the lowest line.
 """
