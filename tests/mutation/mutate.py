@@ -148,9 +148,10 @@ def annotations(source):
     """Return from where to where the annotations of a module go: `float | None` computes nothing."""
     found = []
     for node in ast.walk(ast.parse(source)):
-        for kind in ("annotation", "returns"):
-            if (part := getattr(node, kind, None)) is not None:
-                found.append(((part.lineno, part.col_offset), (part.end_lineno, part.end_col_offset)))
+        parts = (getattr(node, kind, None) for kind in ("annotation", "returns"))
+        found += [
+            ((part.lineno, part.col_offset), (part.end_lineno, part.end_col_offset)) for part in parts if part
+        ]
     return found
 
 
