@@ -8,6 +8,7 @@ environment of the tests.
 
 import argparse
 import ast
+import hashlib
 import os
 import random
 import re
@@ -90,10 +91,15 @@ def run(name, part, given):
         ]
         (copy / "mutation.toml").write_text("\n".join(settings), encoding="utf-8")
         call = [str(Path(sys.executable).with_name("cosmic-ray"))]
+        digest = hashlib.sha256(b"".join((copy / module).read_bytes() for module in modules)).hexdigest()
+        kept = session.with_suffix(".sha256")
         if given.again:
+            if kept.read_text() != digest:
+                sys.exit(f"{name}: its modules have changed since the last run; start anew, without --again")
             forget_survivors(session)
         else:
             session.unlink(missing_ok=True)
+            kept.write_text(digest)
             subprocess.run([*call, "init", "mutation.toml", session], cwd=copy, check=True)
             keep_sample(session, copy, f"{name} {given.seed}", given.sample)
         print(f"{name}: the tests take {seconds:.0f} s", flush=True)

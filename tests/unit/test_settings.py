@@ -313,3 +313,18 @@ def test_a_mistake_is_named_where_it_stands():
         "cases.two.contact.bodies[1].poissons_ratio",
         "cases.three.window",
     ]
+
+
+def test_a_mistake_above_the_cases_is_not_named_as_that_of_a_case_that_gives_other_keys():
+    bodies = [STEEL, {"youngs_modulus": -1, "poissons_ratio": 0.2}]
+    (line,) = mistakes({"contact": {"bodies": bodies}, "cases": {"fine": {"contact": {"tolerance": 0.1}}}})
+    assert line.startswith("contact.bodies[1].youngs_modulus = -1: must be greater than 0")
+
+
+def test_cases_after_one_that_is_none_are_checked_as_well():
+    config = {"contact": {"contact_modulus": 1}, "cases": {"a": 3, "b": {"report": {}}, "c": {"cases": {}}}}
+    assert [line.split(":")[0] for line in mistakes(config)] == [
+        "cases.a = 3",
+        "cases.b.report",
+        "cases.c.cases",
+    ]
