@@ -370,3 +370,15 @@ def test_gradient_of_cut_outs_against_the_truth():
     assert mean["cross-fade"] == pytest.approx(1.0, abs=0.05)
     assert mean["smooth-cross-fade"] == pytest.approx(1.0, abs=0.03)
     assert mean["taper"] == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize("beside", [-2, 0])
+def test_a_jump_between_the_two_points_beside_the_seam_is_not_at_the_seam(beside):
+    """A walk that ends one of its own steps from where it began; one jump, of 6.3 deviations, is elsewhere."""
+    steps = np.random.default_rng(10).standard_normal(400)
+    steps[[-3, -2, -1, 0, 1]] = 0.1
+    steps[[beside, 200]] = 6.3, -6.3
+    steps -= steps.mean()
+    walk = np.cumsum(steps)
+    assert periodisation.is_periodic(np.roll(walk, 1)[None, :])
+    assert not periodisation.is_periodic(np.roll(walk, -beside)[None, :])  # there it is the seam

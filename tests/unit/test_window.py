@@ -362,3 +362,22 @@ def test_real_files_get_a_window(file, kinds, least_share):
 def test_real_file_that_is_mostly_missing_is_refused():
     with pytest.raises(HeightMapError, match=r"sur-3\.sur: 88\.9 % of the points are missing"):
         level(read_height_map(SHARED / "sur-3.sur"))
+
+
+def test_a_periodic_map_begins_where_it_begins():
+    window = periodic_window(level(synthetic.rough_reference_surface(101), form="mean"))
+    assert (window.attrs["window_offset_x"], window.attrs["window_offset_y"]) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("method", "ending"),
+    [
+        ("mirror", "made periodic by mirror, which leaves 256 x 200 points."),
+        ("cross-fade", "made periodic by cross-fade, which leaves 108 x 90 points."),
+        ("taper", "made periodic by taper."),
+        ("raw", "its edges are left as they are."),
+    ],
+)
+def test_the_reason_names_the_points_that_are_left_where_that_is_another_number(method, ending):
+    window = periodic_window(level(cut_out((100, 130))), method=method)
+    assert window.attrs["window_reason"].endswith(f"; {ending}")
