@@ -127,7 +127,9 @@ def is_sensible(mutation, sources):
     if kind not in WHOLE and re.sub(r"^Replace\w+Operator_", "", kind) not in KINDS:
         return False
     source, (row, column) = sources[mutation.module_path], mutation.start_pos
-    if source.splitlines()[row - 1].startswith("*,", column):  # no product: what follows has to be named
+    text = source.splitlines()[row - 1]
+    # no product, what follows has to be named; a guard against mistakes in the code itself
+    if text.startswith("*,", column) or text[:column].endswith("strict="):
         return False
     return not any(begin <= (row, column) < end for begin, end in annotations(source))
 
@@ -166,7 +168,7 @@ def report(name):
     from cosmic_ray.work_db import use_db
 
     judged = tomllib.loads((HERE / "judged.toml").read_text(encoding="utf-8"))
-    known = {(entry["module"], entry["line"], entry["mutant"]) for entry in judged.get(name, ())}
+    known = {(entry["module"], entry["line"], entry.get("mutant")) for entry in judged.get(name, ())}
     killed, timeouts, equivalent, survivors = 0, 0, 0, []
     with use_db(SESSIONS / f"{name}.sqlite") as db:
         waiting = len(db.pending_work_items)
@@ -185,7 +187,7 @@ def report(name):
                 )
                 for sign in "-+"
             )
-            if (module, line, mutant) in known:
+            if {(module, line, mutant), (module, line, None)} & known:
                 equivalent += 1
             else:
                 survivors.append((module, mutation.start_pos[0], line, mutant))

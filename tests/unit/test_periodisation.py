@@ -374,7 +374,7 @@ def test_gradient_of_cut_outs_against_the_truth():
 
 @pytest.mark.parametrize("beside", [-2, 0])
 def test_a_jump_between_the_two_points_beside_the_seam_is_not_at_the_seam(beside):
-    """A walk that ends one of its own steps from where it began; one jump, of 6.3 deviations, is elsewhere."""
+    """A walk that ends one of its own steps from where it began; one jump is elsewhere."""
     steps = np.random.default_rng(10).standard_normal(400)
     steps[[-3, -2, -1, 0, 1]] = 0.1
     steps[[beside, 200]] = 6.3, -6.3
