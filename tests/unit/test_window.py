@@ -294,10 +294,6 @@ def test_the_window_lies_in_the_middle_of_the_rectangle():
     assert window.shape == (100, 100)
     assert window.attrs["window_offset_y"] == 0
     assert window.attrs["window_offset_x"] == pytest.approx(3e-6)
-    turned = periodic_window(level(cut_out((107, 101))), method="raw")
-    assert turned.shape == (100, 100)
-    assert turned.attrs["window_offset_y"] == pytest.approx(6e-6)  # of rows that are twice as far apart
-    assert turned.attrs["window_offset_x"] == 0
 
 
 def test_a_blended_point_counts_as_filled_where_a_filled_one_has_a_weight():
