@@ -364,8 +364,9 @@ def test_real_file_that_is_mostly_missing_is_refused():
         level(read_height_map(SHARED / "sur-3.sur"))
 
 
-def test_a_periodic_map_begins_where_it_begins():
+def test_a_periodic_map_begins_where_it_begins_and_is_not_changed():
     window = periodic_window(level(synthetic.rough_reference_surface(101), form="mean"))
+    assert window.attrs["periodisation_rms_change"] == window.attrs["periodisation_relative_change"] == 0.0
     assert (window.attrs["window_offset_x"], window.attrs["window_offset_y"]) == (0.0, 0.0)
 
 
