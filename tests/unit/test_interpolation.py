@@ -262,3 +262,11 @@ def test_single_precision_keeps_the_bounds():
     low, high = extreme_eigenvalues(Grid(np.zeros(shape), (1.0, 1.0)), contact, dtype=np.float32)
     assert low >= 1 - 1e-5
     assert high <= 1.4
+
+
+@pytest.mark.parametrize(("share", "largest"), [(0.01, 1.6), (0.1, 1.6), (0.5, 1.6)])
+def test_hardly_more_than_the_inverse_under_a_profile(share, largest):
+    shape = (1, 4096)
+    low, high = extreme_eigenvalues(Grid(np.zeros(shape), (1.0, 4096.0)), scattered(shape, share))
+    assert low >= 1 - 1e-10
+    assert high <= largest

@@ -8,6 +8,7 @@ from roughcontact.kernels import array_api, choose
 from roughcontact.kernels import threads as job_threads
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.numba_cpu import Compiled
+from roughcontact.kernels.protocol import Arrangement
 
 # shape of the grid and factors to the coarser one
 GRIDS = [
@@ -119,10 +120,13 @@ CALLS = {
     ),
     "block_mean": lambda k, f, factors, cap: k.block_mean(f["field"], factors, f["coarse_out"]),
     "weigh": lambda k, f, factors, cap: k.weigh(
-        f["weight"], f["share"], factors, False, f["inner_out"], f["other_out"]
+        f["weight"], f["share"], factors, Arrangement.UNKNOWN, f["inner_out"], f["other_out"]
     ),
     "weigh scattered": lambda k, f, factors, cap: k.weigh(
-        f["weight"], f["share"], factors, True, f["inner_out"], f["other_out"]
+        f["weight"], f["share"], factors, Arrangement.SCATTERED, f["inner_out"], f["other_out"]
+    ),
+    "weigh along a line": lambda k, f, factors, cap: k.weigh(
+        f["weight"], f["share"], factors, Arrangement.ALONG_A_LINE, f["inner_out"], f["other_out"]
     ),
     "weighted_mean": lambda k, f, factors, cap: k.weighted_mean(
         f["field"], factors, f["coarse_gain"], f["coarse_out"]
@@ -295,16 +299,17 @@ def test_passes_in_one_sweep_equal_the_passes_one_by_one(engine, shape, factors)
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
-@pytest.mark.parametrize("scattered", [False, True])
-def test_weights_lie_between_one_piece_and_pieces_far_apart(engine, scattered):
+@pytest.mark.parametrize("arrangement", [Arrangement.UNKNOWN, Arrangement.SCATTERED])
+def test_weights_lie_between_one_piece_and_pieces_far_apart(engine, arrangement):
     # cells of 2 x 2 parts, in rows: none, one part, two, all four in contact, four with a hundredth each
     parts, share = np.array([[[0, 0.25, 0.5, 1, 0.1]], [[0, 0.25, 0.5, 1, 0.01]]])
     weight, (empty, gain) = parts.copy(), np.empty((2, 1, 5))
-    engine.weigh(weight, share, (2, 2), scattered, empty, gain)
+    engine.weigh(weight, share, (2, 2), arrangement, empty, gain)
     np.testing.assert_allclose(weight[0, :2], [0, 0.5])  # the size of a single part is its own
     assert 0.5**0.5 < weight[0, 2] < 1
     assert weight[0, 3] == pytest.approx(1)
     # a disc of all the area, and four discs that do not feel each other
+    scattered = arrangement == Arrangement.SCATTERED
     assert (0.15 if scattered else 0.1) < weight[0, 4] < (0.2 if scattered else 0.15)
     np.testing.assert_allclose(empty, 1 - weight)
     np.testing.assert_allclose(gain * parts, weight)
@@ -352,3 +357,19 @@ def test_refined_pressure_finds_the_edge_between_the_cells(engine):
     error = np.abs(fine - exact).mean()
     assert error < 0.15 * np.abs(np.repeat(coarse, factor, axis=1) - exact).mean()
     assert abs(np.count_nonzero(fine) - np.count_nonzero(exact)) <= 4
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+def test_line_contacts_weigh_as_conductors_in_parallel_behind_the_logarithm_of_the_distance(engine):
+    # one point in ever larger cells: the reciprocal of its weight grows by the same each time
+    weight, empty, gain = np.ones((1, 1)), np.empty((1, 1)), np.empty((1, 1))
+    for doublings in range(1, 6):
+        weight /= 2  # the mean over a cell in contact and one that is not
+        engine.weigh(weight, weight.copy(), (1, 2), Arrangement.ALONG_A_LINE, empty, gain)
+        assert 1 / weight[0, 0] == pytest.approx(1 + doublings / 2)
+        assert empty[0, 0] == pytest.approx(1 - weight[0, 0])
+    # cells in full contact stay so, those without any too, whatever the factor
+    for factors in ((1, 2), (1, 3), (5, 1)):
+        weight = np.array([[1.0, 0.0]])
+        engine.weigh(weight, weight.copy(), factors, Arrangement.ALONG_A_LINE, *np.empty((2, 1, 2)))
+        np.testing.assert_array_equal(weight, [[1.0, 0.0]])

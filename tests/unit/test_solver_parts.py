@@ -372,3 +372,17 @@ def test_a_flat_map_takes_no_application():
     (solution,) = sweep(pose(height_map(np.zeros((4, 6)), 1e-6)), [0.7], tolerance=1e-4, threads=1)
     assert (solution.state.pressure == 0.7).all()
     assert (solution.applications, solution.steps, solution.error_bound) == (0, 0, 0)
+
+
+@pytest.mark.parametrize("hurst", [-0.5, 0.5, 0.8])  # white noise, a random walk, a rough profile
+@pytest.mark.parametrize("load", [0.03, 0.3])
+def test_long_profiles_take_few_applications(hurst, load):
+    """The displacement beside a line contact does not decay: what is handed on must not be lost far away."""
+    points = 2**14
+    waves = np.fft.rfftfreq(points, 1 / points)
+    amplitude = np.where(waves > 0, np.maximum(waves, 1), np.inf) ** -(hurst + 0.5)
+    noise = np.fft.rfft(np.random.default_rng(5).standard_normal(points))
+    profile = height_map(np.fft.irfft(amplitude * noise, n=points)[None, :], 1.0)
+    (solution,) = sweep(pose(profile), [load], tolerance=1e-4, threads=1)
+    assert solution.error_bound <= 1e-4
+    assert solution.applications <= 20

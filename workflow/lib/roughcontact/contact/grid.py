@@ -13,8 +13,11 @@ from roughcontact.elasticity.halfspace import HalfSpace
 from roughcontact.kernels.arrays import SINGLE, Array, empty, in_precision, precision_of
 from roughcontact.kernels.choose import kernels_for
 
-MOST_PASSES = 5  # in which what the projection takes away is redistributed to the contact around
-SMALL_REST = 0.05  # of the load, that the last pass may leave to be shared by all of the contact
+# What the projection takes away is redistributed to the contact around, in several passes: at most so many,
+# until the rest, as a share of the load, is so small that all of the contact may share it. Under a profile
+# that is dear, because the displacement beside a line contact does not decay.
+MOST_PASSES, SMALL_REST = 5, 0.05
+MOST_PASSES_OF_PROFILES, SMALL_REST_OF_PROFILES = 100, 1e-5
 SMALL_CHANGE = 0.1  # of the residual's norm, that is simply added to it
 
 
@@ -98,6 +101,11 @@ class Grid:
         self._line_axis: int | None = None  # of the lines that are contacts of their own
         if has_separate_lines(hierarchy(heights.shape, lengths)):
             self._line_axis = 0 if lengths[0] / heights.shape[0] < lengths[1] / heights.shape[1] else 1
+        self._passes = (
+            (MOST_PASSES_OF_PROFILES, SMALL_REST_OF_PROFILES)
+            if min(self.shape) == 1
+            else (MOST_PASSES, SMALL_REST)
+        )
         single = self.heights_in(SINGLE)
         self._height_size = norm(single, single)
 
@@ -187,13 +195,14 @@ class Grid:
         )
         line_loads = None if self._line_axis is None else self._line_sums(out) + self._line_sums(taken)
         total = 0.0
-        for number in range(MOST_PASSES):
+        most, small = self._passes
+        for number in range(most):
             if number > 0:
                 kernels.project(out, cap, taken, free)
             interpolation.set_active(free)
             scratch = self.halfspace.scratch(precision_of(taken))
             outside, total = interpolation.redistribute(taken, out, cap, scratch)
-            if outside <= SMALL_REST * total:
+            if outside <= small * total:
                 break
         if total <= 0:  # rounding has eaten a load far below the residual: stay, and leave it to safe steps
             out[...] = in_precision(state.pressure, precision_of(out), copy=False)

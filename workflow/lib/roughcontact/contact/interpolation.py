@@ -28,9 +28,9 @@ import numpy as np
 
 from roughcontact.contact.coarsening import has_separate_lines, hierarchy, pitches_of, stencil
 from roughcontact.kernels.arrays import Array, empty
-from roughcontact.kernels.protocol import Factors, Kernels, Weights
+from roughcontact.kernels.protocol import Arrangement, Factors, Kernels, Weights
 
-SCATTERED = 32  # cells along an axis up to which they hold contacts far apart, as those of rough surfaces do
+FEW = 32  # cells along an axis up to which they hold contacts far apart, as those of rough surfaces do
 MOST_SWEEPS = 16  # on the coarsest grid, which is not small where the number of cells has large prime factors
 
 
@@ -42,8 +42,8 @@ class CoarseGrid:
     ----------
     factors : (fy, fx)
         from the next finer grid.
-    scattered : bool
-        its cells are few and large, and hold contacts far apart from each other.
+    arrangement : Arrangement
+        of the contacts in its cells.
     weights : (float, float, float)
         of the neighbours.
     empty : array
@@ -57,7 +57,7 @@ class CoarseGrid:
     """
 
     factors: Factors
-    scattered: bool
+    arrangement: Arrangement
     weights: Weights
     empty: Array
     gain: Array
@@ -97,7 +97,7 @@ class Interpolation:
             self.grids.append(
                 CoarseGrid(
                     factors=coarser.factors,
-                    scattered=max(coarser.shape) <= SCATTERED,
+                    arrangement=_arrangement(coarser.shape),
                     weights=stencil(pitches_of(coarser.shape, lengths), coarser.shape),
                     empty=gaps,
                     gain=gain,
@@ -133,7 +133,7 @@ class Interpolation:
             if coarser is not None:
                 kernels.block_mean(grid.work, coarser.factors, coarser.work)
             if grid.line_gain is None:
-                kernels.weigh(grid.means, grid.work, grid.factors, grid.scattered, grid.empty, grid.gain)
+                kernels.weigh(grid.means, grid.work, grid.factors, grid.arrangement, grid.empty, grid.gain)
             if coarser is not None:
                 kernels.block_mean(grid.means, coarser.factors, coarser.means)
 
@@ -241,6 +241,13 @@ class Interpolation:
             passed = self._sweep_work[sweep % 2]
             total += passed
         total += _mean_over_contact(gaps * passed, gaps)
+
+
+def _arrangement(shape: tuple[int, int]) -> Arrangement:
+    """Return how contacts lie in the cells of a coarse grid."""
+    if min(shape) == 1:
+        return Arrangement.ALONG_A_LINE
+    return Arrangement.SCATTERED if max(shape) <= FEW else Arrangement.UNKNOWN
 
 
 def _mean_over_contact(field: Array, gaps: Array) -> float:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from roughcontact.kernels.arrays import Array
-from roughcontact.kernels.protocol import Factors, Weights
+from roughcontact.kernels.protocol import Arrangement, Factors, Weights
 
 CLOSED = 1e-30  # stands for a gap of zero at a point of the active set
 _ALL_BUT_MEAN = (0, slice(1, None)), (slice(1, None), slice(None))  # of a spectrum
@@ -219,19 +219,26 @@ def active_share(active: Array, factors: Factors, out: Array) -> None:
     block_mean(xp.astype(active != 0, out.dtype), factors, out)
 
 
-def weigh(weight: Array, share: Array, factors: Factors, scattered: bool, empty: Array, gain: Array) -> None:
+def weigh(
+    weight: Array, share: Array, factors: Factors, arrangement: Arrangement, empty: Array, gain: Array
+) -> None:
     """Make the weight of every cell of the mean weight of its parts; put the ratio of the two into `gain`.
 
     The linear size of a contact that covers the `share` of a cell is the root of that, if it is in one piece,
     and the sum of the sizes of its parts, if they are far apart; the nearer they are, the more they shield
-    each other. Where it is not known that contacts are `scattered`, something between is taken.
+    each other. Where it is not known how contacts lie, something between is taken. The displacement beside a
+    line contact goes with the logarithm of the distance: each coarser grid adds a constant to the reciprocal
+    of its weight, and contacts add up as conductors in parallel do.
     What the weight leaves of 1 goes into `empty`. All hold for cells out of contact, whose weight is zero.
     """
-    xp = share.__array_namespace__()
-    whole, apart = xp.sqrt(share), weight * (factors[0] * factors[1]) ** 0.5
+    xp, parts = share.__array_namespace__(), factors[0] * factors[1]
     gain[...] = 1 / xp.where(weight > 0, weight, xp.ones_like(weight))
-    pieces = apart / (1 + apart - whole)
-    weight[...] = pieces if scattered else xp.sqrt(whole * pieces)
+    if arrangement == Arrangement.ALONG_A_LINE:
+        weight[...] = parts * weight / (1 + (parts - 1) * weight)
+    else:
+        whole, apart = xp.sqrt(share), weight * parts**0.5
+        pieces = apart / (1 + apart - whole)
+        weight[...] = pieces if arrangement == Arrangement.SCATTERED else xp.sqrt(whole * pieces)
     gain *= weight
     empty[...] = 1 - weight
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from roughcontact.kernels.array_api import CLOSED
 from roughcontact.kernels.memory import store
+from roughcontact.kernels.protocol import Arrangement
 from roughcontact.kernels.threads import threads_for
 
 # Sums may be reordered, for the sake of vector instructions; infinities and NaN keep their meaning.
@@ -33,6 +34,7 @@ _compile: Any = numba.njit(**_options)
 _compile_shared: Any = numba.njit(parallel=True, **_options)
 _config: Any = numba.config
 _turn = Lock()
+SCATTERED, ALONG_A_LINE = int(Arrangement.SCATTERED), int(Arrangement.ALONG_A_LINE)
 _NUMBA_DEFAULT = ["tbb", "omp", "workqueue"]
 SMALL_GRID = 64 * 64  # cells up to which the grids of a hierarchy are passed over in one call
 
@@ -109,8 +111,8 @@ class Compiled:
     def active_share(self, active, factors, out):
         self._run(_active_share, _share_active_share, len(out), active, *factors, out)
 
-    def weigh(self, weight, share, factors, scattered, empty, gain):
-        arguments = weight, share, *factors, scattered, empty, gain
+    def weigh(self, weight, share, factors, arrangement, empty, gain):
+        arguments = weight, share, *factors, int(arrangement), empty, gain
         self._run(_weigh, _share_weigh, len(share), *arguments)
 
     def weighted_mean(self, field, factors, gain, out):
@@ -178,7 +180,7 @@ class SmallGrids:
     def __init__(self, grids, stores, ends, first):
         self.first = first
         table = [
-            (*grid.empty.shape, *grid.factors, start, grid.scattered)
+            (*grid.empty.shape, *grid.factors, start, int(grid.arrangement))
             for grid, start in zip(grids[first:], ends[first:-1], strict=True)
         ]
         weights = np.array([grid.weights for grid in grids[first:]], dtype=stores[0].dtype)
@@ -450,15 +452,18 @@ def _active_share(first, last, active, fy, fx, out):
 
 
 @_compile
-def _weigh(first, last, weight, share, fy, fx, scattered, empty, gain):
+def _weigh(first, last, weight, share, fy, fx, arrangement, empty, gain):
     zero, one = share.dtype.type(0), share.dtype.type(1)
-    root = share.dtype.type(np.sqrt(fy * fx))
+    root, parts = share.dtype.type(np.sqrt(fy * fx)), share.dtype.type(fy * fx)
     for i in range(first, last):
         for j in range(share.shape[1]):
             mean = weight[i, j]
-            whole, apart = np.sqrt(share[i, j]), mean * root
-            pieces = apart / (one + apart - whole)
-            value = pieces if scattered else np.sqrt(whole * pieces)
+            if arrangement == ALONG_A_LINE:
+                value = parts * mean / (one + (parts - one) * mean)
+            else:
+                whole, apart = np.sqrt(share[i, j]), mean * root
+                pieces = apart / (one + apart - whole)
+                value = pieces if arrangement == SCATTERED else np.sqrt(whole * pieces)
             weight[i, j] = value
             empty[i, j] = one - value
             gain[i, j] = value / (mean if mean > zero else one)
@@ -643,8 +648,8 @@ def _weigh_small(empty, gain, means, work, table, weights):
             fy, fx = table[number + 1, 2], table[number + 1, 3]
             _block_mean(0, len(after), share, fy, fx, after)
         gaps, gains = _grid(empty, table, number), _grid(gain, table, number)
-        factors_y, factors_x, scattered = table[number, 2], table[number, 3], table[number, 5] > 0
-        _weigh(0, len(share), weight, share, factors_y, factors_x, scattered, gaps, gains)
+        factors_y, factors_x, arrangement = table[number, 2], table[number, 3], table[number, 5]
+        _weigh(0, len(share), weight, share, factors_y, factors_x, arrangement, gaps, gains)
         if more:
             after = _grid(means, table, number + 1)
             _block_mean(0, len(after), weight, fy, fx, after)

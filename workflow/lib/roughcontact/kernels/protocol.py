@@ -7,9 +7,19 @@ fine grid to a coarse one, `weights` those of a neighbour across y, across x, an
 """
 
 from collections.abc import Sequence
+from enum import IntEnum
 from typing import Any, Protocol
 
 from roughcontact.kernels.arrays import Array
+
+
+class Arrangement(IntEnum):
+    """How contacts lie in the cells of a coarse grid: what a cell weighs that is in contact in part."""
+
+    UNKNOWN = 0
+    SCATTERED = 1  # far apart, as those of rough surfaces do in large cells
+    ALONG_A_LINE = 2  # of a profile: each is a line contact
+
 
 Factors = tuple[int, int]
 Weights = tuple[float, float, float]
@@ -77,7 +87,13 @@ class Kernels(Protocol):
     def block_mean(self, field: Array, factors: Factors, out: Array) -> None: ...
     def active_share(self, active: Array, factors: Factors, out: Array) -> None: ...
     def weigh(
-        self, weight: Array, share: Array, factors: Factors, scattered: bool, empty: Array, gain: Array
+        self,
+        weight: Array,
+        share: Array,
+        factors: Factors,
+        arrangement: Arrangement,
+        empty: Array,
+        gain: Array,
     ) -> None: ...
     def weighted_mean(self, field: Array, factors: Factors, gain: Array, out: Array) -> None: ...
     def mix(self, values: Array, empty: Array, coarse: Array, factors: Factors, out: Array) -> None: ...
