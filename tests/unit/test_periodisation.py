@@ -382,3 +382,32 @@ def test_a_jump_between_the_two_points_beside_the_seam_is_not_at_the_seam(beside
     walk = np.cumsum(steps)
     assert periodisation.is_periodic(np.roll(walk, 1)[None, :])
     assert not periodisation.is_periodic(np.roll(walk, -beside)[None, :])  # there it is the seam
+
+
+@pytest.mark.parametrize("last", [True, False])
+def test_every_pair_inside_counts_where_neighbours_are_as_good_as_unrelated(last):
+    """Four rms steps of 1.17 rms heights and one of 1.43 at either end: 1.23 together, above 1.2."""
+    steps = np.array([1.25, 1.25, 1.25, 1.25, 1.6])
+    assert not periodisation.is_periodic(line_waves(steps if last else steps[::-1], 2500))
+    assert periodisation.is_periodic(line_waves(np.full(5, 1.25), 2500))
+
+
+@pytest.mark.parametrize("last", [True, False])
+def test_every_change_of_slope_inside_counts(last):
+    """A seam that bends by 1.185, where all bend by 0.919 inside but for one at either end, by 1.198."""
+    steps = np.array([1.0, 1.0, 1.0, 1.0, 1.3])
+    assert periodisation.is_periodic(line_waves(steps if last else steps[::-1], 2500))
+
+
+def test_a_seam_between_plains_is_closed_up_to_rounding():
+    ridge = np.zeros((20, 100))
+    ridge[:, 40:60] = 3.0
+    for step, periodic in ((0.0, True), (2e-12, True), (4e-12, False)):
+        ridge[:, -1] = step
+        ridge[:, -2] = step
+        assert periodisation.is_periodic(ridge) is periodic
+
+
+def test_taper_of_two_points_is_the_hann_window_of_two_points():
+    np.testing.assert_allclose(periodisation.taper(np.array([[1.0, 3.0]]), 1.0), [[1.5, 2.5]], rtol=1e-15)
+    np.testing.assert_array_equal(periodisation.taper(np.array([[1.0, 3.0]]), 0.5), [[1.0, 3.0]])
