@@ -382,3 +382,7 @@ def test_a_periodic_map_begins_where_it_begins_and_is_not_changed():
 def test_the_reason_names_the_points_that_are_left_where_that_is_another_number(method, ending):
     window = periodic_window(level(cut_out((100, 130))), method=method)
     assert window.attrs["window_reason"].endswith(f"; {ending}")
+
+
+def test_where_nothing_is_measured_the_largest_rectangle_has_no_points():
+    assert largest_rectangle(np.zeros((3, 4), dtype=bool), np.arange(5))[2:] == (0, 0)
