@@ -161,3 +161,9 @@ def test_switches_and_peak_of_each_load():
     np.testing.assert_array_equal(found["switches"], [4, 6])
     np.testing.assert_array_equal(found["beside_the_peak"], [8.0, 2.5])
     np.testing.assert_array_equal(found["max_pressure"], [8.0, 5.0])
+
+
+def test_a_window_of_1024_by_1024_points_is_refined_as_a_whole():
+    window = height_map(np.zeros((1024, 1025)), 1.0)
+    assert discretisation._part(window[:, :1024]).shape == (1024, 1024)
+    assert discretisation._part(window).shape == (1024, 513)
