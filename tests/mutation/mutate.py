@@ -2,8 +2,8 @@
 """Mutation testing: change one operator or number of a module at a time and see whether a test notices.
 
 `python tests/mutation/mutate.py` takes a random sample of each part of parts.toml, `mutate.py units filling`
-of those parts only; README.md beside this file says more. Needs `pip install cosmic-ray` besides the
-environment of the tests.
+of those parts only; README.md beside this file says more. Needs `pip install --group mutation`
+besides the environment of the tests.
 """
 
 import argparse
