@@ -14,7 +14,7 @@ def checked_by(python):
 
 def test_a_run_stops_where_the_code_is_missing_and_goes_on_where_it_is_there(project):
     project.write(checked_by(sys.executable), TABLE[:2])
-    run = project.run()
+    run = project.run("results/ground/crosscheck.nc")
     assert run.returncode != 0
     assert "[crosscheck ground] ERROR: Tamaas did not solve the problem" in run.stderr
     assert "No module named 'tamaas'" in run.stderr

@@ -139,10 +139,10 @@ def test_cases_share_the_faces_and_the_composites(tmp_path, checkout):
 
 
 def test_a_name_that_a_pair_needs(project):
-    project.write(settings(), (*PAIR, "seal-3\tmeasured/turned.txt\t\tum\t1\t1"))
+    project.write(settings(), (*PAIR, "seal-2\tmeasured/turned.txt\t\tum\t1\t1"))
     run = project.run("--dry-run")
     assert run.returncode != 0
-    assert "line 4, surface = seal-3: the pair seal needs this name" in run.stderr
+    assert "line 4, surface = seal-2: the pair seal needs this name" in run.stderr
 
 
 def test_a_missing_counter_face_is_named(project):
