@@ -2,11 +2,11 @@
 """Set up everything and run: `python3 run.py` the main job, `python3 run.py test` the tests.
 
 Needs nothing but Python 3.11 or later. The environment lies in .venv beside this file; it is installed once,
-and again only after pyproject.toml has changed. Further arguments go to Snakemake (`python3 run.py -n`) or,
-after `test`, to pytest (`python3 run.py test tests/unit`; `python3 run.py test -m slow` for those that take
-long by their nature). `python3 run.py lint` does only the checks of the source that `test` begins with, and
-`python3 run.py docs` builds the documentation. `python3 run.py lowest` runs the tests of the package with the
-lowest versions that pyproject.toml admits.
+and again only after pyproject.toml, setup.py or the C source has changed. Further arguments go to Snakemake
+(`python3 run.py -n`) or, after `test`, to pytest (`python3 run.py test tests/unit`; `python3 run.py test -m
+slow` for those that take long by their nature). `python3 run.py lint` does only the checks of the source that
+`test` begins with, and `python3 run.py docs` builds the documentation. `python3 run.py lowest` runs the tests
+of the package with the lowest versions that pyproject.toml admits.
 """
 
 import hashlib
@@ -48,8 +48,10 @@ def check_python():
 
 
 def install(group):
-    """Install the package (editable) and a group of pyproject.toml into .venv, unless done for this file."""
-    settings = (ROOT / "pyproject.toml").read_bytes() + sys.version.encode() + str(ROOT).encode()
+    """Install the package (editable) and a group of pyproject.toml into .venv, unless that is done."""
+    sources = sorted((PACKAGE / "kernels/c").glob("*.[ch]"))
+    files = [ROOT / "pyproject.toml", ROOT / "setup.py", *sources]
+    settings = b"".join(file.read_bytes() for file in files) + sys.version.encode() + str(ROOT).encode()
     state = hashlib.sha256(settings).hexdigest()
     stamps = {name: VENV / f"installed.{name or 'workflow'}" for name in ("", group)}
     current = {name for name, stamp in stamps.items() if stamp.exists() and stamp.read_text() == state}
@@ -93,9 +95,8 @@ def lint():
 
 
 def test(*arguments):
-    """Check the source, then run the tests side by side; the kernels are compiled meanwhile, once for all."""
-    compiling = start([BIN / "python", "tests/compile_kernels.py"])
-    failed = lint() | finish(compiling)
+    """Check the source, then run the tests side by side."""
+    failed = lint()
     workers = str(min(os.cpu_count() or 1, MOST_WORKERS))
     side_by_side = ["-n", workers, "--dist", "loadfile", "--no-loadscope-reorder"]
     return failed | int(run([BIN / "python", "-m", "pytest", *side_by_side, *arguments]) != 0)
@@ -123,17 +124,8 @@ def lowest(*arguments):
 
 def run(command):
     """Run a command with the environment's programs first on the path, and return its exit status."""
-    return finish(start(command))
-
-
-def start(command):
-    """Start a command with the environment's programs first on the path."""
     environment = os.environ | {"PATH": f"{BIN}{os.pathsep}{os.environ.get('PATH', '')}"}
-    return subprocess.Popen(command, env=environment)
-
-
-def finish(process):
-    """Return the exit status of a process when it has ended."""
+    process = subprocess.Popen(command, env=environment)
     while True:
         try:
             return process.wait()

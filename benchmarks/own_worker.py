@@ -44,7 +44,7 @@ def details(contact) -> dict:
 
 def versions() -> dict:
     """Return what the solver runs on: the libraries that it uses where they are installed included."""
-    used = ("numpy", "scipy", "mkl_fft", "mkl", "numba")
+    used = ("numpy", "scipy", "mkl_fft", "mkl")
     installed = {found.metadata["Name"].replace("-", "_"): found.version for found in distributions()}
     return {"roughcontact": rc.__version__} | {name: installed[name] for name in used if name in installed}
 

@@ -291,7 +291,7 @@ def test_inspect_waits_for_nothing_that_it_does_not_need(samples):
     assert done.returncode == 0, done.stderr
     loaded = set(done.stdout.split("\n"))
     assert "roughcontact.io.inspection" in loaded
-    slow = {"matplotlib", "numba", "SurfaceTopography", "pydantic", "rich", "jinja2", "PIL"}
+    slow = {"matplotlib", "SurfaceTopography", "pydantic", "rich", "jinja2", "PIL"}
     slow |= set() if "periodic.nc" in samples else {"scipy"}
     assert loaded & slow == set()
 

@@ -12,6 +12,14 @@ from roughcontact.configuration import dependencies
 ROOT = Path(__file__).parents[2]
 PAGES = {"panel", "report", "validation", "validation_page", "cost"}
 SOLVERS = {"solve", "solve_statistics", "measure_cost", "uncertainty"}
+KERNELS = {
+    *SOLVERS,
+    "crosscheck",
+    "panel",
+    "statistics",
+    "validate",
+    "window",
+}  # roughness is transformed, too
 SCRIPTS = sorted(path for path in (ROOT / "workflow/scripts").glob("[a-z]*.py"))
 _PROBE = """
 import ast, importlib, sys
@@ -58,6 +66,7 @@ def digests(workflow):
         ("lib/roughcontact/window/periodisation.py", {"composite", "window", "uncertainty", "validate"}),
         ("lib/roughcontact/levelling/outliers.py", {"level", "uncertainty", "validate"}),
         ("lib/roughcontact/io/units.py", {"ingest", "validate"}),
+        ("lib/roughcontact/kernels/c/passes.h", KERNELS),
         ("lib/roughcontact/io/readers/sdf.py", {"ingest", "validate"}),  # found in its folder at run time
         ("lib/roughcontact/io/instruments/library.py", {"ingest", "validate"}),
         ("lib/roughcontact/contact/solve.py", {*SOLVERS, "validate"}),

@@ -7,8 +7,8 @@ from scipy.linalg import eigh
 from roughcontact.contact.coarsening import coarsening_factors, hierarchy, line_factors, stencil
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.interpolation import Interpolation
-from roughcontact.kernels import array_api, numba_cpu
-from roughcontact.kernels.numba_cpu import Compiled
+from roughcontact.kernels import array_api, compiled
+from roughcontact.kernels.compiled import Compiled
 from roughcontact.references import synthetic
 
 # shape and pitches: square, odd, prime, pixels longer than wide (with and without lines that become one
@@ -142,7 +142,7 @@ def test_small_grids_in_one_call_equal_those_one_by_one(monkeypatch):
     )
     found = []
     for cells in (0, 12 * 20, 24 * 40):
-        monkeypatch.setattr(numba_cpu, "SMALL_GRID", cells)
+        monkeypatch.setattr(compiled, "SMALL_GRID", cells)
         interpolation, prolong = make(contact.shape, (1.0, 1.0), contact, Compiled(1))
         back = field.copy()
         interpolation.restrict(back, np.empty_like(back))

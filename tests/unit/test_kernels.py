@@ -1,13 +1,16 @@
 """The passes over the grid: plain against compiled, on NumPy and on another array library."""
 
+import warnings
+from concurrent.futures import ThreadPoolExecutor
+
 import array_api_strict
 import numpy as np
 import pytest
 
-from roughcontact.kernels import array_api, choose
+from roughcontact.kernels import array_api, choose, compiled
 from roughcontact.kernels import threads as job_threads
 from roughcontact.kernels.choose import kernels_for
-from roughcontact.kernels.numba_cpu import Compiled
+from roughcontact.kernels.compiled import Compiled
 from roughcontact.kernels.protocol import Arrangement
 
 # shape of the grid and factors to the coarser one
@@ -208,8 +211,49 @@ def test_compiled_kernels_are_chosen_for_numpy_arrays_and_threads_for_large_ones
     assert kernels_for(field, threads=2).threads == 2
     assert kernels_for(field[1:], threads=2).threads == 1
     assert kernels_for(array_api_strict.asarray(field)) is array_api
-    monkeypatch.setattr(choose, "numba_is_installed", lambda: False)
-    assert kernels_for(field) is array_api
+
+
+def test_plain_kernels_serve_where_there_is_no_library(monkeypatch, tmp_path):
+    field = np.zeros((6, 7))
+    monkeypatch.setattr(compiled, "LIBRARY", tmp_path / "none.so")
+    compiled.library.cache_clear()
+    choose.library_is_there.cache_clear()
+    try:
+        with pytest.warns(UserWarning, match="none.so.*Install a C compiler"):
+            assert kernels_for(field) is array_api
+        with warnings.catch_warnings():  # it is said once
+            warnings.simplefilter("error")
+            assert kernels_for(field) is array_api
+    finally:
+        compiled.library.cache_clear()
+        choose.library_is_there.cache_clear()
+
+
+def test_arrays_that_do_not_suit_are_refused():
+    field, out = np.zeros((8, 12)), np.zeros((4, 6))
+    Compiled().block_mean(field, (2, 2), out)
+    with pytest.raises(TypeError, match="not C contiguous"):
+        Compiled().block_mean(np.zeros((12, 8)).T, (2, 2), out)
+    with pytest.raises(TypeError, match="block_mean: arrays whose entries have"):
+        Compiled().block_mean(field.astype(np.float32), (2, 2), out)
+    single = np.zeros((8, 12), np.float32)
+    with pytest.raises(TypeError, match="advance: there is no pass for precisions dff"):
+        Compiled().advance(field, field, single, 0.0, 0.0, 1.0, np.inf, single, single)
+
+
+def test_the_same_bits_whatever_else_runs():
+    """Sums depend on the number of threads asked for, not on how many there were for them."""
+    rng = np.random.default_rng(7)
+    field, factors = rng.standard_normal((300, 400)), (2, 2)
+    (passed, active), coarse = rng.standard_normal((2, 300, 400)), rng.standard_normal((150, 200))
+
+    def summed(threads):
+        return Compiled(threads).finish_restriction(field.copy(), passed, coarse, factors, active)
+
+    for threads in (1, 2, 5):
+        alone = summed(threads)
+        with ThreadPoolExecutor(4) as pool:
+            assert set(pool.map(summed, [threads] * 40)) == {alone}
 
 
 ENGINES = [array_api, Compiled(1), Compiled(2)]

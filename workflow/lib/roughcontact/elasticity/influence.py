@@ -6,11 +6,14 @@ name in `INFLUENCE` and `roughcontact.choices`; S must be positive and have the 
 
 from collections.abc import Callable
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import RectBivariateSpline
 
 from roughcontact.choices import Influence
+
+if TYPE_CHECKING:
+    from scipy.interpolate import RectBivariateSpline
 
 _NODES = 129  # along each axis of the first quarter of the Brillouin zone
 _IMAGES = 40  # aliases that are summed on each side
@@ -84,11 +87,13 @@ def elements(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np
 
 
 @lru_cache(maxsize=16)
-def _elements_over_sampled(aspect: float) -> RectBivariateSpline:
+def _elements_over_sampled(aspect: float) -> "RectBivariateSpline":
     """Return the ratio of the symbols as a function of q_y dy and q_x dx, 0 to pi, for `aspect` = dy/dx.
 
     Kept, because all square grids share it and the sum takes most of a second.
     """
+    from scipy.interpolate import RectBivariateSpline  # half a second's start that only this symbol needs
+
     angles = np.linspace(0, np.pi, _NODES)
     dy, dx = aspect, 1.0
     half_y, half_x = 0.5 * angles[:, None], 0.5 * angles[None, :]

@@ -1,18 +1,18 @@
 """Which implementation of the kernels serves an array."""
 
+import warnings
 from functools import cache
-from importlib.util import find_spec
 
 import numpy as np
 
-from roughcontact.kernels import array_api
+from roughcontact.kernels import array_api, compiled
 from roughcontact.kernels.arrays import Array
 from roughcontact.kernels.protocol import Kernels
 from roughcontact.kernels.threads import threads_for
 
 
 def kernels_for(field: Array, *, threads: int = 1) -> Kernels:
-    """Return the kernels for arrays like one: compiled for NumPy's, where Numba is installed.
+    """Return the kernels for arrays like one: compiled for NumPy's, where they were built.
 
     Parameters
     ----------
@@ -26,14 +26,21 @@ def kernels_for(field: Array, *, threads: int = 1) -> Kernels:
     Kernels
         an implementation.
     """
-    if isinstance(field, np.ndarray) and numba_is_installed():
-        from roughcontact.kernels.numba_cpu import Compiled
-
-        return Compiled(threads_for(field.size, threads))
+    if isinstance(field, np.ndarray) and library_is_there():
+        return compiled.Compiled(threads_for(field.size, threads))
     return array_api
 
 
 @cache
-def numba_is_installed() -> bool:
-    """Return whether `numba` can be imported here."""
-    return find_spec("numba") is not None
+def library_is_there() -> bool:
+    """Return whether the compiled kernels can be used here; say so, once, where they cannot."""
+    try:
+        compiled.library()
+    except OSError as problem:
+        warnings.warn(
+            f"no compiled kernels ({problem}): a solve takes several times as long. Install a C compiler, or "
+            "the package ziglang, and then roughcontact again",
+            stacklevel=2,
+        )
+        return False
+    return True

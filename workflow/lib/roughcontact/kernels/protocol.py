@@ -1,7 +1,7 @@
 """What the solver asks of the passes over a grid, whoever makes them.
 
 `roughcontact.kernels.array_api` says what each kernel computes, for the arrays of any library;
-`roughcontact.kernels.numba_cpu` computes the same, compiled, for those of NumPy. Every kernel writes into
+`roughcontact.kernels.compiled` computes the same in C, for those of NumPy. Every kernel writes into
 arrays that are there already; `cap` is the largest pressure allowed, `factors` = (fy, fx) are those from a
 fine grid to a coarse one, `weights` those of a neighbour across y, across x, and diagonal.
 """

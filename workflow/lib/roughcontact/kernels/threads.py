@@ -9,8 +9,8 @@ _here = {"forked": False}
 def threads_for(size: int, threads: int) -> int:
     """Return the number of threads for a grid of `size` points where `threads` are allowed.
 
-    One in a process that was forked from another: the threads of OpenMP do not live on in it, and waiting for
-    them would take for ever.
+    One in a process that was forked from another: threads do not live on in it, and waiting for them would
+    take for ever.
     """
     return threads if size >= SMALL and not _here["forked"] else 1
 

@@ -1,0 +1,119 @@
+"""Build the library of compiled passes (workflow/lib/roughcontact/kernels/c); pyproject.toml has all else.
+
+The library is plain C and knows nothing of Python: one wheel of a platform serves every version. It is built
+by the compiler of the system where there is one that works, else by that of the package ziglang, which pip
+then fetches for the build. ROUGHCONTACT_PLATFORM=win_amd64, say, builds the wheel of another platform (one of
+`TARGETS`) with ziglang. Where nothing can build the library, the package is installed without: it works, but
+slowly.
+"""
+
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+from setuptools import Extension, setup
+from setuptools.command.bdist_wheel import bdist_wheel
+from setuptools.command.build_ext import build_ext
+from setuptools.errors import CompileError
+
+SOURCES = Path("workflow/lib/roughcontact/kernels/c")
+# Sums named in the source may be reordered; all else is computed as written, infinities and NaN included.
+FLAGS = [
+    *("-std=c11", "-O3", "-shared", "-fPIC", "-fvisibility=hidden", "-pthread"),
+    *("-fopenmp-simd", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=fast"),
+    *(["-s"] if sys.platform != "darwin" else []),
+]
+# by the tag of the wheel
+TARGETS = {
+    "manylinux_2_17_x86_64": "x86_64-linux-gnu.2.17",
+    "manylinux_2_17_aarch64": "aarch64-linux-gnu.2.17",
+    "musllinux_1_2_x86_64": "x86_64-linux-musl",
+    "macosx_11_0_x86_64": "x86_64-macos.11.0",
+    "macosx_11_0_arm64": "aarch64-macos.11.0",
+    "win_amd64": "x86_64-windows-gnu",
+    "win_arm64": "aarch64-windows-gnu",
+}
+PLATFORM = os.environ.get("ROUGHCONTACT_PLATFORM", "")
+
+
+def compilers():
+    """Yield the commands that may compile here, the preferred one first."""
+    if not PLATFORM:
+        names = [os.environ.get("CC", ""), "cc", "gcc", "clang"] if os.name != "nt" else []
+        yield from (shlex.split(name) for name in names if name and shutil.which(shlex.split(name)[0]))
+    if find_spec("ziglang"):
+        target = ["-target", TARGETS[PLATFORM]] if PLATFORM else []
+        yield [sys.executable, "-m", "ziglang", "cc", *target]
+
+
+def compile_library(compiler, sources, library):
+    """Compile the `library`, and leave nothing else; return what went wrong, if anything."""
+    with tempfile.TemporaryDirectory() as folder:
+        made = Path(folder) / Path(library).name
+        command = [*compiler, *FLAGS, "-o", str(made), *map(str, sources), "-lm"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode:
+            return f"{shlex.join(command)}\n{done.stderr}"
+        Path(library).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(made, library)
+    return ""
+
+
+@cache
+def find_compiler():
+    """Return the first command that compiles a part of the library; None if there is none."""
+    with tempfile.TemporaryDirectory() as folder:
+        sample = [SOURCES / "threads.c"]
+        works = (c for c in compilers() if not compile_library(c, sample, Path(folder) / "sample"))
+        return next(works, None)
+
+
+class BuildLibrary(build_ext):
+    """Build a plain shared library in place of a module."""
+
+    def get_ext_filename(self, name):
+        """Return the name of the library, which tells nothing of Python."""
+        system = PLATFORM or sys.platform
+        suffix = (
+            ".dll" if system.startswith("win") else ".dylib" if system.startswith(("mac", "dar")) else ".so"
+        )
+        return str(Path(*name.split("."))) + suffix
+
+    def build_extension(self, ext):
+        """Compile the library by whatever compiler works here."""
+        compiler = find_compiler()
+        problem = (
+            compile_library(compiler, ext.sources, self.get_ext_fullpath(ext.name))
+            if compiler
+            else "no C compiler was found: install one, or the package ziglang, and install again"
+        )
+        if problem:
+            raise CompileError(problem)
+
+
+class PlatformWheel(bdist_wheel):
+    """A wheel for one platform and every Python."""
+
+    def get_tag(self):
+        """Return the tag: any Python 3, no ABI of it, this platform."""
+        return "py3", "none", PLATFORM or super().get_tag()[2]
+
+
+setup(
+    ext_modules=[
+        Extension(
+            "roughcontact.kernels.libkernels",
+            sources=[str(SOURCES / name) for name in ("kernels.c", "threads.c")],
+            depends=[str(path) for path in sorted(SOURCES.glob("*.h"))],
+            optional=not PLATFORM,
+        )
+    ],
+    cmdclass={"build_ext": BuildLibrary, "bdist_wheel": PlatformWheel},
+    setup_requires=[] if find_compiler() else ["ziglang>=0.13"],
+)

@@ -1,0 +1,148 @@
+/* The passes over the grid that the iteration is made of: one sweep through memory each.
+
+   `array_api.py` says what they compute, `compiled.py` calls them. Nothing here knows of Python: arrays come as
+   addresses, rows one after the other without gaps. */
+
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "threads.h"
+
+#define CLOSED 1e-30 /* stands for a gap of zero at a point of the active set; as in array_api.py */
+
+enum { UNKNOWN, SCATTERED, ALONG_A_LINE }; /* `Arrangement` of protocol.py */
+
+#define SMALLER(a, b) ((a) < (b) ? (a) : (b)) /* of a number and none: b */
+#define LARGER(a, b) ((a) > (b) ? (a) : (b))
+#define FREE(p, cap) (((p) > 0) & ((p) < (cap)))
+/* Whether the gap should vanish and may not yet: see `active_set` in array_api.py. */
+#define ACTIVE(p, gap, cap) \
+    ((((p) <= 0) & ((gap) < 0)) | (((p) >= (cap)) & ((gap) > 0)) | FREE(p, cap))
+
+/* Loops that become vector instructions. Only sums that are named here may be reordered, which their vectors
+   need: everything else is computed as it is written. */
+#define DO_PRAGMA(text) _Pragma(#text)
+#define VECTOR DO_PRAGMA(omp simd)
+#define SUM(a) DO_PRAGMA(omp simd reduction(+ : a))
+#define TWO_SUMS(a, b) DO_PRAGMA(omp simd reduction(+ : a, b))
+#define SIX_SUMS(a, b, c, d, e, f) DO_PRAGMA(omp simd reduction(+ : a, b, c, d, e, f))
+
+#define JOIN_(a, b, c) a##_##b##_##c
+#define JOIN(a, b, c) JOIN_(a, b, c)
+
+/* The arguments of a pass, and the head of its function. */
+#define PASS(name, ...) \
+    struct NAME(name) __VA_ARGS__; \
+    static void NAME(work_##name)(const struct NAME(name) *given, int64_t first, int64_t last, void *scratch, \
+                                  struct Found *found); \
+    static void NAME(run_##name)(const void *given, int64_t first, int64_t last, void *scratch, struct Found *found) \
+    { \
+        NAME(work_##name)(given, first, last, scratch, found); \
+    } \
+    static void NAME(work_##name)(const struct NAME(name) *given, int64_t first, int64_t last, void *scratch, \
+                                  struct Found *found)
+
+struct Weights {
+    double across_y, across_x, diagonal;
+};
+
+struct Entry {
+    const char *name;
+    Pass *pass;
+};
+
+/* Held between 0 and the largest pressure; no number stays none. */
+#define HELD(value, cap) _Generic((value), float: held_f, double: held_d)(value, cap)
+#define ROOT(value) _Generic((value), float: sqrtf, double: sqrt)(value)
+
+static inline float held_f(float value, float cap)
+{
+    const float lifted = LARGER(0, value);
+    return SMALLER(cap, lifted);
+}
+
+static inline double held_d(double value, double cap)
+{
+    const double lifted = LARGER(0, value);
+    return SMALLER(cap, lifted);
+}
+
+static inline int64_t before(int64_t i, int64_t n) { return i > 0 ? i - 1 : n - 1; }
+static inline int64_t after(int64_t i, int64_t n) { return i < n - 1 ? i + 1 : 0; }
+
+/* An index at most two periods off, brought back into the period. */
+static inline int64_t wrap(int64_t i, int64_t n)
+{
+    while (i < 0)
+        i += n;
+    while (i >= n)
+        i -= n;
+    return i;
+}
+
+#define LEVEL plain
+#include "precisions.h"
+#undef LEVEL
+
+/* The same once more for processors with wider vectors. */
+#if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
+#define WIDE
+#include <cpuid.h>
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx2,fma,bmi,bmi2"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx2,fma,bmi,bmi2")
+#endif
+#define LEVEL wide
+#include "precisions.h"
+#undef LEVEL
+#ifdef __clang__
+#pragma clang attribute pop
+#pragma clang attribute push(__attribute__((target("avx2,fma,bmi,bmi2,avx512f,avx512vl,avx512dq,avx512bw"))), \
+                             apply_to = function)
+#else
+#pragma GCC pop_options
+#pragma GCC push_options
+#pragma GCC target("avx2,fma,bmi,bmi2,avx512f,avx512vl,avx512dq,avx512bw")
+#endif
+#define LEVEL widest
+#include "precisions.h"
+#undef LEVEL
+#ifdef __clang__
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+
+/* Return 2 with AVX-512, 1 with AVX2 and FMA, else 0; the system must save their registers, too. */
+static int vectors(void)
+{
+    unsigned a, b, c, d, low, high;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || (c & (bit_FMA | bit_OSXSAVE)) != (bit_FMA | bit_OSXSAVE))
+        return 0;
+    __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+    if (!__get_cpuid_count(7, 0, &a, &b, &c, &d))
+        return 0;
+    const unsigned two = bit_AVX2 | bit_BMI | bit_BMI2, four = bit_AVX512F | bit_AVX512VL | bit_AVX512DQ | bit_AVX512BW;
+    if ((low & 6) != 6 || (b & two) != two)
+        return 0;
+    return (low & 0xe6) == 0xe6 && (b & four) == four ? 2 : 1;
+}
+#endif
+
+/* Return the pass of a name, such as measure_df, for this processor; NULL if there is none. */
+EXPORT const void *find_pass(const char *name)
+{
+    const struct Entry *entry = table_of_plain;
+#ifdef WIDE
+    entry = vectors() == 2 ? table_of_widest : vectors() == 1 ? table_of_wide : table_of_plain;
+#endif
+    for (; entry->name; entry++)
+        if (!strcmp(entry->name, name))
+            return (const void *)entry->pass;
+    return NULL;
+}

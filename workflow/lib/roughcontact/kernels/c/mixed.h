@@ -1,0 +1,156 @@
+/* The passes over fields of two precisions: OUTER that of the state, INNER that of what corrects it. */
+
+PASS(make_dimensionless, { const OUTER *heights; INNER *out; double reference, scale; int64_t nx; })
+{
+    const OUTER reference = (OUTER)given->reference, scale = (OUTER)given->scale;
+    for (int64_t i = first; i < last; i++) {
+        const OUTER *heights = given->heights + i * given->nx;
+        INNER *out = given->out + i * given->nx;
+        VECTOR
+        for (int64_t j = 0; j < given->nx; j++)
+            out[j] = (INNER)((heights[j] - reference) * scale);
+    }
+}
+
+/* INNER: the precision of the heights as they were given. */
+PASS(measure, {
+    OUTER *separation;
+    const INNER *heights;
+    const OUTER *start, *before, *pressure;
+    double reference, scale, offset, cap;
+    int64_t nx;
+})
+{
+    const INNER reference = (INNER)given->reference, scale = (INNER)given->scale;
+    const OUTER offset = (OUTER)given->offset, cap = (OUTER)given->cap;
+    double work = 0, square = 0, free_sum = 0, slope = 0, slope_after = 0;
+    int64_t free = 0;
+    for (int64_t i = first; i < last; i++) {
+        OUTER *separation = given->separation + i * given->nx;
+        const INNER *heights = given->heights + i * given->nx;
+        const OUTER *start = given->start + i * given->nx, *before = given->before + i * given->nx;
+        const OUTER *pressure = given->pressure + i * given->nx;
+        int32_t count = 0;
+        SIX_SUMS(work, square, free_sum, slope, slope_after, count)
+        for (int64_t j = 0; j < given->nx; j++) {
+            const OUTER p = pressure[j], u = separation[j];
+            const OUTER v = u - (heights[j] - reference) * scale, change = p - start[j];
+            const int is_free = FREE(p, cap);
+            separation[j] = v;
+            work += p * u;
+            square += u * u;
+            free_sum += is_free ? v : (OUTER)0;
+            slope += change * (before[j] - offset);
+            slope_after += change * (v - offset);
+            count += is_free;
+        }
+        free += count;
+    }
+    const double sums[] = {work, square, free_sum, (double)free, slope, slope_after};
+    memcpy(found->sums, sums, sizeof sums);
+}
+
+PASS(masked_residual, {
+    const OUTER *pressure, *separation;
+    INNER *values;
+    double offset, cap;
+    int64_t nx;
+})
+{
+    const OUTER offset = (OUTER)given->offset, cap = (OUTER)given->cap;
+    int64_t active_points = 0;
+    for (int64_t i = first; i < last; i++) {
+        const OUTER *pressure = given->pressure + i * given->nx, *separation = given->separation + i * given->nx;
+        INNER *values = given->values + i * given->nx;
+        int32_t count = 0;
+        SUM(count)
+        for (int64_t j = 0; j < given->nx; j++) {
+            const OUTER gap = separation[j] - offset;
+            const int active = ACTIVE(pressure[j], gap, cap);
+            const INNER value = (INNER)gap;
+            values[j] = active ? (value == 0 ? (INNER)CLOSED : value) : (INNER)0;
+            count += active;
+        }
+        active_points += count;
+    }
+    found->sums[0] = (double)active_points;
+}
+
+PASS(redistribute, {
+    OUTER *field;
+    const INNER *passed, *coarse, *free;
+    double cap;
+    int64_t nx, fy, fx;
+})
+{
+    const int64_t cells = given->nx / given->fx;
+    const OUTER cap = (OUTER)given->cap;
+    const INNER share = (INNER)1 / (INNER)(given->fy * given->fx);
+    INNER *row = scratch;
+    double outside = 0, total = 0;
+    for (int64_t block = first; block < last; block++) {
+        INNER_NAME(unfold)(given->coarse + block * cells, given->fx, share, row, cells);
+        for (int64_t i = block * given->fy; i < (block + 1) * given->fy; i++) {
+            OUTER *field = given->field + i * given->nx;
+            const INNER *passed = given->passed + i * given->nx, *free = given->free + i * given->nx;
+            TWO_SUMS(outside, total)
+            for (int64_t j = 0; j < given->nx; j++) {
+                const INNER change = passed[j] + row[j];
+                const OUTER value = field[j] + (free[j] == 0 ? (INNER)0 : change), held = HELD(value, cap);
+                const OUTER off = value - held;
+                field[j] = value;
+                outside += off > 0 ? off : -off;
+                total += held;
+            }
+        }
+    }
+    found->sums[0] = outside;
+    found->sums[1] = total;
+}
+
+PASS(project, {
+    OUTER *field;
+    INNER *taken, *free;
+    double cap;
+    int64_t nx;
+})
+{
+    const OUTER cap = (OUTER)given->cap;
+    for (int64_t i = first; i < last; i++) {
+        OUTER *field = given->field + i * given->nx;
+        INNER *taken = given->taken + i * given->nx, *free = given->free + i * given->nx;
+        VECTOR
+        for (int64_t j = 0; j < given->nx; j++) {
+            const OUTER value = field[j], held = HELD(value, cap);
+            field[j] = held;
+            taken[j] = (INNER)(value - held);
+            free[j] = FREE(value, cap) ? (INNER)1 : (INNER)0;
+        }
+    }
+}
+
+PASS(project_residual, {
+    const OUTER *pressure, *separation;
+    INNER *values;
+    double offset, cap;
+    int64_t nx;
+})
+{
+    const OUTER offset = (OUTER)given->offset, cap = (OUTER)given->cap;
+    double total = 0;
+    for (int64_t i = first; i < last; i++) {
+        const OUTER *pressure = given->pressure + i * given->nx, *separation = given->separation + i * given->nx;
+        INNER *values = given->values + i * given->nx;
+        SUM(total)
+        for (int64_t j = 0; j < given->nx; j++) {
+            const OUTER p = pressure[j];
+            const INNER value = values[j], gap = (INNER)(separation[j] - offset);
+            const INNER least = SMALLER(gap, value), below = p <= 0 ? least : value;
+            const INNER most = LARGER(gap, below), held = p >= cap ? most : below;
+            const INNER change = held - value;
+            values[j] = held;
+            total += change * change;
+        }
+    }
+    found->sums[0] = total;
+}

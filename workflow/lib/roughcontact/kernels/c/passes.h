@@ -1,0 +1,657 @@
+/* The passes over fields of one precision, REAL. Included once for each precision and each kind of processor.
+
+   What they compute is said in `array_api.py`. Every pass works on the rows from `first` to `last`; those that
+   join a fine and a coarse grid count the rows of the coarse one. `scratch` is memory of its own for rows. */
+
+/* ---- rows ---- */
+
+/* Put the sums of `factor` neighbours, times `share`, into `out`. */
+static inline void NAME(fold_by)(const REAL *columns, int64_t factor, REAL share, REAL *out, int64_t cells)
+{
+    VECTOR
+    for (int64_t j = 0; j < cells; j++) {
+        REAL total = columns[j * factor];
+        for (int64_t k = 1; k < factor; k++)
+            total += columns[j * factor + k];
+        out[j] = total * share;
+    }
+}
+
+static void NAME(fold)(const REAL *columns, int64_t factor, REAL share, REAL *out, int64_t cells)
+{
+    /* a number known to the compiler becomes vector instructions */
+    switch (factor) {
+    case 1: NAME(fold_by)(columns, 1, share, out, cells); return;
+    case 2: NAME(fold_by)(columns, 2, share, out, cells); return;
+    case 3: NAME(fold_by)(columns, 3, share, out, cells); return;
+    case 5: NAME(fold_by)(columns, 5, share, out, cells); return;
+    }
+    for (int64_t j = 0; j < cells; j++) {
+        REAL total = columns[j * factor];
+        for (int64_t k = 1; k < factor; k++)
+            total += columns[j * factor + k];
+        out[j] = total * share;
+    }
+}
+
+/* Put every entry of `coarse`, times `share`, into `out`, `factor` times. */
+static inline void NAME(unfold_by)(const REAL *coarse, int64_t factor, REAL share, REAL *out, int64_t cells)
+{
+    VECTOR
+    for (int64_t j = 0; j < cells; j++)
+        for (int64_t k = 0; k < factor; k++)
+            out[j * factor + k] = coarse[j] * share;
+}
+
+static void NAME(unfold)(const REAL *coarse, int64_t factor, REAL share, REAL *out, int64_t cells)
+{
+    switch (factor) {
+    case 1: NAME(unfold_by)(coarse, 1, share, out, cells); return;
+    case 2: NAME(unfold_by)(coarse, 2, share, out, cells); return;
+    case 3: NAME(unfold_by)(coarse, 3, share, out, cells); return;
+    case 5: NAME(unfold_by)(coarse, 5, share, out, cells); return;
+    }
+    for (int64_t j = 0; j < cells; j++) {
+        const REAL value = coarse[j] * share;
+        for (int64_t k = 0; k < factor; k++)
+            out[j * factor + k] = value;
+    }
+}
+
+/* Put the weighted means of the eight neighbours of the row `here` into `result`; `row`: nx + 2 entries. */
+static inline void NAME(around)(const REAL *up, const REAL *here, const REAL *down, const struct Weights *weights,
+                                REAL *row, REAL *result, int64_t nx)
+{
+    const REAL across_y = (REAL)weights->across_y, across_x = (REAL)weights->across_x;
+    const REAL diagonal = (REAL)weights->diagonal;
+    VECTOR
+    for (int64_t j = 0; j < nx; j++) {
+        const REAL column = up[j] + down[j];
+        row[j + 1] = across_x * here[j] + diagonal * column;
+        result[j] = across_y * column;
+    }
+    row[0] = row[nx];
+    row[nx + 1] = row[1];
+    VECTOR
+    for (int64_t j = 0; j < nx; j++)
+        result[j] += row[j] + row[j + 2];
+}
+
+/* ---- spectra, as pairs of real and imaginary parts ---- */
+
+PASS(multiply, { REAL *spectrum; const REAL *symbol; int64_t nx; })
+{
+    for (int64_t i = first; i < last; i++) {
+        REAL *spectrum = given->spectrum + 2 * i * given->nx;
+        const REAL *symbol = given->symbol + i * given->nx;
+        if (i == 0)
+            spectrum[0] = spectrum[1] = 0;
+        VECTOR
+        for (int64_t j = i == 0; j < given->nx; j++) {
+            spectrum[2 * j] *= symbol[j];
+            spectrum[2 * j + 1] *= symbol[j];
+        }
+    }
+}
+
+PASS(divide, { REAL *spectrum; const REAL *symbol, *weights; int64_t nx; })
+{
+    const REAL *weights = given->weights;
+    double energy = 0;
+    for (int64_t i = first; i < last; i++) {
+        REAL *spectrum = given->spectrum + 2 * i * given->nx;
+        const REAL *symbol = given->symbol + i * given->nx;
+        if (i == 0)
+            spectrum[0] = spectrum[1] = 0;
+        SUM(energy)
+        for (int64_t j = i == 0; j < given->nx; j++) {
+            const REAL real = spectrum[2 * j], imaginary = spectrum[2 * j + 1], factor = 1 / symbol[j];
+            energy += (real * real + imaginary * imaginary) * factor * weights[j];
+            spectrum[2 * j] = real * factor;
+            spectrum[2 * j + 1] = imaginary * factor;
+        }
+    }
+    found->sums[0] = energy;
+}
+
+PASS(slope_power, { const REAL *spectrum; const double *weights, *along_y, *along_x; int64_t nx; })
+{
+    const double *weights = given->weights, *along_x = given->along_x;
+    double total = 0;
+    for (int64_t i = first; i < last; i++) {
+        const REAL *spectrum = given->spectrum + 2 * i * given->nx;
+        const double y = given->along_y[i];
+        SUM(total)
+        for (int64_t j = 0; j < given->nx; j++) {
+            const REAL real = spectrum[2 * j], imaginary = spectrum[2 * j + 1];
+            total += (real * real + imaginary * imaginary) * (weights[j] * (y + along_x[j]));
+        }
+    }
+    found->sums[0] = total;
+}
+
+/* ---- fields ---- */
+
+PASS(extent, { const REAL *field; int64_t nx; })
+{
+    const int64_t nx = given->nx;
+    REAL *least = scratch, *most = least + nx; /* of every column: that becomes vector instructions */
+    int64_t missing = 0;
+    memcpy(least, given->field + first * nx, (size_t)nx * sizeof(REAL));
+    memcpy(most, least, (size_t)nx * sizeof(REAL));
+    for (int64_t i = first; i < last; i++) {
+        const REAL *field = given->field + i * nx;
+        int32_t strange = 0;
+        SUM(strange)
+        for (int64_t j = 0; j < nx; j++) {
+            const REAL value = field[j];
+            least[j] = SMALLER(value, least[j]);
+            most[j] = LARGER(value, most[j]);
+            strange += value - value != 0; /* of infinities and NaN alone */
+        }
+        missing += strange;
+    }
+    for (int64_t j = 0; j < nx; j++) {
+        found->least = SMALLER(least[j], found->least);
+        found->most = LARGER(most[j], found->most);
+    }
+    found->sums[0] = (double)missing;
+}
+
+PASS(rescale, { REAL *field; double factor, cap; int64_t nx; })
+{
+    const REAL factor = (REAL)given->factor, cap = (REAL)given->cap;
+    for (int64_t i = first; i < last; i++) {
+        REAL *field = given->field + i * given->nx;
+        VECTOR
+        for (int64_t j = 0; j < given->nx; j++)
+            field[j] = HELD(field[j], cap) * factor;
+    }
+}
+
+PASS(restore_units, { REAL *pressure, *gap; int8_t *contact; double offset, pressure_unit, gap_unit; int64_t nx; })
+{
+    const int64_t nx = given->nx;
+    const REAL offset = (REAL)given->offset;
+    const REAL pressure_unit = (REAL)given->pressure_unit, gap_unit = (REAL)given->gap_unit;
+    REAL *least = scratch; /* of every column */
+    double total = 0;
+    for (int64_t j = 0; j < nx; j++)
+        least[j] = INFINITY;
+    for (int64_t i = first; i < last; i++) {
+        REAL *pressure = given->pressure + i * nx, *gap = given->gap + i * nx;
+        int8_t *contact = given->contact + i * nx;
+        SUM(total)
+        for (int64_t j = 0; j < nx; j++) {
+            const REAL p = pressure[j] * pressure_unit, g = (gap[j] - offset) * gap_unit;
+            pressure[j] = p;
+            gap[j] = g;
+            contact[j] = p > 0;
+            total += p;
+            least[j] = SMALLER(g, least[j]);
+        }
+    }
+    for (int64_t j = 0; j < nx; j++)
+        found->least = SMALLER(least[j], found->least);
+    found->sums[0] = total;
+}
+
+/* ---- from a fine grid to a coarse one, and back ---- */
+
+PASS(block_mean, { const REAL *field; REAL *out; int64_t nx, fy, fx; })
+{
+    const int64_t cells = given->nx / given->fx;
+    const REAL share = (REAL)1 / (REAL)(given->fy * given->fx);
+    REAL *columns = scratch;
+    for (int64_t i = first; i < last; i++) {
+        const REAL *field = given->field + i * given->fy * given->nx;
+        if (given->fy == 1) {
+            NAME(fold)(field, given->fx, share, given->out + i * cells, cells);
+            continue;
+        }
+        VECTOR
+        for (int64_t j = 0; j < given->nx; j++)
+            columns[j] = field[j] + field[given->nx + j];
+        for (int64_t k = 2; k < given->fy; k++)
+            VECTOR
+            for (int64_t j = 0; j < given->nx; j++)
+                columns[j] += field[k * given->nx + j];
+        NAME(fold)(columns, given->fx, share, given->out + i * cells, cells);
+    }
+}
+
+PASS(active_share, { const REAL *active; REAL *out; int64_t nx, fy, fx; })
+{
+    const int64_t cells = given->nx / given->fx;
+    const REAL share = (REAL)1 / (REAL)(given->fy * given->fx);
+    REAL *columns = scratch;
+    for (int64_t i = first; i < last; i++) {
+        memset(columns, 0, (size_t)given->nx * sizeof(REAL));
+        for (int64_t k = 0; k < given->fy; k++) {
+            const REAL *active = given->active + (i * given->fy + k) * given->nx;
+            VECTOR
+            for (int64_t j = 0; j < given->nx; j++)
+                columns[j] += active[j] == 0 ? (REAL)0 : (REAL)1;
+        }
+        NAME(fold)(columns, given->fx, share, given->out + i * cells, cells);
+    }
+}
+
+/* What array_api.py says of `weigh`; the arrangement is one of its numbers. */
+PASS(weigh, { REAL *weight; const REAL *share; REAL *empty, *gain; int64_t nx, fy, fx, arrangement; })
+{
+    const REAL parts = (REAL)(given->fy * given->fx), root = (REAL)sqrt((double)(given->fy * given->fx));
+    const int64_t arrangement = given->arrangement;
+    for (int64_t i = first; i < last; i++) {
+        REAL *weight = given->weight + i * given->nx, *empty = given->empty + i * given->nx;
+        REAL *gain = given->gain + i * given->nx;
+        const REAL *share = given->share + i * given->nx;
+        VECTOR
+        for (int64_t j = 0; j < given->nx; j++) {
+            const REAL mean = weight[j], whole = ROOT(share[j]), apart = mean * root;
+            const REAL pieces = apart / (1 + apart - whole), between = ROOT(whole * pieces);
+            const REAL in_line = parts * mean / (1 + (parts - 1) * mean);
+            const REAL value = arrangement == ALONG_A_LINE ? in_line : arrangement == SCATTERED ? pieces : between;
+            weight[j] = value;
+            empty[j] = 1 - value;
+            gain[j] = value / (mean > 0 ? mean : (REAL)1);
+        }
+    }
+}
+
+PASS(weighted_mean, { const REAL *field, *gain; REAL *out; int64_t nx, fy, fx; })
+{
+    const int64_t cells = given->nx / given->fx;
+    const struct NAME(block_mean) mean = {given->field, given->out, given->nx, given->fy, given->fx};
+    for (int64_t i = first; i < last; i++) {
+        REAL *out = given->out + i * cells;
+        const REAL *gain = given->gain + i * cells;
+        NAME(work_block_mean)(&mean, i, i + 1, scratch, found);
+        VECTOR
+        for (int64_t j = 0; j < cells; j++)
+            out[j] *= gain[j];
+    }
+}
+
+PASS(mix, { const REAL *values, *empty, *coarse; REAL *out; int64_t nx, fy, fx; })
+{
+    const int64_t cells = given->nx / given->fx;
+    REAL *row = scratch;
+    for (int64_t block = first; block < last; block++) {
+        NAME(unfold)(given->coarse + block * cells, given->fx, 1, row, cells);
+        for (int64_t i = block * given->fy; i < (block + 1) * given->fy; i++) {
+            const REAL *values = given->values + i * given->nx, *empty = given->empty + i * given->nx;
+            REAL *out = given->out + i * given->nx;
+            VECTOR
+            for (int64_t j = 0; j < given->nx; j++)
+                out[j] = values[j] + empty[j] * row[j];
+        }
+    }
+}
+
+PASS(neighbours, { const REAL *field; REAL *out; struct Weights weights; int64_t ny, nx; })
+{
+    const int64_t ny = given->ny, nx = given->nx;
+    for (int64_t i = first; i < last; i++)
+        NAME(around)(given->field + before(i, ny) * nx, given->field + i * nx, given->field + after(i, ny) * nx,
+                     &given->weights, scratch, given->out + i * nx, nx);
+}
+
+PASS(fill, { const REAL *values, *empty, *mixed; REAL *out; struct Weights weights; int64_t ny, nx; })
+{
+    const int64_t ny = given->ny, nx = given->nx;
+    REAL *result = scratch, *row = result + nx;
+    for (int64_t i = first; i < last; i++) {
+        const REAL *values = given->values + i * nx, *empty = given->empty + i * nx;
+        REAL *out = given->out + i * nx;
+        NAME(around)(given->mixed + before(i, ny) * nx, given->mixed + i * nx, given->mixed + after(i, ny) * nx,
+                     &given->weights, row, result, nx);
+        VECTOR
+        for (int64_t j = 0; j < nx; j++)
+            out[j] = values[j] + empty[j] * result[j];
+    }
+}
+
+PASS(fill_from, {
+    const REAL *values, *active, *coarse;
+    REAL *out;
+    struct Weights weights;
+    int64_t ny, nx, fy, fx;
+})
+{
+    const int64_t ny = given->ny, nx = given->nx;
+    /* mixed: the row before, this one and the next, in turns */
+    REAL *mixed = scratch, *result = mixed + 3 * nx, *row = result + nx;
+    for (int64_t i = first - 1; i <= last; i++) {
+        const int64_t at = i < 0 ? ny - 1 : i == ny ? 0 : i;
+        const REAL *values = given->values + at * nx, *active = given->active + at * nx;
+        REAL *next = mixed + (i + 1) % 3 * nx;
+        NAME(unfold)(given->coarse + at / given->fy * (nx / given->fx), given->fx, 1, result, nx / given->fx);
+        VECTOR
+        for (int64_t j = 0; j < nx; j++)
+            next[j] = values[j] + (active[j] == 0 ? result[j] : (REAL)0);
+        if (i <= first)
+            continue;
+        /* the row before this one has both its neighbours now */
+        const REAL *own = given->values + (i - 1) * nx, *own_active = given->active + (i - 1) * nx;
+        REAL *out = given->out + (i - 1) * nx;
+        NAME(around)(mixed + (i + 2) % 3 * nx, mixed + i % 3 * nx, next, &given->weights, row, result, nx);
+        VECTOR
+        for (int64_t j = 0; j < nx; j++)
+            out[j] = own[j] + (own_active[j] == 0 ? result[j] : (REAL)0);
+    }
+}
+
+PASS(empty_neighbours, { const REAL *field, *empty; REAL *out; struct Weights weights; int64_t ny, nx; })
+{
+    const int64_t ny = given->ny, nx = given->nx;
+    REAL *gaps = scratch, *row = gaps + 3 * nx;
+    for (int64_t i = first - 1; i <= last; i++) {
+        const int64_t at = i < 0 ? ny - 1 : i == ny ? 0 : i;
+        const REAL *field = given->field + at * nx, *empty = given->empty + at * nx;
+        REAL *next = gaps + (i + 1) % 3 * nx;
+        VECTOR
+        for (int64_t j = 0; j < nx; j++)
+            next[j] = field[j] * empty[j];
+        if (i > first)
+            NAME(around)(gaps + (i + 2) % 3 * nx, gaps + i % 3 * nx, next, &given->weights, row,
+                         given->out + (i - 1) * nx, nx);
+    }
+}
+
+PASS(gather, { const REAL *field, *empty; REAL *out; int64_t nx, fy, fx; })
+{
+    const int64_t cells = given->nx / given->fx;
+    REAL *columns = scratch;
+    for (int64_t block = first; block < last; block++) {
+        memset(columns, 0, (size_t)given->nx * sizeof(REAL));
+        for (int64_t i = block * given->fy; i < (block + 1) * given->fy; i++) {
+            const REAL *field = given->field + i * given->nx, *empty = given->empty + i * given->nx;
+            VECTOR
+            for (int64_t j = 0; j < given->nx; j++)
+                columns[j] += field[j] * empty[j];
+        }
+        NAME(fold)(columns, given->fx, 1, given->out + block * cells, cells);
+    }
+}
+
+PASS(empty_from, {
+    const REAL *field, *active;
+    REAL *passed, *coarse;
+    struct Weights weights;
+    int64_t ny, nx, fy, fx;
+})
+{
+    const int64_t ny = given->ny, nx = given->nx, cells = nx / given->fx, start = first * given->fy;
+    REAL *gaps = scratch, *columns = gaps + 3 * nx, *row = columns + nx;
+    for (int64_t i = start - 1; i <= last * given->fy; i++) {
+        const int64_t at = i < 0 ? ny - 1 : i == ny ? 0 : i;
+        const REAL *field = given->field + at * nx, *active = given->active + at * nx;
+        REAL *next = gaps + (i + 1) % 3 * nx;
+        VECTOR
+        for (int64_t j = 0; j < nx; j++)
+            next[j] = active[j] == 0 ? field[j] : (REAL)0;
+        if (i <= start)
+            continue;
+        /* the row before this one has both its neighbours now */
+        const REAL *own_active = given->active + (i - 1) * nx;
+        REAL *passed = given->passed + (i - 1) * nx;
+        NAME(around)(gaps + (i + 2) % 3 * nx, gaps + i % 3 * nx, next, &given->weights, row, passed, nx);
+        if ((i - 1) % given->fy == 0)
+            memset(columns, 0, (size_t)nx * sizeof(REAL));
+        VECTOR
+        for (int64_t j = 0; j < nx; j++)
+            columns[j] += own_active[j] == 0 ? passed[j] : (REAL)0;
+        if (i % given->fy == 0)
+            NAME(fold)(columns, given->fx, 1, given->coarse + (i / given->fy - 1) * cells, cells);
+    }
+}
+
+PASS(spread, { REAL *field; const REAL *gain, *coarse; int64_t nx, fy, fx; })
+{
+    const int64_t cells = given->nx / given->fx;
+    const REAL share = (REAL)1 / (REAL)(given->fy * given->fx);
+    REAL *row = scratch;
+    for (int64_t block = first; block < last; block++) {
+        NAME(unfold)(given->coarse + block * cells, given->fx, share, row, cells);
+        for (int64_t i = block * given->fy; i < (block + 1) * given->fy; i++) {
+            REAL *field = given->field + i * given->nx;
+            const REAL *gain = given->gain + i * given->nx;
+            VECTOR
+            for (int64_t j = 0; j < given->nx; j++)
+                field[j] = gain[j] * (field[j] + row[j]);
+        }
+    }
+}
+
+PASS(finish_restriction, { REAL *field; const REAL *passed, *coarse, *active; int64_t nx, fy, fx; })
+{
+    const int64_t cells = given->nx / given->fx;
+    const REAL share = (REAL)1 / (REAL)(given->fy * given->fx);
+    REAL *row = scratch;
+    double total = 0;
+    for (int64_t block = first; block < last; block++) {
+        NAME(unfold)(given->coarse + block * cells, given->fx, share, row, cells);
+        for (int64_t i = block * given->fy; i < (block + 1) * given->fy; i++) {
+            REAL *field = given->field + i * given->nx;
+            const REAL *passed = given->passed + i * given->nx, *active = given->active + i * given->nx;
+            SUM(total)
+            for (int64_t j = 0; j < given->nx; j++) {
+                const REAL value = field[j] + (passed[j] + row[j]);
+                const REAL kept = active[j] == 0 ? (REAL)0 : value;
+                field[j] = kept;
+                total += kept;
+            }
+        }
+    }
+    found->sums[0] = total;
+}
+
+/* ---- the small grids of a hierarchy, all in one pass ---- */
+
+/* Stores of `count` grids, one after the other; `table`: ny, nx, fy, fx, start and arrangement of each. */
+struct NAME(Small) {
+    REAL *empty, *gain, *means, *work;
+    const int64_t *table;
+    const REAL *weights;
+    int64_t count;
+};
+
+/* One of them. */
+struct NAME(Grid) {
+    int64_t ny, nx, fy, fx, cells, arrangement;
+    REAL *empty, *gain, *means, *work;
+    struct Weights weights;
+};
+
+static struct NAME(Grid) NAME(grid)(const struct NAME(Small) *small, int64_t number)
+{
+    const int64_t *row = small->table + 6 * number, start = row[4];
+    const REAL *weights = small->weights + 3 * number;
+    return (struct NAME(Grid)){row[0], row[1], row[2], row[3], row[0] * row[1], row[5],
+                               small->empty + start, small->gain + start, small->means + start, small->work + start,
+                               {weights[0], weights[1], weights[2]}};
+}
+
+/* Return the sum of `field` over that of the weights, which `empty` leaves of 1. */
+static REAL NAME(mean_over_contact)(const REAL *field, const REAL *empty, int64_t cells)
+{
+    REAL total = 0, weight = 0;
+    for (int64_t j = 0; j < cells; j++) {
+        total += field[j];
+        weight += 1 - empty[j];
+    }
+    return weight > 0 ? total / weight : 0;
+}
+
+static void NAME(take_means)(const REAL *field, const struct NAME(Grid) *fine, const struct NAME(Grid) *coarse,
+                             REAL *out, void *scratch)
+{
+    const struct NAME(block_mean) mean = {field, out, fine->nx, coarse->fy, coarse->fx};
+    NAME(work_block_mean)(&mean, 0, coarse->ny, scratch, NULL);
+}
+
+PASS(weigh_small, { struct NAME(Small) small; })
+{
+    (void)first, (void)last;
+    for (int64_t number = 0; number < given->small.count; number++) {
+        const struct NAME(Grid) grid = NAME(grid)(&given->small, number);
+        const struct NAME(weigh) weigh = {grid.means, grid.work, grid.empty, grid.gain,
+                                          grid.nx, grid.fy, grid.fx, grid.arrangement};
+        if (number + 1 == given->small.count) {
+            NAME(work_weigh)(&weigh, 0, grid.ny, scratch, found);
+            return;
+        }
+        const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
+        NAME(take_means)(grid.work, &grid, &coarse, coarse.work, scratch);
+        NAME(work_weigh)(&weigh, 0, grid.ny, scratch, found);
+        NAME(take_means)(grid.means, &grid, &coarse, coarse.means, scratch);
+    }
+}
+
+PASS(prolong_small, { REAL *one, *other; struct NAME(Small) small; int64_t sweeps; })
+{
+    (void)first, (void)last;
+    const int64_t coarsest = given->small.count - 1;
+    for (int64_t number = 0; number < coarsest; number++) {
+        const struct NAME(Grid) grid = NAME(grid)(&given->small, number);
+        const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
+        const struct NAME(weighted_mean) mean = {grid.means, coarse.gain, coarse.means,
+                                                 grid.nx, coarse.fy, coarse.fx};
+        NAME(work_weighted_mean)(&mean, 0, coarse.ny, scratch, found);
+    }
+    for (int64_t number = coarsest; number >= 0; number--) {
+        const struct NAME(Grid) grid = NAME(grid)(&given->small, number);
+        REAL *mixed = grid.work;
+        if (number == coarsest) {
+            const REAL far = NAME(mean_over_contact)(grid.means, grid.empty, grid.cells);
+            for (int64_t j = 0; j < grid.cells; j++)
+                mixed[j] = grid.means[j] + grid.empty[j] * far;
+            for (int64_t sweep = 1; sweep < given->sweeps; sweep++) {
+                REAL *swept = sweep % 2 ? given->one : given->other;
+                const struct NAME(fill) fill = {grid.means, grid.empty, mixed, swept,
+                                                grid.weights, grid.ny, grid.nx};
+                NAME(work_fill)(&fill, 0, grid.ny, scratch, found);
+                mixed = swept;
+            }
+        } else {
+            const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
+            const struct NAME(mix) mix = {grid.means, grid.empty, coarse.means, mixed,
+                                          grid.nx, coarse.fy, coarse.fx};
+            NAME(work_mix)(&mix, 0, coarse.ny, scratch, found);
+        }
+        const struct NAME(neighbours) neighbours = {mixed, grid.means, grid.weights, grid.ny, grid.nx};
+        NAME(work_neighbours)(&neighbours, 0, grid.ny, scratch, found);
+    }
+}
+
+PASS(restrict_small, { REAL *one, *other; struct NAME(Small) small; int64_t sweeps; })
+{
+    (void)first, (void)last;
+    const int64_t coarsest = given->small.count - 1;
+    for (int64_t number = 0; number <= coarsest; number++) {
+        const struct NAME(Grid) grid = NAME(grid)(&given->small, number);
+        const struct NAME(neighbours) neighbours = {grid.means, grid.work, grid.weights, grid.ny, grid.nx};
+        NAME(work_neighbours)(&neighbours, 0, grid.ny, scratch, found);
+        if (number < coarsest) {
+            const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
+            const struct NAME(gather) gather = {grid.work, grid.empty, coarse.means, grid.nx, coarse.fy, coarse.fx};
+            NAME(work_gather)(&gather, 0, coarse.ny, scratch, found);
+            continue;
+        }
+        REAL *passed = given->one;
+        memcpy(passed, grid.work, (size_t)grid.cells * sizeof(REAL));
+        for (int64_t sweep = 1; sweep < given->sweeps; sweep++) {
+            REAL *swept = sweep % 2 ? given->other : given->one;
+            const struct NAME(empty_neighbours) again = {passed, grid.empty, swept, grid.weights, grid.ny, grid.nx};
+            NAME(work_empty_neighbours)(&again, 0, grid.ny, scratch, found);
+            for (int64_t j = 0; j < grid.cells; j++)
+                grid.work[j] += swept[j];
+            passed = swept;
+        }
+        for (int64_t j = 0; j < grid.cells; j++)
+            passed[j] *= grid.empty[j];
+        const REAL far = NAME(mean_over_contact)(passed, grid.empty, grid.cells);
+        for (int64_t j = 0; j < grid.cells; j++)
+            grid.work[j] = (grid.work[j] + far) * grid.gain[j];
+    }
+    for (int64_t number = coarsest - 1; number >= 0; number--) {
+        const struct NAME(Grid) grid = NAME(grid)(&given->small, number);
+        const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
+        const struct NAME(spread) spread = {grid.work, grid.gain, coarse.work, grid.nx, coarse.fy, coarse.fx};
+        NAME(work_spread)(&spread, 0, coarse.ny, scratch, found);
+    }
+}
+
+/* ---- a pressure onto a finer grid ---- */
+
+PASS(continue_square, { const REAL *coarse; REAL *square; int64_t ny, nx; })
+{
+    const int64_t ny = given->ny, nx = given->nx;
+    const REAL *coarse = given->coarse;
+    REAL *most = scratch; /* of the three cells in each column, one beyond each end */
+    for (int64_t i = first; i < last; i++) {
+        const REAL *up = coarse + before(i, ny) * nx, *row = coarse + i * nx, *down = coarse + after(i, ny) * nx;
+        REAL *square = given->square + i * nx;
+        VECTOR
+        for (int64_t j = 0; j < nx; j++) {
+            const REAL beside = up[j] > down[j] ? up[j] : down[j];
+            square[j] = row[j] * row[j];
+            most[j + 1] = row[j] > beside ? row[j] : beside;
+        }
+        most[0] = most[nx];
+        most[nx + 1] = most[1];
+        for (int64_t j = 0; j < nx; j++) {
+            if (row[j] > 0 || !(most[j] > 0 || most[j + 1] > 0 || most[j + 2] > 0))
+                continue; /* in contact, or far from any */
+            REAL total = 0;
+            int count = 0;
+            for (int64_t ey = -1; ey <= 1; ey++)
+                for (int64_t ex = -1; ex <= 1; ex++) {
+                    const REAL near = coarse[wrap(i + ey, ny) * nx + wrap(j + ex, nx)];
+                    if (near > 0) {
+                        const REAL far = coarse[wrap(i + 2 * ey, ny) * nx + wrap(j + 2 * ex, nx)];
+                        total += far > 0 ? 2 * near * near - far * far : -near * near;
+                        count++;
+                    }
+                }
+            if (count)
+                square[j] = total < 0 ? total / (REAL)count : 0;
+        }
+    }
+}
+
+PASS(refine, { const REAL *coarse, *square; REAL *out; int64_t ny, nx, fy, fx; })
+{
+    const int64_t ny = given->ny, nx = given->nx, fy = given->fy, fx = given->fx;
+    REAL *roots = scratch;
+    memset(given->out + first * fy * fx * nx, 0, (size_t)((last - first) * fy * fx * nx) * sizeof(REAL));
+    for (int64_t i = first; i < last; i++)
+        for (int64_t j = 0; j < nx; j++) {
+            const REAL pressure = given->coarse[i * nx + j];
+            if (!(pressure > 0))
+                continue;
+            REAL total = 0;
+            for (int64_t ky = 0; ky < fy; ky++) {
+                const REAL at_y = ((REAL)ky + (REAL)0.5) / (REAL)fy - (REAL)0.5;
+                const REAL share_y = at_y > 0 ? at_y : -at_y;
+                const REAL *row = given->square + i * nx;
+                const REAL *beside = given->square + (at_y > 0 ? after(i, ny) : before(i, ny)) * nx;
+                for (int64_t kx = 0; kx < fx; kx++) {
+                    const REAL at_x = ((REAL)kx + (REAL)0.5) / (REAL)fx - (REAL)0.5;
+                    const REAL share_x = at_x > 0 ? at_x : -at_x;
+                    const int64_t next = at_x > 0 ? after(j, nx) : before(j, nx);
+                    const REAL here = (1 - share_x) * row[j] + share_x * row[next];
+                    const REAL there = (1 - share_x) * beside[j] + share_x * beside[next];
+                    const REAL value = (1 - share_y) * here + share_y * there;
+                    roots[ky * fx + kx] = ROOT(value > 0 ? value : 0);
+                    total += roots[ky * fx + kx];
+                }
+            }
+            const REAL share = total > 0 ? (REAL)(fy * fx) * pressure / total : 0;
+            for (int64_t ky = 0; ky < fy; ky++)
+                for (int64_t kx = 0; kx < fx; kx++)
+                    given->out[((i * fy + ky) * nx + j) * fx + kx] =
+                        total > 0 ? share * roots[ky * fx + kx] : pressure;
+        }
+}

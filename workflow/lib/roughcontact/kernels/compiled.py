@@ -1,0 +1,258 @@
+"""The kernels of `roughcontact.kernels.array_api` in C: one sweep through memory each.
+
+What they compute is said there; tests compare the two. The source lies in the folder `c`; its library, built
+when the package is installed, knows nothing of Python and shares the rows of a pass among threads by itself.
+Arrays must lie in memory without gaps: others are refused.
+"""
+
+import ctypes
+import sys
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from struct import Struct
+
+import numpy as np
+
+from roughcontact.kernels.memory import store
+from roughcontact.kernels.threads import threads_for
+
+LIBRARY = Path(__file__).with_name(
+    "libkernels" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+)
+_SOURCES = "c"  # the folder beside this file: named here, it counts among what results depend on
+# What a pass is given, as its struct in C says: first arrays, a letter each, then numbers (d) and whole
+# numbers (q). Arrays of one letter have one precision, whichever; c: complex numbers of the precision of r;
+# D: 8 bytes, b: one byte an entry.
+_GIVEN = {
+    "multiply": ("cr", "q"),
+    "divide": ("crr", "q"),
+    "slope_power": ("cDDD", "q"),
+    "extent": ("r", "q"),
+    "make_dimensionless": ("oi", "ddq"),
+    "measure": ("oiooo", "ddddq"),
+    "masked_residual": ("ooi", "ddq"),
+    "advance": ("ssiti", "ddddq"),
+    "redistribute": ("oiii", "dqqq"),
+    "project": ("oii", "dq"),
+    "rescale": ("r", "ddq"),
+    "project_residual": ("ooi", "ddq"),
+    "restore_units": ("rrb", "dddq"),
+    "block_mean": ("rr", "qqq"),
+    "active_share": ("rr", "qqq"),
+    "weigh": ("rrrr", "qqqq"),
+    "weighted_mean": ("rrr", "qqq"),
+    "mix": ("rrrr", "qqq"),
+    "neighbours": ("rr", "dddqq"),
+    "fill": ("rrrr", "dddqq"),
+    "fill_from": ("rrrr", "dddqqqq"),
+    "empty_neighbours": ("rrr", "dddqq"),
+    "gather": ("rrr", "qqq"),
+    "empty_from": ("rrrr", "dddqqqq"),
+    "spread": ("rrr", "qqq"),
+    "finish_restriction": ("rrrr", "qqq"),
+    "weigh_small": ("rrrrDr", "q"),
+    "prolong_small": ("rrrrrrDr", "qq"),
+    "restrict_small": ("rrrrrrDr", "qq"),
+    "continue_square": ("rr", "qq"),
+    "refine": ("rrr", "qqqq"),
+}
+_pack = {name: Struct("P" * len(arrays) + rest).pack for name, (arrays, rest) in _GIVEN.items()}
+SMALL_GRID = 64 * 64  # cells up to which the grids of a hierarchy are passed over in one call
+_Found = ctypes.c_double * 8  # six sums, the least and the largest value
+_view, _address = (ctypes.c_char * 0).from_buffer, ctypes.addressof
+
+
+@cache
+def library() -> ctypes.CDLL:
+    """Return the library of the passes; raise OSError where there is none for this machine."""
+    found = ctypes.CDLL(str(LIBRARY))
+    found.find_pass.argtypes, found.find_pass.restype = (ctypes.c_char_p,), ctypes.c_void_p
+    numbers = [ctypes.c_int64] * 3
+    found.run_pass.argtypes = ctypes.c_void_p, *numbers, ctypes.c_char_p, ctypes.POINTER(_Found)
+    return found
+
+
+@cache
+def _find(name, widths):
+    """Return the address of the pass over arrays whose entries have so many bytes."""
+    bytes_of = {"D": 8, "b": 1}
+    for letter, width in zip(_GIVEN[name][0], widths, strict=True):
+        key, real_width = ("r", width // 2) if letter == "c" else (letter, width)
+        if bytes_of.setdefault(key, real_width) != real_width:
+            raise TypeError(f"{name}: arrays whose entries have {widths} bytes do not go together")
+    types = "".join({4: "f", 8: "d"}[width] for key, width in bytes_of.items() if key not in "Db")
+    address = library().find_pass(f"{name}_{types}".encode())
+    if address is None:
+        raise TypeError(f"{name}: there is no pass for precisions {types}")
+    return address
+
+
+class Compiled:
+    """The kernels, run by up to `threads` threads."""
+
+    def __init__(self, threads: int = 1):
+        self.threads = threads
+
+    def multiply(self, spectrum, symbol):
+        rows, nx = symbol.shape
+        self._run("multiply", rows, 0, (spectrum, symbol), nx)
+
+    def divide(self, spectrum, symbol, weights):
+        rows, nx = symbol.shape
+        return self._run("divide", rows, 0, (spectrum, symbol, weights), nx)[0]
+
+    def slope_power(self, spectrum, weights, along_y, along_x):
+        rows, nx = spectrum.shape
+        return self._run("slope_power", rows, 0, (spectrum, weights, along_y, along_x), nx)[0]
+
+    def extent(self, field):
+        rows, nx = field.shape
+        missing, *_, least, most = self._run("extent", rows, 2 * nx, (field,), nx)
+        return least, most, int(missing)
+
+    def make_dimensionless(self, heights, reference, unit, out):
+        rows, nx = out.shape
+        self._run("make_dimensionless", rows, 0, (heights, out), reference, 1 / unit, nx)
+
+    def measure(self, separation, heights, reference, unit, start, before, offset, pressure, cap):
+        rows, nx = pressure.shape
+        arrays = separation, heights, start, before, pressure
+        return tuple(self._run("measure", rows, 0, arrays, reference, 1 / unit, offset, cap, nx)[:6])
+
+    def masked_residual(self, pressure, separation, offset, cap, values):
+        rows, nx = pressure.shape
+        return int(self._run("masked_residual", rows, 0, (pressure, separation, values), offset, cap, nx)[0])
+
+    def advance(self, pressure, separation, correction, offset, mean, length, cap, out, free):
+        rows, nx = pressure.shape
+        arrays = pressure, separation, correction, out, free
+        self._run("advance", rows, 0, arrays, offset, mean, length, cap, nx)
+
+    def redistribute(self, field, passed, coarse, factors, free, cap):
+        nx, arrays = field.shape[1], (field, passed, coarse, free)
+        return tuple(self._run("redistribute", len(coarse), nx, arrays, cap, nx, *factors)[:2])
+
+    def project(self, field, cap, taken, free):
+        rows, nx = field.shape
+        self._run("project", rows, 0, (field, taken, free), cap, nx)
+
+    def rescale(self, field, factor, cap):
+        rows, nx = field.shape
+        self._run("rescale", rows, 0, (field,), factor, cap, nx)
+
+    def project_residual(self, pressure, separation, offset, cap, values):
+        rows, nx = values.shape
+        return self._run("project_residual", rows, 0, (pressure, separation, values), offset, cap, nx)[0]
+
+    def restore_units(self, pressure, gap, offset, pressure_unit, gap_unit, contact):
+        rows, nx = pressure.shape
+        arrays, numbers = (pressure, gap, contact), (offset, pressure_unit, gap_unit)
+        total, *_, least, _ = self._run("restore_units", rows, nx, arrays, *numbers, nx)
+        return least, total
+
+    def block_mean(self, field, factors, out):
+        nx = field.shape[1]
+        self._run("block_mean", len(out), nx, (field, out), nx, *factors)
+
+    def active_share(self, active, factors, out):
+        nx = active.shape[1]
+        self._run("active_share", len(out), nx, (active, out), nx, *factors)
+
+    def weigh(self, weight, share, factors, arrangement, empty, gain):
+        rows, nx = share.shape
+        self._run("weigh", rows, 0, (weight, share, empty, gain), nx, *factors, arrangement)
+
+    def weighted_mean(self, field, factors, gain, out):
+        nx = field.shape[1]
+        self._run("weighted_mean", len(out), nx, (field, gain, out), nx, *factors)
+
+    def mix(self, values, empty, coarse, factors, out):
+        nx = out.shape[1]
+        self._run("mix", len(coarse), nx, (values, empty, coarse, out), nx, *factors)
+
+    def neighbours(self, field, weights, out):
+        ny, nx = field.shape
+        self._run("neighbours", ny, nx + 2, (field, out), *weights, ny, nx)
+
+    def fill(self, values, empty, mixed, weights, out):
+        ny, nx = mixed.shape
+        self._run("fill", ny, 2 * nx + 2, (values, empty, mixed, out), *weights, ny, nx)
+
+    def fill_from(self, values, active, coarse, factors, weights, out):
+        ny, nx = values.shape
+        arrays = values, active, coarse, out
+        self._run("fill_from", ny, 5 * nx + 2, arrays, *weights, ny, nx, *factors)
+
+    def empty_neighbours(self, field, empty, weights, out):
+        ny, nx = field.shape
+        self._run("empty_neighbours", ny, 4 * nx + 2, (field, empty, out), *weights, ny, nx)
+
+    def gather(self, field, empty, factors, out):
+        nx = field.shape[1]
+        self._run("gather", len(out), nx, (field, empty, out), nx, *factors)
+
+    def empty_from(self, field, active, weights, passed, factors, coarse):
+        ny, nx = field.shape
+        arrays = field, active, passed, coarse
+        self._run("empty_from", len(coarse), 5 * nx + 2, arrays, *weights, ny, nx, *factors)
+
+    def spread(self, field, gain, coarse, factors):
+        nx = field.shape[1]
+        self._run("spread", len(coarse), nx, (field, gain, coarse), nx, *factors)
+
+    def finish_restriction(self, field, passed, coarse, factors, active):
+        nx, arrays = field.shape[1], (field, passed, coarse, active)
+        return self._run("finish_restriction", len(coarse), nx, arrays, nx, *factors)[0]
+
+    def small_grids(self, grids, stores, ends):
+        cells = [end - start for start, end in pairwise(ends)]
+        first = sum(count > SMALL_GRID for count in cells)
+        return CompiledSmallGrids(grids, stores, ends, first) if first < len(grids) else None
+
+    def refine(self, coarse, factors, out):
+        square, (ny, nx) = store.empty(coarse.shape, coarse.dtype), coarse.shape
+        self._run("continue_square", ny, nx + 2, (coarse, square), ny, nx)
+        self._run("refine", ny, factors[0] * factors[1], (coarse, square, out), ny, nx, *factors)
+
+    def _run(self, name, rows, scratch, arrays, *numbers):
+        """Run a pass over `rows` rows, shared among threads where its first array is large."""
+        return _run(name, rows, scratch, arrays, *numbers, threads=threads_for(arrays[0].size, self.threads))
+
+
+class CompiledSmallGrids:
+    """The grids of a hierarchy from number `first` on, in the form that one call takes."""
+
+    def __init__(self, grids, stores, ends, first):
+        self.first = first
+        table = [
+            (*grid.empty.shape, *grid.factors, start, grid.arrangement)
+            for grid, start in zip(grids[first:], ends[first:-1], strict=True)
+        ]
+        weights = np.array([grid.weights for grid in grids[first:]], dtype=stores[0].dtype)
+        self._arrays = (*stores, np.array(table, dtype=np.int64), weights)
+        self._count, self._longest = len(table), max(row[1] for row in table)
+
+    def weigh(self):
+        _run("weigh_small", 1, self._longest, self._arrays, self._count)
+
+    def prolong(self, sweeps, work, other):
+        arrays = work, other, *self._arrays
+        _run("prolong_small", 1, 2 * self._longest + 2, arrays, self._count, sweeps)
+
+    def restrict(self, sweeps, work, other):
+        arrays = work, other, *self._arrays
+        _run("restrict_small", 1, 4 * self._longest + 2, arrays, self._count, sweeps)
+
+
+def _run(name, rows, scratch, arrays, *numbers, threads=1):
+    """Run a pass over `rows` rows; return what it found.
+
+    `scratch`: how many numbers each thread needs to work with.
+    """
+    given = _pack[name](*[_address(_view(array)) for array in arrays], *numbers)
+    address = _find(name, tuple([array.itemsize for array in arrays]))
+    found = _Found()
+    if library().run_pass(address, threads, rows, 8 * scratch, given, found):
+        raise MemoryError(f"no memory for the rows of the pass {name}")
+    return found
