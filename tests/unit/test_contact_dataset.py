@@ -282,17 +282,16 @@ def test_load_plans():
         plan_loads(flat, contact_modulus=MODULUS)
 
 
-def test_loads_close_together_start_from_each_other():
+def test_a_load_gives_what_it_does_alone_and_shares_the_cost_of_the_setup():
     window = rough()
     loads = [3e6, 3.006e6, 3.012e6]
     together = rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=loads)
-    alone = [rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=load) for load in loads]
-    work = [float(contact["operator_applications"][0]) for contact in alone]
-    assert together["operator_applications"][0] == work[0]
-    assert (together["operator_applications"][1:] < 0.8 * np.array(work[1:])).all()
-    for number, contact in enumerate(alone):
-        found, reference = together["pressure"][number].values, contact["pressure"][0].values
-        assert np.linalg.norm(found - reference) < 1e-3 * np.linalg.norm(reference)
+    for number, load in enumerate(loads):
+        alone = rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=load)
+        setup = 0.0 if number == 0 else 1.0  # the pressure of full contact is looked at once
+        found = float(together["operator_applications"][number])
+        assert found == pytest.approx(float(alone["operator_applications"][0]) - setup, abs=1e-12)
+        np.testing.assert_array_equal(together["pressure"][number], alone["pressure"][0])
 
 
 def test_deep_pits_in_lines_far_apart_converge_by_safe_steps():
