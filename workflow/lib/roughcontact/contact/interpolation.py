@@ -8,7 +8,9 @@ grids: on every grid an empty cell takes the mean of its eight neighbours, weigh
 distance, the decay of G^-1 in space. A cell that is in contact in part counts by the linear size of its
 contact: the displacement beside an isolated contact goes with its size over the distance, so that it reaches
 as far as it should. The mean over the parts of a cell is weighted by those sizes, too, and far from all
-contact stands the mean over all of it. The restriction is the transpose of P: the same V-cycle backwards.
+contact stands the mean over all of it. The restriction is the transpose of P: the same V-cycle
+backwards. The words are those of multigrid [1]_, where they act between two grids; here P acts between the
+active set and the whole grid, and the hierarchy of grids is what makes it cheap.
 
 P^T G^-1 P is nowhere less than the exact inverse, and measured to be at most 1.15 times it for patches and
 scattered points on square pixels, three times it where pixels are far longer than wide: that is why few
@@ -16,9 +18,7 @@ iterations suffice.
 
 References
 ----------
-Prolongation, restriction, V-cycle: Briggs, Henson and McCormick (2000), A Multigrid Tutorial, chapter 3.
-There they act between two grids; here P acts between the active set and the whole grid, and the hierarchy of
-grids is what makes it cheap.
+.. [1] Briggs, Henson and McCormick (2000), A Multigrid Tutorial, chapter 3.
 """
 
 from dataclasses import dataclass

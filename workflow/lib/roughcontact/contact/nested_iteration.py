@@ -1,11 +1,11 @@
-"""Nested iteration: a coarse solution is a cheap first guess for the next finer grid.
+"""Nested iteration [1]_: a coarse solution is a cheap first guess for the next finer grid.
 
 Coarse heights are block means, measured to need fewer iterations than injection and Fourier truncation. How a
 coarse pressure comes onto the finer grid: `roughcontact.kernels.array_api.refine`.
 
 References
 ----------
-Briggs, Henson and McCormick (2000), A Multigrid Tutorial, chapter 3.
+.. [1] Briggs, Henson and McCormick (2000), A Multigrid Tutorial, chapter 3.
 """
 
 from collections.abc import Sequence
