@@ -154,6 +154,7 @@ def test_a_member_that_misses_its_tolerance_is_no_result():
     assert flagged.work > 0
 
 
+@pytest.mark.slow
 def test_interval_covers_the_surface_that_the_map_was_taken_from():
     """48 maps of three surfaces, four times as long as the maps: at least 90 % of the 95 % intervals hold.
     Together with processing, on faulty maps: test_uncertainty_processing.py."""

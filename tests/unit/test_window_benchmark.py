@@ -45,6 +45,7 @@ def test_area_and_rim_of_known_pressures(benchmark):
     assert benchmark.area(square, periodic=False) == pytest.approx((100 - 20 * correction) / 1600)
 
 
+@pytest.mark.slow
 def test_quick_run_and_page(benchmark, tmp_path, monkeypatch):
     monkeypatch.setattr(benchmark, "KINDS", ("isotropic", "turned"))
     sizes = {"points": 256, "side": 128}
