@@ -14,6 +14,8 @@ from roughcontact.errors import SettingsError
 SMALLEST = math.ulp(0.0)
 ABOVE_ONE, BELOW_ONE = math.nextafter(1, 2), math.nextafter(1, 0)
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
+# what else may be said of a body, where it is said of both
+MORE = {"thermal_conductivity": 50.0, "electrical_resistivity": 2e-7}
 ENDLESS = [math.inf, -math.inf, math.nan]
 
 # setting: what is just within its limits, what is just beyond
@@ -33,9 +35,11 @@ LIMITS = {
     "window.shortest_wavelength": ([SMALLEST, None], [0, -1]),
     "window.longest_wavelength": ([SMALLEST, None], [0, -1]),
     "contact.contact_modulus": ([SMALLEST], [0, -1]),
-    "contact.bodies": ([[STEEL, STEEL]], [[], [STEEL], [STEEL] * 3]),
+    "contact.bodies": ([[STEEL | MORE] * 2], [[], [STEEL], [STEEL] * 3]),
     "contact.bodies.youngs_modulus": ([SMALLEST], [0, -1]),
     "contact.bodies.poissons_ratio": ([math.nextafter(-1, 0), 0.5], [-1, math.nextafter(0.5, 1)]),
+    "contact.bodies.thermal_conductivity": ([SMALLEST], [0, -1]),
+    "contact.bodies.electrical_resistivity": ([SMALLEST], [0, -1]),
     "contact.mean_pressure": ([SMALLEST, [SMALLEST], [1, 2, 3], None], [0, [], [0], [1, -1]]),
     "contact.relative_pressure": ([SMALLEST, [SMALLEST], [1, 2, 3], None], [0, [], [0], [1, -1]]),
     "contact.tolerance": (
@@ -68,7 +72,7 @@ def configured(key, value):
     if key == "contact.bodies":
         return {"contact": {"bodies": value}}
     if key.startswith("contact.bodies."):
-        return {"contact": {"bodies": [STEEL, STEEL | {key.rpartition(".")[2]: value}]}}
+        return {"contact": {"bodies": [STEEL | MORE, STEEL | MORE | {key.rpartition(".")[2]: value}]}}
     config = {"contact": {"contact_modulus": 1}}
     *section, name = key.split(".")
     (config.setdefault(section[0], {}) if section else config)[name] = value

@@ -12,7 +12,7 @@ from roughcontact.statistics.contact_statistics import SOLVER_COLUMNS, contact_s
 settings = snakemake.params.settings
 window = read_dataset(snakemake.input.window)["height"]
 budget = read_dataset(snakemake.input.uncertainty)
-count = partial(contact_statistics, **settings["statistics"])
+count = partial(contact_statistics, bodies=settings["contact"]["bodies"], **settings["statistics"])
 result = solve_contact(window, **solver_arguments(window, settings["contact"]), reduce=count)
 save(with_uncertainty(result, budget), snakemake.output.statistics, settings, source=window.attrs)
 solution = result[[*SOLVER_COLUMNS, "relative_pressure", "contact_modulus"]]

@@ -7,5 +7,6 @@ from roughcontact.statistics.contact_statistics import contact_statistics, with_
 
 settings = snakemake.params.settings
 contact, budget = (read_dataset(snakemake.input[name]) for name in ("contact", "uncertainty"))
-statistics = with_uncertainty(contact_statistics(contact, **settings["statistics"]), budget)
+bodies = settings["contact"]["bodies"]
+statistics = with_uncertainty(contact_statistics(contact, bodies=bodies, **settings["statistics"]), budget)
 save(statistics, snakemake.output[0], settings, source=contact["height"].attrs)

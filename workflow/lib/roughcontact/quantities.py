@@ -4,7 +4,7 @@ import math
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_PREFIXED = ("m", "Pa", "J")  # units that take a prefix; composed ones are given in powers of ten
+_PREFIXED = ("m", "Pa", "J", "W", "S")  # units that take a prefix; composed ones are given in powers of ten
 
 
 def prefix(value: float, unit: str) -> tuple[float, str]:
@@ -15,7 +15,7 @@ def prefix(value: float, unit: str) -> tuple[float, str]:
     value : float
         in `unit`; zero, infinity and NaN get no prefix.
     unit : str
-        m, Pa and J take a prefix; others are left as they are.
+        m, Pa, J, W and S take a prefix; others are left as they are.
 
     Returns
     -------

@@ -68,7 +68,10 @@ def solve_file(
         solver = elastic | {"mean_pressure": loads} | {key: contact[key] for key in SOLVER_SETTINGS}
         solver["threads"] = threads
         statistics = solve_contact(
-            window, **solver, reduce=partial(contact_statistics, **settings["statistics"]), progress=show
+            window,
+            **solver,
+            reduce=partial(contact_statistics, bodies=contact["bodies"], **settings["statistics"]),
+            progress=show,
         )
         show(len(loads), len(loads), "error budget")
         verbs = {"level": settings["level"], "window": settings["window"], "contact": solver}

@@ -178,6 +178,16 @@ class Body(Section):
 
     youngs_modulus: Positive = Field(description="Young's modulus E, Pa", examples=[2.1e11])
     poissons_ratio: Number = Field(gt=-1, le=0.5, description="Poisson's ratio, no unit", examples=[0.3])
+    thermal_conductivity: Positive | None = Field(
+        default=None,
+        description="W m-1 K-1, of both bodies: what the contact conducts of heat is then in the results",
+        examples=[50.0],
+    )
+    electrical_resistivity: Positive | None = Field(
+        default=None,
+        description="Ohm m, of both bodies: what the contact conducts of current is then in the results",
+        examples=[2.0e-7],
+    )
 
 
 class Contact(Section):
@@ -193,7 +203,8 @@ class Contact(Section):
         default=None,
         min_length=2,
         max_length=2,
-        description="the two bodies, instead of contact_modulus: Young's moduli in Pa, Poisson's ratios",
+        description="the two bodies, instead of contact_modulus: Young's moduli in Pa, Poisson's ratios, and "
+        "what else is asked of them",
         examples=[
             [
                 {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3},

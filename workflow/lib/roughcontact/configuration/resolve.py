@@ -100,6 +100,7 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     if crosscheck["code"] != "none" and not crosscheck["python"]:
         text = f"crosscheck.python: missing (path of the Python that has {crosscheck['code']})"
         mistakes.append(SettingsError(text))
+    mistakes += [SettingsError(text) for text in _mistakes_in_bodies(settings["contact"]["bodies"], where)]
     if settings["contact"]["bodies"]:
         settings["contact"]["contact_modulus"] = contact_modulus(settings["contact"]["bodies"])
     return settings, mistakes
@@ -144,6 +145,18 @@ def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
             f"{where}: mean_pressure (Pa) and relative_pressure (no unit) given; give one of them or neither"
         )
     return mistakes
+
+
+def _mistakes_in_bodies(bodies: Sequence[Mapping[str, Any]] | None, where: str) -> list[str]:
+    """Return which properties, of use only where both bodies state them, one body alone states."""
+    if not bodies:
+        return []
+    return [
+        f"{where}.bodies[{index}].{name}: missing, though the other body has it; give it for both or neither"
+        for name in ("thermal_conductivity", "electrical_resistivity")
+        for index in range(2)
+        if bodies[index][name] is None and bodies[1 - index][name] is not None
+    ]
 
 
 def _merge(base: Any, overrides: Any) -> Any:

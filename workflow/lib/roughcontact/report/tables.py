@@ -15,7 +15,8 @@ from roughcontact.results.storage import read_dataset
 from roughcontact.variables import VARIABLES
 from roughcontact.window.score import WEIGHTS
 
-# the columns of the table of numbers: variable, short name, unit (a share is given in percent)
+# the columns of the table of numbers: variable, short name, unit (a share is given in percent); those that
+# the statistics lack are left out
 _COLUMNS = (
     ("mean_pressure", "mean pressure p̄", "Pa"),
     ("relative_pressure", "p̄/(E*\N{NO-BREAK SPACE}g)", "1"),
@@ -26,12 +27,17 @@ _COLUMNS = (
     ("max_pressure", "largest pressure", "Pa"),
     ("mean_gap", "mean gap ū", "m"),
     ("contact_stiffness", "stiffness −dp̄/dū", "Pa m-1"),
+    ("thermal_conductance", "thermal conductance", "W m-2 K-1"),
+    ("electrical_conductance", "electrical conductance", "S m-2"),
     ("elastic_energy", "elastic energy", "J m-2"),
     ("contact_perimeter", "contact perimeter", "m"),
     ("contact_clusters", "contact patches", "1"),
     ("contact_on_filled_points", "on filled points", "%"),
     ("error_bound", "error bound", "1"),
 )
+
+# units whose first letter takes the prefix, and how the rest of them is written
+_PER_AREA = {"J m-2": "/m²", "S m-2": "/m²", "W m-2 K-1": "/(m² K)"}
 
 # of these, those of the table of pairs
 _OF_PAIRS = ("mean_pressure", "relative_contact_area", "mean_contact_pressure", "max_pressure", "mean_gap")
@@ -66,6 +72,8 @@ def number_table(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> Table:
     """
     header, columns = [], []
     for name, title, unit in _COLUMNS:
+        if name not in numbers:
+            continue
         values = numbers[name].values.astype(float)
         factor, shown = _unit_of_column(values, unit)
         header.append((title, "" if shown == "1" else shown, VARIABLES[name][1]))
@@ -92,9 +100,9 @@ def _unit_of_column(values: np.ndarray, unit: str) -> tuple[float, str]:
     if unit == "Pa m-1":  # a stiffness reads best as pressure per micrometre
         factor, shown = prefix(middle * 1e-6, "Pa")
         return factor * 1e-6, f"{shown}/µm"
-    if unit == "J m-2":
-        factor, shown = prefix(middle, "J")
-        return factor, f"{shown}/m²"
+    if unit in _PER_AREA:
+        factor, shown = prefix(middle, unit.partition(" ")[0])
+        return factor, f"{shown}{_PER_AREA[unit]}"
     return prefix(middle, unit)
 
 

@@ -19,6 +19,8 @@ _SUFFIX: dict[str | None, str] = {
     "m-1": "_per_m",
     "Pa m-1": "_Pa_per_m",
     "J m-2": "_J_per_m2",
+    "W m-2 K-1": "_W_per_m2_K",
+    "S m-2": "_S_per_m2",
     "degree": "_degree",
 }
 

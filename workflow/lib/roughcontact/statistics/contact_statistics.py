@@ -13,6 +13,7 @@ from roughcontact.roughness.parameters import roughness_parameters
 from roughcontact.roughness.summits import summit_statistics
 from roughcontact.roughness.texture import texture_parameters
 from roughcontact.statistics import theory
+from roughcontact.statistics.conductance import Bodies, conductance_columns
 from roughcontact.statistics.contact_geometry import contact_perimeter, count_clusters, relative_contact_area
 from roughcontact.statistics.densities import GAP_DECADES, PRESSURE_DECADES, density, logarithmic_edges
 
@@ -35,7 +36,9 @@ HEIGHT_PARAMETERS = ("Sa", "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sdq")
 _BINNED = ("pressure", "gap")  # what has a density, `{name}_density` over the bins `{name}_bin`
 
 
-def contact_statistics(contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins: int = 20) -> xr.Dataset:
+def contact_statistics(
+    contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins: int = 20, bodies: Bodies | None = None
+) -> xr.Dataset:
     """Return the statistics of each load of a contact solution.
 
     Parameters
@@ -48,6 +51,9 @@ def contact_statistics(contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins
         1e-4], then logarithmic to 1, in units of the peak-to-valley height. The bounds depend on the
         surface and on E* alone, never on the loads; a value above the last bound is counted in the last
         bin, so nothing is lost.
+    bodies : sequence of two mappings, optional
+        what the settings say of the two bodies beside their elasticity, `contact.bodies`: where both state
+        it, the conductance of the contact is added.
 
     Returns
     -------
@@ -94,6 +100,7 @@ def contact_statistics(contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins
     ]
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     columns |= {name: contact[name].values for name in SOLVER_COLUMNS if name in contact}
+    columns |= conductance_columns(columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies)
     columns |= theory_columns(mean_pressure, height, contact_modulus=modulus, rms_gradient=gradient)
     # a number of the map, listed with each load like everything that says how far to trust it
     columns["points_per_shortest_wavelength"] = np.full(

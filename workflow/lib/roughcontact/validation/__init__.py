@@ -9,6 +9,14 @@ from typing import Literal, get_args
 
 # in the order of the page; each is a module of this package with a function `part`
 PartName = Literal[
-    "paper", "waves", "hertz", "full_contact", "convergence", "rough", "consistency", "coverage"
+    "paper",
+    "waves",
+    "hertz",
+    "full_contact",
+    "convergence",
+    "rough",
+    "consistency",
+    "coverage",
+    "conductance",
 ]
 PARTS: tuple[PartName, ...] = get_args(PartName)

@@ -6,6 +6,7 @@ from roughcontact.checking import check_choice
 from roughcontact.errors import SettingsError
 from roughcontact.validation import (
     PartName,
+    conductance,
     consistency,
     convergence,
     coverage,
@@ -66,5 +67,6 @@ def validate(part: PartName, sample: str | Path | None = None, *, finest_grid: i
         "rough": rough,
         "consistency": consistency,
         "coverage": coverage,
+        "conductance": conductance,
     }
     return modules[part].part(finest_grid=finest_grid)
