@@ -109,9 +109,7 @@ def npy():
 
 
 def netcdf(**options):
-    stream = io.BytesIO()
-    xr.DataArray(HEIGHTS, dims=("y", "x"), name="height").to_netcdf(stream, **options)
-    return stream.getvalue()
+    return bytes(xr.DataArray(HEIGHTS, dims=("y", "x"), name="height").to_netcdf(**options))
 
 
 def sdf(file_format):
