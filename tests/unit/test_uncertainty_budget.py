@@ -119,7 +119,8 @@ def test_the_report_says_what_the_uncertainty_is_made_of(statistics):
     half = float(statistics["relative_contact_area_uncertainty"].sel(source="combined")[0])
     assert shown["rows"][0][1] == plus_minus(area, half)
     assert shown["rows"][0][-1] in shown["header"]
-    assert shown["image"].startswith("data:image/svg")
+    assert len(shown["images"]) == 4
+    assert all(image.startswith("data:image/svg") for _, image in shown["images"])
     left_out = statistics.copy(deep=True)
     for name in QUANTITIES:
         left_out[f"{name}_uncertainty"].loc[{"source": "window"}] = np.nan

@@ -167,7 +167,7 @@ def test_pitches_that_changed_places_rerun_that_surface(finished):
         ("levelling/level.py", FROM_LEVEL),
         ("contact/solve.py", FROM_SOLVE),
         ("uncertainty/discretisation.py", FROM_UNCERTAINTY),
-        ("report/figures.py", {"panel": 2, "report": 1}),
+        ("report/charts.py", {"panel": 2, "report": 1}),
         ("configuration/models.py", {}),
     ],
 )

@@ -8,7 +8,8 @@ import pandas as pd
 
 from roughcontact.cost.advice import WORDS, advice, choices, in_words
 from roughcontact.quantities import number, percent
-from roughcontact.report.figures import COLOURS, MARKERS, as_svg, new_figure
+from roughcontact.report.charts import COLOURS, MARKERS
+from roughcontact.report.figures import as_svg, new_figure
 from roughcontact.report.template import template
 from roughcontact.results.storage import write_text
 

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import number, plus_minus, prefix, quantity
-from roughcontact.report.figures import COLOURS, MARKERS, as_svg, new_figure
+from roughcontact.report.charts import COLOURS, MARKERS, Axis, Chart
 
 # what each quantity is called on the page
 _SHOWN = {
@@ -37,8 +37,8 @@ def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
     Returns
     -------
     dict or None
-        `image` (source of the figure), `header` and `rows` (of the table, as text), `notes` (sentences on
-        how the parts were found, and on those that are not there).
+        `images` (for each quantity its name and the source of its figure), `header` and `rows` (of the
+        table, as text), `notes` (sentences on how the parts were found, and on those that are not there).
 
     Examples
     --------
@@ -68,7 +68,7 @@ def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
     if absent:
         notes.append(f"Not in the ±: {', '.join(absent)}.")
     return {
-        "image": _figure(numbers, present),
+        "images": _images(numbers, present),
         "header": ["mean pressure p̄", "contact area A/A₀", *(_WORDS[s] for s in present), "largest part"],
         "rows": rows,
         "notes": notes,
@@ -81,36 +81,33 @@ def _largest(parts: Mapping[str, float]) -> str:
     return _WORDS[max(known, key=known.__getitem__)] if known else "–"
 
 
-def _figure(numbers: xr.Dataset, present: Sequence[str]) -> str:
-    """Draw the relative half-widths (percent) of each source against the load, a panel for each quantity."""
+def _images(numbers: xr.Dataset, present: Sequence[str]) -> list[tuple[str, str]]:
+    """Draw the relative half-widths (percent) of each source against the load; return (quantity, image)."""
     load = numbers["mean_pressure"].values
     factor, unit = prefix(float(np.median(load)), "Pa")
-    with new_figure(9.6, 2.9) as figure:
-        panels = figure.subplots(1, len(_SHOWN), sharey=True)
-        for axes, (name, title) in zip(panels, _SHOWN.items(), strict=True):
-            value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
-            for place, source in enumerate([*present, "combined"]):
-                half = budget.sel(source=source).values
-                share = 100 * np.divide(half, value, out=np.full(value.shape, np.nan), where=value > 0)
-                share = np.where(share >= _LEAST, share, np.nan)
-                both = source == "combined"
-                style = {"color": "#000000", "linewidth": 1.8} if both else {"color": COLOURS[place]}
-                axes.plot(
+    images = []
+    for name, title in _SHOWN.items():
+        chart = Chart(
+            Axis(f"mean pressure p̄ ({unit})", load.min() * factor / 1.5, load.max() * factor * 1.5, log=True),
+            Axis("± in percent of the value", _LEAST, 200.0, log=True),
+            title=title,
+            size=(330.0, 290.0),
+        )
+        value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
+        for place, source in enumerate([*present, "combined"]):
+            half = budget.sel(source=source).values
+            share = 100 * np.divide(half, value, out=np.full(value.shape, np.nan), where=value > 0)
+            share = np.where(share >= _LEAST, share, np.nan)
+            if source == "combined":
+                chart.line(load * factor, share, colour="#000000", width=2.2, label=_WORDS[source])
+            else:
+                chart.marks(
                     load * factor,
                     share,
-                    marker=None if both else MARKERS[place],
-                    markersize=4,
+                    colour=COLOURS[place],
+                    marker=MARKERS[place],
+                    joined=1.5,
                     label=_WORDS[source],
-                    **style,
                 )
-            axes.set_title(title)
-            axes.set_xscale("log")
-            axes.set_yscale("log")
-            axes.set_xlabel(f"mean pressure p̄ ({unit})")
-        panels[0].set_ylim(_LEAST, 200)
-        panels[0].set_ylabel("± in percent of the value")
-        panels[0].yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-        figure.legend(
-            *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(present) + 1
-        )
-        return as_svg(figure)
+        images.append((title, chart.source("below", columns=2)))
+    return images

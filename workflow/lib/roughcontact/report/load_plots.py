@@ -4,10 +4,18 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 
 from roughcontact.quantities import prefix, quantity
-from roughcontact.report.figures import COLOURS, MARKERS, as_svg, new_figure
+from roughcontact.report.charts import (
+    COLOURS,
+    DASH_DOTTED,
+    DASHED,
+    DOTTED,
+    GREY,
+    MARKERS,
+    Axis,
+    Chart,
+)
 from roughcontact.roughness.summits import summit_statistics
 from roughcontact.statistics import theory
 
@@ -36,43 +44,19 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray) -> str:
     """
     unit = float(statistics["contact_modulus"] * statistics["rms_gradient"])
     load = statistics["relative_pressure"].values
-    with new_figure(4.3, 3.6) as figure:
-        axes = figure.add_subplot()
-        line = _theory_lines(axes, load)
-        modulus = float(statistics["contact_modulus"])
-        summits = summit_statistics(window)
-        area = theory.greenwood_williamson_area(line * unit, summits, contact_modulus=modulus)
-        if np.isfinite(area).any():
-            axes.plot(
-                line, area, color="#8a5a00", linestyle="-.", linewidth=1.1, label="Greenwood-Williamson"
-            )
-        order = np.argsort(load)
-        counted, corrected = (
-            statistics[f"relative_contact_area{name}"].values[order] for name in ("_pixels", "")
-        )
-        for values, filling, label in (
-            (counted, "none", "solved, pixels counted"),
-            (corrected, "full", "solved, corrected"),
-        ):
-            axes.plot(
-                load[order],
-                values,
-                fillstyle=filling,
-                label=label,
-                color=COLOURS[0],
-                marker="o",
-                markersize=5,
-                linestyle="none",
-            )
-        _area_axes(axes, load, corrected)
-        factor, shown = prefix(float(np.median(load)) * unit, "Pa")
-        pascal = unit * factor
-        top = axes.secondary_xaxis(
-            "top", functions=(lambda p: np.asarray(p) * pascal, lambda p: np.asarray(p) / pascal)
-        )
-        top.set_xlabel(f"mean pressure p̄ ({shown})")
-        axes.legend(loc="lower right")
-        return as_svg(figure)
+    factor, shown = prefix(float(np.median(load)) * unit, "Pa")
+    corrected = statistics["relative_contact_area"].values
+    chart = _area_chart(load, corrected, pascal=(unit * factor, shown))
+    line = _theory_lines(chart, load)
+    modulus = float(statistics["contact_modulus"])
+    summits = summit_statistics(window)
+    area = theory.greenwood_williamson_area(line * unit, summits, contact_modulus=modulus)
+    if np.isfinite(area).any():
+        chart.line(line, area, colour="#8a5a00", dash=DASH_DOTTED, width=1.3, label="Greenwood-Williamson")
+    counted = statistics["relative_contact_area_pixels"].values
+    chart.marks(load, counted, colour=COLOURS[0], filled=False, label="solved, pixels counted")
+    chart.marks(load, corrected, colour=COLOURS[0], label="solved, corrected")
+    return chart.source("lower right")
 
 
 def compare_areas(series: Sequence[tuple[str, np.ndarray, np.ndarray]]) -> str:
@@ -92,53 +76,52 @@ def compare_areas(series: Sequence[tuple[str, np.ndarray, np.ndarray]]) -> str:
     --------
     >>> import numpy as np
     >>> compare_areas([("one", np.array([0.01, 0.1]), np.array([0.02, 0.2]))]).partition(",")[0]
-    'data:image/svg+xml;base64'
+    'data:image/svg+xml'
     """
     loads = np.concatenate([load for _, load, _ in series])
     areas = np.concatenate([area for _, _, area in series])
-    rows = -(-len(series) // 3)
-    with new_figure(6.6, 4.3 + 0.22 * rows) as figure:
-        axes = figure.add_subplot()
-        _theory_lines(axes, loads)
-        theories = axes.legend(loc="lower right")
-        drawn = []
-        for index, (label, load, area) in enumerate(series):
-            order = np.argsort(load)
-            drawn += axes.plot(
-                load[order],
-                area[order],
-                color=COLOURS[index % len(COLOURS)],
-                marker=MARKERS[(index // len(COLOURS) + index) % len(MARKERS)],
-                markersize=5,
-                linewidth=0.8,
-                label=label,
-            )
-        axes.add_artist(theories)
-        _area_axes(axes, loads, areas)
-        figure.legend(handles=drawn, loc="outside lower center", ncols=3)
-        return as_svg(figure)
+    chart = _area_chart(loads, areas, size=(660.0, 430.0))
+    _theory_lines(chart, loads)
+    for index, (label, load, area) in enumerate(series):
+        order = np.argsort(load)
+        marker = MARKERS[(index // len(COLOURS) + index) % len(MARKERS)]
+        colour = COLOURS[index % len(COLOURS)]
+        chart.marks(load[order], area[order], colour=colour, marker=marker, joined=1.0, label=label)
+    return chart.source("below")
 
 
-def _theory_lines(axes: Axes, loads: np.ndarray) -> np.ndarray:
+def _theory_lines(chart: Chart, loads: np.ndarray) -> np.ndarray:
     """Draw the theories that depend on p' alone; return the loads at which they are drawn."""
-    line = np.geomspace(loads.min() / 1.5, loads.max() * 1.5, 200)
-    for area, style, label in (
-        (theory.persson_area(line), "--", "Persson"),
-        (theory.xu_area(line), "-", "Xu et al."),
-        (theory.bush_gibson_thomas_area(line), ":", "Bush-Gibson-Thomas, low load"),
+    line = np.geomspace(loads.min() / 1.5, loads.max() * 1.5, 100)
+    for area, dash, label in (
+        (theory.persson_area(line), DASHED, "Persson"),
+        (theory.xu_area(line), "", "Xu et al."),
+        (theory.bush_gibson_thomas_area(line), DOTTED, "Bush-Gibson-Thomas, low load"),
     ):
-        axes.plot(line, area, linestyle=style, label=label, color="#444444", linewidth=1.1)
+        chart.line(line, area, dash=dash, label=label, colour=GREY, width=1.3)
     return line
 
 
-def _area_axes(axes: Axes, loads: np.ndarray, areas: np.ndarray) -> None:
-    """Set the log-log axes of area against load."""
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.set_xlim(loads.min() / 1.5, loads.max() * 1.5)
-    axes.set_ylim(max(np.min(areas[areas > 0], initial=1.0) / 3, 1e-8), 1.4)
-    axes.set_xlabel("relative pressure p′ = p̄ / (E* g)")
-    axes.set_ylabel("relative contact area A/A₀")
+def _area_chart(
+    loads: np.ndarray,
+    areas: np.ndarray,
+    *,
+    size: tuple[float, float] = (430.0, 360.0),
+    pascal: tuple[float, str] | None = None,
+) -> Chart:
+    """Return the log-log axes of area against load; `pascal` is a relative pressure of 1 and its unit."""
+    low, high = loads.min() / 1.5, loads.max() * 1.5
+    top = None
+    if pascal is not None:
+        factor, unit = pascal
+        top = Axis(f"mean pressure p̄ ({unit})", low * factor, high * factor, log=True)
+    least = max(np.min(areas[areas > 0], initial=1.0) / 3, 1e-8)
+    return Chart(
+        Axis("relative pressure p′ = p̄ / (E* g)", low, high, log=True),
+        Axis("relative contact area A/A₀", least, 1.4, log=True),
+        top=top,
+        size=size,
+    )
 
 
 def gap_against_load(statistics: xr.Dataset) -> str:
@@ -159,23 +142,21 @@ def gap_against_load(statistics: xr.Dataset) -> str:
     >>> import xarray as xr
     >>> numbers = xr.Dataset({"mean_pressure": ("load", [1e6, 2e6]), "mean_gap": ("load", [2e-7, 1e-7])})
     >>> gap_against_load(numbers.assign(rms_height=3e-7)).partition(",")[0]
-    'data:image/svg+xml;base64'
+    'data:image/svg+xml'
     """
     order = np.argsort(statistics["mean_pressure"].values)
     load, gap = (statistics[name].values[order] for name in ("mean_pressure", "mean_gap"))
     rms = float(statistics["rms_height"])
     factor, load_unit = prefix(float(np.median(load)), "Pa")
     scale, gap_unit = prefix(max(float(gap.max()), rms), "m")
-    with new_figure(4.3, 3.6) as figure:
-        axes = figure.add_subplot()
-        axes.axhline(rms * scale, color="#444444", linestyle="--", linewidth=1.1, label="rms height")
-        axes.plot(load * factor, gap * scale, "o-", color=COLOURS[2], markersize=5, label="mean gap")
-        axes.set_xscale("log")
-        axes.set_ylim(bottom=0)
-        axes.set_xlabel(f"mean pressure p̄ ({load_unit})")
-        axes.set_ylabel(f"mean gap ū ({gap_unit})")
-        axes.legend()
-        return as_svg(figure)
+    ends = load[0] * factor / 1.5, load[-1] * factor * 1.5
+    chart = Chart(
+        Axis(f"mean pressure p̄ ({load_unit})", *ends, log=True),
+        Axis(f"mean gap ū ({gap_unit})", 0.0, 1.08 * max(float(gap.max()), rms) * scale),
+    )
+    chart.across(y=rms * scale, dash=DASHED, label="rms height")
+    chart.marks(load * factor, gap * scale, colour=COLOURS[2], joined=1.5, label="mean gap")
+    return chart.source()
 
 
 def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
@@ -200,21 +181,19 @@ def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
     peak = float(statistics["max_pressure"].values[loads].max())
     factor, unit = prefix(peak, "Pa")
     widths = np.log(bounds[1:, 1] / bounds[1:, 0])
-    with new_figure(4.3, 3.6) as figure:
-        axes = figure.add_subplot()
-        for index, load in enumerate(loads):
-            label = f"p̄ = {quantity(float(statistics['mean_pressure'][load]), 'Pa')}"
-            colour = COLOURS[index]
-            edges = np.append(bounds[1:, 0], bounds[-1, 1]) * factor
-            axes.stairs(shares[load, 1:] / widths, edges, color=colour, linewidth=1.3, label=label)
-            mean = float(statistics["mean_contact_pressure"][load]) * factor
-            axes.axvline(mean, color=colour, linestyle=":", linewidth=1.1)
-        axes.set_xscale("log")
-        carrying = np.nonzero((shares[loads, 1:] > 1e-4).any(axis=0))[0]
-        first = carrying[0] if carrying.size else 0
-        axes.set_xlim(bounds[1 + first, 0] * factor, peak * factor * 1.3)
-        axes.set_ylim(0, 1.35 * float((shares[loads, 1:] / widths).max()))  # room for the legend
-        axes.set_xlabel(f"contact pressure p ({unit})")
-        axes.set_ylabel("p P(p), share of the contact per factor e")
-        axes.legend(loc="upper left", title="dotted: mean over the contact", title_fontsize=8)
-        return as_svg(figure)
+    carrying = np.nonzero((shares[loads, 1:] > 1e-4).any(axis=0))[0]
+    first = carrying[0] if carrying.size else 0
+    highest = 1.35 * float((shares[loads, 1:] / widths).max())  # room for the legend
+    chart = Chart(
+        Axis(f"contact pressure p ({unit})", bounds[1 + first, 0] * factor, peak * factor * 1.3, log=True),
+        Axis("p P(p), share of the contact per factor e", 0.0, highest),
+    )
+    for index, load in enumerate(loads):
+        edges = np.repeat(np.append(bounds[1:, 0], bounds[-1, 1]) * factor, 2)
+        steps = np.concatenate([[0.0], np.repeat(shares[load, 1:] / widths, 2), [0.0]])
+        label = f"p̄ = {quantity(float(statistics['mean_pressure'][load]), 'Pa')}"
+        chart.line(edges, steps, colour=COLOURS[index], label=label)
+        mean = float(statistics["mean_contact_pressure"][load]) * factor
+        words = "mean over the contact" if load == loads[-1] else ""
+        chart.across(x=mean, colour=COLOURS[index], dash=DOTTED, label=words)
+    return chart.source("upper left")

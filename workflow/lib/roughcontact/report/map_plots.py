@@ -1,20 +1,19 @@
 """The figures of the report that show maps: heights, contact pressure, gap; those of profiles are lines."""
 
-from typing import Literal
-
-import matplotlib
 import numpy as np
 import xarray as xr
-from matplotlib.patches import Rectangle
 
 from roughcontact.maps import side_lengths
 from roughcontact.quantities import prefix
-from roughcontact.report.figures import COLOURS, as_png, as_svg, new_figure, new_picture
+from roughcontact.report.charts import COLOURS, Axis, Chart
+from roughcontact.report.colours import colour_scale, coloured
 
 _NOT_MEASURED = "#ff4fa3"
 _NO_CONTACT = "#e4e4e4"
 _CONTACT = "#ffffff"
-_MAP_POINTS = 1200  # along the longer side of a drawn map; finer maps are thinned
+_WIDTH = 290.0  # of a square picture, pixels
+_HIGHEST = 400.0  # of a picture, pixels
+_LONGEST_ASPECT = 4.0  # longer pictures are drawn out of scale
 
 Frame = tuple[float, float, float, float]  # x, y, length x, length y
 
@@ -39,7 +38,7 @@ def height_map(height: xr.DataArray, *, rectangle: Frame | None = None) -> str:
     >>> import numpy as np
     >>> from roughcontact.maps import height_map as labelled
     >>> height_map(labelled(np.array([[0.0, 1e-6, 0.0]]), 1e-6)).partition(",")[0]
-    'data:image/svg+xml;base64'
+    'data:image/svg+xml'
     """
     if 1 in height.shape:
         return _profile(height, [(height.values.ravel(), "height", COLOURS[0])], label="height", unit="m")
@@ -53,7 +52,7 @@ def height_map(height: xr.DataArray, *, rectangle: Frame | None = None) -> str:
         colours="viridis",
         bad=_NOT_MEASURED,
         limits=(lowest, highest),
-        extend="both",
+        extend=(True, True),
         frame=rectangle,
     )
 
@@ -78,7 +77,7 @@ def pressure_map(height: xr.DataArray, pressure: np.ndarray) -> str:
     >>> from roughcontact.maps import height_map as labelled
     >>> pressure = np.array([[0.0, 2e6, 0.0]])
     >>> pressure_map(labelled(np.array([[0.0, 1e-6, 0.0]]), 1e-6), pressure).partition(",")[0]
-    'data:image/svg+xml;base64'
+    'data:image/svg+xml'
     """
     if 1 in pressure.shape:
         return _profile(height, [(pressure.ravel(), "pressure", COLOURS[1])], label="pressure", unit="Pa")
@@ -90,7 +89,7 @@ def pressure_map(height: xr.DataArray, pressure: np.ndarray) -> str:
         colours="viridis",
         bad=_NO_CONTACT,
         limits=(0, np.percentile(pressure[pressure > 0], 99.5)),  # a few peaks must not take all the colours
-        extend="max",
+        extend=(False, True),
     )
 
 
@@ -129,6 +128,73 @@ def gap_map(height: xr.DataArray, gap: np.ndarray, pressure: np.ndarray) -> str:
     )
 
 
+def framed(
+    x: Axis,
+    y: Axis,
+    values: np.ndarray,
+    *,
+    bar: Axis,
+    colours: str,
+    bad: str = _CONTACT,
+    extend: tuple[bool, bool] = (False, False),
+) -> Chart:
+    """Return values as a picture between axes, with a colour bar; pictures of one shape come out alike.
+
+    Parameters
+    ----------
+    x, y : Axis
+        from end to end of the picture, in one unit.
+    values : array (ny, nx)
+        the first row lies at the first value of `y`, where that is below at the bottom, else at the top. NaN
+        where bad.
+    bar : Axis
+        of the colours.
+    colours : {"viridis", "cividis", "magma"}
+    bad : str
+        colour of bad points.
+    extend : (bool, bool)
+        whether there are values below, and above, those of the colours.
+
+    Returns
+    -------
+    Chart
+        more can be drawn on it.
+    """
+    aspect = abs(y.high - y.low) / abs(x.high - x.low)
+    in_scale = 1 / _LONGEST_ASPECT <= aspect <= _LONGEST_ASPECT
+    if not in_scale:
+        aspect = 1.0
+        y = Axis(f"{y.label}, not to scale", y.low, y.high)
+    width = min(_WIDTH, _HIGHEST / aspect)
+    margins = (72.0, 14.0, _WIDTH - width + 94.0, 46.0)
+    size = (72.0 + _WIDTH + 94.0, width * aspect + 60.0)
+    chart = Chart(x, y, size=size, margins=margins, grid=False)
+    upright = values[::-1] if y.low < y.high else values
+    source, coarse = coloured(upright, (bar.low, bar.high), colours, bad=bad)
+    chart.picture(source, smooth=not coarse)
+    chart.colour_bar(bar, colour_scale(colours), below=extend[0], above=extend[1])
+    return chart
+
+
+def upright(height: xr.DataArray, label: str, low: float, high: float) -> Axis:
+    """Return the vertical axis of a map, its first row where the instrument's own software draws it.
+
+    Parameters
+    ----------
+    height : DataArray (y, x)
+        with the attribute `first_row`, "top" or "bottom", where it is known.
+    label : str
+        of the axis.
+    low, high : float
+        its ends.
+
+    Returns
+    -------
+    Axis
+    """
+    return Axis(label, high, low) if height.attrs.get("first_row") == "top" else Axis(label, low, high)
+
+
 def _map(
     height: xr.DataArray,
     values: np.ndarray,
@@ -138,42 +204,30 @@ def _map(
     colours: str,
     bad: str,
     limits: tuple[float, float],
-    extend: Literal["neither", "both", "max"] = "neither",
+    extend: tuple[bool, bool] = (False, False),
     frame: Frame | None = None,
 ) -> str:
-    """Draw values over the extent of `height`; NaN in the colour `bad`, an arrow where colours end early.
-
-    The first row is drawn where the instrument's own software draws it. A map finer than the picture is
-    drawn as it looks from afar: colours, not values, are averaged, so that the contact keeps its share.
-    """
+    """Draw values over the extent of `height`; NaN in the colour `bad`, an arrow where colours end early."""
     lengths = side_lengths(height)
     factor, length_unit = prefix(max(lengths), "m")
     ly, lx = (length * factor for length in lengths)
     scale, value_unit = prefix(max(abs(limits[0]), abs(limits[1])), unit)
-    with new_picture(ly / lx) as picture:
-        axes = picture.axes
-        image = axes.imshow(
-            np.ma.masked_invalid(values[:: _stride(values.shape[0]), :: _stride(values.shape[1])] * scale),
-            origin="lower",
-            extent=(0, lx, 0, ly),
-            cmap=matplotlib.colormaps[colours].with_extremes(bad=bad),
-            vmin=limits[0] * scale,
-            vmax=limits[1] * scale if limits[1] > limits[0] else limits[0] * scale + 1,
-            interpolation="auto",
-            interpolation_stage="rgba",
-            aspect="auto",
-        )
-        if height.attrs.get("first_row") == "top":
-            axes.invert_yaxis()
-        if frame is not None:
-            x, y, width, depth = (value * factor for value in frame)
-            for colour, line in (("white", 3.0), ("#d00000", 1.5)):
-                outline = Rectangle((x, y), width, depth, fill=False, edgecolor=colour, linewidth=line)
-                axes.add_patch(outline)
-        axes.set_xlabel(f"x ({length_unit})")
-        axes.set_ylabel(f"y ({length_unit})" + ("" if picture.in_scale else ", not to scale"))
-        picture.add_colour_bar(image, f"{label} ({value_unit})", extend=extend)
-        return as_png(picture.figure)
+    low, high = (limit * scale for limit in limits)
+    chart = framed(
+        Axis(f"x ({length_unit})", 0.0, lx),
+        upright(height, f"y ({length_unit})", 0.0, ly),
+        values * scale,
+        bar=Axis(f"{label} ({value_unit})", low, high if high > low else low + 1),
+        colours=colours,
+        bad=bad,
+        extend=extend,
+    )
+    if frame is not None:
+        x, y, width, depth = (value * factor for value in frame)
+        corners = np.array([x, x + width, x + width, x, x]), np.array([y, y, y + depth, y + depth, y])
+        for colour, line in (("#ffffff", 4.0), ("#d00000", 2.0)):
+            chart.line(*corners, colour=colour, width=line)
+    return chart.source()
 
 
 def _profile(height: xr.DataArray, lines: list[tuple[np.ndarray, str, str]], *, label: str, unit: str) -> str:
@@ -181,18 +235,17 @@ def _profile(height: xr.DataArray, lines: list[tuple[np.ndarray, str, str]], *, 
     along = "x" if height.sizes["x"] > 1 else "y"
     position = height[along].values - height[along].values[0]
     factor, length_unit = prefix(float(position[-1]), "m")
-    scale, value_unit = prefix(float(np.nanmax([np.nanmax(np.abs(line[0])) for line in lines])), unit)
-    with new_figure(4.0, 2.6) as figure:
-        axes = figure.add_subplot()
-        for values, name, colour in lines:
-            axes.plot(position * factor, values * scale, color=colour, linewidth=0.9, label=name)
-        axes.set_xlabel(f"{along} ({length_unit})")
-        axes.set_ylabel(f"{label} ({value_unit})")
-        if len(lines) > 1:
-            axes.legend()
-        return as_svg(figure)
-
-
-def _stride(points: int) -> int:
-    """Return from how many points one is drawn where there are so many along a side."""
-    return -(-points // _MAP_POINTS)
+    everything = np.concatenate([values for values, *_ in lines])
+    scale, value_unit = prefix(float(np.nanmax(np.abs(everything))), unit)
+    low, high = (float(end) * scale for end in (np.nanmin(everything), np.nanmax(everything)))
+    room = (high - low) * 0.06 or 1.0
+    chart = Chart(
+        Axis(f"{along} ({length_unit})", 0.0, float(position[-1]) * factor),
+        Axis(f"{label} ({value_unit})", low - room, high + room),
+        size=(450.0, 290.0),
+    )
+    for values, name, colour in lines:
+        chart.line(
+            position * factor, values * scale, colour=colour, width=1.1, label=name if len(lines) > 1 else ""
+        )
+    return chart.source()

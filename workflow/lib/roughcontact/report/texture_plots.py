@@ -2,12 +2,11 @@
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from numpy.typing import ArrayLike
 
 from roughcontact.maps import spacing
 from roughcontact.quantities import prefix
-from roughcontact.report.figures import COLOURS, as_png, as_svg, new_figure, new_picture
+from roughcontact.report.charts import COLOURS, DASHED, DOTTED, Axis, Chart
+from roughcontact.report.map_plots import framed, upright
 from roughcontact.roughness import parameters
 from roughcontact.roughness.spectrum import areal_spectrum, isotropic_spectrum
 from roughcontact.roughness.texture import DECAY, autocorrelation, decay_lengths
@@ -42,50 +41,47 @@ def spectrum(window: xr.DataArray) -> str:
     # C is height^2 times area (of a profile times length)
     power = power * (scale**2 * unit_q ** -(1 if profile else 2))
     inside = power > 1e-20 * power.max()  # below lies the rounding of waves that were taken out
-    with new_figure(4.3, 3.6) as figure:
-        axes = figure.add_subplot()
-        axes.loglog(q[inside] * unit_q, power[inside], color=COLOURS[0], linewidth=1.3)
-        _mark_band(axes, window, q[0], unit_q)
-        seen = power[inside]
-        axes.set_ylim(seen.min() / 30, seen.max() * 5)
-        axes.set_xlabel(f"wavenumber q (rad/{length})")
-        axes.set_ylabel(f"C(q) ({height_unit}² {length}{'' if profile else '²'})")
-        top = axes.secondary_xaxis("top", functions=(_turn_over, _turn_over))
-        top.set_xlabel(f"wavelength ({length})")
-        axes.legend(loc="lower left")
-        return as_svg(figure)
+    seen = power[inside]
+    step = min(d for n, d in zip(window.shape, spacing(window), strict=True) if n > 1)
+    ends = q[0] * unit_q / 1.3, np.pi / step * unit_q * 1.3
+    chart = Chart(
+        Axis(f"wavenumber q (rad/{length})", *ends, log=True),
+        Axis(
+            f"C(q) ({height_unit}² {length}{'' if profile else '²'})",
+            seen.min() / 30,
+            seen.max() * 5,
+            log=True,
+        ),
+        top=Axis(f"wavelength ({length})", 2 * np.pi / ends[0], 2 * np.pi / ends[1], log=True),
+    )
+    _mark_band(chart, window, q[0] * unit_q, unit_q)
+    chart.line(q[inside] * unit_q, seen, colour=COLOURS[0])
+    return chart.source("lower left")
 
 
-def _mark_band(axes: Axes, window: xr.DataArray, first: float, unit_q: float) -> None:
+def _mark_band(chart: Chart, window: xr.DataArray, first: float, unit_q: float) -> None:
     """Show which waves were taken out, which are reliable, and which is the shortest one of the map.
 
-    `first` is the smallest wavenumber (1/m) that is drawn, `unit_q` the factor of the drawn unit.
+    `first` is the smallest wavenumber that is drawn, `unit_q` the factor from 1/m to its unit.
     """
     step = min(d for n, d in zip(window.shape, spacing(window), strict=True) if n > 1)
-    limits = first * unit_q / 1.3, np.pi / step * unit_q * 1.3
     longest, shortest = (2 * np.pi / window.attrs[f"band_{end}"] * unit_q for end in ("longest", "shortest"))
-    outside = [(limits[0], longest)] if longest > first * unit_q * 1.01 else []
+    outside = [(chart.x.low, longest)] if longest > first * 1.01 else []
     if window.attrs["band_shortest"] > 2 * step * 1.01:
-        outside.append((shortest, limits[1]))
+        outside.append((shortest, chart.x.high))
     for index, span in enumerate(outside):
-        axes.axvspan(*span, color="#e4e4e4", linewidth=0, label=None if index else "taken out")
-    axes.axvline(
-        2 * np.pi / window.attrs["reliable_wavelength"] * unit_q,
-        color=COLOURS[1],
-        linestyle="--",
-        linewidth=1.1,
+        chart.band(*span, label="" if index else "taken out")
+    chart.across(
+        x=2 * np.pi / window.attrs["reliable_wavelength"] * unit_q,
+        colour=COLOURS[1],
+        dash=DASHED,
         label=f"reliable: {window.attrs['reliable_reason']}",
     )
     of_map = parameters.shortest_wavelength(window)
     if np.isfinite(of_map):
-        axes.axvline(
-            2 * np.pi / of_map * unit_q,
-            color=COLOURS[2],
-            linestyle=":",
-            linewidth=1.3,
-            label="shortest wave of the map",
+        chart.across(
+            x=2 * np.pi / of_map * unit_q, colour=COLOURS[2], dash=DOTTED, label="shortest wave of the map"
         )
-    axes.set_xlim(*limits)
 
 
 def directional_spectrum(window: xr.DataArray) -> str:
@@ -119,10 +115,9 @@ def directional_spectrum(window: xr.DataArray) -> str:
         shown,
         (qx[columns] * unit_q, qy[rows] * unit_q),
         axes_label=f"q along {{}} (rad/{length})",
-        bar_label=f"log₁₀ C ({height_unit}² {length}²)",
-        limits=(shown.max() - _DECADES, shown.max()),
+        bar=Axis(f"log₁₀ C ({height_unit}² {length}²)", shown.max() - _DECADES, shown.max()),
         colours="magma",
-    )
+    ).source()
 
 
 def autocorrelation_map(window: xr.DataArray) -> str:
@@ -148,7 +143,7 @@ def autocorrelation_map(window: xr.DataArray) -> str:
     >>> from roughcontact.maps import height_map
     >>> wave = height_map(np.sin(np.arange(32) * np.pi / 8)[None, :] * 1e-6, 1e-6)
     >>> autocorrelation_map(wave).partition(",")[0]
-    'data:image/svg+xml;base64'
+    'data:image/svg+xml'
     """
     correlation, steps = autocorrelation(window), spacing(window)
     _, longest = decay_lengths(correlation, steps)
@@ -159,24 +154,24 @@ def autocorrelation_map(window: xr.DataArray) -> str:
     factor, unit = prefix(max(np.abs(shifts[0][rows]).max(), np.abs(shifts[1][columns]).max()), "m")
     y, x = shifts[0][rows] * factor, shifts[1][columns] * factor
     if 1 in window.shape:
-        with new_figure(4.3, 3.6) as figure:
-            axes = figure.add_subplot()
-            axes.plot(x if x.size > 1 else y, shown.ravel(), color=COLOURS[0], linewidth=1.3)
-            axes.axhline(DECAY, color="#444444", linestyle="--", linewidth=1.1, label=f"{DECAY:g}: Sal")
-            axes.set_xlabel(f"shift along {'x' if x.size > 1 else 'y'} ({unit})")
-            axes.set_ylabel("autocorrelation")
-            axes.legend(loc="upper right")
-            return as_svg(figure)
-    return _picture(
+        shift = x if x.size > 1 else y
+        chart = Chart(
+            Axis(f"shift along {'x' if x.size > 1 else 'y'} ({unit})", shift[0], shift[-1]),
+            Axis("autocorrelation", min(1.05 * float(shown.min()), -0.05), 1.05),
+        )
+        chart.across(y=DECAY, dash=DASHED, label=f"{DECAY:g}: Sal")
+        chart.line(shift, shown.ravel(), colour=COLOURS[0])
+        return chart.source()
+    chart = _picture(
         window,
         shown,
         (x, y),
         axes_label=f"shift along {{}} ({unit})",
-        bar_label="autocorrelation",
-        limits=(min(float(shown.min()), 0.0), 1.0),
+        bar=Axis("autocorrelation", min(float(shown.min()), 0.0), 1.0),
         colours="viridis",
-        contour=DECAY,
     )
+    chart.line(*_contour(x, y, shown, DECAY), colour="#ffffff")
+    return chart.source()
 
 
 def _picture(
@@ -185,35 +180,46 @@ def _picture(
     positions: tuple[np.ndarray, np.ndarray],
     *,
     axes_label: str,
-    bar_label: str,
-    limits: tuple[float, float],
+    bar: Axis,
     colours: str,
-    contour: float | None = None,
-) -> str:
-    """Draw values over the positions (x, y) of their points, upright as the maps are."""
-    x, y = positions
-    half_x, half_y = ((p[1] - p[0]) / 2 if p.size > 1 else 0.5 for p in (x, y))
-    extent = (x[0] - half_x, x[-1] + half_x, y[0] - half_y, y[-1] + half_y)
-    with new_picture((extent[3] - extent[2]) / (extent[1] - extent[0]), left=0.75) as picture:
-        axes = picture.axes
-        image = axes.imshow(
-            values,
-            origin="lower",
-            extent=extent,
-            cmap=colours,
-            vmin=limits[0],
-            vmax=limits[1],
-            aspect="auto",
-            interpolation="nearest",
-        )
-        if contour is not None:
-            axes.contour(x, y, values, levels=[contour], colors="white", linewidths=1.2)
-        if window.attrs.get("first_row") == "top":
-            axes.invert_yaxis()
-        axes.set_xlabel(axes_label.format("x"))
-        axes.set_ylabel(axes_label.format("y"))
-        picture.add_colour_bar(image, bar_label)
-        return as_png(picture.figure)
+) -> Chart:
+    """Return values over the positions (x, y) of their points, upright as the maps are."""
+    ends = []
+    for place in positions:
+        half = (place[1] - place[0]) / 2 if place.size > 1 else 0.5
+        ends.append((place[0] - half, place[-1] + half))
+    return framed(
+        Axis(axes_label.format("x"), *ends[0]),
+        upright(window, axes_label.format("y"), *ends[1]),
+        values,
+        bar=bar,
+        colours=colours,
+    )
+
+
+def _contour(x: np.ndarray, y: np.ndarray, values: np.ndarray, level: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the line where values reach a level, in pieces with NaN between them.
+
+    Every square of four points is cut in two triangles; in each, the values being linear, the line is
+    straight from side to side.
+    """
+    corners = np.stack([*np.meshgrid(x, y), values - level])
+    a, b, c, d = corners[:, :-1, :-1], corners[:, :-1, 1:], corners[:, 1:, :-1], corners[:, 1:, 1:]
+    halves = np.stack([np.stack([a, b, c]), np.stack([d, c, b])]).reshape(2, 3, 3, -1)
+    triangles = np.moveaxis(halves, 3, 1).reshape(-1, 3, 3)  # triangle, corner, (x, y, value)
+    above = triangles[:, :, 2] > 0
+    cut = triangles[above.any(axis=1) & ~above.all(axis=1)]
+    # the corner that lies alone on its side of the level
+    above = cut[:, :, 2] > 0
+    alone = np.argmax(above == (above.sum(axis=1) == 1)[:, None], axis=1)
+    which = np.arange(len(cut))
+    apex = cut[which, alone]
+    pieces = np.full((len(cut), 3, 2), np.nan)
+    for end in (1, 2):
+        other = cut[which, (alone + end) % 3]
+        share = (apex[:, 2] / (apex[:, 2] - other[:, 2]))[:, None]
+        pieces[:, end - 1] = apex[:, :2] + share * (other[:, :2] - apex[:, :2])
+    return pieces[..., 0].ravel(), pieces[..., 1].ravel()
 
 
 def _thinned(q: np.ndarray, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -221,11 +227,6 @@ def _thinned(q: np.ndarray, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     bins = np.floor(_SHELLS * np.log10(q / q[0]) + 1e-9).astype(int)
     _, bins, count = np.unique(bins, return_inverse=True, return_counts=True)
     return np.bincount(bins, weights=q) / count, np.bincount(bins, weights=power) / count
-
-
-def _turn_over(value: ArrayLike) -> np.ndarray:
-    """Return the wavelength that belongs to a wavenumber, or the other way round."""
-    return 2 * np.pi / np.maximum(value, 1e-300)
 
 
 def _inverse_length(q: np.ndarray) -> tuple[float, str]:

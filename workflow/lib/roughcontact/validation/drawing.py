@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from roughcontact.report.figures import COLOURS, MARKERS, as_png, as_svg, new_figure
+from roughcontact.report.charts import COLOURS, MARKERS
+from roughcontact.report.figures import as_png, as_svg, new_figure
 
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d.axes3d import Axes3D

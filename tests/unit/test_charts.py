@@ -1,0 +1,89 @@
+"""Charts: values lie where the axes say, and the colours are those they are named after."""
+
+import re
+from urllib.parse import unquote
+from xml.etree import ElementTree
+
+import matplotlib
+import numpy as np
+import pytest
+
+from roughcontact.report.charts import Axis, Chart
+from roughcontact.report.colours import colour_scale, coloured
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def drawn(chart, **legend):
+    return ElementTree.fromstring(unquote(chart.source(**legend).partition(",")[2]))
+
+
+def chart(x=Axis("x", 1.0, 100.0, log=True), y=Axis("y", 0.0, 2.0), **options):  # noqa: B008 - not changed
+    return Chart(x, y, size=(300.0, 200.0), margins=(50.0, 20.0, 50.0, 30.0), **options)
+
+
+def test_a_line_goes_through_its_points():
+    """The area is 200 x 150 pixels: 10 lies half way along a logarithmic axis from 1 to 100."""
+    made = chart()
+    made.line(np.array([1.0, 10.0, 100.0]), np.array([0.0, 0.5, 2.0]), colour="#123456")
+    (path,) = [p for p in drawn(made).iter(f"{SVG}path") if p.get("stroke") == "#123456"]
+    assert path.get("d") == "M0 150L100 112.5L200 0"
+
+
+def test_a_line_is_interrupted_where_values_are_missing():
+    made = chart(x=Axis("x", 0.0, 5.0))
+    made.line(np.arange(6.0), np.array([0, 1, np.nan, 1, 2, np.nan]), colour="#123456")
+    (path,) = [p for p in drawn(made).iter(f"{SVG}path") if p.get("stroke") == "#123456"]
+    assert path.get("d").count("M") == 2
+
+
+def test_a_long_line_keeps_its_extremes():
+    values = np.zeros(40_000)
+    values[12_345], values[23_456] = 2.0, -2.0
+    made = chart(x=Axis("x", 0.0, 40_000.0), y=Axis("y", -2.0, 2.0))
+    made.line(np.arange(40_000.0), values, colour="#123456")
+    (path,) = [p for p in drawn(made).iter(f"{SVG}path") if p.get("stroke") == "#123456"]
+    heights = [float(y) for y in re.findall(r"[ML][-\d.]+ ([-\d.]+)", path.get("d"))]
+    assert (min(heights), max(heights)) == (0.0, 150.0)
+    assert len(heights) < 3500
+
+
+@pytest.mark.parametrize(
+    ("axis", "written"),
+    [
+        (Axis("", 0.0, 1.0), [0, 0.2, 0.4, 0.6, 0.8, 1]),
+        (Axis("", -0.3, 0.31), [-0.2, 0, 0.2]),
+        (Axis("", 700.0, 0.0), [0, 200, 400, 600]),
+        (Axis("", 0.3, 4.0, log=True), [0.5, 1, 2]),
+        (Axis("", 0.6, 0.9, log=True), []),
+        (Axis("", 1e-9, 1e-1, log=True), [1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1][1::2]),
+        (Axis("", 300.0, 3.0, log=True), [5, 10, 20, 50, 100, 200]),
+    ],
+)
+def test_ticks_are_round_numbers_within_the_ends(axis, written):
+    ticks, between = axis.ticks()
+    assert np.allclose(ticks, written, rtol=1e-12, atol=1e-15)
+    low, high = sorted((axis.low, axis.high))
+    assert all(low * (1 - 1e-9) <= value <= high * (1 + 1e-9) for value in between)
+
+
+def test_texts_cannot_break_out():
+    made = chart(title="<b> & co")
+    made.line(np.array([1.0, 2.0]), np.array([1.0, 2.0]), colour="#123456", label="<script>")
+    for corner in ("upper left", "below"):
+        texts = [text.text for text in drawn(made, legend=corner).iter(f"{SVG}text")]
+        assert "<b> & co" in texts
+        assert "<script>" in texts
+
+
+@pytest.mark.parametrize("name", ["viridis", "cividis", "magma"])
+def test_scales_of_colours_are_those_they_are_named_after(name):
+    given = 255 * matplotlib.colormaps[name](np.linspace(0, 1, 256))[:, :3]
+    anchors = np.array([[int(c[i : i + 2], 16) for i in (1, 3, 5)] for c in colour_scale(name)])
+    own = np.column_stack([np.interp(np.arange(256), np.arange(0, 256, 15), c) for c in anchors.T])
+    assert np.abs(own - given).max() <= 12  # of 255
+
+
+def test_few_points_are_told_from_many():
+    assert coloured(np.zeros((200, 100)), (0, 1), "magma")[1]
+    assert not coloured(np.zeros((300, 100)), (0, 1), "magma")[1]

@@ -1,0 +1,542 @@
+"""Charts as SVG text: axes, lines, marks, pictures with a colour bar; each becomes the source of an image.
+
+A source is a data URI, the same for the same data, so that a page needs no other file and does not change
+when it is drawn again. A page shows some twenty charts of every surface: written as text, each takes about a
+millisecond and a few kilobytes.
+"""
+
+import html
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Literal
+from urllib.parse import quote
+
+import numpy as np
+
+from roughcontact.quantities import number
+
+# Okabe and Ito (2008): eight colours that colour-blind people can tell apart (yellow left out: too pale for
+# lines)
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+
+INK = "#222222"
+GREY = "#444444"  # of lines that are there for comparison
+DASHED, DOTTED, DASH_DOTTED = "6 3", "2 2.5", "7 3 2 3"
+_GRID = "#dddddd"
+_FONT = "system-ui,'Segoe UI','DejaVu Sans',sans-serif"
+_SIZE = 12.0  # of the text, in units of the chart (pixels where it is shown at its own size)
+_SMALL = 11.0  # of legends
+_WIDE = 0.56  # of a letter, on average, in units of the size of the text
+_MOST_POINTS = 1500  # of a line; of more the least and the largest of each few are drawn
+
+# outlines of the marks around (0, 0), for a radius of 1
+_OUTLINES = {
+    "s": "M-.9-.9h1.8v1.8h-1.8z",
+    "^": "M0-1.1L1 .8H-1z",
+    "v": "M0 1.1L1-.8H-1z",
+    "D": "M0-1.2L1.2 0 0 1.2-1.2 0z",
+    "P": "M-.4-1.1h.8v.7h.7v.8h-.7v.7h-.8v-.7h-.7v-.8h.7z",
+    "X": "M-1-.5L-.5-1 0-.5.5-1 1-.5.5 0 1 .5.5 1 0 .5-.5 1-1 .5-.5 0z",
+    "o": "M-1 0a1 1 0 1 0 2 0a1 1 0 1 0-2 0z",
+}
+
+Corner = Literal["upper left", "upper right", "lower left", "lower right", "below"]
+Rectangle = tuple[float, float, float, float]  # left, top, width, height
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis: what it shows, from where to where.
+
+    Attributes
+    ----------
+    label : str
+        with the unit.
+    low, high : float
+        its ends; `low` is at the left or at the bottom, also where it is the larger.
+    log : bool
+        logarithmic.
+    """
+
+    label: str
+    low: float
+    high: float
+    log: bool = False
+
+    def place(self, values: float | np.ndarray) -> np.ndarray:
+        """Return where values lie, 0 at the lower end and 1 at the upper one.
+
+        Parameters
+        ----------
+        values : float or array
+            NaN and, on a logarithmic axis, what is not positive have no place: NaN.
+
+        Returns
+        -------
+        array
+
+        Examples
+        --------
+        >>> float(Axis("load", 1.0, 100.0, log=True).place(10.0))
+        0.5
+        """
+        values = np.asarray(values, dtype=float)
+        if not self.log:
+            return (values - self.low) / (self.high - self.low)
+        logarithm = np.log10(values, where=values > 0, out=np.full(values.shape, np.nan))
+        low, high = math.log10(self.low), math.log10(self.high)
+        return (logarithm - low) / (high - low)
+
+    def ticks(self, most: int = 6) -> tuple[list[float], list[float]]:
+        """Return the values that are written at the axis, and those of the smaller marks between them.
+
+        Parameters
+        ----------
+        most : int
+            about so many are written.
+
+        Returns
+        -------
+        written, between : lists of float
+
+        Examples
+        --------
+        >>> Axis("x", 0.0, 1.0).ticks()[0]
+        [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]
+        >>> Axis("load", 0.5, 200.0, log=True).ticks()[0]
+        [1.0, 10.0, 100.0]
+        >>> Axis("load", 0.5, 30.0, log=True).ticks()[0]
+        [0.5, 1.0, 2.0, 5.0, 10.0, 20.0]
+        """
+        low, high = sorted((self.low, self.high))
+        if self.log:
+            return _decades(low, high, most)
+        raw = (high - low) / most
+        power = 10.0 ** math.floor(math.log10(raw))
+        step = next(s * power for s in (1, 2, 2.5, 5, 10) if s * power >= raw * (1 - 1e-9))
+        first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+        return [float(f"{k * step:.12g}") for k in range(first, last + 1)], []
+
+
+def _decades(low: float, high: float, most: int) -> tuple[list[float], list[float]]:
+    """Return the ticks of a logarithmic axis: powers of ten, where there are few also 2 and 5 times these."""
+    first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
+    inside = [
+        (power, digit, value)
+        for power in range(first, last + 1)
+        for digit in range(1, 10)
+        if low * (1 - 1e-9) <= (value := float(f"{digit}e{power}")) <= high * (1 + 1e-9)
+    ]
+    powers = [power for power, digit, _ in inside if digit == 1]
+    every = -(-len(powers) // most) if powers else 1
+    digits = (1,) if len(powers) > 2 else (1, 2, 5)
+    written = [value for power, digit, value in inside if digit in digits and power % every == 0]
+    between = [value for *_, value in inside if value not in written] if last - first < most else []
+    return written, between
+
+
+def tick_text(value: float) -> str:
+    """Return a value as it is written at an axis.
+
+    Parameters
+    ----------
+    value : float
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> tick_text(-0.5), tick_text(0.001), tick_text(1e-5), tick_text(2e-7)
+    ('−0.5', '0.001', '10⁻⁵', '2×10⁻⁷')
+    """
+    if value == 0 or 1e-4 < abs(value) < 1e6:
+        return f"{value:g}".replace("-", "−")
+    return number(value, digits=1).removeprefix("1×")
+
+
+@dataclass
+class Chart:
+    """Two axes and what is drawn between them.
+
+    Attributes
+    ----------
+    x, y : Axis
+        below and at the left.
+    top : Axis or None
+        another scale for x.
+    title : str
+        above the chart.
+    size : (width, height)
+        of the whole, in pixels where it is shown at its own size.
+    margins : (left, top, right, bottom) or None
+        room around the axes; None for what their labels take.
+    grid : bool
+        whether lines go through from the ticks.
+    """
+
+    x: Axis
+    y: Axis
+    top: Axis | None = None
+    title: str = ""
+    size: tuple[float, float] = (430.0, 360.0)
+    margins: Rectangle | None = None
+    grid: bool = True
+    _drawn: list[str] = field(default_factory=list)
+    _beside: list[str] = field(default_factory=list)
+    _legend: list[tuple[str, Callable[[float, float], str]]] = field(default_factory=list)
+
+    @property
+    def area(self) -> Rectangle:
+        """The rectangle (left, top, width, height) between the axes."""
+        above = 16.0 + 36 * (self.top is not None) + 16 * bool(self.title)
+        left, top, right, bottom = self.margins or (72.0, above, 14.0, 46.0)
+        return left, top, self.size[0] - left - right, self.size[1] - top - bottom
+
+    def line(
+        self,
+        x: np.ndarray,
+        y: np.ndarray,
+        *,
+        colour: str,
+        width: float = 1.5,
+        dash: str = "",
+        label: str = "",
+    ) -> None:
+        """Draw a line through points; it has gaps where values are NaN.
+
+        Parameters
+        ----------
+        x, y : arrays of one size
+        colour : str
+        width : float, pixels
+        dash : str
+            lengths of dashes and gaps; solid where empty.
+        label : str
+            in the legend; not listed where empty.
+        """
+        style = _stroke(colour, width, dash)
+        self._drawn.append(f'<path d="{self._path(x, y)}" fill="none" {style}/>')
+        self._list(label, lambda at, up: f'<path d="M{at:g} {up:g}h26" fill="none" {style}/>')
+
+    def marks(
+        self,
+        x: np.ndarray,
+        y: np.ndarray,
+        *,
+        colour: str,
+        marker: str = "o",
+        filled: bool = True,
+        label: str = "",
+        joined: float = 0.0,
+    ) -> None:
+        """Draw marks at points, with bars and lines as asked for.
+
+        Parameters
+        ----------
+        x, y : arrays of one size
+        colour : str
+        marker : str
+            one of `MARKERS`.
+        filled : bool
+            else only the outline is drawn.
+        label : str
+            in the legend; not listed where empty.
+        joined : float, pixels
+            width of the line through the marks; none for 0.
+        """
+        if joined:
+            self.line(x, y, colour=colour, width=joined)
+        left, top = self._pixels(x, y)
+        glyph = partial(_mark, marker=marker, colour=colour, filled=filled)
+        self._drawn += [glyph(*place) for place in zip(left, top, strict=True) if np.isfinite(place).all()]
+        stroke = _stroke(colour, joined, "")
+        through = f'<path d="M{{0:g}} {{1:g}}h26" {stroke}/>' if joined else ""
+        self._list(label, lambda at, up: through.format(at, up) + glyph(at + 13, up))
+
+    def across(
+        self, *, x: float | None = None, y: float | None = None, label: str = "", **style: str
+    ) -> None:
+        """Draw a straight line from end to end, at a value of either axis.
+
+        Parameters
+        ----------
+        x, y : float
+            one of them.
+        label : str
+            in the legend; not listed where empty.
+        **style : str
+            `colour` and `dash` as those of `line`.
+        """
+        ends_x = np.array([self.x.low, self.x.high] if x is None else [x, x])
+        ends_y = np.array([self.y.low, self.y.high] if y is None else [y, y])
+        colour, dash = style.get("colour", GREY), style.get("dash", "")
+        self.line(ends_x, ends_y, colour=colour, width=1.3, dash=dash, label=label)
+
+    def band(self, low: float, high: float, *, label: str = "") -> None:
+        """Shade what lies between two values of x.
+
+        Parameters
+        ----------
+        low, high : float
+        label : str
+            in the legend; not listed where empty.
+        """
+        left, right = np.clip(self.x.place(np.array([low, high])), 0, 1) * self.area[2]
+        self._drawn.insert(
+            0, f'<path d="M{left:.1f} 0H{right:.1f}V{self.area[3]:.1f}H{left:.1f}z" fill="#e4e4e4"/>'
+        )
+        self._list(label, lambda at, up: f'<path d="M{at:g} {up - 5:g}h26v10h-26z" fill="#e4e4e4"/>')
+
+    def picture(self, source: str, *, smooth: bool) -> None:
+        """Lay a picture over the whole area between the axes.
+
+        Parameters
+        ----------
+        source : str
+            data URI.
+        smooth : bool
+            whether points may run into one another; else each is a rectangle of one colour.
+        """
+        rendering = "" if smooth else ' style="image-rendering:pixelated"'
+        width, height = self.area[2:]
+        self._drawn.append(
+            f'<image width="{width:.1f}" height="{height:.1f}" preserveAspectRatio="none" '
+            f'href="{source}"{rendering}/>'
+        )
+
+    def colour_bar(
+        self, axis: Axis, colours: Sequence[str], *, below: bool = False, above: bool = False
+    ) -> None:
+        """Draw a bar of colours at the right, with arrows where the colours end before the values do.
+
+        Parameters
+        ----------
+        axis : Axis
+            what the colours mean, from the first to the last.
+        colours : sequence of str
+            evenly spaced.
+        below, above : bool
+            whether there are values beyond either end.
+        """
+        left, top, width, height = self.area
+        bar = left + width + 10, top, 12.0, height
+        last = len(colours) - 1
+        stops = "".join(f'<stop offset="{k / last:.3f}" stop-color="{c}"/>' for k, c in enumerate(colours))
+        x, x_end, middle = bar[0], bar[0] + bar[2], bar[0] + bar[2] / 2
+        tips = [
+            f'<path d="M{x:.1f} {end:.1f}H{x_end:.1f}L{middle:.1f} {end + reach:.1f}z" fill="{colour}"/>'
+            for wanted, end, reach, colour in (
+                (below, top + height, 9, colours[0]),
+                (above, top, -9, colours[-1]),
+            )
+            if wanted
+        ]
+        self._beside += [
+            f'<linearGradient id="c" x1="0" y1="1" x2="0" y2="0">{stops}</linearGradient>',
+            f'<path d="M{x:.1f} {top:.1f}H{x_end:.1f}v{height:.1f}H{x:.1f}z" fill="url(#c)"/>',
+            *tips,
+            *_ticks(axis, "right", bar, grid=False),
+        ]
+
+    def source(self, legend: Corner = "upper right", *, columns: int = 3) -> str:
+        """Return the chart as the source of an image.
+
+        Parameters
+        ----------
+        legend : {"upper left", "upper right", "lower left", "lower right", "below"}
+            where it stands, if there is something to list.
+        columns : int
+            of a legend below the chart.
+
+        Returns
+        -------
+        str
+            data URI.
+
+        Examples
+        --------
+        >>> chart = Chart(Axis("load", 1, 100, log=True), Axis("area", 0, 1))
+        >>> chart.line(np.array([1.0, 100.0]), np.array([0.1, 0.9]), colour=COLOURS[0])
+        >>> chart.source()[:24]
+        'data:image/svg+xml,%3Csv'
+        """
+        left, top, width, height = area = self.area
+        total = self.size[1]
+        parts = [
+            *_ticks(self.x, "bottom", area, grid=self.grid),
+            *_ticks(self.y, "left", area, grid=self.grid),
+            *(_ticks(self.top, "top", area, grid=False) if self.top else ()),
+        ]
+        if self.title:
+            parts.append(_text(left + width / 2, 18, self.title, anchor="middle", size=13))
+        inside = "".join(self._drawn)
+        parts += [
+            f'<svg x="{left:.1f}" y="{top:.1f}" width="{width:.1f}" height="{height:.1f}">{inside}</svg>',
+            *self._beside,
+        ]
+        if self._legend and legend == "below":
+            more, rows = self._legend_below(columns)
+            parts += more
+            total += rows
+        elif self._legend:
+            parts += self._legend_inside(legend)
+        return data_uri(
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.size[0]:g} {total:g}" '
+            f'width="{self.size[0]:g}" height="{total:g}" font-family="{_FONT}" font-size="{_SIZE:g}" '
+            f'fill="{INK}">{"".join(parts)}</svg>'
+        )
+
+    def _list(self, label: str, glyph: Callable[[float, float], str]) -> None:
+        """Add a line to the legend."""
+        if label:
+            self._legend.append((label, glyph))
+
+    def _pixels(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return where points lie within the area, from its upper left corner."""
+        width, height = self.area[2:]
+        return self.x.place(np.asarray(x)) * width, (1 - self.y.place(np.asarray(y))) * height
+
+    def _path(self, x: np.ndarray, y: np.ndarray) -> str:
+        """Return the outline through points, interrupted where a value is missing."""
+        left, top = self._pixels(x, y)
+        known = np.isfinite(left) & np.isfinite(top)
+        pieces = []
+        for run in np.split(np.arange(left.size), np.nonzero(np.diff(known))[0] + 1):
+            if run.size and known[run[0]]:
+                points = np.round(np.column_stack([left[run], top[run]])[_extremes(top[run])], 1)
+                points = np.clip(points, -9999, 9999)
+                pieces.append("M" + "L".join(f"{a:g} {b:g}" for a, b in points))
+        return "".join(pieces)
+
+    def _legend_inside(self, corner: str) -> list[str]:
+        """Return the legend in a corner of the area."""
+        left, top, width, height = self.area
+        box_width = 42 + max(len(label) for label, _ in self._legend) * _WIDE * _SMALL
+        box_height = 17.0 * len(self._legend) + 6
+        x = left + 6 if "left" in corner else left + width - box_width - 6
+        y = top + 6 if "upper" in corner else top + height - box_height - 6
+        box = f'<path d="M{x:.1f} {y:.1f}h{box_width:.1f}v{box_height:.1f}h{-box_width:.1f}z" '
+        parts = [box + 'fill="#fff" fill-opacity=".78"/>']
+        for row, (label, glyph) in enumerate(self._legend):
+            middle = round(y + 11.5 + 17 * row, 1)
+            parts += [glyph(round(x + 4, 1), middle), _text(x + 36, middle + 4, label, size=_SMALL)]
+        return parts
+
+    def _legend_below(self, columns: int) -> tuple[list[str], float]:
+        """Return the legend below the chart, in columns, and the room it takes."""
+        each = (self.size[0] - 24) / columns
+        parts = []
+        for place, (label, glyph) in enumerate(self._legend):
+            row, column = divmod(place, columns)
+            x, middle = round(12 + each * column, 1), self.size[1] + 9 + 18 * row
+            room = max(int((each - 38) / (_WIDE * _SMALL)), 4)
+            short = label if len(label) <= room else f"{label[: room - 1]}…"
+            parts += [glyph(x, middle), _text(x + 32, middle + 4, short, size=_SMALL)]
+        return parts, 18.0 * -(-len(self._legend) // columns) + 6
+
+
+def data_uri(svg: str) -> str:
+    """Return an SVG text as the source of an image.
+
+    Parameters
+    ----------
+    svg : str
+
+    Returns
+    -------
+    str
+        data URI; only what a URI does not admit is spelled out, so that it is hardly longer than the text.
+
+    Examples
+    --------
+    >>> data_uri("<svg id='a'/>")
+    "data:image/svg+xml,%3Csvg id='a'/%3E"
+    """
+    return "data:image/svg+xml," + quote(svg, safe=" =:/+;,'()!*@?$~")
+
+
+def _stroke(colour: str, width: float, dash: str) -> str:
+    """Return how a line is drawn."""
+    dashes = f' stroke-dasharray="{dash}"' if dash else ""
+    return f'stroke="{colour}" stroke-width="{width:g}" stroke-linejoin="round"{dashes}'
+
+
+def _mark(x: float, y: float, *, marker: str, colour: str, filled: bool) -> str:
+    """Return a mark at a place, 7 pixels across."""
+    fill = colour if filled else "none"
+    return (
+        f'<path transform="translate({x:.1f} {y:.1f})scale(3.4)" d="{_OUTLINES[marker]}" fill="{fill}" '
+        f'stroke="{colour}" stroke-width=".35"/>'
+    )
+
+
+def _text(
+    x: float, y: float, text: str, *, anchor: str = "start", size: float = _SIZE, turned: bool = False
+) -> str:
+    """Return a text at a place, upright or turned by a quarter."""
+    where = f'transform="translate({x:.1f} {y:.1f})rotate(-90)"' if turned else f'x="{x:.1f}" y="{y:.1f}"'
+    kind = (f' text-anchor="{anchor}"' if anchor != "start" else "") + (
+        f' font-size="{size:g}"' if size != _SIZE else ""
+    )
+    return f"<text {where}{kind}>{html.escape(text, quote=False)}</text>"
+
+
+def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool) -> list[str]:
+    """Return an axis at a side of an area: its line, ticks, values and label."""
+    left, top, width, height = area
+    flat = side in ("bottom", "top")
+    edge = {"bottom": top + height, "top": top, "left": left, "right": left + width}[side]
+    out = 1 if side in ("bottom", "right") else -1
+    written, between = axis.ticks(6 if (width if flat else height) > 150 else 4)
+
+    def place(value: float) -> float:
+        share = float(axis.place(value))
+        return left + share * width if flat else top + (1 - share) * height
+
+    def stub(value: float, length: float) -> str:
+        return (
+            f"M{place(value):.1f} {edge:.1f}v{length:g}"
+            if flat
+            else f"M{edge:.1f} {place(value):.1f}h{length:g}"
+        )
+
+    parts = []
+    if grid and written:
+        through = -out * (height if flat else width)
+        lines = "".join(stub(value, through) for value in written)
+        parts.append(f'<path d="{lines}" stroke="{_GRID}" stroke-width=".8" fill="none"/>')
+    line = f"M{left:.1f} {edge:.1f}h{width:.1f}" if flat else f"M{edge:.1f} {top:.1f}v{height:.1f}"
+    stubs = "".join(stub(v, 4.5 * out) for v in written) + "".join(stub(v, 2.5 * out) for v in between)
+    parts.append(f'<path d="{line}{stubs}" stroke="{INK}" stroke-width=".9" fill="none"/>')
+    texts = [tick_text(value) for value in written]
+    if flat:
+        down = 18.0 if side == "bottom" else -9.0
+        parts += [
+            _text(place(v), edge + down, t, anchor="middle") for v, t in zip(written, texts, strict=True)
+        ]
+        label = edge + (37 if side == "bottom" else -27)
+        return [*parts, _text(left + width / 2, label, axis.label, anchor="middle")]
+    anchor, across = ("end", -8.0) if side == "left" else ("start", 8.0)
+    parts += [
+        _text(edge + across, place(v) + 4, t, anchor=anchor) for v, t in zip(written, texts, strict=True)
+    ]
+    longest = max((len(text) for text in texts), default=1) * _WIDE * _SIZE
+    label = edge - 18 - longest if side == "left" else edge + 22 + longest
+    return [*parts, _text(max(label, 12.0), top + height / 2, axis.label, anchor="middle", turned=True)]
+
+
+def _extremes(values: np.ndarray) -> np.ndarray:
+    """Return the places of the values that a line is drawn through: all, or the extremes of each few."""
+    if values.size <= _MOST_POINTS:
+        return np.arange(values.size)
+    few = -(-2 * values.size // _MOST_POINTS)
+    whole = values.size // few * few
+    rows = values[:whole].reshape(-1, few)
+    start = np.arange(0, whole, few)
+    both = [start + rows.argmin(axis=1), start + rows.argmax(axis=1)]
+    return np.unique(np.concatenate([*both, np.arange(whole, values.size)]))
