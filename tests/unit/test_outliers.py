@@ -181,3 +181,121 @@ def test_far_spikes_in_a_disturbed_patch_are_found():
     outliers, _ = find_outliers(height, threshold=THRESHOLD)
     assert outliers[60, 72]
     assert outliers.sum() <= 3
+
+
+def grid_of_places(count, shape, seed):
+    """Return places at least ten points apart, off the border."""
+    rows, columns = np.meshgrid(
+        np.arange(12, shape[0] - 12, 22), np.arange(12, shape[1] - 12, 22), indexing="ij"
+    )
+    places = np.stack([rows.ravel(), columns.ravel()], axis=1)[:count]
+    return places + np.random.default_rng(seed).integers(-4, 5, places.shape)
+
+
+def with_bells(values, places, *, height, width, seed):
+    """Return a map with a Gaussian bell at each place, its top anywhere within the point."""
+    values = values.copy()
+    y, x = np.indices(values.shape)
+    for (row, column), off in zip(
+        places, np.random.default_rng(seed).uniform(-0.5, 0.5, (len(places), 2)), strict=True
+    ):
+        square = (y - row - off[0]) ** 2 + (x - column - off[1]) ** 2
+        values += height * np.exp(-square / (2 * width**2))
+    return values
+
+
+@pytest.mark.parametrize(
+    ("height", "width", "spikes"),
+    [(5e-6, 0.9, 80), (6e-6, 1.2, 50), (5e-6, 1.6, 0), (15e-6, 0.7, 80), (40e-6, 1.2, 0)],
+)
+def test_narrow_grains_are_surface(height, width, spikes):
+    """A hundred bells of one to two points, 5 to 40 rms heights tall: the load is theirs."""
+    places = grid_of_places(100, (256, 256), seed=1)
+    values = with_bells(rough((256, 256), 0.3, 2e-6), places, height=height, width=width, seed=2)
+    kept = ~find_outliers(values, threshold=THRESHOLD)[0]
+    tops = [kept[r - 1 : r + 2, c - 1 : c + 2].all() for r, c in places]
+    assert np.mean(tops) >= 0.95
+    # without their shape many would go
+    taken, _ = find_outliers(values, threshold=THRESHOLD, bumps=True)
+    assert sum(taken[r - 1 : r + 2, c - 1 : c + 2].any() for r, c in places) >= spikes
+
+
+@pytest.mark.parametrize("block", [(1, 1), (1, 3), (2, 2), (2, 3)])
+def test_spikes_have_no_sides(block):
+    places = grid_of_places(100, (256, 256), seed=3)
+    values, spikes = rough((256, 256)), np.zeros((256, 256), dtype=bool)
+    for row, column in places:
+        spikes[row : row + block[0], column : column + block[1]] = True
+    values[spikes] += 15e-6
+    outliers, _ = find_outliers(values, threshold=THRESHOLD)
+    np.testing.assert_array_equal(outliers, spikes)
+
+
+def test_grains_and_spikes_are_told_apart_on_one_map():
+    places = grid_of_places(100, (256, 256), seed=5)
+    grains, spikes = places[::2], places[1::2]
+    values = with_bells(rough((256, 256)), grains, height=15e-6, width=1.1, seed=6)
+    values[tuple(spikes.T)] += 15e-6
+    outliers, _ = find_outliers(values, threshold=THRESHOLD)
+    assert np.argwhere(outliers).tolist() == sorted(spikes.tolist())
+
+
+def test_dust_is_structure_and_stays():
+    """Grains of dust with steep sides, larger than a spike."""
+    values = rough((256, 256))
+    y, x = np.indices(values.shape)
+    for row, column in grid_of_places(20, values.shape, seed=7):
+        values[np.hypot(y - row, x - column) < 3] += 8e-6
+    assert find_outliers(values, threshold=THRESHOLD)[1] == {}
+
+
+def test_scanned_streaks_are_no_bumps():
+    """A bell along the line alone, nothing in the lines before and after."""
+    values = rough((256, 256))
+    places = grid_of_places(50, values.shape, seed=8)
+    for row, column in places:
+        values[row, column - 2 : column + 3] += 15e-6 * np.array([0.2, 0.6, 1.0, 0.6, 0.2])
+    outliers, _ = find_outliers(values, threshold=THRESHOLD)
+    assert outliers[tuple(places.T)].all()
+
+
+@pytest.mark.parametrize("row", [0, 1, 2, 5, 64, 126, 127])
+@pytest.mark.parametrize("column", [0, 1, 3, 64, 127])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_spike_is_found_wherever_it_is(row, column, sign):
+    """In the corners and on the border as inside: 4 rms heights, where the surface has slopes of 0.1."""
+    values = rough(shortest=8e-6)
+    values[row, column] += sign * 4e-6
+    outliers, kinds = find_outliers(values, threshold=THRESHOLD)
+    assert kinds == {"spike": 1}
+    assert outliers[row, column]
+
+
+@pytest.mark.parametrize("gap", [2, 6, 30])
+def test_a_point_alone_among_missing_ones_is_not_its_own_surroundings(gap):
+    values = rough()
+    values[20:100, 20:100] = np.nan
+    values[20 + gap, 60] = 40e-6
+    values[90, 90] = values[110, 90]  # another one at the height of the map stays
+    outliers, kinds = find_outliers(values, threshold=THRESHOLD)
+    assert kinds == {"spike": 1}
+    assert outliers[20 + gap, 60]
+
+
+def test_a_spike_on_the_rim_of_a_hole_does_not_fill_the_hole():
+    values = rough()
+    values[40:80, 40:80] = np.nan
+    values[60, 40] = 20e-6  # juts out into the hole: the nearest point of much of it
+    outliers, kinds = find_outliers(values, threshold=THRESHOLD)
+    assert kinds == {"spike": 1}
+    assert outliers[60, 40]
+
+
+def test_islands_on_a_slope_are_kept():
+    """Small islands far out lie off what is nearest to them by the slope between: no spikes."""
+    y, x = np.indices((128, 128))
+    values = rough() - 40e-6 * ((x / 127) ** 2 + (y / 127) ** 2)
+    missing = (x > 80) & (y > 80)
+    missing[100:128:9, 100:128:9] = False
+    values[missing] = np.nan
+    assert find_outliers(values, threshold=THRESHOLD)[1] == {}

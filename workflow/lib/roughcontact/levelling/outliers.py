@@ -15,19 +15,26 @@ _NEAR, _FAR = 2, 5  # half widths of the window of the median and of the ring ar
 _FAR_PROFILE = 30  # half width of the ring in a profile, which has fewer points in it
 _SENTINEL_POINTS = 64  # in a smaller map one height may well lie far from the few others
 _LINE = 8  # points that a line must have to be called dead
+_BELL = 0.35  # mean of 4 f (1 - f) over a bump and its neighbours: see `_without_bumps`
+_LEAST_RING = 0.25  # share of the ring that must be measured to be the surroundings of a point
+_AT_ONCE = 20_000  # neighbourhoods gathered at a time
 _PLANE_POINTS = 250_000  # enough to find the tilt of a map
 
 
-def find_outliers(values: np.ndarray, *, threshold: float) -> tuple[np.ndarray, dict[str, int]]:
+def find_outliers(
+    values: np.ndarray, *, threshold: float, bumps: bool = False
+) -> tuple[np.ndarray, dict[str, int]]:
     """Find points that are no surface.
 
     * `spike`: a point off the median of its 5 x 5 neighbourhood by more than `threshold` standard
       deviations, both of this difference over the whole map and of the heights in the 11 x 11 ring around,
       in a group of no more than 12 such points, all too high or all too low; or by ten times as much,
       in a group of no more than 12 points that are so far off. In a profile the neighbourhood has 5 points,
-      the ring 56. The first standard deviation is 1.4826 times the median absolute deviation, the second is
-      the distance from their median that 90 % of the ring keep, over 1.645: the same for normal heights,
-      larger beside steps and ridges.
+      the ring 56. The first standard deviation is 1.4826 times the median absolute deviation [1]_, the second
+      is the distance from their median that 90 % of the ring keep, over 1.645: the same for normal heights,
+      larger beside steps and ridges. A high group with the shape of a bump, whose sides come down over a few
+      points, is surface and stays, however narrow: it carries load. Where less than a quarter of the ring is
+      measured, the spread of all heights counts as well.
     * `sentinel`: the lowest or the highest value, in at most a third of the points, farther from all others
       than these are from each other. It stands for 'not measured' (a -1 among 440 ... 520).
     * `dead_line`: whole rows or columns of one single value among others that vary, standing off their
@@ -39,6 +46,8 @@ def find_outliers(values: np.ndarray, *, threshold: float) -> tuple[np.ndarray, 
         NaN where missing.
     threshold : float
         standard deviations.
+    bumps : bool
+        take out high groups with the shape of a bump as well.
 
     Returns
     -------
@@ -63,7 +72,7 @@ def find_outliers(values: np.ndarray, *, threshold: float) -> tuple[np.ndarray, 
     found = {}
     outliers = np.zeros(values.shape, dtype=bool)
     for kind, finder in (
-        ("spike", lambda v: _spikes(v, threshold)),
+        ("spike", lambda v: _spikes(v, threshold, bumps=bumps)),
         ("sentinel", _sentinels),
         ("dead_line", _dead_lines),
     ):
@@ -131,7 +140,7 @@ def _step(lines: np.ndarray, others: np.ndarray) -> np.ndarray:
     return result
 
 
-def _spikes(values: np.ndarray, threshold: float) -> np.ndarray:
+def _spikes(values: np.ndarray, threshold: float, *, bumps: bool) -> np.ndarray:
     """Return the points that stand off their surroundings, alone or in small groups."""
     from scipy import ndimage
 
@@ -143,55 +152,154 @@ def _spikes(values: np.ndarray, threshold: float) -> np.ndarray:
     far = [min(_FAR_PROFILE if profile else _FAR, n - 1) for n in values.shape]
     residual = _without_tilt(values)
     missing = np.isnan(residual)
-    if missing.any():
-        # the nearest measured height stands in, for the medians only
-        nearest = ndimage.distance_transform_edt(missing, return_distances=False, return_indices=True)
-        residual = residual[tuple(nearest)]
-    # reflected with the opposite sign, so that a slope goes on beyond the border
-    padded = np.pad(residual, [(f, f) for f in far], mode="reflect", reflect_type="odd")
+    lending = _lending(missing)
+    padded = _beyond_the_border(_stand_ins(residual, lending, near), near, far)
+    surrounded = np.pad(lending, [(f, f) for f in far], mode="reflect")
     size = [2 * n + 1 for n in near]
     inner = tuple(slice(f, f + n) for f, n in zip(far, values.shape, strict=True))
     signed = (padded - ndimage.median_filter(padded, size=size))[inner]
     off = np.abs(signed)
     off[missing] = 0
     scale = robust_scale(off[~missing])
-    floor = 1e-12 * np.ptp(residual)
+    heights = residual[~missing]
+    floor = 1e-12 * np.ptp(heights)
+    everywhere = robust_scale(heights - np.median(heights))
     # far spikes stand out of patches that are disturbed as a whole, and too large for a group
     for limit in (threshold, _FAR_SPIKE * threshold):
         candidates = off > max(limit * scale, floor)
-        where = np.argwhere(
-            _in_small_groups(candidates & (signed > 0)) | _in_small_groups(candidates & (signed < 0))
-        )
+        high, low = (_small_groups(candidates & (side > 0)) for side in (signed, -signed))
+        if not bumps:
+            high = _without_bumps(high, signed, padded, missing, far)
+        where = np.argwhere((high > 0) | (low > 0))
         if where.size:
-            spread = _ring_spread(padded, where, near, far)
+            spread, measured = _ring(padded, surrounded, where, near, far)
+            # what has no surroundings is held against the whole map
+            spread = np.where(measured < _LEAST_RING, np.maximum(spread, everywhere), spread)
             worst = off[tuple(where.T)] > limit * spread
             result[tuple(where[worst & (spread > floor)].T)] = True
     return result
 
 
-def _in_small_groups(candidates: np.ndarray) -> np.ndarray:
-    """Return which candidates have few neighbours that are candidates as well."""
+def _lending(missing: np.ndarray) -> np.ndarray:
+    """Return the measured points that stand in for missing ones and surround others.
+
+    Islands as small as a spike do not: they would be their own surroundings.
+    """
+    islands = _small_groups(~missing) > 0 if missing.any() else missing
+    lending = ~(missing | islands)
+    return lending if lending.any() else ~missing
+
+
+def _stand_ins(residual: np.ndarray, lending: np.ndarray, near: list[int]) -> np.ndarray:
+    """Return the heights with those of missing points replaced, for the medians only.
+
+    The median of the nearest measured neighbourhood stands in.
+    """
+    from scipy import ndimage
+
+    missing = np.isnan(residual)
+    if not missing.any():
+        return residual
+    nearest = ndimage.distance_transform_edt(~lending, return_distances=False, return_indices=True)
+    lenders, which = np.unique(np.ravel_multi_index(nearest[:, missing], residual.shape), return_inverse=True)
+    steps = np.meshgrid(*(np.arange(-n, n + 1) for n in near), indexing="ij")
+    offsets = np.stack(steps, axis=-1).reshape(-1, 2)
+    bordered = np.pad(np.where(lending, residual, np.nan), [(n, n) for n in near], constant_values=np.nan)
+    medians = np.empty(lenders.size)
+    for start in range(0, lenders.size, _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        places = np.stack(np.unravel_index(lenders[part], residual.shape), axis=-1)
+        index = places[:, None, :] + offsets[None, :, :] + np.asarray(near)
+        medians[part] = np.nanmedian(bordered[index[..., 0], index[..., 1]], axis=1)
+    filled = residual.copy()
+    filled[missing] = medians[which]
+    return filled
+
+
+def _beyond_the_border(residual: np.ndarray, near: list[int], far: list[int]) -> np.ndarray:
+    """Return the heights with as many points beyond each border, reflected with the opposite sign.
+
+    A slope goes on beyond the border. What is reflected there is the median of neighbouring points on the
+    border, so that a spike on it stays alone.
+    """
+    from scipy import ndimage
+
+    for axis in (0, 1):
+        heights = residual if axis == 0 else residual.T
+        count, along = far[axis], 2 * near[1 - axis] + 1
+        if count:
+            first, last = (ndimage.median_filter(heights[end], size=along) for end in (0, -1))
+            before, after = 2 * first - heights[count:0:-1], 2 * last - heights[-2 : -2 - count : -1]
+            heights = np.concatenate([before, heights, after])
+        residual = heights if axis == 0 else heights.T
+    return residual
+
+
+def _small_groups(candidates: np.ndarray) -> np.ndarray:
+    """Return the numbered groups of candidates that are no larger than a spike; 0 elsewhere."""
     from scipy import ndimage
 
     groups, count = ndimage.label(candidates, structure=np.ones((3, 3)))
     small = np.bincount(groups.ravel(), minlength=count + 1) <= _SPIKE_SIZE
     small[0] = False
-    return small[groups]
+    return np.where(small[groups], groups, 0)
 
 
-def _ring_spread(padded: np.ndarray, where: np.ndarray, near: list[int], far: list[int]) -> np.ndarray:
-    """Return the standard deviation of the heights in the ring around each point, from their medians."""
+def _without_bumps(
+    groups: np.ndarray, signed: np.ndarray, padded: np.ndarray, missing: np.ndarray, far: list[int]
+) -> np.ndarray:
+    """Return the groups that do not have the shape of a bump.
+
+    Heights around the highest point, f = 1 there and 0 on the median of the ring at a distance of three and
+    four points, make a bump where 4 f (1 - f) is `_BELL` or more in the mean over the points with f >= 1/2
+    that are connected with the highest and their neighbours: 1 half-way up, 0 at either end. A spike, and a
+    small block, has a value of 0; a bell whose standard deviation is a point or two lies well above.
+    """
+    from scipy import ndimage
+
+    numbers = np.unique(groups[groups > 0])
+    if not numbers.size:
+        return groups
+    peaks = np.array(ndimage.maximum_position(signed, groups, numbers))
+    reach = [min(2 * _NEAR, f) for f in far]
+    steps = np.stack(np.meshgrid(*(np.arange(-r, r + 1) for r in reach), indexing="ij"))
+    ring = np.abs(steps).max(axis=0) > _NEAR
+    unmeasured = np.pad(missing, [(f, f) for f in far])
+    cross = np.zeros((3, 3, 3), dtype=bool)
+    cross[1] = ndimage.generate_binary_structure(2, 1)  # windows are not connected with one another
+    is_bump = np.zeros(numbers.size, dtype=bool)
+    for start in range(0, numbers.size, _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        index = peaks[part, :, None, None] + steps + np.reshape(far, (1, 2, 1, 1))
+        window = padded[index[:, 0], index[:, 1]]
+        base = np.median(window[:, ring], axis=1)[:, None, None]
+        height = window[:, reach[0], reach[1]][:, None, None] - base
+        share = (window - base) / np.where(height > 0, height, np.inf)
+        tops, _ = ndimage.label(share >= 0.5, structure=cross)
+        top = (tops == tops[:, reach[0], reach[1]][:, None, None]) & (tops > 0)
+        around = ndimage.binary_dilation(top, structure=cross) & ~unmeasured[index[:, 0], index[:, 1]]
+        share = np.maximum(share, 0)  # a moat around it is no fault of a bump
+        between = np.sum(4 * share * (1 - share) * around, axis=(1, 2))
+        is_bump[part] = between >= _BELL * np.maximum(around.sum(axis=(1, 2)), 1)
+    return np.where(np.isin(groups, numbers[is_bump]), 0, groups)
+
+
+def _ring(
+    padded: np.ndarray, surrounded: np.ndarray, where: np.ndarray, near: list[int], far: list[int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the standard deviation of the heights in the ring around each point, and its measured share."""
     steps = (np.arange(-f, f + 1) for f in far)
     offsets = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 2)
     offsets = offsets[(np.abs(offsets) > near).any(axis=1)]
-    spread = np.empty(len(where))
-    for start in range(0, len(where), 20_000):
-        part = slice(start, start + 20_000)
+    spread, measured = np.empty(len(where)), np.empty(len(where))
+    for start in range(0, len(where), _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
         index = where[part, None, :] + offsets[None, :, :] + np.asarray(far)
         ring = padded[index[..., 0], index[..., 1]]
         off = np.abs(ring - np.median(ring, axis=1, keepdims=True))
         spread[part] = np.quantile(off, 0.9, axis=1) / 1.645
-    return spread
+        measured[part] = surrounded[index[..., 0], index[..., 1]].mean(axis=1)
+    return spread, measured
 
 
 def _without_tilt(values: np.ndarray) -> np.ndarray:
