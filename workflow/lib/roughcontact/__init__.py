@@ -29,6 +29,7 @@ _HOME = {
     "solve_contact": "roughcontact.contact.solve",
     "contact_statistics": "roughcontact.statistics.contact_statistics",
     "error_budget": "roughcontact.uncertainty.budget",
+    "compare_statistics": "roughcontact.results.comparison",
     "read_dataset": "roughcontact.results.storage",
     "write_dataset": "roughcontact.results.storage",
     "RoughContactError": "roughcontact.errors",

@@ -3,7 +3,7 @@
 import json
 import math
 import textwrap
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from roughcontact.io.metadata import labelled
@@ -202,3 +202,48 @@ def _table(loads: Iterable[Mapping[str, Any]]) -> list[str]:
         cells = [cell.rjust(width) for cell, width in zip(numbers, widths, strict=True)]
         lines.append("  ".join(["", *cells, flags]).rstrip())
     return lines
+
+
+def comparison(rows: Sequence[Mapping[str, Any]], *, share: float | None = None) -> str:
+    """Return which numbers of two runs differ, a line each, and how many do.
+
+    Parameters
+    ----------
+    rows : list of dict
+        the rows of what `compare_statistics` returns.
+    share : float, optional
+        the largest change that was allowed, where it was not the ±.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> gap = {"surface": "ground", "mean_pressure": 1e6, "quantity": "mean_gap", "unit": "m"}
+    >>> print(comparison([gap | {"before": 2e-7, "after": 3e-7, "allowed": 5e-8, "differs": True}]))
+    ground at 1.00 MPa  mean_gap  200 nm → 300 nm  +50 %, 50.0 nm allowed
+    1 of 1 numbers differs by more than its ±
+    """
+    cells = [_difference(row) for row in rows if row["differs"]]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    lines = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in cells
+    ]
+    allowed = "its ±" if share is None else percent(share)
+    verb = "differs" if len(cells) == 1 else "differ"
+    return "\n".join([*lines, f"{len(cells)} of {len(rows)} numbers {verb} by more than {allowed}"])
+
+
+def _difference(row: Mapping[str, Any]) -> list[str]:
+    """Return the cells of a number that differs."""
+    label = " ".join(str(row[name]) for name in ("case", "surface") if name in row)
+    where = f"{label} at {quantity(row['mean_pressure'], 'Pa')}".strip()
+    unit = row["unit"] or "1"
+    if row["quantity"] == "mean_pressure":
+        return [where, "", "", "only in the first" if math.isnan(row["after"]) else "only in the second"]
+    values = [quantity(row[side], unit) for side in ("before", "after")]
+    change = row["after"] - row["before"]
+    relative = f"{100 * change / abs(row['before']):+.2g} %, " if row["before"] else ""
+    return [where, row["quantity"], " → ".join(values), f"{relative}{quantity(row['allowed'], unit)} allowed"]

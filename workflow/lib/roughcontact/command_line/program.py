@@ -1,7 +1,7 @@
 """The program `roughcontact`: its verbs, and how it ends.
 
-Exit codes: 0 done, 1 a load missed the tolerance, 2 bad input (one sentence on standard error says what), 130
-interrupted.
+Exit codes: 0 done, 1 a load missed the tolerance or two runs differ, 2 bad input (one sentence on standard
+error says what), 130 interrupted.
 """
 
 import argparse
@@ -45,7 +45,7 @@ def main(arguments: list[str] | None = None) -> int:
     Returns
     -------
     int
-        exit code: 0 done, 1 a load missed the tolerance, 2 bad input, 130 interrupted.
+        exit code: 0 done, 1 a load missed the tolerance or two runs differ, 2 bad input, 130 interrupted.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def _parser(*, settings: bool) -> argparse.ArgumentParser:
     """Return the parser; the options of `solve` come from the settings, which take a moment to import."""
     parser = _Parser(prog="roughcontact", description=_DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
-    verbs = parser.add_subparsers(required=True, metavar="inspect | solve")
+    verbs = parser.add_subparsers(required=True, metavar="inspect | solve | compare")
 
     inspect = verbs.add_parser("inspect", help="say in plain words what is in a file")
     inspect.add_argument("files", nargs="+", metavar="FILE", help="measured height maps, any format")
@@ -90,15 +90,32 @@ def _parser(*, settings: bool) -> argparse.ArgumentParser:
         from roughcontact.command_line.options import add_settings
 
         add_settings(solve)
+
+    compare = verbs.add_parser("compare", help="say which numbers of two runs differ by more than their ±")
+    compare.add_argument("before", metavar="BEFORE", help="statistics.nc of one run")
+    compare.add_argument("after", metavar="AFTER", help="statistics.nc of the other run")
+    compare.add_argument(
+        "--share",
+        type=float,
+        metavar="NUMBER",
+        help="compare every number, and let it change by this share of itself: 0.01 is 1 %%",
+    )
+    _add_json(compare)
+    compare.set_defaults(run=_compare)
     return parser
 
 
 def _add_file_options(parser: argparse.ArgumentParser) -> None:
-    """Add what both verbs take: what the file does not say, and how to print."""
+    """Add what the verbs that read a map take: what its file does not say, and how to print."""
     group = parser.add_argument_group("what the file does not say")
     for name, text in _FILE_OPTIONS.items():
         kind, shown = (float, "NUMBER") if name in ("dx", "dy") else (str, "TEXT")
         group.add_argument(f"--{name}", help=text, type=kind, metavar=shown)
+    _add_json(parser)
+
+
+def _add_json(parser: argparse.ArgumentParser) -> None:
+    """Add how to print."""
     parser.add_argument(
         "--json", action="store_true", help="print for machines: SI units, names as in the files"
     )
@@ -143,3 +160,18 @@ def _solve(options: argparse.Namespace) -> int:
         raise SettingsError(in_options(error)) from error
     print(as_json(result) if options.json else solution(result))
     return 0 if all(load["converged"] for load in result["loads"]) else 1
+
+
+def _compare(options: argparse.Namespace) -> int:
+    """Print which numbers of two runs differ; return 1 where any does."""
+    from roughcontact.command_line.describe import as_json, comparison
+    from roughcontact.results.comparison import compare_statistics
+    from roughcontact.results.storage import read_dataset
+
+    if options.share is not None and not 0 <= options.share < 1:
+        raise SettingsError(f"--share {options.share:g}: a share is between 0 and 1; 0.01 is 1 %")
+    files = read_dataset(options.before), read_dataset(options.after)
+    table = compare_statistics(*files, share=options.share)
+    rows: list[dict[str, Any]] = [dict(row) for _, row in table.iterrows()]
+    print(as_json(rows) if options.json else comparison(rows, share=options.share))
+    return int(any(row["differs"] for row in rows))

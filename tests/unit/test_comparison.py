@@ -1,0 +1,119 @@
+"""Two runs side by side."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from roughcontact.command_line.program import main
+from roughcontact.errors import InputFileError
+from roughcontact.results.collect import collect_statistics
+from roughcontact.results.comparison import compare_statistics
+from roughcontact.results.storage import write_dataset
+
+LOADS = [1e6, 5e6]
+
+
+def statistics(*, gaps=(2e-7, 1e-7), half_width=3e-9, loads=LOADS, area=(0.1, 0.3)):
+    """Return statistics of one surface: a gap with an uncertainty, an area without one."""
+    numbers = {
+        "mean_gap": ("load", list(gaps)),
+        "relative_contact_area": ("load", list(area)),
+        "iterations": ("load", [2] * len(loads)),
+        "rms_height": 1e-7,
+    }
+    if half_width is not None:
+        both = np.tile([[half_width / 2, half_width]], (len(loads), 1))
+        numbers["mean_gap_uncertainty"] = (("load", "source"), both)
+    coordinates = {"mean_pressure": ("load", list(loads)), "source": ["window", "combined"]}
+    return xr.Dataset(numbers, coords=coordinates)
+
+
+def different(before, after, **options):
+    """Return quantity and pressure of all that differs."""
+    table = compare_statistics(before, after, **options)
+    return list(table[table["differs"]][["quantity", "mean_pressure"]].itertuples(index=False, name=None))
+
+
+def test_a_change_counts_beyond_the_root_of_both_squares():
+    limit = np.hypot(3e-9, 4e-9)
+    for change, beyond in ((0.999 * limit, []), (1.001 * limit, [("mean_gap", 1e6)])):
+        for sign in (-1, 1):
+            after = statistics(gaps=(2e-7 + sign * change, 1e-7), half_width=4e-9)
+            assert different(statistics(), after) == beyond
+
+
+def test_each_end_of_an_interval_counts_on_its_side():
+    before, after = statistics(half_width=5e-9), statistics(gaps=(2.04e-7, 1e-7), half_width=5e-9)
+    assert different(before, after) == []
+    # towards the other run's gap both intervals are narrow, away from it they are wide
+    before["mean_gap_lower"], before["mean_gap_upper"] = before.mean_gap - 5e-9, before.mean_gap + 1e-9
+    after["mean_gap_lower"], after["mean_gap_upper"] = after.mean_gap - 1e-9, after.mean_gap + 5e-9
+    assert different(before, after) == [("mean_gap", 1e6)]
+    assert different(after, before) == [("mean_gap", 1e6)]
+
+
+def test_a_share_judges_every_number_and_no_count_of_work():
+    after = statistics(gaps=(2.02e-7, 1e-7), area=(0.1, 0.3 * 1.02)).assign(iterations=("load", [9, 9]))
+    table = compare_statistics(statistics(), after, share=0.015)
+    assert sorted(set(table["quantity"])) == ["mean_gap", "relative_contact_area", "rms_height"]
+    assert different(statistics(), after, share=0.015) == [("relative_contact_area", 5e6)]
+    assert different(statistics(), after, share=0.03) == []
+
+
+def test_missing_numbers_are_equal_to_missing_ones_only():
+    nothing = statistics(area=(np.nan, 0.3))
+    assert different(nothing, nothing, share=0.01) == []
+    assert different(nothing, statistics(), share=0.01) == [("relative_contact_area", 1e6)]
+
+
+def test_a_load_of_one_run_alone_differs():
+    after = statistics(gaps=(2e-7,), area=(0.1,), loads=[1e6 * (1 + 5e-4)])
+    assert different(statistics(), after) == [("mean_pressure", 5e6)]
+    assert different(after, statistics()) == [("mean_pressure", 5e6)]
+
+
+def test_surfaces_belong_together_by_name(tmp_path):
+    def run(folder, **surfaces):
+        for name, dataset in surfaces.items():
+            write_dataset(dataset, tmp_path / folder / f"{name}.nc")
+        files = {name: tmp_path / folder / f"{name}.nc" for name in surfaces}
+        return collect_statistics(
+            [{"surface": name, "case": None, "statistics": file} for name, file in files.items()]
+        )
+
+    one, other = statistics(), statistics(gaps=(4e-7, 3e-7))
+    before = run("before", ground=one, polished=other)
+    assert different(before, run("same", polished=other, ground=one)) == []
+    table = compare_statistics(before, run("less", ground=other))
+    differing = table[table["differs"]]
+    assert list(differing["surface"]) == ["ground", "ground", "polished", "polished"]
+    assert list(differing["quantity"]) == ["mean_gap", "mean_gap", "mean_pressure", "mean_pressure"]
+    with pytest.raises(InputFileError, match="single surface"):
+        compare_statistics(before, one)
+
+
+def test_what_cannot_be_judged_is_an_error():
+    with pytest.raises(InputFileError, match="--share"):
+        compare_statistics(statistics(half_width=None), statistics())
+
+
+def test_the_verb(tmp_path, capsys):
+    files = [str(tmp_path / name) for name in ("before.nc", "after.nc")]
+    write_dataset(statistics(), files[0])
+    write_dataset(statistics(gaps=(2e-7, 1.1e-7)), files[1])
+    assert main(["compare", files[0], files[0]]) == 0
+    assert capsys.readouterr().out == "0 of 2 numbers differ by more than its ±\n"
+    assert main(["compare", *files]) == 1
+    said = capsys.readouterr().out.splitlines()
+    assert said[0] == "at 5.00 MPa  mean_gap  100 nm → 110 nm  +10 %, 4.24 nm allowed"
+    assert said[1] == "1 of 2 numbers differs by more than its ±"
+    assert main(["compare", *files, "--share", "0.2"]) == 0
+    capsys.readouterr()
+    assert main(["compare", *files, "--json"]) == 1
+    assert [row["differs"] for row in json.loads(capsys.readouterr().out)] == [False, True]
+    assert main(["compare", files[0], str(tmp_path / "nowhere.nc")]) == 2
+    assert "nowhere.nc" in capsys.readouterr().err
+    assert main(["compare", *files, "--share", "5"]) == 2
+    assert "--share 5" in capsys.readouterr().err

@@ -1,0 +1,175 @@
+"""Two runs side by side: which of their numbers differ by more than their uncertainties."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from roughcontact.errors import InputFileError
+from roughcontact.variables import VARIABLES
+
+_LABELS = ("case", "surface")
+# two loads are the same where one of these agrees to a thousandth
+_LOADS = ("mean_pressure", "relative_pressure")
+_SAME_LOAD = 1e-3
+# how a load was solved, not what came out
+_WORK = {
+    "iterations",
+    "operator_applications",
+    "error_bound",
+    "rounding_floor",
+    "max_penetration",
+    "load_error",
+    "converged",
+}
+_BUDGET = ("_uncertainty", "_lower", "_upper", "_parts")
+
+Surfaces = dict[tuple[str, ...], list[xr.Dataset]]
+
+
+def compare_statistics(before: xr.Dataset, after: xr.Dataset, *, share: float | None = None) -> pd.DataFrame:
+    """Return which numbers of two files of statistics differ, and by how much they may.
+
+    Without `share` a number that has an uncertainty is judged, by the E_n number of interlaboratory
+    comparisons [1]_: it differs where its change is more than the root of the sum of the squares of both
+    uncertainties. With `share` every number is judged, and differs where its change is more than that share
+    of the larger of the two.
+
+    Parameters
+    ----------
+    before, after : Dataset
+        from `contact_statistics` or `collect_statistics`, both of one kind. Surfaces and cases belong
+        together by name, loads by `mean_pressure` or `relative_pressure`, where one of them agrees to a
+        thousandth.
+    share : float, optional
+        largest change allowed, over the number itself.
+
+    Returns
+    -------
+    DataFrame
+        a row for each number judged: `case` and `surface` where the files have them, `mean_pressure` (Pa, of
+        the load before), `quantity`, `unit`, `before`, `after`, `allowed` (largest change) and `differs`. A
+        load that only one of the files has is a row of its `mean_pressure`, NaN in the other.
+
+    Raises
+    ------
+    InputFileError
+        where one file holds a single surface and the other several, or nothing in them can be judged.
+
+    References
+    ----------
+    .. [1] ISO/IEC 17043:2023, Conformity assessment. General requirements for the competence of proficiency
+       testing providers, annex B.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> def run(gap):
+    ...     half_width = (("load", "source"), [[3e-9]])
+    ...     data = {"mean_gap": ("load", [gap]), "mean_gap_uncertainty": half_width}
+    ...     return xr.Dataset(data, coords={"mean_pressure": ("load", [1e6]), "source": ["combined"]})
+    >>> compare_statistics(run(200e-9), run(204e-9))["differs"].tolist()
+    [False]
+    >>> compare_statistics(run(200e-9), run(205e-9))["differs"].tolist()
+    [True]
+    """
+    first, second = _surfaces(before), _surfaces(after)
+    labels = [dim for dim in _LABELS if dim in before.dims]
+    if labels != [dim for dim in _LABELS if dim in after.dims]:
+        raise InputFileError(
+            "one file holds a single surface, the other a whole run or several cases: compare two of a kind"
+        )
+    rows: list[dict[str, Any]] = []
+    for name in dict.fromkeys([*first, *second]):
+        label = dict(zip(labels, name, strict=True))
+        for old, new in _pairs(first.get(name, []), second.get(name, [])):
+            rows += [label | row for row in _judged(old, new, share)]
+    if not rows:
+        raise InputFileError(
+            "nothing to compare: the files hold no ± (uncertainty: null in the settings); try --share 0.01"
+        )
+    columns = [*labels, "mean_pressure", "quantity", "unit", "before", "after", "allowed", "differs"]
+    return pd.DataFrame(rows)[columns]
+
+
+def _surfaces(statistics: xr.Dataset) -> Surfaces:
+    """Return the loads of each surface by its labels, without those that only pad a shorter list."""
+    labels = [dim for dim in _LABELS if dim in statistics.dims]
+    found: Surfaces = {}
+    for place in np.ndindex(*(statistics.sizes[dim] for dim in labels)):
+        one = statistics.isel(dict(zip(labels, place, strict=True)))
+        name = tuple(str(one[f"{dim}_name"].values) for dim in labels)
+        loads = [one.isel(load=load) for load in np.flatnonzero(np.isfinite(one["mean_pressure"].values))]
+        if loads:
+            found[name] = loads
+    return found
+
+
+def _pairs(before: list[xr.Dataset], after: list[xr.Dataset]) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
+    """Yield the loads that belong together; one that stands alone comes beside an empty dataset."""
+    left = list(after)
+    for old in before:
+        place = next((place for place, new in enumerate(left) if _same_load(old, new)), None)
+        yield old, xr.Dataset() if place is None else left.pop(place)
+    for new in left:
+        yield xr.Dataset(), new
+
+
+def _same_load(old: xr.Dataset, new: xr.Dataset) -> bool:
+    """Return whether two loads are one and the same."""
+    return any(
+        name in old and name in new and bool(np.isclose(old[name], new[name], rtol=_SAME_LOAD, atol=0))
+        for name in _LOADS
+    )
+
+
+def _judged(old: xr.Dataset, new: xr.Dataset, share: float | None) -> Iterator[dict[str, Any]]:
+    """Yield a row for each number of one load that can be judged, or one for a load that stands alone."""
+    pressures = [float(side["mean_pressure"]) if "mean_pressure" in side else np.nan for side in (old, new)]
+    if np.isnan(pressures).any():
+        yield _row(np.nanmax(pressures), "mean_pressure", *pressures, allowed=0.0)
+        return
+    for name in _numbers(old, new):
+        values = float(old[name]), float(new[name])
+        if share is not None:
+            yield _row(pressures[0], name, *values, allowed=share * max(map(abs, values)))
+        elif f"{name}_uncertainty" in old and f"{name}_uncertainty" in new:
+            allowed = float(np.hypot(_half_width(old, name, values[1]), _half_width(new, name, values[0])))
+            yield _row(pressures[0], name, *values, allowed=allowed)
+
+
+def _numbers(old: xr.Dataset, new: xr.Dataset) -> list[str]:
+    """Return the names of the numbers that both have and that say something of the surface."""
+    return [
+        name
+        for name in map(str, old.data_vars)
+        if name in new
+        and not old[name].dims
+        and old[name].dtype.kind in "fiu"
+        and name not in _WORK
+        and not name.endswith(_BUDGET)
+    ]
+
+
+def _half_width(side: xr.Dataset, name: str, other: float) -> float:
+    """Return the half-width of a number's interval on the side where the other run's number lies."""
+    end = f"{name}_upper" if other > float(side[name]) else f"{name}_lower"
+    if end in side:
+        return abs(float(side[end]) - float(side[name]))
+    return float(side[f"{name}_uncertainty"].sel(source="combined"))
+
+
+def _row(pressure: float, name: str, before: float, after: float, *, allowed: float) -> dict[str, Any]:
+    """Return one row of the table."""
+    both_missing = np.isnan(before) and np.isnan(after)
+    return {
+        "mean_pressure": pressure,
+        "quantity": name,
+        "unit": VARIABLES[name][0] if name in VARIABLES else "1",
+        "before": before,
+        "after": after,
+        "allowed": allowed,
+        "differs": not both_missing and not abs(after - before) <= allowed,
+    }
