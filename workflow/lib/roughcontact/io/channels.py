@@ -53,12 +53,19 @@ class Channel:
         Position of the first cell centre, in `lateral_unit`; None: half a step.
     no_height : str
         Why this channel holds no heights; empty for a height channel.
-    steps_from_size : bool
-        Whether the steps are a total size divided by the number of points that were found.
+    size_rounding : tuple of float or None
+        Where the steps are a total size divided by the number of points that were found: how far the stated
+        sizes along x and y may be off by their last digit, as shares.
+    doubt : str
+        Why the channel cannot be read as it is, where it may be read `otherwise`.
+    otherwise : Channel or None
+        The same numbers as a map, where they may be points or a map: read so if the user gives both steps.
     points : Points or None
         The points themselves, where they form no even grid.
     notes : list of str
         What the header says that the user should know.
+    first_row : str
+        Where row 0 is drawn, if not as in the rest of the file.
     """
 
     name: str
@@ -71,9 +78,12 @@ class Channel:
     first_x: float | None = None
     first_y: float | None = None
     no_height: str = ""
-    steps_from_size: bool = False
+    size_rounding: tuple[float, ...] | None = None
+    doubt: str = ""
+    otherwise: "Channel | None" = None
     points: Points | None = None
     notes: list[str] = field(default_factory=list)
+    first_row: str = ""
 
 
 @dataclass
@@ -250,6 +260,40 @@ def even_step(positions: ArrayLike, name: str) -> float:
         worst = "" if not step or not np.isfinite(off) else f": up to {off / abs(step):.2g} of a step off"
         raise UnevenPositionsError(f"the positions along {name} are not evenly spaced{worst}")
     return step
+
+
+def rounded_step(positions: ArrayLike) -> float | None:
+    """Return the step of positions that are even but for the rounding of their last decimal.
+
+    Fifty and more positions, all of them multiples of a power of ten that is no more than the step, within
+    0.55 of it from a straight line: a list with gaps strays further.
+
+    Parameters
+    ----------
+    positions : array (n,)
+        Increasing.
+
+    Returns
+    -------
+    float or None
+        None where the positions are not so.
+
+    Examples
+    --------
+    >>> round(rounded_step(np.round(0.15625 * np.arange(200), 1)), 4)
+    0.1563
+    >>> rounded_step(np.cumsum(np.tile([0.1, 0.2, 0.2, 0.5], 50))) is None
+    True
+    """
+    positions = np.asarray(positions, dtype=float)
+    if positions.size < 50 or not np.isfinite(positions).all() or not np.ptp(positions) > 0:
+        return None
+    number = np.arange(positions.size)
+    step, start = np.polyfit(number, positions, 1)
+    last = 10.0 ** np.floor(np.log10(step)) if step > 0 else 0.0
+    if not last or np.max(np.abs(positions / last - np.rint(positions / last))) > 1e-3:
+        return None
+    return float(step) if np.max(np.abs(positions - start - step * number)) <= 0.55 * last else None
 
 
 def scattered(

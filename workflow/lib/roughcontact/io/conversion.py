@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from roughcontact.errors import HeightMapError
+from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, choose_channel
 from roughcontact.io.request import Request
 from roughcontact.io.resampling import on_even_grid
@@ -80,10 +80,28 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
     notes = file.warnings + channel.notes
     if channel.no_height:
         notes.append(f"channel {channel.name!r} is read at the user's word ({channel.no_height})")
+    channel, doubts = _settled(channel, request, path)
+    notes += doubts
     channel, request, done = on_even_grid(channel, request, path)
     scale = decide_scale(channel, request, path)
     heights = _checked(channel.read() * scale.height_factor, path)
     return Converted(channel, choice, heights, scale.dx, scale.dy, [*notes, *done, *scale.notes])
+
+
+def _settled(channel: Channel, request: Request, path: Path) -> tuple[Channel, list[str]]:
+    """Return the channel as map or as points, where its numbers may be both; a sentence on what was taken."""
+    if channel.otherwise is None:
+        return channel, []
+    if request.dx is not None and request.dy is not None and request.resample is None:
+        ny, nx = channel.otherwise.shape
+        taken = f"the numbers are read as a map of {ny} rows of {nx}, because dx and dy are given"
+        return channel.otherwise, [taken]
+    if channel.doubt:
+        raise InputFileError(
+            f"{path}: {channel.doubt}; if these are not points x, y, z but a map of "
+            f"{channel.otherwise.shape[1]} columns, give dx, dy and unit"
+        )
+    return channel, []
 
 
 def _checked(heights: np.ndarray, path: Path) -> np.ndarray:

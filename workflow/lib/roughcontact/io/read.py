@@ -111,7 +111,7 @@ def read_height_map(
             "channel": converted.channel.name,
             "channels": json.dumps([each.name for each in file.channels], ensure_ascii=False),
             "instrument": json.dumps(file.instrument, ensure_ascii=False, sort_keys=True),
-            "first_row": file.first_row,
+            "first_row": converted.channel.first_row or file.first_row,
             "missing_points": missing,
             "missing_share": missing / converted.heights.size,
             "ingest_warnings": json.dumps(notes, ensure_ascii=False),

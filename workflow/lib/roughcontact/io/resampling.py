@@ -52,6 +52,13 @@ def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channe
     points = channel.points
     if points is None:
         return channel, request, []
+    if request.resample is None and channel.otherwise is not None:
+        columns = channel.otherwise.shape[1]
+        raise InputFileError(
+            f"{path}: {columns} columns of numbers without names: a map of {columns} columns, then "
+            f"give dx, dy and unit; or points ({points.uneven}), then give resample = linear to interpolate "
+            "to an even grid (table of surfaces or arguments)"
+        )
     if request.resample is None:
         raise InputFileError(
             f"{path}: {points.uneven}; give resample = linear (table of surfaces or argument) to "

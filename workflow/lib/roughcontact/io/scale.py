@@ -13,6 +13,8 @@ from roughcontact.io.channels import Channel
 from roughcontact.io.request import Request
 from roughcontact.io.units import is_length, metres
 
+_FEWEST_LINES = 10  # of a matrix that shows by its pixels that it was cut off
+
 
 @dataclass(frozen=True)
 class Scale:
@@ -76,8 +78,12 @@ def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
         dy = dx
     if dx is None or dy is None:
         raise InputFileError(_what_is_missing(channel, path))
-    if channel.steps_from_size and request.dx is None and request.dy is None:
-        _refuse_cut_matrix(channel.shape, dx, dy, path)
+    if not (0 < dx < np.inf and 0 < dy < np.inf):
+        raise InputFileError(
+            f"{path}: the file says steps of {dx:g} m x {dy:g} m, which cannot be; give dx, dy and unit"
+        )
+    if channel.size_rounding is not None and request.dx is None and request.dy is None:
+        _refuse_cut_matrix(channel.shape, dx, dy, sum(channel.size_rounding), path)
     height_factor = _height_factor(channel, request, path, notes)
     return Scale(dx, dy, height_factor, notes)
 
@@ -215,16 +221,29 @@ def _what_is_missing(channel: Channel, path: Path) -> str:
     )
 
 
-def _refuse_cut_matrix(shape: tuple[int, int], dx: float, dy: float, path: Path) -> None:
+def _refuse_cut_matrix(shape: tuple[int, int], dx: float, dy: float, rounding: float, path: Path) -> None:
     """Refuse a text matrix that seems to have lost its last lines.
 
     Its header gives the size of the whole field and not the number of lines, so that a file that was cut off
-    shows only in pixels that are too long along y. Scans with every second, third ... line are let through.
+    shows only in pixels that are too long along y: with whole lines added they would be square. Let through
+    are scans with every second, third ... line, pixels of 3 : 2 and 4 : 3, numbers of lines that no square
+    pixels explain, sizes that reach from the first point to the last one, and maps of less than ten lines,
+    where pixels of any shape are as likely.
+
+    Parameters: `rounding` is the share by which the ratio of the stated sizes may be off.
     """
+    ny, nx = shape
     ratio = dy / dx
-    if ratio > 1.01 and abs(ratio / round(ratio) - 1) > 0.01:
-        ny, nx = shape
-        raise InputFileError(
-            f"{path}: {ny} lines of {nx} numbers do not fit the size in the header: the pixels would be "
-            f"{dx:.6g} m x {dy:.6g} m; the file seems to be cut off. If it is whole, give dx, dy and unit"
-        )
+    whole = ny * ratio  # number of lines of square pixels
+    slack = whole * rounding
+    chosen = any(abs(ratio / simple - 1) <= 0.5 / ny for simple in (max(round(ratio), 1), 3 / 2, 4 / 3))
+    if ny < _FEWEST_LINES or whole - ny <= 0.5 + slack or chosen:
+        return
+    from_first_to_last = (ny * dy) / (nx * dx) * (nx - 1) + 1
+    ends = abs(from_first_to_last - ny) <= 0.01 + slack and abs(whole - ny - 1) > 0.01
+    if ends or abs(whole - round(whole)) > 0.01 + slack:
+        return
+    raise InputFileError(
+        f"{path}: {ny} lines of {nx} numbers do not fit the size in the header: the pixels would be "
+        f"{dx:.6g} m x {dy:.6g} m; the file seems to be cut off. If it is whole, give dx, dy and unit"
+    )

@@ -10,17 +10,35 @@ from typing import Any
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.channels import Channel, MeasuredFile, UnevenPositionsError, even_step, scattered
+from roughcontact.io.channels import (
+    Channel,
+    MeasuredFile,
+    UnevenPositionsError,
+    even_step,
+    rounded_step,
+    scattered,
+    unreadable,
+)
 from roughcontact.io.guards import check_memory
 from roughcontact.io.interface import Reader, ToldBy
 from roughcontact.io.metadata import instrument_words
-from roughcontact.io.text.header import column_units, parse_header
+from roughcontact.io.text.columns import Column, headed
+from roughcontact.io.text.header import parse_header
 from roughcontact.io.text.lines import lines_of, looks_like_text
 from roughcontact.io.text.point_grid import points_on_grid
-from roughcontact.io.text.table import parse_table, separators, split_header
+from roughcontact.io.text.table import (
+    Table,
+    counted,
+    parse_table,
+    separators,
+    split_header,
+    unquoted,
+)
 from roughcontact.io.units import is_length, metres
 
 _BYTES_PER_BYTE = 12  # memory for each byte of text: lines, their pieces, numbers
+_SIZES = {"length_x", "length_y", "dx", "dy", "step", "nx", "ny"}  # what a header says of a map's size
+_LONGEST_NARROW = 1000  # rows of two or three columns that may be a map
 # word of `roughcontact.io.metadata` -> what the header calls it
 _INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquisition_time": "date"}
 
@@ -55,23 +73,146 @@ def read(path: Path) -> MeasuredFile:
     """
     size = path.stat().st_size
     check_memory(size * _BYTES_PER_BYTE, f"{size} bytes of text", path)
-    header, body = split_header(lines_of(path), path)
-    said = parse_header(header)
+    header, body = unquoted(*split_header(lines_of(path), path))
+    first = len(header) + 1
     delimiter, decimal_comma = separators(body, path)
-    table = parse_table(body, delimiter, decimal_comma, path, first=len(header) + 1)
+    counts, rows = counted(body, delimiter)
+    table = parse_table(rows, delimiter, decimal_comma, path, first=first + len(body) - len(rows))
+    said = parse_header(header)
     if said.get("missing") is not None:
-        table[table == float(said["missing"])] = np.nan
-    units = column_units(header, table.shape[1], delimiter)
-    rows, columns = table.shape
-    listed = said.get("nx") is None and rows > 2
-    if listed and columns == 3:
-        file = _points(table, units, said, path)
-    elif listed and columns == 2:
-        file = _profile(table, units, said, path)
-    else:
-        file = _matrix(table, said, path)
+        table.values[table.values == float(said["missing"])] = np.nan
+    file = _file(table, header, said, counts, delimiter, path)
     file.instrument = instrument_words({word: said.get(key) for word, key in _INSTRUMENT.items()})
     return file
+
+
+def _file(
+    table: Table,
+    header: list[str],
+    said: dict[str, Any],
+    counts: list[int],
+    delimiter: str | None,
+    path: Path,
+) -> MeasuredFile:
+    """Return what the table is: what header and headings say counts, then what the columns look like."""
+    values = table.values
+    columns = headed(header, values.shape[1], delimiter)
+    if not {"length_x", "length_y", "nx", "ny"} & set(said):
+        kept = slice(table.empty_left, values.shape[1] - table.empty_right)
+        columns = columns and columns[kept]
+        values = values[:, kept]
+        columns = columns or headed(header, values.shape[1], delimiter)
+    if table.empty_corner and not table.empty_left and (axes := _axes_of_a_matrix(values)):
+        return _matrix(values[1:, 1:], axes | said, path)
+    _refuse_cut_table(values.shape, said, counts, path)
+    if columns is not None:
+        chosen = _by_name(columns)
+        if chosen is not None:
+            return _listed(values, columns, chosen, said, path)
+    rows, count = values.shape
+    if count == 1 and rows > 1 and not _SIZES & set(said):
+        return _one_column(values, columns, said, path)
+    if count not in (2, 3) or rows <= 2 or _is_stated_matrix(values, said):
+        return _matrix(values, said, path)
+    columns = columns or [Column("", None, "")] * count
+    return _listed(values, columns, list(range(count)), said, path, named=False)
+
+
+def _by_name(columns: list[Column]) -> list[int] | None:
+    """Return which columns are positions and heights by their names, None where the names do not say it."""
+    roles = [column.role for column in columns]
+    places = {role: roles.index(role) for role in ("x", "y", "z") if roles.count(role) == 1}
+    if len(places) == 3:
+        return [places["x"], places["y"], places["z"]]
+    data = [place for place, role in enumerate(roles) if role != "index"]
+    if len(data) == len(columns) or len(data) not in (2, 3):
+        if "x" in places and "z" in places and len(data) == 2:
+            return [places["x"], places["z"]]
+        return None
+    return data
+
+
+def _listed(
+    values: np.ndarray,
+    columns: list[Column],
+    chosen: list[int],
+    said: dict[str, Any],
+    path: Path,
+    *,
+    named: bool = True,
+) -> MeasuredFile:
+    """Return a list of points or a profile, of the columns that are chosen."""
+    listed = values[:, chosen]
+    listed = listed[~np.isnan(listed).all(axis=1)]
+    units = [columns[place].unit for place in chosen]
+    kind = _points if len(chosen) == 3 else _profile
+    return kind(listed, units, said, path, None if named else values)
+
+
+def _is_stated_matrix(values: np.ndarray, said: dict[str, Any]) -> bool:
+    """Return whether a header makes a table of two or three columns a matrix of heights.
+
+    Beside a header that gives the size of the field, the columns are positions only where they form a whole
+    grid of three lines and more each way (a profile: even steps), which heights do not.
+    """
+    rows, count = values.shape
+    if said.get("nx") is not None or said.get("ny") is not None:
+        return said.get("nx") in (count, None) and said.get("ny") in (rows, None)
+    if not ({"step"} <= set(said) or {"length_x", "length_y"} <= set(said) or {"dx", "dy"} <= set(said)):
+        return False
+    if not np.isfinite(values[:, : count - 1]).all():
+        return True
+    if count == 2:
+        try:
+            even_step(np.sort(values[:, 0]), "x")
+        except UnevenPositionsError:
+            return True
+        return False
+    lines = [np.unique(values[:, place]).size for place in (0, 1)]
+    return min(lines) < 3 or lines[0] * lines[1] != rows
+
+
+def _axes_of_a_matrix(values: np.ndarray) -> dict[str, float] | None:
+    """Return the steps of a matrix whose first row and column are positions, None where they are none."""
+    if min(values.shape) < 3:
+        return None
+    try:
+        return {"dx": even_step(values[0, 1:], "x"), "dy": even_step(values[1:, 0], "y")}
+    except UnevenPositionsError:
+        return None
+
+
+def _refuse_cut_table(shape: tuple[int, ...], said: dict[str, Any], counts: list[int], path: Path) -> None:
+    """Refuse a table of fewer rows than the file says that there are."""
+    rows, columns = shape
+    stated = said.get("count")
+    if len(counts) == 1:
+        stated = counts[0]
+    elif counts:
+        if sorted(counts) != sorted(shape) and counts[0] * counts[1] != rows:
+            raise InputFileError(
+                f"{path}: the line above the table says {counts[0]} and {counts[1]}, the table has {rows} "
+                f"rows of {columns} numbers; it was cut off or changed"
+            )
+        return
+    if stated is not None and stated > rows and stated not in (columns, rows * columns):
+        raise InputFileError(
+            f"{path}: the file says {stated:g} points, the table has {rows} rows; it was cut off or changed"
+        )
+
+
+def _one_column(
+    values: np.ndarray, columns: list[Column] | None, said: dict[str, Any], path: Path
+) -> MeasuredFile:
+    """Return one height in each line: a profile, or a map of one column where the user gives both steps."""
+    unit = said.get("height_unit", columns[0].unit if columns else said.get("unit"))
+    heights, words = _heights(values.T, said, unit)
+    matrix = _matrix(values, said, path)
+    channel = Channel(
+        shape=heights.shape, read=lambda: heights, lateral_unit=said.get("lateral_unit"), **words
+    )
+    channel.otherwise = matrix.channels[0]
+    return MeasuredFile("text profile (heights)", [channel], first_row="top")
 
 
 def _matrix(table: np.ndarray, said: dict[str, Any], path: Path) -> MeasuredFile:
@@ -88,48 +229,68 @@ def _matrix(table: np.ndarray, said: dict[str, Any], path: Path) -> MeasuredFile
             f"{path}: the header gives a size along y, the file has one line; it was cut off"
         )
     steps, lateral_unit = _steps(said, {"x": nx, "y": ny}, path)
-    heights, words = _heights(table, said, said.get("height_unit"))
+    heights, words = _heights(table, said, said.get("height_unit", said.get("unit")))
     channel = Channel(
         shape=heights.shape,
         read=lambda: heights,
         dx=steps.get("x"),
         dy=steps.get("y") if ny > 1 else None,
         lateral_unit=lateral_unit,
-        steps_from_size={"length_x", "length_y"} <= set(said)
-        and not {"dx", "dy", "step", "nx", "ny"} & set(said),
         **words,
     )
+    if {"length_x", "length_y"} <= set(said) and not {"dx", "dy", "step", "nx", "ny"} & set(said):
+        channel.size_rounding = tuple(
+            said[f"length_{axis}_rounding"] / said[f"length_{axis}"] if said[f"length_{axis}"] else 0.0
+            for axis in "xy"
+        )
     return MeasuredFile("text matrix", [channel], first_row="top")
 
 
 def _profile(
-    table: np.ndarray, columns: list[str | None] | None, said: dict[str, Any], path: Path
+    table: np.ndarray, units: list[str | None], said: dict[str, Any], path: Path, whole: np.ndarray | None
 ) -> MeasuredFile:
     """Return a profile of positions and heights, in any order of the points."""
     x, z = table[np.argsort(table[:, 0], kind="stable")].T
-    lateral_unit, height_unit = _units(columns, said, path)
+    _refuse_lost_lines((1, x.size), said, path)
+    lateral_unit, height_unit = _units(units, said, path)
     heights, words = _heights(z[None, :], said, height_unit)
     words["lateral_unit"] = lateral_unit
     try:
-        step = even_step(x, "x")
-        channel = Channel(shape=heights.shape, read=lambda: heights, dx=step, first_x=float(x[0]), **words)
+        step, notes = _even_or_rounded(x)
+        channel = Channel(
+            shape=heights.shape, read=lambda: heights, dx=step, first_x=float(x[0]), notes=notes, **words
+        )
     except UnevenPositionsError as error:
         channel = scattered(x=x, y=None, z=heights, error=error, **words)
+        channel.otherwise = None if whole is None else _as_matrix(whole, said)
     return MeasuredFile("text profile (x, z)", [channel], first_row="bottom")
 
 
+def _even_or_rounded(x: np.ndarray) -> tuple[float, list[str]]:
+    """Return the step of positions that are even, or are so up to the last digit that was written."""
+    try:
+        return even_step(x, "x"), []
+    except UnevenPositionsError:
+        step = rounded_step(x)
+        if step is None:
+            raise
+        note = "the positions are even up to the rounding of their last digit in the file, and taken as even"
+        return step, [note]
+
+
 def _points(
-    table: np.ndarray, columns: list[str | None] | None, said: dict[str, Any], path: Path
+    table: np.ndarray, units: list[str | None], said: dict[str, Any], path: Path, whole: np.ndarray | None
 ) -> MeasuredFile:
     """Return a list of points on the even grid that it forms, or as it is."""
-    if not np.isfinite(table[:, :2]).all():
-        raise InputFileError(f"{path}: a point of the list has no position")
     x, y, z = table.T
-    lateral_unit, height_unit = _units(columns, said, path)
+    lateral_unit, height_unit = _units(units, said, path)
     z, words = _heights(z, said, height_unit)
     words["lateral_unit"] = lateral_unit
     try:
+        if not np.isfinite(table[:, :2]).all():
+            raise InputFileError(f"{path}: a point of the list has no position")
         heights, steps, (first_x, first_y) = points_on_grid(x, y, z, path)
+        _refuse_lost_lines(heights.shape, said, path)
         channel = Channel(
             shape=heights.shape,
             read=lambda: heights,
@@ -140,8 +301,60 @@ def _points(
             **words,
         )
     except UnevenPositionsError as error:
+        if whole is not None and np.ptp(np.diff(x)) == 0 and abs(x[1] - x[0]) == 1:
+            error = UnevenPositionsError(
+                f"{error}; the first column counts the rows: delete it if it is no x"
+            )
         channel = scattered(x=x, y=y, z=z, error=error, **words)
+        channel.otherwise = None if whole is None else _as_matrix(whole, said)
+    except InputFileError as error:
+        if whole is None or (matrix := _as_matrix(whole, said)) is None:
+            raise
+        channel = Channel(
+            shape=matrix.shape,
+            read=unreadable(str(error)),
+            otherwise=matrix,
+            doubt=_without(error, path),
+            **words,
+        )
     return MeasuredFile("text list of points (x, y, z)", [channel], first_row="bottom")
+
+
+def _refuse_lost_lines(shape: tuple[int, ...], said: dict[str, Any], path: Path) -> None:
+    """Refuse a list of fewer lines or columns of points than its header says that there are."""
+    for word, found, name in (("nx", shape[1], "columns"), ("ny", shape[0], "rows")):
+        if shape[0] == 1 and name == "rows":
+            continue
+        if said.get(word, 0) > found:
+            raise InputFileError(
+                f"{path}: the header says {said[word]:g} {name}, the points make {found}; "
+                "the list was cut off or changed"
+            )
+
+
+def _without(error: Exception, path: Path) -> str:
+    """Return a message without the path at its beginning."""
+    return str(error).removeprefix(f"{path}: ")
+
+
+def _as_matrix(table: np.ndarray, said: dict[str, Any]) -> Channel | None:
+    """Return a table as a matrix, in case its columns are no positions; None where it can be none."""
+    rows, columns = table.shape
+    if columns == 2:
+        positions = bool(np.all(np.diff(table[:, 0]) > 0))
+    else:  # each position along x and along y occurs several times: the lines of a scan
+        along_x, along_y = (np.unique(table[:, place]).size for place in (0, 1))
+        positions = max(along_x, along_y) <= rows / 2 <= along_x * along_y
+    if positions or rows > _LONGEST_NARROW:
+        return None
+    heights, words = _heights(table, said, said.get("height_unit", said.get("unit")))
+    return Channel(
+        shape=heights.shape,
+        read=lambda: heights,
+        lateral_unit=said.get("lateral_unit"),
+        first_row="top",
+        **words,
+    )
 
 
 def _steps(said: dict[str, Any], points: dict[str, int], path: Path) -> tuple[dict[str, float], str | None]:
@@ -151,7 +364,7 @@ def _steps(said: dict[str, Any], points: dict[str, int], path: Path) -> tuple[di
         for word, share in (("d" + axis, 1), ("step", 1), ("length_" + axis, count)):
             if said.get(word) is not None:
                 steps[axis] = said[word] / share
-                units.append(said.get(word + "_unit", said.get("lateral_unit")))
+                units.append(said.get(word + "_unit", said.get("lateral_unit", said.get("unit"))))
                 break
     lateral_unit = next((unit for unit in units if unit), said.get("lateral_unit"))
     for axis, unit in zip(steps, units, strict=True):
@@ -174,18 +387,15 @@ def _heights(
     }
 
 
-def _units(
-    columns: list[str | None] | None, said: dict[str, Any], path: Path
-) -> tuple[str | None, str | None]:
+def _units(columns: list[str | None], said: dict[str, Any], path: Path) -> tuple[str | None, str | None]:
     """Return lateral and height unit of a list with columns x (y) z."""
-    if columns is None:
-        return said.get("lateral_unit"), said.get("height_unit")
     lateral = [unit for unit in columns[:-1] if unit]
     if len(set(lateral)) > 1:
         raise InputFileError(
             f"{path}: the columns x and y have different units, {lateral[0]!r} and {lateral[1]!r}"
         )
-    return lateral[0] if lateral else said.get("lateral_unit"), columns[-1] or said.get("height_unit")
+    stated = said.get("lateral_unit", said.get("unit")), said.get("height_unit", said.get("unit"))
+    return lateral[0] if lateral else stated[0], columns[-1] or stated[1]
 
 
 READER = Reader(ToldBy.TEXT, recognises, read)

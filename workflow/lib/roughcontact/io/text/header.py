@@ -2,7 +2,13 @@
 
 import re
 from collections.abc import Iterable
+from itertools import islice, pairwise
 from typing import Any
+
+from roughcontact.io.units import is_length
+
+_LONGEST = 4096  # characters of a line; what is longer is no statement on the map
+_MOST = 100_000  # lines
 
 # what a line of the header may say: meaning -> spellings (lower case, without _ and -)
 _HEADER_WORDS = {
@@ -16,6 +22,9 @@ _HEADER_WORDS = {
         "scan width",
         "x range",
         "range x",
+        # as programs that speak the language of the user write it
+        *("breite", "largeur", "larghezza", "anchura", "ancho", "largura", "breedte", "bredd", "šířka"),
+        *("szerokość", "szélesség", "genişlik", "ширина", "幅", "宽度", "너비"),
     ),
     "length_y": (
         "height",
@@ -27,8 +36,19 @@ _HEADER_WORDS = {
         "scan height",
         "y range",
         "range y",
+        *("höhe", "hoehe", "hauteur", "altezza", "altura", "alto", "hoogte", "höjd", "výška"),
+        *("wysokość", "magasság", "yükseklik", "высота", "高さ", "高度", "높이"),
     ),
-    "step": ("pixel size", "pixelsize", "cell size", "cellsize", "spacing", "step", "resolution"),
+    "step": (
+        "pixel size",
+        "pixelsize",
+        "cell size",
+        "cellsize",
+        "spacing",
+        "step",
+        "resolution",
+        "xy calibration",
+    ),
     "dx": (
         "dx",
         "x step",
@@ -51,8 +71,19 @@ _HEADER_WORDS = {
         "y increment",
         "yscale",
     ),
-    "nx": ("w", "nx", "columns", "ncols", "x pixels", "xpixels", "x points", "samples", "points per line"),
-    "ny": ("h", "ny", "rows", "nrows", "y pixels", "ypixels", "y points", "lines"),
+    "nx": (
+        "w",
+        "nx",
+        "columns",
+        "ncols",
+        "x pixels",
+        "xpixels",
+        "x points",
+        "samples",
+        "points per line",
+        "horizontal",
+    ),
+    "ny": ("h", "ny", "rows", "nrows", "y pixels", "ypixels", "y points", "lines", "vertical"),
     "height_unit": (
         *(
             "value units",
@@ -65,11 +96,24 @@ _HEADER_WORDS = {
             "data unit",
         ),
         *("exported image units", "image units", "image data unit", "heights in"),
+        *("werteinheit", "werteinheiten", "werte einheiten", "einheit der werte", "einheiten der werte"),
     ),
     "lateral_unit": ("lateral unit", "lateral units", "xy unit", "xy units", "x unit", "xunit"),
+    "unit": ("unit", "units", "einheit", "einheiten", "unité", "unidad", "unità"),
+    "count": ("number of points", "points", "num points", "numpoints", "data points", "number of samples"),
     "z_factor": ("height conversion factor", "z factor", "zfactor"),
     "missing": ("nodata value", "nodata", "missing value", "no data value"),
-    "channel": ("channel", "channel name"),
+    "channel": (
+        "channel",
+        "channel name",
+        "kanal",
+        "canal",
+        "canale",
+        "kanaal",
+        "kanał",
+        "канал",
+        "チャンネル",
+    ),
     "instrument": ("instrument", "instrument name", "microscope", "device"),
     "serial": ("serial", "serial number", "serial no", "instrument serial number"),
     "lens": ("lens", "objective", "objective lens"),
@@ -80,6 +124,7 @@ _WORDS = (
     "channel",
     "height_unit",
     "lateral_unit",
+    "unit",
     "instrument",
     "serial",
     "lens",
@@ -92,6 +137,9 @@ _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 def parse_header(lines: Iterable[str]) -> dict[str, Any]:
     """Return what the header says.
 
+    Every line is read once from its beginning to its end. Lines of more than 4096 characters, and those after
+    the first 100 000, are passed over.
+
     Parameters
     ----------
     lines : iterable of str
@@ -99,75 +147,100 @@ def parse_header(lines: Iterable[str]) -> dict[str, Any]:
     Returns
     -------
     dict
-        Meaning -> value; meaning with ``_unit`` appended -> unit of that value. The meanings are `length_x`,
-        `length_y`, `step`, `dx`, `dy`, `nx`, `ny`, `z_factor`, `missing` (numbers), `height_unit`,
-        `lateral_unit`, `channel`, `instrument`, `serial`, `lens`, `date` (words). What is said twice counts
-        as it is said first.
+        Meaning -> value; meaning with ``_unit`` appended -> unit of that value; meaning with ``_rounding``
+        appended -> half a unit of the last digit of a length. The meanings are `length_x`, `length_y`,
+        `step`, `dx`, `dy`, `nx`, `ny`, `count`, `z_factor`, `missing` (numbers), `height_unit`,
+        `lateral_unit`, `unit`, `channel`, `instrument`, `serial`, `lens`, `date` (words). What is said twice
+        counts as it is said first.
 
     Examples
     --------
-    >>> parse_header(["# Width: 10,5 µm", "# Value units: nm", "rows=4 columns=5", "colour: red"])
-    {'length_x': 10.5, 'length_x_unit': 'µm', 'height_unit': 'nm', 'ny': 4.0, 'nx': 5.0}
+    >>> said = parse_header(["# Width: 10,5 µm", "# Value units: nm", "rows=4 columns=5", "colour: red"])
+    >>> said["length_x"], said["length_x_unit"], said["length_x_rounding"]
+    (10.5, 'µm', 0.05)
+    >>> said["height_unit"], said["ny"], said["nx"]
+    ('nm', 4.0, 5.0)
+    >>> parse_header(['"XY calibration","692.3","nm/pixel"'])
+    {'step': 692.3, 'step_unit': 'nm'}
     """
     said: dict[str, Any] = {}
-    for line in lines:
-        text = re.sub(r"(\d),(\d)", r"\1.\2", line.strip().lstrip("#%;!\\*/ \t").strip())
-        pairs = re.findall(r"(\w+)\s*=\s*(\S+)", text)
+    for line in islice(lines, _MOST):
+        if len(line) > _LONGEST or not (plain := line.strip().lstrip("#%;!\\*/ \t").strip()):
+            continue
+        text = re.sub(r"(\d),(\d)", r"\1.\2", plain)
+        pairs = _pairs(text)
         if len(pairs) > 1:  # "h=305 w=75"
             for key, value in pairs:
                 _note(said, key, "", value)
-            continue
-        match = re.match(r"([^:=\t]+?)\s*[:=\t]\s*(.*)$", text) or re.match(r"(\w+)\s+(\S+)$", text)
-        if match:
-            key, value = match.groups()
-            unit = re.search(r"[(\[]\s*(?:->)?\s*([^)\]]+?)\s*[)\]]", key)
-            _note(said, re.sub(r"[(\[].*", "", key), unit[1] if unit else "", value)
+        elif (end := min((text.find(sign) for sign in ":=\t" if sign in text), default=-1)) > 0:
+            key, unit = _key_and_unit(text[:end])
+            _note(said, key, unit, text[end + 1 :].strip())
+        elif any(sign in plain for sign in ";,") and (entry := _row(plain)):
+            _note(said, *entry)
+        elif len(words := text.split()) == 2:
+            _note(said, words[0], "", words[1])
     return said
+
+
+def _pairs(text: str) -> list[tuple[str, str]]:
+    """Return the pairs of a line such as ``h=305 w=75``."""
+    parts = text.split("=")
+    pairs = []
+    for before, after in pairwise(parts):
+        keys, values = before.split(), after.split()
+        if keys and values:
+            pairs.append((keys[-1], values[0]))
+    return pairs
+
+
+def _key_and_unit(key: str) -> tuple[str, str]:
+    """Return a key without its brackets, and what these say of the unit."""
+    name, opening, rest = key.replace("[", "(").partition("(")
+    unit = rest.replace("]", ")").partition(")")[0].strip() if opening else ""
+    return name, unit.removeprefix("->").strip()
+
+
+def _row(text: str) -> tuple[str, str, str] | None:
+    """Return key, unit and value of a line of a table, as ``"Width";"640,5";"µm"``; None for other lines."""
+    cells = [cell.strip().strip('"').strip() for cell in text.split(";" if ";" in text else '","')]
+    if len(cells) == 1:
+        cells = [cell.strip().strip('"').strip() for cell in text.split(",")]
+    key, unit = _key_and_unit(cells[0])
+    if len(cells) < 2 or _meaning(key) is None:
+        return None
+    value = re.sub(r"(\d),(\d)", r"\1.\2", cells[1])
+    return key, unit or (cells[2] if len(cells) > 2 else ""), value
+
+
+def _meaning(key: str) -> str | None:
+    """Return what a key means, None where it is none of the known ones."""
+    return _MEANING.get(re.sub(r"[\s_-]+", " ", key).strip().strip('"').lower())
 
 
 def _note(said: dict[str, Any], key: str, unit: str, value: str) -> None:
     """Note in `said` what one entry of the header means, unless it means nothing or was said before."""
-    meaning = _MEANING.get(re.sub(r"[\s_-]+", " ", key).strip().lower())
+    meaning, value = _meaning(key), value.strip().strip('"').strip()
     if meaning is None or meaning in said:
         return
     if meaning in _WORDS:
-        if value.strip():
-            said[meaning] = value.strip()
+        if value and (meaning != "unit" or is_length(value)):
+            said[meaning] = value
         return
-    match = re.match(rf"({_NUMBER})\s*(.*)$", value.strip())
+    match = re.match(rf"({_NUMBER})\s*(.*)$", value)
     if match:
         said[meaning] = float(match[1])
+        if meaning.startswith("length"):
+            said[meaning + "_rounding"] = _rounding(match[1])
         unit = match[2].strip().strip("()[]") or unit
+        unit = re.sub(r"\s*/\s*(pixel|px|point|pt|sample)s?$", "", unit, flags=re.IGNORECASE)
         if unit:
             said[meaning + "_unit"] = unit
 
 
-def column_units(lines: list[str], count: int, delimiter: str | None) -> list[str | None] | None:
-    """Return the unit of each column from a line of column names, as ``x (µm)``, ``X_[mm]`` or ``z/nm``.
-
-    Parameters
-    ----------
-    lines : list of str
-        The header.
-    count : int
-        Number of columns of the table.
-    delimiter : str or None
-        What separates them; None for white space, at which names are not told apart.
-
-    Returns
-    -------
-    list of str or None
-        One entry per column, None for a column without a unit; None where no line names the columns.
-
-    Examples
-    --------
-    >>> column_units(["a trace", "X (µm);z/nm"], 2, ";")
-    ['µm', 'nm']
-    """
-    for line in reversed(lines):
-        names = line.strip().lstrip("#%").strip().split(delimiter)
-        if len(names) != count or delimiter is None:
-            continue
-        units = [re.search(r"[(\[]\s*([^)\]]+?)\s*[)\]]|/\s*(\S+)$", name) for name in names]
-        return [match and (match[1] or match[2]) for match in units]
-    return None
+def _rounding(number: str) -> float:
+    """Return half a unit of the last digit of a number; one without decimals is taken as exact."""
+    mantissa, _, exponent = number.lower().partition("e")
+    if "." not in mantissa:
+        return 0.0
+    decimals = len(mantissa.partition(".")[2])
+    return 0.5 * 10.0 ** max(min(int(exponent or 0) - decimals, 300), -300)

@@ -24,9 +24,18 @@ def looks_like_text(head: bytes) -> bool:
     >>> looks_like_text("Width: 10 µm".encode()), looks_like_text(bytes(range(16)))
     (True, False)
     """
-    if head.startswith(tuple(_BYTE_ORDER_MARKS)):
+    if head.startswith(tuple(_BYTE_ORDER_MARKS)) or _unmarked_utf16(head):
         return True
     return bool(head) and not any((byte < 32 and byte not in b"\t\n\r\f") or byte == 127 for byte in head)
+
+
+def _unmarked_utf16(head: bytes) -> str | None:
+    """Return the code of text in UTF-16 without a byte order mark, as far as it is that of plain English."""
+    for code, high in (("utf-16-le", head[1::2]), ("utf-16-be", head[::2])):
+        if len(head) >= 16 and high.count(0) > 0.9 * len(high):
+            text = head[: len(head) // 2 * 2].decode(code, "replace")
+            return code if all(sign.isprintable() or sign in "\t\n\r\f" for sign in text) else None
+    return None
 
 
 def lines_of(path: Path) -> list[str]:
@@ -58,6 +67,8 @@ def _decode(data: bytes, path: Path) -> str:
                 return data.decode(encoding)
             except UnicodeDecodeError as error:
                 raise InputFileError(f"{path}: damaged {encoding} text ({error})") from error
+    if (code := _unmarked_utf16(data[:4096])) and len(data) % 2 == 0:
+        return data.decode(code, "replace")
     if b"\0" in data:
         raise InputFileError(f"{path}: starts as text but goes on as binary data; this format is not known")
     try:

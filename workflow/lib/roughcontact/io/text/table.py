@@ -1,15 +1,43 @@
 """The table of numbers of a text file: where it starts, how it is separated, what its tokens mean."""
 
+import csv
 import re
+from array import array
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.guards import check_points
+from roughcontact.io.guards import brief, check_points
 
 _MISSING = {"nan", "na", "n/a", "bad", "null", "none", "-", "--", "***", "void", "inf", "+inf", "-inf", ""}
+_MOST_LINES = 100_000  # of a header that are not empty
+_PIECE = 2**20  # characters of a line that are taken apart at once
+_HEAD_OF_LINE = 2**16  # characters by which a line is known as one of numbers
+_WHITE = re.compile(r"\s")
+
+
+class Table(NamedTuple):
+    """The numbers of a text file.
+
+    Attributes
+    ----------
+    values : array (rows, columns)
+        NaN for words that stand for a missing point, and for empty cells. Rows of empty cells below the
+        last number are left out.
+    empty_left, empty_right : int
+        Columns of nothing but empty cells on both sides.
+    empty_corner : bool
+        Whether the first cell of the first row is empty.
+    """
+
+    values: np.ndarray
+    empty_left: int = 0
+    empty_right: int = 0
+    empty_corner: bool = False
 
 
 def split_header(lines: list[str], path: Path) -> tuple[list[str], list[str]]:
@@ -35,11 +63,82 @@ def split_header(lines: list[str], path: Path) -> tuple[list[str], list[str]]:
     >>> split_header(["Width: 2 mm", "1 2", "3 4"], Path("map.txt"))
     (['Width: 2 mm'], ['1 2', '3 4'])
     """
-    start = next((number for number, line in enumerate(lines) if _is_data(line)), None)
-    if start is None:
-        first = next((line.strip() for line in lines if line.strip()), "")
-        raise InputFileError(f"{path}: text without a table of numbers; it starts with {first[:60]!r}")
-    return lines[:start], lines[start:]
+    filled = 0
+    for number, line in enumerate(lines):
+        if not line or line.isspace():
+            continue
+        if _is_data(line):
+            return lines[:number], lines[number:]
+        filled += 1
+        if filled > _MOST_LINES:
+            break
+    first = next((line.strip() for line in lines if line.strip()), "")
+    within = f" in its first {_MOST_LINES} lines" if filled > _MOST_LINES else ""
+    raise InputFileError(f"{path}: text without a table of numbers{within}; it starts with {first[:60]!r}")
+
+
+def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str]]:
+    """Return the whole numbers that stand alone in a line above the table, and the table without them.
+
+    They count the points, as a line ``23`` above 23 rows, or ``256 192`` above a map.
+
+    Parameters
+    ----------
+    body : list of str
+        Lines of the table.
+    delimiter : str or None
+        What separates the columns; None for white space.
+
+    Returns
+    -------
+    counts : list of int
+        One or two; empty where the first line is a row as the others are.
+    body : list of str
+
+    Examples
+    --------
+    >>> counted(["2", "1.5 2.5", "3.5 4.5"], None)
+    ([2], ['1.5 2.5', '3.5 4.5'])
+    """
+    filled = [number for number, line in enumerate(body[:50]) if line.strip()][:2]
+    if len(filled) < 2:
+        return [], body
+    alone, row = (body[number].strip().strip(delimiter or " ") for number in filled)
+    cells = re.split(r"[;,\s]+", alone)
+    if len(alone) > 40 or len(cells) > 2 or not all(cell.isdecimal() for cell in cells):
+        return [], body
+    if len(row[:_HEAD_OF_LINE].split(delimiter)) <= len(cells):
+        return [], body
+    return [int(cell) for cell in cells], body[filled[0] + 1 :]
+
+
+def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
+    """Return header and table without the quotes that spreadsheets put around cells.
+
+    Parameters
+    ----------
+    header, body : list of str
+
+    Returns
+    -------
+    tuple of list of str
+        With semicolons between the cells where there were quotes; else as they are.
+
+    Examples
+    --------
+    >>> unquoted(['"x","z"'], ['"1,5","2,5"'])
+    (['x;z'], ['1,5;2,5'])
+    """
+    first = next((line for line in body if line.strip()), "")
+    if '"' not in first[:_HEAD_OF_LINE]:
+        return header, body
+    delimiter = next((sign for sign in ";\t" if sign in first), ",")
+    try:
+        both = [[*csv.reader([line], delimiter=delimiter)] for line in (*header, *body)]
+    except csv.Error:  # a cell of more than 131 072 characters
+        return header, body
+    lines = [";".join(rows[0]) if rows else "" for rows in both]
+    return lines[: len(header)], lines[len(header) :]
 
 
 def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
@@ -70,10 +169,9 @@ def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
     """
     sample = [line.strip() for line in body[:50] if line.strip()]
     joined = "\n".join(sample)
-    if ";" in joined:
-        return ";", "," in joined
-    if "\t" in joined:
-        return "\t", "," in joined
+    for sign in ";\t":
+        if sign in joined:
+            return sign, any("," in line for line in body)
     if "," not in joined:
         return None, False
     words = [line.split() for line in sample]
@@ -89,7 +187,7 @@ def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
 
 def parse_table(
     body: list[str], delimiter: str | None, decimal_comma: bool, path: Path, *, first: int = 1
-) -> np.ndarray:
+) -> Table:
     """Return the numbers of a table.
 
     Parameters
@@ -107,8 +205,7 @@ def parse_table(
 
     Returns
     -------
-    array (rows, columns)
-        NaN for words that stand for a missing point.
+    Table
 
     Raises
     ------
@@ -117,40 +214,124 @@ def parse_table(
 
     Examples
     --------
-    >>> parse_table(["1,5;BAD", "2,5;3"], ";", True, Path("map.txt"))
-    array([[1.5, nan],
-           [2.5, 3. ]])
+    >>> table = parse_table(["1,5;BAD;;", "2,5;3;;", ";;;"], ";", True, Path("map.txt"))
+    >>> table.values
+    array([[1.5, nan, nan],
+           [2.5, 3. , nan]])
+    >>> table.empty_right
+    1
     """
-    rows = []
+    closed = _closed(body, delimiter)
+    try:
+        return _parse(body, delimiter, decimal_comma, path, first, closed)
+    except _UnequalRowsError:
+        if closed:
+            raise
+        return _parse(body, delimiter, decimal_comma, path, first, closed=True)
+
+
+class _UnequalRowsError(InputFileError):
+    """Rows of different lengths."""
+
+
+def _closed(body: list[str], delimiter: str | None) -> bool:
+    """Return whether a separator at the end of a line closes it, rather than leaving its last cell empty.
+
+    It does where all lines end in one, and where the last one alone does: that one is not whole.
+    """
+    if delimiter is None:
+        return True
+    filled = [line for line in body if line and not line.isspace()]
+    ends = [line.rstrip(" \r\f").endswith(delimiter) for line in filled]
+    return all(ends) or not any(ends[:-1])
+
+
+def _parse(
+    body: list[str], delimiter: str | None, decimal_comma: bool, path: Path, first: int, closed: bool
+) -> Table:
+    """Return the numbers of a table, whose lines may be closed by a separator."""
+    numbers, counts = array("d"), array("q")
+    left = right = None
+    corner, empty_rows = False, 0
     for number, line in enumerate(body, start=first):
         text = line.strip(" \r\f" if delimiter == "\t" else None)
-        if not text.strip() or text.lstrip()[0] in "#%":
+        if not text or text.isspace() or text.lstrip()[0] in "#%":
             continue
         if decimal_comma:
             text = text.replace(",", ".")
-        if delimiter is not None:
-            text = text.rstrip().removesuffix(delimiter)  # a separator at the end of a line closes it
+        if delimiter is not None and closed:
+            text = text.rstrip().removesuffix(delimiter)
+        before = len(numbers)
         try:
-            rows.append([_number(token) for token in text.split(delimiter)])
+            empty = _append(numbers, text, delimiter)
         except ValueError as error:
-            raise InputFileError(f"{path}: line {number} is no row of numbers ({error})") from error
-    counts = Counter(map(len, rows))
-    if len(counts) > 1:
-        width = counts.most_common(1)[0][0]
-        bad = next(index for index, row in enumerate(rows) if len(row) != width)
-        cut = "; the last line is not whole: the file was cut off" if bad == len(rows) - 1 else ""
-        raise InputFileError(
-            f"{path}: row {bad + 1} has {len(rows[bad])} numbers where the others have {width}{cut}"
-        )
-    check_points((len(rows), len(rows[0])), path)
-    return np.array(rows, dtype=float)
+            raise InputFileError(f"{path}: line {number} is no row of numbers ({brief(error)})") from error
+        counts.append(len(numbers) - before)
+        empty_rows = empty_rows + 1 if empty[0] == counts[-1] else 0
+        if not empty_rows:
+            left, right = (
+                empty if left is None or right is None else (min(left, empty[0]), min(right, empty[1]))
+            )
+        corner = corner or (len(counts) == 1 and empty[0] > 0)
+    if empty_rows and empty_rows < len(counts):
+        del numbers[len(numbers) - sum(counts[-empty_rows:]) :], counts[-empty_rows:]
+    widths = Counter(counts)
+    if len(widths) > 1:
+        width = widths.most_common(1)[0][0]
+        bad = next(index for index, count in enumerate(counts) if count != width)
+        cut = "; the last line is not whole: the file was cut off" if bad == len(counts) - 1 else ""
+        what = f"{counts[bad]} number{'s' if counts[bad] > 1 else ''}"
+        raise _UnequalRowsError(f"{path}: row {bad + 1} has {what} where the others have {width}{cut}")
+    shape = len(counts), counts[0]
+    check_points(shape, path)
+    return Table(np.array(numbers).reshape(shape), left or 0, right or 0, corner)
+
+
+def _append(numbers: array, text: str, delimiter: str | None) -> tuple[int, int]:
+    """Append the numbers of a row; return how many cells at its beginning and at its end are empty."""
+    if "_" not in text:  # Python would read 1_000
+        before = len(numbers)
+        try:
+            for tokens in _pieces(text, delimiter):
+                numbers.extend(map(float, tokens))
+        except ValueError:
+            del numbers[before:]
+        else:
+            if "n" not in text and "N" not in text:  # "inf" stands for a missing point
+                return 0, 0
+            del numbers[before:]
+    text = re.sub(r"\bno data\b", "nan", text, flags=re.IGNORECASE)
+    tokens = text.split(delimiter)
+    numbers.extend([_number(token) for token in tokens])
+    filled = [place for place, token in enumerate(tokens) if token.strip()]
+    return (filled[0], len(tokens) - 1 - filled[-1]) if filled else (len(tokens), len(tokens))
+
+
+def _pieces(text: str, delimiter: str | None) -> Iterator[list[str]]:
+    """Yield the cells of a line, of a long one part by part: a list of them takes 30 times its memory."""
+    start = 0
+    while len(text) - start > _PIECE:
+        if delimiter is None:
+            found = _WHITE.search(text, start + _PIECE)
+            end = found.start() if found else -1
+        else:
+            end = text.find(delimiter, start + _PIECE)
+        if end < 0:
+            break
+        yield text[start:end].split(delimiter)
+        start = end + 1
+    yield text[start:].split(delimiter)
 
 
 def _is_data(line: str) -> bool:
     """Return whether a line is a row of numbers."""
+    if re.match(r";[-+.\d]", line) and ";" in line[1:]:  # an empty first cell, no comment
+        line = line[1:]
     if not line.strip() or line.lstrip()[0] in "#%;!\\*/":
         return False
-    tokens = re.split(r"[;\t,\s]+", line.strip().strip(";,"))
+    tokens = re.split(r'[;\t,\s"]+', line[:_HEAD_OF_LINE].strip().strip(';,"'))
+    if len(line) > _HEAD_OF_LINE:
+        tokens.pop()  # it may be half a number
     try:
         values = [_number(token) for token in tokens]
     except ValueError:

@@ -1,0 +1,331 @@
+"""Text as programs and spreadsheets export it: headings, units, counts, empty cells, lines cut off."""
+
+import json
+import time
+
+import numpy as np
+import pytest
+from shared_data import DATA
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.inspection import inspect_file
+from roughcontact.io.read import read_height_map
+
+X = 0.5 * np.arange(12)
+Z = np.array([1.5, -2.25, 3.0, 0.5, 4.0, 5.5, -6.75, 7.0, 0.25, 9.0, 10.5, -1.0])
+MORE = DATA.parent / "more_data"
+
+
+def saved(tmp_path, text, encoding="utf-8"):
+    path = tmp_path / "export.dat"
+    path.write_bytes(text.encode(encoding))
+    return path
+
+
+def trace(separator=";", comma=False, columns=(X, Z)):
+    text = "".join(separator.join(f"{value:g}" for value in row) + "\n" for row in zip(*columns, strict=True))
+    return text.replace(".", ",") if comma else text
+
+
+def assert_trace(height, lateral=1e-3, vertical=1e-6):
+    assert height.shape == (1, 12)
+    np.testing.assert_allclose(height.values[0], Z * vertical, rtol=1e-14)
+    np.testing.assert_allclose(height.x, X * lateral, rtol=1e-12)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "latin-1"])
+def test_headings_of_a_spreadsheet_in_german(tmp_path, encoding):
+    text = "Messweg [mm];Höhe [µm]\n" + trace(comma=True) + ";\n;\n"
+    assert_trace(read_height_map(saved(tmp_path, text.replace("\n", "\r\n"), encoding)))
+
+
+@pytest.mark.parametrize(
+    "heading",
+    [
+        "x (mm);z (µm)",
+        "X_[mm];Z_[um]",
+        "x/mm;z/µm",
+        "x in mm;y in µm",
+        "Lateral mm;Raw Micrometer",
+        "mm lateral;µm height",
+        "mm;um",
+        "Distance;Height\nmm;um",
+        "Distance;Height\nmm;um\nA;B",
+        '"x (mm)";"z (µm)"',
+    ],
+)
+def test_units_of_headings_in_both_orders(tmp_path, heading):
+    assert_trace(read_height_map(saved(tmp_path, f"made on Monday\n{heading}\n" + trace())))
+
+
+@pytest.mark.parametrize(
+    "heading", ["x (mm) z (µm)", "x in mm  z in µm", "mm µm", "# x [mm]\tz [µm]", "x z\nmm um"]
+)
+def test_units_of_headings_between_blanks(tmp_path, heading):
+    assert_trace(read_height_map(saved(tmp_path, f"{heading}\n" + trace("   "))))
+
+
+def test_columns_by_their_names(tmp_path):
+    number = np.arange(12)
+    for heading, columns in (
+        ("index,x in mm,y in µm", (number, X, Z)),
+        ("Nr.,Weg (mm),Höhe (µm)", (number + 1, X, Z)),
+        (",x (mm),z (µm)", (number, X, Z)),
+        ("z (µm),x (mm)", (Z, X)),
+    ):
+        assert_trace(read_height_map(saved(tmp_path, heading + "\n" + trace(",", columns=columns))))
+    x, y = number % 4, number // 4
+    for heading, columns in (
+        ("z (µm);y (mm);x (mm)", (Z, y, x)),
+        ("x (mm);y (mm);z (µm);quality", (x, y, Z, 0 * Z)),
+        ("no;x (mm);y (mm);z (µm)", (number, x, y, Z)),
+    ):
+        height = read_height_map(saved(tmp_path, heading + "\n" + trace(columns=columns)))
+        np.testing.assert_allclose(height.values, Z.reshape(3, 4) * 1e-6, rtol=1e-14)
+        np.testing.assert_allclose(height.x, 1e-3 * np.arange(4), atol=1e-15)
+        np.testing.assert_allclose(height.y, 1e-3 * np.arange(3), atol=1e-15)
+
+
+def test_quoted_cells_with_decimal_commas(tmp_path):
+    rows = "".join(f'"{x:g}","{z:g}"\n'.replace(".", ",") for x, z in zip(X, Z, strict=True))
+    assert_trace(read_height_map(saved(tmp_path, '"x","z"\n"mm","um"\n' + rows)))
+
+
+def test_empty_cells_around_a_table(tmp_path):
+    text = trace().replace("\n", ";" * 300 + "\n") + (";" * 302 + "\n") * 2000
+    assert_trace(read_height_map(saved(tmp_path, text), unit="mm", height_unit="um"))
+    # an empty cell within the table is a missing point, also the last one of a row
+    height = read_height_map(saved(tmp_path, "1;2;3;4\n5;6;7;\n;8;9;1\n"), dx=1, dy=1, unit="um")
+    np.testing.assert_array_equal(
+        np.isnan(height.values), np.array([[0, 0, 0, 0], [0, 0, 0, 1], [1, 0, 0, 0]], dtype=bool)
+    )
+    # but where the last line alone ends so, it is not whole
+    with pytest.raises(InputFileError, match="the last line is not whole"):
+        read_height_map(saved(tmp_path, "1;2;3;4\n5;6;7;8\n9;8;7;"), dx=1, dy=1, unit="um")
+
+
+def test_axes_beside_a_matrix(tmp_path):
+    text = ";0;2;4;6\n0;1,5;2;3;4\n3;5;6;7;8\n6;9;1;2;3\n"
+    height = read_height_map(saved(tmp_path, text), unit="um")
+    np.testing.assert_allclose(height.values[0] * 1e6, [1.5, 2, 3, 4], rtol=1e-12)
+    assert (float(height.x[1] - height.x[0]), float(height.y[1] - height.y[0])) == pytest.approx((2e-6, 3e-6))
+
+
+@pytest.mark.parametrize(
+    ("width", "height_word"),
+    [
+        ("Width", "Height"),
+        ("Breite", "Höhe"),
+        ("Largeur", "Hauteur"),
+        ("Larghezza", "Altezza"),
+        ("Ширина", "Высота"),
+    ],
+)
+@pytest.mark.parametrize("columns", [2, 3])
+def test_a_header_with_the_size_wins_over_the_number_of_columns(tmp_path, width, height_word, columns):
+    heights = np.random.default_rng(columns).normal(size=(12, columns))
+    rows = "\n".join(" ".join(f"{value:.9f}" for value in row) for row in heights).replace(".", ",")
+    header = f"# {width}: 30,0 µm\n# {height_word}: 60,0 µm\n# Value units: nm\n"
+    height = read_height_map(saved(tmp_path, header + rows))
+    np.testing.assert_allclose(height.values, heights * 1e-9, atol=1e-18)
+    assert float(height.x[1] - height.x[0]) == pytest.approx(30e-6 / columns)
+    assert float(height.y[1] - height.y[0]) == pytest.approx(5e-6)
+    assert height.attrs["first_row"] == "top"
+
+
+def test_a_list_of_points_below_a_header_with_the_size_stays_one(tmp_path):
+    rows = "".join(f"{i} {j} {i * j}\n" for j in range(3) for i in range(4))
+    height = read_height_map(saved(tmp_path, "# Width: 4 µm\n# Height: 3 µm\n" + rows), unit="um")
+    assert height.shape == (3, 4)
+    assert float(height.max()) == pytest.approx(6e-6)
+
+
+def test_three_columns_are_a_map_where_both_steps_are_given(tmp_path):
+    for rows in (
+        ["1,5\t2,5\t3,5"] * 4,
+        ["1,5\t2,5\t3,5", "4,5\t5,5\t6,5", "1,25\t7,5\t9,5", "0,5\t2,5\t3,5"],
+    ):
+        path = saved(tmp_path, "\n".join(rows) + "\n")
+        height = read_height_map(path, dx=2, dy=3, unit="um", height_unit="nm")
+        expected = np.array([[float(cell.replace(",", ".")) for cell in row.split("\t")] for row in rows])
+        np.testing.assert_allclose(height.values, 1e-9 * expected, rtol=1e-14)
+        assert (float(height.x[1] - height.x[0]), float(height.y[1] - height.y[0])) == pytest.approx(
+            (2e-6, 3e-6)
+        )
+        assert height.attrs["first_row"] == "top"
+        assert "read as a map of 4 rows of 3, because dx and dy are given" in height.attrs["ingest_warnings"]
+        with pytest.raises(InputFileError, match=r"map of 3 columns.*give dx, dy and unit"):
+            read_height_map(path, unit="um")
+
+
+def test_steps_do_not_make_a_map_of_points_or_of_a_profile(tmp_path):
+    given = {"dx": 1, "dy": 1, "unit": "um"}
+    uneven = "".join(f"{a} {b} {a * b + 1}\n" for b in range(4) for a in (0.0, 1.0, 2.3, 3.0, 4.0))
+    with pytest.raises(InputFileError, match="resample = linear"):
+        read_height_map(saved(tmp_path, uneven), **given)
+    profile = "".join(f"{a} {a * a}\n" for a in (0.0, 1.0, 2.3, 3.0, 4.0))
+    with pytest.raises(InputFileError, match="resample = linear"):
+        read_height_map(saved(tmp_path, profile), **given)
+
+
+def test_an_index_without_a_name_is_doubted(tmp_path):
+    text = trace("\t", columns=(np.arange(12), X, Z))
+    with pytest.raises(InputFileError, match="the first column counts the rows: delete it if it is no x"):
+        read_height_map(saved(tmp_path, text), unit="um")
+
+
+def test_one_height_in_each_line_is_a_profile(tmp_path):
+    path = saved(tmp_path, "".join(f"{z:g}\n" for z in Z))
+    found = inspect_file(path)
+    assert "a profile of 12 points that does not say its size; give dx, unit" in found["problem"]
+    assert (found["channels"][0]["ny"], found["channels"][0]["nx"]) == (1, 12)
+    height = read_height_map(path, dx=0.5, unit="mm", height_unit="um")
+    np.testing.assert_allclose(height.values, Z[None, :] * 1e-6, rtol=1e-14)
+    assert read_height_map(path, dx=0.5, dy=1, unit="mm").shape == (12, 1)
+
+
+def test_a_count_above_the_table(tmp_path):
+    assert_trace(read_height_map(saved(tmp_path, "mm µm\n12\n" + trace(" "))))
+    with pytest.raises(
+        InputFileError, match="the file says 13 points, the table has 12 rows; it was cut off"
+    ):
+        read_height_map(saved(tmp_path, "mm µm\n13\n" + trace(" ")))
+    matrix = "4 3\n" + "1 2 3 5\n" * 3
+    assert read_height_map(saved(tmp_path, matrix), dx=1, dy=1, unit="um").shape == (3, 4)
+    with pytest.raises(
+        InputFileError, match="says 4 and 3, the table has 2 rows of 4 numbers; it was cut off"
+    ):
+        read_height_map(saved(tmp_path, matrix[:-8]), dx=1, dy=1, unit="um")
+
+
+def test_a_declared_number_of_points_is_compared(tmp_path):
+    rows = "".join(f"{i} {j} {i * j}\n" for j in range(3) for i in range(4))
+    header = "nx: 4\nny: 3\n"
+    assert read_height_map(saved(tmp_path, header + rows), unit="um").shape == (3, 4)
+    with pytest.raises(
+        InputFileError, match="the header says 3 rows, the points make 2; the list was cut off"
+    ):
+        read_height_map(saved(tmp_path, header + rows[: rows.index("0 2")]), unit="um")
+    assert read_height_map(saved(tmp_path, "samples: 12\n" + trace()), unit="um").shape == (1, 12)
+    with pytest.raises(InputFileError, match="the header says 13 columns, the points make 12"):
+        read_height_map(saved(tmp_path, "samples: 13\n" + trace()), unit="um")
+
+
+def matrix(rows, columns, width, height):
+    heights = np.random.default_rng(rows).normal(size=(rows, columns))
+    text = "\n".join("\t".join(f"{value:.4f}" for value in row) for row in heights)
+    return f"# Width: {width} µm\n# Height: {height} µm\n# Value units: nm\n{text}\n"
+
+
+@pytest.mark.parametrize(
+    ("rows", "columns", "width", "height"),
+    [
+        (159, 160, "10.00", "10.00"),
+        (159, 160, "10", "10"),
+        (255, 256, "10.00", "10.00"),
+        (79, 160, "10.00", "10.00"),  # every second line
+        (119, 60, "5.00", "10.00"),
+        (12, 20, "20", "20"),
+        (100, 160, "10.00", "10.00"),
+    ],
+)
+def test_a_matrix_of_lost_lines_is_refused(tmp_path, rows, columns, width, height):
+    with pytest.raises(InputFileError, match=r"seems to be cut off\. If it is whole, give dx, dy and unit"):
+        read_height_map(saved(tmp_path, matrix(rows, columns, width, height)))
+
+
+@pytest.mark.parametrize(
+    ("rows", "columns", "width", "height"),
+    [
+        (160, 160, "10.00", "10.00"),
+        (3, 4, "10", "10"),  # pixels of 2.5 µm × 3.3 µm
+        (20, 30, "10", "10"),
+        (30, 40, "10", "10"),
+        (30, 20, "10", "10"),
+        (30, 20, "10", "17.3"),
+        (80, 160, "10.00", "10.00"),
+        (300, 100, "9.9", "29.9"),  # sizes from the first point to the last one
+        (305, 75, "10.0", "40.7"),  # rounded sizes
+    ],
+)
+def test_pixels_of_any_shape_are_read(tmp_path, rows, columns, width, height):
+    found = read_height_map(saved(tmp_path, matrix(rows, columns, width, height)))
+    assert found.shape == (rows, columns)
+    assert float(found.y[1] - found.y[0]) == pytest.approx(1e-6 * float(height) / rows)
+
+
+def test_positions_rounded_to_their_last_digit_are_even(tmp_path):
+    x = np.round(0.15625 * np.arange(400), 1)
+    z = np.sin(x)
+    rows = "".join(f"{a:.1f},{b:.5f},,\n" for a, b in zip(x, z, strict=True))
+    height = read_height_map(saved(tmp_path, "Lateral um,Raw Micrometer,\n" + rows))
+    assert float(height.x[1] - height.x[0]) == pytest.approx(0.15625e-6, rel=1e-4)
+    assert any("even up to the rounding" in note for note in json.loads(height.attrs["ingest_warnings"]))
+    gaps = np.delete(np.arange(400), np.random.default_rng(2).integers(1, 399, 60))
+    rows = "".join(f"{a} {a % 7}\n" for a in gaps)
+    with pytest.raises(InputFileError, match="not evenly spaced"):
+        read_height_map(saved(tmp_path, rows), unit="um")
+
+
+def test_an_export_of_a_laser_microscope(tmp_path):
+    header = (
+        '"Model","VK-X1000"\n"Output image data","Height"\n"XY calibration","692.3","nm/pixel"\n'
+        '"Horizontal","4"\n"Vertical","3"\n"Unit","um"\n"Height"\n'
+    )
+    height = read_height_map(saved(tmp_path, header + '"1.5","2.5","3.5","4.75"\n' * 3))
+    np.testing.assert_allclose(height.values[1], [1.5e-6, 2.5e-6, 3.5e-6, 4.75e-6], rtol=1e-14)
+    assert float(height.x[1] - height.x[0]) == pytest.approx(692.3e-9)
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        b"width(->" + b" " * 100_000 + b"x: 3\n",
+        b"a" * 300_000 + b"\n",
+        b"a" + b" " * 300_000 + b"b\n",
+        b"a=" * 150_000 + b"\n",
+        b"[" * 300_000 + b"\n",
+        b"a,b\n" * 50_000,
+        b"\n" * 5_000_000,
+    ],
+)
+def test_headers_are_read_in_linear_time(tmp_path, head):
+    path = tmp_path / "map.txt"
+    path.write_bytes(head + b"1 2 3 4\n" * 5)
+    start = time.process_time()
+    height = read_height_map(path, dx=1, dy=1, unit="um")
+    assert time.process_time() - start < 5
+    assert height.shape == (5, 4)
+
+
+def test_text_without_an_end_of_its_header(tmp_path):
+    with pytest.raises(InputFileError, match="without a table of numbers in its first 100000 lines"):
+        read_height_map(saved(tmp_path, "so it goes\n" * 100_002 + "1 2 3\n"))
+
+
+@pytest.mark.shared_data
+@pytest.mark.parametrize(
+    ("name", "shape", "step"),
+    [
+        ("dektak-1.csv", (1, 9600), 1.5e-3 / 9600),
+        ("gwyddion-export-english.txt", (4, 3), 12.34e-6 / 3),
+        ("gwyddion-export-german.txt", (4, 3), 12.34e-6 / 3),
+        ("csv-2.csv", (1, 8), 1e-6 / 12),
+        ("csv-3.csv", (1, 8), 1e-6 / 12),
+        ("matrix-6.txt", (3, 4), 2.5e-6),
+    ],
+)
+def test_real_exports(name, shape, step):
+    height = read_height_map(MORE / name)
+    assert height.shape == shape
+    assert float(height.x[1] - height.x[0]) == pytest.approx(step, rel=1e-4)
+    if name == "dektak-1.csv":  # as SurfaceTopography reads it
+        assert 1e6 * float(height.std()) == pytest.approx(4.764, abs=5e-4)
+
+
+@pytest.mark.shared_data
+def test_a_real_export_of_uneven_positions():
+    with pytest.raises(InputFileError, match=r"not evenly spaced.*resample = linear"):
+        read_height_map(MORE / "xy-2.txt")
+    height = read_height_map(MORE / "xy-2.txt", resample="linear")
+    assert 1e-5 < float(height.x[0]) < float(height.x[-1]) < 4.3e-5
