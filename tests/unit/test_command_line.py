@@ -131,6 +131,18 @@ def test_solve_prints_a_table(capsys):
     assert "verdict" in out
 
 
+def test_numbers_may_carry_their_unit(capsys, small):
+    bodies = ["--body", "210GPa", "0.3", "2 GPa", "--body", "4 kN/mm2", "0.4"]
+    code, out, err = said(
+        capsys, "solve", small, *bodies, *NO_BUDGET, "--mean-pressure", "1MPa", "5 bar", "--json"
+    )
+    assert (code, err) == (0, "")
+    contact = json.loads(out)["settings"]["contact"]
+    assert contact["contact_modulus"] == pytest.approx(1 / (0.91 / 2.1e11 + 0.84 / 4e9), rel=1e-12)
+    assert contact["hardness"] == 2e9
+    assert contact["mean_pressure"] == [1e6, 5e5]
+
+
 def test_solve_says_how_far_the_numbers_may_be_off(capsys, small):
     options = ["solve", small, "--contact-modulus", "1e9", "--relative-pressure", "0.05", "--threads", "1"]
     code, out, _ = said(capsys, *options, "--json")
@@ -199,20 +211,36 @@ def test_a_profile_is_solved(capsys):
                 "--contact-modulus",
                 "1e9",
                 "--mean-pressure",
-                "1",
+                "1e6",
                 "--relative-pressure",
                 "1",
             ],
             "argument --relative-pressure: not allowed with argument --mean-pressure",
         ),
         (
-            ["solve", PERIODIC, "--contact-modulus", "1e9", "--level-s-filter", "2", "--level-l-filter", "1"],
-            "--level-s-filter = 2 m is not below --level-l-filter = 1 m",
+            [
+                *("solve", PERIODIC, "--contact-modulus", "1e9"),
+                *("--level-s-filter", "2mm", "--level-l-filter", "1 mm"),
+            ],
+            "--level-s-filter = 0.002 m is not below --level-l-filter = 0.001 m",
         ),
         (
             ["solve", PERIODIC, "--contact-modulus", "1e9", "--mean-pressure", "3e6", "--hardness", "2e6"],
             "--mean-pressure 3e+06 Pa is not below the hardness",
         ),
+        (
+            ["solve", PERIODIC, "--contact-modulus", "115"],
+            "--contact-modulus = '115': 115 Pa is softer than any gel (1.00 kPa); did you mean 115 GPa",
+        ),
+        (
+            ["solve", PERIODIC, "--contact-modulus", "115GPa", "--mean-pressure", "5MPa", "1"],
+            "--mean-pressure[1] = '1': 1.00 Pa is next to no load on a contact modulus of 115 GPa; did you",
+        ),
+        (
+            ["solve", PERIODIC, *("--body", "210", "0.3") * 2],
+            "--body[0].youngs_modulus = '210': 210 Pa is softer than any gel",
+        ),
+        (["solve", PERIODIC, *("--body", "210GPa") * 2], "--body 210GPa: has 1 values; give Young's modulus"),
         (["inspect", GROUND, "--dx", "one"], "argument --dx: invalid float value: 'one'"),
     ],
 )

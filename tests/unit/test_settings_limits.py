@@ -12,8 +12,9 @@ from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import SettingsError
 
 SMALLEST = math.ulp(0.0)
+SMALLEST_PRESSURE = f"{SMALLEST} Pa"  # with its unit: meant as it stands
 ABOVE_ONE, BELOW_ONE = math.nextafter(1, 2), math.nextafter(1, 0)
-STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
+STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "hardness": None}
 # what else may be said of a body, where it is said of both
 MORE = {"thermal_conductivity": 50.0, "electrical_resistivity": 2e-7}
 ENDLESS = [math.inf, -math.inf, math.nan]
@@ -34,19 +35,23 @@ LIMITS = {
     "window.min_share": ([0, 1], [-SMALLEST, ABOVE_ONE]),
     "window.shortest_wavelength": ([SMALLEST, None], [0, -1]),
     "window.longest_wavelength": ([SMALLEST, None], [0, -1]),
-    "contact.contact_modulus": ([SMALLEST], [0, -1]),
+    "contact.contact_modulus": ([SMALLEST_PRESSURE], [0, -1]),
     "contact.bodies": ([[STEEL | MORE] * 2], [[], [STEEL], [STEEL] * 3]),
-    "contact.bodies.youngs_modulus": ([SMALLEST], [0, -1]),
+    "contact.bodies.youngs_modulus": ([SMALLEST_PRESSURE], [0, -1]),
     "contact.bodies.poissons_ratio": ([math.nextafter(-1, 0), 0.5], [-1, math.nextafter(0.5, 1)]),
+    "contact.bodies.hardness": ([SMALLEST_PRESSURE, None], [0, -1]),
     "contact.bodies.thermal_conductivity": ([SMALLEST], [0, -1]),
     "contact.bodies.electrical_resistivity": ([SMALLEST], [0, -1]),
-    "contact.mean_pressure": ([SMALLEST, [SMALLEST], [1, 2, 3], None], [0, [], [0], [1, -1]]),
+    "contact.mean_pressure": (
+        [SMALLEST_PRESSURE, [SMALLEST_PRESSURE], [1e5, 2e5, 3e5], None],
+        [0, [], [0], [1e6, -1]],
+    ),
     "contact.relative_pressure": ([SMALLEST, [SMALLEST], [1, 2, 3], None], [0, [], [0], [1, -1]]),
     "contact.tolerance": (
         [SMALLEST_TOLERANCE, BELOW_ONE],
         [math.nextafter(SMALLEST_TOLERANCE, 0), 1],
     ),
-    "contact.hardness": ([SMALLEST, None], [0, -1]),
+    "contact.hardness": ([SMALLEST_PRESSURE, None], [0, -1]),
     "statistics.pressure_bins": ([1], [0]),
     "statistics.gap_bins": ([1], [0]),
     "uncertainty.windows": ([4], [3]),
@@ -73,10 +78,17 @@ def configured(key, value):
         return {"contact": {"bodies": value}}
     if key.startswith("contact.bodies."):
         return {"contact": {"bodies": [STEEL | MORE, STEEL | MORE | {key.rpartition(".")[2]: value}]}}
-    config = {"contact": {"contact_modulus": 1}}
+    config = {"contact": {"contact_modulus": 1e9}}
     *section, name = key.split(".")
     (config.setdefault(section[0], {}) if section else config)[name] = value
     return config
+
+
+def in_pascals(value):
+    """Return a value, or each of a list, without the unit Pa."""
+    if isinstance(value, list):
+        return [in_pascals(each) for each in value]
+    return float(value.removesuffix(" Pa")) if isinstance(value, str) and value.endswith(" Pa") else value
 
 
 def said(config):
@@ -115,8 +127,8 @@ def test_what_is_within_the_limits_is_kept(key):
         found = resolve(configured(key, value))[""]
         for part in key.split("."):
             found = found[-1][part] if isinstance(found, list) else found[part]
-        loads = key.endswith("_pressure") and isinstance(value, float)
-        assert found == ([value] if loads else value)
+        loads = key.endswith("_pressure") and isinstance(value, float | str)
+        assert found == in_pascals([value] if loads else value)
 
 
 @pytest.mark.parametrize("key", LIMITS)
@@ -137,7 +149,7 @@ def test_infinities_and_nan_are_no_numbers(key, value):
 @pytest.mark.parametrize("value", ENDLESS, ids=str)
 @pytest.mark.parametrize("key", ["contact.mean_pressure", "contact.relative_pressure", "composite.rotations"])
 def test_infinities_and_nan_are_no_numbers_in_lists_either(key, value):
-    line, _ = said(configured(key, [1.0, value]))
+    line, _ = said(configured(key, [1e6 if key == "contact.mean_pressure" else 1.0, value]))
     assert line.startswith(f"{key}[1] = {value!r}: must be a finite number")
 
 
@@ -224,14 +236,14 @@ def test_every_rule_has_its_sentence(key, value, line):
             ),
         ),
         (
-            {"contact_modulus": 1, "bodies": [STEEL, STEEL]},
+            {"contact_modulus": 1e9, "bodies": [STEEL, STEEL]},
             (
                 "contact: contact_modulus and bodies given; give either contact_modulus (E* in Pa) or bodies "
                 "(two of youngs_modulus in Pa and poissons_ratio)"
             ),
         ),
         (
-            {"contact_modulus": 1, "mean_pressure": 1, "relative_pressure": 1},
+            {"contact_modulus": 1e9, "mean_pressure": 1e6, "relative_pressure": 1},
             "contact: mean_pressure (Pa) and relative_pressure (no unit) given; give one of them or neither",
         ),
     ],

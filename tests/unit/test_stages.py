@@ -6,7 +6,9 @@ from roughcontact.configuration.stages import SECTIONS, owner, settings_of
 
 def owners(overrides, **contact):
     """Return, for each stage, whose it is in a case with these overrides next to a case without any."""
-    cases = resolve({"contact": {"contact_modulus": 1, **contact}, "cases": {"base": {}, "other": overrides}})
+    cases = resolve(
+        {"contact": {"contact_modulus": 1e9, **contact}, "cases": {"base": {}, "other": overrides}}
+    )
     return [owner(cases, "other", stage) for stage in SECTIONS]
 
 
@@ -20,7 +22,9 @@ def test_a_case_owns_what_it_changes_and_all_that_follows():
 
 
 def test_a_value_that_is_written_out_is_the_default():
-    assert owners({"level": {"form": "plane"}, "contact": {"contact_modulus": "1.0"}}) == ["base"] * 6
+    assert (
+        owners({"level": {"form": "plane"}, "contact": {"contact_modulus": "1000000000.0"}}) == ["base"] * 6
+    )
 
 
 def test_without_fields_contact_and_statistics_are_one():
@@ -29,7 +33,7 @@ def test_without_fields_contact_and_statistics_are_one():
 
 
 def test_settings_of_a_stage_leave_out_what_comes_later():
-    (settings,) = resolve({"contact": {"contact_modulus": 1}}).values()
+    (settings,) = resolve({"contact": {"contact_modulus": 1e9}}).values()
     assert settings_of(settings, "height") == {}
     assert list(settings_of(settings, "window")) == ["level", "window"]
 
@@ -41,6 +45,6 @@ def test_whether_fields_are_kept_is_nothing_to_the_error_budget():
 
 def test_the_first_case_that_agrees_computes():
     sections = {"one": {}, "two": {"level": {"form": "mean"}}, "three": {"level": {"form": "mean"}}}
-    cases = resolve({"contact": {"contact_modulus": 1}, "cases": sections})
+    cases = resolve({"contact": {"contact_modulus": 1e9}, "cases": sections})
     assert [owner(cases, case, "levelled") for case in cases] == ["one", "two", "two"]
     assert [owner(cases, case, "height") for case in cases] == ["one", "one", "one"]

@@ -92,11 +92,11 @@ def number(value: float, *, digits: int = 3) -> str:
         return "∞" if value > 0 else "−∞"
     if value == 0:
         return "0"
-    power = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
+    mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
+    power = int(exponent)
     if -3 <= power < 6:
         return f"{value:.{max(digits - 1 - power, 0)}f}".replace("-", "−")
-    mantissa = f"{value / 10.0**power:.{digits - 1}f}".replace("-", "−")
-    return f"{mantissa}×10{str(power).translate(_SUPERSCRIPT)}"
+    return f"{mantissa.replace('-', '−')}×10{str(power).translate(_SUPERSCRIPT)}"
 
 
 def plus_minus(value: float, half_width: float) -> str:

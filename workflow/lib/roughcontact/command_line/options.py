@@ -65,10 +65,11 @@ def add_settings(parser: ArgumentParser) -> None:
         )
     elasticity.add_argument(
         "--body",
-        nargs=2,
+        nargs="+",
         action="append",
-        metavar=("E", "NU"),
-        help="Young's modulus (Pa) and Poisson's ratio of one body; give it twice",
+        metavar=("E NU", "H"),
+        help="Young's modulus (Pa), Poisson's ratio and, where it is known, hardness (Pa) of one body; give "
+        "it twice; units may be written: 210GPa 0.3 2GPa",
     )
     parser.add_argument(
         "--threads",
@@ -111,14 +112,21 @@ def chosen_settings(options: Namespace) -> dict:
         if value is not None:
             config[section][key] = None if value == "null" else value
     if config["contact"].get("contact_modulus") is None and not options.body:
-        raise SettingsError("no elasticity given; give --contact-modulus (E* in Pa), or --body E NU twice")
+        raise SettingsError(
+            "no elasticity given; give --contact-modulus (E* in Pa, or as 115GPa), or --body E NU twice"
+        )
     if options.body:
         if len(options.body) != 2:
             raise SettingsError(
                 f"--body is given {len(options.body)} times; give it twice, one for each body"
             )
-        names = ("youngs_modulus", "poissons_ratio")
-        config["contact"]["bodies"] = [dict(zip(names, body, strict=True)) for body in options.body]
+        if wrong := [body for body in options.body if len(body) not in (2, 3)]:
+            raise SettingsError(
+                f"--body {' '.join(wrong[0])}: has {len(wrong[0])} values; give Young's modulus, Poisson's "
+                "ratio and, where it is known, hardness"
+            )
+        names = ("youngs_modulus", "poissons_ratio", "hardness")
+        config["contact"]["bodies"] = [dict(zip(names, body, strict=False)) for body in options.body]
     return resolve(config)[""]
 
 

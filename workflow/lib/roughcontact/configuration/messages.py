@@ -105,12 +105,48 @@ def mistake(case: str, overrides: Mapping[str, Any], detail: ErrorDetails) -> Se
     >>> str(mistake("", {}, detail)).split(" (")[0]
     'level.s_filter = -1: must be greater than 0'
     """
-    location = detail["loc"]
+    return _named(case, overrides, detail["loc"], _reason(detail))
+
+
+def questioned(
+    case: str, overrides: Mapping[str, Any], location: Sequence[str | int], value: Any, question: str
+) -> SettingsError:
+    """Return a value that is hardly meant as a mistake, in a sentence.
+
+    Parameters
+    ----------
+    case : str
+        name of the case; empty where there are none.
+    overrides : mapping
+        the settings of the case that differ from those above.
+    location : sequence of str and int
+        of the setting, from the top down.
+    value : object
+        as it was written.
+    question : str
+        what may have been meant.
+
+    Returns
+    -------
+    SettingsError
+
+    Examples
+    --------
+    >>> str(questioned("", {}, ("contact", "mean_pressure", 0), 1, "did you mean 1 MPa?"))
+    'contact.mean_pressure[0] = 1: did you mean 1 MPa?'
+    """
+    return _named(case, overrides, location, f" = {value!r}: {question}")
+
+
+def _named(
+    case: str, overrides: Mapping[str, Any], location: Sequence[str | int], text: str
+) -> SettingsError:
+    """Return a mistake under the name of its setting, where it stands."""
     setting = _dotted([part for part in location if not isinstance(part, int)][:2])
     key = _dotted(location)
     if case and location[0] in overrides and _given(overrides, location):
         key = f"cases.{case}.{key}"
-    return SettingsError(f"{key}{_reason(detail)}", keys=[setting])
+    return SettingsError(f"{key}{text}", keys=[setting])
 
 
 def _reason(detail: ErrorDetails) -> str:

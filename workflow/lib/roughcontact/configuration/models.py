@@ -5,6 +5,7 @@ is one word for one thing. `resolve` checks a configuration against these models
 not fit, `generated` writes the default configuration and the JSON schema.
 """
 
+from functools import partial
 from types import NoneType
 from typing import Annotated, Any, Literal, get_args
 
@@ -25,12 +26,20 @@ from roughcontact.choices import (
     WindowMethod,
     ZeroFrequency,
 )
+from roughcontact.units import carries_unit, in_base_unit
 
 
 def _not_boolean(value: Any) -> Any:
     """Refuse true and false where a number is meant: Python takes them for 1 and 0."""
     if isinstance(value, bool):
         raise ValueError("must be a number")
+    return value
+
+
+def _without_unit(value: Any) -> Any:
+    """Refuse a pressure where a load relative to the modulus is meant."""
+    if carries_unit(value):
+        raise ValueError("has no unit; a load with one is mean_pressure")
     return value
 
 
@@ -42,18 +51,33 @@ def _as_list(value: Any) -> Any:
 Number = Annotated[float, BeforeValidator(_not_boolean)]
 Count = Annotated[int, BeforeValidator(_not_boolean)]
 Positive = Annotated[Number, Field(gt=0)]
-Loads = Annotated[
-    list[Positive],
+# what has a dimension: a bare number in SI units, or a number with its unit
+_POSITIVE = {"type": "number", "exclusiveMinimum": 0}
+_WITH_UNIT = {"anyOf": [_POSITIVE, {"type": "string"}]}
+Length = Annotated[Positive, BeforeValidator(partial(in_base_unit, base="m")), WithJsonSchema(_WITH_UNIT)]
+Pressure = Annotated[Positive, BeforeValidator(partial(in_base_unit, base="Pa")), WithJsonSchema(_WITH_UNIT)]
+Conductivity = Annotated[
+    Positive, BeforeValidator(partial(in_base_unit, base="W m-1 K-1")), WithJsonSchema(_WITH_UNIT)
+]
+Resistivity = Annotated[
+    Positive, BeforeValidator(partial(in_base_unit, base="Ohm m")), WithJsonSchema(_WITH_UNIT)
+]
+Angle = Annotated[
+    Number,
+    BeforeValidator(partial(in_base_unit, base="degree")),
+    WithJsonSchema({"type": ["number", "string"]}),
+]
+RelativeLoads = Annotated[
+    list[Annotated[Positive, BeforeValidator(_without_unit)]],
     Field(min_length=1),
     BeforeValidator(_as_list),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"type": "number", "exclusiveMinimum": 0},
-                {"type": "array", "minItems": 1, "items": {"type": "number", "exclusiveMinimum": 0}},
-            ]
-        }
-    ),
+    WithJsonSchema({"anyOf": [_POSITIVE, {"type": "array", "minItems": 1, "items": _POSITIVE}]}),
+]
+Loads = Annotated[
+    list[Pressure],
+    Field(min_length=1),
+    BeforeValidator(_as_list),
+    WithJsonSchema({"anyOf": [*_WITH_UNIT["anyOf"], {"type": "array", "minItems": 1, "items": _WITH_UNIT}]}),
 ]
 
 
@@ -91,17 +115,17 @@ class Level(Section):
         "grooves along x look the same; null keeps every point",
         examples=[4.0],
     )
-    s_filter: Positive | None = Field(
+    s_filter: Length | None = Field(
         default=None,
         description="nesting index of the S-filter (areal Gaussian, ISO 16610-61), m: shorter waves are "
         "taken off; null keeps them",
-        examples=[2.5e-6],
+        examples=["2.5 um"],
     )
-    l_filter: Positive | None = Field(
+    l_filter: Length | None = Field(
         default=None,
         description="nesting index of the L-filter (areal Gaussian, ISO 16610-61), m: longer waves are taken "
         "off; null keeps them",
-        examples=[8.0e-4],
+        examples=["0.8 mm"],
     )
     fill: Fill = Field(
         default="harmonic",
@@ -116,7 +140,7 @@ class Composite(Section):
     """Two measured faces that touch (column counter_face of the table): how they are laid on one another."""
 
     shifts: Count = Field(default=5, ge=1, description="random shifts for each rotation; each is solved")
-    rotations: list[Number] = Field(
+    rotations: list[Angle] = Field(
         default_factory=lambda: [0.0],
         min_length=1,
         description="angles by which the counter-face is turned on the face, degrees, from x towards y",
@@ -155,16 +179,16 @@ class Window(Section):
         le=1,
         description="least share of the map that the window must have; else it is refused",
     )
-    shortest_wavelength: Positive | None = Field(
+    shortest_wavelength: Length | None = Field(
         default=None,
         description="shorter waves are taken out of the window, m; null keeps them; the cut is sharp, so "
         "that steps and particles ring: level.s_filter is soft",
-        examples=[2.0e-6],
+        examples=["2 um"],
     )
-    longest_wavelength: Positive | None = Field(
+    longest_wavelength: Length | None = Field(
         default=None,
         description="longer waves are taken out of the window, m; null keeps them",
-        examples=[1.0e-4],
+        examples=["100 um"],
     )
     reliable_band: bool = Field(
         default=False,
@@ -174,16 +198,21 @@ class Window(Section):
 
 
 class Body(Section):
-    """One elastic body."""
+    """One of the two bodies."""
 
-    youngs_modulus: Positive = Field(description="Young's modulus E, Pa", examples=[2.1e11])
+    youngs_modulus: Pressure = Field(description="Young's modulus E, Pa", examples=["210 GPa"])
     poissons_ratio: Number = Field(gt=-1, le=0.5, description="Poisson's ratio, no unit", examples=[0.3])
-    thermal_conductivity: Positive | None = Field(
+    hardness: Pressure | None = Field(
+        default=None,
+        description="largest pressure it bears before it flows (indentation hardness), Pa",
+        examples=["2 GPa"],
+    )
+    thermal_conductivity: Conductivity | None = Field(
         default=None,
         description="W m-1 K-1, of both bodies: what the contact conducts of heat is then in the results",
         examples=[50.0],
     )
-    electrical_resistivity: Positive | None = Field(
+    electrical_resistivity: Resistivity | None = Field(
         default=None,
         description="Ohm m, of both bodies: what the contact conducts of current is then in the results",
         examples=[2.0e-7],
@@ -193,22 +222,22 @@ class Body(Section):
 class Contact(Section):
     """The contact problem: contact_modulus or bodies, mean_pressure or relative_pressure or neither."""
 
-    contact_modulus: Positive | None = Field(
+    contact_modulus: Pressure | None = Field(
         default=None,
-        description="plane-strain contact modulus E*, Pa, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; 1.154e11 "
+        description="plane-strain contact modulus E*, Pa, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; 115 GPa "
         "for steel on steel",
-        examples=[1.154e11],
+        examples=["115.4 GPa"],
     )
     bodies: list[Body] | None = Field(
         default=None,
         min_length=2,
         max_length=2,
-        description="the two bodies, instead of contact_modulus: Young's moduli in Pa, Poisson's ratios, and "
+        description="the two bodies, instead of contact_modulus: Young's moduli (Pa), Poisson's ratios, and "
         "what else is asked of them",
         examples=[
             [
-                {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3},
-                {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3},
+                {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3},
+                {"youngs_modulus": "4 GPa", "poissons_ratio": 0.4, "hardness": "0.3 GPa"},
             ]
         ],
     )
@@ -216,9 +245,9 @@ class Contact(Section):
         default=None,
         description="nominal pressure, Pa, one number or a list; where no load is given, loads are planned, "
         "log-spaced",
-        examples=[[1.0e6, 1.0e7, 1.0e8]],
+        examples=[["1 MPa", "2 MPa", "5 MPa", "10 MPa", "20 MPa", "50 MPa"]],
     )
-    relative_pressure: Loads | None = Field(
+    relative_pressure: RelativeLoads | None = Field(
         default=None,
         description="nominal pressure / (E* x rms gradient of the window), no unit, one number or a list",
         examples=[[0.01, 0.05, 0.2]],
@@ -234,10 +263,12 @@ class Contact(Section):
         description="mean displacement in the approach: zero, nogi-kato (its mean over the q = 0 patch), "
         "lattice (one contact per window in free space); pressure and area do not depend on it",
     )
-    hardness: Positive | None = Field(
+    hardness: Pressure | None = Field(
         default=None,
-        description="largest pressure the softer body carries before it yields, Pa; none: elastic throughout",
-        examples=[2.0e9],
+        description="largest pressure that the softer body bears before it flows (indentation hardness), Pa: "
+        "the pressure is limited to it; where bodies state theirs it is not given here; none: elastic "
+        "throughout",
+        examples=["2 GPa"],
     )
     influence: Influence = Field(
         default="sampled",
@@ -330,5 +361,5 @@ class Settings(Section):
         default_factory=dict,
         description="a study: name of a case -> settings that differ from those above; every surface runs "
         "under every case, results go to results/{case}/{surface}",
-        examples=[{"soft": {"contact": {"contact_modulus": 1.0e9}}}],
+        examples=[{"soft": {"contact": {"contact_modulus": "1 GPa"}}}],
     )

@@ -6,9 +6,11 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from roughcontact.configuration.messages import NAME_RULE, is_name, mistake
+from roughcontact.configuration.messages import NAME_RULE, is_name, mistake, questioned
 from roughcontact.configuration.models import Settings
+from roughcontact.configuration.slips import slips
 from roughcontact.errors import SettingsError
+from roughcontact.materials import contact_modulus
 
 # keys of `contact` of which only one may be given: a case that gives one replaces the other of the base
 _ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure"))
@@ -22,12 +24,13 @@ def resolve(config: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     Parameters
     ----------
     config : mapping
-        what the YAML file says: nested mappings, numbers possibly as text ("1e9").
+        what the YAML file says: nested mappings, numbers possibly as text ("1e9", "115 GPa").
 
     Returns
     -------
     dict
-        name of the case -> settings, every key present, `contact.contact_modulus` always in Pa; without
+        name of the case -> settings, every key present, all in SI units, `contact.contact_modulus` and the
+        `contact.hardness` of the softer body worked out from the bodies where these are given; without
         `cases` there is the one entry "".
 
     Raises
@@ -61,32 +64,6 @@ def resolve(config: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     return resolved
 
 
-def contact_modulus(bodies: Sequence[Mapping[str, float]]) -> float:
-    """Return the plane-strain contact modulus of two bodies, 1/E* = sum of (1 - nu^2)/E.
-
-    Parameters
-    ----------
-    bodies : sequence of two mappings
-        each with `youngs_modulus` (Pa) and `poissons_ratio` (no unit).
-
-    Returns
-    -------
-    float
-        E*, Pa.
-
-    References
-    ----------
-    .. [1] K. L. Johnson (1985), Contact Mechanics, eq. (4.4).
-
-    Examples
-    --------
-    >>> steel = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
-    >>> f"{contact_modulus([steel, steel]):.4g}"
-    '1.154e+11'
-    """
-    return 1 / sum((1 - body["poissons_ratio"] ** 2) / body["youngs_modulus"] for body in bodies)
-
-
 def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any], list[SettingsError]]:
     """Return the settings of one case, and what is wrong with them."""
     merged = _merge(base, overrides)
@@ -96,13 +73,16 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         settings = Settings.model_validate(merged).model_dump(mode="json", exclude={"cases"})
     except ValidationError as error:
         return {}, mistakes + [mistake(name, overrides, detail) for detail in error.errors()]
+    mistakes += [questioned(name, overrides, *slip) for slip in slips(merged, settings)]
     crosscheck = settings["crosscheck"]
     if crosscheck["code"] != "none" and not crosscheck["python"]:
         text = f"crosscheck.python: missing (path of the Python that has {crosscheck['code']})"
         mistakes.append(SettingsError(text))
     mistakes += [SettingsError(text) for text in _mistakes_in_bodies(settings["contact"]["bodies"], where)]
-    if settings["contact"]["bodies"]:
-        settings["contact"]["contact_modulus"] = contact_modulus(settings["contact"]["bodies"])
+    if bodies := settings["contact"]["bodies"]:
+        settings["contact"]["contact_modulus"] = contact_modulus(bodies)
+        if stated := [body["hardness"] for body in bodies if body["hardness"] is not None]:
+            settings["contact"]["hardness"] = min(stated)  # the softer body flows first
     return settings, mistakes
 
 
@@ -144,6 +124,14 @@ def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
         mistakes.append(
             f"{where}: mean_pressure (Pa) and relative_pressure (no unit) given; give one of them or neither"
         )
+    bodies = contact.get("bodies")
+    if contact.get("hardness") is not None and isinstance(bodies, list):
+        stated = [body for body in bodies if isinstance(body, dict) and body.get("hardness") is not None]
+        if stated:
+            mistakes.append(
+                f"{where}: hardness given of the contact and of a body; give it of the bodies (the softer "
+                "counts) or of the contact"
+            )
     return mistakes
 
 

@@ -1,0 +1,177 @@
+"""Slips of unit: what real materials and loads are passes, the same numbers in another unit are doubted."""
+
+import pytest
+
+from roughcontact import materials
+from roughcontact.configuration.resolve import resolve
+from roughcontact.errors import SettingsError
+
+# Young's modulus, Poisson's ratio, hardness: figures of handbooks, rounded (Ashby 2011; Tabor 1951; Johnson
+# 1985; Levental, Georges and Janmey 2007 for tissue; Klein and Cardinale 1993 for diamond)
+REAL = {
+    "brain tissue": (2e3, 0.49, None),
+    "gelatine gel": (2e4, 0.5, None),
+    "silicone": (2e6, 0.49, None),
+    "natural rubber": (1.5e6, 0.4999, None),
+    "foam": (3e6, 0.1, None),
+    "ptfe": (5e8, 0.46, 3e7),
+    "polyethylene": (1e9, 0.42, 5e7),
+    "peek": (4e9, 0.4, 3e8),
+    "lead": (1.6e10, 0.44, 4e7),
+    "indium": (1.1e10, 0.45, 9e6),
+    "gold": (7.8e10, 0.44, 2.2e8),
+    "aluminium alloy": (7e10, 0.33, 1.2e9),
+    "glass": (7e10, 0.22, 5.5e9),
+    "mild steel": (2.1e11, 0.3, 1.5e9),
+    "bearing steel": (2.1e11, 0.3, 7.5e9),
+    "alumina": (3.9e11, 0.24, 1.8e10),
+    "tungsten carbide": (6.5e11, 0.21, 1.6e10),
+    "diamond": (1.143e12, 0.07, 1e11),
+}
+RIGID = {"youngs_modulus": 1e20, "poissons_ratio": 0.3}
+
+
+def body(material):
+    """Return a material as the settings have it."""
+    return dict(zip(("youngs_modulus", "poissons_ratio", "hardness"), REAL[material], strict=True))
+
+
+def lines(contact, **sections):
+    """Return the mistakes of a configuration."""
+    with pytest.raises(SettingsError) as caught:
+        resolve({"contact": contact, **sections})
+    return [str(mistake) for mistake in caught.value.mistakes]
+
+
+@pytest.mark.parametrize("against", [*REAL, "rigid"])
+@pytest.mark.parametrize("material", REAL)
+def test_real_pairs_under_real_loads_are_never_doubted(material, against):
+    other = RIGID if against == "rigid" else body(against)
+    settings = resolve({"contact": {"bodies": [body(material), other]}})[""]["contact"]
+    modulus = settings["contact_modulus"]
+    assert materials.doubt_of_modulus(modulus) is None
+    loads = [max(100.0, 1e-8 * modulus * (1 + 1e-12)), 1e-4 * modulus, 0.01 * modulus, 0.3 * modulus]
+    resolve({"contact": {"contact_modulus": modulus, "mean_pressure": loads}})
+
+
+@pytest.mark.parametrize("material", [name for name, (stiffness, *_) in REAL.items() if stiffness >= 1e9])
+def test_a_modulus_in_gigapascal_is_asked_for(material):
+    stiffness, ratio, hardness = REAL[material]
+    doubt = materials.doubt_of_body(stiffness / 1e9, ratio)
+    assert doubt.meant[0] == pytest.approx(stiffness)
+    assert materials.doubt_of_hardness(hardness / 1e9, stiffness).meant[0] == pytest.approx(hardness)
+    wrong = {"youngs_modulus": stiffness / 1e9, "poissons_ratio": ratio, "hardness": hardness / 1e9}
+    found = lines({"bodies": [body(material), wrong]})
+    assert [line.split(" = ")[0] for line in found] == [
+        "contact.bodies[1].youngs_modulus",
+        "contact.bodies[1].hardness",
+    ]
+
+
+@pytest.mark.parametrize("material", ["aluminium alloy", "glass", "mild steel", "tungsten carbide"])
+def test_a_youngs_modulus_in_megapascal_is_that_of_a_gel_with_the_wrong_poissons_ratio(material):
+    stiffness, ratio, _ = REAL[material]
+    doubt = materials.doubt_of_body(stiffness / 1e6, ratio)
+    assert doubt.meant == (pytest.approx(stiffness),)
+    assert "as soft as a gel" in doubt.question()
+
+
+@pytest.mark.parametrize("load", [0.5, 1, 5, 20])
+@pytest.mark.parametrize("material", ["peek", "aluminium alloy", "mild steel", "alumina"])
+def test_a_load_in_megapascal_is_asked_for(material, load):
+    stiffness = REAL[material][0]
+    (question,) = lines({"contact_modulus": stiffness, "mean_pressure": load})
+    assert question.startswith(f"contact.mean_pressure[0] = {load}: ")
+    assert f"did you mean {materials.quantity(load * 1e6, 'Pa')}" in question
+    assert "write the unit" in question
+
+
+def test_both_slips_of_a_run_are_asked_for_at_once():
+    modulus, load = lines({"contact_modulus": 115, "mean_pressure": 1})
+    assert modulus.startswith("contact.contact_modulus = 115: 115 Pa is softer than any gel")
+    assert "did you mean 115 GPa or 115 MPa?" in modulus
+    assert load.startswith("contact.mean_pressure[0] = 1: 1.00 Pa is next to no load on a contact modulus of")
+    assert "did you mean 1.00 MPa?" in load
+
+
+def test_what_is_written_with_its_unit_is_meant():
+    settings = resolve({"contact": {"contact_modulus": "115 Pa", "mean_pressure": ["1 mbar", "1e-3 Pa"]}})[""]
+    assert settings["contact"]["contact_modulus"] == 115.0
+    assert settings["contact"]["mean_pressure"] == [100.0, 1e-3]
+    (question,) = lines({"contact_modulus": "115 GPa", "mean_pressure": ["1 Pa", 1]})
+    assert question.startswith("contact.mean_pressure[1] = 1: ")
+    slow = {"youngs_modulus": "210 kPa", "poissons_ratio": 0.3, "hardness": "2 Pa"}
+    assert resolve({"contact": {"bodies": [slow, body("peek")]}})[""]["contact"]["hardness"] == 2.0
+
+
+def test_a_number_with_a_unit_is_taken_wherever_a_quantity_is_set():
+    config = {
+        "contact": {
+            "bodies": [
+                {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "hardness": "2 kN/mm2"},
+                {"youngs_modulus": "4000 N/mm2", "poissons_ratio": "0.4"},
+            ],
+            "mean_pressure": ["1 MPa", "0.5 N/mm2", 3e6, "2e6"],
+        },
+        "level": {"s_filter": "2.5 µm", "l_filter": "0.8 mm"},
+        "window": {"shortest_wavelength": "2 um", "longest_wavelength": "100000 nm"},
+        "composite": {"rotations": ["90 deg", 45, "3.141592653589793 rad"]},
+    }
+    settings = resolve(config)[""]
+    assert [each["youngs_modulus"] for each in settings["contact"]["bodies"]] == [2.1e11, 4e9]
+    assert settings["contact"]["hardness"] == 2e9
+    assert settings["contact"]["mean_pressure"] == [1e6, 5e5, 3e6, 2e6]
+    assert (settings["level"]["s_filter"], settings["level"]["l_filter"]) == (2.5e-6, 8e-4)
+    assert settings["window"]["shortest_wavelength"] == 2e-6
+    assert settings["window"]["longest_wavelength"] == 1e-4
+    assert settings["composite"]["rotations"] == [90.0, 45.0, 180.0]
+    alone = resolve({"contact": {"contact_modulus": "115 GPa", "hardness": "7.5 GPa"}})[""]["contact"]
+    assert (alone["contact_modulus"], alone["hardness"]) == (115e9, 7.5e9)
+
+
+@pytest.mark.parametrize(
+    ("contact", "sections", "words"),
+    [
+        (
+            {"contact_modulus": 1.15e14},
+            {},
+            "115 TPa is stiffer than diamond; did you mean 115 GPa or 115 MPa?",
+        ),
+        ({"contact_modulus": "115 GPa", "mean_pressure": 1e12}, {}, "is more than any contact bears"),
+        ({"contact_modulus": "115 GPa", "hardness": 200}, {}, "softer than lead; did you mean 200 MPa?"),
+        ({"contact_modulus": "115 GPa", "hardness": 7e14}, {}, "is harder than diamond"),
+        ({"contact_modulus": "1 GPa", "relative_pressure": 1e6}, {}, "did you mean mean_pressure?"),
+        ({"contact_modulus": "1 GPa", "relative_pressure": "1 MPa"}, {}, "a load with one is mean_pressure"),
+        (
+            {"contact_modulus": "1 GPa"},
+            {"level": {"l_filter": 0.8}},
+            "level.l_filter = 0.8: 800 mm is longer than any map; did you mean 800 µm or 800 nm?",
+        ),
+        ({"contact_modulus": "115 Gpa"}, {}, "did you mean 'GPa'?"),
+    ],
+)
+def test_other_slips(contact, sections, words):
+    (line,) = lines(contact, **sections)
+    assert words in line
+
+
+def test_a_slip_in_a_case_is_named_as_its_own():
+    config = {"contact": {"contact_modulus": 1e9}, "cases": {"fine": {}, "steel": {"contact": {}}}}
+    config["cases"]["steel"]["contact"]["contact_modulus"] = 115
+    with pytest.raises(SettingsError) as caught:
+        resolve(config)
+    (mistake,) = caught.value.mistakes
+    assert str(mistake).startswith("cases.steel.contact.contact_modulus = 115: ")
+    assert mistake.keys == ("contact.contact_modulus",)
+
+
+def test_the_softer_body_gives_the_hardness():
+    for pair in ([body("peek"), body("bearing steel")], [body("bearing steel"), body("peek")]):
+        assert resolve({"contact": {"bodies": pair}})[""]["contact"]["hardness"] == 3e8
+    one = [body("natural rubber"), body("bearing steel")]
+    assert resolve({"contact": {"bodies": one}})[""]["contact"]["hardness"] == 7.5e9
+    none = [body("natural rubber"), body("silicone")]
+    assert resolve({"contact": {"bodies": none}})[""]["contact"]["hardness"] is None
+    assert resolve({"contact": {"bodies": none, "hardness": 1e7}})[""]["contact"]["hardness"] == 1e7
+    (line,) = lines({"bodies": one, "hardness": 2e9})
+    assert line.startswith("contact: hardness given of the contact and of a body")

@@ -1,0 +1,122 @@
+"""Slips of unit in the settings: bare numbers that no material, load or filter has.
+
+A bare number is in SI units. What is written with its unit is meant, and never doubted here.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from roughcontact import materials
+from roughcontact.materials import Doubt
+from roughcontact.quantities import quantity
+from roughcontact.units import carries_unit
+
+LONGEST = 0.1  # m, of a nesting index or a wavelength: measured maps are smaller
+MOST_RELATIVE = 100.0  # load in units of E* g; any surface is in full contact long before
+
+_LENGTHS = (
+    ("level", "s_filter"),
+    ("level", "l_filter"),
+    ("window", "shortest_wavelength"),
+    ("window", "longest_wavelength"),
+)
+_WAY_OUT = "A bare number is in {unit}: write the unit behind it, also where it is meant as it stands"
+_NO_PRESSURE = (
+    "is in units of E* x rms gradient, in which contact is full from about 1 on; did you mean mean_pressure?"
+)
+
+Location = tuple[str | int, ...]
+
+
+def slips(given: Mapping[str, Any], settings: Mapping[str, Any]) -> Iterator[tuple[Location, Any, str]]:
+    """Yield what is hardly meant as it stands.
+
+    Parameters
+    ----------
+    given : mapping
+        the configuration of one case as it was written: numbers possibly as text, with or without a unit.
+    settings : mapping
+        the same, checked: every key present, all in SI units.
+
+    Yields
+    ------
+    location : tuple
+        of the setting, from the top down.
+    value : object
+        as it was written.
+    question : str
+        what may have been meant, and the way out.
+
+    Examples
+    --------
+    >>> from roughcontact.configuration.models import Settings
+    >>> given = {"contact": {"contact_modulus": 115}}
+    >>> settings = Settings.model_validate(given).model_dump()
+    >>> for location, value, question in slips(given, settings):
+    ...     print(location, value)
+    ...     print(question.partition("?")[0])
+    ('contact', 'contact_modulus') 115
+    115 Pa is softer than any gel (1.00 kPa); did you mean 115 GPa or 115 MPa
+    """
+    yield from _in_contact(given, settings["contact"])
+    for location in _LENGTHS:
+        length, written = (_at(mapping, location) for mapping in (settings, given))
+        if length is not None and length > LONGEST and not carries_unit(written):
+            likely = " or ".join(quantity(length * factor, "m") for factor in (1e-3, 1e-6))
+            way_out = _WAY_OUT.format(unit="metres")
+            yield (
+                location,
+                written,
+                f"{quantity(length, 'm')} is longer than any map; did you mean {likely}? {way_out}",
+            )
+
+
+def _in_contact(given: Mapping[str, Any], contact: Mapping[str, Any]) -> list[tuple[Location, Any, str]]:
+    """Return what is hardly meant among moduli, hardness and loads."""
+    found: list[tuple[Location, Any, str]] = []
+
+    def meant(value: float, doubt: Doubt | None, *place: str | int) -> float:
+        """Return what was likely meant by the value at a place, and note where it is not what was written."""
+        location = ("contact", *place)
+        written = _at(given, location)
+        if doubt is None or carries_unit(written):
+            return value
+        found.append((location, written, f"{doubt.question()} {_WAY_OUT.format(unit='Pa')}"))
+        return doubt.meant[0] if doubt.meant else value
+
+    bodies = []
+    for index, body in enumerate(contact["bodies"] or ()):
+        stiffness, ratio = body["youngs_modulus"], body["poissons_ratio"]
+        doubt = materials.doubt_of_body(stiffness, ratio)
+        stiffness = meant(stiffness, doubt, "bodies", index, "youngs_modulus")
+        bodies.append(body | {"youngs_modulus": stiffness})
+        if body["hardness"] is not None:
+            doubt = materials.doubt_of_hardness(body["hardness"], stiffness)
+            meant(body["hardness"], doubt, "bodies", index, "hardness")
+    if bodies:
+        modulus = materials.contact_modulus(bodies)
+    elif contact["contact_modulus"] is not None:
+        doubt = materials.doubt_of_modulus(contact["contact_modulus"])
+        modulus = meant(contact["contact_modulus"], doubt, "contact_modulus")
+    else:  # a mistake of another kind
+        return found
+    if contact["hardness"] is not None:
+        doubt = materials.doubt_of_hardness(contact["hardness"], modulus)
+        meant(contact["hardness"], doubt, "hardness")
+    for index, load in enumerate(contact["mean_pressure"] or ()):
+        meant(load, materials.doubt_of_load(load, modulus), "mean_pressure", index)
+    for index, load in enumerate(contact["relative_pressure"] or ()):
+        if load > MOST_RELATIVE:
+            location = ("contact", "relative_pressure", index)
+            found.append((location, _at(given, location), _NO_PRESSURE))
+    return found
+
+
+def _at(given: Any, location: Location) -> Any:
+    """Return what stands at a location, None where nothing does; one load may stand for a list of one."""
+    for part in location:
+        if isinstance(part, int):
+            given = given[part] if isinstance(given, list | tuple) else given
+        else:
+            given = (given or {}).get(part)
+    return given

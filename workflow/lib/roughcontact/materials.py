@@ -1,0 +1,205 @@
+"""What real materials are like: ranges of moduli, loads and hardness, and values in which a unit has slipped.
+
+What lies outside is mostly a number that was meant in another unit. A doubt says so and names what may have
+been meant; whoever raises it decides whether to go on.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from roughcontact.quantities import number, quantity
+
+# Young's moduli: the softest gels and tissues (Levental, Georges and Janmey 2007, Soft Matter 3, 299) to
+# diamond, 1.14e12 Pa (Klein and Cardinale 1993, Diamond Relat. Mater. 2, 918), with some room
+SOFTEST, STIFFEST = 1e3, 1.5e12
+RIGID = 1e15  # a Young's modulus from which on nobody means a material
+GEL = 1e6  # below, solids are mostly water
+GEL_POISSONS_RATIO = 0.45  # of these: like water, they hardly change their volume
+# Below, solids are rubber-like (or foams) and take strains of order one; above, strains of a few percent at
+# most (Ashby 2011, Materials Selection in Mechanical Design, chart of modulus and strength)
+RUBBER = 1e8
+# hardness over modulus: metals yield at strains of 0.001 to 0.01 (Ashby 2011) and flow in an indent at three
+# times their yield stress (Tabor 1951, The Hardness of Metals; Johnson 1985, Contact Mechanics, section 6.3)
+METALS = (0.01, 0.03)
+HARDEST = 0.1  # that no material exceeds; diamond, glasses and glassy polymers come near
+LEAST_HARDNESS = 1e-4  # that all exceed; pure indium and lead have about 0.001
+# a mean pressure of 100 Pa is the weight of a centimetre of water, or of a sheet of metal
+LEAST_LOAD = 100.0
+LEAST_RELATIVE_LOAD = 1e-8  # mean pressure over contact modulus: 1 kPa on steel
+SOFT_RELATIVE_LOAD = 1e-5  # the same, from which on a load of less than `LEAST_LOAD` is none too small
+
+_GIGA, _MEGA, _KILO = 1e9, 1e6, 1e3
+
+
+class Doubt(NamedTuple):
+    """Why a value is hardly meant, and what may have been meant."""
+
+    reason: str
+    meant: tuple[float, ...]
+
+    def question(self) -> str:
+        """Return the doubt as the second half of a sentence."""
+        likely = " or ".join(quantity(value, "Pa") for value in self.meant[:2])
+        return f"{self.reason}; did you mean {likely}?" if likely else self.reason
+
+
+def contact_modulus(bodies: Sequence[Mapping[str, float]]) -> float:
+    """Return the plane-strain contact modulus of two bodies, 1/E* = sum of (1 - nu^2)/E.
+
+    Parameters
+    ----------
+    bodies : sequence of two mappings
+        each with `youngs_modulus` (Pa) and `poissons_ratio` (no unit).
+
+    Returns
+    -------
+    float
+        E*, Pa.
+
+    References
+    ----------
+    .. [1] K. L. Johnson (1985), Contact Mechanics, eq. (4.4).
+
+    Examples
+    --------
+    >>> steel = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
+    >>> f"{contact_modulus([steel, steel]):.4g}"
+    '1.154e+11'
+    """
+    return 1 / sum((1 - body["poissons_ratio"] ** 2) / body["youngs_modulus"] for body in bodies)
+
+
+def doubt_of_modulus(modulus: float) -> Doubt | None:
+    """Return why a contact modulus is hardly meant.
+
+    Parameters
+    ----------
+    modulus : float, Pa
+        E*.
+
+    Returns
+    -------
+    Doubt or None
+        None where it is that of a real material.
+
+    Examples
+    --------
+    >>> doubt_of_modulus(115.0).question()
+    '115 Pa is softer than any gel (1.00 kPa); did you mean 115 GPa or 115 MPa?'
+    >>> doubt_of_modulus(1.15e11) is None
+    True
+    """
+    if modulus < SOFTEST:
+        reason = f"{quantity(modulus, 'Pa')} is softer than any gel ({quantity(SOFTEST, 'Pa')})"
+        return Doubt(reason, _within(modulus, (_GIGA, _MEGA), SOFTEST, STIFFEST))
+    if modulus > STIFFEST:
+        reason = f"{quantity(modulus, 'Pa')} is stiffer than diamond"
+        return Doubt(reason, _within(modulus, (1 / _KILO, 1 / _MEGA), GEL, STIFFEST))
+    return None
+
+
+def doubt_of_body(youngs_modulus: float, poissons_ratio: float) -> Doubt | None:
+    """Return why the Young's modulus of a body is hardly meant.
+
+    Parameters
+    ----------
+    youngs_modulus : float, Pa
+        a rigid body has `RIGID` or more.
+    poissons_ratio : float
+        which gels have near 0.5.
+
+    Returns
+    -------
+    Doubt or None
+        None where it is that of a real material, or rigid.
+
+    Examples
+    --------
+    Steel, given in MPa instead of Pa; a gel; a rigid body.
+
+    >>> doubt_of_body(2.1e5, 0.3).meant
+    (210000000000.0,)
+    >>> doubt_of_body(2.1e5, 0.5) is None, doubt_of_body(1e20, 0.3) is None
+    (True, True)
+    """
+    if youngs_modulus >= RIGID:
+        return None
+    if SOFTEST <= youngs_modulus < GEL and poissons_ratio < GEL_POISSONS_RATIO:
+        reason = (
+            f"{quantity(youngs_modulus, 'Pa')} is as soft as a gel, which has a Poisson's ratio near 0.5, "
+            f"not {poissons_ratio:g}"
+        )
+        return Doubt(reason, _within(youngs_modulus, (_GIGA, _MEGA), GEL, STIFFEST))
+    return doubt_of_modulus(youngs_modulus)
+
+
+def doubt_of_load(mean_pressure: float, contact_modulus: float) -> Doubt | None:
+    """Return why a mean pressure is hardly meant.
+
+    Parameters
+    ----------
+    mean_pressure : float, Pa
+    contact_modulus : float, Pa
+        E*.
+
+    Returns
+    -------
+    Doubt or None
+        None where a laboratory may apply it.
+
+    Examples
+    --------
+    >>> doubt_of_load(1.0, 1.15e11).question()
+    '1.00 Pa is next to no load on a contact modulus of 115 GPa; did you mean 1.00 MPa?'
+    >>> doubt_of_load(1.0, 1e4) is None
+    True
+    """
+    least = max(LEAST_RELATIVE_LOAD * contact_modulus, min(LEAST_LOAD, SOFT_RELATIVE_LOAD * contact_modulus))
+    most = contact_modulus
+    if mean_pressure < least:
+        reason = f"{quantity(mean_pressure, 'Pa')} is next to no load on a contact modulus of "
+        factors: Sequence[float] = (_MEGA, _KILO)
+    elif mean_pressure > most:
+        reason = f"{quantity(mean_pressure, 'Pa')} is more than any contact bears at a contact modulus of "
+        factors = (1 / _KILO, 1 / _MEGA)
+    else:
+        return None
+    reason += quantity(contact_modulus, "Pa")
+    return Doubt(reason, _within(mean_pressure, factors, least, HARDEST * most))
+
+
+def doubt_of_hardness(hardness: float, modulus: float) -> Doubt | None:
+    """Return why a hardness is hardly meant.
+
+    Parameters
+    ----------
+    hardness : float, Pa
+    modulus : float, Pa
+        Young's modulus of the body, or the contact modulus, which is not above it by much.
+
+    Returns
+    -------
+    Doubt or None
+        None where a material may have it. The contact modulus is no upper limit: it may be that of the other
+        body.
+
+    Examples
+    --------
+    >>> doubt_of_hardness(2.0, 1.15e11).question()
+    '2.00 Pa is 1.7×10⁻¹¹ of the modulus, softer than lead; did you mean 2.00 GPa?'
+    """
+    if hardness < LEAST_HARDNESS * modulus:
+        share = number(hardness / modulus, digits=2)
+        reason = f"{quantity(hardness, 'Pa')} is {share} of the modulus, softer than lead"
+        factors: Sequence[float] = (_GIGA, _MEGA)
+    elif hardness > HARDEST * STIFFEST:
+        reason = f"{quantity(hardness, 'Pa')} is harder than diamond"
+        factors = (1 / _KILO, 1 / _MEGA)
+    else:
+        return None
+    return Doubt(reason, _within(hardness, factors, LEAST_HARDNESS * modulus, HARDEST * modulus))
+
+
+def _within(value: float, factors: Sequence[float], least: float, most: float) -> tuple[float, ...]:
+    """Return what a value is in other units, where that lies within a range."""
+    return tuple(value * factor for factor in factors if least <= value * factor <= most)

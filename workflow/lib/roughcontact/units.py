@@ -1,0 +1,213 @@
+"""Units: what a length, a pressure and so on may be given in, and numbers that carry their unit.
+
+Symbols are compared after compatibility normalisation (NFKC), which maps the micro sign U+00B5 to the Greek
+letter mu U+03BC, the angstrom sign U+212B to the letter U+00C5 and superscripts to digits.
+"""
+
+import difflib
+import re
+import unicodedata
+from collections.abc import Mapping
+
+_LENGTHS = {
+    1e3: ("km", "kilometre", "kilometres", "kilometer", "kilometers"),
+    1.0: ("m", "metre", "metres", "meter", "meters"),
+    1e-1: ("dm", "decimetre", "decimetres", "decimeter", "decimeters"),
+    1e-2: ("cm", "centimetre", "centimetres", "centimeter", "centimeters"),
+    1e-3: ("mm", "millimetre", "millimetres", "millimeter", "millimeters"),
+    1e-6: (
+        *("um", "μm", "micron", "microns", "micrometre", "micrometres", "micrometer", "micrometers"),
+        *("micro_meter", "micro metre", "micro meter"),
+    ),
+    1e-9: ("nm", "nanometre", "nanometres", "nanometer", "nanometers"),
+    1e-10: ("Å", "angstrom", "angstroms", "angstroem", "ångström", "ångstrom"),
+    1e-12: ("pm", "picometre", "picometres", "picometer", "picometers"),
+    0.0254: ("in", "inch", "inches", '"'),
+    2.54e-5: ("mil", "mils", "thou"),
+    2.54e-8: ("uin", "μin", "microinch", "microinches"),
+}
+_POUND_PER_SQUARE_INCH = 0.45359237 * 9.80665 / 0.0254**2
+# mPa is left out: it is a millipascal, and mostly meant for MPa
+_PRESSURES = {
+    1.0: ("Pa", "pascal", "N/m2"),
+    1e2: ("hPa", "mbar"),
+    1e3: ("kPa", "kilopascal", "kN/m2"),
+    1e4: ("N/cm2",),
+    1e5: ("bar",),
+    1e6: ("MPa", "megapascal", "N/mm2", "MN/m2"),
+    1e9: ("GPa", "gigapascal", "kN/mm2", "GN/m2"),
+    1e12: ("TPa", "terapascal"),
+    9.80665e4: ("kgf/cm2",),
+    9.80665e6: ("kgf/mm2",),
+    _POUND_PER_SQUARE_INCH: ("psi",),
+    1e3 * _POUND_PER_SQUARE_INCH: ("ksi",),
+    1e6 * _POUND_PER_SQUARE_INCH: ("Msi",),
+}
+_ANGLES = {1.0: ("degree", "degrees", "deg", "°"), 57.29577951308232: ("rad", "radian", "radians")}
+_CONDUCTIVITIES = {1.0: ("W m-1 K-1", "W/(m K)", "W/(m·K)", "W/mK", "W/m/K")}
+_RESISTIVITIES = {
+    1.0: ("Ohm m", "Ω m", "Ωm"),
+    1e-2: ("Ohm cm", "Ω cm", "Ωcm"),
+    1e-6: ("uOhm m", "μΩ m", "Ohm mm2/m", "Ω mm2/m"),
+    1e-8: ("uOhm cm", "μΩ cm"),
+    1e-9: ("nOhm m", "nΩ m"),
+}
+
+
+def _by_name(spellings: Mapping[float, tuple[str, ...]]) -> dict[str, float]:
+    """Return the value of each spelling."""
+    return {
+        unicodedata.normalize("NFKC", name): value for value, names in spellings.items() for name in names
+    }
+
+
+_TABLES = {
+    "m": _by_name(_LENGTHS),
+    "Pa": _by_name(_PRESSURES),
+    "degree": _by_name(_ANGLES),
+    "W m-1 K-1": _by_name(_CONDUCTIVITIES),
+    "Ohm m": _by_name(_RESISTIVITIES),
+}
+# what a message offers
+_USUAL = {
+    "m": "m, mm, um, µm, nm, Å, pm, inch, mil, uin and the written-out words",
+    "Pa": "Pa, kPa, MPa, GPa, N/mm2, bar, psi",
+    "degree": "deg, °, rad",
+    "W m-1 K-1": "W/(m K)",
+    "Ohm m": "Ohm m, Ohm cm, uOhm cm",
+}
+_KINDS = {
+    "m": "length",
+    "Pa": "pressure",
+    "degree": "angle",
+    "W m-1 K-1": "conductivity",
+    "Ohm m": "resistivity",
+}
+_NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)", re.DOTALL)
+
+
+def value_of(unit: object, base: str) -> float | None:
+    """Return how much of a base unit a unit is.
+
+    Parameters
+    ----------
+    unit : str
+        its symbol, case-sensitive, or the word written out.
+    base : {"m", "Pa", "degree", "W m-1 K-1", "Ohm m"}
+        of a length, a pressure, an angle, a thermal conductivity or an electrical resistivity.
+
+    Returns
+    -------
+    float or None
+        in `base`; None where it is no such unit.
+
+    Examples
+    --------
+    >>> value_of("nm", "m"), value_of("N/mm²", "Pa"), value_of("V", "m")
+    (1e-09, 1000000.0, None)
+    """
+    table, name = _TABLES[base], _clean(unit)
+    if name in table:
+        return table[name]
+    return table.get(name.lower()) if len(name) > 3 else None
+
+
+def unknown_unit(unit: object, base: str) -> str:
+    """Return what to say of a unit that is none.
+
+    Parameters
+    ----------
+    unit : object
+        what was given.
+    base : {"m", "Pa", "degree", "W m-1 K-1", "Ohm m"}
+        of what was meant.
+
+    Returns
+    -------
+    str
+        a sentence with the nearest valid spelling, where one is near, and the usual ones.
+
+    Examples
+    --------
+    >>> unknown_unit("Mpa", "Pa")
+    "unknown pressure unit 'Mpa'; did you mean 'MPa'? accepted are Pa, kPa, MPa, GPa, N/mm2, bar, psi"
+    """
+    names = {name.lower(): name for name in reversed(_TABLES[base])}
+    near = difflib.get_close_matches(_clean(unit).lower(), names, n=1)
+    hint = f"did you mean {names[near[0]]!r}? " if near else ""
+    return f"unknown {_KINDS[base]} unit {str(unit)!r}; {hint}accepted are {_USUAL[base]}"
+
+
+def carries_unit(value: object) -> bool:
+    """Return whether a value is a number with a unit behind it, as in ``"115 GPa"``.
+
+    Parameters
+    ----------
+    value : object
+        what was given.
+
+    Returns
+    -------
+    bool
+        False for a bare number, also one that is given as text.
+
+    Examples
+    --------
+    >>> carries_unit("115 GPa"), carries_unit("1e9"), carries_unit(5), carries_unit("soft")
+    (True, False, False, False)
+    """
+    return isinstance(value, str) and not _is_number(value) and bool(_NUMBER_AND_UNIT.fullmatch(value))
+
+
+def in_base_unit(value: object, base: str) -> object:
+    """Return a number that carries its unit as one in the base unit, and anything else as it is.
+
+    Parameters
+    ----------
+    value : object
+        what was given: ``"115 GPa"``, or a bare number, which is in the base unit already.
+    base : {"m", "Pa", "degree", "W m-1 K-1", "Ohm m"}
+        of a length, a pressure, an angle, a thermal conductivity or an electrical resistivity.
+
+    Returns
+    -------
+    float, or `value` itself
+
+    Raises
+    ------
+    ValueError
+        for a unit of something else, or of nothing.
+
+    Examples
+    --------
+    >>> in_base_unit("0.5 N/mm2", "Pa"), in_base_unit("2.5 µm", "m"), in_base_unit("1e9", "Pa")
+    (500000.0, 2.5e-06, '1e9')
+    """
+    if not isinstance(value, str) or _is_number(value):
+        return value
+    parts = _NUMBER_AND_UNIT.fullmatch(value)
+    if parts is None:
+        return value
+    if parts[2].startswith(","):
+        raise ValueError("write a decimal point, not a comma")
+    factor = value_of(parts[2], base)
+    if factor is None:
+        raise ValueError(unknown_unit(parts[2], base))
+    # by a division where that is exact: 2.5e-06 for 2.5 µm, not 2.4999999999999998e-06
+    inverse = round(1 / factor) if factor < 1 else 0
+    return float(parts[1]) / inverse if inverse and 1 / inverse == factor else float(parts[1]) * factor
+
+
+def _clean(unit: object) -> str:
+    """Return the spelling that is compared."""
+    name = unicodedata.normalize("NFKC", str(unit)).strip()
+    return name.replace("^", "").replace(" / ", "/") if "/" in name else name
+
+
+def _is_number(text: str) -> bool:
+    """Return whether a text is a number without a unit."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
