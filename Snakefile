@@ -9,6 +9,7 @@ report: "workflow/report/workflow.rst"
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/runs.smk"
 include: "workflow/rules/surface.smk"
 include: "workflow/rules/contact.smk"
 include: "workflow/rules/crosscheck.smk"

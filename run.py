@@ -9,9 +9,11 @@ slow` for those that take long by their nature). `python3 run.py lint` does only
 of the package with the lowest versions that pyproject.toml admits.
 """
 
+import argparse
 import hashlib
 import importlib.util
 import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -74,9 +76,33 @@ def install(group):
 def work(*arguments):
     """Run the workflow in the working directory, on all cores unless the arguments say otherwise."""
     command = [BIN / "snakemake", "--snakefile", ROOT / "Snakefile", "--rerun-incomplete"]
+    if left_locked(arguments):
+        print("The last run in this folder was killed: going on where it ended.", file=sys.stderr, flush=True)
+        run([*command, "--unlock", *arguments, "--quiet"])
     if not any(word.split("=")[0] in ("--cores", "-c", "--jobs", "-j", "--profile") for word in arguments):
         command += ["--cores", "all"]
     return run([*command, *arguments])
+
+
+def left_locked(arguments):
+    """Tell whether Snakemake's locks in the working directory are those of a run that is gone.
+
+    A run holds a lock on .snakemake/running, which the system frees when the run ends in whatever way. Where
+    the last run was on another computer nobody here can know.
+    """
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("--directory", "-d", default=".")
+    folder = Path(parser.parse_known_args(arguments)[0].directory, ".snakemake")
+    if os.name == "nt" or not any(folder.glob("locks/*.lock")):
+        return False
+    import fcntl
+
+    try:
+        with (folder / "running").open(encoding="utf-8") as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return file.read() == socket.gethostname()
+    except OSError:
+        return False
 
 
 def lint():

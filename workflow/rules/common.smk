@@ -203,21 +203,3 @@ def crosscheck_file(wildcards):
     """Return the file of the cross-check; none where there is no other code."""
     file = f"{FOLDER}/crosscheck.nc".format(**wildcards)
     return [] if CROSSCHECK["code"] == "none" else file
-
-
-def unfinished():
-    """Return what to tell a user whose run ended with an error."""
-    names = [
-        name
-        for name in SOLVED
-        if not all(
-            os.path.exists(stage_file(stage)({**run, "surface": name}))
-            for run in RUNS
-            for stage in SECTIONS
-        )
-    ]
-    return (
-        f"Not finished: {', '.join(names) or 'the report'}. The lines with ERROR above say why; logs/ has more.\n"
-        "The other surfaces go on to their end with --keep-going. A row of the table of surfaces that starts\n"
-        "with # is left out: so run again for the report of the rest, what is done is not done again."
-    )

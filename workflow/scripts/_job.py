@@ -1,12 +1,17 @@
 """What all scripts share: import path, log, short error messages, provenance of what is written.
 
 A script is run by Snakemake, which puts the object `snakemake` among its globals. Importing this module first
-opens the log of the job; an error then ends there with its traceback, and on the screen as one sentence.
+opens the log of the job; an error then ends there with its traceback, and on the screen as one sentence. A
+job whose run was killed ends as well, so that two runs never write to one file.
 """
 
+import os
+import socket
 import sys
+import threading
 import traceback
 import warnings
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, TextIO
@@ -80,5 +85,24 @@ def _log_warning(
     _log.write(warnings.formatwarning(message, category, filename, lineno, line))
 
 
+def _end_with_the_run() -> None:
+    """End this job as soon as the run that started it is gone: by the lock it holds, see runs.smk."""
+    try:
+        import fcntl
+
+        file = Path(".snakemake/running").open(encoding="utf-8")  # noqa: SIM115 - open until the job ends
+    except (ImportError, OSError):  # a system or a folder without locks
+        return
+
+    def wait() -> None:
+        with suppress(OSError):
+            fcntl.flock(file, fcntl.LOCK_SH)  # returns when nobody holds it any more
+            os._exit(1)
+
+    if file.read() == socket.gethostname():  # on a cluster jobs outlive the run
+        threading.Thread(target=wait, daemon=True).start()
+
+
+_end_with_the_run()
 sys.excepthook = _report_error
 warnings.showwarning = _log_warning

@@ -1,0 +1,171 @@
+"""Kill runs of a study at random times, take them up again, and compare what they leave byte by byte.
+
+    .venv/bin/python tests/faults/kills.py               # 200 kills: about an hour
+    .venv/bin/python tests/faults/kills.py --kills 12
+
+A run is killed again and again, each time a little further, until it has come to its end; then its results are
+compared with those of a run that was left alone, and the next run begins from nothing. What is killed:
+
+- script: one job of the run;
+- scheduler: Snakemake alone, so that its jobs have to notice by themselves;
+- group: the run and all its jobs at once;
+- writing: the same, at the moment a result is being written.
+
+Returns 1 where a file was there that is not whole, a run was refused or failed, a job outlived its run, or a
+byte differed.
+"""
+
+import argparse
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+
+import psutil
+from study import command, environment, results, start_again, write_study
+
+KINDS = ("script", "scheduler", "group", "writing")
+AFTERWARDS = 5.0  # seconds in which jobs have to notice that their run is gone
+
+
+def kill_at_random(folder: Path, kills: int, seed: int, **study) -> tuple[Counter, list[str]]:
+    """Kill runs of a study so many times; return the counts, and what went wrong in words.
+
+    Parameters
+    ----------
+    folder : Path
+        an empty folder.
+    kills : int
+    seed : int
+        of times and kinds.
+    **study
+        arguments of `write_study`.
+    """
+    (left_alone := folder / "left-alone").mkdir()
+    (killed := folder / "killed").mkdir()
+    counts, wrong = Counter(), []
+    for each in (left_alone, killed):
+        write_study(each, **study)
+    begin = time.monotonic()
+    subprocess.run(command(left_alone), env=environment(), check=True, capture_output=True)
+    longest = 0.2 * (time.monotonic() - begin)
+    expected = results(left_alone)
+    choose = random.Random(seed)
+    while counts["kills"] < kills:
+        start_again(killed)
+        run_with_kills(killed, kills, longest, choose, expected, counts, wrong)
+        differing = differences(expected, killed)
+        counts["runs"] += 1
+        counts["differing files"] += len(differing)
+        wrong += [f"after run {counts['runs']}: {name} differs" for name in differing]
+        print(dict(counts), file=sys.stderr, flush=True)
+    return counts, wrong
+
+
+def run_with_kills(folder, kills, longest, choose, expected, counts, wrong):
+    """Kill one run again and again until it has come to its end."""
+    kind = "none"
+    while True:
+        run = subprocess.Popen(
+            command(folder),
+            env=environment(),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,
+        )
+        enough = counts["kills"] >= kills
+        after = choose.uniform(0, longest)
+        previous, kind = kind, choose.choice(KINDS)
+        said = None
+        if enough or not (victims := wait_and_find(run, folder, kind, after)):
+            said, _ = run.communicate()
+            if run.returncode:
+                counts["refused or failed"] += 1
+                wrong.append(f"after a kill of {previous}: {said[-2000:]}")
+                start_again(folder)
+            return
+        alive = family(run)
+        for victim in victims:
+            try:
+                victim.kill()
+            except psutil.NoSuchProcess:
+                continue
+        counts["kills"] += 1
+        counts[kind] += 1
+        run.communicate()  # where a job alone was killed, the run ends by itself
+        gone, outlived = psutil.wait_procs(alive, timeout=AFTERWARDS)
+        counts["jobs that outlived their run"] += len(outlived)
+        wrong += [f"after a kill of {kind} still at work: {process}" for process in outlived]
+        psutil.wait_procs(outlived)
+        half = differences({name: expected.get(name, b"") for name in results(folder)}, folder)
+        counts["half files"] += len(half)
+        wrong += [f"after a kill of {kind}: {name} is not whole" for name in half]
+
+
+def wait_and_find(run, folder, kind, after):
+    """Wait until the time has come, and return the processes to kill; none where the run has ended before."""
+    until = time.monotonic() + after
+    while time.monotonic() < until and run.poll() is None:
+        time.sleep(0.01)
+    while run.poll() is None:
+        if kind != "writing" or list(folder.glob("results/**/.*.partial")):
+            everyone = family(run)
+            scripts = [process for process in everyone if ".snakemake/scripts" in words(process)]
+            scheduler = [process for process in everyone if "snakemake --snakefile" in words(process)]
+            found = {"scheduler": scheduler, "script": scripts[:1]}.get(kind, everyone)
+            if found:
+                return found
+            time.sleep(0.05)
+        time.sleep(0.002)
+    return []
+
+
+def family(run):
+    """Return a process and all its descendants."""
+    try:
+        first = psutil.Process(run.pid)
+        return [first, *first.children(recursive=True)]
+    except psutil.NoSuchProcess:
+        return []
+
+
+def words(process):
+    """Return the command line of a process, empty where it is gone."""
+    try:
+        return " ".join(process.cmdline())
+    except psutil.Error:
+        return ""
+
+
+def differences(expected, folder):
+    """Return the names of files that are not as expected, or that stand on one side only."""
+    found = results(folder)
+    left = [str(path.relative_to(folder)) for path in folder.glob("results/**/.*.partial")]
+    found_or_expected = sorted({*found, *expected})
+    return [name for name in found_or_expected if found.get(name) != expected.get(name)] + (
+        left if expected.keys() == found.keys() and "results/report.html" in expected else []
+    )
+
+
+def main() -> int:
+    """Kill as many times as the command line says, and say what came of it."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--kills", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
+    with tempfile.TemporaryDirectory() as folder:
+        counts, wrong = kill_at_random(Path(folder), arguments.kills, arguments.seed)
+    print(*(f"{number:5d} {name}" for name, number in counts.items()), *wrong, sep="\n")
+    return int(bool(wrong))
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    sys.exit(main())

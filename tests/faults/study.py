@@ -1,0 +1,68 @@
+"""A small study with a report, and the command that runs it as `python3 run.py` does."""
+
+import os
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from roughcontact.references.synthetic import self_affine_surface
+
+ROOT = Path(__file__).parents[2]
+SETTINGS = {
+    "surfaces": "surfaces.tsv",
+    "contact": {"contact_modulus": 1e9, "relative_pressure": [0.05, 0.2]},
+    "uncertainty": {"sources": ["solver", "window"]},
+}
+CASES = {"base": {}, "soft": {"contact": {"contact_modulus": 1e8}}}
+# run.py installs an environment first; here it is the one of this Python
+_RUN_PY = (
+    "import sys; from pathlib import Path; import run; run.BIN = Path(sys.executable).parent; "
+    "sys.exit(run.work(*sys.argv[1:]))"
+)
+
+
+def write_study(folder: Path, *, points: int = 48, surfaces: int = 2, cases: bool = True) -> None:
+    """Write maps of so many points along a side, a table and settings."""
+    (folder / "measured").mkdir(parents=True)
+    band = {"hurst": 0.8, "shortest": 8, "longest": 24, "rms_gradient": 0.1}
+    rows = ["surface\tpath\tunit\tdx\tdy"]
+    for number in range(1, surfaces + 1):
+        heights = self_affine_surface((points, points), 1.0, **band, seed=number).values
+        np.save(folder / f"measured/{number}.npy", heights)
+        rows.append(f"surface-{number}\tmeasured/{number}.npy\tum\t1\t1")
+    (folder / "surfaces.tsv").write_text("\n".join(rows) + "\n")
+    write_settings(folder, SETTINGS | ({"cases": CASES} if cases else {}))
+
+
+def write_settings(folder: Path, settings: dict) -> None:
+    """Write the configuration of the study."""
+    (folder / "settings.yaml").write_text(yaml.safe_dump(settings, sort_keys=False))
+
+
+def command(folder: Path, *arguments: str) -> list[str]:
+    """Return the command that runs the study; to be started with `environment()`."""
+    words = [sys.executable, "-c", _RUN_PY, *arguments, "--cores", "2", "--directory", str(folder)]
+    return [*words, "--configfile", str(folder / "settings.yaml")]
+
+
+def environment(**more: str) -> dict[str, str]:
+    """Return the variables that `command` needs."""
+    folders = [str(ROOT), str(ROOT / "workflow/lib")]
+    return os.environ | {"PYTHONPATH": os.pathsep.join(folders), "OMP_NUM_THREADS": "1"} | more
+
+
+def start_again(folder: Path) -> None:
+    """Remove what runs have left."""
+    for name in ("results", "logs", ".snakemake"):
+        shutil.rmtree(folder / name, ignore_errors=True)
+
+
+def results(folder: Path) -> dict[str, bytes]:
+    """Return the content of every result, hidden files left out."""
+    paths = (path for path in (folder / "results").rglob("*") if path.is_file())
+    return {
+        str(path.relative_to(folder)): path.read_bytes() for path in paths if not path.name.startswith(".")
+    }

@@ -1,0 +1,118 @@
+# What a run says where a job fails, and how it is known whether a run is at work in a folder.
+import logging
+import re
+import signal
+import socket
+import threading
+import time
+
+try:
+    import fcntl
+except ImportError:  # not on Windows
+    fcntl = None
+
+
+def hold():
+    """Lock .snakemake/running for as long as this process lives, and return the open file.
+
+    The system frees the lock when the process ends, in whatever way: by this a job knows that its run is gone
+    (`_job.py`), and `run.py` that the locks of Snakemake are those of a run that was killed.
+    """
+    if fcntl is None or not workflow.is_main_process or workflow.output_settings.dryrun:
+        return None
+    try:
+        os.makedirs(".snakemake", exist_ok=True)
+        file = open(".snakemake/running", "a+", encoding="utf-8")
+        # a moment, since the jobs of a run that was just killed have to notice it
+        for _ in range(20):
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                time.sleep(0.1)
+        else:
+            return None  # another run: Snakemake refuses this one
+        file.truncate(0)
+        file.write(socket.gethostname())
+        file.flush()
+        return file
+    except OSError:  # a folder that cannot be written, or one without locks
+        return None
+
+
+RUNNING = hold()
+
+
+class OneLine(logging.Filter):
+    """Leave of a failed job the one line that its script has said, or say that it was killed.
+
+    Snakemake says of each failed script the command with a temporary path, then the job with its files.
+    """
+
+    def __init__(self):
+        super().__init__()
+        self.ended = threading.local()  # both come from the thread of the job
+
+    def filter(self, record):
+        event = getattr(record, "event", None)
+        text = str(record.msg)
+        if event == "error" and f'CalledProcessError in file "{ROOT}' in text:
+            self.ended.how = text
+            return False
+        if event == "job_error" and getattr(self.ended, "how", None):
+            how, self.ended.how = self.ended.how, None
+            if (line := last_words(record, how)) is None:
+                return False
+            record.event, record.msg = "error", line
+        return True
+
+
+def last_words(record, how):
+    """Return what to say about a job that failed; None where its script has said it."""
+    try:
+        with open(record.log[0], encoding="utf-8") as log:
+            if "Traceback (most recent call last)" in log.read():
+                return None
+    except OSError:
+        pass
+    job = next(job for job in workflow.dag.jobs if job.jobid == record.jobid)
+    name = " ".join([job.rule.name, *map(str, job.wildcards)])
+    status = re.search(r"<Signals\.(\w+)|exit status (\d+)", how)
+    if status and status[2] and int(status[2]) > 128:  # a shell in between
+        ended_by = signal.Signals(int(status[2]) - 128).name
+    else:
+        ended_by = status and status[1]
+    if ended_by == "SIGKILL":
+        return (
+            f"[{name}] ERROR: killed; probably out of memory: it had asked for {job.resources.mem_mb} MB. "
+            "Free some memory, or run fewer jobs at once (--cores 1), and run again"
+        )
+    if ended_by in ("SIGTERM", "SIGINT", "SIGHUP"):
+        return (
+            f"[{name}] ERROR: was ended from outside ({ended_by}); run again to go on"
+        )
+    return (
+        f"[{name}] ERROR: ended without a word ({ended_by or how.splitlines()[-1]}); run again, and where it "
+        f"comes back please report it with {', '.join(record.log)}"
+    )
+
+
+logging.getLogger("snakemake.logging").addFilter(OneLine())
+
+
+def unfinished():
+    """Return what to tell a user whose run ended with an error."""
+    names = [
+        name
+        for name in SOLVED
+        if not all(
+            os.path.exists(stage_file(stage)({**run, "surface": name}))
+            for run in RUNS
+            for stage in SECTIONS
+        )
+    ]
+    return (
+        f"Not finished: {', '.join(names) or 'the report'}. The lines with ERROR above say why; logs/ has more.\n"
+        "The other surfaces go on to their end with --keep-going. A row of the table of surfaces that starts\n"
+        "with # is left out: so run again for the report of the rest, what is done is not done again."
+    )
