@@ -3,8 +3,8 @@
     .venv/bin/python tests/faults/kills.py               # 200 kills: about an hour
     .venv/bin/python tests/faults/kills.py --kills 12
 
-A run is killed again and again, each time a little further, until it has come to its end; then its results are
-compared with those of a run that was left alone, and the next run begins from nothing. What is killed:
+A run is killed again and again, each time a little further, until it has come to its end; then its results
+are compared with those of a run that was left alone, and the next run begins from nothing. What is killed:
 
 - script: one job of the run;
 - scheduler: Snakemake alone, so that its jobs have to notice by themselves;
@@ -53,7 +53,7 @@ def kill_at_random(folder: Path, kills: int, seed: int, **study) -> tuple[Counte
         write_study(each, **study)
     begin = time.monotonic()
     subprocess.run(command(left_alone), env=environment(), check=True, capture_output=True)
-    longest = 0.2 * (time.monotonic() - begin)
+    longest = 0.25 * (time.monotonic() - begin)
     expected = results(left_alone)
     choose = random.Random(seed)
     while counts["kills"] < kills:
@@ -99,7 +99,7 @@ def run_with_kills(folder, kills, longest, choose, expected, counts, wrong):
         counts["kills"] += 1
         counts[kind] += 1
         run.communicate()  # where a job alone was killed, the run ends by itself
-        gone, outlived = psutil.wait_procs(alive, timeout=AFTERWARDS)
+        _, outlived = psutil.wait_procs(alive, timeout=AFTERWARDS)
         counts["jobs that outlived their run"] += len(outlived)
         wrong += [f"after a kill of {kind} still at work: {process}" for process in outlived]
         psutil.wait_procs(outlived)

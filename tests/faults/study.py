@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 SETTINGS = {
     "surfaces": "surfaces.tsv",
     "contact": {"contact_modulus": 1e9, "relative_pressure": [0.05, 0.2]},
-    "uncertainty": {"sources": ["solver", "window"]},
+    "uncertainty": {"sources": ["solver"]},
 }
 CASES = {"base": {}, "soft": {"contact": {"contact_modulus": 1e8}}}
 # run.py installs an environment first; here it is the one of this Python
@@ -24,7 +24,7 @@ _RUN_PY = (
 )
 
 
-def write_study(folder: Path, *, points: int = 48, surfaces: int = 2, cases: bool = True) -> None:
+def write_study(folder: Path, *, points: int = 48, surfaces: int = 1, cases: bool = True) -> None:
     """Write maps of so many points along a side, a table and settings."""
     (folder / "measured").mkdir(parents=True)
     band = {"hurst": 0.8, "shortest": 8, "longest": 24, "rms_gradient": 0.1}

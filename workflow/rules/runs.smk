@@ -68,20 +68,17 @@ class OneLine(logging.Filter):
 
 
 def last_words(record, how):
-    """Return what to say about a job that failed; None where its script has said it."""
-    try:
-        with open(record.log[0], encoding="utf-8") as log:
-            if "Traceback (most recent call last)" in log.read():
-                return None
-    except OSError:
-        pass
+    """Return what to say about a job that was ended; None where its script has said why it failed."""
+    status = re.search(r"<Signals\.(\w+)|exit status (\d+)", how)
+    code = int(status[2] or 0) if status else 1
+    if code == 1:  # that of an error in Python
+        return None
+    # above 128 a shell in between reports a signal
+    ended_by = (
+        signal.Signals(code - 128).name if code > 128 else status[1] or f"status {code}"
+    )
     job = next(job for job in workflow.dag.jobs if job.jobid == record.jobid)
     name = " ".join([job.rule.name, *map(str, job.wildcards)])
-    status = re.search(r"<Signals\.(\w+)|exit status (\d+)", how)
-    if status and status[2] and int(status[2]) > 128:  # a shell in between
-        ended_by = signal.Signals(int(status[2]) - 128).name
-    else:
-        ended_by = status and status[1]
     if ended_by == "SIGKILL":
         return (
             f"[{name}] ERROR: killed; probably out of memory: it had asked for {job.resources.mem_mb} MB. "
@@ -92,7 +89,7 @@ def last_words(record, how):
             f"[{name}] ERROR: was ended from outside ({ended_by}); run again to go on"
         )
     return (
-        f"[{name}] ERROR: ended without a word ({ended_by or how.splitlines()[-1]}); run again, and where it "
+        f"[{name}] ERROR: ended without a word ({ended_by}); run again, and where it "
         f"comes back please report it with {', '.join(record.log)}"
     )
 

@@ -5,6 +5,7 @@ opens the log of the job; an error then ends there with its traceback, and on th
 job whose run was killed ends as well, so that two runs never write to one file.
 """
 
+import errno
 import os
 import socket
 import sys
@@ -25,14 +26,34 @@ from roughcontact.errors import RoughContactError
 if TYPE_CHECKING:
     import xarray as xr
 
-# open until the job ends
-_log = Path(snakemake.log[0]).open("w", encoding="utf-8", buffering=1)  # noqa: SIM115
 _name = " ".join([snakemake.rule, *map(str, snakemake.wildcards)])
+try:  # a descriptor, not a file: nothing is kept back that a full disk refuses again when the job ends
+    _log = os.open(snakemake.log[0], os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+except OSError as cause:
+    sys.exit(f"[{_name}] ERROR: {snakemake.log[0]}: cannot be written ({cause.strerror})")
+
+
+_ASKED = (
+    f"it had asked for {snakemake.resources.get('mem_mb')} MB; run fewer jobs at once (--cores 1), cut "
+    "the map or measure it coarser, and run again"
+)
+_DISK = {
+    errno.ENOSPC: "the disk is full; make room and run again, what is done is not done again",
+    errno.EDQUOT: "your share of the disk is used up; make room and run again",
+    errno.EROFS: "the folder is read-only; choose another one with --directory",
+    errno.EACCES: "you may not read or write it; change its permissions",
+}
+
+
+def _record(text: str) -> None:
+    """Write to the log; a job does not fail for its log."""
+    with suppress(OSError):
+        os.write(_log, text.encode("utf-8", "replace"))
 
 
 def say(text: str) -> None:
     """Write one line to the log and to the screen."""
-    print(f"[{_name}] {text}", file=_log)
+    _record(f"[{_name}] {text}\n")
     print(f"[{_name}] {text}", file=sys.stderr, flush=True)
 
 
@@ -63,14 +84,20 @@ def save(result: "xr.DataArray | xr.Dataset", path: str, settings: dict, *, sour
     write_dataset(result.assign_attrs(origin), path)
 
 
-def _report_error(kind: type[BaseException], error: BaseException | str, trace: TracebackType | None) -> None:
+def _report_error(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
     """Write the traceback to the log, and to the screen the one sentence that helps."""
-    traceback.print_exception(kind, error, trace, file=_log)
+    _record("".join(traceback.format_exception(kind, error, trace)))
     if kind is KeyboardInterrupt:  # by the user, who knows
         return
-    if not isinstance(error, RoughContactError):
-        error = f"{kind.__name__}: {error} (not foreseen, please report it with {snakemake.log[0]})"
-    print(f"[{_name}] ERROR: {error}", file=sys.stderr, flush=True)
+    if isinstance(error, RoughContactError):
+        text = str(error)
+    elif isinstance(error, MemoryError):
+        text = f"out of memory ({error or 'no room for more arrays'}): {_ASKED}"
+    elif isinstance(error, OSError) and error.errno in _DISK:
+        text = f"{error.filename or 'a file'}: {_DISK[error.errno]}"
+    else:
+        text = f"{kind.__name__}: {error} (not foreseen, please report it with {snakemake.log[0]})"
+    print(f"[{_name}] ERROR: {text}", file=sys.stderr, flush=True)
 
 
 def _log_warning(
@@ -82,7 +109,7 @@ def _log_warning(
     line: str | None = None,
 ) -> None:
     """Write a warning to the log."""
-    _log.write(warnings.formatwarning(message, category, filename, lineno, line))
+    _record(warnings.formatwarning(message, category, filename, lineno, line))
 
 
 def _end_with_the_run() -> None:

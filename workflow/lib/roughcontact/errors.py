@@ -42,6 +42,10 @@ class SettingsError(RoughContactError, ValueError):
         self.mistakes = tuple(mistakes)
 
 
+class OutputFileError(RoughContactError, OSError):
+    """A result that cannot be written: the disk is full, the folder may not be written."""
+
+
 class HeightMapError(RoughContactError, ValueError):
     """A height map that was read well but cannot be processed (all missing, one pixel, ...)."""
 

@@ -1,16 +1,18 @@
 """The program `roughcontact`: its verbs, and how it ends.
 
 Exit codes: 0 done, 1 a load missed the tolerance or two runs differ, 2 bad input (one sentence on standard
-error says what), 130 interrupted.
+error says what), 130 interrupted, 141 nobody reads the output any more.
 """
 
 import argparse
+import os
 import sys
 from typing import Any, NoReturn
 
 from roughcontact import __version__
 from roughcontact.errors import ConvergenceError, RoughContactError, SettingsError
 
+_BROKEN_PIPE = 141  # what a shell reports of a program that SIGPIPE has ended
 _DESCRIPTION = (
     "The program `roughcontact`: what is in a file, and the contact of one map without any workflow."
 )
@@ -45,7 +47,8 @@ def main(arguments: list[str] | None = None) -> int:
     Returns
     -------
     int
-        exit code: 0 done, 1 a load missed the tolerance or two runs differ, 2 bad input, 130 interrupted.
+        exit code: 0 done, 1 a load missed the tolerance or two runs differ, 2 bad input, 130 interrupted,
+        141 nobody reads the output any more.
 
     Examples
     --------
@@ -56,13 +59,18 @@ def main(arguments: list[str] | None = None) -> int:
     arguments = sys.argv[1:] if arguments is None else list(arguments)
     try:
         options = _parser(settings=arguments[:1] == ["solve"]).parse_args(arguments)
-        return options.run(options)
+        code = options.run(options)
+        sys.stdout.flush()
+        return code
     except ConvergenceError as error:
         return _failed(error, 1)
     except RoughContactError as error:
         return _failed(error, 2)
     except KeyboardInterrupt:
         return _failed("interrupted", 130)
+    except BrokenPipeError:  # who reads has seen enough, as `head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what is flushed at the end
+        return _BROKEN_PIPE
 
 
 def _failed(error: RoughContactError | str, code: int) -> int:

@@ -1,9 +1,12 @@
 """Result files: netCDF, written whole or not at all, byte-identical for identical content."""
 
+import errno
 import json
+import os
 import platform
+import shutil
 from collections.abc import Hashable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -13,7 +16,7 @@ import pandas as pd
 import xarray as xr
 
 from roughcontact import __version__
-from roughcontact.errors import InputFileError
+from roughcontact.errors import InputFileError, OutputFileError
 from roughcontact.variables import describe
 
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
@@ -70,6 +73,8 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
     ------
     RoughContactError
         where a variable is not in the table of `roughcontact.variables`.
+    OutputFileError
+        where the disk is full or the folder may not be written.
 
     Examples
     --------
@@ -89,7 +94,7 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
             encoding[name] = {"_FillValue": np.nan}
         if variable.size >= _COMPRESSED_FROM and variable.dtype.kind in "fiub":
             encoding[name] |= {"zlib": True, "complevel": 1, "shuffle": True}
-    with _whole(path) as partial:
+    with _whole(path, size=dataset.nbytes) as partial:
         dataset.to_netcdf(partial, engine="netcdf4", encoding=encoding)
 
 
@@ -107,12 +112,13 @@ def read_dataset(path: str | Path) -> xr.Dataset:
     Raises
     ------
     InputFileError
-        where the file is missing or is no netCDF file.
+        where the file is missing, damaged or no netCDF file.
     """
     try:
         with xr.open_dataset(path, engine="netcdf4") as dataset:
             return dataset.load()
-    except OSError as error:
+    except (OSError, RuntimeError, ValueError, LookupError, AttributeError, TypeError) as error:
+        # a damaged file: what is said depends on where the damage is
         raise InputFileError(f"{path}: not readable as netCDF ({error}); delete it and run again") from error
 
 
@@ -137,6 +143,11 @@ def write_text(text: str, path: str | Path) -> None:
     path : str or Path
         its folder is made where it is missing.
 
+    Raises
+    ------
+    OutputFileError
+        where the disk is full or the folder may not be written.
+
     Examples
     --------
     >>> import tempfile
@@ -146,21 +157,41 @@ def write_text(text: str, path: str | Path) -> None:
     ...     Path(folder, "new", "a.txt").read_text(encoding="utf-8")
     'A/A₀'
     """
-    with _whole(path) as partial:
-        partial.write_bytes(text.encode())
+    content = text.encode()
+    with _whole(path, size=len(content)) as partial:
+        partial.write_bytes(content)
 
 
 @contextmanager
-def _whole(path: str | Path) -> Iterator[Path]:
+def _whole(path: str | Path, *, size: int) -> Iterator[Path]:
     """Yield a temporary name beside `path` that takes its place at the end: no half file is ever seen.
 
-    The name is always the same, so that what a killed job has left is written over.
+    The name is always the same, so that what a killed job has left is written over. `size` is how many bytes
+    the file has at most, more or less: where fewer are free, that is why it was not written.
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f".{path.name}.partial")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         yield partial
         partial.replace(path)
+    except (OSError, RuntimeError) as error:  # netCDF says RuntimeError, and nothing about the reason
+        if (reason := _why_not_written(path.parent, error, size)) is None:
+            raise
+        raise OutputFileError(f"{path}: cannot be written, {reason}") from error
     finally:
-        partial.unlink(missing_ok=True)
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
+
+
+def _why_not_written(folder: Path, error: Exception, size: int) -> str | None:
+    """Return why nothing can be written to a folder, and the way out; None where it is for another reason."""
+    code = getattr(error, "errno", None)
+    there = next(path for path in (folder, *folder.absolute().parents) if path.is_dir())
+    free = shutil.disk_usage(there).free
+    if code in (errno.EROFS, errno.EACCES, errno.EPERM) or not os.access(there, os.W_OK):
+        return f"the folder {there} is read-only for you: choose another one (with the workflow: --directory)"
+    if code in (errno.ENOSPC, errno.EDQUOT) or free < size:
+        left = f"the disk is full ({free / 1e6:.3g} MB free)"
+        return f"{left}: make room and run again, what is done is not done again"
+    return None
