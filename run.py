@@ -79,6 +79,7 @@ def install(group):
 def work(*arguments):
     """Run the workflow in the working directory, on all cores unless the arguments say otherwise."""
     command = [BIN / "snakemake", "--snakefile", ROOT / "Snakefile", "--rerun-incomplete"]
+    command.append("--keep-going")  # a bad file stops its own surface alone
     folder = understood(arguments).directory
     if left_locked(folder):
         print("The last run in this folder was killed: going on where it ended.", file=sys.stderr, flush=True)

@@ -53,7 +53,7 @@ def kill_at_random(folder: Path, kills: int, seed: int, **study) -> tuple[Counte
         write_study(each, **study)
     begin = time.monotonic()
     subprocess.run(command(left_alone), env=environment(), check=True, capture_output=True)
-    longest = 0.25 * (time.monotonic() - begin)
+    longest = 0.08 * (time.monotonic() - begin)
     expected = results(left_alone)
     choose = random.Random(seed)
     while counts["kills"] < kills:

@@ -1,6 +1,7 @@
 """What goes wrong is said in one sentence, stops its own surface alone, and leaves nothing half-written."""
 
 import os
+import re
 import signal
 import subprocess
 
@@ -13,18 +14,16 @@ HEADER, GOOD, _ = TABLE
 
 # surface: (rest of its row in the table, what the message says)
 BROKEN = {
-    "absent": (
-        "measured/nowhere.npy\tum\t1\t1",
-        ["measured/nowhere.npy: no such file", "surfaces.tsv, line 3"],
-    ),
-    "unit": ("measured/ground.npy\tfurlong\t1\t1", ["measured/ground.npy", "'furlong'", "line 4"]),
-    "size": ("measured/ground.npy\tum\t\t", ["measured/ground.npy", "dx", "line 5"]),
-    "empty": ("measured/empty.txt\tum\t1\t1", ["measured/empty.txt", "line 6"]),
-    "cut": ("measured/cut.npy\tum\t1\t1", ["measured/cut.npy", "line 7"]),
-    "nan": ("measured/nan.npy\tum\t1\t1", ["measured/nan.npy", "line 8"]),
+    "size": ("measured/ground.npy\tum\t\t", ["measured/ground.npy", "dx", "line 3"]),
+    "empty": ("measured/empty.txt\tum\t1\t1", ["measured/empty.txt", "line 4"]),
+    "cut": ("measured/cut.npy\tum\t1\t1", ["measured/cut.npy", "line 5"]),
+    "nan": ("measured/nan.npy\tum\t1\t1", ["measured/nan.npy", "line 6"]),
     "dot": ("measured/dot.npy\tum\t1\t1", ["measured/dot.npy", "single point"]),
     "flat": ("measured/flat.npy\tum\t1\t1", ["flat.npy: the map is flat", "mean_pressure"]),
 }
+
+# what Snakemake says about a script that failed: nothing of use beside the sentence
+SNAKEMAKES_OWN = ("Traceback", "RuleException", "CalledProcessError", "message: None", "/scripts/tmp")
 
 
 def test_a_broken_surface_stops_itself_alone(project):
@@ -40,7 +39,11 @@ def test_a_broken_surface_stops_itself_alone(project):
         np.save(project.path(f"measured/{name}.npy"), heights)
     run = project.run("--keep-going")
     assert run.returncode != 0
-    assert "Traceback" not in run.stderr
+    for word in SNAKEMAKES_OWN:
+        assert word not in run.stderr
+    # every file that cannot be read is known before anything else begins
+    begun = re.findall(r"^(?:local)?rule (\w+):", run.stderr, re.MULTILINE)
+    assert begun[: len(BROKEN) + 1] == ["ingest"] * (len(BROKEN) + 1)
     for name, (_, said) in BROKEN.items():
         # the solution and its error budget go side by side: what no load can be planned for stops both
         jobs = 2 if name == "flat" else 1
@@ -80,6 +83,23 @@ def test_a_broken_surface_stops_itself_alone(project):
             ["surfaces.tsv", "column 'file': unknown", "'path': missing"],
         ),
         (SETTINGS | {"surfaces": "no.tsv"}, TABLE, ["table of surfaces no.tsv: not readable"]),
+        (
+            SETTINGS | {"statistics": {"gap_bins": 0}},
+            [
+                *TABLE,
+                "ground\tmeasured/turned.txt\tum\t1\t1",
+                "absent\tmeasured/nowhere.npy\tfurlong\tone\t1",
+                "turned\tmeasured/turned.txt\tMicron\t1\t1",
+            ],
+            [
+                "statistics.gap_bins = 0: must not be less than 1",
+                "line 4, surface = ground: stands twice",
+                "line 5, path = measured/nowhere.npy: no such file",
+                "line 5, unit: unknown length unit 'furlong'",
+                "line 5, dx = 'one': must be a number",
+                "line 6, surface = turned: stands twice",
+            ],
+        ),
     ],
 )
 def test_a_mistake_in_settings_or_table_is_found_before_anything_runs(project, settings, table, said):
@@ -124,7 +144,11 @@ def test_what_was_cut_off_leaves_nothing_and_is_taken_up_again(lengthy):
         if child.cmdline()[-1:] and child.cmdline()[-1].endswith(".solve.py")
     ]
     solvers[-1].kill()  # the job alone
-    assert process.wait(timeout=60) != 0
+    said, _ = process.communicate(timeout=60)
+    assert process.returncode != 0
+    assert re.search(r"^\[solve ground\] ERROR: killed; .* it had asked for \d{3} MB\.", said, re.MULTILINE)
+    for word in SNAKEMAKES_OWN:
+        assert word not in said
     before = ["height.nc", "levelled.nc", "window.nc"]
     assert sorted(path.name for path in lengthy.path("results/ground").iterdir()) == before
     assert lengthy.jobs("results/ground/contact.nc") == {"solve": 1}

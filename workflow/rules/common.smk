@@ -8,9 +8,10 @@ sys.path.insert(0, str(ROOT / "workflow/lib"))
 
 from roughcontact.errors import SettingsError
 from roughcontact.configuration.dependencies import source_digest
-from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.stages import SECTIONS, owner, settings_of
-from roughcontact.configuration.surfaces import find, measured, members, read_surfaces
+from roughcontact.configuration.study import read_study
+from roughcontact.configuration.surfaces import find, measured, members
+from roughcontact.io.units import metres
 
 # Without --configfile: the configuration of the working directory, else the one that comes with the workflow.
 # One file only, never two laid over each other, so that what a file says is all that is set.
@@ -27,9 +28,8 @@ FOLDERS = (
 )
 
 try:
-    CASES = resolve(config)  # without cases: {"": settings}
-    table = CASES[next(iter(CASES))]["surfaces"]
-    TABLE = read_surfaces(find(table, FOLDERS) or table, [".", ROOT])
+    # without cases: {"": settings}
+    CASES, TABLE = read_study(config, FOLDERS, measured_in=[".", ROOT], metres=metres)
     COMPOSITE = CASES[next(iter(CASES))]["composite"]  # the same for all cases
     # what is measured, and the ways in which the faces of each pair lie on one another
     MEASURED = measured(TABLE)
@@ -185,9 +185,8 @@ def row(surface):
 
 
 def measured_file(wildcards):
-    """Return the measured file; none where it is missing, so that only the job of this surface fails."""
-    path = MEASURED[wildcards.surface].path
-    return [str(path)] if path.is_file() else []
+    """Return the measured file."""
+    return str(MEASURED[wildcards.surface].path)
 
 
 def solver_threads(wildcards):

@@ -108,8 +108,12 @@ def unfinished():
             for stage in SECTIONS
         )
     ]
+    going = workflow.execution_settings.keep_going
+    others = (
+        "" if going else "The other surfaces go on to their end with --keep-going.\n"
+    )
     return (
         f"Not finished: {', '.join(names) or 'the report'}. The lines with ERROR above say why; logs/ has more.\n"
-        "The other surfaces go on to their end with --keep-going. A row of the table of surfaces that starts\n"
-        "with # is left out: so run again for the report of the rest, what is done is not done again."
+        f"{others}A row of the table of surfaces that starts with # is left out: so run again for the report\n"
+        "of the rest, what is done is not done again."
     )

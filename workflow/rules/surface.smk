@@ -9,6 +9,7 @@ rule ingest:
     wildcard_constraints:
         surface="|".join(MEASURED),
         case=owners("height"),
+    priority: 1  # before all others, so that every file that cannot be read is known soon
     conda:
         "../envs/roughcontact.yaml"
     resources:

@@ -4,15 +4,11 @@ import json
 
 from _job import save, say, snakemake
 
-from roughcontact.errors import InputFileError, RoughContactError
+from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
 
 file, settings = snakemake.params.file, snakemake.params.settings
 given = {key: value for key, value in settings["surface"].items() if key != "name"}
-if not snakemake.input:
-    raise InputFileError(
-        f"{file['path']}: no such file ({file['origin']}); correct the path or put # before the row"
-    )
 try:
     height = read_height_map(file["path"], **given)
 except RoughContactError as error:

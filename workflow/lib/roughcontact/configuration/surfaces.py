@@ -9,7 +9,7 @@ as `{surface}-face` and `{surface}-counter-face`; what is solved are its members
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -98,7 +98,12 @@ def find(path: str | Path, folders: Iterable[str | Path]) -> Path | None:
     return None
 
 
-def read_surfaces(table: str | Path, folders: Sequence[str | Path] = (".",)) -> dict[str, Surface]:
+def read_surfaces(
+    table: str | Path,
+    folders: Sequence[str | Path] = (".",),
+    *,
+    check: Callable[[Surface], list[str]] | None = None,
+) -> dict[str, Surface]:
     r"""Read the table of surfaces.
 
     Parameters
@@ -107,12 +112,13 @@ def read_surfaces(table: str | Path, folders: Sequence[str | Path] = (".",)) -> 
         the tab-separated file.
     folders : sequence of str or Path
         where relative paths of the table are looked for, in this order; the table's own folder comes second.
+    check : callable, optional
+        returns what else is wrong with a row: what the table alone does not tell, as whether its files exist.
 
     Returns
     -------
     dict
-        name -> Surface, in the order of the table. A height map that does not exist is no mistake of the
-        table: its own job reports it and the other surfaces run.
+        name -> Surface, in the order of the table.
 
     Raises
     ------
@@ -147,6 +153,7 @@ def read_surfaces(table: str | Path, folders: Sequence[str | Path] = (".",)) -> 
         )
         name = row.get("surface", "")
         surfaces[name] = Surface(name, path or Path(), f"{table}, line {line}", given, counter_face)
+        mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
     if mistakes:
         raise SettingsError(
             "\n".join([f"mistakes in the table of surfaces {table}:", *(f"  {m}" for m in mistakes)])

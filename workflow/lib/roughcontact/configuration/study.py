@@ -1,0 +1,120 @@
+"""Settings and table of surfaces together: what is wrong with either is said at once, before a run begins."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from roughcontact.checking import check_choice
+from roughcontact.choices import Resampling
+from roughcontact.configuration.models import Settings
+from roughcontact.configuration.resolve import resolve
+from roughcontact.configuration.surfaces import Surface, find, read_surfaces
+from roughcontact.errors import RoughContactError, SettingsError
+
+_MOST_VALUES = 100_000  # of a configuration: a thousand times what a large study has
+
+
+def read_study(
+    config: Mapping[str, Any],
+    folders: Sequence[str | Path],
+    *,
+    measured_in: Sequence[str | Path],
+    metres: Callable[..., float],
+) -> tuple[dict[str, dict[str, Any]], dict[str, Surface]]:
+    r"""Return the settings of every case and the table of surfaces.
+
+    Parameters
+    ----------
+    config : mapping
+        what the YAML file says.
+    folders : sequence of str or Path
+        where a relative path of the table is looked for, in this order.
+    measured_in : sequence of str or Path
+        the same for the paths in the table.
+    metres : callable
+        `roughcontact.io.units.metres`, which knows the units of length.
+
+    Returns
+    -------
+    cases : dict
+        as `resolve` returns them.
+    surfaces : dict
+        as `read_surfaces` returns them.
+
+    Raises
+    ------
+    SettingsError
+        one message that lists all mistakes in both, measured files that are missing and unknown units
+        included.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from roughcontact.io.units import metres
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     table = Path(folder) / "surfaces.tsv"
+    ...     _ = table.write_text("surface\tpath\tunit\nground\tground.txt\tmetre\n")
+    ...     _ = (Path(folder) / "ground.txt").write_text("1 2\n3 4\n")
+    ...     config = {"surfaces": "surfaces.tsv", "contact": {"contact_modulus": 1e9}}
+    ...     cases, surfaces = read_study(config, [folder], measured_in=[folder], metres=metres)
+    >>> list(cases), list(surfaces)
+    ([''], ['ground'])
+    """
+    _check_size(config)
+    cases: dict[str, dict[str, Any]] = {}
+    surfaces: dict[str, Surface] = {}
+    mistakes = []
+    try:
+        cases = resolve(config)
+    except SettingsError as error:
+        mistakes.append(str(error))
+    table = config.get("surfaces", Settings.model_fields["surfaces"].default)
+    if isinstance(table, str) and table:  # else that is among the mistakes in the settings
+        try:
+            surfaces = read_surfaces(
+                find(table, folders) or table, measured_in, check=lambda row: _mistakes_in(row, metres)
+            )
+        except SettingsError as error:
+            mistakes.append(str(error))
+    if mistakes:
+        raise SettingsError("\n".join(mistakes))
+    return cases, surfaces
+
+
+def _check_size(config: Mapping[str, Any]) -> None:
+    """Refuse more values than any study has: a few lines of aliases stand for a billion of them."""
+    waiting: list[Any] = [config]
+    for _ in range(_MOST_VALUES):
+        if not waiting:
+            return
+        value = waiting.pop()
+        if isinstance(value, Mapping):
+            waiting += value.values()
+        elif isinstance(value, list):
+            waiting += value
+    raise SettingsError(
+        f"the configuration has more than {_MOST_VALUES} values: look for aliases (*name) that stand for one "
+        "another, and write out what is meant"
+    )
+
+
+def _mistakes_in(row: Surface, metres: Callable[..., float]) -> list[str]:
+    """Return what only a look at the files, and who knows units and words, can say against a row."""
+    paths = {"path": row.path, "counter_face": row.counter_face}
+    mistakes = [
+        f"{key} = {path}: no such file; correct the path or put # before the row"
+        for key, path in paths.items()
+        if path is not None and path != Path() and not path.is_file()
+    ]
+    for key in ("unit", "height_unit"):
+        if key in row.given:
+            try:
+                metres(row.given[key], where=key)
+            except RoughContactError as error:
+                mistakes.append(str(error))
+    if "resample" in row.given:
+        try:
+            check_choice("resample", row.given["resample"], Resampling)
+        except SettingsError as error:
+            mistakes.append(str(error))
+    return mistakes
