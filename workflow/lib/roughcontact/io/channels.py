@@ -57,7 +57,7 @@ class Channel:
         Where the steps are a total size divided by the number of points that were found: how far the stated
         sizes along x and y may be off by their last digit, as shares.
     doubt : str
-        Why the channel cannot be read as it is, where it may be read `otherwise`.
+        Why the channel cannot be read as it is.
     otherwise : Channel or None
         The same numbers as a map, where they may be points or a map: read so if the user gives both steps.
     points : Points or None

@@ -91,6 +91,8 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
 def _settled(channel: Channel, request: Request, path: Path) -> tuple[Channel, list[str]]:
     """Return the channel as map or as points, where its numbers may be both; a sentence on what was taken."""
     if channel.otherwise is None:
+        if channel.doubt:
+            raise InputFileError(f"{path}: {channel.doubt}")
         return channel, []
     if request.dx is not None and request.dy is not None and request.resample is None:
         ny, nx = channel.otherwise.shape

@@ -1,5 +1,6 @@
 """What is in a measured file, and what reading it would give."""
 
+from math import prod
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,8 @@ from roughcontact.io.guards import sha256
 from roughcontact.io.plausibility import quantisation_step, roughness_off_plane, suspicions
 from roughcontact.io.registry import open_file
 from roughcontact.io.request import Request
+
+_LARGE = 2**24  # points
 
 
 def inspect_file(
@@ -88,7 +91,7 @@ def inspect_file(
         "instrument": file.instrument,
         "channel": name,
         "channel_choice": choice,
-        "channels": [_described(each) for each in file.channels],
+        "channels": [_described(each, chosen=each.name == name) for each in file.channels],
         "map": measured,
         "problem": problem,
         "warnings": warnings,
@@ -115,8 +118,8 @@ def _measured(converted: Converted) -> dict:
     }
 
 
-def _described(channel: Channel) -> dict:
-    """Return what is known of a channel, in the units of the file."""
+def _described(channel: Channel, *, chosen: bool) -> dict:
+    """Return what is known of a channel, in the units of the file; large ones are read only if chosen."""
     described = {
         "name": channel.name,
         "ny": channel.shape[0],
@@ -128,9 +131,12 @@ def _described(channel: Channel) -> dict:
         "is_height": not channel.no_height,
         "reason": channel.no_height,
     }
-    if channel.no_height:
+    if channel.no_height or (prod(channel.shape) > _LARGE and not chosen):
         return described
-    values = channel.read()
+    try:
+        values = channel.read()
+    except InputFileError as error:
+        return described | {"reason": str(error)}
     if np.isfinite(values).any():
         described |= _missing(values) | {"rms_height": float(np.nanstd(values))} | _range(values)
     return described

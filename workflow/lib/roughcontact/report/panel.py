@@ -8,14 +8,13 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from roughcontact.errors import InputFileError
 from roughcontact.maps import side_lengths
 from roughcontact.quantities import percent, quantity
 from roughcontact.report import facts, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.summary import embedded
 from roughcontact.report.template import template
-from roughcontact.results.storage import read_dataset, write_text
+from roughcontact.results.storage import opened_dataset, read_dataset, write_text
 from roughcontact.statistics import checks
 
 
@@ -145,13 +144,10 @@ def _maps(
 
 def _fields(path: str | Path, window: xr.DataArray, loads: np.ndarray) -> list[tuple[str, str, str]]:
     """Return (caption, pressure map, gap map) of a few loads, an empty list where no maps were kept."""
-    try:
-        with xr.open_dataset(path, engine="netcdf4") as contact:
-            if "pressure" not in contact or "gap" not in contact:
-                return []
-            chosen = contact[["pressure", "gap", "mean_pressure"]].isel(load=loads).load()
-    except OSError as error:
-        raise InputFileError(f"{path}: not readable as netCDF ({error}); delete it and run again") from error
+    with opened_dataset(path) as contact:
+        if "pressure" not in contact or "gap" not in contact:
+            return []
+        chosen = contact[["pressure", "gap", "mean_pressure"]].isel(load=loads).load()
     fields = []
     for index in range(chosen.sizes["load"]):
         pressure, gap = (chosen[name].values[index] for name in ("pressure", "gap"))

@@ -17,6 +17,7 @@ import xarray as xr
 
 from roughcontact import __version__
 from roughcontact.errors import InputFileError, OutputFileError
+from roughcontact.io.guards import brief
 from roughcontact.variables import describe
 
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
@@ -114,12 +115,35 @@ def read_dataset(path: str | Path) -> xr.Dataset:
     InputFileError
         where the file is missing, damaged or no netCDF file.
     """
+    with opened_dataset(path) as dataset:
+        return dataset.load()
+
+
+@contextmanager
+def opened_dataset(path: str | Path) -> Iterator[xr.Dataset]:
+    """Open one of the project's own result files, to read a part of it.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Yields
+    ------
+    Dataset
+
+    Raises
+    ------
+    InputFileError
+        where the file is missing, damaged or no netCDF file, also if that shows only within the block.
+    """
     try:
         with xr.open_dataset(path, engine="netcdf4") as dataset:
-            return dataset.load()
-    except (OSError, RuntimeError, ValueError, LookupError, AttributeError, TypeError) as error:
-        # a damaged file: what is said depends on where the damage is
-        raise InputFileError(f"{path}: not readable as netCDF ({error}); delete it and run again") from error
+            yield dataset
+    except InputFileError:
+        raise
+    except Exception as error:  # the libraries raise errors of many types on what is damaged
+        why = brief(error)
+        raise InputFileError(f"{path}: not readable as netCDF ({why}); delete it and run again") from error
 
 
 def write_table(frame: pd.DataFrame, path: str | Path) -> None:

@@ -2,14 +2,11 @@
 
 from pathlib import Path
 
-from roughcontact.errors import InputFileError
+from roughcontact.io import hdf5
 from roughcontact.io.channels import MeasuredFile
-from roughcontact.io.guards import brief
 from roughcontact.io.instruments.formats import marked
 from roughcontact.io.instruments.library import read_as
 from roughcontact.io.interface import Reader, ToldBy, head_of
-
-_HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -20,15 +17,10 @@ def recognises(path: Path, head: bytes) -> bool:
     InputFileError
         For an HDF5 file that cannot be opened, whoever wrote it.
     """
-    if not head.startswith(_HDF5):
+    if not head.startswith(hdf5.MARK):
         return False
-    import h5py
-
-    try:
-        with h5py.File(path) as file:
-            return "MetaData" in file
-    except OSError as error:
-        raise InputFileError(f"{path}: damaged or cut off HDF5 file ({brief(error)})") from error
+    with hdf5.opened(path) as file:
+        return "MetaData" in file
 
 
 def read(path: Path) -> MeasuredFile:
@@ -45,8 +37,9 @@ def read(path: Path) -> MeasuredFile:
     Raises
     ------
     InputFileError
-        For a file that is damaged, cut off, or holds no map.
+        For a file that is damaged, cut off, refers to other files, or holds no map.
     """
+    hdf5.datasets(path)
     return read_as(path, marked(head_of(path)))
 
 

@@ -4,12 +4,17 @@ Row j is the j-th y; row 0 is the lowest line.
 """
 
 import json
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from math import prod
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from roughcontact.errors import InputFileError
+from roughcontact.io import hdf5
 from roughcontact.io.channels import (
     Channel,
     MeasuredFile,
@@ -19,13 +24,13 @@ from roughcontact.io.channels import (
     scattered,
     unreadable,
 )
-from roughcontact.io.guards import brief, check_points
-from roughcontact.io.interface import Reader, ToldBy
+from roughcontact.io.guards import MAX_POINTS, brief, check_points
+from roughcontact.io.interface import Reader, ToldBy, head_of
 from roughcontact.io.metadata import instrument_words
 from roughcontact.io.units import is_length
 
 _CLASSIC = (b"CDF\x01", b"CDF\x02")  # the second one with offsets of 64 bits
-_MARKS = (*_CLASSIC, b"CDF\x05", b"\x89HDF\r\n\x1a\n")
+_MARKS = (*_CLASSIC, b"CDF\x05", hdf5.MARK)
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -57,26 +62,21 @@ def read(path: Path) -> MeasuredFile:
     InputFileError
         For a file that is damaged, cut off, or has no such variable.
     """
-    import xarray as xr
-
-    with path.open("rb") as stream:
-        classic = stream.read(4) in _CLASSIC
+    head = head_of(path)
+    arrays = hdf5.datasets(path) if head.startswith(hdf5.MARK) else {}
     # In a classic file that was cut off, the netCDF library reads zeros; SciPy misses the bytes.
-    engine = "scipy" if classic else "netcdf4"
-    try:
-        dataset = xr.open_dataset(path, engine=engine, decode_times=False, decode_timedelta=False)
-    except (OSError, ValueError, RuntimeError, TypeError, IndexError, KeyError) as error:
-        raise InputFileError(f"{path}: damaged or cut off netCDF file ({brief(error)})") from error
-    with dataset:
-        variables = (_variable(dataset, name, path) for name in dataset.data_vars)
+    engine = "scipy" if head.startswith(_CLASSIC) else "netcdf4"
+    too_long = {} if engine == "scipy" else _too_long(path)
+    with _opened(path, engine, too_long) as dataset:
+        opener = partial(_opened, path, engine, too_long)
+        variables = (_variable(dataset, name, path, opener) for name in dataset.data_vars)
         channels = [channel for channel in variables if channel is not None]
         attributes = dict(dataset.attrs)
-        own = dataset["height"].attrs if "height" in dataset else {}
+        own = dict(dataset["height"].attrs) if "height" in dataset else {}
+        names = sorted(map(str, dataset.variables))
+    channels += [_unread(name, shape) for name, shape in too_long.items()]
     if not channels:
-        raise InputFileError(
-            f"{path}: no variable over two axes (y, x) in this netCDF file; "
-            f"it has {sorted(map(str, dataset.variables))}"
-        )
+        raise InputFileError(_nothing_in(path, arrays, names))
     channels.sort(key=lambda channel: channel.name not in ("height", "heights", "z"))
     return MeasuredFile(
         "netCDF",
@@ -87,24 +87,83 @@ def read(path: Path) -> MeasuredFile:
     )
 
 
+@contextmanager
+def _opened(path: Path, engine: Any, left_out: Iterable[str]) -> Iterator[Any]:
+    """Open a file as a dataset, with every error as one of this project, also those within the block."""
+    import xarray as xr
+
+    try:
+        with xr.open_dataset(
+            path, engine=engine, decode_times=False, decode_timedelta=False, drop_variables=list(left_out)
+        ) as dataset:
+            yield dataset
+    except (InputFileError, UnevenPositionsError):
+        raise
+    except Exception as error:  # the libraries raise errors of many types on what is damaged
+        raise InputFileError(f"{path}: damaged or cut off netCDF file ({brief(error)})") from error
+
+
+def _too_long(path: Path) -> dict[str, tuple[int, ...]]:
+    """Return the shapes of variables of more points than are read: opening alone would read coordinates."""
+    import netCDF4
+
+    try:
+        with netCDF4.Dataset(path) as file:
+            shapes = {name: tuple(variable.shape) for name, variable in file.variables.items()}
+    except Exception as error:  # as above
+        raise InputFileError(f"{path}: damaged or cut off netCDF file ({brief(error)})") from error
+    return {name: shape for name, shape in shapes.items() if prod(shape) > MAX_POINTS}
+
+
+def _unread(name: str, shape: tuple[int, ...]) -> Channel:
+    """Return a channel of more points than are read."""
+    why = f"{' x '.join(map(str, shape))} points, more than the {MAX_POINTS} that are read; crop the map"
+    doubt = f"variable {name!r} has {why}"
+    return Channel(name, (1, prod(shape)), unreadable(doubt), no_height=why, doubt=doubt)
+
+
+def _nothing_in(path: Path, arrays: dict[str, tuple[int, ...]], names: list[str]) -> str:
+    """Return what to say of a file without a map."""
+    if arrays:
+        listed = ", ".join(
+            f"{name} ({' x '.join(map(str, shape)) or '1'})" for name, shape in sorted(arrays.items())[:5]
+        )
+        more = f" and {len(arrays) - 5} more" if len(arrays) > 5 else ""
+        return (
+            f"{path}: an HDF5 file, but neither netCDF nor one of Zygo's or JPK's, so that nothing says "
+            f"which of its arrays are heights; it has {listed}{more}; save the heights as .npy or netCDF"
+        )
+    if not names:
+        return (
+            f"{path}: an empty {'HDF5 or ' if _is_hdf5(path) else ''}netCDF file: it has no variable at all"
+        )
+    return f"{path}: no variable over two axes (y, x) in this netCDF file; it has {', '.join(names)}"
+
+
+def _is_hdf5(path: Path) -> bool:
+    """Return whether a file is HDF5."""
+    return head_of(path).startswith(hdf5.MARK)
+
+
 def _instrument(own: Any, attributes: dict) -> dict:
     """Return what this project wrote of the instrument, else what the attributes of the file say of it."""
     try:
         stated = json.loads(own)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, RecursionError):
         stated = None
     return stated if isinstance(stated, dict) else instrument_words({}, attributes)
 
 
-def _variable(dataset: Any, name: Any, path: Path) -> Channel | None:
-    """Return one variable as a channel, None where it is no map or profile."""
+def _variable(dataset: Any, name: Any, path: Path, opener: Callable[[], Any]) -> Channel | None:
+    """Return one variable as a channel that reads itself, None where it is no map or profile."""
     variable = dataset[name]
     dims = _axes(variable)
     if dims is None:
         return None
     y, x = dims
     ny, nx = variable.sizes[y] if y else 1, variable.sizes[x]
-    check_points((ny, nx), path)
+    if ny * nx > MAX_POINTS:
+        return _unread(str(name), (ny, nx))
     unit = _unit(variable)
     no_height = ""
     if variable.dtype.kind not in "iuf":
@@ -118,28 +177,46 @@ def _variable(dataset: Any, name: Any, path: Path) -> Channel | None:
     if variable.dtype.kind not in "iuf":
         refused = f"{path}: variable {name!r} holds {no_height}, not real numbers"
         return Channel(str(name), (ny, nx), unreadable(refused), **words)
-    kept = [axis for axis in dims if axis is not None]
-    values = variable.squeeze([axis for axis in variable.dims if axis not in kept]).transpose(*kept).values
-    values = as_heights(values, str(path))
-    if str(variable.attrs.get("positive", "")).lower() == "down":  # CF's word for depths
-        values = -values
+    down = str(variable.attrs.get("positive", "")).lower() == "down"  # CF's word for depths
+    if down:
         words["notes"] = [f"the file counts {name!r} positive downwards: its sign was changed"]
+    read = partial(_values, opener, name, dims, path, down)
     try:
         dx, first_x, backwards_x = _axis(dataset, x)
         dy, first_y, backwards_y = _axis(dataset, y)
     except UnevenPositionsError as error:
-        return _off_grid(dataset, str(name), dims, values, error, path, words)
-    values = values[:: -1 if backwards_y else 1, :: -1 if backwards_x else 1]
+        if no_height:
+            return Channel(str(name), (ny, nx), read, **words)
+        return _off_grid(dataset, str(name), dims, read(), error, path, words)
+    turned = np.s_[:: -1 if backwards_y else 1, :: -1 if backwards_x else 1]
     return Channel(
         str(name),
         (ny, nx),
-        values.copy,
+        partial(_turned, read, turned),
         dx=dx,
         dy=dy,
         first_x=first_x,
         first_y=first_y,
         **words,
     )
+
+
+def _turned(read: Callable[[], np.ndarray], turned: tuple[slice, slice]) -> np.ndarray:
+    """Return what is read, with axes that run backwards turned."""
+    return read()[turned].copy()
+
+
+def _values(
+    opener: Callable[[], Any], name: Any, dims: tuple[str | None, str], path: Path, down: bool
+) -> np.ndarray:
+    """Return the values of a variable over its axes, with the sign of heights."""
+    kept = [axis for axis in dims if axis is not None]
+    with opener() as dataset:
+        variable = dataset[name]
+        check_points((1, prod(variable.shape)), path)
+        rest = [axis for axis in variable.dims if axis not in kept]
+        values = as_heights(variable.squeeze(rest).transpose(*kept).values, str(path))
+    return -values if down else values
 
 
 def _axes(variable: Any) -> tuple[str | None, str] | None:

@@ -1,0 +1,206 @@
+"""Files made to hang a reader, to fill the memory, or to bring in what lies elsewhere."""
+
+import json
+from pathlib import Path
+
+import h5py
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.inspection import inspect_file
+from roughcontact.io.read import read_height_map
+from roughcontact.results.storage import read_dataset, write_dataset
+
+HEIGHTS = 1e-7 * np.random.default_rng(0).standard_normal((16, 16))
+
+
+def good(path, heights=HEIGHTS):
+    axes = {axis: (axis, 1e-6 * np.arange(16), {"units": "m"}) for axis in ("y", "x")}
+    xr.DataArray(heights, coords=axes, dims=("y", "x"), name="height", attrs={"units": "m"}).to_netcdf(path)
+    return path
+
+
+def no_more_than(gigabytes):
+    """Limit the memory of this process by what is asked for, not by what is touched."""
+    import resource
+
+    class Limit:
+        def __enter__(self):
+            self.before = resource.getrlimit(resource.RLIMIT_AS)
+            used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+            resource.setrlimit(resource.RLIMIT_AS, (used + int(gigabytes * 2**30), self.before[1]))
+
+        def __exit__(self, *_):
+            resource.setrlimit(resource.RLIMIT_AS, self.before)
+
+    return Limit()
+
+
+@pytest.mark.parametrize("place", range(0, 9000, 300))
+def test_a_flipped_byte_in_hdf5_gives_a_map_or_an_error_of_ours(tmp_path, place):
+    data = bytearray(good(tmp_path / "map.nc").read_bytes())
+    data[place % len(data)] ^= 0xFF
+    path = tmp_path / "damaged.nc"
+    path.write_bytes(bytes(data))
+    said = str(path)
+    try:
+        assert read_height_map(path).dims == ("y", "x")
+    except InputFileError as error:
+        said = str(error)
+    assert str(path) in said
+
+
+def test_a_damaged_result_is_named_with_the_way_out(tmp_path):
+    path = tmp_path / "gap.nc"
+    write_dataset(xr.Dataset({"mean_gap": ("load", [2e-7])}), path)
+    data = path.read_bytes()
+    said = []
+    for place in range(0, len(data), max(1, len(data) // 60)):
+        damaged = bytearray(data)
+        damaged[place] ^= 0x55
+        path.write_bytes(bytes(damaged))
+        try:
+            read_dataset(path)
+        except InputFileError as error:
+            said.append(str(error))
+    assert len(said) > 3
+    assert all("gap.nc: not readable as netCDF" in message for message in said)
+    assert all(message.endswith("delete it and run again") for message in said)
+
+
+def test_coordinates_and_variables_too_long_are_never_read(tmp_path):
+    for length in (10**10, 10**12):
+        path = tmp_path / f"long{length}.nc"
+        with netCDF4.Dataset(path, "w") as file:
+            file.createDimension("x", length)
+            file.createVariable("x", "f8", ("x",), chunksizes=(1024,))
+            file.createVariable("z", "f4", ("x",), chunksizes=(1024,)).units = "m"
+        assert path.stat().st_size < 20_000
+        with (
+            no_more_than(1),
+            pytest.raises(InputFileError, match=f"{length} points, more than the 134217728"),
+        ):
+            read_height_map(path)
+
+
+def test_a_good_map_beside_what_is_too_long_is_read(tmp_path):
+    path = good(tmp_path / "map.nc")
+    with netCDF4.Dataset(path, "a") as file:
+        file.createDimension("n", 10**12)
+        file.createVariable("n", "f8", ("n",), chunksizes=(1024,))
+        file.createVariable("trace", "f4", ("n",), chunksizes=(1024,)).units = "m"
+        file.createDimension("high", 11585)
+        file.createDimension("wide", 11585)
+        for number in range(6):
+            file.createVariable(f"extra{number}", "f8", ("high", "wide"), chunksizes=(64, 64)).units = "m"
+    with no_more_than(0.9):
+        height = read_height_map(path)
+        found = inspect_file(path)
+    np.testing.assert_array_equal(height.values, HEIGHTS)
+    assert found["channel"] == "height"
+    assert {each["name"] for each in found["channels"]} >= {"height", "trace", "extra0"}
+    with pytest.raises(InputFileError, match="variable 'trace' has 1000000000000 points, more than"):
+        read_height_map(path, channel="trace", height_unit="m")
+
+
+def test_deep_brackets_in_an_attribute(tmp_path):
+    path = tmp_path / "map.nc"
+    array = xr.open_dataarray(good(tmp_path / "plain.nc")).load()
+    array.attrs["instrument"] = "[" * 200_000
+    array.to_netcdf(path)
+    assert json.loads(read_height_map(path).attrs["instrument"]) == {}
+
+
+def outside_storage(path, secret):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("z", (16, 16), "f8", external=[(str(secret), 0, 2048)]).attrs["units"] = "m"
+
+
+def outside_link(path, secret):
+    with h5py.File(secret, "w") as file:
+        file["z"] = HEIGHTS
+    with h5py.File(path, "w") as file:
+        file["z"] = h5py.ExternalLink(str(secret), "/z")
+
+
+def outside_link_in_a_group(path, secret):
+    with h5py.File(path, "w") as file:
+        file["z"] = HEIGHTS
+        file.create_group("deep/deeper")["z"] = h5py.ExternalLink(str(secret), "/z")
+
+
+def outside_array(path, secret):
+    with h5py.File(secret, "w") as file:
+        file["z"] = HEIGHTS
+    layout = h5py.VirtualLayout((16, 16), "f8")
+    layout[:] = h5py.VirtualSource(str(secret), "z", (16, 16))
+    with h5py.File(path, "w") as file:
+        file.create_virtual_dataset("z", layout)
+
+
+@pytest.mark.parametrize("made", [outside_storage, outside_link, outside_link_in_a_group, outside_array])
+@pytest.mark.parametrize("kind", ["plain", "zygo", "jpk"])
+def test_numbers_of_other_files_are_refused(tmp_path, made, kind):
+    secret, path = tmp_path / "secret", tmp_path / "map.h5"
+    secret.write_bytes(HEIGHTS.tobytes())
+    made(path, secret)
+    with h5py.File(path, "a") as file:
+        if kind == "zygo":
+            file.create_group("MetaData")
+        elif kind == "jpk":
+            file.attrs["file-format-info"] = "JPK SCAN"
+    with pytest.raises(InputFileError, match="which is refused: any file of this computer"):
+        read_height_map(path, dx=1, dy=1, unit="um", height_unit="m")
+
+
+def circle(file):
+    file.create_group("a")["b"] = file["/"]
+
+
+def circle_of_names(file):
+    file.create_group("a")["b"] = h5py.SoftLink("/")
+
+
+def doubled(file):
+    group = file.create_group("g0")
+    for number in range(40):
+        inner = file.create_group(f"g{number + 1}")
+        group["left"] = group["right"] = inner
+        group = inner
+
+
+def deep(file):
+    group = file
+    for _ in range(5000):
+        group = group.create_group("g")
+
+
+@pytest.mark.parametrize("groups", [circle, circle_of_names, doubled, deep])
+def test_groups_without_an_end(tmp_path, groups):
+    """Each of these ends a process that hands it to the netCDF library."""
+    path = good(tmp_path / "map.nc")
+    with h5py.File(path, "a") as file:
+        groups(file)
+    with pytest.raises(InputFileError, match=r"which is refused: the file may have no end"):
+        read_height_map(path)
+
+
+def test_hdf5_without_arrays(tmp_path):
+    with h5py.File(tmp_path / "empty.h5", "w") as file:
+        file.create_group("a")
+    with pytest.raises(InputFileError, match="it has no variable at all"):
+        read_height_map(tmp_path / "empty.h5")
+
+
+def test_hdf5_of_another_kind_is_named_with_its_arrays(tmp_path):
+    with h5py.File(tmp_path / "map.h5", "w") as file:
+        file["scan/a/heights"] = HEIGHTS
+        file["scan/a/time"] = 3.0
+    with pytest.raises(
+        InputFileError,
+        match=r"neither netCDF nor .*it has /scan/a/heights \(16 x 16\), /scan/a/time \(1\); save",
+    ):
+        read_height_map(tmp_path / "map.h5")

@@ -1,0 +1,113 @@
+"""HDF5 containers: opened without trust. What lies in other files is refused, and no number is read here."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.guards import brief
+
+if TYPE_CHECKING:
+    import h5py
+
+MARK = b"\x89HDF\r\n\x1a\n"
+_MOST_OBJECTS = 10_000
+_DEEPEST = 32  # groups within each other; the netCDF library goes down by recursion
+
+
+@contextmanager
+def opened(path: Path) -> Iterator["h5py.File"]:
+    """Open an HDF5 file to be read, with every error as one of this project.
+
+    Parameters
+    ----------
+    path : Path
+
+    Yields
+    ------
+    h5py.File
+
+    Raises
+    ------
+    InputFileError
+        For a file that is damaged or cut off, also where that shows only within the block.
+    """
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            yield file
+    except InputFileError:
+        raise
+    except Exception as error:  # the library raises errors of many types on what is damaged
+        raise InputFileError(f"{path}: damaged or cut off HDF5 file ({brief(error)})") from error
+
+
+def datasets(path: Path) -> dict[str, tuple[int, ...]]:
+    """Return the shapes of all arrays of a file by their names, and refuse what lies outside it.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    dict
+        Name with its groups -> shape.
+
+    Raises
+    ------
+    InputFileError
+        For a link to another file, external storage or a virtual array (the heights would be bytes of other
+        files of this computer), for more than 10 000 objects, and for a file that is damaged.
+    """
+    with opened(path) as file:
+        return dict(_arrays(file, path))
+
+
+def _arrays(file: "h5py.File", path: Path) -> Iterator[tuple[str, tuple[int, ...]]]:
+    """Yield name and shape of every array; groups met twice are refused, as they may go in circles."""
+    import h5py
+
+    groups: list[tuple[Any, int]] = [(file, 0)]
+    seen = {h5py.h5o.get_info(file.id).addr}
+    while groups:
+        group, depth = groups.pop()
+        for name in group:
+            link = group.get(name, getlink=True)
+            if isinstance(link, h5py.ExternalLink):
+                raise _outside(path, f"{group.name.rstrip('/')}/{name} is a link into another file")
+            try:
+                entry = group[name]
+            except (KeyError, OSError, RuntimeError):
+                if isinstance(link, h5py.SoftLink):  # it leads nowhere
+                    continue
+                raise
+            address = h5py.h5o.get_info(entry.id).addr
+            if isinstance(entry, h5py.Group) and (address in seen or depth == _DEEPEST):
+                raise InputFileError(
+                    f"{path}: {group.name.rstrip('/')}/{name} is a group that is met twice or lies more than "
+                    f"{_DEEPEST} groups deep in this HDF5 file, which is refused: the file may have no end"
+                )
+            if address in seen:
+                continue
+            seen.add(address)
+            if len(seen) > _MOST_OBJECTS:
+                raise InputFileError(f"{path}: more than {_MOST_OBJECTS} objects in this HDF5 file")
+            if isinstance(entry, h5py.Group):
+                groups.append((entry, depth + 1))
+            elif isinstance(entry, h5py.Dataset):
+                if entry.external:
+                    raise _outside(path, f"the numbers of {entry.name} lie in another file")
+                if entry.is_virtual:
+                    raise _outside(path, f"{entry.name} is put together from other files")
+                yield entry.name, entry.shape or ()
+
+
+def _outside(path: Path, what: str) -> InputFileError:
+    """Return the error for a file whose numbers lie elsewhere."""
+    return InputFileError(
+        f"{path}: {what}, which is refused: any file of this computer would be read as heights; copy the "
+        "numbers into one file"
+    )

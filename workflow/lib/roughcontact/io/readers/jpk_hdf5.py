@@ -1,0 +1,151 @@
+"""JPK's fast scans in HDF5: one channel for each quantity, direction and frame.
+
+A file holds groups ``Measurement_000``, ... with a grid in their attributes (``position-pattern.grid.*``) and
+groups ``Channel_000``, ... Each channel has one array of counts, a row for each point of the grid (x fastest)
+and a column for each frame. Its attributes ``net-encoder.scaling.*`` lead from counts to the quantity.
+"""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io import hdf5, instrument_kinds
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights
+from roughcontact.io.guards import check_points
+from roughcontact.io.interface import Reader, ToldBy
+from roughcontact.io.metadata import instrument_words
+from roughcontact.io.units import is_length
+
+_SCALE = "net-encoder.scaling."
+_GRID = "position-pattern.grid."
+_HEIGHTS = ("measuredHeight", "height", "capacitiveSensorHeight")  # the measured one first
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Return whether a file is HDF5 that says that it is a scan of JPK's.
+
+    Raises
+    ------
+    InputFileError
+        For an HDF5 file that cannot be opened, whoever wrote it.
+    """
+    if not head.startswith(hdf5.MARK):
+        return False
+    with hdf5.opened(path) as file:
+        return "JPK" in _text(file.attrs.get("file-format-info", ""))
+
+
+def read(path: Path) -> MeasuredFile:
+    """Open a file of one or more measurements; only sizes and scales are read.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    MeasuredFile
+        One channel for each quantity, direction and frame; the measured heights first.
+
+    Raises
+    ------
+    InputFileError
+        For a file that is damaged, refers to other files, or holds no map.
+    """
+    hdf5.datasets(path)
+    channels: list[tuple[int, Channel]] = []
+    instrument: dict[str, Any] = {}
+    with hdf5.opened(path) as file:
+        measurements = [name for name in sorted(file) if name.startswith("Measurement_")]
+        for name in measurements:
+            measurement = file[name]
+            said = dict(measurement.attrs.items())
+            before = f"{name} " if len(measurements) > 1 else ""
+            for group in sorted(measurement):
+                if group.startswith("Channel_"):
+                    channels += _frames(measurement[group], said, before, path)
+            instrument = instrument or _instrument(said)
+    if not channels:
+        raise InputFileError(f"{path}: this JPK file holds no map")
+    channels.sort(key=lambda ranked: ranked[0])
+    return MeasuredFile("JPK (HDF5)", [channel for _, channel in channels], "bottom", instrument)
+
+
+def _frames(group: Any, said: dict[str, Any], before: str, path: Path) -> list[tuple[int, Channel]]:
+    """Return a channel for each frame of a group, with its place in the order."""
+    attributes = dict(group.attrs.items())
+    nx, ny = int(said[_GRID + "ilength"]), int(said[_GRID + "jlength"])
+    check_points((ny, nx), path)
+    arrays = [name for name in group if name != "thumbnail"]
+    if len(arrays) != 1:
+        raise InputFileError(f"{path}: {group.name} of this JPK file has {len(arrays)} arrays, not one")
+    array = group[arrays[0]]
+    if array.ndim != 2 or array.shape[0] != nx * ny or array.dtype.kind not in "iuf":
+        raise InputFileError(
+            f"{path}: {array.name} has the shape {array.shape}, which is no {ny} x {nx} points of each frame"
+        )
+    unit = _text(attributes.get(_SCALE + "unit.unit", ""))
+    scale = float(attributes[_SCALE + "multiplier"]), float(attributes[_SCALE + "offset"])
+    lateral_unit = _text(said.get(_GRID + "unit.unit", "m"))
+    quantity = _text(attributes.get("channel.name", array.name))
+    direction = "retrace" if _text(attributes.get("retrace", "")) == "true" else "trace"
+    turned = abs(float(said.get(_GRID + "theta", 0.0))) > 1e-3
+    notes = ["the scan is turned in its file (theta): x and y are those of the scan"] if turned else []
+    rank = _HEIGHTS.index(quantity) if quantity in _HEIGHTS else len(_HEIGHTS)
+    frames = array.shape[1]
+    no_height = "" if is_length(unit) else f"values in {unit or 'no unit'}, no length"
+    if not no_height and rank == len(_HEIGHTS):
+        no_height = "by its name no topography"
+    label = _text(attributes.get("channel.fancy-name", quantity))
+    return [
+        (
+            rank,
+            Channel(
+                f"{before}{label} ({direction}" + (f", frame {frame + 1})" if frames > 1 else ")"),
+                (ny, nx),
+                partial(_read, path, array.name, frame, (ny, nx), scale),
+                height_unit=unit or None,
+                dx=float(said[_GRID + "ulength"]) / nx,
+                dy=float(said[_GRID + "vlength"]) / ny,
+                lateral_unit=lateral_unit,
+                no_height=no_height,
+                notes=list(notes),
+            ),
+        )
+        for frame in range(frames)
+    ]
+
+
+def _read(
+    path: Path, name: str, frame: int, shape: tuple[int, int], scale: tuple[float, float]
+) -> np.ndarray:
+    """Return the values of one frame."""
+    with hdf5.opened(path) as file:
+        counts = file[name][:, frame]
+    return as_heights(counts.reshape(shape) * scale[0] + scale[1], str(path))
+
+
+def _instrument(said: dict[str, Any]) -> dict[str, Any]:
+    """Return what the attributes of a measurement say of the instrument."""
+    return instrument_words(
+        {
+            "kind": instrument_kinds.PROBE.name,
+            "vendor": "JPK",
+            "name": _text(said.get("description.instrument", "")),
+            "probe": _text(said.get("environment.cantilever-calibration-info.cantilever-name", "")),
+            "acquisition_time": _text(said.get("start-time", "")),
+            "software": _text(said.get("description.source-software", "")),
+            "comment": _text(said.get("description.comment", "")),
+        }
+    )
+
+
+def _text(value: Any) -> str:
+    """Return an attribute as text."""
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+
+
+READER = Reader(ToldBy.CONTENTS, recognises, read)
