@@ -17,6 +17,7 @@ ABOVE_ONE, BELOW_ONE = math.nextafter(1, 2), math.nextafter(1, 0)
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "hardness": None}
 # what else may be said of a body, where it is said of both
 MORE = {"thermal_conductivity": 50.0, "electrical_resistivity": 2e-7}
+SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}
 ENDLESS = [math.inf, -math.inf, math.nan]
 
 # setting: what is just within its limits, what is just beyond
@@ -54,6 +55,9 @@ LIMITS = {
     "contact.hardness": ([SMALLEST_PRESSURE, None], [0, -1]),
     "statistics.pressure_bins": ([1], [0]),
     "statistics.gap_bins": ([1], [0]),
+    "statistics.seal.viscosity": ([SMALLEST], [0, -1]),
+    "statistics.seal.pressure_difference": ([SMALLEST_PRESSURE], [0, -1]),
+    "statistics.seal.width": ([SMALLEST], [0, -1]),
     "uncertainty.windows": ([4], [3]),
     "uncertainty.sources": ([[], ["window"]], [["lens"], "window"]),
     "validation.finest_grid": ([256], [255]),
@@ -78,6 +82,11 @@ def configured(key, value):
         return {"contact": {"bodies": value}}
     if key.startswith("contact.bodies."):
         return {"contact": {"bodies": [STEEL | MORE, STEEL | MORE | {key.rpartition(".")[2]: value}]}}
+    if key.startswith("statistics.seal."):
+        return {
+            "contact": {"contact_modulus": 1e9},
+            "statistics": {"seal": SEAL | {key.rpartition(".")[2]: value}},
+        }
     config = {"contact": {"contact_modulus": 1e9}}
     *section, name = key.split(".")
     (config.setdefault(section[0], {}) if section else config)[name] = value
@@ -205,7 +214,11 @@ def test_a_count_is_a_whole_number(key):
             "contact.bodies[1].poison: unknown key, did you mean poissons_ratio?",
         ),
         ("level.Fill", "none", "level.Fill: unknown key, did you mean fill?"),
-        ("statistics.colour", 1, "statistics.colour: unknown key, valid are pressure_bins, gap_bins"),
+        (
+            "statistics.colour",
+            1,
+            "statistics.colour: unknown key, valid are pressure_bins, gap_bins, flow, seal",
+        ),
         ("level.fill", "HARMONIC", "level.fill = 'HARMONIC': unknown choice, did you mean harmonic? (how"),
         ("level.fill", "xyz", "level.fill = 'xyz': unknown choice, valid are harmonic, none (how missing"),
         (

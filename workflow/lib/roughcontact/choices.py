@@ -20,6 +20,8 @@ OnFailure = Literal["raise", "flag"]
 # says so where it meets it
 SMALLEST_TOLERANCE = 1e-15
 
+Flow = Literal["auto", "always", "never"]
+
 UncertaintySource = Literal["solver", "discretisation", "window", "processing"]
 OutsideCode = Literal["tamaas", "contactmechanics"]
 Resampling = Literal["linear"]

@@ -52,6 +52,7 @@ _RESISTIVITIES = {
     1e-8: ("uOhm cm", "μΩ cm"),
     1e-9: ("nOhm m", "nΩ m"),
 }
+_VISCOSITIES = {1.0: ("Pa s", "Pa·s"), 1e-3: ("mPa s", "mPa·s", "cP"), 0.1: ("P",)}
 
 
 def _by_name(spellings: Mapping[float, tuple[str, ...]]) -> dict[str, float]:
@@ -67,6 +68,7 @@ _TABLES = {
     "degree": _by_name(_ANGLES),
     "W m-1 K-1": _by_name(_CONDUCTIVITIES),
     "Ohm m": _by_name(_RESISTIVITIES),
+    "Pa s": _by_name(_VISCOSITIES),
 }
 # what a message offers
 _USUAL = {
@@ -75,6 +77,7 @@ _USUAL = {
     "degree": "deg, °, rad",
     "W m-1 K-1": "W/(m K)",
     "Ohm m": "Ohm m, Ohm cm, uOhm cm",
+    "Pa s": "Pa s, mPa s, cP",
 }
 _KINDS = {
     "m": "length",
@@ -82,6 +85,7 @@ _KINDS = {
     "degree": "angle",
     "W m-1 K-1": "conductivity",
     "Ohm m": "resistivity",
+    "Pa s": "viscosity",
 }
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)", re.DOTALL)
 
@@ -93,8 +97,8 @@ def value_of(unit: object, base: str) -> float | None:
     ----------
     unit : str
         its symbol, case-sensitive, or the word written out.
-    base : {"m", "Pa", "degree", "W m-1 K-1", "Ohm m"}
-        of a length, a pressure, an angle, a thermal conductivity or an electrical resistivity.
+    base : {"m", "Pa", "degree", "W m-1 K-1", "Ohm m", "Pa s"}
+        of a length, a pressure, an angle, a thermal conductivity, an electrical resistivity or a viscosity.
 
     Returns
     -------
@@ -166,8 +170,8 @@ def in_base_unit(value: object, base: str) -> object:
     ----------
     value : object
         what was given: ``"115 GPa"``, or a bare number, which is in the base unit already.
-    base : {"m", "Pa", "degree", "W m-1 K-1", "Ohm m"}
-        of a length, a pressure, an angle, a thermal conductivity or an electrical resistivity.
+    base : {"m", "Pa", "degree", "W m-1 K-1", "Ohm m", "Pa s"}
+        of a length, a pressure, an angle, a thermal conductivity, an electrical resistivity or a viscosity.
 
     Returns
     -------

@@ -15,6 +15,7 @@ from pydantic.json_schema import WithJsonSchema
 from roughcontact.choices import (
     SMALLEST_TOLERANCE,
     Fill,
+    Flow,
     Influence,
     LevelForm,
     LineAlignment,
@@ -61,6 +62,9 @@ Conductivity = Annotated[
 ]
 Resistivity = Annotated[
     Positive, BeforeValidator(partial(in_base_unit, base="Ohm m")), WithJsonSchema(_WITH_UNIT)
+]
+Viscosity = Annotated[
+    Positive, BeforeValidator(partial(in_base_unit, base="Pa s")), WithJsonSchema(_WITH_UNIT)
 ]
 Angle = Annotated[
     Number,
@@ -288,13 +292,34 @@ class Contact(Section):
     )
 
 
+class Seal(Section):
+    """A seal that the surface is part of, and the fluid that it holds back."""
+
+    viscosity: Viscosity = Field(description="of the fluid, dynamic, Pa s", examples=["1 mPa s"])
+    pressure_difference: Pressure = Field(
+        description="of the fluid between both sides of the seal, Pa", examples=["1 bar"]
+    )
+    width: Length = Field(description="of the seal in the direction of the flow, m", examples=["2 mm"])
+
+
 class Statistics(Section):
-    """What is counted in the contact."""
+    """What is counted in the contact, and what follows from it; see docs/explanation/answers.md."""
 
     pressure_bins: Count = Field(
         default=20, ge=1, description="bins of the pressure density, per factor of ten"
     )
     gap_bins: Count = Field(default=20, ge=1, description="bins of the gap density, per factor of ten")
+    flow: Flow = Field(
+        default="auto",
+        description="whether the flow of a fluid through the gap is solved for; auto: of maps of up to 65536 "
+        "points, and where a seal is given; larger ones take longer than the contact itself",
+    )
+    seal: Seal | None = Field(
+        default=None,
+        description="a seal, whose leak rate is then in the results: viscosity (Pa s) and pressure "
+        "difference (Pa) of the fluid, width (m) of the seal",
+        examples=[{"viscosity": "1 mPa s", "pressure_difference": "1 bar", "width": "2 mm"}],
+    )
 
 
 class Uncertainty(Section):

@@ -528,6 +528,36 @@ def spot_array_stiffness(contact_radius: float, contact_modulus: float, period: 
     return contact_modulus / (period**2 * compliance)
 
 
+# --- Flow through a gap ------------------------------------------------------------------------------------
+
+
+def channel_flow_factors(depth: float) -> tuple[float, float]:
+    """Return the flow factors of channels of one wave, g = ū (1 + ε cos qx), along and across them.
+
+    Along them flows <g³>/ū³ = 1 + 3ε²/2 of what flows between plates at the mean gap, across them
+    1/(ū³ <g⁻³>) = (1 - ε²)^(5/2)/(1 + ε²/2) [1]_.
+
+    Parameters
+    ----------
+    depth : float
+        ε, less than 1.
+
+    Returns
+    -------
+    along, across : float
+
+    References
+    ----------
+    .. [1] Patir and Cheng (1978), ASME J. Lubr. Technol. 100, 12, for ridges along and across.
+
+    Examples
+    --------
+    >>> [round(factor, 4) for factor in channel_flow_factors(0.5)]
+    [1.375, 0.433]
+    """
+    return 1 + 1.5 * depth**2, (1 - depth**2) ** 2.5 / (1 + 0.5 * depth**2)
+
+
 # --- Full contact of any periodic map ----------------------------------------------------------------------
 
 

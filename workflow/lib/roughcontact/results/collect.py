@@ -21,12 +21,13 @@ _SUFFIX: dict[str | None, str] = {
     "J m-2": "_J_per_m2",
     "W m-2 K-1": "_W_per_m2_K",
     "S m-2": "_S_per_m2",
+    "m2 s-1": "_m2_per_s",
     "degree": "_degree",
 }
 
 _COORDINATES = ("mean_pressure", "pressure_bin_bounds", "gap_bin_bounds")
 _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")
-_WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged")
+_WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged", "gap_percolates_x", "gap_percolates_y")
 
 
 class Entry(TypedDict):

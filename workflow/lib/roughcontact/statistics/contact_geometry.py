@@ -1,4 +1,4 @@
-"""Area, perimeter and clusters of a contact set."""
+"""Area and perimeter of a contact set."""
 
 import numpy as np
 
@@ -109,37 +109,3 @@ def contact_perimeter(touching: np.ndarray, steps: tuple[float, float]) -> float
     along_y, along_x = count_switches(touching)
     minor, major = sorted((along_y * steps[1] / 4, along_x * steps[0] / 4))
     return float(4 * major * ellipe(1 - (minor / major) ** 2)) if major > 0 else 0.0
-
-
-def count_clusters(touching: np.ndarray) -> int:
-    """Return the number of contact patches; pixels join over shared edges (not corners) and over the period.
-
-    Parameters
-    ----------
-    touching : bool array (ny, nx)
-        True where the surfaces touch.
-
-    Returns
-    -------
-    int
-        0 where nothing touches.
-
-    Examples
-    --------
-    The two ends of the row are one patch over the period.
-
-    >>> import numpy as np
-    >>> count_clusters(np.array([[True, False, True, False, True]]))
-    2
-    """
-    from scipy.ndimage import label
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    labels, patches = label(touching)
-    if patches < 2:
-        return int(patches)
-    ends = np.concatenate([[labels[0], labels[-1]], [labels[:, 0], labels[:, -1]]], axis=1)
-    first, last = ends[:, (ends > 0).all(axis=0)] - 1
-    seams = coo_array((np.ones(first.size, bool), (first, last)), shape=(patches, patches))
-    return int(connected_components(seams, directed=False)[0])

@@ -1,10 +1,13 @@
 """Numbers of each load of a contact solution: areas, clusters, pressures, gaps, energy, stiffness, theory."""
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 
 import numpy as np
 import xarray as xr
 
+from roughcontact.checking import check_choice
+from roughcontact.choices import Flow
+from roughcontact.connectivity import count_regions
 from roughcontact.contact.response import linear_response
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.errors import SettingsError
@@ -12,9 +15,11 @@ from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import roughness_parameters
 from roughcontact.roughness.summits import summit_statistics
 from roughcontact.roughness.texture import texture_parameters
+from roughcontact.sealing.flow import flow_columns, leak_columns
+from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.statistics import theory
 from roughcontact.statistics.conductance import Bodies, conductance_columns
-from roughcontact.statistics.contact_geometry import contact_perimeter, count_clusters, relative_contact_area
+from roughcontact.statistics.contact_geometry import contact_perimeter, relative_contact_area
 from roughcontact.statistics.densities import GAP_DECADES, PRESSURE_DECADES, density, logarithmic_edges
 
 # what the solver says of each load, handed on unchanged
@@ -33,11 +38,19 @@ SOLVER_COLUMNS = (
 # of ISO 25178-2, as `roughness.heights.height_parameters` returns them
 HEIGHT_PARAMETERS = ("Sa", "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sdq")
 
+FLOW_POINTS = 65536  # of a map: the flow through a larger one takes longer than its contact
+
 _BINNED = ("pressure", "gap")  # what has a density, `{name}_density` over the bins `{name}_bin`
 
 
 def contact_statistics(
-    contact: xr.Dataset, *, pressure_bins: int = 20, gap_bins: int = 20, bodies: Bodies | None = None
+    contact: xr.Dataset,
+    *,
+    pressure_bins: int = 20,
+    gap_bins: int = 20,
+    flow: Flow = "auto",
+    seal: Mapping[str, float] | None = None,
+    bodies: Bodies | None = None,
 ) -> xr.Dataset:
     """Return the statistics of each load of a contact solution.
 
@@ -51,6 +64,11 @@ def contact_statistics(
         1e-4], then logarithmic to 1, in units of the peak-to-valley height. The bounds depend on the
         surface and on E* alone, never on the loads; a value above the last bound is counted in the last
         bin, so nothing is lost.
+    flow : {"auto", "always", "never"}
+        whether the flow of a fluid through the gap is solved for: ``auto`` of maps of up to 65536 points, and
+        where a seal is given.
+    seal : mapping, optional
+        `viscosity` (Pa s), `pressure_difference` (Pa) and `width` (m) of a seal that leaks through the gap.
     bodies : sequence of two mappings, optional
         what the settings say of the two bodies beside their elasticity, `contact.bodies`: where both state
         it, the conductance of the contact is added.
@@ -83,6 +101,7 @@ def contact_statistics(
             raise SettingsError(
                 f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
             )
+    check_choice("flow", flow, Flow)
     height, modulus = contact["height"], float(contact["contact_modulus"])
     steps = spacing(height)
     mean_pressure = np.asarray(contact["mean_pressure"].values, float)
@@ -94,13 +113,18 @@ def contact_statistics(
         "gap": (float(np.ptp(height.values)) or steps[1]) * logarithmic_edges(GAP_DECADES, gap_bins),
     }
     filled = height["filled"].values != 0 if "filled" in height.coords else None
+    with_flow = flow == "always" or (flow == "auto" and (height.size <= FLOW_POINTS or seal is not None))
     rows = [
-        _one_load(pressure, gap, steps, contact_modulus=modulus, filled=filled, edges=edges)
+        _one_load(
+            pressure, gap, steps, contact_modulus=modulus, filled=filled, edges=edges, with_flow=with_flow
+        )
         for pressure, gap in zip(contact["pressure"].values, contact["gap"].values, strict=True)
     ]
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     columns |= {name: contact[name].values for name in SOLVER_COLUMNS if name in contact}
     columns |= conductance_columns(columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies)
+    if seal is not None and with_flow:
+        columns |= leak_columns(columns["mean_gap"], columns, **seal)
     columns |= theory_columns(mean_pressure, height, contact_modulus=modulus, rms_gradient=gradient)
     # a number of the map, listed with each load like everything that says how far to trust it
     columns["points_per_shortest_wavelength"] = np.full(
@@ -247,24 +271,28 @@ def _one_load(
     contact_modulus: float,
     filled: np.ndarray | None,
     edges: dict[str, np.ndarray],
+    with_flow: bool,
 ) -> dict[str, object]:
     """Return all numbers of one load; `pressure` (ny, nx) Pa, `gap` (ny, nx) m, `filled` (ny, nx) or None."""
     touching = pressure > 0
     points = int(np.count_nonzero(touching))
     carried = pressure[touching]
+    open_gap = np.where(touching, 0.0, gap)
     compliance = linear_response(touching, steps, contact_modulus)
     return {
         "relative_contact_area": relative_contact_area(touching),
         "relative_contact_area_pixels": points / touching.size,
         "contact_perimeter": contact_perimeter(touching, steps),
-        "contact_clusters": count_clusters(touching),
+        "contact_clusters": count_regions(touching),
         "contact_on_filled_points": 0.0 if filled is None else np.count_nonzero(touching & filled) / points,
         "mean_contact_pressure": carried.mean(),
         "max_pressure": carried.max(),
         "pressure_std": carried.std(),
         # the solver keeps the mean of the gap over the contact at zero: what is left there is rounding
-        "mean_gap": gap[~touching].sum() / gap.size,
+        "mean_gap": open_gap.mean(),
         "contact_stiffness": 1 / compliance if compliance > 0 else np.inf,
+        **percolation_columns(open_gap),
+        **(flow_columns(open_gap, steps) if with_flow else {}),
         "elastic_energy": elastic_energy(pressure, steps, contact_modulus=contact_modulus),
         "pressure_density": density(carried, edges["pressure"]),
         "gap_density": density(gap[~touching], edges["gap"]),

@@ -18,5 +18,6 @@ PartName = Literal[
     "consistency",
     "coverage",
     "conductance",
+    "sealing",
 ]
 PARTS: tuple[PartName, ...] = get_args(PartName)

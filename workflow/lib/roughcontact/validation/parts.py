@@ -14,6 +14,7 @@ from roughcontact.validation import (
     hertz,
     paper,
     rough,
+    sealing,
     waves,
 )
 from roughcontact.validation.lines import Part
@@ -68,5 +69,6 @@ def validate(part: PartName, sample: str | Path | None = None, *, finest_grid: i
         "consistency": consistency,
         "coverage": coverage,
         "conductance": conductance,
+        "sealing": sealing,
     }
     return modules[part].part(finest_grid=finest_grid)

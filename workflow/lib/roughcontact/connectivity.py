@@ -1,0 +1,116 @@
+"""Which points of a periodic map belong together, and which of their regions run around the period."""
+
+import numpy as np
+
+
+def connected_regions(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the regions of a periodic map and along which axes each of them runs around the period.
+
+    Points join over shared edges (not corners) and over the seams of the period. Regions that touch a seam
+    are laid out in the plane, one copy of the map after the other, as seams are crossed. A region that meets
+    itself in another copy runs around: along each axis in which the two copies differ.
+
+    Parameters
+    ----------
+    inside : bool array (ny, nx)
+        True for the points that count.
+
+    Returns
+    -------
+    region : int array (ny, nx)
+        0 outside, else 1 to the number of regions.
+    around : bool array (regions + 1, 2)
+        whether a region runs around along y and along x; the first row, that of the outside, is False.
+
+    Examples
+    --------
+    A stripe along x, a point, and a patch over the seam:
+
+    >>> import numpy as np
+    >>> rows = ["####", "....", ".#..", "....", "#..#", "...."]
+    >>> region, around = connected_regions(np.array([[point == "#" for point in row] for row in rows]))
+    >>> region[4].tolist(), around.tolist()
+    ([3, 0, 0, 3], [[False, False], [False, True], [False, False], [False, False]])
+    """
+    labels, roots, around = _joined_over_seams(inside)
+    kept, number = np.unique(roots, return_inverse=True)
+    return number[labels], around[kept]
+
+
+def count_regions(inside: np.ndarray) -> int:
+    """Return the number of regions of a periodic map.
+
+    Parameters
+    ----------
+    inside : bool array (ny, nx)
+        True for the points that count; they join as in `connected_regions`.
+
+    Returns
+    -------
+    int
+        0 where there is no point.
+
+    Examples
+    --------
+    The two ends of the row are one region over the period.
+
+    >>> import numpy as np
+    >>> count_regions(np.array([[True, False, True, False, True]]))
+    2
+    """
+    return np.unique(_joined_over_seams(inside)[1]).size - 1
+
+
+def runs_around(inside: np.ndarray) -> tuple[bool, bool]:
+    """Return whether any region of a periodic map runs around the period along y, and along x.
+
+    Parameters
+    ----------
+    inside : bool array (ny, nx)
+        True for the points that count; they join as in `connected_regions`.
+
+    Returns
+    -------
+    along_y, along_x : bool
+
+    Examples
+    --------
+    A diagonal runs around along both axes where its points share edges, along none where they do not.
+
+    >>> import numpy as np
+    >>> corners = np.eye(4, dtype=bool)
+    >>> runs_around(corners | np.roll(corners, 1, axis=0)), runs_around(corners)
+    ((True, True), (False, False))
+    """
+    around = _joined_over_seams(inside)[2].any(axis=0)
+    return bool(around[0]), bool(around[1])
+
+
+def _joined_over_seams(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return labels (ny, nx) without the seams, the root of each label, and whether roots run around."""
+    from scipy.ndimage import label
+
+    labels, count = label(inside)
+    parent = list(range(count + 1))
+    copy = [(0, 0)] * (count + 1)  # in which copy of the map a label lies, relative to its parent
+    around = np.zeros((count + 1, 2), bool)
+
+    def root_of(name: int) -> tuple[int, int, int]:
+        """Return the root of a label, and the copy of the map in which the label lies, relative to it."""
+        y = x = 0
+        while parent[name] != name:
+            y, x, name = y + copy[name][0], x + copy[name][1], parent[name]
+        return name, y, x
+
+    for axis, last, first in ((0, labels[-1], labels[0]), (1, labels[:, -1], labels[:, 0])):
+        both = (last > 0) & (first > 0)
+        for a, b in np.unique(np.stack([last[both], first[both]], axis=1), axis=0).tolist():
+            (root, y, x), (other, other_y, other_x) = root_of(a), root_of(b)
+            # the seam leads from `a` into the next copy of `b`
+            apart = y - other_y + (axis == 0), x - other_x + (axis == 1)
+            if root == other:
+                around[root] |= np.array(apart) != 0
+            else:
+                parent[other], copy[other] = root, apart
+                around[root] |= around[other]
+    return labels, np.array([root_of(name)[0] for name in range(count + 1)]), around

@@ -1,0 +1,158 @@
+"""How much a thin viscous fluid flows through the gap: the flow factors of Reynolds' equation."""
+
+from collections import deque
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from roughcontact.connectivity import connected_regions
+from roughcontact.sealing.multigrid import minimised, multigrid
+
+_MOST_STEPS = 500
+_STEPS_TO_TRUST = 4  # steps that together must gain no more than the tolerance
+
+
+def flow_columns(gap: np.ndarray, steps: tuple[float, float], *, tolerance: float = 1e-5) -> dict[str, float]:
+    """Return the flow factors of a periodic gap: its flow over that between parallel plates at its mean.
+
+    The flux of a thin viscous fluid is -g³/(12 η) ∇P, and ∇·(g³ ∇P) = 0 [1]_. Under a mean gradient of the
+    pressure, with the period of the map, the mean flux is Φ ū³/(12 η) times it; Φ is a symmetric tensor,
+    because a lay leads the fluid aside. Points that touch let nothing through, and so do points whose region
+    does not run around the period.
+
+    Points are cells of constant height; two neighbours conduct one after the other. Channels along the axes
+    are exact so, across and along. The narrowest places of a path decide: where they are a pixel wide, the
+    factors are no more than an order of magnitude. The pressure is found by conjugate gradients with
+    multigrid; the flow only falls on the way.
+
+    Parameters
+    ----------
+    gap : array (ny, nx), m
+        periodic; zero or less where the surfaces touch.
+    steps : (dy, dx), m
+        pitch of the points.
+    tolerance : float
+        what the last four steps of the iteration may together have changed in each of the two diagonal
+        factors, relative to it.
+
+    Returns
+    -------
+    dict of float
+        `flow_factor_xx`, `flow_factor_yy`, `flow_factor_xy`; 0 along an axis along which nothing percolates,
+        NaN where the iteration does not reach its tolerance.
+
+    References
+    ----------
+    .. [1] Patir and Cheng (1978), An average flow model for determining effects of three-dimensional
+       roughness on partial hydrodynamic lubrication, ASME J. Lubr. Technol. 100, 12.
+
+    Examples
+    --------
+    Ridges across x hinder a flow along x, and help one along y:
+
+    >>> import numpy as np
+    >>> gap = (1 + 0.5 * np.cos(2 * np.pi * np.arange(64) / 64)) * np.ones((4, 1))
+    >>> found = flow_columns(gap, (1e-6, 1e-6))
+    >>> print(f"{found['flow_factor_xx']:.4f} {found['flow_factor_yy']:.4f}")
+    0.4330 1.3750
+    """
+    region, around = connected_regions(gap > 0)
+    axes = np.flatnonzero(around.any(axis=0))
+    factors = np.zeros((2, 2))
+    if axes.size:
+        is_open = around[region].any(axis=-1)
+        factors[np.ix_(axes, axes)] = _tensor(np.where(is_open, gap, 0) / gap.mean(), steps, axes, tolerance)
+    return {
+        "flow_factor_xx": factors[1, 1],
+        "flow_factor_yy": factors[0, 0],
+        "flow_factor_xy": factors[0, 1],
+    }
+
+
+def leak_columns(
+    mean_gap: npt.ArrayLike,
+    flow_factors: Mapping[str, npt.ArrayLike],
+    *,
+    viscosity: float,
+    pressure_difference: float,
+    width: float,
+) -> dict[str, np.ndarray]:
+    """Return what leaks through a seal of the surface, by length of the seal: Φ ū³ Δp/(12 η w).
+
+    Parameters
+    ----------
+    mean_gap : array, m
+        ū.
+    flow_factors : mapping
+        `flow_factor_xx` and `flow_factor_yy`, arrays of the shape of `mean_gap`.
+    viscosity : float, Pa s
+        η, dynamic, of a fluid that does not thin and is not compressed.
+    pressure_difference : float, Pa
+        Δp, between both sides of the seal.
+    width : float, m
+        w, of the seal in the direction of the flow.
+
+    Returns
+    -------
+    dict of array
+        `leak_rate_x`, `leak_rate_y`: volume by time and by length of the seal, m2 s-1, for a flow along x and
+        along y.
+
+    Examples
+    --------
+    Water between plates 1 µm apart, 1 bar over 10 mm:
+
+    >>> plates = {"flow_factor_xx": 1.0, "flow_factor_yy": 1.0}
+    >>> found = leak_columns(1e-6, plates, viscosity=1e-3, pressure_difference=1e5, width=1e-2)
+    >>> print(f"{found['leak_rate_x'] * 1e6 * 3600:.2f} ml per hour and metre")
+    3.00 ml per hour and metre
+    """
+    by_flow = np.asarray(mean_gap, float) ** 3 * pressure_difference / (12 * viscosity * width)
+    return {
+        f"leak_rate_{axis}": by_flow * np.asarray(flow_factors[f"flow_factor_{axis}{axis}"]) for axis in "xy"
+    }
+
+
+def _tensor(gap: np.ndarray, steps: tuple[float, float], axes: np.ndarray, tolerance: float) -> np.ndarray:
+    """Return the flow factors along some axes of a gap, in units of the mean of all of it."""
+    cubed = gap**3
+    is_open = cubed >= np.finfo(float).tiny
+    unknowns = int(is_open.sum())
+    number = np.empty(gap.shape, int)
+    number[is_open] = np.arange(unknowns)
+    links = []
+    for axis in (0, 1):
+        ahead = np.roll(cubed, -1, axis)
+        linked = is_open & np.roll(is_open, -1, axis)
+        here, there = cubed[linked], ahead[linked]
+        # half a cell of each, one after the other; the product of the cubes may underflow
+        conductance = 2 * here * (there / (here + there)) * steps[1 - axis] / steps[axis]
+        links.append((number[linked], np.roll(number, -1, axis)[linked], conductance))
+    start, end = (np.concatenate([link[side] for link in links]) for side in (0, 1))
+    conductance = np.concatenate([link[2] for link in links])
+    # the mean drop of the pressure over each link, of a unit gradient along each of the axes
+    drops = np.zeros((conductance.size, axes.size))
+    first = links[0][2].size
+    for column, axis in enumerate(axes):
+        drops[slice(first) if axis == 0 else slice(first, None), column] = steps[axis]
+    root = np.sqrt(conductance)
+    rows = np.tile(np.arange(root.size), 2)
+    difference = sp.coo_array(
+        (np.concatenate([-root, root]), (rows, np.concatenate([start, end]))), shape=(root.size, unknowns)
+    ).tocsr()
+    drops *= root[:, None]
+    energy = (drops**2).sum(axis=0)
+    gains: deque[np.ndarray] = deque(maxlen=_STEPS_TO_TRUST)
+    cycle = multigrid(difference, np.argwhere(is_open))
+    solutions = minimised((difference.T @ difference).tocsr(), -(difference.T @ drops), cycle)
+    for step, (pressure, gain) in enumerate(solutions):
+        gains.append(gain)
+        energy -= gain
+        if len(gains) == _STEPS_TO_TRUST and (sum(gains) <= tolerance * energy).all():
+            drops += difference @ pressure
+            return drops.T @ drops / (gap.size * steps[0] * steps[1])
+        if step == _MOST_STEPS:
+            break
+    return np.full((axes.size, axes.size), np.nan)
