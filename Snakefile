@@ -1,31 +1,11 @@
-"""From measured height maps to contact area and contact pressure: one folder of results per surface."""
-
-from snakemake.utils import min_version
-
-min_version("9.0")
+"""The workflow, for `snakemake` in the checkout's own folder; all of it lies in workflow/Snakefile."""
 
 
-report: "workflow/report/workflow.rst"
+include: "workflow/Snakefile"
 
 
-include: "workflow/rules/common.smk"
-include: "workflow/rules/runs.smk"
-include: "workflow/rules/surface.smk"
-include: "workflow/rules/contact.smk"
-include: "workflow/rules/crosscheck.smk"
-include: "workflow/rules/report.smk"
-include: "workflow/rules/validation.smk"
-include: "workflow/rules/cost.smk"
-
-
-rule all:
+# what is included sets no default target
+rule default:
     default_target: True
     input:
-        "results/summary.csv",
-        "results/statistics.nc",
-        "results/report.html",
-        LINKS,
-
-
-onerror:
-    print(unfinished(), file=sys.stderr)
+        rules.all.input,

@@ -141,7 +141,7 @@ def lint():
         [BIN / "numpydoc", "lint", *sorted(PACKAGE.rglob("*.py"))],
         [BIN / "mypy"],
         [BIN / "lint-imports", "--no-logo"],
-        [BIN / "snakefmt", "--check", "Snakefile", "workflow/rules"],
+        [BIN / "snakefmt", "--check", "Snakefile", "workflow/Snakefile", "workflow/rules"],
         [BIN / "snakemake", "--lint"],
     ]
     codes = [run(check) for check in checks]  # all of them, also after one that fails

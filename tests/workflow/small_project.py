@@ -60,7 +60,7 @@ def counted(run) -> dict[str, int]:
     assert run.returncode == 0, run.stderr
     _, _, table = run.stderr.partition("Job stats:\n")
     rows = re.findall(r"^([\w-]+) +(\d+)$", table.partition("\n\n")[0], re.MULTILINE)
-    return {rule: int(count) for rule, count in rows if rule not in ("all", "total")}
+    return {rule: int(count) for rule, count in rows if rule not in ("all", "default", "total")}
 
 
 def write_maps(folder: Path):

@@ -185,8 +185,11 @@ def row(surface):
 
 
 def measured_file(wildcards):
-    """Return the measured file."""
-    return str(MEASURED[wildcards.surface].path)
+    """Return the measured file.
+
+    It is where it is: neither the prefix of a module nor a default storage is for it.
+    """
+    return local(str(MEASURED[wildcards.surface].path))
 
 
 def solver_threads(wildcards):

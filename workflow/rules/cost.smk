@@ -9,7 +9,7 @@ rule measure_cost:
         f"{LOGS}/measure_cost.log",
     conda:
         "../envs/roughcontact.yaml"
-    threads: workflow.cores  # nothing else may run beside what is timed
+    threads: os.cpu_count()  # all there are: nothing else may run beside what is timed
     resources:
         mem_mb=memory(bytes_per_point=5000),
         runtime=60,

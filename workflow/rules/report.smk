@@ -24,11 +24,6 @@ LINKS = [
 ]
 
 
-localrules:
-    all,
-    collect,
-
-
 for case, owners_of in SHARED.items():
     for kind, (surfaces, stages) in STAGES.items():
         shared = {stage: owners_of[stage] for stage in stages if stage in owners_of}
@@ -108,6 +103,7 @@ rule collect:
         ),
     log:
         "logs/collect.log",
+    localrule: True
     conda:
         "../envs/roughcontact.yaml"
     params:

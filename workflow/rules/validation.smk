@@ -2,11 +2,6 @@
 from roughcontact.validation import PARTS
 
 
-localrules:
-    validation,
-    validation_page,
-
-
 rule validate:
     """Compute one part of the validation and compare it line by line."""
     input:
@@ -38,6 +33,7 @@ rule validation_page:
         table="results/validation/lines.csv",
     log:
         "logs/validation/validation_page.log",
+    localrule: True
     conda:
         "../envs/roughcontact.yaml"
     params:
@@ -54,6 +50,7 @@ rule validation:
         page="results/validation/validation.html",
     log:
         "logs/validation/validation.log",
+    localrule: True
     conda:
         "../envs/roughcontact.yaml"
     params:

@@ -1,0 +1,67 @@
+"""The workflow as a module of somebody else's, and what Snakemake draws without being told of cores."""
+
+import subprocess
+import sys
+
+import pandas as pd
+import pytest
+from small_project import SETTINGS, TABLE, write_maps
+
+OTHER = """
+module contact:
+    snakefile: "{workflow}/Snakefile"
+    config: {settings}
+    prefix: "contact"
+
+
+use rule * from contact as contact_*
+
+
+rule largest_area:
+    default_target: True
+    input:
+        "contact/results/summary.csv",
+        "contact/results/report.html",
+    output:
+        "largest.txt",
+    run:
+        import pandas as pd
+        largest = pd.read_csv(input[0])["relative_contact_area"].max()
+        with open(output[0], "w") as file:
+            file.write(str(largest))
+"""
+
+
+def snakemake(folder, *arguments):
+    command = [sys.executable, "-m", "snakemake", "--directory", str(folder), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_another_workflow_takes_it_in_with_a_prefix_and_settings_of_its_own(tmp_path, checkout):
+    (tmp_path / "measured").mkdir()
+    write_maps(tmp_path / "measured")
+    (tmp_path / "surfaces.tsv").write_text("\n".join(TABLE[:2]) + "\n")
+    settings = SETTINGS | {"uncertainty": {"sources": []}}
+    (tmp_path / "Snakefile").write_text(OTHER.format(workflow=checkout / "workflow", settings=settings))
+    done = snakemake(tmp_path, "--snakefile", tmp_path / "Snakefile", "--cores", "2")
+    assert done.returncode == 0, done.stderr
+    summary = pd.read_csv(tmp_path / "contact/results/summary.csv")
+    assert list(summary["surface"]) == ["ground", "ground"]
+    assert float((tmp_path / "largest.txt").read_text()) == pytest.approx(
+        summary["relative_contact_area"].max()
+    )
+    assert not (tmp_path / "results").exists()
+
+
+@pytest.mark.parametrize("drawing", ["--rulegraph", "--dag", "--filegraph"])
+def test_drawings_need_no_number_of_cores(finished, drawing):
+    done = snakemake(
+        finished.folder,
+        "--snakefile",
+        finished.checkout / "Snakefile",
+        "--configfile",
+        finished.path("settings.yaml"),
+        drawing,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("digraph")
