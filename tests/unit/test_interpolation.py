@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from roughcontact.contact.coarsening import coarsening_factors, hierarchy, line_factors, stencil
+from roughcontact.contact.coarsening import halving_factors, hierarchy, stencil, whole_factors
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.interpolation import Interpolation
 from roughcontact.kernels import array_api, compiled
@@ -118,18 +118,31 @@ def test_the_weights_are_the_inverse_cube_of_the_distance():
 
 
 def test_grids_of_the_hierarchy():
-    assert coarsening_factors((1.0, 1.0), (12, 45)) == (2, 3)
-    assert coarsening_factors((1.0, 1.0), (7, 25)) == (1, 5)  # 7 is prime
-    assert coarsening_factors((1.0, 1.0), (6, 4)) == (1, 1)  # 3 cells would be too few
-    assert coarsening_factors((2.0, 1.0), (64, 64)) == (1, 2)  # the finer axis alone
-    assert coarsening_factors((1.0, 1.0), (1, 64)) == (1, 2)
-    assert line_factors((1.0, 2.9), (8, 8)) == (1, 1)
-    assert line_factors((1.0, 3.1), (8, 6)) == (8, 1)
-    assert line_factors((3.1, 1.0), (8, 6)) == (1, 6)
-    assert line_factors((3.1, 1.0), (1, 6)) == (1, 1)
-    assert hierarchy((12, 24), (1.0, 2.0)) == (((6, 12), (2, 2), False), ((6, 6), (1, 2), False))
-    assert hierarchy((8, 6), (1.0, 24.0)) == (((4, 6), (2, 1), False), ((1, 6), (4, 1), True))
-    assert hierarchy((7, 7), (1.0, 1.0)) == ()
+    assert whole_factors((1.0, 1.0), (12, 45), smallest=4) == (2, 3)
+    assert whole_factors((1.0, 1.0), (7, 25), smallest=4) == (1, 5)  # 7 is prime
+    assert whole_factors((1.0, 1.0), (6, 4), smallest=4) == (1, 1)  # 3 cells would be too few
+    assert whole_factors((2.0, 1.0), (64, 64), smallest=4) == (1, 2)  # the finer axis alone
+    assert whole_factors((1.0, 1.0), (1, 64), smallest=4) == (1, 2)
+    assert halving_factors((1.0, 1.0), (12, 45)) == ((2, 2), False)
+    assert halving_factors((1.0, 1.0), (1, 45)) == ((1, 2), False)
+    assert halving_factors((2.0, 1.0), (64, 64)) == ((1, 2), False)
+    assert halving_factors((1.0, 2.9), (4, 8)) == ((2, 1), False)
+    assert halving_factors((1.0, 3.1), (5, 8)) == ((2, 1), False)  # the line is long yet
+    assert halving_factors((1.0, 3.1), (4, 6)) == ((4, 1), True)
+    assert halving_factors((3.1, 1.0), (8, 3)) == ((1, 3), True)
+    assert halving_factors((3.1, 1.0), (1, 6)) == ((1, 2), False)
+
+    def shapes(shape, lengths):
+        return [grid.shape for grid in hierarchy(shape, lengths)]
+
+    assert shapes((12, 24), (1.0, 2.0)) == [(6, 12), (3, 6), (2, 3)]
+    assert shapes((7, 11), (7.0, 11.0)) == [(4, 6), (2, 3)]
+    assert shapes((5, 40), (5.0, 40.0)) == [(3, 20), (2, 10), (1, 5), (1, 3)]
+    lines = hierarchy((8, 6), (1.0, 24.0))
+    assert [grid.shape for grid in lines] == [(4, 6), (1, 6), (1, 3)]
+    assert [grid.collapses_lines for grid in lines] == [False, True, False]
+    assert [grid.pitches for grid in lines] == [(0.25, 4.0), (1.0, 4.0), (1.0, 8.0)]
+    assert hierarchy((4, 4), (1.0, 1.0)) == ()
 
 
 def test_small_grids_in_one_call_equal_those_one_by_one(monkeypatch):
@@ -247,13 +260,13 @@ def test_hardly_more_than_the_inverse(make_contact, largest, share):
 
 
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.8])
-@pytest.mark.parametrize(("size", "largest"), [(64, 1.15), (256, 1.15), (512, 1.15), (125, 1.3), (211, 1.7)])
-def test_patches_need_no_more_steps_on_finer_grids(size, largest, share):
-    """With pixels ever finer beside the patches the largest eigenvalue stays; a prime has no hierarchy."""
+@pytest.mark.parametrize("size", [64, 125, 211, 256, 512])
+def test_patches_need_no_more_steps_on_finer_grids(size, share):
+    """With pixels ever finer beside the patches the largest eigenvalue stays, for prime numbers of them, too."""
     shape = (size, size)
     contact = patches(shape, share, shortest=size / 16)
     _, high = extreme_eigenvalues(Grid(np.zeros(shape), (1.0, 1.0)), contact, steps=20)
-    assert high <= largest
+    assert high <= 1.15
 
 
 def test_single_precision_keeps_the_bounds():

@@ -26,6 +26,8 @@ GRIDS = [
     ((2, 6), (2, 3)),
     ((4, 6), (1, 6)),
 ]
+# where the last cells lack parts, as in the hierarchy of the interpolation
+PARTIAL = [((9, 13), (2, 2)), ((1, 7), (1, 2)), ((5, 40), (2, 1)), ((7, 10), (5, 3))]
 SINGLE, DOUBLE = np.float32, np.float64
 # pressure and residual both single, both double, and the mixture of iterative refinement
 PRECISIONS = [(SINGLE, SINGLE), (DOUBLE, DOUBLE), (DOUBLE, SINGLE)]
@@ -42,7 +44,7 @@ def make_fields(shape, factors, precisions, cap):
     """Return random fields as the iteration has them; about a third carries no pressure."""
     rng = np.random.default_rng(shape)
     outer, inner = precisions
-    coarse_shape = tuple(n // f for n, f in zip(shape, factors, strict=True))
+    coarse_shape = tuple(-(-n // f) for n, f in zip(shape, factors, strict=True))
 
     def random(size, dtype):
         return rng.standard_normal(size).astype(dtype)
@@ -187,11 +189,13 @@ def test_every_kernel_stands_here():
 
 
 @pytest.mark.parametrize("precisions", PRECISIONS, ids=lambda pair: "-".join(p.__name__ for p in pair))
-@pytest.mark.parametrize(("shape", "factors"), GRIDS)
+@pytest.mark.parametrize(("shape", "factors"), GRIDS + PARTIAL)
 @pytest.mark.parametrize(
     ("name", "cap"), [(name, np.inf) for name in CALLS] + [(name, 0.9) for name in BOUNDED]
 )
 def test_plain_and_compiled_agree(name, shape, factors, precisions, cap):
+    if name == "refine" and (shape, factors) in PARTIAL:
+        pytest.skip("nested grids have whole cells")
     fields = make_fields(shape, factors, precisions, cap)
     with np.errstate(all="raise"):
         expected = outcome(name, array_api, fields, factors, cap)
@@ -305,7 +309,7 @@ def test_missing_values_are_counted_wherever_they_lie(engine, value):
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
-@pytest.mark.parametrize(("shape", "factors"), GRIDS)
+@pytest.mark.parametrize(("shape", "factors"), GRIDS + PARTIAL)
 def test_sums_and_means_are_transposes(engine, shape, factors):
     """Mixing and gathering, filling and its transpose: equal inner products with random fields."""
     f = make_fields(shape, factors, (DOUBLE, DOUBLE), np.inf)

@@ -1,7 +1,9 @@
 """How a grid is coarsened: the factors to the next coarser one, grid by grid, and the stencil of neighbours.
 
-Cells are halved (or divided by 3 or 5 where their number is odd) along both axes at a time where they are
-about square, along the finer axis alone where they are not.
+There are two uses. Nested iteration solves coarser problems, whose cells are whole: an axis is divided by a
+factor of its number of cells. The interpolation needs coarser grids of any kind: cells are halved, whatever
+their number, and the last one along an axis may lack a part. Along both axes at a time where cells are about
+square, along the finer axis alone where they are not.
 """
 
 from functools import lru_cache
@@ -13,7 +15,7 @@ from roughcontact.kernels.protocol import Factors, Weights
 
 # Ratio of the pitches above which the lines along the finer axis are taken as contacts of their own.
 ELONGATED = 3.0
-SMALLEST = 4  # cells along an axis below which a hierarchy is not continued
+SMALLEST = 4  # cells along an axis up to which a hierarchy goes
 _SQUARE = 1.5  # ratio of the pitches up to which cells count as square
 
 
@@ -24,6 +26,8 @@ class Coarsening(NamedTuple):
     ----------
     shape : (ny, nx)
         of the coarser grid.
+    pitches : (dy, dx)
+        of its cells, those that lack a part not counted.
     factors : (fy, fx)
         from the next finer grid to this one.
     collapses_lines : bool
@@ -31,6 +35,7 @@ class Coarsening(NamedTuple):
     """
 
     shape: tuple[int, int]
+    pitches: tuple[float, float]
     factors: Factors
     collapses_lines: bool
 
@@ -40,10 +45,8 @@ def pitches_of(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[fl
     return lengths[0] / shape[0], lengths[1] / shape[1]
 
 
-def coarsening_factors(
-    pitches: tuple[float, float], shape: tuple[int, int], *, smallest: int = SMALLEST
-) -> Factors:
-    """Return the factors (fy, fx) to the next coarser grid; (1, 1) on the coarsest.
+def whole_factors(pitches: tuple[float, float], shape: tuple[int, int], *, smallest: int) -> Factors:
+    """Return the factors (fy, fx) to a coarser grid of whole cells; (1, 1) where there is none.
 
     An axis is divided while it keeps at least `smallest` cells. One whose pitch is finer is coarsened alone,
     until the cells are about square.
@@ -56,17 +59,20 @@ def coarsening_factors(
     return factors[0], factors[1]
 
 
-def line_factors(pitches: tuple[float, float], shape: tuple[int, int]) -> Factors:
-    """Return the factors that make one cell of every line along the finer axis, or (1, 1).
+def halving_factors(pitches: tuple[float, float], shape: tuple[int, int]) -> tuple[Factors, bool]:
+    """Return the factors (fy, fx) to the next coarser grid, and whether that makes cells of lines.
 
     Where pixels are far longer than wide, a line whose whole length is short against the distance to the next
     is a contact of its own, coupled to the others by its load alone: a residual that is constant along it
     must stay constant across its gaps. So its one cell takes the mean over its contact.
     """
     (ny, nx), (dy, dx) = shape, pitches
-    if min(shape) == 1 or max(pitches) <= ELONGATED * min(pitches):
-        return 1, 1
-    return (ny, 1) if dy < dx else (1, nx)
+    finest = min(p for p, n in zip(pitches, shape, strict=True) if n > 1)
+    short = ny if dy < dx else nx
+    if min(shape) > 1 and short <= SMALLEST and max(pitches) > ELONGATED * finest:
+        return ((ny, 1) if dy < dx else (1, nx)), True
+    fy, fx = (2 if n > 1 and p <= _SQUARE * finest else 1 for n, p in zip(shape, pitches, strict=True))
+    return (fy, fx), False
 
 
 @lru_cache(maxsize=64)
@@ -75,21 +81,18 @@ def hierarchy(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[Coa
 
     Examples
     --------
-    >>> [grid.shape for grid in hierarchy((16, 32), (1.0, 2.0))]
-    [(8, 16), (4, 8), (4, 4)]
+    >>> [grid.shape for grid in hierarchy((16, 35), (1.0, 2.1875))]
+    [(8, 18), (4, 9), (2, 5), (1, 3)]
     """
     grids: list[Coarsening] = []
-    collapsed = False
+    pitches = pitches_of(shape, lengths)
     while True:
-        pitches = pitches_of(shape, lengths)
-        factors, collapses = coarsening_factors(pitches, shape), False
-        if factors == (1, 1) and not collapsed:
-            factors = line_factors(pitches, shape)
-            collapsed = collapses = factors != (1, 1)
-        if factors == (1, 1):
+        (fy, fx), collapses = halving_factors(pitches, shape)
+        if max(shape) <= SMALLEST and not collapses:
             return tuple(grids)
-        shape = shape[0] // factors[0], shape[1] // factors[1]
-        grids.append(Coarsening(shape, factors, collapses))
+        pitches = pitches[0] * fy, pitches[1] * fx
+        shape = -(-shape[0] // fy), -(-shape[1] // fx)
+        grids.append(Coarsening(shape, pitches, (fy, fx), collapses))
 
 
 def has_separate_lines(grids: tuple[Coarsening, ...]) -> bool:

@@ -1,7 +1,7 @@
 """An accurate correction on a fixed active set, for where one application of the inverse is too rough.
 
-That happens where the interpolation is poor: on grids of few cells or of sizes with large prime factors, with
-pixels far longer than wide, with contacts and gaps of a few pixels.
+That happens where the interpolation is poor: on grids of few cells, with pixels far longer than wide, with
+contacts and gaps of a few pixels.
 """
 
 from collections.abc import Iterator

@@ -31,7 +31,6 @@ from roughcontact.kernels.arrays import Array, empty
 from roughcontact.kernels.protocol import Arrangement, Factors, Kernels, Weights
 
 FEW = 32  # cells along an axis up to which they hold contacts far apart, as those of rough surfaces do
-MOST_SWEEPS = 16  # on the coarsest grid, which is not small where the number of cells has large prime factors
 
 
 @dataclass
@@ -98,7 +97,7 @@ class Interpolation:
                 CoarseGrid(
                     factors=coarser.factors,
                     arrangement=_arrangement(coarser.shape),
-                    weights=stencil(pitches_of(coarser.shape, lengths), coarser.shape),
+                    weights=stencil(coarser.pitches, coarser.shape),
                     empty=gaps,
                     gain=gain,
                     means=means,
@@ -107,7 +106,7 @@ class Interpolation:
                 )
             )
         coarsest = plan[-1].shape if plan else tuple(like.shape)
-        self.sweeps = min(MOST_SWEEPS, max(coarsest))
+        self.sweeps = max(coarsest)
         self._sweep_work = [empty(like, precision, coarsest) for _ in range(2)]
         self._small = None if has_separate_lines(plan) else kernels.small_grids(self.grids, stores, ends)
 

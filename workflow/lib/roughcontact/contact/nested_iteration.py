@@ -10,7 +10,7 @@ References
 
 from collections.abc import Sequence
 
-from roughcontact.contact.coarsening import coarsening_factors, pitches_of
+from roughcontact.contact.coarsening import pitches_of, whole_factors
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import first_guess_on_grid
 from roughcontact.kernels.arrays import SINGLE, Array, empty
@@ -29,7 +29,7 @@ def nested_heights(heights: Array, lengths: tuple[float, float]) -> list[tuple[F
     nested = []
     while max(heights.shape) > COARSEST:
         pitches = pitches_of(heights.shape, lengths)
-        factors = coarsening_factors(pitches, heights.shape, smallest=COARSEST // 2)
+        factors = whole_factors(pitches, heights.shape, smallest=COARSEST // 2)
         if factors == (1, 1):
             break
         coarse = empty(heights, SINGLE, tuple(n // f for n, f in zip(heights.shape, factors, strict=True)))

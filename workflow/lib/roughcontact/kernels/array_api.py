@@ -153,7 +153,7 @@ def redistribute(
     them, in double precision.
     """
     xp = field.__array_namespace__()
-    shared = repeat(coarse, factors) / (factors[0] * factors[1])
+    shared = repeat(coarse, factors, field.shape) / (factors[0] * factors[1])
     field += xp.astype((passed + shared) * (1 - _zeros_of(free)), field.dtype)
     projected = xp.clip(field, 0, None if cap == float("inf") else cap)
     return _sum(xp, xp.abs(field - projected)), _sum(xp, projected)
@@ -207,8 +207,16 @@ def restore_units(
 
 
 def block_mean(field: Array, factors: Factors, out: Array) -> None:
-    """Put the means of `field` over blocks of `factors` cells into `out`."""
+    """Put the means of `field` over blocks of `factors` cells into `out`.
+
+    The last block of a row or a column may lack cells: they count as zero.
+    """
     xp = field.__array_namespace__()
+    for axis in (0, 1):
+        missing = out.shape[axis] * factors[axis] - field.shape[axis]
+        if missing:
+            shape = (missing, field.shape[1]) if axis == 0 else (field.shape[0], missing)
+            field = xp.concat([field, xp.zeros(shape, dtype=field.dtype, device=field.device)], axis=axis)
     (ny, nx), (fy, fx) = out.shape, factors
     out[...] = xp.mean(xp.reshape(field, (ny, fy, nx, fx)), axis=(1, 3))
 
@@ -251,7 +259,7 @@ def weighted_mean(field: Array, factors: Factors, gain: Array, out: Array) -> No
 
 def mix(values: Array, empty: Array, coarse: Array, factors: Factors, out: Array) -> None:
     """Put `values` + `empty` x `coarse`, each coarse cell repeated `factors` times, into `out`."""
-    out[...] = values + empty * repeat(coarse, factors)
+    out[...] = values + empty * repeat(coarse, factors, values.shape)
 
 
 def neighbours(field: Array, weights: Weights, out: Array) -> None:
@@ -281,7 +289,7 @@ def fill_from(
     `active` is zero and 0 elsewhere.
     """
     empty = _zeros_of(active)
-    fill(values, empty, values + empty * repeat(coarse, factors), weights, out)
+    fill(values, empty, values + empty * repeat(coarse, factors, values.shape), weights, out)
 
 
 def empty_neighbours(field: Array, empty: Array, weights: Weights, out: Array) -> None:
@@ -309,7 +317,7 @@ def empty_from(
 
 def spread(field: Array, gain: Array, coarse: Array, factors: Factors) -> None:
     """Add `coarse`, each cell shared out among its fine ones, to `field`, and multiply that by `gain`."""
-    field += repeat(coarse, factors) / (factors[0] * factors[1])
+    field += repeat(coarse, factors, field.shape) / (factors[0] * factors[1])
     field *= gain
 
 
@@ -319,7 +327,7 @@ def finish_restriction(field: Array, passed: Array, coarse: Array, factors: Fact
     Returns the sum of the field, in double precision.
     """
     xp = field.__array_namespace__()
-    shared = repeat(coarse, factors) / (factors[0] * factors[1])
+    shared = repeat(coarse, factors, field.shape) / (factors[0] * factors[1])
     field[...] = (field + (passed + shared)) * (1 - _zeros_of(active))
     return _sum(xp, field)
 
@@ -369,10 +377,10 @@ def _between(xp: Any, field: Array, offset: float, axis: int) -> Array:
     return (1 - share) * field + share * xp.roll(field, -1 if offset > 0 else 1, axis=axis)
 
 
-def repeat(field: Array, factors: Factors) -> Array:
-    """Return `field` with every cell repeated `factors` times."""
+def repeat(field: Array, factors: Factors, shape: tuple[int, ...]) -> Array:
+    """Return `field` with every cell repeated `factors` times, as far as a field of `shape` goes."""
     xp = field.__array_namespace__()
-    return xp.repeat(xp.repeat(field, factors[0], axis=0), factors[1], axis=1)
+    return xp.repeat(xp.repeat(field, factors[0], axis=0), factors[1], axis=1)[: shape[0], : shape[1]]
 
 
 def active_set(pressure: Array, gap: Array, cap: float) -> Array:

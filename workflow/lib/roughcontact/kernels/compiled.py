@@ -33,24 +33,24 @@ _GIVEN = {
     "measure": ("oiooo", "ddddq"),
     "masked_residual": ("ooi", "ddq"),
     "advance": ("ssiti", "ddddq"),
-    "redistribute": ("oiii", "dqqq"),
+    "redistribute": ("oiii", "dqqqq"),
     "project": ("oii", "dq"),
     "rescale": ("r", "ddq"),
     "project_residual": ("ooi", "ddq"),
     "restore_units": ("rrb", "dddq"),
-    "block_mean": ("rr", "qqq"),
-    "active_share": ("rr", "qqq"),
+    "block_mean": ("rr", "qqqq"),
+    "active_share": ("rr", "qqqq"),
     "weigh": ("rrrr", "qqqq"),
-    "weighted_mean": ("rrr", "qqq"),
-    "mix": ("rrrr", "qqq"),
+    "weighted_mean": ("rrr", "qqqq"),
+    "mix": ("rrrr", "qqqq"),
     "neighbours": ("rr", "dddqq"),
     "fill": ("rrrr", "dddqq"),
     "fill_from": ("rrrr", "dddqqqq"),
     "empty_neighbours": ("rrr", "dddqq"),
-    "gather": ("rrr", "qqq"),
+    "gather": ("rrr", "qqqq"),
     "empty_from": ("rrrr", "dddqqqq"),
-    "spread": ("rrr", "qqq"),
-    "finish_restriction": ("rrrr", "qqq"),
+    "spread": ("rrr", "qqqq"),
+    "finish_restriction": ("rrrr", "qqqq"),
     "weigh_small": ("rrrrDr", "q"),
     "prolong_small": ("rrrrrrDr", "qq"),
     "restrict_small": ("rrrrrrDr", "qq"),
@@ -130,8 +130,8 @@ class Compiled:
         self._run("advance", rows, 0, arrays, offset, mean, length, cap, nx)
 
     def redistribute(self, field, passed, coarse, factors, free, cap):
-        nx, arrays = field.shape[1], (field, passed, coarse, free)
-        return tuple(self._run("redistribute", len(coarse), nx, arrays, cap, nx, *factors)[:2])
+        (ny, nx), arrays = field.shape, (field, passed, coarse, free)
+        return tuple(self._run("redistribute", len(coarse), nx, arrays, cap, ny, nx, *factors)[:2])
 
     def project(self, field, cap, taken, free):
         rows, nx = field.shape
@@ -152,24 +152,24 @@ class Compiled:
         return least, total
 
     def block_mean(self, field, factors, out):
-        nx = field.shape[1]
-        self._run("block_mean", len(out), nx, (field, out), nx, *factors)
+        ny, nx = field.shape
+        self._run("block_mean", len(out), nx, (field, out), ny, nx, *factors)
 
     def active_share(self, active, factors, out):
-        nx = active.shape[1]
-        self._run("active_share", len(out), nx, (active, out), nx, *factors)
+        ny, nx = active.shape
+        self._run("active_share", len(out), nx, (active, out), ny, nx, *factors)
 
     def weigh(self, weight, share, factors, arrangement, empty, gain):
         rows, nx = share.shape
         self._run("weigh", rows, 0, (weight, share, empty, gain), nx, *factors, arrangement)
 
     def weighted_mean(self, field, factors, gain, out):
-        nx = field.shape[1]
-        self._run("weighted_mean", len(out), nx, (field, gain, out), nx, *factors)
+        ny, nx = field.shape
+        self._run("weighted_mean", len(out), nx, (field, gain, out), ny, nx, *factors)
 
     def mix(self, values, empty, coarse, factors, out):
-        nx = out.shape[1]
-        self._run("mix", len(coarse), nx, (values, empty, coarse, out), nx, *factors)
+        ny, nx = out.shape
+        self._run("mix", len(coarse), nx, (values, empty, coarse, out), ny, nx, *factors)
 
     def neighbours(self, field, weights, out):
         ny, nx = field.shape
@@ -189,8 +189,8 @@ class Compiled:
         self._run("empty_neighbours", ny, 4 * nx + 2, (field, empty, out), *weights, ny, nx)
 
     def gather(self, field, empty, factors, out):
-        nx = field.shape[1]
-        self._run("gather", len(out), nx, (field, empty, out), nx, *factors)
+        ny, nx = field.shape
+        self._run("gather", len(out), nx, (field, empty, out), ny, nx, *factors)
 
     def empty_from(self, field, active, weights, passed, factors, coarse):
         ny, nx = field.shape
@@ -198,12 +198,12 @@ class Compiled:
         self._run("empty_from", len(coarse), 5 * nx + 2, arrays, *weights, ny, nx, *factors)
 
     def spread(self, field, gain, coarse, factors):
-        nx = field.shape[1]
-        self._run("spread", len(coarse), nx, (field, gain, coarse), nx, *factors)
+        ny, nx = field.shape
+        self._run("spread", len(coarse), nx, (field, gain, coarse), ny, nx, *factors)
 
     def finish_restriction(self, field, passed, coarse, factors, active):
-        nx, arrays = field.shape[1], (field, passed, coarse, active)
-        return self._run("finish_restriction", len(coarse), nx, arrays, nx, *factors)[0]
+        (ny, nx), arrays = field.shape, (field, passed, coarse, active)
+        return self._run("finish_restriction", len(coarse), nx, arrays, ny, nx, *factors)[0]
 
     def small_grids(self, grids, stores, ends):
         cells = [end - start for start, end in pairwise(ends)]

@@ -80,17 +80,17 @@ PASS(redistribute, {
     OUTER *field;
     const INNER *passed, *coarse, *free;
     double cap;
-    int64_t nx, fy, fx;
+    int64_t ny, nx, fy, fx;
 })
 {
-    const int64_t cells = given->nx / given->fx;
+    const int64_t cells = INNER_NAME(cells_of)(given->nx, given->fx);
     const OUTER cap = (OUTER)given->cap;
     const INNER share = (INNER)1 / (INNER)(given->fy * given->fx);
     INNER *row = scratch;
     double outside = 0, total = 0;
     for (int64_t block = first; block < last; block++) {
-        INNER_NAME(unfold)(given->coarse + block * cells, given->fx, share, row, cells);
-        for (int64_t i = block * given->fy; i < (block + 1) * given->fy; i++) {
+        INNER_NAME(unfold)(given->coarse + block * cells, given->nx, given->fx, share, row);
+        for (int64_t i = block * given->fy; i < SMALLER((block + 1) * given->fy, given->ny); i++) {
             OUTER *field = given->field + i * given->nx;
             const INNER *passed = given->passed + i * given->nx, *free = given->free + i * given->nx;
             TWO_SUMS(outside, total)

@@ -5,56 +5,54 @@
 
 /* ---- rows ---- */
 
-/* Put the sums of `factor` neighbours, times `share`, into `out`. */
-static inline void NAME(fold_by)(const REAL *columns, int64_t factor, REAL share, REAL *out, int64_t cells)
+/* Return how many cells a row of `n` points has when `factor` make a cell; the last one may lack some. */
+static inline int64_t NAME(cells_of)(int64_t n, int64_t factor) { return (n + factor - 1) / factor; }
+
+/* Put the sums of `factor` neighbours among `n`, times `share`, into `out`. */
+static inline void NAME(fold_by)(const REAL *columns, int64_t n, int64_t factor, REAL share, REAL *out)
 {
     VECTOR
-    for (int64_t j = 0; j < cells; j++) {
+    for (int64_t j = 0; j < n / factor; j++) {
         REAL total = columns[j * factor];
         for (int64_t k = 1; k < factor; k++)
             total += columns[j * factor + k];
         out[j] = total * share;
     }
+    if (n % factor) {
+        REAL total = 0;
+        for (int64_t k = n - n % factor; k < n; k++)
+            total += columns[k];
+        out[n / factor] = total * share;
+    }
 }
 
-static void NAME(fold)(const REAL *columns, int64_t factor, REAL share, REAL *out, int64_t cells)
+static void NAME(fold)(const REAL *columns, int64_t n, int64_t factor, REAL share, REAL *out)
 {
     /* a number known to the compiler becomes vector instructions */
     switch (factor) {
-    case 1: NAME(fold_by)(columns, 1, share, out, cells); return;
-    case 2: NAME(fold_by)(columns, 2, share, out, cells); return;
-    case 3: NAME(fold_by)(columns, 3, share, out, cells); return;
-    case 5: NAME(fold_by)(columns, 5, share, out, cells); return;
-    }
-    for (int64_t j = 0; j < cells; j++) {
-        REAL total = columns[j * factor];
-        for (int64_t k = 1; k < factor; k++)
-            total += columns[j * factor + k];
-        out[j] = total * share;
+    case 1: NAME(fold_by)(columns, n, 1, share, out); return;
+    case 2: NAME(fold_by)(columns, n, 2, share, out); return;
+    default: NAME(fold_by)(columns, n, factor, share, out);
     }
 }
 
-/* Put every entry of `coarse`, times `share`, into `out`, `factor` times. */
-static inline void NAME(unfold_by)(const REAL *coarse, int64_t factor, REAL share, REAL *out, int64_t cells)
+/* Put every entry of `coarse`, times `share`, into `out`, `factor` times, up to `n` entries. */
+static inline void NAME(unfold_by)(const REAL *coarse, int64_t n, int64_t factor, REAL share, REAL *out)
 {
     VECTOR
-    for (int64_t j = 0; j < cells; j++)
+    for (int64_t j = 0; j < n / factor; j++)
         for (int64_t k = 0; k < factor; k++)
             out[j * factor + k] = coarse[j] * share;
+    for (int64_t k = n - n % factor; k < n; k++)
+        out[k] = coarse[n / factor] * share;
 }
 
-static void NAME(unfold)(const REAL *coarse, int64_t factor, REAL share, REAL *out, int64_t cells)
+static void NAME(unfold)(const REAL *coarse, int64_t n, int64_t factor, REAL share, REAL *out)
 {
     switch (factor) {
-    case 1: NAME(unfold_by)(coarse, 1, share, out, cells); return;
-    case 2: NAME(unfold_by)(coarse, 2, share, out, cells); return;
-    case 3: NAME(unfold_by)(coarse, 3, share, out, cells); return;
-    case 5: NAME(unfold_by)(coarse, 5, share, out, cells); return;
-    }
-    for (int64_t j = 0; j < cells; j++) {
-        const REAL value = coarse[j] * share;
-        for (int64_t k = 0; k < factor; k++)
-            out[j * factor + k] = value;
+    case 1: NAME(unfold_by)(coarse, n, 1, share, out); return;
+    case 2: NAME(unfold_by)(coarse, n, 2, share, out); return;
+    default: NAME(unfold_by)(coarse, n, factor, share, out);
     }
 }
 
@@ -198,42 +196,43 @@ PASS(restore_units, { REAL *pressure, *gap; int8_t *contact; double offset, pres
 
 /* ---- from a fine grid to a coarse one, and back ---- */
 
-PASS(block_mean, { const REAL *field; REAL *out; int64_t nx, fy, fx; })
+PASS(block_mean, { const REAL *field; REAL *out; int64_t ny, nx, fy, fx; })
 {
-    const int64_t cells = given->nx / given->fx;
+    const int64_t nx = given->nx, cells = NAME(cells_of)(nx, given->fx);
     const REAL share = (REAL)1 / (REAL)(given->fy * given->fx);
     REAL *columns = scratch;
     for (int64_t i = first; i < last; i++) {
-        const REAL *field = given->field + i * given->fy * given->nx;
-        if (given->fy == 1) {
-            NAME(fold)(field, given->fx, share, given->out + i * cells, cells);
+        const REAL *field = given->field + i * given->fy * nx;
+        const int64_t rows = SMALLER(given->fy, given->ny - i * given->fy);
+        if (rows == 1) {
+            NAME(fold)(field, nx, given->fx, share, given->out + i * cells);
             continue;
         }
         VECTOR
-        for (int64_t j = 0; j < given->nx; j++)
-            columns[j] = field[j] + field[given->nx + j];
-        for (int64_t k = 2; k < given->fy; k++)
+        for (int64_t j = 0; j < nx; j++)
+            columns[j] = field[j] + field[nx + j];
+        for (int64_t k = 2; k < rows; k++)
             VECTOR
-            for (int64_t j = 0; j < given->nx; j++)
-                columns[j] += field[k * given->nx + j];
-        NAME(fold)(columns, given->fx, share, given->out + i * cells, cells);
+            for (int64_t j = 0; j < nx; j++)
+                columns[j] += field[k * nx + j];
+        NAME(fold)(columns, nx, given->fx, share, given->out + i * cells);
     }
 }
 
-PASS(active_share, { const REAL *active; REAL *out; int64_t nx, fy, fx; })
+PASS(active_share, { const REAL *active; REAL *out; int64_t ny, nx, fy, fx; })
 {
-    const int64_t cells = given->nx / given->fx;
+    const int64_t nx = given->nx, cells = NAME(cells_of)(nx, given->fx);
     const REAL share = (REAL)1 / (REAL)(given->fy * given->fx);
     REAL *columns = scratch;
-    for (int64_t i = first; i < last; i++) {
-        memset(columns, 0, (size_t)given->nx * sizeof(REAL));
-        for (int64_t k = 0; k < given->fy; k++) {
-            const REAL *active = given->active + (i * given->fy + k) * given->nx;
+    for (int64_t block = first; block < last; block++) {
+        memset(columns, 0, (size_t)nx * sizeof(REAL));
+        for (int64_t i = block * given->fy; i < SMALLER((block + 1) * given->fy, given->ny); i++) {
+            const REAL *active = given->active + i * nx;
             VECTOR
-            for (int64_t j = 0; j < given->nx; j++)
+            for (int64_t j = 0; j < nx; j++)
                 columns[j] += active[j] == 0 ? (REAL)0 : (REAL)1;
         }
-        NAME(fold)(columns, given->fx, share, given->out + i * cells, cells);
+        NAME(fold)(columns, nx, given->fx, share, given->out + block * cells);
     }
 }
 
@@ -259,10 +258,10 @@ PASS(weigh, { REAL *weight; const REAL *share; REAL *empty, *gain; int64_t nx, f
     }
 }
 
-PASS(weighted_mean, { const REAL *field, *gain; REAL *out; int64_t nx, fy, fx; })
+PASS(weighted_mean, { const REAL *field, *gain; REAL *out; int64_t ny, nx, fy, fx; })
 {
-    const int64_t cells = given->nx / given->fx;
-    const struct NAME(block_mean) mean = {given->field, given->out, given->nx, given->fy, given->fx};
+    const int64_t cells = NAME(cells_of)(given->nx, given->fx);
+    const struct NAME(block_mean) mean = {given->field, given->out, given->ny, given->nx, given->fy, given->fx};
     for (int64_t i = first; i < last; i++) {
         REAL *out = given->out + i * cells;
         const REAL *gain = given->gain + i * cells;
@@ -273,13 +272,13 @@ PASS(weighted_mean, { const REAL *field, *gain; REAL *out; int64_t nx, fy, fx; }
     }
 }
 
-PASS(mix, { const REAL *values, *empty, *coarse; REAL *out; int64_t nx, fy, fx; })
+PASS(mix, { const REAL *values, *empty, *coarse; REAL *out; int64_t ny, nx, fy, fx; })
 {
-    const int64_t cells = given->nx / given->fx;
+    const int64_t cells = NAME(cells_of)(given->nx, given->fx);
     REAL *row = scratch;
     for (int64_t block = first; block < last; block++) {
-        NAME(unfold)(given->coarse + block * cells, given->fx, 1, row, cells);
-        for (int64_t i = block * given->fy; i < (block + 1) * given->fy; i++) {
+        NAME(unfold)(given->coarse + block * cells, given->nx, given->fx, 1, row);
+        for (int64_t i = block * given->fy; i < SMALLER((block + 1) * given->fy, given->ny); i++) {
             const REAL *values = given->values + i * given->nx, *empty = given->empty + i * given->nx;
             REAL *out = given->out + i * given->nx;
             VECTOR
@@ -319,14 +318,14 @@ PASS(fill_from, {
     int64_t ny, nx, fy, fx;
 })
 {
-    const int64_t ny = given->ny, nx = given->nx;
+    const int64_t ny = given->ny, nx = given->nx, cells = NAME(cells_of)(nx, given->fx);
     /* mixed: the row before, this one and the next, in turns */
     REAL *mixed = scratch, *result = mixed + 3 * nx, *row = result + nx;
     for (int64_t i = first - 1; i <= last; i++) {
         const int64_t at = i < 0 ? ny - 1 : i == ny ? 0 : i;
         const REAL *values = given->values + at * nx, *active = given->active + at * nx;
         REAL *next = mixed + (i + 1) % 3 * nx;
-        NAME(unfold)(given->coarse + at / given->fy * (nx / given->fx), given->fx, 1, result, nx / given->fx);
+        NAME(unfold)(given->coarse + at / given->fy * cells, nx, given->fx, 1, result);
         VECTOR
         for (int64_t j = 0; j < nx; j++)
             next[j] = values[j] + (active[j] == 0 ? result[j] : (REAL)0);
@@ -359,19 +358,19 @@ PASS(empty_neighbours, { const REAL *field, *empty; REAL *out; struct Weights we
     }
 }
 
-PASS(gather, { const REAL *field, *empty; REAL *out; int64_t nx, fy, fx; })
+PASS(gather, { const REAL *field, *empty; REAL *out; int64_t ny, nx, fy, fx; })
 {
-    const int64_t cells = given->nx / given->fx;
+    const int64_t cells = NAME(cells_of)(given->nx, given->fx);
     REAL *columns = scratch;
     for (int64_t block = first; block < last; block++) {
         memset(columns, 0, (size_t)given->nx * sizeof(REAL));
-        for (int64_t i = block * given->fy; i < (block + 1) * given->fy; i++) {
+        for (int64_t i = block * given->fy; i < SMALLER((block + 1) * given->fy, given->ny); i++) {
             const REAL *field = given->field + i * given->nx, *empty = given->empty + i * given->nx;
             VECTOR
             for (int64_t j = 0; j < given->nx; j++)
                 columns[j] += field[j] * empty[j];
         }
-        NAME(fold)(columns, given->fx, 1, given->out + block * cells, cells);
+        NAME(fold)(columns, given->nx, given->fx, 1, given->out + block * cells);
     }
 }
 
@@ -382,9 +381,10 @@ PASS(empty_from, {
     int64_t ny, nx, fy, fx;
 })
 {
-    const int64_t ny = given->ny, nx = given->nx, cells = nx / given->fx, start = first * given->fy;
+    const int64_t ny = given->ny, nx = given->nx, cells = NAME(cells_of)(nx, given->fx);
+    const int64_t start = first * given->fy, end = SMALLER(last * given->fy, ny);
     REAL *gaps = scratch, *columns = gaps + 3 * nx, *row = columns + nx;
-    for (int64_t i = start - 1; i <= last * given->fy; i++) {
+    for (int64_t i = start - 1; i <= end; i++) {
         const int64_t at = i < 0 ? ny - 1 : i == ny ? 0 : i;
         const REAL *field = given->field + at * nx, *active = given->active + at * nx;
         REAL *next = gaps + (i + 1) % 3 * nx;
@@ -402,19 +402,19 @@ PASS(empty_from, {
         VECTOR
         for (int64_t j = 0; j < nx; j++)
             columns[j] += own_active[j] == 0 ? passed[j] : (REAL)0;
-        if (i % given->fy == 0)
-            NAME(fold)(columns, given->fx, 1, given->coarse + (i / given->fy - 1) * cells, cells);
+        if (i % given->fy == 0 || i == ny)
+            NAME(fold)(columns, nx, given->fx, 1, given->coarse + (i - 1) / given->fy * cells);
     }
 }
 
-PASS(spread, { REAL *field; const REAL *gain, *coarse; int64_t nx, fy, fx; })
+PASS(spread, { REAL *field; const REAL *gain, *coarse; int64_t ny, nx, fy, fx; })
 {
-    const int64_t cells = given->nx / given->fx;
+    const int64_t cells = NAME(cells_of)(given->nx, given->fx);
     const REAL share = (REAL)1 / (REAL)(given->fy * given->fx);
     REAL *row = scratch;
     for (int64_t block = first; block < last; block++) {
-        NAME(unfold)(given->coarse + block * cells, given->fx, share, row, cells);
-        for (int64_t i = block * given->fy; i < (block + 1) * given->fy; i++) {
+        NAME(unfold)(given->coarse + block * cells, given->nx, given->fx, share, row);
+        for (int64_t i = block * given->fy; i < SMALLER((block + 1) * given->fy, given->ny); i++) {
             REAL *field = given->field + i * given->nx;
             const REAL *gain = given->gain + i * given->nx;
             VECTOR
@@ -424,15 +424,15 @@ PASS(spread, { REAL *field; const REAL *gain, *coarse; int64_t nx, fy, fx; })
     }
 }
 
-PASS(finish_restriction, { REAL *field; const REAL *passed, *coarse, *active; int64_t nx, fy, fx; })
+PASS(finish_restriction, { REAL *field; const REAL *passed, *coarse, *active; int64_t ny, nx, fy, fx; })
 {
-    const int64_t cells = given->nx / given->fx;
+    const int64_t cells = NAME(cells_of)(given->nx, given->fx);
     const REAL share = (REAL)1 / (REAL)(given->fy * given->fx);
     REAL *row = scratch;
     double total = 0;
     for (int64_t block = first; block < last; block++) {
-        NAME(unfold)(given->coarse + block * cells, given->fx, share, row, cells);
-        for (int64_t i = block * given->fy; i < (block + 1) * given->fy; i++) {
+        NAME(unfold)(given->coarse + block * cells, given->nx, given->fx, share, row);
+        for (int64_t i = block * given->fy; i < SMALLER((block + 1) * given->fy, given->ny); i++) {
             REAL *field = given->field + i * given->nx;
             const REAL *passed = given->passed + i * given->nx, *active = given->active + i * given->nx;
             SUM(total)
@@ -487,7 +487,7 @@ static REAL NAME(mean_over_contact)(const REAL *field, const REAL *empty, int64_
 static void NAME(take_means)(const REAL *field, const struct NAME(Grid) *fine, const struct NAME(Grid) *coarse,
                              REAL *out, void *scratch)
 {
-    const struct NAME(block_mean) mean = {field, out, fine->nx, coarse->fy, coarse->fx};
+    const struct NAME(block_mean) mean = {field, out, fine->ny, fine->nx, coarse->fy, coarse->fx};
     NAME(work_block_mean)(&mean, 0, coarse->ny, scratch, NULL);
 }
 
@@ -517,7 +517,7 @@ PASS(prolong_small, { REAL *one, *other; struct NAME(Small) small; int64_t sweep
         const struct NAME(Grid) grid = NAME(grid)(&given->small, number);
         const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
         const struct NAME(weighted_mean) mean = {grid.means, coarse.gain, coarse.means,
-                                                 grid.nx, coarse.fy, coarse.fx};
+                                                 grid.ny, grid.nx, coarse.fy, coarse.fx};
         NAME(work_weighted_mean)(&mean, 0, coarse.ny, scratch, found);
     }
     for (int64_t number = coarsest; number >= 0; number--) {
@@ -537,7 +537,7 @@ PASS(prolong_small, { REAL *one, *other; struct NAME(Small) small; int64_t sweep
         } else {
             const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
             const struct NAME(mix) mix = {grid.means, grid.empty, coarse.means, mixed,
-                                          grid.nx, coarse.fy, coarse.fx};
+                                          grid.ny, grid.nx, coarse.fy, coarse.fx};
             NAME(work_mix)(&mix, 0, coarse.ny, scratch, found);
         }
         const struct NAME(neighbours) neighbours = {mixed, grid.means, grid.weights, grid.ny, grid.nx};
@@ -555,7 +555,7 @@ PASS(restrict_small, { REAL *one, *other; struct NAME(Small) small; int64_t swee
         NAME(work_neighbours)(&neighbours, 0, grid.ny, scratch, found);
         if (number < coarsest) {
             const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
-            const struct NAME(gather) gather = {grid.work, grid.empty, coarse.means, grid.nx, coarse.fy, coarse.fx};
+            const struct NAME(gather) gather = {grid.work, grid.empty, coarse.means, grid.ny, grid.nx, coarse.fy, coarse.fx};
             NAME(work_gather)(&gather, 0, coarse.ny, scratch, found);
             continue;
         }
@@ -578,7 +578,7 @@ PASS(restrict_small, { REAL *one, *other; struct NAME(Small) small; int64_t swee
     for (int64_t number = coarsest - 1; number >= 0; number--) {
         const struct NAME(Grid) grid = NAME(grid)(&given->small, number);
         const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
-        const struct NAME(spread) spread = {grid.work, grid.gain, coarse.work, grid.nx, coarse.fy, coarse.fx};
+        const struct NAME(spread) spread = {grid.work, grid.gain, coarse.work, grid.ny, grid.nx, coarse.fy, coarse.fx};
         NAME(work_spread)(&spread, 0, coarse.ny, scratch, found);
     }
 }
