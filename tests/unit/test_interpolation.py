@@ -262,7 +262,7 @@ def test_hardly_more_than_the_inverse(make_contact, largest, share):
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.8])
 @pytest.mark.parametrize("size", [64, 125, 211, 256, 512])
 def test_patches_need_no_more_steps_on_finer_grids(size, share):
-    """With pixels ever finer beside the patches the largest eigenvalue stays, for prime numbers of them, too."""
+    """With pixels ever finer beside the patches the largest eigenvalue stays, for primes, too."""
     shape = (size, size)
     contact = patches(shape, share, shortest=size / 16)
     _, high = extreme_eigenvalues(Grid(np.zeros(shape), (1.0, 1.0)), contact, steps=20)
