@@ -65,11 +65,12 @@ def level(
     Returns
     -------
     DataArray (y, x), m
-        with the attributes of `height` and `form`, `form_removed` (JSON), `outliers_rejected`,
-        `outlier_kinds` (JSON), `line_alignment`, `line_shift_rms` (m), `filters_removed` (JSON),
+        with the attributes of `height` and `form`, `form_removed` (JSON), `outlier_threshold` (0 where
+        every point was kept), `outliers_rejected`, `outlier_kinds` (JSON), `line_alignment`, `line_shift_rms` (m), `filters_removed` (JSON),
         `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, the height parameters of the
         measured points (`Sa`, `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1), and the coordinates
-        `filled(y, x)` and, where lines were aligned, `line_offset(y)` (m, taken off each row).
+        `filled(y, x)`, where lines were aligned `line_offset(y)` (m, taken off each row), and where points
+        were rejected `rejected_height(y, x)` (m, what they would have if they were kept; else NaN).
 
     Raises
     ------
@@ -105,7 +106,8 @@ def level(
             keys=("level.s_filter", "level.l_filter"),
         )
     values = check_map(height)
-    step = spacing(height)
+    measured, step = ~np.isnan(values), spacing(height)
+    kept = values
 
     kinds: dict[str, int] = {}
     if outlier_threshold is not None:
@@ -113,7 +115,7 @@ def level(
     offsets = np.zeros(len(values))
     if line_alignment != "none":
         offsets = line_offsets(values, method=line_alignment)
-        values = values - offsets[:, None]
+        values, kept = values - offsets[:, None], kept - offsets[:, None]
         if outlier_threshold is not None:  # what the shifts of the lines had hidden
             values = _without_outliers(values, outlier_threshold, kinds)
     if scar_threshold is not None:
@@ -127,10 +129,13 @@ def level(
     removed: dict[str, dict] = {}
     if form != "none":
         surface, removed = _fit(values, height, form, order, robust)
-        values = values - surface
+        values, kept = values - surface, kept - surface
         # a plane, or a map that never varied, is flat: what the subtraction leaves is rounding
         if np.nanmax(np.abs(values)) <= _ROUNDING * np.nanmax(np.abs(surface)):
             values = np.where(missing, np.nan, 0.0)
+    rejected = missing & measured
+    if rejected.any():
+        kept, _ = _filter(np.where(rejected, kept, values), step, s_filter, l_filter)
     values, filters = _filter(values, step, s_filter, l_filter)
     parameters = height_parameters(height.copy(data=values))
 
@@ -144,6 +149,7 @@ def level(
         "units": "m",
         "form": form,
         "form_removed": json.dumps(removed),
+        "outlier_threshold": float(outlier_threshold or 0.0),
         "outliers_rejected": int(sum(kinds.values())),
         "outlier_kinds": json.dumps(kinds),
         "line_alignment": line_alignment,
@@ -157,6 +163,8 @@ def level(
     coords = {"y": height["y"], "x": height["x"], "filled": (("y", "x"), filled)}
     if line_alignment != "none":
         coords["line_offset"] = ("y", offsets)
+    if rejected.any():
+        coords["rejected_height"] = (("y", "x"), np.where(rejected, kept, np.nan))
     return xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs | parameters)
 
 

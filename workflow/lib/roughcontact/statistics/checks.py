@@ -15,6 +15,7 @@ from roughcontact.statistics.map_checks import (
     GRADIENT_CHANGE,
     HEIGHT_CHANGE,
     LENGTHS,
+    REJECTED_LOAD,
     STEEP,
     STEEP_PLACES,
     TOO_STEEP,
@@ -37,6 +38,7 @@ __all__ = [
     "LOOK",
     "OVERCOUNT",
     "PASSED",
+    "REJECTED_LOAD",
     "STEEP",
     "STEEP_PLACES",
     "TOO_STEEP",
@@ -72,6 +74,7 @@ def surface_checks(
         contact_checks.contact_points(statistics, points),
         contact_checks.resolution(statistics),
         map_checks.missing_points(statistics, height, levelled),
+        map_checks.outliers(statistics, levelled),
         map_checks.form(levelled, window),
         map_checks.periodicity(window),
         map_checks.window_share(window),
@@ -114,6 +117,8 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
             words.append("coarse patches")
         if load["contact_on_filled_points"] > FILLED_IN_CONTACT[0]:
             words.append("contact on filled points")
+        if load.get("rejected_load_share", 0.0) > REJECTED_LOAD:
+            words.append("rejected points carry load")
         if load["mean_contact_pressure"] > HARDEST * load["contact_modulus"]:
             words.append("beyond hardness")
         flags.append(words)

@@ -144,6 +144,8 @@ def contact_statistics(
 def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     """Return the statistics with the error budget beside them, `{quantity}_uncertainty` (load, source).
 
+    The share of the load that rejected points would carry, `rejected_load_share`, goes along.
+
     Parameters
     ----------
     statistics : Dataset
@@ -172,7 +174,11 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     """
     if not np.array_equal(statistics["mean_pressure"].values, budget["mean_pressure"].values):
         raise SettingsError("the error budget is for other loads than the statistics; compute both again")
-    found = [name for name in map(str, budget.data_vars) if name.endswith("_uncertainty")]
+    found = [
+        name
+        for name in map(str, budget.data_vars)
+        if name.endswith("_uncertainty") or name == "rejected_load_share"
+    ]
     words = {
         key: budget.attrs[key]
         for key in ("window_reason", "window_flag", "processing_reason")

@@ -11,6 +11,7 @@ from roughcontact.quantities import number, percent, quantity
 from roughcontact.statistics.outcome import FAILED, LOOK, PASSED, Check
 
 FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points that were not measured: look, fail
+REJECTED_LOAD = 0.02  # share of the load that rejected points would carry if they were kept
 GRADIENT_CHANGE = 0.1  # relative change of the rms gradient by periodisation
 HEIGHT_CHANGE = 0.5  # rms change of the heights by periodisation, of their rms
 FORM = 0.8  # share of the mean square height that a second-order polynomial makes up
@@ -58,6 +59,50 @@ def missing_points(statistics: xr.Dataset, height: Attributes, levelled: Attribu
     if outcome != PASSED:
         text += " The contact there is that of the filling, not of the surface."
     return Check("Missing points", outcome, text)
+
+
+def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
+    """Check that next to no load would lie on points that were rejected.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        as `contact_statistics` returns it, with `rejected_load_share`.
+    levelled : mapping
+        attributes of the levelled map.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> shares = xr.Dataset({"rejected_load_share": ("load", [0.11, 0.04])})
+    >>> outliers(shares, {"outliers_rejected": 138, "outlier_kinds": '{"spike": 138}'}).outcome
+    'look'
+    """
+    rejected = levelled.get("outliers_rejected", 0)
+    if not rejected:
+        return Check("Outliers", PASSED, "No point was rejected.")
+    kinds = json.loads(levelled.get("outlier_kinds", "{}"))
+    named = ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in kinds.items())
+    text = f"{rejected} points were rejected as no surface" + (f" ({named})" if named else "")
+    if "rejected_load_share" not in statistics:
+        return Check("Outliers", LOOK, f"{text}. What load they would carry if they were kept is not known.")
+    shares = statistics["rejected_load_share"].values
+    if np.isnan(shares).all():
+        return Check("Outliers", LOOK, f"{text}. What load they would carry if they were kept is not known.")
+    share = float(np.nanmax(shares))
+    text += f". If they were kept, they would carry {percent(share)} of the load"
+    text += " at most" if shares.size > 1 else ""
+    if share <= REJECTED_LOAD:
+        return Check("Outliers", PASSED, f"{text}.")
+    text += (
+        ": the result rests on their being faults of the measurement. See where they lie; "
+        "level.outlier_threshold: null keeps every point."
+    )
+    return Check("Outliers", LOOK, text)
 
 
 def form(levelled: Attributes, window: Attributes) -> Check:
@@ -262,9 +307,15 @@ def steep_places(window: Attributes) -> Check:
     text = f"The steepest 1 % of the points make up {percent(share)} of the mean square gradient"
     if share <= STEEP_PLACES:
         return Check("Steep places", PASSED, f"{text}.")
+    threshold = window.get("outlier_threshold")
+    spikes = (
+        f"Spikes beyond {number(threshold, digits=2)} standard deviations are out already."
+        if threshold
+        else "Take spikes out with level.outlier_threshold."
+    )
     text += (
-        ": steps, defects, dust or spikes. A load relative to the gradient is high for the rest of the "
-        "surface. Give loads as mean_pressure, and compare level.outlier_threshold."
+        ": steps, defects or dust. A load relative to the gradient is high for the rest of the surface. Give "
+        f"loads as mean_pressure. {spikes}"
     )
     return Check("Steep places", LOOK, text)
 

@@ -12,6 +12,7 @@ from roughcontact.contact.solve import solve_contact
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, grid_marks
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.uncertainty.processing import processing_uncertainty
+from roughcontact.uncertainty.rejected import rejected_load_share
 from roughcontact.uncertainty.solver import solver_uncertainty
 from roughcontact.uncertainty.window_sampling import window_uncertainty
 
@@ -48,7 +49,7 @@ def error_budget(
         `level`, `window`, `contact`: the keyword arguments of `level`, `periodic_window` and `solve_contact`
         (loads included) that belong to the result.
     sources : list of str
-        which of the four go in; an empty list makes no budget.
+        which of the four go in; an empty list makes no interval.
     windows : int
         parts of the window that are solved by themselves, at most; 4 or more.
 
@@ -58,7 +59,8 @@ def error_budget(
         dims (load, source): `{quantity}_uncertainty`, the half-width of the 95 % interval in the unit of the
         quantity, `source` being the four and `combined`; NaN for a source that was left out or that this map
         does not give. Along (member, load) and (choice, load) what the members of the two ensembles came to,
-        `{quantity}_parts` and `{quantity}_choices`. Attributes `window_reason`, `window_flag`,
+        `{quantity}_parts` and `{quantity}_choices`. Whatever the sources: `rejected_load_share` (load), from
+        `roughcontact.uncertainty.rejected`. Attributes `window_reason`, `window_flag`,
         `processing_reason`: what was done, and what is wrong with it, in words.
 
     Raises
@@ -85,13 +87,14 @@ def error_budget(
         check_choice("uncertainty.sources", source, UncertaintySource)
     contact = settings["contact"]
     coordinates = {"mean_pressure": ("load", np.asarray(contact["mean_pressure"], float))}
+    # a load that does not converge leaves its number open, and does not end the job
+    lenient = {**contact, "on_failure": "flag"}
+    rejected = rejected_load_share(levelled, window=settings["window"], contact=lenient)
     if not sources:
-        return xr.Dataset(coords=coordinates)
+        return xr.Dataset({rejected.name: rejected}, coords=coordinates)
     solved = solve_contact(window, **contact, reduce=_count)
     found = {"solver": solved[[_uncertainty(name) for name in QUANTITIES]]}
     found["solver"] = found["solver"].rename({_uncertainty(name): name for name in QUANTITIES})
-    # a part that does not converge leaves its source open, and does not end the job
-    lenient = {**contact, "on_failure": "flag"}
     if "discretisation" in sources:
         found["discretisation"] = discretisation_uncertainty(window, contact=lenient, solved=solved)
     if "window" in sources:
@@ -103,7 +106,7 @@ def error_budget(
             levelled, level=settings["level"], window=settings["window"], contact=lenient, solved=solved
         )
     found = {source: found[source] for source in SOURCES if source in sources}
-    budget = combine(found).assign_coords(coordinates)
+    budget = combine(found).assign_coords(coordinates).assign({rejected.name: rejected})
     for source, ending in _ENSEMBLES.items():
         if source in found:
             members = [f"{name}_members" for name in QUANTITIES]

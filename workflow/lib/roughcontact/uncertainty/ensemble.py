@@ -58,14 +58,35 @@ def solve_member(window: xr.DataArray, contact: Mapping[str, Any], *, tolerance:
     >>> found.values["relative_contact_area"].round(2)
     array([0.34])
     """
-    arguments = {key: value for key, value in contact.items() if key not in _OWN}
-    tolerance = max(tolerance, contact.get("tolerance", 0.0))
-    found = solve_contact(window, **arguments, tolerance=tolerance, reduce=headline)
+    found = solve_contact(window, **solver_arguments(contact, tolerance=tolerance), reduce=headline)
     converged = found["converged"].values == 1
     return Member(
         {name: np.where(converged, found[name].values, np.nan) for name in QUANTITIES},
         float(found["operator_applications"].sum()) * window.size,
     )
+
+
+def solver_arguments(contact: Mapping[str, Any], *, tolerance: float) -> dict[str, Any]:
+    """Return the keyword arguments of a quick solve: without fields or progress, to its own tolerance.
+
+    Parameters
+    ----------
+    contact : dict
+        keyword arguments of `solve_contact`.
+    tolerance : float
+        of the pressure, unless `contact` has a wider one.
+
+    Returns
+    -------
+    dict
+
+    Examples
+    --------
+    >>> solver_arguments({"contact_modulus": 1.0, "tolerance": 1e-6, "fields": True}, tolerance=1e-3)
+    {'contact_modulus': 1.0, 'tolerance': 0.001}
+    """
+    own = {key: value for key, value in contact.items() if key not in _OWN}
+    return own | {"tolerance": max(tolerance, contact.get("tolerance", 0.0))}
 
 
 def shown_part(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str, slice]:

@@ -1,4 +1,4 @@
-"""Uncertainty from the choices of processing: order of levelling, way to make periodic, filling of holes.
+"""Uncertainty from the choices of processing: outliers, order of levelling, way to make periodic, filling.
 
 Each choice that another careful user might make is solved beside the user's own, one at a time. Within a
 group of choices the true result may lie anywhere as far from the user's as the farthest of them, on either
@@ -7,7 +7,7 @@ side: a uniform distribution of that half-width a, with the standard uncertainty
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,17 +15,20 @@ import xarray as xr
 
 from roughcontact.levelling.filling import fill_harmonic, find_holes
 from roughcontact.levelling.forms import form_from_record
+from roughcontact.levelling.outliers import find_outliers
 from roughcontact.levelling.polynomial import fit_polynomial, share_of_form
 from roughcontact.maps import spacing
 from roughcontact.statistics.checks import FORM
 from roughcontact.uncertainty.ensemble import Member, scale_to, shown_part, solve_member
 from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.rejected import rejected_points, with_rejected
 from roughcontact.window.periodic_window import periodic_window
 
 COVERAGE_FACTOR = 2.0  # of the expanded uncertainty: about 95 %
 # the ways to make a map periodic that are fair in area and in peak pressure: docs/explanation/window.md
 _FAIR_METHODS = ("smooth-cross-fade", "periodic-plus-smooth")
 _LEAST_POINTS = 64  # along the shorter side of a map that was coarsened
+_SURE = 2.0  # thresholds; what stands off by more is no surface, whatever else is doubtful
 _TOLERANCE = 1e-3  # of the pressure: choices may differ by less than a percent
 
 
@@ -44,10 +47,12 @@ def processing_uncertainty(
     * form: the polynomial of the next higher order, and of the next lower one unless that leaves a bow
       which makes up more of the mean square height than the check "Form" allows
     * periodisation: `smooth-cross-fade` and `periodic-plus-smooth`
-    * filling: holes filled with the roughness of the map on top of the harmonic surface.
+    * filling: holes filled with the roughness of the map on top of the harmonic surface
+    * outliers: the rejected points that twice the threshold would keep put back, and narrow bumps rejected as
+      well.
 
     Groups that make no difference to a map are left out: filling where nothing was filled, form and
-    periodisation where the map is periodic. Forms, which are long waves, are solved with half the points
+    periodisation where the map is periodic, outliers where none are in doubt. Forms, which are long waves, are solved with half the points
     along each axis (block means) where that leaves 64, and their deviations are scaled to the result.
 
     Parameters
@@ -91,7 +96,7 @@ def processing_uncertainty(
     >>> solved = solve_contact(levelled, **problem, reduce=headline)
     >>> found = processing_uncertainty(levelled, level={}, window={}, contact=problem, solved=solved)
     >>> found.attrs["reason"]
-    'The map is periodic and nothing was filled in: no choice of processing makes a difference.'
+    'The map is periodic, nothing was filled in and no outlier is in doubt: no choice of processing makes a difference.'
     """
     choices = _choices(levelled, level, window)
     groups = np.array([choice.group for choice in choices])
@@ -190,7 +195,31 @@ def _choices(levelled: xr.DataArray, level: Mapping[str, Any], window: Mapping[s
     if chosen["filled"].any():
         refilled = periodic_window(rough_filling(levelled), **window)
         choices.append(_Choice("filling", "holes filled with roughness", refilled))
+    for name, other in _other_outliers(levelled, level):
+        without = periodic_window(other, **window)
+        if not np.array_equal(without.values, chosen.values):  # the points may lie outside the window
+            choices.append(_Choice("outliers", name, without))
     return choices
+
+
+def _other_outliers(levelled: xr.DataArray, level: Mapping[str, Any]) -> Iterator[tuple[str, xr.DataArray]]:
+    """Yield (name, levelled map) for the decisions on outliers that may go the other way."""
+    threshold = level.get("outlier_threshold", 6.0)
+    if threshold is None:
+        return
+    rejected = rejected_points(levelled)
+    if rejected.any():
+        sure, _ = find_outliers(with_rejected(levelled).values, threshold=_SURE * threshold)
+        if (rejected & ~sure).any():
+            yield "doubtful outliers kept", with_rejected(levelled, ~sure)
+    bumps, _ = find_outliers(levelled.values, threshold=threshold, bumps=True)
+    bumps &= levelled["filled"].values == 0
+    labels, _ = find_holes(bumps)
+    if labels.any():
+        values = np.where(labels > 0, np.nan, levelled.values)
+        filled = np.where(labels > 0, 1, levelled["filled"].values).astype(np.int8)
+        without = levelled.copy(data=fill_harmonic(values, labels, spacing(levelled)))
+        yield "narrow bumps rejected", without.assign_coords(filled=(("y", "x"), filled))
 
 
 def _by_method(
@@ -257,7 +286,7 @@ def _coordinates(levelled: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
 def _reason(names: list[str]) -> str:
     """Return what was tried, in words."""
     if not names:
-        return "The map is periodic and nothing was filled in: no choice of processing makes a difference."
+        return "The map is periodic, nothing was filled in and no outlier is in doubt: no choice of processing makes a difference."
     return f"One at a time, beside the own choice: {'; '.join(names)}."
 
 
