@@ -233,10 +233,15 @@ def test_each_check_can_ask_for_a_look(good):
     poor["contact_on_filled_points"][:] = 0.05
     poor["relative_contact_area_pixels"][:] = [50 / 96**2, 1.0]
     poor["rms_gradient"] = 0.5
+    poor["rejected_load_share"] = ("load", [0.11, 0.04])
     found, verdict = outcomes(
         poor,
         height={"missing_share": 0.1, "ingest_warnings": json.dumps(["The unit was guessed."])},
-        levelled={"filled_share": 0.08},
+        levelled={
+            "filled_share": 0.08,
+            "outliers_rejected": 138,
+            "outlier_kinds": json.dumps({"spike": 138}),
+        },
         window={
             "periodisation": "mirror",
             "rms_gradient_before": 1.0,
@@ -252,6 +257,8 @@ def test_each_check_can_ask_for_a_look(good):
     assert "down to 50" in found["Points in contact"].sentence
     assert "−15.0 %" in found["Periodic window"].sentence
     assert "5.00 %" in found["Missing points"].sentence
+    assert "138 points were rejected as no surface (138 spike)" in found["Outliers"].sentence
+    assert "they would carry 11.0 % of the load at most" in found["Outliers"].sentence
     assert "level.form" in found["Form"].sentence
     assert "make up 70.0 % of the mean square gradient" in found["Steep places"].sentence
     assert found["Reading the file"].sentence == "The unit was guessed."
@@ -303,6 +310,34 @@ def test_rejected_outliers_are_no_missing_measurements(good):
     assert found["Missing points"].sentence.startswith(
         "Every point was measured; 7 were rejected as outliers"
     )
+
+
+def test_rejections_are_judged_by_the_load_they_would_carry(good):
+    levelled = {"outliers_rejected": 7}
+    for share, outcome in (
+        (0.0, checks.PASSED),
+        (0.02, checks.PASSED),
+        (0.021, checks.LOOK),
+        (1.0, checks.LOOK),
+    ):
+        carried = good.assign(rejected_load_share=("load", [share, 0.0]))
+        found, _ = outcomes(carried, levelled=levelled)
+        assert found["Outliers"].outcome == outcome
+        flags = ["rejected points carry load"] if outcome == checks.LOOK else []
+        assert checks.load_flags(carried, 96 * 96) == [flags, []]
+    unknown = good.assign(rejected_load_share=("load", [np.nan, np.nan]))
+    for statistics in (good, unknown):
+        found, _ = outcomes(statistics, levelled=levelled)
+        assert found["Outliers"].outcome == checks.LOOK
+        assert "not known" in found["Outliers"].sentence
+
+
+def test_advice_on_spikes_knows_the_threshold_that_was_applied(good):
+    steep = {"steepest_share": 0.7}
+    found, _ = outcomes(good, window=steep | {"outlier_threshold": 6.0})
+    assert "Spikes beyond 6.0 standard deviations are out already" in found["Steep places"].sentence
+    for window in (steep, steep | {"outlier_threshold": 0.0}):
+        assert "with level.outlier_threshold" in outcomes(good, window=window)[0]["Steep places"].sentence
 
 
 def test_pressures_beyond_any_hardness_are_remarked(good):

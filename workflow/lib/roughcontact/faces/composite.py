@@ -16,6 +16,7 @@ from roughcontact.faces.overlap import (
     pair_name,
 )
 from roughcontact.levelling.polynomial import fit_polynomial
+from roughcontact.levelling.rejected import with_rejected_marked
 from roughcontact.roughness.heights import height_parameters
 from roughcontact.window.band import reliable_wavelength
 
@@ -57,7 +58,8 @@ def composite(
     Returns
     -------
     DataArray (y, x), m
-        NaN where one of the two is missing; the coordinate `filled` is 1 where one of the two was filled in.
+        NaN where one of the two is missing; the coordinate `filled` is 1 where one of the two was filled in,
+        and `rejected_height` (m) is there where points of a face were rejected, as `level` leaves it.
         Attributes of `face`, with those of levelling for the sum (form, filled and rejected points of both,
         height parameters), `source_file` and `source_sha256` of both, `instrument` of the one that resolves
         less, and `counter_face` (file), `shift_y`, `shift_x` (m), `rotation` (degree), `covered_share` (of
@@ -90,10 +92,10 @@ def composite(
     turn = cosine_and_sine(rotation)
     whole = common_period(lower, upper, turn)
     positions = common_grid(lower, upper, turn, shift)
-    own = lower.at(*np.meshgrid(*positions, indexing="ij"))
     v, u = np.meshgrid(*(p - s for p, s in zip(positions, shift, strict=True)), indexing="ij")
     cosine, sine = turn
-    other = upper.at(v * cosine - u * sine, -(u * cosine + v * sine))
+    places = np.meshgrid(*positions, indexing="ij"), (v * cosine - u * sine, -(u * cosine + v * sine))
+    own, other = (each.at(*at) for each, at in zip((lower, upper), places, strict=True))
     values = own[0] + other[0]
     measured = np.isfinite(values)
     if np.count_nonzero(measured) < 2:
@@ -120,6 +122,14 @@ def composite(
         "x": ("x", coordinates[1], {"units": "m"}),
         "filled": (("y", "x"), filled.astype(np.int8)),
     }
+    if any("rejected_height" in each.height.coords for each in (lower, upper)):
+        kept = [
+            Face(with_rejected_marked(each.height)).at(*at)
+            for each, at in zip((lower, upper), places, strict=True)
+        ]
+        rejected = (kept[0][1] | kept[1][1]) & measured
+        heights = np.where(rejected, kept[0][0] + kept[1][0] - form, np.nan)
+        coords["rejected_height"] = (("y", "x"), heights, {"units": "m"})
     result = xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs)
     return result.assign_attrs(height_parameters(result))
 

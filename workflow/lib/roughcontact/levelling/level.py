@@ -65,12 +65,13 @@ def level(
     Returns
     -------
     DataArray (y, x), m
-        with the attributes of `height` and `form`, `form_removed` (JSON), `outlier_threshold` (0 where
-        every point was kept), `outliers_rejected`, `outlier_kinds` (JSON), `line_alignment`, `line_shift_rms` (m), `filters_removed` (JSON),
-        `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, the height parameters of the
-        measured points (`Sa`, `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1), and the coordinates
-        `filled(y, x)`, where lines were aligned `line_offset(y)` (m, taken off each row), and where points
-        were rejected `rejected_height(y, x)` (m, what they would have if they were kept; else NaN).
+        with the attributes of `height` and `form`, `form_removed` (JSON), `outlier_threshold` (0 where every
+        point was kept), `outliers_rejected`, `outlier_kinds` (JSON), `line_alignment`, `line_shift_rms` (m),
+        `filters_removed` (JSON), `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, the
+        height parameters of the measured points (`Sa`, `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1),
+        and the coordinates `filled(y, x)`, where lines were aligned `line_offset(y)` (m, taken off each row),
+        and where points were rejected `rejected_height(y, x)` (m, what they would have if they were kept;
+        else NaN).
 
     Raises
     ------

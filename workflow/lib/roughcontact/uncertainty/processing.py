@@ -17,11 +17,11 @@ from roughcontact.levelling.filling import fill_harmonic, find_holes
 from roughcontact.levelling.forms import form_from_record
 from roughcontact.levelling.outliers import find_outliers
 from roughcontact.levelling.polynomial import fit_polynomial, share_of_form
+from roughcontact.levelling.rejected import rejected_points, with_rejected
 from roughcontact.maps import spacing
 from roughcontact.statistics.checks import FORM
 from roughcontact.uncertainty.ensemble import Member, scale_to, shown_part, solve_member
 from roughcontact.uncertainty.headline import QUANTITIES
-from roughcontact.uncertainty.rejected import rejected_points, with_rejected
 from roughcontact.window.periodic_window import periodic_window
 
 COVERAGE_FACTOR = 2.0  # of the expanded uncertainty: about 95 %
@@ -52,8 +52,9 @@ def processing_uncertainty(
       well.
 
     Groups that make no difference to a map are left out: filling where nothing was filled, form and
-    periodisation where the map is periodic, outliers where none are in doubt. Forms, which are long waves, are solved with half the points
-    along each axis (block means) where that leaves 64, and their deviations are scaled to the result.
+    periodisation where the map is periodic, outliers where none are in doubt. Forms, which are long waves,
+    are solved with half the points along each axis (block means) where that leaves 64, and their deviations
+    are scaled to the result.
 
     Parameters
     ----------
@@ -96,7 +97,7 @@ def processing_uncertainty(
     >>> solved = solve_contact(levelled, **problem, reduce=headline)
     >>> found = processing_uncertainty(levelled, level={}, window={}, contact=problem, solved=solved)
     >>> found.attrs["reason"]
-    'The map is periodic, nothing was filled in and no outlier is in doubt: no choice of processing makes a difference.'
+    'The map is periodic, and nothing in it is in doubt: no choice of processing makes a difference.'
     """
     choices = _choices(levelled, level, window)
     groups = np.array([choice.group for choice in choices])
@@ -286,7 +287,9 @@ def _coordinates(levelled: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
 def _reason(names: list[str]) -> str:
     """Return what was tried, in words."""
     if not names:
-        return "The map is periodic, nothing was filled in and no outlier is in doubt: no choice of processing makes a difference."
+        return (
+            "The map is periodic, and nothing in it is in doubt: no choice of processing makes a difference."
+        )
     return f"One at a time, beside the own choice: {'; '.join(names)}."
 
 

@@ -1,0 +1,91 @@
+"""The points that levelling rejected, put back into the map that it left."""
+
+import numpy as np
+import xarray as xr
+
+
+def with_rejected(levelled: xr.DataArray, which: np.ndarray | None = None) -> xr.DataArray:
+    """Return a levelled map with rejected points put back where they were filled in.
+
+    Those that are open to the border stay missing, so that the window is the same.
+
+    Parameters
+    ----------
+    levelled : DataArray (y, x), m
+        from `level`.
+    which : bool array (ny, nx) or None
+        points to put back; all that were rejected where none are given.
+
+    Returns
+    -------
+    DataArray (y, x), m
+        the coordinate `filled` is 0 on the points put back.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.levelling.level import level
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> height = rough_reference_surface(64)
+    >>> height[20, 30] += 1.0
+    >>> levelled = level(height, form="none")
+    >>> bool(np.allclose(with_rejected(levelled), height)), bool(np.allclose(levelled, height))
+    (True, False)
+    """
+    back = rejected_points(levelled)
+    if which is not None:
+        back &= which
+    if not back.any():
+        return levelled
+    values = np.where(back, levelled["rejected_height"].values, levelled.values)
+    filled = np.where(back, 0, levelled["filled"].values).astype(np.int8)
+    return levelled.copy(data=values).assign_coords(filled=(("y", "x"), filled))
+
+
+def rejected_points(levelled: xr.DataArray) -> np.ndarray:
+    """Return where a levelled map could have a rejected point put back.
+
+    Parameters
+    ----------
+    levelled : DataArray (y, x), m
+        from `level`.
+
+    Returns
+    -------
+    bool array (ny, nx)
+
+    Examples
+    --------
+    >>> from roughcontact.levelling.level import level
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> bool(rejected_points(level(rough_reference_surface(64))).any())
+    False
+    """
+    if "rejected_height" not in levelled.coords:
+        return np.zeros(levelled.shape, dtype=bool)
+    rejected = ~np.isnan(levelled["rejected_height"].values)
+    closed = levelled.attrs.get("fill_method") == "none" or ~np.isnan(levelled.values)
+    return np.asarray(rejected & closed)
+
+
+def with_rejected_marked(levelled: xr.DataArray) -> xr.DataArray:
+    """Return a levelled map with all rejected points put back, and the coordinate `filled` 1 on these alone.
+
+    Parameters
+    ----------
+    levelled : DataArray (y, x), m
+        from `level`.
+
+    Returns
+    -------
+    DataArray (y, x), m
+
+    Examples
+    --------
+    >>> from roughcontact.levelling.level import level
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> int(with_rejected_marked(level(rough_reference_surface(64)))["filled"].sum())
+    0
+    """
+    marks = rejected_points(levelled).astype(np.int8)
+    return with_rejected(levelled).assign_coords(filled=(("y", "x"), marks))
