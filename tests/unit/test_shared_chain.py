@@ -16,8 +16,9 @@ from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics import checks
-from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
 from roughcontact.statistics.theory import persson_area
+from roughcontact.uncertainty.budget import error_budget
 from roughcontact.window.periodic_window import periodic_window
 
 pytestmark = pytest.mark.shared_data
@@ -37,7 +38,8 @@ VERDICTS = {
     "ISO5436-sample1.x3p": ("do not trust", {"Points in contact", "Reading the file"}),
     "ISO5436-sample4_bin.x3p": ("do not trust", {"Points in contact", "Reading the file"}),
     "mnt-2.mnt": ("look at", {"Form"}),  # a bow of 100 times the roughness
-    "spot_1-1000nm.ibw": ("look at", {"Steep places", "Reading the file"}),  # particles on a smooth surface
+    # particles on a smooth surface
+    "spot_1-1000nm.ibw": ("look at", {"Steep places", "Reading the file", "Outliers"}),
     "bcrf-1.bcrf": ("look at", {"Reading the file"}),  # 3000 points far off all others
     "plu-1.plu": ("look at", {"Reading the file"}),  # steps of 4 nm on a roughness of 18 nm
     "x3p-2.x3p": ("look at", {"Reading the file"}),  # pixels that are not square
@@ -92,9 +94,10 @@ def test_from_the_file_to_the_verdict(name, catalogue):
         levelled = level(part)
         window = periodic_window(levelled)
         gradient = rms_gradient(window)
-        statistics = solve_contact(
-            window, contact_modulus=1e9, mean_pressure=LOAD * 1e9 * gradient, reduce=contact_statistics
-        )
+        contact = {"contact_modulus": 1e9, "mean_pressure": [LOAD * 1e9 * gradient]}
+        statistics = solve_contact(window, **contact, reduce=contact_statistics)
+        budget = error_budget(levelled, window, {"level": {}, "window": {}, "contact": contact}, sources=[])
+        statistics = with_uncertainty(statistics, budget)
     assert found["problem"] is None
     wanted = float(OTHERWISE.get(name, {}).get("rms") or float(catalogue[name]["rms_height_um"]) * 1e-6)
     assert float(np.nanstd(height)) == pytest.approx(wanted, rel=1e-4)

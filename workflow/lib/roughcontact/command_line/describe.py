@@ -163,6 +163,7 @@ def solution(result: Mapping[str, Any]) -> str:
         size = f"profile of {max(window['nx'], window['ny'])} points, {lengths[window['nx'] == 1]}"
     lines = [
         str(result["file"]),
+        _line("levelled", result["levelled"]["removed_and_filled"]),
         _line(
             "window",
             f"{size}, {percent(window['share'])} of the map, made periodic: {window['periodisation']}",

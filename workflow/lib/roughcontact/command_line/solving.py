@@ -14,11 +14,16 @@ from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
+from roughcontact.levelling.record import removed_and_filled
 from roughcontact.statistics import checks
 from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.variables import VARIABLES
 from roughcontact.window.periodic_window import periodic_window
+
+# what levelling removed and filled, of the attributes that it leaves
+_LEVELLED = ("form", "outliers_rejected", "filled_points", "filled_share", "largest_hole", "line_alignment")
+_LEVELLED_JSON = ("outlier_kinds", "form_removed")
 
 Progress = Callable[[int, int | None, str], None]
 
@@ -42,7 +47,8 @@ def solve_file(
     Returns
     -------
     dict of plain values, SI units
-        `file`, `source_sha256`, `measured`, `window` (numbers of points), `surface` (name -> number),
+        `file`, `source_sha256`, `measured`, `levelled` (what was removed and filled), `window` (numbers of
+        points), `surface` (name -> number),
         `loads` (one dict per load, name -> number, `{name}_uncertainty` -> source -> half-width, with the
         words `flags`), `units` (name -> unit), `checks` (name, outcome, sentence), `verdict`, `warnings`
         (sentences), `settings`.
@@ -84,6 +90,9 @@ def solve_file(
         "file": str(path),
         "source_sha256": height.attrs["source_sha256"],
         "measured": {"ny": height.shape[0], "nx": height.shape[1], "format": height.attrs["source_format"]},
+        "levelled": {name: levelled.attrs[name] for name in _LEVELLED}
+        | {name: json.loads(levelled.attrs[name]) for name in _LEVELLED_JSON}
+        | {"removed_and_filled": removed_and_filled(levelled.attrs)},
         "window": {
             "ny": window.shape[0],
             "nx": window.shape[1],

@@ -12,6 +12,8 @@ _COARSE = 0.1  # quantisation step over rms height from which it shapes the cont
 _PLATEAU = 0.005  # share of the points at one and the same height
 _FEW_LEVELS = 64
 
+SPIKES_ADVICE = "level.outlier_threshold finds isolated ones"  # before anything was done
+
 
 def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = ANY) -> list[str]:
     """Return what looks wrong in a map.
@@ -227,7 +229,7 @@ def _extremes(measured: np.ndarray, low: float, high: float) -> list[str]:
             found.append(
                 f"{count} points lie far {side} all others ({worst}, where 99 % lie between "
                 f"{quantity(lower, 'm')} and {quantity(upper, 'm')}): spikes, dust, or a marker for missing "
-                "points that was taken for a height; level.outlier_threshold finds isolated ones"
+                f"points that was taken for a height; {SPIKES_ADVICE}"
             )
     return found
 

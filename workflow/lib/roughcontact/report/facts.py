@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.io.metadata import labelled
+from roughcontact.levelling.record import removed_and_filled
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.quantities import number, percent, quantity
 
@@ -127,13 +128,8 @@ def levelled_caption(levelled: xr.DataArray) -> str:
     >>> levelled_caption(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(outlier_kinds='{"scar": 3}'))
     '0 points filled in, 0 outliers rejected (3 scar). The red frame is the solved window.'
     """
-    filled, rejected = levelled.attrs.get("filled_points", 0), levelled.attrs.get("outliers_rejected", 0)
     frame = "" if 1 in levelled.shape else " The red frame is the solved window."
-    kinds = json.loads(levelled.attrs.get("outlier_kinds", "{}"))
-    named = ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in kinds.items())
-    hole = f" (largest hole {levelled.attrs['largest_hole']})" if filled else ""
-    rejections = f"{rejected} outliers rejected" + (f" ({named})" if named else "")
-    return f"{filled} points filled in{hole}, {rejections}.{frame}"
+    return f"{removed_and_filled(levelled.attrs)}.{frame}"
 
 
 def spectrum_caption(window: xr.DataArray) -> str:

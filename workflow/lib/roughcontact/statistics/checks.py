@@ -84,7 +84,7 @@ def surface_checks(
         contact_checks.load_range(statistics),
         map_checks.slope(statistics),
         map_checks.steep_places(window),
-        map_checks.reading(height),
+        map_checks.reading(height, levelled),
     ]
 
 

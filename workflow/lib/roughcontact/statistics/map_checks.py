@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.io.plausibility import SPIKES_ADVICE
+from roughcontact.levelling.record import kinds_in_words
 from roughcontact.quantities import number, percent, quantity
 from roughcontact.statistics.outcome import FAILED, LOOK, PASSED, Check
 
@@ -85,17 +87,14 @@ def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
     rejected = levelled.get("outliers_rejected", 0)
     if not rejected:
         return Check("Outliers", PASSED, "No point was rejected.")
-    kinds = json.loads(levelled.get("outlier_kinds", "{}"))
-    named = ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in kinds.items())
+    named = kinds_in_words(levelled)
     text = f"{rejected} points were rejected as no surface" + (f" ({named})" if named else "")
-    if "rejected_load_share" not in statistics:
-        return Check("Outliers", LOOK, f"{text}. What load they would carry if they were kept is not known.")
-    shares = statistics["rejected_load_share"].values
+    shares = statistics["rejected_load_share"].values if "rejected_load_share" in statistics else np.nan
     if np.isnan(shares).all():
         return Check("Outliers", LOOK, f"{text}. What load they would carry if they were kept is not known.")
     share = float(np.nanmax(shares))
     text += f". If they were kept, they would carry {percent(share)} of the load"
-    text += " at most" if shares.size > 1 else ""
+    text += " at most" if statistics.sizes["load"] > 1 else ""
     if share <= REJECTED_LOAD:
         return Check("Outliers", PASSED, f"{text}.")
     text += (
@@ -320,13 +319,13 @@ def steep_places(window: Attributes) -> Check:
     return Check("Steep places", LOOK, text)
 
 
-def reading(height: Attributes) -> Check:
+def reading(height: Attributes, levelled: Attributes) -> Check:
     """Check that the file was read without a warning.
 
     Parameters
     ----------
-    height : mapping
-        attributes of the map as measured.
+    height, levelled : mapping
+        attributes of the map as measured, and levelled.
 
     Returns
     -------
@@ -334,11 +333,13 @@ def reading(height: Attributes) -> Check:
 
     Examples
     --------
-    >>> reading({"ingest_warnings": '["the unit of the heights was guessed"]'}).sentence
+    >>> reading({"ingest_warnings": '["the unit of the heights was guessed"]'}, {}).sentence
     'The unit of the heights was guessed.'
     """
     warnings = json.loads(height.get("ingest_warnings", "[]"))
     if warnings:
-        sentences = (f"{warning[0].upper()}{warning[1:].rstrip('.')}." for warning in warnings)
-        return Check("Reading the file", LOOK, " ".join(sentences))
+        text = " ".join(f"{warning[0].upper()}{warning[1:].rstrip('.')}." for warning in warnings)
+        if levelled.get("outlier_threshold"):
+            text = text.replace(SPIKES_ADVICE, "isolated ones were looked for and taken out")
+        return Check("Reading the file", LOOK, text)
     return Check("Reading the file", PASSED, "Read without a warning.")

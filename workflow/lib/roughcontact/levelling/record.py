@@ -1,0 +1,50 @@
+"""What levelling did to a map, in words: for whoever shows a result."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+
+def removed_and_filled(levelled: Mapping[str, Any]) -> str:
+    """Return what levelling filled in and rejected.
+
+    Parameters
+    ----------
+    levelled : mapping
+        attributes of a map from `level`.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> removed_and_filled({"filled_points": 9, "largest_hole": 4, "outlier_kinds": '{"dead_line": 3}'})
+    '9 points filled in (largest hole 4), 0 outliers rejected (3 dead line)'
+    """
+    filled, rejected = levelled.get("filled_points", 0), levelled.get("outliers_rejected", 0)
+    hole = f" (largest hole {levelled['largest_hole']})" if filled else ""
+    named = kinds_in_words(levelled)
+    return f"{filled} points filled in{hole}, {rejected} outliers rejected" + (f" ({named})" if named else "")
+
+
+def kinds_in_words(levelled: Mapping[str, Any]) -> str:
+    """Return how many points of each kind were rejected.
+
+    Parameters
+    ----------
+    levelled : mapping
+        attributes of a map from `level`.
+
+    Returns
+    -------
+    str
+        empty where none were.
+
+    Examples
+    --------
+    >>> kinds_in_words({"outlier_kinds": '{"spike": 29, "dead_line": 128}'})
+    '29 spike, 128 dead line'
+    """
+    kinds = json.loads(levelled.get("outlier_kinds", "{}"))
+    return ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in kinds.items())
