@@ -2,6 +2,7 @@
 
 import warnings
 from concurrent.futures import ThreadPoolExecutor
+from struct import Struct
 
 import array_api_strict
 import numpy as np
@@ -231,6 +232,16 @@ def test_plain_kernels_serve_where_there_is_no_library(monkeypatch, tmp_path):
     finally:
         compiled.library.cache_clear()
         choose.library_is_there.cache_clear()
+
+
+def test_a_library_of_other_sources_is_not_used(monkeypatch):
+    monkeypatch.setitem(compiled._structs, "mix", Struct("PPPPqqq"))  # as it would be with one number less
+    compiled.library.cache_clear()
+    try:
+        with pytest.raises(OSError, match="built from other sources"):
+            compiled.library()
+    finally:
+        compiled.library.cache_clear()
 
 
 def test_arrays_that_do_not_suit_are_refused():

@@ -57,7 +57,8 @@ _GIVEN = {
     "continue_square": ("rr", "qq"),
     "refine": ("rrr", "qqqq"),
 }
-_pack = {name: Struct("P" * len(arrays) + rest).pack for name, (arrays, rest) in _GIVEN.items()}
+_structs = {name: Struct("P" * len(arrays) + rest) for name, (arrays, rest) in _GIVEN.items()}
+_pack = {name: struct.pack for name, struct in _structs.items()}
 SMALL_GRID = 64 * 64  # cells up to which the grids of a hierarchy are passed over in one call
 _Found = ctypes.c_double * 8  # six sums, the least and the largest value
 _view, _address = (ctypes.c_char * 0).from_buffer, ctypes.addressof
@@ -65,9 +66,20 @@ _view, _address = (ctypes.c_char * 0).from_buffer, ctypes.addressof
 
 @cache
 def library() -> ctypes.CDLL:
-    """Return the library of the passes; raise OSError where there is none for this machine."""
+    """Return the library of the passes; raise OSError where there is none of these sources."""
     found = ctypes.CDLL(str(LIBRARY))
-    found.find_pass.argtypes, found.find_pass.restype = (ctypes.c_char_p,), ctypes.c_void_p
+    try:
+        find = found.find_pass_given
+        find.argtypes, find.restype = (ctypes.c_char_p, ctypes.c_int64), ctypes.c_void_p
+        # in single precision: a letter for each kind of array
+        types = {
+            name: "f" * len(set(arrays.replace("c", "r")) - set("Db")) for name, (arrays, _) in _GIVEN.items()
+        }
+        fits = all(find(f"{name}_{types[name]}".encode(), _structs[name].size) for name in _GIVEN)
+    except AttributeError:
+        fits = False
+    if not fits:
+        raise OSError(f"{LIBRARY} was built from other sources")
     numbers = [ctypes.c_int64] * 3
     found.run_pass.argtypes = ctypes.c_void_p, *numbers, ctypes.c_char_p, ctypes.POINTER(_Found)
     return found
@@ -82,7 +94,7 @@ def _find(name, widths):
         if bytes_of.setdefault(key, real_width) != real_width:
             raise TypeError(f"{name}: arrays whose entries have {widths} bytes do not go together")
     types = "".join({4: "f", 8: "d"}[width] for key, width in bytes_of.items() if key not in "Db")
-    address = library().find_pass(f"{name}_{types}".encode())
+    address = library().find_pass_given(f"{name}_{types}".encode(), _structs[name].size)
     if address is None:
         raise TypeError(f"{name}: there is no pass for precisions {types}")
     return address

@@ -52,6 +52,7 @@ struct Weights {
 struct Entry {
     const char *name;
     Pass *pass;
+    size_t size; /* of what it is given */
 };
 
 /* Held between 0 and the largest pressure; no number stays none. */
@@ -134,15 +135,16 @@ static int vectors(void)
 }
 #endif
 
-/* Return the pass of a name, such as measure_df, for this processor; NULL if there is none. */
-EXPORT const void *find_pass(const char *name)
+/* Return the pass of a name, such as measure_df, for this processor; NULL if there is none that is given so many
+   bytes. */
+EXPORT const void *find_pass_given(const char *name, int64_t size)
 {
     const struct Entry *entry = table_of_plain;
 #ifdef WIDE
     entry = vectors() == 2 ? table_of_widest : vectors() == 1 ? table_of_wide : table_of_plain;
 #endif
     for (; entry->name; entry++)
-        if (!strcmp(entry->name, name))
+        if (!strcmp(entry->name, name) && entry->size == (size_t)size)
             return (const void *)entry->pass;
     return NULL;
 }

@@ -84,7 +84,7 @@
 #undef TYPES
 
 static const struct Entry JOIN(table, of, LEVEL)[] = {
-#define ENTRY(pass, types) {#pass "_" #types, JOIN(run_##pass, types, LEVEL)},
+#define ENTRY(pass, types) {#pass "_" #types, JOIN(run_##pass, types, LEVEL), sizeof(struct JOIN(pass, types, LEVEL))},
 #define OF_ONE(pass) ENTRY(pass, f) ENTRY(pass, d)
 #define OF_TWO(pass) ENTRY(pass, ff) ENTRY(pass, df) ENTRY(pass, dd) ENTRY(pass, fd)
     OF_ONE(multiply) OF_ONE(divide) OF_ONE(slope_power) OF_ONE(extent) OF_ONE(rescale) OF_ONE(restore_units)
@@ -94,7 +94,7 @@ static const struct Entry JOIN(table, of, LEVEL)[] = {
     OF_ONE(continue_square) OF_ONE(refine)
     OF_TWO(make_dimensionless) OF_TWO(measure) OF_TWO(masked_residual) OF_TWO(redistribute) OF_TWO(project) OF_TWO(project_residual)
     ENTRY(advance, fff) ENTRY(advance, ffd) ENTRY(advance, fdd) ENTRY(advance, dfd) ENTRY(advance, ddd)
-    {NULL, NULL}
+    {NULL, NULL, 0}
 #undef OF_TWO
 #undef OF_ONE
 #undef ENTRY
