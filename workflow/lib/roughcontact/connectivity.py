@@ -37,8 +37,8 @@ def connected_regions(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return number[labels], around[kept]
 
 
-def count_regions(inside: np.ndarray) -> int:
-    """Return the number of regions of a periodic map.
+def region_sizes(inside: np.ndarray) -> np.ndarray:
+    """Return the number of points of each region of a periodic map.
 
     Parameters
     ----------
@@ -47,18 +47,22 @@ def count_regions(inside: np.ndarray) -> int:
 
     Returns
     -------
-    int
-        0 where there is no point.
+    int array (regions)
+        empty where there is no point.
 
     Examples
     --------
     The two ends of the row are one region over the period.
 
     >>> import numpy as np
-    >>> count_regions(np.array([[True, False, True, False, True]]))
-    2
+    >>> region_sizes(np.array([[True, False, True, False, True]]))
+    array([1, 2])
     """
-    return np.unique(_joined_over_seams(inside)[1]).size - 1
+    labels, roots, _ = _joined_over_seams(inside)
+    sizes = np.bincount(labels.ravel(), minlength=roots.size)
+    sizes[0] = 0
+    total = np.bincount(roots, sizes).astype(int)
+    return total[total > 0]
 
 
 def runs_around(inside: np.ndarray) -> tuple[bool, bool]:
@@ -82,8 +86,8 @@ def runs_around(inside: np.ndarray) -> tuple[bool, bool]:
     >>> runs_around(corners | np.roll(corners, 1, axis=0)), runs_around(corners)
     ((True, True), (False, False))
     """
-    around = _joined_over_seams(inside)[2].any(axis=0)
-    return bool(around[0]), bool(around[1])
+    along_y, along_x = _joined_over_seams(inside)[2].T
+    return bool(along_y.any()), bool(along_x.any())
 
 
 def _joined_over_seams(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

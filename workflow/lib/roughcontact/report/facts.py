@@ -50,6 +50,7 @@ def surface_facts(
         ("Filters", _filters(levelled)),
         ("Sa, Sq, Sz", _parameters(levelled, ("Sa", "Sq", "Sz"), "m")),
         ("Ssk, Sku, Sdq", _parameters(levelled, ("Ssk", "Sku", "Sdq"), "1")),
+        ("Sk, Spk, Svk", _parameters(levelled, ("Sk", "Spk", "Svk"), "m")),
         ("Window", _size(window)),
         ("Periodisation", str(window.attrs.get("periodisation", "none"))),
         ("Sal, Str, lay", _texture(numbers)),

@@ -21,11 +21,12 @@ _SUFFIX: dict[str | None, str] = {
     "J m-2": "_J_per_m2",
     "W m-2 K-1": "_W_per_m2_K",
     "S m-2": "_S_per_m2",
+    "m2": "_m2",
     "m2 s-1": "_m2_per_s",
     "degree": "_degree",
 }
 
-_COORDINATES = ("mean_pressure", "pressure_bin_bounds", "gap_bin_bounds")
+_COORDINATES = ("mean_pressure", "pressure_bin_bounds", "gap_bin_bounds", "patch_bin_bounds")
 _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")
 _WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged", "gap_percolates_x", "gap_percolates_y")
 
@@ -124,7 +125,7 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
         name
         for name in map(str, statistics.variables)
         if not name.endswith("_name")
-        and not {"pressure_bin", "gap_bin", "source"} & set(statistics[name].dims)
+        and not {"pressure_bin", "gap_bin", "patch_bin", "source"} & set(statistics[name].dims)
     ]
     names.sort(key=lambda name: _LEADING.index(name) if name in _LEADING else len(_LEADING))
     order = [dim for dim in ("case", "surface", "load") if dim in statistics.dims]

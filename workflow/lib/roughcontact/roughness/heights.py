@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.maps import spacing
+from roughcontact.roughness.bearing import bearing_parameters
 
 
 def height_parameters(height: xr.DataArray) -> dict[str, float]:
@@ -19,6 +20,9 @@ def height_parameters(height: xr.DataArray) -> dict[str, float]:
     * `Sdq` = sqrt(mean (dz/dx)^2 + mean (dz/dy)^2) with the differences of neighbouring points, each
       direction averaged over its own pairs of measured points. It depends on the pitch
       (`parameters.rms_gradient` is spectral).
+    * `Sdr` = developed area over the projected one, less 1: each cell between four measured points is the
+      mean of its two divisions into triangles.
+    * `Sk`, `Spk`, `Svk`, `Smr1`, `Smr2`, `Vmc`, `Vvv` of `bearing.bearing_parameters`.
 
     Parameters
     ----------
@@ -28,11 +32,11 @@ def height_parameters(height: xr.DataArray) -> dict[str, float]:
     Returns
     -------
     dict of float
-        `Sa`, `Sq`, `Sp`, `Sv`, `Sz` in m, the others without unit.
+        `Sa`, `Sq`, `Sp`, `Sv`, `Sz`, `Sk`, `Spk`, `Svk`, `Vmc`, `Vvv` in m, the others without unit.
 
     References
     ----------
-    .. [1] ISO 25178-2:2021, 4.1 and 4.2.
+    .. [1] ISO 25178-2:2021, 4.1 to 4.4, and D.3 for the developed area.
 
     Examples
     --------
@@ -61,4 +65,25 @@ def height_parameters(height: xr.DataArray) -> dict[str, float]:
         "Sv": float(-z.min()),
         "Sz": float(np.ptp(z)),
         "Sdq": math.sqrt(slopes),
-    }
+        "Sdr": _developed_excess(values, spacing(height)),
+    } | bearing_parameters(z)
+
+
+def _developed_excess(values: np.ndarray, steps: tuple[float, float]) -> float:
+    """Return the area of a surface over its projection, less 1, of its cells without missing points."""
+    slope_y, slope_x = (np.diff(values, axis=axis) / steps[axis] for axis in (0, 1))
+    if 1 in values.shape:  # a profile: its length
+        slopes = slope_x if values.shape[0] == 1 else slope_y
+        return float(np.nanmean(_excess(slopes**2))) if not np.isnan(slopes).all() else 0.0
+    # each corner of a cell is half a triangle of either division, with one edge along x and one along y
+    corners = sum(
+        _excess(along_x**2 + along_y**2)
+        for along_x in (slope_x[:-1], slope_x[1:])
+        for along_y in (slope_y[:, :-1], slope_y[:, 1:])
+    )
+    return float(np.nanmean(corners)) / 4 if not np.isnan(corners).all() else 0.0
+
+
+def _excess(squares: np.ndarray) -> np.ndarray:
+    """Return sqrt(1 + s) - 1 without losing the digits of a small s."""
+    return squares / (np.sqrt(1 + squares) + 1)

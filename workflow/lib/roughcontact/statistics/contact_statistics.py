@@ -1,5 +1,6 @@
 """Numbers of each load of a contact solution: areas, clusters, pressures, gaps, energy, stiffness, theory."""
 
+import math
 from collections.abc import Hashable, Mapping
 
 import numpy as np
@@ -7,7 +8,7 @@ import xarray as xr
 
 from roughcontact.checking import check_choice
 from roughcontact.choices import Flow
-from roughcontact.connectivity import count_regions
+from roughcontact.connectivity import region_sizes
 from roughcontact.contact.response import linear_response
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.errors import SettingsError
@@ -20,7 +21,13 @@ from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.statistics import theory
 from roughcontact.statistics.conductance import Bodies, conductance_columns
 from roughcontact.statistics.contact_geometry import contact_perimeter, relative_contact_area
-from roughcontact.statistics.densities import GAP_DECADES, PRESSURE_DECADES, density, logarithmic_edges
+from roughcontact.statistics.densities import (
+    GAP_DECADES,
+    PATCH_BINS,
+    PRESSURE_DECADES,
+    density,
+    logarithmic_edges,
+)
 
 # what the solver says of each load, handed on unchanged
 SOLVER_COLUMNS = (
@@ -36,11 +43,15 @@ SOLVER_COLUMNS = (
 )
 
 # of ISO 25178-2, as `roughness.heights.height_parameters` returns them
-HEIGHT_PARAMETERS = ("Sa", "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sdq")
+HEIGHT_PARAMETERS = (
+    *("Sa", "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sdq", "Sdr"),
+    *("Sk", "Spk", "Svk", "Smr1", "Smr2", "Vmc", "Vvv"),
+)
 
 FLOW_POINTS = 65536  # of a map: the flow through a larger one takes longer than its contact
 
-_BINNED = ("pressure", "gap")  # what has a density, `{name}_density` over the bins `{name}_bin`
+# what has a density, and over which bins, `{name}_bin`
+_BINS = {"pressure_density": "pressure", "gap_density": "gap", "patch_area_density": "patch"}
 
 
 def contact_statistics(
@@ -76,7 +87,7 @@ def contact_statistics(
     Returns
     -------
     Dataset
-        dims (load, pressure_bin, gap_bin), SI units; `roughcontact.variables` explains each name.
+        dims (load, pressure_bin, gap_bin, patch_bin), SI units; `roughcontact.variables` explains each name.
 
     Raises
     ------
@@ -111,6 +122,7 @@ def contact_statistics(
     edges = {
         "pressure": (modulus * gradient or modulus) * logarithmic_edges(PRESSURE_DECADES, pressure_bins),
         "gap": (float(np.ptp(height.values)) or steps[1]) * logarithmic_edges(GAP_DECADES, gap_bins),
+        "patch": steps[0] * steps[1] * logarithmic_edges((0, math.ceil(math.log10(height.size))), PATCH_BINS),
     }
     filled = height["filled"].values != 0 if "filled" in height.coords else None
     with_flow = flow == "always" or (flow == "auto" and (height.size <= FLOW_POINTS or seal is not None))
@@ -130,7 +142,7 @@ def contact_statistics(
     columns["points_per_shortest_wavelength"] = np.full(
         mean_pressure.shape, surface.pop("points_per_shortest_wavelength")
     )
-    dims = {f"{name}_density": ("load", f"{name}_bin") for name in _BINNED}
+    dims = {density: ("load", f"{name}_bin") for density, name in _BINS.items()}
     variables: dict[str, object] = {
         name: (dims.get(name, ("load",)), values) for name, values in columns.items()
     }
@@ -283,13 +295,15 @@ def _one_load(
     touching = pressure > 0
     points = int(np.count_nonzero(touching))
     carried = pressure[touching]
+    patches = region_sizes(touching) * (steps[0] * steps[1])
     open_gap = np.where(touching, 0.0, gap)
     compliance = linear_response(touching, steps, contact_modulus)
     return {
         "relative_contact_area": relative_contact_area(touching),
         "relative_contact_area_pixels": points / touching.size,
         "contact_perimeter": contact_perimeter(touching, steps),
-        "contact_clusters": count_regions(touching),
+        "contact_clusters": patches.size,
+        "largest_patch_area": patches.max(initial=0.0),
         "contact_on_filled_points": 0.0 if filled is None else np.count_nonzero(touching & filled) / points,
         "mean_contact_pressure": carried.mean(),
         "max_pressure": carried.max(),
@@ -301,6 +315,7 @@ def _one_load(
         **(flow_columns(open_gap, steps) if with_flow else {}),
         "elastic_energy": elastic_energy(pressure, steps, contact_modulus=contact_modulus),
         "pressure_density": density(carried, edges["pressure"]),
+        "patch_area_density": density(patches, edges["patch"]),
         "gap_density": density(gap[~touching], edges["gap"]),
     }
 

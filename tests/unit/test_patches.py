@@ -1,0 +1,61 @@
+"""Areas of the contact patches."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import roughcontact as rc
+from roughcontact.connectivity import connected_regions, region_sizes
+from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.results.collect import collect_statistics, summary_table
+from roughcontact.results.storage import write_dataset
+from roughcontact.variables import describe
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_sizes_are_those_of_the_labelled_regions(seed):
+    inside = np.random.default_rng(seed).random((23, 31)) < 0.5
+    region, _ = connected_regions(inside)
+    assert sorted(region_sizes(inside)) == sorted(np.bincount(region.ravel())[1:])
+    assert region_sizes(inside).sum() == inside.sum()
+    assert region_sizes(~inside | inside).tolist() == [inside.size]
+    assert region_sizes(inside & ~inside).size == 0
+
+
+@pytest.fixture(scope="module")
+def statistics():
+    contact = rc.solve_contact(
+        rough_reference_surface(64), contact_modulus=1.0, mean_pressure=[0.02, 0.1, 5.0]
+    )
+    return contact, describe(rc.contact_statistics(contact, flow="never"))
+
+
+def test_patches_of_a_solved_contact(statistics):
+    contact, stats = statistics
+    pixel = 1 / 64**2
+    for load in range(3):
+        sizes = region_sizes(contact["pressure"].values[load] > 0)
+        assert stats["contact_clusters"][load] == sizes.size
+        assert stats["largest_patch_area"][load] == pytest.approx(sizes.max() * pixel)
+    width = stats["patch_bin_bounds"].diff("bounds").isel(bounds=0)
+    np.testing.assert_allclose((stats["patch_area_density"] * width).sum("patch_bin"), 1, rtol=1e-12)
+    # full contact is one patch
+    assert stats["largest_patch_area"][2] == pytest.approx(1)
+    assert stats["largest_patch_area"].attrs["units"] == "m2"
+    centres, means = (
+        stats["patch_bin"],
+        (stats["patch_area_density"] * width * stats["patch_bin"]).sum("patch_bin"),
+    )
+    expected = stats["relative_contact_area_pixels"] / stats["contact_clusters"]
+    assert (abs(means / expected - 1)[:2] < 0.3).all()  # centres of bins stand for what is in them
+    assert (np.diff(centres) > 0).all()
+
+
+def test_they_reach_the_table_of_all_surfaces(statistics, tmp_path):
+    write_dataset(statistics[1], tmp_path / "statistics.nc")
+    collected = collect_statistics([{"surface": "a", "case": None, "statistics": tmp_path / "statistics.nc"}])
+    assert isinstance(collected, xr.Dataset)
+    table = summary_table(collected)
+    assert "largest_patch_area_m2" in table
+    assert "patch_area_density_per_m2" not in table
+    assert len(table) == 3

@@ -1,0 +1,91 @@
+"""The material ratio curve of a levelled map, and what ISO 25178-2 reads off it: core, peaks, dales."""
+
+import math
+
+import numpy as np
+
+_CENTRAL = 0.4  # width of the central region of the curve, in material ratio
+_PEAK_RATIO, _DALE_RATIO = 0.1, 0.8  # material ratios that bound the core in the volume parameters
+
+
+def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
+    """Return core height, reduced peaks and dales, their material ratios, and the core and dale volumes.
+
+    The curve c(mr), the height that a share mr of the points exceeds, goes straight from one measured height
+    to the next. Its central region, 40 % wide, is where its secant is least steep (the first of equals); the
+    straight line through it by least squares, drawn from 0 to 100 %, bounds the core [1]_. The parts of the
+    curve above and below become triangles of the same area:
+
+    * `Sk`: height of the core, `Spk`, `Svk`: heights of the triangles, m
+    * `Smr1`, `Smr2`: material ratios where the curve enters and leaves the core
+    * `Vmc`: material between the ratios 10 % and 80 %, `Vvv`: void below 80 %, by area, m
+
+    Parameters
+    ----------
+    heights : array (n), m
+        of all measured points, in any order.
+
+    Returns
+    -------
+    dict of float
+        the ratios as shares from 0 to 1, NaN where all heights are equal.
+
+    References
+    ----------
+    .. [1] ISO 25178-2:2021, 4.4 and annex B; ISO 13565-2:1996.
+
+    Examples
+    --------
+    Heights spread evenly have a straight curve, all core:
+
+    >>> import numpy as np
+    >>> found = bearing_parameters(np.linspace(0.0, 1e-6, 1001))
+    >>> print(f"Sk {found['Sk']:.3g} m, Spk {found['Spk']:.3f} m, Vvv {found['Vvv']:.3g} m")
+    Sk 1e-06 m, Spk 0.000 m, Vvv 2e-08 m
+    """
+    curve = np.sort(heights)[::-1]
+    curve -= curve[-1]
+    if curve[0] == 0:
+        nothing = dict.fromkeys(("Sk", "Spk", "Svk", "Vmc", "Vvv"), 0.0)
+        return nothing | {"Smr1": math.nan, "Smr2": math.nan}
+    ratio = np.linspace(0, 1, curve.size)
+    # as far as the window still fits in; rounding must not push the last one over the end
+    starts = ratio[ratio <= 1 - _CENTRAL + 1e-12]
+    fall = curve[: starts.size] - np.interp(starts + _CENTRAL, ratio, curve)
+    start = starts[int(fall.argmin())]
+    central = (ratio >= start) & (ratio <= start + _CENTRAL + 1e-12)
+    x, y = ratio[central] - ratio[central].mean(), curve[central]
+    slope = float(x @ y / (x @ x)) if x.size > 1 else 0.0
+    upper = float(y.mean() - slope * ratio[central].mean())
+    lower = upper + slope
+    enters, leaves = (_ratio_of(height, ratio, curve) for height in (upper, lower))
+    peaks = _material(enters, ratio, curve)
+    dales = _void(leaves, ratio, curve)
+    return {
+        "Sk": upper - lower,
+        "Spk": 2 * peaks / enters if enters > 0 else 0.0,
+        "Svk": 2 * dales / (1 - leaves) if leaves < 1 else 0.0,
+        "Smr1": enters,
+        "Smr2": leaves,
+        "Vmc": _material(_DALE_RATIO, ratio, curve) - _material(_PEAK_RATIO, ratio, curve),
+        "Vvv": _void(_DALE_RATIO, ratio, curve),
+    }
+
+
+def _ratio_of(height: float, ratio: np.ndarray, curve: np.ndarray) -> float:
+    """Return the material ratio at which the curve has a height; 0 above and 1 below all of it."""
+    return float(np.interp(height, curve[::-1], ratio[::-1]))
+
+
+def _material(at: float, ratio: np.ndarray, curve: np.ndarray) -> float:
+    """Return the area between the curve and its height at a material ratio, left of it."""
+    height = float(np.interp(at, ratio, curve))
+    left = ratio < at
+    return float(np.trapezoid(np.append(curve[left], height) - height, np.append(ratio[left], at)))
+
+
+def _void(at: float, ratio: np.ndarray, curve: np.ndarray) -> float:
+    """Return the area between the curve and its height at a material ratio, right of it."""
+    height = float(np.interp(at, ratio, curve))
+    right = ratio > at
+    return float(np.trapezoid(height - np.insert(curve[right], 0, height), np.insert(ratio[right], 0, at)))
