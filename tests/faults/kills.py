@@ -31,6 +31,7 @@ from study import command, environment, results, start_again, write_study
 
 KINDS = ("script", "scheduler", "group", "writing")
 AFTERWARDS = 5.0  # seconds in which jobs have to notice that their run is gone
+FEW = 6  # kills that a run should bear
 
 
 def kill_at_random(folder: Path, kills: int, seed: int, **study) -> tuple[Counter, list[str]]:
@@ -53,12 +54,12 @@ def kill_at_random(folder: Path, kills: int, seed: int, **study) -> tuple[Counte
         write_study(each, **study)
     begin = time.monotonic()
     subprocess.run(command(left_alone), env=environment(), check=True, capture_output=True)
-    longest = 0.08 * (time.monotonic() - begin)
+    longest = 0.1 * (time.monotonic() - begin)
     expected = results(left_alone)
     choose = random.Random(seed)
     while counts["kills"] < kills:
         start_again(killed)
-        run_with_kills(killed, kills, longest, choose, expected, counts, wrong)
+        longest = run_with_kills(killed, kills, longest, choose, expected, counts, wrong)
         differing = differences(expected, killed)
         counts["runs"] += 1
         counts["differing files"] += len(differing)
@@ -68,9 +69,14 @@ def kill_at_random(folder: Path, kills: int, seed: int, **study) -> tuple[Counte
 
 
 def run_with_kills(folder, kills, longest, choose, expected, counts, wrong):
-    """Kill one run again and again until it has come to its end."""
-    kind = "none"
+    """Kill one run again and again until it has come to its end; return the longest time to wait for a kill.
+
+    It grows while kills come too early for any progress, and falls where a run bore few of them, so that it
+    suits the machine and what else it does.
+    """
+    kind, before = "none", counts["kills"]
     while True:
+        done = len(results(folder))
         run = subprocess.Popen(
             command(folder),
             env=environment(),
@@ -88,8 +94,7 @@ def run_with_kills(folder, kills, longest, choose, expected, counts, wrong):
             if run.returncode:
                 counts["refused or failed"] += 1
                 wrong.append(f"after a kill of {previous}: {said[-2000:]}")
-                start_again(folder)
-            return
+            return longest * (0.8 if counts["kills"] - before < FEW else 1.0)
         alive = family(run)
         for victim in victims:
             try:
@@ -106,6 +111,9 @@ def run_with_kills(folder, kills, longest, choose, expected, counts, wrong):
         half = differences({name: expected.get(name, b"") for name in results(folder)}, folder)
         counts["half files"] += len(half)
         wrong += [f"after a kill of {kind}: {name} is not whole" for name in half]
+        if len(results(folder)) == done:
+            longest *= 1.15
+        print(dict(counts), f"{longest:.1f} s", file=sys.stderr, flush=True)
 
 
 def wait_and_find(run, folder, kind, after):
