@@ -11,7 +11,6 @@ from roughcontact.configuration.dependencies import source_digest
 from roughcontact.configuration.stages import SECTIONS, owner, settings_of
 from roughcontact.configuration.study import read_study
 from roughcontact.configuration.surfaces import find, measured, members
-from roughcontact.io.units import metres
 
 # Without --configfile: the configuration of the working directory, else the one that comes with the workflow.
 # One file only, never two laid over each other, so that what a file says is all that is set.
@@ -29,7 +28,7 @@ FOLDERS = (
 
 try:
     # without cases: {"": settings}
-    CASES, TABLE = read_study(config, FOLDERS, measured_in=[".", ROOT], metres=metres)
+    CASES, TABLE = read_study(config, FOLDERS, measured_in=[".", ROOT])
     COMPOSITE = CASES[next(iter(CASES))]["composite"]  # the same for all cases
     # what is measured, and the ways in which the faces of each pair lie on one another
     MEASURED = measured(TABLE)

@@ -8,6 +8,61 @@ import xarray as xr
 
 from roughcontact.errors import HeightMapError, SettingsError
 
+# what no length, pressure or ratio is beyond, far within what numbers hold: squares of products stay finite
+SMALLEST, LARGEST = 1e-100, 1e100
+
+
+def check_labelled(height: object) -> xr.DataArray:
+    """Return a height map as it is, or say why it is none: no labels, no real numbers, no positions.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        the attribute `source_file` names it in the message.
+
+    Returns
+    -------
+    DataArray
+        the same.
+
+    Raises
+    ------
+    HeightMapError
+        for an array without labels, for text, complex numbers or true and false, for other dimensions, for
+        a map without coordinates, or for fewer than two points.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> check_labelled(np.zeros((4, 4)))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ...
+    roughcontact.errors.HeightMapError: the map is of type ndarray, without the size of its pixels: ...
+    """
+    if not isinstance(height, xr.DataArray):
+        raise HeightMapError(
+            f"the map is of type {type(height).__name__}, without the size of its pixels: label it by "
+            "roughcontact.maps.height_map(values, spacing)"
+        )
+    name = height.attrs.get("source_file") or "the map"
+    if str(height.dtype).startswith(("bool", "complex")) or getattr(height.dtype, "kind", "f") not in "fiu":
+        raise HeightMapError(
+            f"{name} holds values of type {height.dtype}: heights are real numbers, in metres"
+        )
+    if height.dims != ("y", "x"):
+        raise HeightMapError(f"{name} has the dimensions {height.dims}: transpose it to ('y', 'x')")
+    if height.size < 2:
+        raise HeightMapError(
+            f"{name} has {height.size} point: at least two are needed; check how the file was cut or read"
+        )
+    for axis in height.dims:
+        if axis not in height.coords:
+            raise HeightMapError(
+                f"{name} has no coordinate {axis!r}, so that the size of its pixels is unknown: label it by "
+                "roughcontact.maps.height_map(values, spacing)"
+            )
+    return height
+
 
 def check_map(height: xr.DataArray) -> np.ndarray:
     """Return the heights as float64, NaN where not finite, or say why they are no height map.
@@ -25,7 +80,7 @@ def check_map(height: xr.DataArray) -> np.ndarray:
     Raises
     ------
     HeightMapError
-        wrong dimensions, fewer than two points, or nothing measured.
+        what `check_labelled` finds, nothing measured, or heights that no surface has.
 
     Examples
     --------
@@ -34,19 +89,15 @@ def check_map(height: xr.DataArray) -> np.ndarray:
     >>> check_map(height_map([[1, np.inf, 3]], 1e-6))
     array([[ 1., nan,  3.]])
     """
-    name = height.attrs.get("source_file") or "the map"
-    if height.dims != ("y", "x"):
-        raise HeightMapError(f"{name} has the dimensions {height.dims}: transpose it to ('y', 'x')")
-    if height.size < 2:
-        raise HeightMapError(
-            f"{name} has {height.size} point: at least two are needed; check how the file was cut or read"
-        )
+    name = check_labelled(height).attrs.get("source_file") or "the map"
     values = np.asarray(height.values, dtype=float)
     values = np.where(np.isfinite(values), values, np.nan)
     if np.isnan(values).all():
         raise HeightMapError(
             f"all {values.size} points of {name} are missing: choose another channel, or measure again"
         )
+    if (largest := float(np.nanmax(np.abs(values)))) > LARGEST:
+        raise HeightMapError(f"{name} has heights of {largest:g} m: check the unit, or how the file was read")
     return values
 
 
@@ -105,7 +156,7 @@ def check_positive(name: str, value: Any, *, unit: str) -> float:
     Raises
     ------
     SettingsError
-        where it is no number, infinite, NaN, zero or negative.
+        where it is no number, infinite, NaN, zero, negative, or beyond what any quantity is.
 
     Examples
     --------
@@ -113,11 +164,16 @@ def check_positive(name: str, value: Any, *, unit: str) -> float:
     1000000000.0
     """
     try:
-        number = float(value)
+        number = float("true or false" if isinstance(value, bool | np.bool_) else value)
     except (TypeError, ValueError):
         raise SettingsError(
             f"{name} = {value!r} is not a number; give a positive number in {unit}", keys=[name]
         ) from None
     if not (np.isfinite(number) and number > 0):
         raise SettingsError(f"{name} = {number:g} must be a positive finite number in {unit}", keys=[name])
+    if not SMALLEST <= number <= LARGEST:
+        raise SettingsError(
+            f"{name} = {number:g} is beyond what can be computed; check the number and its unit ({unit})",
+            keys=[name],
+        )
     return number

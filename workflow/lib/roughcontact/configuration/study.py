@@ -1,6 +1,6 @@
 """Settings and table of surfaces together: what is wrong with either is said at once, before a run begins."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +9,8 @@ from roughcontact.choices import Resampling
 from roughcontact.configuration.models import Settings
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import Surface, find, read_surfaces
-from roughcontact.errors import RoughContactError, SettingsError
+from roughcontact.errors import SettingsError
+from roughcontact.units import unknown_unit, value_of
 
 _MOST_VALUES = 100_000  # of a configuration: a thousand times what a large study has
 
@@ -19,7 +20,6 @@ def read_study(
     folders: Sequence[str | Path],
     *,
     measured_in: Sequence[str | Path],
-    metres: Callable[..., float],
 ) -> tuple[dict[str, dict[str, Any]], dict[str, Surface]]:
     r"""Return the settings of every case and the table of surfaces.
 
@@ -31,8 +31,6 @@ def read_study(
         where a relative path of the table is looked for, in this order.
     measured_in : sequence of str or Path
         the same for the paths in the table.
-    metres : callable
-        `roughcontact.io.units.metres`, which knows the units of length.
 
     Returns
     -------
@@ -50,13 +48,12 @@ def read_study(
     Examples
     --------
     >>> import tempfile
-    >>> from roughcontact.io.units import metres
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     table = Path(folder) / "surfaces.tsv"
     ...     _ = table.write_text("surface\tpath\tunit\nground\tground.txt\tmetre\n")
     ...     _ = (Path(folder) / "ground.txt").write_text("1 2\n3 4\n")
     ...     config = {"surfaces": "surfaces.tsv", "contact": {"contact_modulus": 1e9}}
-    ...     cases, surfaces = read_study(config, [folder], measured_in=[folder], metres=metres)
+    ...     cases, surfaces = read_study(config, [folder], measured_in=[folder])
     >>> list(cases), list(surfaces)
     ([''], ['ground'])
     """
@@ -71,9 +68,7 @@ def read_study(
     table = config.get("surfaces", Settings.model_fields["surfaces"].default)
     if isinstance(table, str) and table:  # else that is among the mistakes in the settings
         try:
-            surfaces = read_surfaces(
-                find(table, folders) or table, measured_in, check=lambda row: _mistakes_in(row, metres)
-            )
+            surfaces = read_surfaces(find(table, folders) or table, measured_in, check=_mistakes_in)
         except SettingsError as error:
             mistakes.append(str(error))
     if mistakes:
@@ -98,20 +93,19 @@ def _check_size(config: Mapping[str, Any]) -> None:
     )
 
 
-def _mistakes_in(row: Surface, metres: Callable[..., float]) -> list[str]:
-    """Return what only a look at the files, and who knows units and words, can say against a row."""
+def _mistakes_in(row: Surface) -> list[str]:
+    """Return what a look at the files, the units and the words says against a row."""
     paths = {"path": row.path, "counter_face": row.counter_face}
     mistakes = [
         f"{key} = {path}: no such file; correct the path or put # before the row"
         for key, path in paths.items()
         if path is not None and path != Path() and not path.is_file()
     ]
-    for key in ("unit", "height_unit"):
-        if key in row.given:
-            try:
-                metres(row.given[key], where=key)
-            except RoughContactError as error:
-                mistakes.append(str(error))
+    mistakes += [
+        f"{key}: {unknown_unit(row.given[key], 'm')}"
+        for key in ("unit", "height_unit")
+        if key in row.given and value_of(row.given[key], "m") is None
+    ]
     if "resample" in row.given:
         try:
             check_choice("resample", row.given["resample"], Resampling)

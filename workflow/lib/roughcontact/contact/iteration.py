@@ -46,6 +46,7 @@ from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, empty, in_precisi
 TOO_STIFF = 1e-3  # relative rounding floor of single precision from which all is done in double
 PATIENCE = 20  # steps that do not improve the bound before the iteration is called stalled
 FEW_STEPS = 10  # are enough for a first guess, else it is left to the safeguarded iteration
+NEARLY = 1.5  # how far the floor of a first guess may be from that of the solution
 FIRST_LENGTH, SHORTEST, LONGEST = 0.965, 0.4, 0.99  # of a step; M is nowhere less than the inverse
 TYPICAL = 0.05  # of the bound is what a good step leaves
 # A step that may leave this share of what is foreseen is taken in double: one that meets the tolerance in
@@ -70,6 +71,7 @@ def solve_on_grid(
     tolerance: float,
     finish: str = DOUBLE,
     max_steps: int = 200,
+    give_up: bool = False,
 ) -> GridSolution:
     """Improve a pressure until the bound of its relative error is at most `tolerance`.
 
@@ -92,6 +94,8 @@ def solve_on_grid(
         single precision can tell.
     max_steps : int
         number of steps.
+    give_up : bool
+        take no step where the rounding of the result is above the tolerance.
 
     Returns
     -------
@@ -102,7 +106,7 @@ def solve_on_grid(
     del start
     for step in range(max_steps + 1):
         iterate.measure(step)
-        stalled = step == max_steps or iterate.has_stalled(step)
+        stalled = step == max_steps or iterate.has_stalled(step) or (give_up and iterate.is_hopeless())
         if stalled or iterate.may_be_done():
             iterate.certify()
             if stalled or iterate.bound <= tolerance:
@@ -164,12 +168,19 @@ class Iterate:
         """Return whether the state has the precision of the result."""
         return precision_of(self.state.pressure) == self.finish
 
+    def is_hopeless(self) -> bool:
+        """Return whether the rounding of a result in single precision alone is above the tolerance."""
+        return self.finish == SINGLE and self._single_floor > NEARLY * self.tolerance
+
     def has_stalled(self, step: int) -> bool:
         """Return whether no further step would help: at the rounding floor, or after many in vain."""
-        return step - self._lowest_step > PATIENCE or (
-            precision_of(self.state.pressure) == DOUBLE
-            and self.bound <= 2 * rounding_floor(self.grid.halfspace, self.state)
-        )
+        if step - self._lowest_step > PATIENCE:
+            return True
+        if not self.is_in_final_precision():
+            return False
+        # the floor is part of the bound: in single precision the tolerance may lie just above it
+        at_floor = 2.0 if self.finish == DOUBLE or self.is_hopeless() else 1.005
+        return self.bound <= at_floor * rounding_floor(self.grid.halfspace, self.state)
 
     def may_be_done(self) -> bool:
         """Return whether the certificate is worth its price."""

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from roughcontact.contact.coarsening import pitches_of, whole_factors
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import first_guess_on_grid
-from roughcontact.kernels.arrays import SINGLE, Array, empty
+from roughcontact.kernels.arrays import SINGLE, Array, empty, in_precision
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.protocol import Factors
 
@@ -50,5 +50,6 @@ def first_guess(grids: Sequence[Grid], factors: Sequence[Factors], load: float) 
         found, taken = first_guess_on_grid(grids[number], pressure, load, tolerance=COARSE_TOLERANCE)
         steps += taken
         pressure = empty(found, SINGLE, grids[number - 1].shape)
+        found = in_precision(found, SINGLE, copy=False)  # a stiff grid finishes in double
         grids[number].kernels.refine(found, factors[number - 1], pressure)
     return pressure, steps

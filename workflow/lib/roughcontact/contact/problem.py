@@ -6,6 +6,7 @@ from typing import TypeVar
 import numpy as np
 import xarray as xr
 
+from roughcontact.checking import LARGEST, SMALLEST, check_labelled
 from roughcontact.errors import HeightMapError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array
 from roughcontact.kernels.choose import kernels_for
@@ -72,15 +73,10 @@ def check_window(window: xr.DataArray) -> None:
     Raises
     ------
     HeightMapError
-        unless it is evenly spaced, with two cells or more.
+        unless it is labelled, evenly spaced, with two cells or more.
     """
-    if window.dims != ("y", "x"):
-        raise HeightMapError(f"the height map has dimensions {window.dims}; it must have ('y', 'x')")
-    if window.size < 2:
-        raise HeightMapError("the height map has one pixel only: a contact needs at least two")
+    check_labelled(window)
     for axis in ("y", "x"):
-        if axis not in window.coords:
-            raise HeightMapError(f"the height map has no coordinate {axis!r}: its pixel size is unknown")
         steps = np.diff(window[axis].values)
         if steps.size and not (steps > 0).all():
             raise HeightMapError(f"coordinate {axis!r} does not increase strictly")
@@ -117,7 +113,7 @@ def pose(window: xr.DataArray, *, precision: str = DOUBLE, threads: int = 1) -> 
     HeightMapError
         for a map with missing heights, and for what `check_window` finds.
     """
-    given, window = window.data, on_host(window)
+    given, window = check_labelled(window).data, on_host(window)
     check_window(window)
     steps = spacing(window)
     lengths = window.shape[0] * steps[0], window.shape[1] * steps[1]
@@ -131,8 +127,19 @@ def pose(window: xr.DataArray, *, precision: str = DOUBLE, threads: int = 1) -> 
             f"{missing} of {window.size} heights are missing or infinite; fill or crop them first "
             "(level fills holes, periodic_window crops missing edges)"
         )
+    heights_reach = max(abs(least), abs(most))
+    if heights_reach > LARGEST or not SMALLEST <= min(steps) <= max(steps) <= LARGEST:
+        raise HeightMapError(
+            f"heights of up to {heights_reach:g} m on pixels of {steps[1]:g} m x {steps[0]:g} m are beyond "
+            "what can be computed; check the units"
+        )
     unit = float(np.sqrt(lengths[0] * lengths[1]))
     gradient = rms_gradient(window, threads=threads)
+    if most > least and not SMALLEST <= gradient <= LARGEST:
+        raise HeightMapError(
+            f"heights from {least:g} m to {most:g} m have an rms gradient of {gradient:g}, beyond what can "
+            "be computed; check the units"
+        )
     return Problem(
         heights=heights,
         lengths=(lengths[0] / unit, lengths[1] / unit),

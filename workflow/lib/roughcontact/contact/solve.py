@@ -10,11 +10,16 @@ from roughcontact.choices import SMALLEST_TOLERANCE, Influence, OnFailure, Preci
 from roughcontact.contact.dataset import as_dataset, joined
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.problem import on_host, pose
-from roughcontact.contact.sweep import sweep
+from roughcontact.contact.sweep import Solution, sweep
 from roughcontact.elasticity.halfspace import zero_frequency_compliance
 from roughcontact.errors import ConvergenceError, SettingsError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 from roughcontact.variables import describe
+
+# Loads in units of E* g: below, the rounding of the heights hides the contact, which deforms them by p/(E* g)
+# of themselves; above, the rounding of the load hides the waves of the pressure, which are as large as E* g.
+LEAST_LOAD, MOST_LOAD = 1e-10, 1e10
+NEAR_HARDNESS = 1e-6  # relative distance from the hardness that a search in single precision tells apart
 
 # keyword arguments of `solve_contact` that a section of settings may hold
 SOLVER_SETTINGS = ("tolerance", "hardness", "influence", "zero_frequency", "precision", "on_failure")
@@ -70,7 +75,8 @@ def solve_contact(
         keep `pressure`, `gap`, `contact` and `height` in the result.
     reduce : callable, optional
         called with the dataset of each load (fields included); what it returns replaces the fields, so that
-        statistics need not keep them: ``reduce=contact_statistics``.
+        statistics need not keep them: ``reduce=contact_statistics``. Its variables must be among those of
+        `roughcontact.variables`: another name is refused after the first load.
     threads : int
         threads of the solve; a forked process takes one.
     progress : callable, optional
@@ -86,7 +92,9 @@ def solve_contact(
     HeightMapError
         for a map with missing points, uneven spacing or a single pixel.
     SettingsError
-        for a modulus, load, tolerance or rule that has no meaning.
+        for a modulus, load, tolerance or rule that has no meaning, or that rounding leaves nothing of.
+    RoughContactError
+        where `reduce` returns a variable that `roughcontact.variables` does not have.
     ConvergenceError
         where a load does not reach the tolerance and `on_failure` is ``raise``.
 
@@ -113,6 +121,7 @@ def solve_contact(
     """
     modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
     loads = check_loads("mean_pressure", mean_pressure, unit="Pa")
+    tolerance = check_positive("tolerance", tolerance, unit="relative terms")
     if not SMALLEST_TOLERANCE <= tolerance < 1:
         raise SettingsError(
             f"tolerance = {tolerance!r} must lie between {SMALLEST_TOLERANCE:g} and 1; "
@@ -122,9 +131,10 @@ def solve_contact(
     check_choice("influence", influence, Influence)
     check_choice("precision", precision, Precision)
     cap = np.inf if hardness is None else check_positive("hardness", hardness, unit="Pa")
-    if max(loads) >= cap:
+    if max(loads) >= cap * (1 - NEAR_HARDNESS):
         raise SettingsError(
-            f"mean_pressure {max(loads):g} Pa is not below the hardness {cap:g} Pa: no contact carries it",
+            f"mean_pressure {max(loads):.9g} Pa is not below the hardness {cap:.9g} Pa, by one part in a "
+            "million at least: no contact carries it",
             keys=("mean_pressure",),
         )
     working = DOUBLE if precision == "double" else SINGLE
@@ -133,6 +143,14 @@ def solve_contact(
 
     order = np.argsort(loads, kind="stable")
     unit = modulus * problem.gradient if not problem.flat else modulus
+    for load in (min(loads), max(loads)) if not problem.flat else ():
+        if not LEAST_LOAD <= load / unit <= MOST_LOAD:
+            raise SettingsError(
+                f"mean_pressure {load:g} Pa is {load / unit:.1g} of E* times the rms gradient of the map "
+                f"({unit:.3g} Pa); rounding allows {LEAST_LOAD:g} to {MOST_LOAD:g}: check the units of load, "
+                "modulus and heights",
+                keys=("mean_pressure",),
+            )
     solutions = sweep(
         problem,
         [loads[i] / unit for i in order],
@@ -140,17 +158,14 @@ def solve_contact(
         cap=cap / unit,
         influence=influence,
         precision=working,
+        give_up=on_failure == "raise",
         threads=threads,
     )
     pieces: dict[int, xr.Dataset] = {}
     for done, (index, solution) in enumerate(zip(order, solutions, strict=True), start=1):
         load = loads[index]
         if solution.error_bound > tolerance and on_failure == "raise":
-            raise ConvergenceError(
-                f"mean pressure {load:g} Pa: the error bound stopped at {solution.error_bound:.2g} after "
-                f"{solution.steps} iterations, above the tolerance {tolerance:g}; rounding in {precision} "
-                f"precision allows {solution.floor:.1g} here: raise the tolerance or set on_failure: flag"
-            )
+            raise ConvergenceError(_missed(load, solution, tolerance=tolerance, precision=precision))
         piece = as_dataset(
             solution,
             problem,
@@ -163,7 +178,7 @@ def solve_contact(
             threads=threads,
         )
         if reduce is not None:
-            reduced = reduce(piece)
+            reduced = describe(reduce(piece))
             piece = piece.drop_dims(["y", "x"]).merge(reduced, compat="override", combine_attrs="override")
         elif not fields:
             piece = piece.drop_dims(["y", "x"])
@@ -172,3 +187,19 @@ def solve_contact(
             progress(done, len(loads), f"mean pressure {load:.4g} Pa")
     del solutions  # and with them their workspace
     return describe(joined([pieces[index] for index in range(len(loads))]))
+
+
+def _missed(load: float, solution: Solution, *, tolerance: float, precision: Precision) -> str:
+    """Return what to say about a load that misses the tolerance."""
+    other = ", take precision: double" if precision == "single" else ""
+    ways_out = f"raise the tolerance{other} or set on_failure: flag"
+    if solution.floor > tolerance:
+        return (
+            f"mean pressure {load:g} Pa: rounding in {precision} precision allows no error bound below "
+            f"{solution.floor:.2g} here, the tolerance is {tolerance:g}: {ways_out}"
+        )
+    return (
+        f"mean pressure {load:g} Pa: the error bound stopped at {solution.error_bound:.2g} after "
+        f"{solution.steps} iterations, above the tolerance {tolerance:g}; rounding in {precision} "
+        f"precision allows {solution.floor:.1g} here: {ways_out}"
+    )

@@ -51,6 +51,7 @@ def sweep(
     cap: float = np.inf,
     influence: Influence = "sampled",
     precision: str = DOUBLE,
+    give_up: bool = False,
     threads: int,
 ) -> Iterator[Solution]:
     """Yield the solution of every load.
@@ -72,6 +73,8 @@ def sweep(
         symbol of the operator.
     precision : str
         of the result.
+    give_up : bool
+        take no step on the finest grid where rounding is above the tolerance.
     threads : int
         of the solve.
 
@@ -105,7 +108,9 @@ def sweep(
                 del grids[1:]
             start = [guess]  # from which the solver alone takes it over
             del guess
-            solution = solve_on_grid(finest, start.pop(), load, tolerance=tolerance, finish=precision)
+            solution = solve_on_grid(
+                finest, start.pop(), load, tolerance=tolerance, finish=precision, give_up=give_up
+            )
             state, bound, steps = solution.state, solution.error_bound, steps + solution.steps
         yield Solution(
             state=state,

@@ -16,6 +16,7 @@ _STEP = 1e-6  # of the numerical derivatives; lengths are in half the longer sid
 _START_POINTS = 50_000  # enough for a good start on a large map
 _CHUNK = 200_000  # points worked on at a time
 _TURN = 0.3  # rad; the axis of a cylinder that is nearly flat is poorly known and must not jump
+_STEEP = 1e3  # heights over half a side: beyond, no ball or roll
 
 
 def fit_curved_form(
@@ -57,7 +58,7 @@ def fit_curved_form(
     Raises
     ------
     HeightMapError
-        where the map has points beyond the rim of the fitted ball or roll.
+        where the map has points beyond the rim of the fitted ball or roll, or is far higher than wide.
 
     References
     ----------
@@ -78,6 +79,11 @@ def fit_curved_form(
     middle_y, middle_x = ((c[0] + c[-1]) / 2 for c in (y, x))
     half = max(np.ptp(y), np.ptp(x)) / 2
     measured = ~np.isnan(values)
+    if (heights := np.ptp(values[measured])) > _STEEP * half:
+        raise HeightMapError(
+            f"level.form = {shape!r}: heights over {heights:g} m on sides of {2 * half:g} m are no {shape}: "
+            "check the unit, or take level.form: polynomial"
+        )
     start_form, start = fit_polynomial(values, coordinates, order=2, robust=robust)
     reference = start["mean"]["value"]
     rows, columns = np.nonzero(measured)

@@ -14,10 +14,11 @@ from roughcontact.levelling.filters import gaussian_mean_surface
 from roughcontact.levelling.outliers import find_outliers
 from roughcontact.levelling.polynomial import fit_polynomial
 from roughcontact.levelling.scan_lines import find_scars, line_offsets
-from roughcontact.maps import spacing
+from roughcontact.maps import side_lengths, spacing
 from roughcontact.roughness.heights import height_parameters
 
 _ROUNDING = 16 * np.finfo(float).eps  # of a height less its form, relative to the form
+_FAR = 1e4  # times shorter than a pixel, or longer than a side: no nesting index that anybody means
 
 
 def level(
@@ -109,6 +110,7 @@ def level(
     values = check_map(height)
     measured, step = ~np.isnan(values), spacing(height)
     kept = values
+    _check_reach(height, s_filter=s_filter, l_filter=l_filter)
 
     kinds: dict[str, int] = {}
     if outlier_threshold is not None:
@@ -191,6 +193,18 @@ def _check_positive(**options: float | None) -> None:
     for name, value in options.items():
         if value is not None and not 0 < value < np.inf:
             raise SettingsError(f"level.{name} = {value!r}: give a positive number, or {instead[name]}")
+
+
+def _check_reach(height: xr.DataArray, **nesting_indices: float | None) -> None:
+    """Raise SettingsError where a nesting index is far from any length of the map: a slip of the unit."""
+    finest, longest = min(spacing(height)), max(side_lengths(height))
+    for name, value in nesting_indices.items():
+        if value is not None and not finest / _FAR <= value <= longest * _FAR:
+            raise SettingsError(
+                f"level.{name} = {value:g} m is far from the pixels of {finest:g} m and the sides of "
+                f"{longest:g} m of this map: check the unit",
+                keys=[f"level.{name}"],
+            )
 
 
 def _without_outliers(values: np.ndarray, threshold: float, kinds: dict[str, int]) -> np.ndarray:

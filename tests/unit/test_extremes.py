@@ -1,0 +1,186 @@
+"""Numbers far from any surface: a clear error or a right answer, never an exception of the machinery."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from roughcontact.contact.loads import plan_loads
+from roughcontact.contact.solve import solve_contact
+from roughcontact.errors import ConvergenceError, HeightMapError, RoughContactError, SettingsError
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.window.periodic_window import periodic_window
+
+BAND = {"hurst": 0.8, "shortest": 4e-6, "longest": 16e-6, "rms_gradient": 0.1}
+SURFACE = self_affine_surface((32, 32), 1e-6, **BAND, seed=1)
+PROFILE = self_affine_surface((1, 256), 1e-6, **BAND | {"longest": 64e-6}, seed=2)
+MODULUS, PRESSURE = 1e9, 1e6
+
+
+def solved(window=SURFACE, **given):
+    return solve_contact(window, **{"contact_modulus": MODULUS, "mean_pressure": PRESSURE} | given)
+
+
+def on_pixels(values, pixel):
+    return height_map(values, pixel)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"hardness": PRESSURE * (1 + 1e-9)}, "1000000 Pa is not below the hardness 1000000 Pa"),
+        ({"hardness": PRESSURE * (1 + 1e-12)}, "not below the hardness"),
+        ({"mean_pressure": 1e-300}, "mean_pressure = 1e-300 is beyond what can be computed"),
+        ({"mean_pressure": 5e-324}, "is beyond what can be computed"),
+        ({"mean_pressure": 1e-30}, "rounding allows 1e-10 to 1e"),
+        ({"mean_pressure": 1e30}, "check the units of load, modulus and heights"),
+        ({"contact_modulus": 1e300}, "contact_modulus = 1e.300 is beyond what can be computed"),
+        ({"contact_modulus": 1e-300}, "contact_modulus = 1e-300 is beyond what can be computed"),
+        ({"contact_modulus": 1e60}, "rounding allows"),
+        ({"tolerance": None}, "tolerance = None is not a number"),
+        ({"tolerance": "x"}, "tolerance = 'x' is not a number"),
+        ({"mean_pressure": True}, "mean_pressure = True is not a number"),
+        ({"mean_pressure": [1e6, True]}, "mean_pressure = True is not a number"),
+        ({"contact_modulus": True}, "contact_modulus = True is not a number"),
+        ({"hardness": True}, "hardness = True is not a number"),
+        ({"mean_pressure": 1e6 + 1j}, "is not a number"),
+    ],
+)
+def test_a_setting_that_nothing_can_be_made_of(given, said):
+    with pytest.raises(SettingsError, match=said):
+        solved(**given)
+
+
+@pytest.mark.parametrize(
+    ("window", "said"),
+    [
+        (on_pixels(SURFACE.values, 1e-300), "on pixels of 1e-300 m x 1e-300 m are beyond"),
+        (on_pixels(SURFACE.values, 1e300), "are beyond what can be computed; check the units"),
+        (SURFACE * 1e207, "heights of up to 5.30119e.200 m"),
+        (SURFACE * 1e307, "check the units"),
+        (on_pixels(np.where(SURFACE.values > 0, 5e-324, 0), 1e-6), "rms gradient of 0"),
+        (SURFACE * 1e-293, "rms gradient of 0"),
+    ],
+)
+def test_a_map_that_nothing_can_be_made_of(window, said):
+    with pytest.raises(HeightMapError, match=said):
+        solved(window)
+
+
+NO_MAPS = {
+    "array": (SURFACE.values, "type ndarray, without the size of its pixels"),
+    "list": ([[1.0, 2.0], [3.0, 4.0]], "type list"),
+    "without coordinates": (xr.DataArray(SURFACE.values, dims=("y", "x")), "no coordinate 'y'"),
+    "complex": (SURFACE.copy(data=SURFACE.values + 1j), "type complex128: heights are real numbers"),
+    "text": (SURFACE.copy(data=SURFACE.values.astype(str)), "type <U32: heights are real numbers"),
+    "true and false": (SURFACE.copy(data=SURFACE.values > 0), "type bool: heights are real numbers"),
+    "objects": (SURFACE.copy(data=SURFACE.values.astype(object)), "type object: heights"),
+}
+
+
+@pytest.mark.parametrize("verb", [solved, level, periodic_window], ids=["solve", "level", "window"])
+@pytest.mark.parametrize("what", NO_MAPS)
+def test_what_is_no_height_map(verb, what):
+    given, said = NO_MAPS[what]
+    with pytest.raises(HeightMapError, match=said):
+        verb(given)
+
+
+def test_relative_loads_are_numbers_too():
+    with pytest.raises(SettingsError, match="relative_pressure = True is not a number"):
+        plan_loads(SURFACE, contact_modulus=MODULUS, relative_pressure=True)
+
+
+@pytest.mark.parametrize("scale", [1e-90, 1e-60, 1e60, 1e90])
+def test_the_unit_of_length_and_pressure_is_free_within_a_wide_range(scale):
+    expected = solved()
+    for found in (
+        solved(SURFACE * scale, mean_pressure=PRESSURE * scale),
+        solved(contact_modulus=MODULUS * scale, mean_pressure=PRESSURE * scale),
+        solved(on_pixels(SURFACE.values, 1e-6 * scale), mean_pressure=PRESSURE / scale),
+    ):
+        np.testing.assert_array_equal(found["contact"], expected["contact"])
+        share = found["pressure"] / found["mean_pressure"]
+        np.testing.assert_allclose(share, expected["pressure"] / PRESSURE, rtol=1e-9)
+
+
+@pytest.mark.parametrize("window", [SURFACE, PROFILE], ids=["surface", "profile"])
+def test_the_lightest_load_rests_on_the_highest_point_alone(window):
+    found = solved(window, mean_pressure=1e-8 * MODULUS * 0.1)
+    (y, x) = np.unravel_index(window.values.argmax(), window.shape)
+    assert found["contact"].values[0].sum() == 1
+    assert found["contact"].values[0, y, x]
+    assert found["pressure"].values[0, y, x] == pytest.approx(1e-8 * MODULUS * 0.1 * window.size)
+
+
+def test_the_heaviest_load_closes_every_gap():
+    """In full contact the waves of the pressure are E* |q|/2 times those of the heights (Johnson, 13.2)."""
+    found = solved(mean_pressure=1e9 * MODULUS * 0.1)
+    assert found["contact"].values.all()
+    frequencies = np.fft.fftfreq(32, 1e-6) * 2 * np.pi
+    stiffness = MODULUS * np.hypot(frequencies[:, None], frequencies) / 2
+    waves = np.fft.ifft2(stiffness * np.fft.fft2(SURFACE.values)).real
+    np.testing.assert_allclose(
+        found["pressure"].values[0] - 1e9 * MODULUS * 0.1, waves, atol=1e-6 * waves.std() * 10
+    )
+
+
+def test_just_below_the_hardness_nearly_all_of_it_yields():
+    found = solved(hardness=PRESSURE * (1 + 1e-5))
+    assert found["pressure"].values.mean() == pytest.approx(PRESSURE, rel=1e-12)
+    assert found["pressure"].values.max() <= PRESSURE * (1 + 1e-5) * (1 + 1e-12)
+    assert found["error_bound"] <= 1e-4
+
+
+def test_single_precision_that_cannot_reach_the_tolerance_says_so_before_the_first_step():
+    with pytest.raises(ConvergenceError, match=r"single precision allows no error bound below .* double"):
+        solved(precision="single", tolerance=1e-7)
+    flagged = solved(precision="single", tolerance=1e-7, on_failure="flag")
+    assert not flagged["converged"]
+    assert flagged["error_bound"] < 2 * flagged["rounding_floor"]  # as good as single precision can be
+    assert flagged["operator_applications"] < 20
+
+
+def test_a_tolerance_just_above_the_floor_of_single_precision_is_reached():
+    floor = float(solved(precision="single", tolerance=1e-4)["rounding_floor"][0])
+    assert solved(precision="single", tolerance=1.02 * floor)["error_bound"] <= 1.02 * floor
+
+
+def test_reducing_to_an_unknown_variable_is_refused_after_the_first_load():
+    told = []
+    with pytest.raises(RoughContactError, match=r"no description for the output variables \['depth'\]"):
+        solve_contact(
+            SURFACE,
+            contact_modulus=MODULUS,
+            mean_pressure=[1e6, 2e6],
+            reduce=lambda contact: contact[["gap"]].mean(("y", "x")).rename(gap="depth"),
+            progress=lambda *done: told.append(done),
+        )
+    assert not told
+    assert "refused after the first load" in solve_contact.__doc__
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"l_filter": 1e300}, "level.l_filter = 1e.300 m is far from the pixels"),
+        ({"s_filter": 1e300}, "check the unit"),
+        ({"s_filter": 1e-300}, "level.s_filter = 1e-300 m is far from"),
+    ],
+)
+def test_a_filter_that_no_map_has(settings, said):
+    with pytest.raises(SettingsError, match=said):
+        level(SURFACE, **settings)
+
+
+@pytest.mark.parametrize("verb", [level, periodic_window])
+def test_heights_that_no_surface_has(verb):
+    with pytest.raises(HeightMapError, match=r"the map has heights of 5.30119e\+200 m: check the unit"):
+        verb(SURFACE * 1e207)
+
+
+@pytest.mark.parametrize("form", ["sphere", "cylinder"])
+def test_a_needle_is_no_ball(form):
+    with pytest.raises(HeightMapError, match=f"are no {form}: check the unit"):
+        level(SURFACE * 1e20, form=form)
