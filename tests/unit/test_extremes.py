@@ -29,8 +29,9 @@ def on_pixels(values, pixel):
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({"hardness": PRESSURE * (1 + 1e-9)}, "1000000 Pa is not below the hardness 1000000 Pa"),
-        ({"hardness": PRESSURE * (1 + 1e-12)}, "not below the hardness"),
+        ({"hardness": PRESSURE * (1 + 1e-9)}, "1000000 Pa is less than one part in a million below"),
+        ({"hardness": PRESSURE * (1 + 1e-12)}, "below the hardness 1000000 Pa: all of the surface"),
+        ({"hardness": PRESSURE}, "is not below the hardness"),
         ({"mean_pressure": 1e-300}, "mean_pressure = 1e-300 is beyond what can be computed"),
         ({"mean_pressure": 5e-324}, "is beyond what can be computed"),
         ({"mean_pressure": 1e-30}, "rounding allows 1e-10 to 1e"),
@@ -69,7 +70,7 @@ def test_a_map_that_nothing_can_be_made_of(window, said):
 
 
 NO_MAPS = {
-    "array": (SURFACE.values, "type ndarray, without the size of its pixels"),
+    "array": (SURFACE.values, "type ndarray, its pixel size is unknown"),
     "list": ([[1.0, 2.0], [3.0, 4.0]], "type list"),
     "without coordinates": (xr.DataArray(SURFACE.values, dims=("y", "x")), "no coordinate 'y'"),
     "complex": (SURFACE.copy(data=SURFACE.values + 1j), "type complex128: heights are real numbers"),

@@ -1,12 +1,23 @@
 """Result files are written whole or not at all, described, and the same for the same content."""
 
+import os
+import subprocess
+
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
-from roughcontact.errors import InputFileError, RoughContactError
+from roughcontact.errors import InputFileError, OutputFileError, RoughContactError
 from roughcontact.references.synthetic import rough_reference_surface
-from roughcontact.results.storage import provenance, read_dataset, write_dataset, write_text
+from roughcontact.results.storage import (
+    provenance,
+    read_dataset,
+    read_table,
+    write_dataset,
+    write_table,
+    write_text,
+)
 
 
 def small():
@@ -59,3 +70,63 @@ def test_a_file_that_is_no_netcdf_is_named(tmp_path):
             InputFileError, match=rf"{name}: not readable as netCDF .*; delete it and run again"
         ):
             read_dataset(tmp_path / name)
+
+
+def test_a_name_that_looks_like_a_formula_is_text_to_a_spreadsheet(tmp_path):
+    names = ["-1-HYP", "=cmd()", "+1", "@A1", "ground-1", ""]
+    table = pd.DataFrame({"surface": names, "load": [-1.5, 1, 2, 3, 4, np.nan]})
+    write_table(table, tmp_path / "summary.csv")
+    read = pd.read_csv(tmp_path / "summary.csv", keep_default_na=False)
+    assert list(read["surface"]) == ["'-1-HYP", "'=cmd()", "'+1", "'@A1", "ground-1", ""]
+    assert read["load"][0] == "-1.5"  # a number stays one
+    assert list(read_table(tmp_path / "summary.csv")["surface"].fillna("")) == names
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A disk of 64 kB of its own."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    command = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(disk)]
+    if os.name != "posix" or os.geteuid() or subprocess.run(command, check=False).returncode:
+        pytest.skip("only root may make a small disk")
+    yield disk
+    subprocess.run(["umount", "--lazy", str(disk)], check=True)
+
+
+def test_a_full_disk_is_named_and_what_was_there_stays(small_disk):
+    large = xr.Dataset({"gap": (("y", "x"), np.random.default_rng(0).random((100, 200)))})
+    write_dataset(small(), small_disk / "gap.nc")
+    before = (small_disk / "gap.nc").read_bytes()
+    with pytest.raises(OutputFileError, match=r"gap.nc: cannot be written, the disk is full \(.* MB free\)"):
+        write_dataset(large, small_disk / "gap.nc")
+    with pytest.raises(OutputFileError, match=r"a.txt: cannot be written, the disk is full"):
+        write_text("a" * 100_000, small_disk / "a.txt")
+    assert [path.name for path in small_disk.iterdir()] == ["gap.nc"]
+    assert (small_disk / "gap.nc").read_bytes() == before
+
+
+def test_a_read_only_folder_is_named(small_disk):
+    subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
+    for write in (lambda path: write_dataset(small(), path), lambda path: write_text("a", path)):
+        for name in ("gap.nc", "new/gap.nc"):
+            with pytest.raises(OutputFileError, match=rf"{name}: cannot be written, .* is read-only"):
+                write(small_disk / name)
+
+
+def test_a_damaged_result_is_named(tmp_path):
+    """Whichever bit is turned: the content, or an error that names the file."""
+    data = np.random.default_rng(0).random((70, 70))
+    contact = xr.Dataset({"gap": (("y", "x"), data)}, coords={"y": np.arange(70.0)})
+    write_dataset(contact, tmp_path / "gap.nc")
+    whole = (tmp_path / "gap.nc").read_bytes()
+    refused = 0
+    for place in np.random.default_rng(1).integers(0, len(whole), 150):
+        damaged = bytearray(whole)
+        damaged[place] ^= 1 << int(place) % 8
+        (tmp_path / "damaged.nc").write_bytes(damaged)
+        try:
+            read_dataset(tmp_path / "damaged.nc")
+        except InputFileError as error:
+            refused += "damaged.nc: not readable as netCDF" in str(error)
+    assert refused > 20

@@ -37,11 +37,11 @@ def check_labelled(height: object) -> xr.DataArray:
     >>> check_labelled(np.zeros((4, 4)))  # doctest: +ELLIPSIS
     Traceback (most recent call last):
     ...
-    roughcontact.errors.HeightMapError: the map is of type ndarray, without the size of its pixels: ...
+    roughcontact.errors.HeightMapError: the map is of type ndarray, its pixel size is unknown; label it by ...
     """
     if not isinstance(height, xr.DataArray):
         raise HeightMapError(
-            f"the map is of type {type(height).__name__}, without the size of its pixels: label it by "
+            f"the map is of type {type(height).__name__}, its pixel size is unknown; label it by "
             "roughcontact.maps.height_map(values, spacing)"
         )
     name = height.attrs.get("source_file") or "the map"
@@ -53,12 +53,13 @@ def check_labelled(height: object) -> xr.DataArray:
         raise HeightMapError(f"{name} has the dimensions {height.dims}: transpose it to ('y', 'x')")
     if height.size < 2:
         raise HeightMapError(
-            f"{name} has {height.size} point: at least two are needed; check how the file was cut or read"
+            f"{name} has {height.size} point, no more than one pixel: at least two are needed; check how the "
+            "file was cut or read"
         )
     for axis in height.dims:
         if axis not in height.coords:
             raise HeightMapError(
-                f"{name} has no coordinate {axis!r}, so that the size of its pixels is unknown: label it by "
+                f"{name} has no coordinate {axis!r}: its pixel size is unknown; label it by "
                 "roughcontact.maps.height_map(values, spacing)"
             )
     return height

@@ -131,10 +131,15 @@ def solve_contact(
     check_choice("influence", influence, Influence)
     check_choice("precision", precision, Precision)
     cap = np.inf if hardness is None else check_positive("hardness", hardness, unit="Pa")
-    if max(loads) >= cap * (1 - NEAR_HARDNESS):
+    if max(loads) >= cap:
         raise SettingsError(
-            f"mean_pressure {max(loads):.9g} Pa is not below the hardness {cap:.9g} Pa, by one part in a "
-            "million at least: no contact carries it",
+            f"mean_pressure {max(loads):g} Pa is not below the hardness {cap:g} Pa: no contact carries it",
+            keys=("mean_pressure",),
+        )
+    if max(loads) > cap * (1 - NEAR_HARDNESS):
+        raise SettingsError(
+            f"mean_pressure {max(loads):.12g} Pa is less than one part in a million below the hardness "
+            f"{cap:.12g} Pa: all of the surface yields; lower the one or raise the other",
             keys=("mean_pressure",),
         )
     working = DOUBLE if precision == "double" else SINGLE

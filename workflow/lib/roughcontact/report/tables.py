@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from roughcontact.quantities import number, percent, plus_minus, prefix, quantity
-from roughcontact.results.storage import read_dataset
+from roughcontact.results.storage import read_dataset, read_table
 from roughcontact.variables import VARIABLES
 from roughcontact.window.score import WEIGHTS
 
@@ -219,7 +218,7 @@ def pair_table(path: str | Path) -> Table:
     dict
         `header`, a title for each column; `rows`, the cells of each pair and load.
     """
-    table = pd.read_csv(path)
+    table = read_table(path)
     columns = [
         (title, _in_words(unit), f"{name}_{unit}" if unit in ("m", "Pa") else name)
         for name, title, unit in _COLUMNS

@@ -20,6 +20,7 @@ from roughcontact.errors import InputFileError, OutputFileError
 from roughcontact.io.guards import brief
 from roughcontact.variables import describe
 
+_FORMULA = tuple("=+-@\t\r")  # what a spreadsheet takes for the beginning of one
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
 
 
@@ -149,13 +150,43 @@ def opened_dataset(path: str | Path) -> Iterator[xr.Dataset]:
 def write_table(frame: pd.DataFrame, path: str | Path) -> None:
     """Write a table as CSV (UTF-8, ten digits), whole or not at all.
 
+    A text that a spreadsheet would take for a formula, one that begins with = + - @, gets an apostrophe
+    before it, by which spreadsheets know a text.
+
     Parameters
     ----------
     frame : DataFrame
         written without its index.
     path : str or Path
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import pandas as pd
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_table(pd.DataFrame({"surface": ["-1", "ground"], "load": [-1, 2]}), f"{folder}/a.csv")
+    ...     Path(folder, "a.csv").read_text().splitlines()
+    ['surface,load', "'-1,-1", 'ground,2']
     """
+    frame = frame.map(lambda cell: f"'{cell}" if isinstance(cell, str) and cell[:1] in _FORMULA else cell)
     write_text(frame.to_csv(index=False, float_format="%.10g", lineterminator="\n"), path)
+
+
+def read_table(path: str | Path) -> pd.DataFrame:
+    """Read a table that `write_table` has written, its texts as they were.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    DataFrame
+    """
+    return pd.read_csv(path).map(
+        lambda cell: cell[1:] if isinstance(cell, str) and cell[:1] == "'" and cell[1:2] in _FORMULA else cell
+    )
 
 
 def write_text(text: str, path: str | Path) -> None:
