@@ -31,6 +31,15 @@ from study import command, environment, results, start_again, write_study
 
 KINDS = ("script", "scheduler", "group", "writing")
 AFTERWARDS = 5.0  # seconds in which jobs have to notice that their run is gone
+COUNTED = (
+    "kills",
+    *KINDS,
+    "runs",
+    "half files",
+    "refused or failed",
+    "jobs that outlived their run",
+    "differing files",
+)
 FEW = 6  # kills that a run should bear
 
 
@@ -49,7 +58,8 @@ def kill_at_random(folder: Path, kills: int, seed: int, **study) -> tuple[Counte
     """
     (left_alone := folder / "left-alone").mkdir()
     (killed := folder / "killed").mkdir()
-    counts, wrong = Counter(), []
+    counts = Counter(dict.fromkeys(COUNTED, 0))
+    wrong: list[str] = []
     for each in (left_alone, killed):
         write_study(each, **study)
     begin = time.monotonic()
@@ -77,24 +87,18 @@ def run_with_kills(folder, kills, longest, choose, expected, counts, wrong):
     kind, before = "none", counts["kills"]
     while True:
         done = len(results(folder))
-        run = subprocess.Popen(
-            command(folder),
-            env=environment(),
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            start_new_session=True,
-        )
+        with (folder / "said.txt").open("w") as said:  # a pipe that nobody reads would stop the run
+            run = subprocess.Popen(
+                command(folder), env=environment(), stdout=said, stderr=said, start_new_session=True
+            )
         enough = counts["kills"] >= kills
         after = choose.uniform(0, longest)
         previous, kind = kind, choose.choice(KINDS)
-        said = None
         if enough or not (victims := wait_and_find(run, folder, kind, after)):
-            said, _ = run.communicate()
-            if run.returncode:
+            if run.wait():
                 counts["refused or failed"] += 1
-                wrong.append(f"after a kill of {previous}: {said[-2000:]}")
-            return longest * (0.8 if counts["kills"] - before < FEW else 1.0)
+                wrong.append(f"after a kill of {previous}: {(folder / 'said.txt').read_text()[-2000:]}")
+            return longest * (0.7 if counts["kills"] - before < FEW else 1.0)
         alive = family(run)
         for victim in victims:
             try:
@@ -103,7 +107,7 @@ def run_with_kills(folder, kills, longest, choose, expected, counts, wrong):
                 continue
         counts["kills"] += 1
         counts[kind] += 1
-        run.communicate()  # where a job alone was killed, the run ends by itself
+        run.wait()  # where a job alone was killed, the run ends by itself
         _, outlived = psutil.wait_procs(alive, timeout=AFTERWARDS)
         counts["jobs that outlived their run"] += len(outlived)
         wrong += [f"after a kill of {kind} still at work: {process}" for process in outlived]
@@ -112,7 +116,7 @@ def run_with_kills(folder, kills, longest, choose, expected, counts, wrong):
         counts["half files"] += len(half)
         wrong += [f"after a kill of {kind}: {name} is not whole" for name in half]
         if len(results(folder)) == done:
-            longest *= 1.15
+            longest *= 1.05
         print(dict(counts), f"{longest:.1f} s", file=sys.stderr, flush=True)
 
 
