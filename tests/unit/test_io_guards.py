@@ -167,7 +167,7 @@ def test_pixels_that_are_not_square():
 def test_sentinels_and_spikes():
     height = rough()
     height[10, 20] = -1e-3 * 0.05
-    assert "1 points lie far below all others (down to −50.0 µm" in words(height)
+    assert "1 point lies far below all others (down to −50.0 µm" in words(height)
     height = rough()
     height[5, 5:8] = 4e-5
     assert "3 points lie far above all others" in words(height)

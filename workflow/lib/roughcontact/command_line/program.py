@@ -25,6 +25,7 @@ _FILE_OPTIONS = {
     "unit": "unit of --dx and --dy, and of the heights without --height-unit: m, mm, um, nm, ...",
     "height-unit": "unit of the heights",
     "resample": "linear: interpolate points that lie on no even grid to one",
+    "checksum": "ignore: read a file that differs from the checksum in it (X3P edited by hand)",
 }
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact.checking import check_choice
-from roughcontact.choices import Resampling
+from roughcontact.choices import Checksum, Resampling
 from roughcontact.configuration.models import Settings
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import Surface, find, read_surfaces
@@ -106,9 +106,10 @@ def _mistakes_in(row: Surface) -> list[str]:
         for key in ("unit", "height_unit")
         if key in row.given and value_of(row.given[key], "m") is None
     ]
-    if "resample" in row.given:
-        try:
-            check_choice("resample", row.given["resample"], Resampling)
-        except SettingsError as error:
-            mistakes.append(str(error))
+    for key, choices in (("resample", Resampling), ("checksum", Checksum)):
+        if key in row.given:
+            try:
+                check_choice(key, row.given[key], choices)
+            except SettingsError as error:
+                mistakes.append(str(error))
     return mistakes

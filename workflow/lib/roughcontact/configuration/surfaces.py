@@ -1,7 +1,8 @@
 """The table of surfaces: which file is which surface, and what the file itself does not say.
 
 A tab-separated text with a header; columns `surface` and `path`, optionally `channel`, `dx`, `dy`, `unit`,
-`height_unit`, `resample`; empty cells mean "as the file says". Lines that start with # are left out.
+`height_unit`, `resample`, `checksum`; empty cells mean "as the file says". Lines that start with # are left
+out.
 
 A row that names a `counter_face` is a pair: two measured files that touch. Its files are read and levelled
 as `{surface}-face` and `{surface}-counter-face`; what is solved are its members `{surface}-1`,
@@ -18,7 +19,7 @@ from roughcontact.errors import SettingsError
 
 REQUIRED = ("surface", "path")
 NUMBERS = ("dx", "dy")
-TEXTS = ("channel", "unit", "height_unit", "resample")
+TEXTS = ("channel", "unit", "height_unit", "resample", "checksum")
 PAIR = "counter_face"
 COLUMNS = (*REQUIRED, PAIR, *TEXTS, *NUMBERS)
 

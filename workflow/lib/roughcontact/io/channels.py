@@ -102,6 +102,8 @@ class MeasuredFile:
         What the file says of the instrument, with the words of `roughcontact.io.metadata`.
     warnings : list of str
         What the user should know of the file as a whole.
+    stale : str
+        Which checksum in the file differs from its content; empty where none does.
     """
 
     format: str
@@ -109,6 +111,7 @@ class MeasuredFile:
     first_row: str
     instrument: dict[str, Any] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
+    stale: str = ""
 
     @property
     def kind(self) -> instrument_kinds.Kind:

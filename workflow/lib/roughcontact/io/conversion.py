@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
+from roughcontact.checking import check_choice
+from roughcontact.choices import Checksum
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, choose_channel
 from roughcontact.io.request import Request
@@ -77,7 +79,7 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
     channel, choice = choose_channel(
         file, request.channel, str(path), unit_given=request.height_unit is not None
     )
-    notes = file.warnings + channel.notes
+    notes = file.warnings + channel.notes + _checksum_notes(file, request, path)
     if channel.no_height:
         notes.append(f"channel {channel.name!r} is read at the user's word ({channel.no_height})")
     channel, doubts = _settled(channel, request, path)
@@ -86,6 +88,21 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
     scale = decide_scale(channel, request, path)
     heights = _checked(channel.read() * scale.height_factor, path)
     return Converted(channel, choice, heights, scale.dx, scale.dy, [*notes, *done, *scale.notes])
+
+
+def _checksum_notes(file: MeasuredFile, request: Request, path: Path) -> list[str]:
+    """Refuse a file that differs from its checksum; return a sentence where the user wants it read."""
+    if request.checksum is not None:
+        check_choice(f"{path}: checksum", request.checksum, Checksum)
+    if not file.stale:
+        return []
+    if request.checksum is None:
+        raise InputFileError(
+            f"{path}: {file.stale}: not readable as {file.format.partition(' (')[0]}, because "
+            "it was changed or damaged after it was written; export it again, or, where you know the change, "
+            "give checksum = ignore (table of surfaces or argument)"
+        )
+    return [f"{file.stale}: read nevertheless, as asked (checksum = ignore)"]
 
 
 def _settled(channel: Channel, request: Request, path: Path) -> tuple[Channel, list[str]]:

@@ -4,8 +4,10 @@ import hashlib
 import os
 import zipfile
 import zlib
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from typing import IO
 
 from roughcontact.errors import InputFileError
 
@@ -14,6 +16,10 @@ MAX_UNPACKED_BYTES = 2**30
 MAX_XML_BYTES = 2**28
 # what zipfile raises on damaged, encrypted or oddly compressed archives
 ARCHIVE_ERRORS = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, OSError)
+_LONGEST_PATH = 4095  # characters; what systems allow
+_LONGEST_NAME = 255
+_PROLOG = 2**20  # bytes in which the root of XML must begin
+_PADDED = 100  # times its packed size, from which XML of 16 MiB and more is nothing but padding
 MAX_POINTS = 2**27  # 1 GiB as float64; a solution needs about ten such arrays
 BYTES_PER_POINT = 32  # while a map is read: as it lies in the file, in double precision, once more as a copy
 
@@ -50,6 +56,17 @@ def check_file(path: Path) -> None:
     InputFileError
         With what to do about it.
     """
+    if len(str(path)) > _LONGEST_PATH or max(map(len, path.parts), default=0) > _LONGEST_NAME:
+        shown = str(path)
+        raise InputFileError(
+            f"{shown[:60]}...: a path of {len(shown)} characters, longer than any file's; check the path"
+        )
+    try:
+        path.stat()
+    except PermissionError as error:
+        raise InputFileError(f"{path}: its folder may not be read by this user") from error
+    except (OSError, ValueError):
+        pass  # said below
     if path.is_dir():
         raise InputFileError(f"{path}: is a folder; name one file in it")
     if not path.exists():
@@ -146,6 +163,34 @@ def memory_bytes() -> float | None:
     return min(found, default=None)
 
 
+def check_line_ends(path: Path) -> None:
+    """Refuse a binary file that went through a text-mode transfer: every line feed follows a carriage return.
+
+    One byte in 256 of binary data is a line feed, so that in more than 50 of them none without a carriage
+    return does not happen by chance. Only the end of the file is looked at, where no header is.
+
+    Parameters
+    ----------
+    path : Path
+        A file of a binary format.
+
+    Raises
+    ------
+    InputFileError
+        With the way out.
+    """
+    size = path.stat().st_size
+    with path.open("rb") as stream:
+        stream.seek(max(size // 2, size - 2**24))
+        data = stream.read()
+    feeds = data.count(b"\n")
+    if feeds > 50 and feeds == data.count(b"\r\n"):
+        raise InputFileError(
+            f"{path}: every line feed in this binary file follows a carriage return: it was transferred as "
+            "text and is damaged; copy it again in binary mode"
+        )
+
+
 def check_archive(path: Path) -> None:
     """Refuse a ZIP archive that unpacks to more than 1 GiB or whose XML declares entities.
 
@@ -188,12 +233,29 @@ def check_archive(path: Path) -> None:
 
 def _check_xml(archive: zipfile.ZipFile, member: zipfile.ZipInfo, path: Path) -> None:
     """Refuse XML that is larger than 256 MiB or declares a document type or entities."""
-    if member.file_size > MAX_XML_BYTES:
-        raise InputFileError(f"{path}: {member.filename} in the archive has {member.file_size} bytes of XML")
-    text = archive.read(member).replace(b"\0", b"").upper()  # UTF-16 becomes searchable without its zeros
-    for declaration in (b"<!DOCTYPE", b"<!ENTITY"):
-        if declaration in text:
+    large = member.file_size > _PROLOG * 16 and member.file_size > _PADDED * member.compress_size
+    if member.file_size > MAX_XML_BYTES or large:
+        raise InputFileError(
+            f"{path}: {member.filename} in the archive has {member.file_size} bytes of XML, packed in "
+            f"{member.compress_size}: no description of a map is so long"
+        )
+    with archive.open(member) as stream:
+        for declaration in _declarations(stream, f"{path}: {member.filename} in the archive"):
             raise InputFileError(
-                f"{path}: {member.filename} in the archive declares {declaration.decode()[2:]}, which is "
+                f"{path}: {member.filename} in the archive declares {declaration}, which is "
                 "refused because it can expand without limit or read other files; export the map again"
             )
+
+
+def _declarations(stream: IO[bytes], where: str) -> Iterator[str]:
+    """Yield the declarations of entities in XML, which is read piece by piece."""
+    before, total, begun = b"", 0, False
+    while piece := stream.read(_PROLOG):
+        text = before + piece.replace(b"\0", b"").upper()  # UTF-16 becomes searchable without its zeros
+        for declaration in (b"<!DOCTYPE", b"<!ENTITY"):
+            if declaration in text:
+                yield declaration.decode()[2:]
+        before, total = text[-16:], total + len(piece)
+        begun = begun or bool(text.strip())
+        if not begun and total >= _PROLOG:
+            raise InputFileError(f"{where} begins with {total} bytes of blanks: it is no XML")

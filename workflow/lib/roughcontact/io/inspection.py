@@ -25,13 +25,14 @@ def inspect_file(
     unit: str | None = None,
     height_unit: str | None = None,
     resample: str | None = None,
+    checksum: str | None = None,
 ) -> dict:
     r"""Return what is in a file, without asking for units that it does not say.
 
     Parameters
     ----------
     path : str or Path
-    channel, dx, dy, unit, height_unit, resample : optional
+    channel, dx, dy, unit, height_unit, resample, checksum : optional
         As for `read_height_map`.
 
     Returns
@@ -69,7 +70,7 @@ def inspect_file(
     >>> folder.cleanup()
     """
     path = Path(path)
-    request = Request(channel, dx, dy, unit, height_unit, resample)
+    request = Request(channel, dx, dy, unit, height_unit, resample, checksum)
     file = open_file(path)
     problem, warnings, name, choice, measured = None, list(file.warnings), None, None, None
     try:

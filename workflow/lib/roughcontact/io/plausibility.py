@@ -11,6 +11,7 @@ _FLATTEST = 1e-8  # rms gradient below what optics are polished to
 _COARSE = 0.1  # quantisation step over rms height from which it shapes the contact
 _PLATEAU = 0.005  # share of the points at one and the same height
 _FEW_LEVELS = 64
+_MOST = (0.005, 0.995)  # quantiles between which nearly all heights lie
 
 SPIKES_ADVICE = "level.outlier_threshold finds isolated ones"  # before anything was done
 
@@ -39,15 +40,18 @@ def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = ANY) ->
     """
     measured = height[np.isfinite(height)]
     low, high = measured.min(), measured.max()
+    spikes = _extremes(measured, low, high)
     found = _geometry(height.shape, dx, dy)
-    found += _ranges(height.shape, high - low, dx, dy, kind)
+    # a few points far from all others have the span for themselves: the sentence on them says it
+    span = np.ptp(np.quantile(_sample(measured), _MOST)) if spikes else high - low
+    found += _ranges(height.shape, span, dx, dy, kind)
     if low == high:
         return [
             *found,
             f"all heights are equal ({quantity(low, 'm')}): the map is flat or holds no measurement",
         ]
     found += _slopes(height, dx, dy)
-    found += _extremes(measured, low, high)
+    found += spikes
     found += _levels(height, measured, low, high)
     found += _lines(height)
     found += _noise(height)
@@ -219,15 +223,16 @@ def _extremes(measured: np.ndarray, low: float, high: float) -> list[str]:
     found: list[str] = []
     if measured.size < 100:
         return found
-    lower, upper = np.quantile(_sample(measured), [0.005, 0.995])
+    lower, upper = np.quantile(_sample(measured), _MOST)
     reach = 3 * (upper - lower)
     for count, side, worst in (
         (np.count_nonzero(measured < lower - reach), "below", f"down to {quantity(low, 'm')}"),
         (np.count_nonzero(measured > upper + reach), "above", f"up to {quantity(high, 'm')}"),
     ):
         if count:
+            points = f"{count} points lie" if count > 1 else "1 point lies"
             found.append(
-                f"{count} points lie far {side} all others ({worst}, where 99 % lie between "
+                f"{points} far {side} all others ({worst}, where 99 % lie between "
                 f"{quantity(lower, 'm')} and {quantity(upper, 'm')}): spikes, dust, or a marker for missing "
                 f"points that was taken for a height; {SPIKES_ADVICE}"
             )

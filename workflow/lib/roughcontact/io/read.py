@@ -33,6 +33,7 @@ def read_height_map(
     unit: str | None = None,
     height_unit: str | None = None,
     resample: str | None = None,
+    checksum: str | None = None,
 ) -> "xr.DataArray":
     r"""Read a measured height map (or a profile) into metres.
 
@@ -52,6 +53,9 @@ def read_height_map(
     resample : str, optional
         ``linear``: points that lie on no even grid are interpolated to one of steps `dx` and `dy` (where they
         are not given: the mean distance of the points). Without it such a file is refused.
+    checksum : str, optional
+        ``ignore``: a file whose content differs from the checksum that it holds (X3P that was edited by hand)
+        is read, with a warning. Without it such a file is refused.
 
     Returns
     -------
@@ -89,7 +93,7 @@ def read_height_map(
     import xarray as xr
 
     path = Path(path)
-    request = Request(channel, dx, dy, unit, height_unit, resample)
+    request = Request(channel, dx, dy, unit, height_unit, resample, checksum)
     file = open_file(path)
     converted = convert(file, request, path)
     notes = list(converted.notes)

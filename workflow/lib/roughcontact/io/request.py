@@ -21,11 +21,13 @@ class Request:
         Units of the steps and of the heights.
     resample : str or None
         How points on no even grid are brought to one.
+    checksum : str or None
+        ``ignore``: a file that differs from the checksum in it is read nevertheless.
 
     Examples
     --------
     >>> Request(channel="", dx=2.0, dy=float("nan"), unit="um")
-    Request(channel=None, dx=2.0, dy=None, unit='um', height_unit=None, resample=None)
+    Request(channel=None, dx=2.0, dy=None, unit='um', height_unit=None, resample=None, checksum=None)
     """
 
     channel: str | None = None
@@ -34,6 +36,7 @@ class Request:
     unit: str | None = None
     height_unit: str | None = None
     resample: str | None = None
+    checksum: str | None = None
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from roughcontact.io.instrument_kinds import ANY, OPTICAL, PROBE, STYLUS, Kind
+from roughcontact.io.instruments.containers import OLE, TIFF, ZIP
 from roughcontact.io.interface import ToldBy
 from roughcontact.io.text.lines import looks_like_text
 
@@ -165,8 +166,6 @@ class _Wyko(Format):
         return [_INVERTED] if inverted else []
 
 
-_TIFF = (b"II*\0", b"MM\0*")
-_ZIP = (b"PK\x03\x04",)
 _BCR = ("fileformat".encode("utf-16-le"), "\ufefffileformat".encode("utf-16-le"))
 
 # In the order in which those that share a mark, or have none, are tried.
@@ -178,7 +177,6 @@ FORMATS = (
     _Alicona("al3d", (b"AliconaImaging",), OPTICAL, "Alicona"),
     _MicroProf("frt", (b"FRTM_GLIDERV",), OPTICAL, "FRT"),
     Format("wsxm", (b"WSxM",), PROBE, "Nanotec", text_header=True),
-    Format("tmd", (b"Binary TrueMap",)),
     Format("gwy", (b"GWYP",)),
     Format("mdt", (b"\x01\xb0\x93\xff",), PROBE, "NT-MDT"),
     Format("zmg", (b"Zeta-Instruments",), OPTICAL, "KLA Zeta"),
@@ -186,16 +184,16 @@ FORMATS = (
     Format("vk", (b"VK3_", b"VK4_", b"VK6", b"VK7"), OPTICAL, "Keyence"),
     Format("opdx", (b"VCA DATA",), STYLUS, "Bruker"),
     Format("datx", (b"\x89HDF",), OPTICAL, "Zygo", told_by=ToldBy.CONTENTS),
-    Format("mnt", (b"\xd0\xcf\x11\xe0",)),
+    Format("mnt", OLE),
     Format("oir", (b"OLYMPUSRAWFORMAT",), OPTICAL, "Olympus"),
-    Format("ps", _TIFF, PROBE, "Park Systems"),
-    Format("jpk", _TIFF, PROBE, "JPK"),
-    Format("lext", _TIFF, OPTICAL, "Olympus"),
-    Format("plux", _ZIP, OPTICAL, "Sensofar"),
-    Format("nmm", _ZIP, PROBE),
-    Format("poir", _ZIP, OPTICAL, "Olympus"),
-    Format("qep", _ZIP, STYLUS, "Mahr"),
-    Format("mitutoyo", _ZIP, STYLUS, "Mitutoyo"),
+    Format("ps", TIFF, PROBE, "Park Systems"),
+    Format("jpk", TIFF, PROBE, "JPK"),
+    Format("lext", TIFF, OPTICAL, "Olympus"),
+    Format("plux", ZIP, OPTICAL, "Sensofar"),
+    Format("nmm", ZIP, PROBE),
+    Format("poir", ZIP, OPTICAL, "Olympus"),
+    Format("qep", ZIP, STYLUS, "Mahr"),
+    Format("mitutoyo", ZIP, STYLUS, "Mitutoyo"),
     Format("bcr", (b"fileformat", *_BCR), text_header=True),
     _MetroPro("metropro", (b"\x88\x1b\x03\x6f", b"\x88\x1b\x03\x70", b"\x88\x1b\x03\x71"), OPTICAL, "Zygo"),
     _Wyko("opd", (b"Directory",), OPTICAL, "Wyko", offset=2),

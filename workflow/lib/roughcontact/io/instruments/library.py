@@ -27,8 +27,10 @@ from roughcontact.io.channels import (
     scattered,
     unreadable,
 )
-from roughcontact.io.guards import brief, check_memory, check_points
+from roughcontact.io.guards import brief, check_line_ends, check_memory, check_points
+from roughcontact.io.instruments import containers
 from roughcontact.io.instruments.formats import Format, Header
+from roughcontact.io.interface import head_of
 from roughcontact.io.metadata import instrument_words
 from roughcontact.io.units import is_length
 
@@ -60,8 +62,13 @@ def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
     """
     size = path.stat().st_size
     check_memory(size * _BYTES_PER_BYTE, f"{size} bytes of this format", path)
-    _refuse_converted_line_ends(path)
-    failures: list[tuple[str, Exception]] = []
+    check_line_ends(path)
+    head = head_of(path)
+    if head.startswith(containers.TIFF):
+        containers.check_tiff(path)
+    shared = head.startswith((*containers.TIFF, *containers.ZIP, *containers.OLE))
+    within = containers.formats_within(path) if head.startswith(containers.ZIP) else set()
+    failures: list[tuple[str, Format, Exception]] = []
     with _silence():
         from SurfaceTopography.Exceptions import FileFormatMismatch
         from SurfaceTopography.IO import lookup_reader_by_format
@@ -75,17 +82,51 @@ def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
             except FileFormatMismatch:
                 continue
             except Exception as error:  # a reader may fail on foreign bytes in any way
-                failures.append((library.name(), error))
-    if failures and any(each.marks for each in formats):
-        known, reason = failures[0]
+                failures.append((library.name(), each, error))
+    known, reason = _likeliest(failures, within)
+    if reason is None and shared and (what := containers.foreign(path, head)):
+        raise InputFileError(f"{path}: this is {what}")
+    if reason is not None and any(each.marks for each in formats):
         raise InputFileError(
             f"{path}: looks like {known}, but is damaged, cut off or of a kind that holds no map "
-            f"({brief(reason)})"
+            f"({_words(reason)})"
         ) from reason
     raise InputFileError(
         f"{path}: the format is not known, or the file is damaged (told by content, not by extension); "
-        "export the map as X3P, SDF, netCDF or a text matrix with its size and units"
-    ) from (failures[0][1] if failures else None)
+        f"{_hint(path)}export the map as X3P, SDF, netCDF or a text matrix with its size and units"
+    ) from (failures[0][2] if failures else None)
+
+
+def _likeliest(
+    failures: list[tuple[str, Format, Exception]], within: set[str]
+) -> tuple[str, Exception | None]:
+    """Return which format a file has that no reader could read, and why; None where nothing tells.
+
+    The mark of a container tells nothing of what is in it: there the members do, or the readers that passed
+    over the file as none of theirs.
+    """
+    for name, each, error in failures:
+        if each.marks == containers.ZIP and each.name not in within:
+            continue
+        if each.marks == containers.TIFF and isinstance(error, IndexError | KeyError | AttributeError):
+            continue  # the tags of this format are not there
+        return name, error
+    return "", None
+
+
+def _words(error: Exception) -> str:
+    """Return why a library failed, without the numbers of the operating system."""
+    if isinstance(error, OSError) and error.errno is not None:
+        return "it refers to a place outside the file"
+    return brief(error)
+
+
+_HINTS = {".asd": "a film of high-speed AFM (asd) is not read: save a frame as text or GWY; "}
+
+
+def _hint(path: Path) -> str:
+    """Return what is known of formats without a mark that go by this ending."""
+    return _HINTS.get(path.suffix.lower(), "")
 
 
 @contextmanager
@@ -101,24 +142,6 @@ def _silence() -> Iterator[None]:
         logging.disable(before)
 
 
-def _refuse_converted_line_ends(path: Path) -> None:
-    """Refuse a binary file that went through a text-mode transfer: every line feed follows a carriage return.
-
-    One byte in 256 of binary data is a line feed, so that in more than 50 of them none without a carriage
-    return does not happen by chance. Only the end of the file is looked at, where no header is.
-    """
-    size = path.stat().st_size
-    with path.open("rb") as stream:
-        stream.seek(max(size // 2, size - 2**24))
-        data = stream.read()
-    feeds = data.count(b"\n")
-    if feeds > 50 and feeds == data.count(b"\r\n"):
-        raise InputFileError(
-            f"{path}: every line feed in this binary file follows a carriage return: it was transferred as "
-            "text and is damaged; copy it again in binary mode"
-        )
-
-
 def _header(info: Any) -> Header:
     """Return the file's own header, as the library keeps it with a channel."""
     return info.info.get("raw_metadata") or {}
@@ -129,6 +152,8 @@ def _open(reader: Any, file_format: Format, path: Path) -> MeasuredFile:
     from SurfaceTopography.Exceptions import FileFormatMismatch
 
     infos = list(reader.channels)
+    if not infos and file_format.marks == containers.TIFF:
+        raise FileFormatMismatch  # a picture
     if not infos:
         raise InputFileError(f"{path}: this {reader.name()} file holds no map")
     if not file_format.is_plausible(_header(infos[0])):

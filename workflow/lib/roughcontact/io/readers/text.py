@@ -124,7 +124,7 @@ def _by_name(columns: list[Column]) -> list[int] | None:
     places = {role: roles.index(role) for role in ("x", "y", "z") if roles.count(role) == 1}
     if len(places) == 3:
         return [places["x"], places["y"], places["z"]]
-    data = [place for place, role in enumerate(roles) if role != "index"]
+    data = [place for place, role in enumerate(roles) if role not in ("index", "valid")]
     if len(data) == len(columns) or len(data) not in (2, 3):
         if "x" in places and "z" in places and len(data) == 2:
             return [places["x"], places["z"]]
@@ -143,6 +143,9 @@ def _listed(
 ) -> MeasuredFile:
     """Return a list of points or a profile, of the columns that are chosen."""
     listed = values[:, chosen]
+    for place, column in enumerate(columns):
+        if column.role == "valid":
+            listed[values[:, place] == 0, -1] = np.nan
     listed = listed[~np.isnan(listed).all(axis=1)]
     units = [columns[place].unit for place in chosen]
     kind = _points if len(chosen) == 3 else _profile
@@ -212,7 +215,7 @@ def _one_column(
         shape=heights.shape, read=lambda: heights, lateral_unit=said.get("lateral_unit"), **words
     )
     channel.otherwise = matrix.channels[0]
-    return MeasuredFile("text profile (heights)", [channel], first_row="top")
+    return MeasuredFile("text matrix", [channel], first_row="top")
 
 
 def _matrix(table: np.ndarray, said: dict[str, Any], path: Path) -> MeasuredFile:

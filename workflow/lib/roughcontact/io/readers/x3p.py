@@ -60,7 +60,7 @@ def read(path: Path) -> MeasuredFile:
         with zipfile.ZipFile(path) as archive:
             main = archive.read(name)
         _check_claimed_size(main, path)
-        file = x3pio.read(_tidied(path, name, main))
+        file, stale = _parsed(path, name, main)
     except InputFileError:
         raise
     except (x3pio.X3pError, ValueError, *ARCHIVE_ERRORS) as error:
@@ -75,7 +75,18 @@ def read(path: Path) -> MeasuredFile:
         channels=channels,
         first_row="top" if top else "bottom",
         instrument=_instrument(file.metadata),
+        stale=stale,
     )
+
+
+def _parsed(path: Path, name: str, main: bytes) -> tuple[Any, str]:
+    """Return the file, and which of its checksums differs from its content."""
+    import x3pio
+
+    try:
+        return x3pio.read(_tidied(path, name, main, verify=True)), ""
+    except x3pio.X3pChecksumError as error:
+        return x3pio.read(_tidied(path, name, main, verify=False), verify=False), brief(error)
 
 
 def _main_xmls(path: Path) -> list[str]:
@@ -100,7 +111,7 @@ def _check_claimed_size(main: bytes, path: Path) -> None:
     check_points((ny, nx), path)
 
 
-def _tidied(path: Path, name: str, main: bytes) -> Path | io.BytesIO:
+def _tidied(path: Path, name: str, main: bytes, *, verify: bool) -> Path | io.BytesIO:
     """Return what x3pio can read: the file itself, or the archive repacked in memory.
 
     Repacked are archives whose main.xml lies more than one folder deep, and those whose root element is not
@@ -119,7 +130,8 @@ def _tidied(path: Path, name: str, main: bytes) -> Path | io.BytesIO:
                 continue
             content = archive.read(member)
             if inner.lower().endswith("md5checksum.hex"):
-                _check_md5(main, content, path)
+                if verify:
+                    _check_md5(main, content)
                 continue
             tidy.writestr(inner, content)
         root = rb"(</?)(\w+:)?ISO5436(?=[\s>])"
@@ -128,13 +140,13 @@ def _tidied(path: Path, name: str, main: bytes) -> Path | io.BytesIO:
     return packed
 
 
-def _check_md5(main: bytes, content: bytes, path: Path) -> None:
-    """Refuse a main.xml whose checksum differs from the one in the archive."""
+def _check_md5(main: bytes, content: bytes) -> None:
+    """Refuse a main.xml whose checksum differs from the one in the archive, as x3pio does."""
+    import x3pio
+
     stated = re.match(rb"\s*([0-9a-fA-F]{32})", content)
     if stated and stated[1].decode().lower() != hashlib.md5(main, usedforsecurity=False).hexdigest():
-        raise InputFileError(
-            f"{path}: the checksum of main.xml does not match: the file was changed or damaged"
-        )
+        raise x3pio.X3pChecksumError("the checksum of main.xml does not match its content")
 
 
 def _channels(file: Any, path: Path) -> list[Channel]:

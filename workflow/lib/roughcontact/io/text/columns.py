@@ -12,6 +12,7 @@ _NEAR = 20  # lines above the table in which headings are looked for
 # what a column holds -> how headings call it (lower case, letters only)
 _ROLES = {
     "index": ("index", "idx", "no", "nr", "number", "nummer", "numéro", "point", "punkt", "id", "n", "row"),
+    "valid": ("valid", "validity", "isvalid", "gültig", "flag"),
     "x": (
         *("x", "xpos", "xposition", "xcoordinate", "xaxis", "lateral", "lateralposition", "position", "pos"),
         *("distance", "length", "scanlength", "scanposition", "traverse", "travel", "abscissa"),
@@ -46,7 +47,8 @@ class Column(NamedTuple):
         The heading without its unit.
     unit : str or None
     role : str
-        ``index``, ``x``, ``y``, ``z``; empty where the name says none of these.
+        ``index``, ``valid`` (0 where a point is none), ``x``, ``y``, ``z``; empty where the name says
+        none of these.
     """
 
     name: str

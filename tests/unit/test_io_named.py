@@ -1,0 +1,251 @@
+"""Formats that are added, those that are refused by their names, and what messages say."""
+
+import gzip
+import io
+import json
+import struct
+import time
+import zipfile
+
+import numpy as np
+import pytest
+import scipy.io
+import x3pio
+from PIL import Image
+from shared_data import DATA
+
+from roughcontact.command_line.program import main
+from roughcontact.errors import InputFileError, SettingsError
+from roughcontact.io.plausibility import suspicions
+from roughcontact.io.read import read_height_map
+
+MORE = DATA.parent / "more_data"
+HEIGHTS = np.random.default_rng(5).normal(size=(6, 9)).astype(np.float32)
+
+
+def saved(tmp_path, data, name="map.dat"):
+    path = tmp_path / name
+    path.write_bytes(data)
+    return path
+
+
+def tmd(comment=b"", heights=HEIGHTS, version=b"v2.0"):
+    ny, nx = heights.shape
+    header = struct.pack("<2I4f", nx, ny, 1.8, 0.9, 0, 0)
+    return b"Binary TrueMap Data File " + version + b"\r\n\0" + comment + b"\0" + header + heights.tobytes()
+
+
+@pytest.mark.parametrize("comment", [b"", b"Created by TrueMap v6\r\n", b"of another length"])
+def test_truemap_with_any_comment(tmp_path, comment):
+    height = read_height_map(saved(tmp_path, tmd(comment)))
+    np.testing.assert_allclose(height.values, HEIGHTS.astype(float) * 1e-3, rtol=1e-12)
+    assert (float(height.x[1] - height.x[0]), float(height.y[1] - height.y[0])) == pytest.approx(
+        (2e-4, 1.5e-4)
+    )
+
+
+def test_truemap_that_is_damaged(tmp_path):
+    with pytest.raises(InputFileError, match="239 bytes where its header needs 240: it was cut off"):
+        read_height_map(saved(tmp_path, tmd()[:-1]))
+    with pytest.raises(InputFileError, match="it was cut off"):
+        read_height_map(saved(tmp_path, tmd()[:40]))
+    with pytest.raises(InputFileError, match=r"another version than 2\.0"):
+        read_height_map(saved(tmp_path, tmd(version=b"v3.0")))
+    with pytest.raises(InputFileError, match="0 x 6 points"):
+        read_height_map(saved(tmp_path, tmd(heights=HEIGHTS[:, :0])))
+
+
+@pytest.mark.shared_data
+def test_a_real_file_of_gelsight():
+    height = read_height_map(MORE / "gelsight-testing.tmd")
+    assert height.shape == (20, 30)
+    assert float(height.x[1] - height.x[0]) == pytest.approx(27.5e-6, rel=1e-6)
+    # the last four bytes of the file as it lies there
+    last = struct.unpack("<f", (MORE / "gelsight-testing.tmd").read_bytes()[-4:])[0]
+    assert float(height[-1, -1]) == pytest.approx(1e-3 * last, rel=1e-12)
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_matrices_of_matlab(tmp_path, compressed):
+    path = tmp_path / "map.mat"
+    heights = np.where(HEIGHTS > 1.5, np.nan, HEIGHTS)
+    content = {"comment": "text", "x": np.arange(9.0), "mask": HEIGHTS > 0, "z": heights, "q": HEIGHTS * 1j}
+    scipy.io.savemat(path, content, do_compression=compressed)
+    height = read_height_map(path, dx=2, dy=3, unit="um", height_unit="nm")
+    np.testing.assert_allclose(height.values, 1e-9 * heights, rtol=1e-7)
+    assert json.loads(height.attrs["channels"])[0] == "z"
+    assert read_height_map(path, channel="x", dx=1, unit="um").shape == (1, 9)
+    with pytest.raises(InputFileError, match="does not say its size; give dx, dy, unit"):
+        read_height_map(path)
+    data = path.read_bytes()
+    for cut in (0.3, 0.6, 0.9):
+        with pytest.raises(InputFileError):
+            read_height_map(saved(tmp_path, data[: int(cut * len(data))]), channel="z", dx=2, dy=3, unit="um")
+    scipy.io.savemat(path, {"comment": "text"})
+    with pytest.raises(InputFileError, match=r"no matrix of real numbers .* it has comment \(char\)"):
+        read_height_map(path)
+
+
+def test_a_bomb_in_matlab(tmp_path, monkeypatch):
+    path = tmp_path / "map.mat"
+    scipy.io.savemat(path, {"z": np.zeros((2000, 2000))}, do_compression=True)
+    assert path.stat().st_size < 10**5
+    monkeypatch.setattr("roughcontact.io.readers.matlab.MAX_UNPACKED_BYTES", 10**7)
+    with pytest.raises(InputFileError, match="unpack to more than"):
+        read_height_map(path, dx=1, dy=1, unit="um")
+
+
+def picture(kind):
+    stream = io.BytesIO()
+    Image.fromarray((np.arange(400) % 255).astype(np.uint8).reshape(20, 20)).save(stream, kind)
+    return stream.getvalue()
+
+
+def archive(*names):
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as packed:
+        for name in names:
+            packed.writestr(name, b"1 2 3 4\n")
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b"DSCOMPRESSED" + bytes(500), r"Digital Surf file in its compressed form .* save it uncompressed"),
+        (b"MATLAB 7.3 MAT-file, Platform" + bytes(500), r"version 7\.3 \(HDF5\).*'-v7'"),
+        (gzip.compress(b"1 2 3"), "packed file; unpack it first"),
+        (picture("PNG"), "a picture, whose colours are no heights"),
+        (picture("JPEG"), "a picture, whose colours are no heights"),
+        (picture("TIFF"), "a TIFF picture, but none of Park Systems, JPK or Olympus LEXT"),
+        (archive("a.txt", "b/c.001"), r"none of the formats that are known .*it holds 'a\.txt', 'b/c\.001'"),
+        (archive("[Content_Types].xml", "xl/workbook.xml"), "Mitutoyo"),
+        (archive("[Content_Types].xml", "xl/other.xml"), "an Excel workbook.*save the sheet as CSV"),
+        (archive("word/document.xml"), "an Office document"),
+        (archive("z.npy"), r"NumPy arrays \(npz\); save the array of heights alone"),
+        (
+            b"\xd0\xcf\x11\xe0" + bytes(600) + "Workbook".encode("utf-16-le"),
+            "an Excel workbook; save the sheet",
+        ),
+    ],
+)
+def test_what_is_known_and_not_read_is_named(tmp_path, data, said):
+    with pytest.raises(InputFileError, match=said) as caught:
+        read_height_map(saved(tmp_path, data), dx=1, dy=1, unit="um")
+    assert "NMM), but is damaged" not in str(caught.value)
+
+
+def test_a_film_of_high_speed_microscopy_is_named(tmp_path):
+    with pytest.raises(InputFileError, match=r"\(asd\) is not read: save a frame as text or GWY"):
+        read_height_map(saved(tmp_path, bytes(range(256)) * 9, "film.asd"))
+
+
+def tiff(order, following):
+    """Return a TIFF of one page whose next page lies at `following`."""
+    mark = b"II*\0" if order == "<" else b"MM\0*"
+    tags = [(256, 4, 1, 4), (257, 4, 1, 4), (258, 3, 1, 8), (262, 3, 1, 1), (273, 4, 1, 200), (279, 4, 1, 16)]
+    packed = b"".join(
+        struct.pack(order + ("HHIHH" if kind == 3 else "HHII"), *tag, *([0] if kind == 3 else []))
+        for tag in tags
+        for kind in (tag[1],)
+    )
+    page = struct.pack(order + "H", len(tags)) + packed + struct.pack(order + "I", following)
+    return (mark + struct.pack(order + "I", 8) + page).ljust(300, b"\0")
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_pages_of_a_tiff_without_an_end(tmp_path, order):
+    start = time.process_time()
+    with pytest.raises(InputFileError, match="damaged TIFF: its pages go in circles"):
+        read_height_map(saved(tmp_path, tiff(order, 8)))
+    with pytest.raises(InputFileError, match="a page lies outside the file"):
+        read_height_map(saved(tmp_path, tiff(order, 10**8)))
+    with pytest.raises(InputFileError, match="a TIFF picture"):
+        read_height_map(saved(tmp_path, tiff(order, 0)))
+    assert time.process_time() - start < 20
+
+
+def stale(tmp_path, folder="", **given):
+    """Return an X3P file of one spike whose main.xml was edited by hand, and what it gives."""
+    stream, path = io.BytesIO(), tmp_path / "edited.x3p"
+    x3pio.write(stream, HEIGHTS * 1e-6, x_scale=1e-5, y_scale=1e-5)
+    with zipfile.ZipFile(stream) as old, zipfile.ZipFile(path, "w") as new:
+        for name in old.namelist():
+            data = old.read(name)
+            if name == "main.xml":
+                data = data.replace(b"</Record1>", b"<!-- edited --></Record1>")
+            new.writestr(folder + name, data)
+    return read_height_map(path, **given)
+
+
+@pytest.mark.parametrize("folder", ["", "a/b/"])
+def test_a_stale_checksum_is_read_on_request(tmp_path, folder):
+    with pytest.raises(
+        InputFileError, match=r"checksum of main\.xml does not match .*give checksum = ignore"
+    ):
+        stale(tmp_path, folder)
+    height = stale(tmp_path, folder, checksum="ignore")
+    np.testing.assert_allclose(height.values, HEIGHTS * 1e-6, rtol=1e-6)
+    assert "read nevertheless, as asked (checksum = ignore)" in height.attrs["ingest_warnings"]
+    with pytest.raises(SettingsError, match="checksum = 'no'"):
+        stale(tmp_path, folder, checksum="no")
+
+
+def test_the_request_on_the_command_line(tmp_path, capsys):
+    with pytest.raises(InputFileError):
+        stale(tmp_path)
+    path = str(tmp_path / "edited.x3p")
+    assert main(["inspect", path, "--checksum", "ignore"]) == 0
+    assert "read nevertheless" in " ".join(capsys.readouterr().out.split())
+    assert main(["inspect", path]) == 0
+    assert "give checksum = ignore" in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.shared_data
+def test_a_real_file_with_a_stale_checksum():
+    with pytest.raises(InputFileError, match="give checksum = ignore"):
+        read_height_map(MORE / "csafe-logo.x3p")
+    assert read_height_map(MORE / "csafe-logo.x3p", checksum="ignore").shape == (419, 741)
+
+
+def test_paths_too_long_for_any_file(tmp_path, capsys):
+    for name in ("a" * 300, "/".join(["a" * 50] * 100)):
+        with pytest.raises(InputFileError, match="longer than any file's; check the path") as caught:
+            read_height_map(tmp_path / name)
+        assert len(str(caught.value)) < 200
+    assert main(["inspect", "a" * 5000]) == 2
+    assert "5000 characters" in capsys.readouterr().err
+
+
+def x3p_with(main_xml):
+    stream = io.BytesIO()
+    packed = zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED)
+    with packed, packed.open("main.xml", "w") as member:
+        for piece in main_xml:
+            member.write(piece)
+    return stream.getvalue()
+
+
+def test_xml_of_blanks_is_refused_quickly(tmp_path):
+    blanks = [b" " * 2**20] * 250
+    start = time.process_time()
+    path = saved(tmp_path, x3p_with([*blanks, b"<p:ISO5436_2/>"]))
+    packing = time.process_time() - start
+    with pytest.raises(InputFileError, match="no description of a map is so long"):
+        read_height_map(path)
+    assert time.process_time() - start - packing < 1
+    with pytest.raises(InputFileError, match=r"begins with .* bytes of blanks: it is no XML"):
+        read_height_map(saved(tmp_path, x3p_with([*blanks[:3], b"<p:ISO5436_2/>"])))
+    late = [b"<a>", *blanks[:2], b"<!DOCTYPE a>"]
+    with pytest.raises(InputFileError, match="DOCTYPE, which is refused"):
+        read_height_map(saved(tmp_path, x3p_with(late)))
+
+
+def test_a_single_bad_point_is_no_matter_of_units():
+    height = 1e-6 * np.random.default_rng(0).normal(size=(64, 64)).cumsum(axis=0)
+    height[7, 9] = -1.0
+    found = "\n".join(suspicions(height, 1e-6, 1e-6))
+    assert "1 point lies far below all others" in found
+    assert "more than the field" not in found
+    assert "check the height unit" not in found
+    assert "more than the field" in "\n".join(suspicions(1e3 * height, 1e-6, 1e-6))

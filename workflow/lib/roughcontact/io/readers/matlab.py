@@ -1,0 +1,116 @@
+"""MATLAB's MAT files of version 5 to 7: each real matrix is a channel, without steps and units.
+
+Row j is the j-th y; row 0 is the lowest line.
+"""
+
+import zlib
+from functools import partial
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights, unreadable
+from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, brief, check_points
+from roughcontact.io.interface import Reader, ToldBy
+
+_MARK = b"MATLAB 5.0 MAT-file"
+_HEADER_BYTES = 128
+_COMPRESSED = 15  # type of a variable
+_NUMBERS = ("double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Return whether a file begins as MATLAB's do.
+
+    Examples
+    --------
+    >>> recognises(Path("map.dat"), b"MATLAB 5.0 MAT-file, Platform: GLNXA64")
+    True
+    """
+    return head.startswith(_MARK)
+
+
+def read(path: Path) -> MeasuredFile:
+    """Open a file; only names and sizes of its variables are read.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    MeasuredFile
+        One channel for each real matrix or vector; those called height, heights or z first.
+
+    Raises
+    ------
+    InputFileError
+        For a file that is damaged, unpacks to too much, or holds no matrix.
+    """
+    from scipy.io import whosmat
+
+    try:
+        _refuse_bomb(path)
+        variables = whosmat(str(path))
+    except InputFileError:
+        raise
+    except Exception as error:  # the library fails on damaged files in any way
+        raise InputFileError(f"{path}: damaged or cut off MATLAB file ({brief(error)})") from error
+    channels = []
+    for name, shape, kind in variables:
+        if kind not in _NUMBERS or len(shape) != 2 or shape[0] * shape[1] < 2:
+            continue
+        ny, nx = (1, max(shape)) if min(shape) == 1 else shape
+        if ny * nx > MAX_POINTS:
+            why = f"{ny} x {nx} points, more than the {MAX_POINTS} that are read; crop the map"
+            channels.append(Channel(name, (ny, nx), unreadable(f"{path}: {why}"), no_height=why, doubt=why))
+            continue
+        channels.append(Channel(name, (ny, nx), partial(_read, path, name, (ny, nx))))
+    if not channels:
+        listed = ", ".join(f"{name} ({kind})" for name, _, kind in variables[:8])
+        raise InputFileError(
+            f"{path}: no matrix of real numbers in this MATLAB file; it has {listed or 'nothing'}"
+        )
+    channels.sort(key=lambda channel: channel.name.lower() not in ("height", "heights", "z"))
+    return MeasuredFile("MATLAB matrix", channels, first_row="bottom")
+
+
+def _read(path: Path, name: str, shape: tuple[int, int]) -> np.ndarray:
+    """Return one variable."""
+    from scipy.io import loadmat
+
+    check_points(shape, path)
+    try:
+        values = np.asarray(loadmat(str(path), variable_names=[name])[name])
+    except Exception as error:  # as above
+        raise InputFileError(f"{path}: variable {name!r} is damaged ({brief(error)})") from error
+    return as_heights(values.reshape(shape), str(path))
+
+
+def _refuse_bomb(path: Path) -> None:
+    """Refuse a file that was cut off, or whose variables, unpacked piece by piece, are more than 1 GiB."""
+    total, size = 0, path.stat().st_size
+    with path.open("rb") as stream:
+        order: Literal["little", "big"] = "little" if stream.read(_HEADER_BYTES)[126:128] == b"IM" else "big"
+        while len(tag := stream.read(8)) == 8:
+            kind, count = (int.from_bytes(part, order) for part in (tag[:4], tag[4:]))
+            if stream.tell() + count > size:
+                raise InputFileError(
+                    f"{path}: the last variable of this MATLAB file is not whole: it was cut off"
+                )
+            if kind != _COMPRESSED:
+                stream.seek(count, 1)
+                continue
+            packed, unpacker = stream.read(count), zlib.decompressobj()
+            while packed:
+                total += len(unpacker.decompress(packed, 2**20))
+                packed = unpacker.unconsumed_tail
+                if total > MAX_UNPACKED_BYTES:
+                    raise InputFileError(
+                        f"{path}: its variables unpack to more than the {MAX_UNPACKED_BYTES} bytes allowed"
+                    )
+
+
+READER = Reader(ToldBy.MARK, recognises, read)

@@ -1,0 +1,61 @@
+"""Formats that are known and not read: each is refused by its name, with the way to a file that is read."""
+
+from pathlib import Path
+from typing import NoReturn
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.interface import Reader, ToldBy, head_of
+from roughcontact.io.text.lines import looks_like_text
+
+_PICTURE = "a picture, whose colours are no heights; export the map itself as X3P, SDF or text"
+_PACKED = "a packed file; unpack it first"
+# first bytes -> what the file is, and the way out
+_KNOWN = {
+    b"DSCOMPRESSED": (
+        "a Digital Surf file in its compressed form (DSCOMPRESSED), which is not read; save it uncompressed "
+        "(SUR), or export it as X3P or SDF"
+    ),
+    b"MATLAB 7.3 MAT-file": (
+        "a MATLAB file of version 7.3 (HDF5), which is not read; save it with save(..., '-v7')"
+    ),
+    b"\x1f\x8b": _PACKED + " (gunzip)",
+    b"BZh": _PACKED + " (bunzip2)",
+    b"\xfd7zXZ\0": _PACKED + " (unxz)",
+    b"7z\xbc\xaf\x27\x1c": _PACKED + " (7-Zip)",
+    b"Rar!\x1a\x07": _PACKED + " (RAR)",
+    b"\x89PNG\r\n\x1a\n": _PICTURE,
+    b"\xff\xd8\xff": _PICTURE,
+    b"GIF8": _PICTURE,
+    b"%PDF-": "a PDF; export the map itself as X3P, SDF or text",
+}
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    r"""Return whether a file begins as one of the formats that are refused by name.
+
+    Examples
+    --------
+    >>> recognises(Path("map.sur"), b"DSCOMPRESSED\0\0"), recognises(Path("map.txt"), b"BZh is a name")
+    (True, False)
+    """
+    return head.startswith(tuple(_KNOWN)) and (head.startswith(b"MATLAB 7.3") or not looks_like_text(head))
+
+
+def read(path: Path) -> NoReturn:
+    """Refuse a file by the name of its format.
+
+    Parameters
+    ----------
+    path : Path
+
+    Raises
+    ------
+    InputFileError
+        Always, with the way out.
+    """
+    head = head_of(path)
+    what = next(what for mark, what in _KNOWN.items() if head.startswith(mark))
+    raise InputFileError(f"{path}: this is {what}")
+
+
+READER = Reader(ToldBy.MARK, recognises, read)

@@ -1,0 +1,93 @@
+"""TrueMap's TMD (version 2.0), which GelSight writes too: a map of lengths in millimetres.
+
+After the mark, which a zero ends, a comment, which a zero ends too (24 characters in TrueMap, none in
+GelSight); then the numbers of columns and rows (32 bits each), the lengths and the origins along x and y, and
+the heights row by row (4-byte floats, little-endian).
+"""
+
+import struct
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights
+from roughcontact.io.guards import check_line_ends, check_points
+from roughcontact.io.interface import Reader, ToldBy
+from roughcontact.io.metadata import instrument_words
+from roughcontact.io.text.lines import looks_like_text
+
+_MARK = b"Binary TrueMap Data File"
+_VERSION = b"v2.0"
+_HEADER = struct.Struct("<2I4f")
+_LONGEST = 4096  # bytes of mark and comment
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    r"""Return whether a file begins as TrueMap's do.
+
+    Examples
+    --------
+    >>> recognises(Path("map.dat"), b"Binary TrueMap Data File v2.0\r\n\0\0")
+    True
+    """
+    return head.startswith(_MARK) and not looks_like_text(head)
+
+
+def read(path: Path) -> MeasuredFile:
+    """Open a file of one map.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    MeasuredFile
+        One channel.
+
+    Raises
+    ------
+    InputFileError
+        For another version, and a file that is damaged or cut off.
+    """
+    check_line_ends(path)
+    with path.open("rb") as stream:
+        words = stream.read(_LONGEST).split(b"\0", 2)
+        if len(words) < 3 or not words[0].removeprefix(_MARK).strip().startswith(_VERSION):
+            raise InputFileError(
+                f"{path}: looks like TrueMap TMD, but is damaged or of another version than 2.0; export the "
+                "map again, as X3P or SDF where the software can"
+            )
+        comment = words[1].decode("latin-1").strip()
+        begin = len(words[0]) + len(words[1]) + 2
+        stream.seek(begin)
+        header = stream.read(_HEADER.size)
+        size, needed = path.stat().st_size - begin, _HEADER.size
+        if len(header) == needed:
+            nx, ny, length_x, length_y, *_ = _HEADER.unpack(header)
+            check_points((ny, nx), path)
+            needed += 4 * nx * ny
+        if size < needed:
+            raise InputFileError(f"{path}: {size} bytes where its header needs {needed}: it was cut off")
+        if not nx * ny or not (0 < length_x < np.inf and 0 < length_y < np.inf):
+            raise InputFileError(
+                f"{path}: looks like TrueMap TMD, but is damaged ({nx} x {ny} points on {length_x:g} mm x "
+                f"{length_y:g} mm)"
+            )
+        values = np.frombuffer(stream.read(4 * nx * ny), "<f4").reshape(ny, nx)
+    heights = as_heights(values, str(path))
+    channel = Channel(
+        "Default",
+        (ny, nx),
+        heights.copy,
+        height_unit="mm",
+        dx=length_x / nx,
+        dy=length_y / ny,
+        lateral_unit="mm",
+    )
+    instrument = instrument_words({"vendor": "TrueMap" if "TrueMap" in comment else "", "comment": comment})
+    return MeasuredFile("TrueMap TMD", [channel], first_row="top", instrument=instrument)
+
+
+READER = Reader(ToldBy.MARK, recognises, read)
