@@ -108,14 +108,16 @@ def test_words_of_a_load_at_each_limit():
         "relative_contact_area_pixels": 0.12,
         "relative_contact_area": 0.1,
         "contact_on_filled_points": 0.01,
-        "mean_contact_pressure": 0.1,
+        "mean_contact_pressure": 0.1e9,
     }
-    at_the_limit = per_load(converged=1, **limits).assign(contact_modulus=1.0)
+    at_the_limit = per_load(converged=1, max_pressure=0.2e9, **limits).assign(contact_modulus=1e9)
     at_the_limit["relative_contact_area"] = at_the_limit["relative_contact_area_pixels"] / 1.199
-    assert checks.load_flags(at_the_limit, 1000) == [[]]
-    beyond = per_load(converged=0, **{name: 1.01 * value for name, value in limits.items()})
+    assert checks.load_flags(at_the_limit, 1000) == [["metals flow"]]
+    beyond = per_load(
+        converged=0, max_pressure=0.2e9, **{name: 1.01 * value for name, value in limits.items()}
+    )
     beyond["relative_contact_area"] = beyond["relative_contact_area_pixels"] / 1.201
-    assert checks.load_flags(beyond.assign(contact_modulus=1.0), 800) == [
+    assert checks.load_flags(beyond.assign(contact_modulus=1e9), 800) == [
         [
             "not converged",
             "few contact points",

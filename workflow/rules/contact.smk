@@ -63,9 +63,10 @@ if owners("contact", keep_fields=True) or (
             case=owners("statistics", keep_fields=True),
         conda:
             "../envs/roughcontact.yaml"
+        threads: solver_threads
         resources:
-            mem_mb=memory(bytes_per_point=200, and_load=50),
-            runtime=minutes(microseconds_per_point=20, and_load=10),
+            mem_mb=memory(bytes_per_point=300, and_load=50),
+            runtime=minutes(microseconds_per_point=100, and_load=10),
         params:
             settings=stage_settings("statistics"),
             code=code("statistics"),

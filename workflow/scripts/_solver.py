@@ -29,7 +29,7 @@ def solver_arguments(window: xr.DataArray, contact: dict) -> dict:
         for relative loads on a flat map.
     """
     problem = {"contact_modulus": contact["contact_modulus"]}
-    given = {key: contact[key] for key in ("mean_pressure", "relative_pressure")}
+    given = {key: contact[key] for key in ("mean_pressure", "relative_pressure", "hardness")}
     try:
         loads = plan_loads(window, **problem, **given)
     except HeightMapError as error:

@@ -58,6 +58,17 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "leak_rate_x": ("m2 s-1", "leak rate by length of the seal, flow along x"),
     "leak_rate_y": ("m2 s-1", "leak rate by length of the seal, flow along y"),
     "elastic_energy": ("J m-2", "elastic energy per nominal area, relative to uniform pressure"),
+    "max_pressure_over_modulus": ("1", "largest pressure over the contact modulus"),
+    "load_share_above_hardness": ("1", "share of the load on points that carry the hardness"),
+    "area_share_above_hardness": ("1", "share of the contact pixels that carry the hardness"),
+    "load_share_above_ratio": (
+        "1",
+        "share of the load on points at hardness_over_modulus x contact modulus or above",
+    ),
+    "area_share_above_ratio": (
+        "1",
+        "share of the contact pixels at hardness_over_modulus x contact modulus or above",
+    ),
     "pressure_density": ("Pa-1", "probability density of the pressure over the contact pixels"),
     "gap_density": ("m-1", "probability density of the gap over the pixels out of contact"),
     "patch_area_density": ("m-2", "probability density of the areas of the contact patches"),
@@ -128,6 +139,16 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "window_offset_x": ("m", "distance of the window's first cell from the map's first cell along x"),
     "window_offset_y": ("m", "distance of the window's first cell from the map's first cell along y"),
     "contact_modulus": ("Pa", "plane-strain contact modulus E*"),
+    "hardness": ("Pa", "largest pressure that the softer body bears before it flows, where one is given"),
+    "first_yield_pressure": ("Pa", "mean pressure at which the largest pressure reaches the hardness"),
+    "first_yield_pressure_by_ratio": (
+        "Pa",
+        "mean pressure at which the largest pressure reaches hardness_over_modulus x contact modulus",
+    ),
+    "hardness_over_modulus": (
+        "1",
+        "hardness / E* of annealed metals, structural steels, hardened steels, ceramics and glassy polymers",
+    ),
     # labels
     "source": (None, "what an uncertainty comes from; combined: root of the sum of their squares"),
     "choice": (None, "what was done otherwise than the settings say"),

@@ -171,6 +171,7 @@ def solution(result: Mapping[str, Any]) -> str:
         _line("rms height", quantity(surface["rms_height"], "m")),
         _line("rms gradient", number(surface["rms_gradient"])),
         _line("contact modulus", quantity(surface["contact_modulus"], "Pa")),
+        *_lines_of_hardness(surface),
         "",
         *_table(result["loads"]),
         "",
@@ -180,6 +181,14 @@ def solution(result: Mapping[str, Any]) -> str:
         _line(check["name"], check["sentence"]) for check in result["checks"] if check["outcome"] != "passed"
     ]
     return "\n".join(lines)
+
+
+def _lines_of_hardness(surface: Mapping[str, Any]) -> list[str]:
+    """Return hardness and first yield, where a hardness is given."""
+    if "hardness" not in surface:
+        return []
+    first = f"mean pressure {quantity(surface['first_yield_pressure'], 'Pa')}"
+    return [_line("hardness", quantity(surface["hardness"], "Pa")), _line("first yield", first)]
 
 
 def _cell(load: Mapping[str, Any], name: str, unit: str) -> str:

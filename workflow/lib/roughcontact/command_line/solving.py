@@ -17,6 +17,7 @@ from roughcontact.levelling.level import level
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.statistics import checks
 from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
+from roughcontact.statistics.first_yield import with_first_yield
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.variables import VARIABLES
 from roughcontact.window.periodic_window import periodic_window
@@ -67,9 +68,8 @@ def solve_file(
         show(0, None, "periodic window")
         window = periodic_window(levelled, **settings["window"])
         elastic = {"contact_modulus": contact["contact_modulus"]}
-        loads = plan_loads(
-            window, **elastic, **{key: contact[key] for key in ("mean_pressure", "relative_pressure")}
-        )
+        plan = {key: contact[key] for key in ("mean_pressure", "relative_pressure", "hardness")}
+        loads = plan_loads(window, **elastic, **plan)
         show(0, len(loads), "solving")
         solver = elastic | {"mean_pressure": loads} | {key: contact[key] for key in SOLVER_SETTINGS}
         solver["threads"] = threads
@@ -79,6 +79,7 @@ def solve_file(
             reduce=partial(contact_statistics, bodies=contact["bodies"], **settings["statistics"]),
             progress=show,
         )
+        statistics = with_first_yield(statistics, window, contact, threads=threads)
         show(len(loads), len(loads), "error budget")
         verbs = {"level": settings["level"], "window": settings["window"], "contact": solver}
         budget = error_budget(levelled, window, verbs, **settings["uncertainty"])

@@ -85,7 +85,8 @@ def as_dataset(
     return xr.Dataset(
         {name: (("load", "y", "x"), field[None]) for name, field in maps.items()}
         | {name: ("load", [value]) for name, value in per_load.items()}
-        | {"height": window.variable, "contact_modulus": modulus},
+        | {"height": window.variable, "contact_modulus": modulus}
+        | ({} if hardness is None else {"hardness": hardness}),
         coords={"mean_pressure": ("load", [load]), **window.coords},
         attrs=attrs,
     )

@@ -19,6 +19,7 @@ def plan_loads(
     contact_modulus: float,
     mean_pressure: float | list[float] | None = None,
     relative_pressure: float | list[float] | None = None,
+    hardness: float | None = None,
 ) -> list[float]:
     """Return the mean pressures to solve for.
 
@@ -32,6 +33,8 @@ def plan_loads(
         the loads as they are.
     relative_pressure : float or list of float, optional
         p' = p / (E* g); with neither, the plan `DEFAULT_PLAN`.
+    hardness : float, Pa, optional
+        of the softer body: planned loads that no contact carries are left out.
 
     Returns
     -------
@@ -41,7 +44,7 @@ def plan_loads(
     Raises
     ------
     SettingsError
-        for both at once, an empty list, or a load that is not positive.
+        for both at once, an empty list, a load that is not positive, or a hardness below all planned loads.
     HeightMapError
         where relative pressures are asked for on a flat map, which has no gradient to relate them to.
 
@@ -66,7 +69,17 @@ def plan_loads(
         raise HeightMapError(
             "the map is flat: loads relative to its rms gradient mean nothing; give mean_pressure in Pa"
         )
-    return [value * modulus * gradient for value in relative]
+    loads = [value * modulus * gradient for value in relative]
+    if relative_pressure is not None or hardness is None:
+        return loads
+    carried = [load for load in loads if load < hardness]
+    if not carried:
+        raise SettingsError(
+            f"hardness = {hardness:g} Pa is below all planned loads ({loads[0]:g} Pa and more): give "
+            "mean_pressure in Pa",
+            keys=["hardness", "mean_pressure"],
+        )
+    return carried
 
 
 def check_loads(name: str, loads: Any, *, unit: str) -> list[float]:

@@ -60,6 +60,8 @@ def surface_facts(
         ("Nayak parameter", number(float(numbers["nayak_parameter"]))),
         ("Points per shortest wave", number(resolution, digits=2)),
         ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
+        ("Hardness", _of_softer_body(numbers, "hardness")),
+        ("First yield at p̄", _of_softer_body(numbers, "first_yield_pressure")),
     ]
     return [(name, text) for name, text in facts if text]
 
@@ -224,6 +226,11 @@ def _has_lay(numbers: xr.Dataset) -> bool:
 def _lay(numbers: xr.Dataset) -> str:
     """Return the direction of the lay, across that of the strongest waves."""
     return f"{(float(numbers['Std']) + 90) % 180:.0f}°"
+
+
+def _of_softer_body(numbers: xr.Dataset, name: str) -> str:
+    """Return a pressure that belongs to the softer body, nothing where no hardness is stated."""
+    return quantity(float(numbers[name]), "Pa") if name in numbers else ""
 
 
 def _size(height: xr.DataArray) -> str:

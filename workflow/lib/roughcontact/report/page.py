@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from roughcontact import materials
 from roughcontact.quantities import number, percent, quantity
 from roughcontact.report.load_plots import compare_areas
 from roughcontact.report.summary import summary_of
@@ -82,7 +83,8 @@ def write_report(
             "steep": number(checks.STEEP, digits=1),
             "places": f"{100 * checks.STEEP_PLACES:g} %",
             "too_steep": number(checks.TOO_STEEP, digits=1),
-            "hardest": number(checks.HARDEST, digits=1),
+            "metals": [number(limit, digits=1) for limit in materials.METALS],
+            "hardest": number(materials.HARDEST, digits=1),
         },
     )
     write_text(html, path)

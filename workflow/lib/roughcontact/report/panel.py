@@ -69,7 +69,7 @@ def write_panel(
     name = surface if case is None else f"{surface} · {case}"
     identifier = surface if case is None else f"{case}--{surface}"
     verdict = checks.verdict(outcome)
-    reasons = [_reason(check) for check in outcome if check.outcome != checks.PASSED]
+    reasons = [_reason(check) for check in checks.reasons(outcome)]
     rough = float(numbers["rms_gradient"]) > 0  # a flat map has neither waves nor charts
     html = template("panel.html").render(
         identifier=identifier,
@@ -86,6 +86,7 @@ def write_panel(
         charts=_charts(numbers, solved, shown) if rough else [],
         budget=shown_budget(numbers),
         table=tables.number_table(numbers, checks.load_flags(numbers, solved.size)),
+        material=tables.material_table(numbers, shown),
         crosscheck=tables.crosscheck_table(crosscheck, numbers, order) if crosscheck else None,
         summary=embedded({"identifier": identifier, "name": name, "verdict": verdict, "reasons": reasons}),
         settings=json.dumps(settings, indent=1, sort_keys=True),

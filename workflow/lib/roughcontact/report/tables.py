@@ -11,6 +11,7 @@ import xarray as xr
 
 from roughcontact.quantities import number, percent, plus_minus, prefix, quantity
 from roughcontact.results.storage import read_dataset, read_table
+from roughcontact.statistics.contact_checks import rubber_like
 from roughcontact.variables import VARIABLES
 from roughcontact.window.score import WEIGHTS
 
@@ -29,6 +30,9 @@ _COLUMNS = (
     ("elastic_energy", "elastic energy", "J m-2"),
     ("contact_perimeter", "contact perimeter", "m"),
     ("contact_clusters", "contact patches", "1"),
+    ("max_pressure_over_modulus", "largest over E*", "1"),
+    ("load_share_above_hardness", "load at the hardness", "%"),
+    ("area_share_above_hardness", "contact area at it", "%"),
     ("contact_on_filled_points", "on filled points", "%"),
     ("critical_constriction_x", "narrowest place along x", "m"),
     ("critical_constriction_y", "narrowest place along y", "m"),
@@ -55,6 +59,14 @@ _SCORE_PARTS = (
     ("stationarity", "gradient among quarters", True),
     ("representativeness", "spectrum off the map's", True),
     ("size", "sampling error", True),
+)
+
+# what has the hardness over modulus of `bearing.HARDNESS_OVER_MODULUS`
+_MATERIALS = (
+    "annealed pure metals",
+    "structural steels, aluminium alloys",
+    "hardened steels, carbides",
+    "ceramics, glasses, glassy polymers",
 )
 
 Table = dict[str, Any]
@@ -116,6 +128,47 @@ def _half_widths(numbers: xr.Dataset, name: str) -> np.ndarray | None:
     if f"{name}_uncertainty" not in numbers:
         return None
     return numbers[f"{name}_uncertainty"].sel(source="combined").values
+
+
+def material_table(numbers: xr.Dataset, shown: Sequence[int]) -> Table | None:
+    """Return what would flow if the softer body had the hardness of some classes of materials.
+
+    Parameters
+    ----------
+    numbers : Dataset
+        statistics of one surface, loads rising.
+    shown : sequence of int
+        places of the loads whose shares are given.
+
+    Returns
+    -------
+    dict or None
+        `header`, a title for each column; `rows`, the cells of each hardness. None where a hardness is
+        stated, and for rubber-like bodies.
+    """
+    if "first_yield_pressure_by_ratio" not in numbers or rubber_like(numbers):
+        return None
+    modulus, loads = float(numbers["contact_modulus"]), numbers["mean_pressure"].values
+    header = ["H/E*", "hardness H", "as of", "first yield at p̄"]
+    header += [f"load, area above H at {quantity(float(loads[place]), 'Pa')}" for place in shown]
+    rows = []
+    for ratio, words in zip(numbers["hardness_over_modulus"].values, _MATERIALS, strict=True):
+        of_class = numbers.sel(hardness_over_modulus=ratio)
+        first = float(of_class["first_yield_pressure_by_ratio"])
+        if np.isfinite(first):
+            yields = quantity(first, "Pa")
+        elif float(numbers["max_pressure_over_modulus"].max()) < ratio:
+            yields = f"above {quantity(float(loads[-1]), 'Pa')}"
+        else:
+            yields = f"below {quantity(float(loads[0]), 'Pa')}"
+        shares = [
+            ", ".join(
+                percent(float(of_class[f"{part}_share_above_ratio"][place])) for part in ("load", "area")
+            )
+            for place in shown
+        ]
+        rows.append([number(float(ratio), digits=1), quantity(ratio * modulus, "Pa"), words, yields, *shares])
+    return {"header": header, "rows": rows}
 
 
 def score_table(window: xr.DataArray) -> Table | None:

@@ -28,6 +28,9 @@ _SUFFIX: dict[str | None, str] = {
 
 _COORDINATES = ("mean_pressure", "pressure_bin_bounds", "gap_bin_bounds", "patch_bin_bounds")
 _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")
+_NOT_IN_TABLE = {"pressure_bin", "gap_bin", "patch_bin", "source", "hardness_over_modulus"}  # dimensions
+# labels of a dimension that are the same for all surfaces
+_COMMON_LABELS = {"source": object, "hardness_over_modulus": float}
 _WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged", "gap_percolates_x", "gap_percolates_y")
 
 
@@ -85,9 +88,10 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         columns[name] = (("case", "surface", *dims[name]), values)
     collected = xr.Dataset(columns, coords={"surface_name": ("surface", np.array(surfaces, dtype=object))})
     collected = collected.set_coords([name for name in _COORDINATES if name in columns])
-    if "source" in sizes:  # the same for all
-        first = next(dataset for dataset in datasets.values() if "source" in dataset)
-        collected = collected.assign_coords(source=first["source"].values.astype(object))
+    for name, kind in _COMMON_LABELS.items():
+        if name in sizes:
+            first = next(dataset for dataset in datasets.values() if name in dataset.coords)
+            collected = collected.assign_coords({name: first[name].values.astype(kind)})
     if cases == [None]:
         return collected.isel(case=0)
     return collected.assign_coords(case_name=("case", np.array(cases, dtype=object)))
@@ -124,8 +128,7 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     names = [
         name
         for name in map(str, statistics.variables)
-        if not name.endswith("_name")
-        and not {"pressure_bin", "gap_bin", "patch_bin", "source"} & set(statistics[name].dims)
+        if not name.endswith("_name") and not _NOT_IN_TABLE & set(statistics[name].dims)
     ]
     names.sort(key=lambda name: _LEADING.index(name) if name in _LEADING else len(_LEADING))
     order = [dim for dim in ("case", "surface", "load") if dim in statistics.dims]

@@ -1,7 +1,8 @@
 """What to trust: every check of a surface's result, and the words that warn of single loads.
 
 A check passes, asks for a look (the number may be off, and the sentence says by what), or fails (do not use
-the number). The verdict on a surface is that of its worst check. The checks stand with their limits in
+the number); one that could not be made says so and never passes. The verdict on a surface, or on one load of
+it, is that of its worst check. The checks stand with their limits in
 `contact_checks` and `map_checks`; who shows them finds all that is needed here.
 """
 
@@ -22,9 +23,7 @@ from roughcontact.statistics.map_checks import (
     WINDOW_SHARE,
     Attributes,
 )
-from roughcontact.statistics.outcome import FAILED, LOOK, PASSED, VERDICTS, Check, verdict
-
-HARDEST = 0.1  # hardness over contact modulus that no material exceeds (diamond comes near)
+from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, PASSED, VERDICTS, Check, reasons, verdict
 
 __all__ = [
     "CONTACT_POINTS",
@@ -32,10 +31,10 @@ __all__ = [
     "FILLED_IN_CONTACT",
     "FORM",
     "GRADIENT_CHANGE",
-    "HARDEST",
     "HEIGHT_CHANGE",
     "LENGTHS",
     "LOOK",
+    "NOT_MADE",
     "OVERCOUNT",
     "PASSED",
     "REJECTED_LOAD",
@@ -46,6 +45,7 @@ __all__ = [
     "WINDOW_SHARE",
     "Check",
     "load_flags",
+    "reasons",
     "surface_checks",
     "verdict",
 ]
@@ -70,6 +70,7 @@ def surface_checks(
     list of Check
     """
     return [
+        contact_checks.units(statistics),
         contact_checks.convergence(statistics),
         contact_checks.contact_points(statistics, points),
         contact_checks.resolution(statistics),
@@ -119,7 +120,6 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
             words.append("contact on filled points")
         if load.get("rejected_load_share", 0.0) > REJECTED_LOAD:
             words.append("rejected points carry load")
-        if load["mean_contact_pressure"] > HARDEST * load["contact_modulus"]:
-            words.append("beyond hardness")
+        words += contact_checks.yield_flags(load)
         flags.append(words)
     return flags

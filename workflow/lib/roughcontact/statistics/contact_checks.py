@@ -3,10 +3,12 @@
 import numpy as np
 import xarray as xr
 
+from roughcontact import materials
 from roughcontact.quantities import number, percent, quantity
-from roughcontact.statistics.outcome import FAILED, LOOK, PASSED, Check
+from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, PASSED, Check
 
 CONTACT_POINTS = 100  # fewer: the contact is a handful of pixels
+_RUBBER = quantity(materials.RUBBER, "Pa", digits=1)
 OVERCOUNT = 0.2  # excess of the counted over the corrected area: patches are a few pixels across
 
 
@@ -130,31 +132,221 @@ def resolution(statistics: xr.Dataset) -> Check:
 
 
 def plasticity(statistics: xr.Dataset) -> Check:
-    """Check that no point carries the hardness of the softer body.
+    """Check that the material bears the pressure.
 
-    The plasticity index E* g / H goes along: mostly elastic below 0.3, mostly plastic above 3.
+    With a hardness: that no point carries it. The plasticity index E* g / H goes along: mostly elastic below
+    0.3, mostly plastic above 3 [1]_. Without one the check is not made, unless the pressure is beyond what
+    materials bear at all: metals flow at a mean contact pressure of 0.01 to 0.03 E*, nothing but rubber bears
+    0.1 E* (`roughcontact.materials`).
 
     Parameters
     ----------
     statistics : Dataset
-        as `contact_statistics` returns it.
+        as `contact_statistics` returns it, with or without the load of first yield.
 
     Returns
     -------
     Check
+
+    References
+    ----------
+    .. [1] Mikić (1974), Int. J. Heat Mass Transfer 17, 205.
+
+    Examples
+    --------
+    Steel on steel, elastic throughout:
+
+    >>> import xarray as xr
+    >>> pressures = {"mean_contact_pressure": ("load", [5e9]), "max_pressure": ("load", [24.7e9])}
+    >>> steel = xr.Dataset(pressures | {"mean_pressure": ("load", [1e8]), "contact_modulus": 1.154e11})
+    >>> plasticity(steel).outcome
+    'look'
     """
-    share = statistics["yielded_area"].values if "yielded_area" in statistics else np.zeros(1)
-    loads = int((share > 0).sum())
-    if not loads:
-        return Check("Plasticity", PASSED, "No pressure reached a hardness; without one, none was asked for.")
-    hardness = float(statistics["max_pressure"].max())
-    index = float(statistics["contact_modulus"]) * float(statistics["rms_gradient"]) / hardness
+    return _against_hardness(statistics) if "hardness" in statistics else _without_hardness(statistics)
+
+
+def _against_hardness(statistics: xr.Dataset) -> Check:
+    """Return the check of the pressure against the hardness that it was limited to."""
+    hardness, modulus = (float(statistics[name]) for name in ("hardness", "contact_modulus"))
+    load_share, area_share = (statistics[f"{part}_share_above_hardness"].values for part in ("load", "area"))
+    pressures = statistics["mean_pressure"].values
+    first = ""
+    if "first_yield_pressure" in statistics:
+        first_yield = quantity(float(statistics["first_yield_pressure"]), "Pa")
+        first = f" First yield at a mean pressure of {first_yield}."
+    bears = f"the hardness of {quantity(hardness, 'Pa')}"
+    yielded = area_share > 0
+    if not yielded.any():
+        largest = percent(float(statistics["max_pressure"].max()) / hardness)
+        return Check("Plasticity", PASSED, f"No point carries {bears}: at most {largest} of it.{first}")
+    worst = int(np.argmax(load_share))
+    index = modulus * float(statistics["rms_gradient"]) / hardness
     text = (
-        f"At {loads} of {share.size} loads up to {percent(share.max())} of the area carries the hardness of "
-        f"{quantity(hardness, 'Pa')}: the surface is flattened there. Plasticity index E* g / H = "
-        f"{number(index, digits=2)} (mostly elastic below 0.3, mostly plastic above 3)."
+        f"{_loads(yielded, pressures)} points carry {bears} and flow: up to {percent(load_share[worst])} of "
+        f"the load on {percent(area_share[worst])} of the contact area. The pressure is limited there, the "
+        f"shape after it is not known.{first} Plasticity index E* g / H = {number(index, digits=2)} (mostly "
+        "elastic below 0.3, mostly plastic above 3)."
     )
     return Check("Plasticity", LOOK, text)
+
+
+def _without_hardness(statistics: xr.Dataset) -> Check:
+    """Return what can be said of the pressure where no hardness is stated."""
+    mean, largest = (
+        statistics[name].values / float(statistics["contact_modulus"])
+        for name in ("mean_contact_pressure", "max_pressure")
+    )
+    pressures = statistics["mean_pressure"].values
+    figures = (
+        f"the mean pressure in contact reaches {number(mean.max(), digits=2)} E*, the largest "
+        f"{number(largest.max(), digits=2)} E*"
+    )
+    limits = "{:g} to {:g} E*".format(*materials.METALS)
+    not_stated = "Not made, no hardness is stated"
+    state = "State the hardness (contact.hardness, or that of the bodies)."
+    if rubber_like(statistics):
+        if mean.max() > 1:
+            return Check("Plasticity", LOOK, f"More than rubber bears: {figures}.")
+        text = f"{not_stated}: {figures}; rubber-like solids (E* below {_RUBBER}) bear that."
+        return Check("Plasticity", NOT_MADE, text)
+    beyond_all, flowing = mean > materials.HARDEST, beyond_metals(statistics).values
+    if beyond_all.any():
+        text = (
+            f"{_loads(beyond_all, pressures)} the contact is beyond what any material bears, "
+            f"{materials.HARDEST:g} E*: {figures}. An elastic result means nothing there. {state}"
+        )
+        return Check("Plasticity", FAILED, text)
+    if flowing.any():
+        text = (
+            f"{_loads(flowing, pressures)} metals would flow, which they do at {limits}: {figures}. No "
+            f"hardness is stated, and the result is elastic whatever the pressure. {state}"
+        )
+        return Check("Plasticity", LOOK, text)
+    return Check("Plasticity", NOT_MADE, f"{not_stated}: {figures}; metals flow at {limits}. {state}")
+
+
+def rubber_like(statistics: xr.Dataset) -> bool:
+    """Return whether the contact modulus is that of a solid which does not flow as metals do.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        as `contact_statistics` returns it, of one load or of several.
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> rubber_like(xr.Dataset({"contact_modulus": 5e6})), rubber_like(xr.Dataset({"contact_modulus": 1e11}))
+    (True, False)
+    """
+    return float(statistics["contact_modulus"]) < materials.RUBBER
+
+
+def beyond_metals(statistics: xr.Dataset) -> xr.DataArray:
+    """Return whether metals would flow: in the mean over the contact, or even hardened ones at the peak.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        as `contact_statistics` returns it, of one load or of several.
+
+    Returns
+    -------
+    DataArray of bool (load)
+        False for rubber-like solids.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> pressures = {"mean_contact_pressure": ("load", [5e8, 2e9]), "max_pressure": ("load", [2e9, 3e9])}
+    >>> beyond_metals(xr.Dataset(pressures | {"contact_modulus": 1e11})).values
+    array([False,  True])
+    """
+    modulus = float(statistics["contact_modulus"])
+    soft, hard = materials.METALS
+    mean, largest = statistics["mean_contact_pressure"], statistics["max_pressure"]
+    return ((mean > soft * modulus) | (largest > hard * modulus)) & (not rubber_like(statistics))
+
+
+def yield_flags(load: xr.Dataset) -> list[str]:
+    """Return the words that say of one load what the material makes of its pressure.
+
+    Parameters
+    ----------
+    load : Dataset
+        the statistics of one load.
+
+    Returns
+    -------
+    list of str
+        "points flow" where some carry the hardness; without a hardness "metals flow" or "beyond hardness",
+        the hardness of any material.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> yield_flags(xr.Dataset({"hardness": 3e8, "area_share_above_hardness": 0.02}))
+    ['points flow']
+    """
+    if "hardness" in load:
+        return ["points flow"] if load["area_share_above_hardness"] > 0 else []
+    if rubber_like(load):
+        return []
+    if load["mean_contact_pressure"] > materials.HARDEST * load["contact_modulus"]:
+        return ["beyond hardness"]
+    return ["metals flow"] if beyond_metals(load) else []
+
+
+def units(statistics: xr.Dataset) -> Check:
+    """Check that modulus and loads are those of real materials: else a unit has slipped.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        as `contact_statistics` returns it, in SI units. A contact modulus of 1 stands for a problem in units
+        of its own, of which nothing can be said.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> loads = {"mean_pressure": ("load", [1e6])}
+    >>> units(xr.Dataset(loads | {"contact_modulus": 115.0})).sentence
+    'Contact modulus: 115 Pa is softer than any gel (1.00 kPa); did you mean 115 GPa or 115 MPa?'
+    >>> units(xr.Dataset(loads | {"contact_modulus": 1.15e11})).outcome
+    'passed'
+    """
+    modulus, loads = float(statistics["contact_modulus"]), statistics["mean_pressure"].values
+    if modulus == 1:
+        text = "Not made: the contact modulus is 1, so that pressures are in units of it."
+        return Check("Units", NOT_MADE, text)
+    if doubt := materials.doubt_of_modulus(modulus):
+        return Check("Units", LOOK, f"Contact modulus: {doubt.question().rstrip('.')}")
+    doubts = [doubt for load in loads if (doubt := materials.doubt_of_load(float(load), modulus))]
+    if doubts:
+        text = f"At {len(doubts)} of {loads.size} loads the mean pressure is hardly meant: "
+        return Check("Units", LOOK, text + doubts[0].question())
+    low, high = (quantity(float(f(loads)), "Pa") for f in (np.min, np.max))
+    span = low if low == high else f"{low} to {high}"
+    text = f"A contact modulus of {quantity(modulus, 'Pa')} and loads of {span} are those of real materials."
+    return Check("Units", PASSED, text)
+
+
+def _loads(concerned: np.ndarray | xr.DataArray, pressures: np.ndarray) -> str:
+    """Return at which loads something is so, as the beginning of a sentence."""
+    chosen = pressures[np.asarray(concerned)]
+    if pressures.size == 1:
+        return f"At {quantity(float(chosen[0]), 'Pa')}"
+    if chosen.size == pressures.size:
+        return "At every load"
+    return f"At {chosen.size} of {pressures.size} loads, from {quantity(float(chosen.min()), 'Pa')} on,"
 
 
 def load_range(statistics: xr.Dataset) -> Check:

@@ -19,6 +19,7 @@ from roughcontact.roughness.texture import texture_parameters
 from roughcontact.sealing.flow import flow_columns, leak_columns
 from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.statistics import theory
+from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers
 from roughcontact.statistics.conductance import Bodies, conductance_columns
 from roughcontact.statistics.contact_geometry import contact_perimeter, relative_contact_area
 from roughcontact.statistics.densities import (
@@ -69,7 +70,8 @@ def contact_statistics(
     ----------
     contact : Dataset
         as `solve_contact` returns it: `pressure` (load, y, x) Pa, `gap` (load, y, x) m, `height` (y, x) m
-        with the optional coordinate `filled`, `contact_modulus` Pa, coordinate `mean_pressure` (load) Pa.
+        with the optional coordinate `filled`, `contact_modulus` Pa, `hardness` Pa where the pressure was
+        limited to one, coordinate `mean_pressure` (load) Pa.
     pressure_bins, gap_bins : int
         bins per factor of ten. Pressures: [0, 1e-3], then logarithmic to 1e3, in units of E* g. Gaps: [0,
         1e-4], then logarithmic to 1, in units of the peak-to-valley height. The bounds depend on the
@@ -125,10 +127,18 @@ def contact_statistics(
         "patch": steps[0] * steps[1] * logarithmic_edges((0, math.ceil(math.log10(height.size))), PATCH_BINS),
     }
     filled = height["filled"].values != 0 if "filled" in height.coords else None
+    hardness = float(contact["hardness"]) if "hardness" in contact else None
     with_flow = flow == "always" or (flow == "auto" and (height.size <= FLOW_POINTS or seal is not None))
     rows = [
         _one_load(
-            pressure, gap, steps, contact_modulus=modulus, filled=filled, edges=edges, with_flow=with_flow
+            pressure,
+            gap,
+            steps,
+            contact_modulus=modulus,
+            hardness=hardness,
+            filled=filled,
+            edges=edges,
+            with_flow=with_flow,
         )
         for pressure, gap in zip(contact["pressure"].values, contact["gap"].values, strict=True)
     ]
@@ -143,12 +153,19 @@ def contact_statistics(
         mean_pressure.shape, surface.pop("points_per_shortest_wavelength")
     )
     dims = {density: ("load", f"{name}_bin") for density, name in _BINS.items()}
+    dims |= {f"{part}_share_above_ratio": ("load", "hardness_over_modulus") for part in ("load", "area")}
     variables: dict[str, object] = {
         name: (dims.get(name, ("load",)), values) for name, values in columns.items()
     }
+    coordinates = {"mean_pressure": ("load", mean_pressure)} | _bins(edges)
+    material = {"contact_modulus": modulus}
+    if hardness is not None:
+        material["hardness"] = hardness
+    else:
+        coordinates["hardness_over_modulus"] = ("hardness_over_modulus", np.array(HARDNESS_OVER_MODULUS))
     return xr.Dataset(
-        variables | surface | {"contact_modulus": modulus},
-        coords={"mean_pressure": ("load", mean_pressure)} | _bins(edges),
+        variables | surface | material,
+        coords=coordinates,
         attrs=contact.attrs,
     )
 
@@ -287,6 +304,7 @@ def _one_load(
     steps: tuple[float, float],
     *,
     contact_modulus: float,
+    hardness: float | None,
     filled: np.ndarray | None,
     edges: dict[str, np.ndarray],
     with_flow: bool,
@@ -317,6 +335,7 @@ def _one_load(
         "pressure_density": density(carried, edges["pressure"]),
         "patch_area_density": density(patches, edges["patch"]),
         "gap_density": density(gap[~touching], edges["gap"]),
+        **bearing_numbers(carried, contact_modulus=contact_modulus, hardness=hardness),
     }
 
 

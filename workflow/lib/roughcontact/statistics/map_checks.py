@@ -10,7 +10,7 @@ import xarray as xr
 from roughcontact.io.plausibility import SPIKES_ADVICE
 from roughcontact.levelling.record import kinds_in_words
 from roughcontact.quantities import number, percent, quantity
-from roughcontact.statistics.outcome import FAILED, LOOK, PASSED, Check
+from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, PASSED, Check
 
 FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points that were not measured: look, fail
 REJECTED_LOAD = 0.02  # share of the load that rejected points would carry if they were kept
@@ -247,7 +247,10 @@ def band(window: Attributes) -> Check:
     """
     shortest, reliable = (window.get(name, 0.0) for name in ("band_shortest", "reliable_wavelength"))
     reason = window.get("reliable_reason", "two pixels")
-    if reason == "two pixels" or shortest >= reliable * (1 - 1e-6):
+    if reason == "two pixels":
+        text = "Not made: the file does not say which waves the instrument resolves (its numerical aperture)."
+        return Check("Band", NOT_MADE, text)
+    if shortest >= reliable * (1 - 1e-6):
         return Check("Band", PASSED, "No wave is solved that the instrument is known not to resolve.")
     text = (
         f"Waves down to {quantity(shortest, 'm')} are solved; {reason} resolves {quantity(reliable, 'm')}. "

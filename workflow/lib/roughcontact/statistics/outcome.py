@@ -1,14 +1,15 @@
-"""What a check says: passed, look or failed, with a sentence; and the worst of several."""
+"""What a check says: passed, look, failed or not made, with a sentence; and the worst of several."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
 
 PASSED, LOOK, FAILED = "passed", "look", "failed"
+NOT_MADE = "not made"  # what it takes is not known; it speaks neither for nor against a result
 VERDICTS = {PASSED: "trust", LOOK: "look at", FAILED: "do not trust"}
 
 
 class Check(NamedTuple):
-    """One check: its name, its outcome (passed, look, failed), and a sentence with the numbers."""
+    """One check: its name, its outcome (passed, look, failed, not made), and a sentence with the numbers."""
 
     name: str
     outcome: str
@@ -21,12 +22,12 @@ def verdict(checks: Iterable[Check]) -> str:
     Parameters
     ----------
     checks : iterable of Check
-        one at least.
+        those that were not made do not count.
 
     Returns
     -------
     str
-        a key of `VERDICTS`.
+        a key of `VERDICTS`: `look` where none was made.
 
     Examples
     --------
@@ -34,4 +35,23 @@ def verdict(checks: Iterable[Check]) -> str:
     'look'
     """
     outcomes = {check.outcome for check in checks}
-    return next(outcome for outcome in (FAILED, LOOK, PASSED) if outcome in outcomes)
+    return next((outcome for outcome in (FAILED, LOOK, PASSED) if outcome in outcomes), LOOK)
+
+
+def reasons(checks: Iterable[Check]) -> list[Check]:
+    """Return the checks that speak against a result: those that ask for a look, and those that failed.
+
+    Parameters
+    ----------
+    checks : iterable of Check
+
+    Returns
+    -------
+    list of Check
+
+    Examples
+    --------
+    >>> [check.name for check in reasons([Check("Form", PASSED, "No bow."), Check("Slopes", LOOK, "Steep.")])]
+    ['Slopes']
+    """
+    return [check for check in checks if check.outcome in (FAILED, LOOK)]

@@ -1,0 +1,281 @@
+"""What the material bears: shares beyond a hardness, first yield and the checks, against closed forms."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import roughcontact as rc
+from roughcontact import materials
+from roughcontact.contact.loads import plan_loads
+from roughcontact.maps import height_map
+from roughcontact.references import closed_forms
+from roughcontact.references.synthetic import self_affine_surface, westergaard_surface
+from roughcontact.statistics import checks, contact_checks
+from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.statistics.first_yield import first_yield_pressure, with_first_yield
+
+MODULUS = 1e11
+RADIUS, PERIOD, POINTS = 10.0, 1.0, 256  # m
+
+
+def paraboloid():
+    """Return a sphere per square period, as a paraboloid."""
+    x = (np.arange(POINTS) + 0.5) / POINTS - 0.5
+    return height_map(-(x[None, :] ** 2 + x[:, None] ** 2) / (2 * RADIUS), PERIOD / POINTS)
+
+
+def hertz_load(hardness):
+    """Return the mean pressure at which p0 = H under a single sphere: F = π³R²H³/(6E*²) (Johnson 1985)."""
+    return np.pi**3 * RADIUS**2 * hardness**3 / (6 * MODULUS**2) / PERIOD**2
+
+
+def rough(points=96):
+    return self_affine_surface(
+        (points, points), 1e-6, hurst=0.8, shortest=8e-6, longest=48e-6, rms_gradient=0.03, seed=3
+    )
+
+
+def test_shares_of_load_and_area_beyond_a_hardness_under_a_sphere():
+    """p = p0 √(1 - r²/a²): above H lie 1 - (H/p0)² of the area and 1 - (H/p0)³ of the load."""
+    wanted = 0.0201 * MODULUS
+    window = paraboloid()
+    contact = rc.solve_contact(
+        window, contact_modulus=MODULUS, mean_pressure=hertz_load(wanted), tolerance=1e-6
+    )
+    found = contact_statistics(contact).isel(load=0)
+    peak = closed_forms.periodic_hertz(hertz_load(wanted), RADIUS, MODULUS, PERIOD)["max_pressure"]
+    assert float(found["max_pressure_over_modulus"]) == pytest.approx(peak / MODULUS, rel=5e-3)
+    for ratio, load, area in zip(
+        found["hardness_over_modulus"].values,
+        found["load_share_above_ratio"].values,
+        found["area_share_above_ratio"].values,
+        strict=True,
+    ):
+        below = min(ratio * MODULUS / peak, 1.0)
+        assert load == pytest.approx(1 - below**3, abs=0.02)
+        assert area == pytest.approx(1 - below**2, abs=0.02)
+    assert "hardness" not in found
+    assert "load_share_above_hardness" not in found
+
+
+def test_all_of_the_load_that_flows_carries_the_hardness():
+    window, hardness = rough(), 0.008 * MODULUS
+    loads = [0.002 * MODULUS * 0.03, 0.1 * MODULUS * 0.03, 0.2 * MODULUS * 0.03]
+    contact = rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=loads, hardness=hardness)
+    found = contact_statistics(contact)
+    assert float(found["hardness"]) == hardness
+    pressure = contact["pressure"].values
+    flowing = pressure > hardness * (1 - 1e-9)
+    np.testing.assert_allclose(
+        found["area_share_above_hardness"], flowing.sum((1, 2)) / (pressure > 0).sum((1, 2)), rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        found["load_share_above_hardness"] * found["mean_pressure"],
+        hardness * found["yielded_area"],
+        rtol=1e-9,
+    )
+    assert (found["area_share_above_hardness"] > 0).any()
+    assert (np.diff(found["yielded_area"]) > 0).all()
+    assert float(found["max_pressure_over_modulus"].max()) == pytest.approx(0.008, rel=1e-12)
+    assert "load_share_above_ratio" not in found
+
+
+def test_a_hardness_out_of_reach_leaves_nothing_beyond_it():
+    contact = rc.solve_contact(rough(), contact_modulus=MODULUS, mean_pressure=1e7, hardness=0.5 * MODULUS)
+    found = contact_statistics(contact).isel(load=0)
+    assert float(found["load_share_above_hardness"]) == float(found["area_share_above_hardness"]) == 0
+
+
+def test_first_yield_under_a_sphere():
+    hardness = 0.006 * MODULUS
+    found = first_yield_pressure(paraboloid(), contact_modulus=MODULUS, hardness=hardness)
+    # the others of the lattice take a few thousandths off the load
+    assert found == pytest.approx(hertz_load(hardness), rel=0.01)
+    peak = closed_forms.periodic_hertz(found, RADIUS, MODULUS, PERIOD)["max_pressure"]
+    assert peak == pytest.approx(hardness, rel=2e-3)
+
+
+@pytest.mark.parametrize("start", [None, 1.0, 1e5, 1e12])
+@pytest.mark.parametrize("ratio", [0.05, 0.3, 0.9])
+def test_first_yield_under_a_wave(ratio, start):
+    """The largest pressure under a wave is 2 √(p̄ p*) in partial contact, p̄ + p* beyond (Westergaard 1939)."""
+    wave = westergaard_surface((1, 1024), 1e-3 / 1024, amplitude=1e-6, wavelength=1e-3)
+    full = closed_forms.westergaard_full_contact_pressure(1e-6, 1e-3, MODULUS)
+    hardness = 2 * np.sqrt(ratio) * full
+    found = first_yield_pressure(wave, contact_modulus=MODULUS, hardness=hardness, start=start)
+    assert found == pytest.approx(ratio * full, rel=2e-3)
+    beyond = first_yield_pressure(wave, contact_modulus=MODULUS, hardness=3.5 * full, start=start)
+    assert beyond == pytest.approx(2.5 * full, rel=2e-3)
+
+
+def test_first_yield_of_a_flat_map_and_of_a_single_point():
+    flat = height_map(np.zeros((8, 8)), 1e-6)
+    assert first_yield_pressure(flat, contact_modulus=MODULUS, hardness=2e9) == pytest.approx(2e9, rel=1e-9)
+    spike = flat.copy(deep=True)
+    spike.values[3, 4] = 1e-3
+    found = first_yield_pressure(spike, contact_modulus=MODULUS, hardness=2e9)
+    assert found == pytest.approx(2e9 / 64, rel=3e-3)  # all of the load on one of 64 points
+
+
+def test_a_rough_map_is_elastic_below_its_first_yield_and_flows_above():
+    window, hardness = rough(), 0.012 * MODULUS
+    first = first_yield_pressure(window, contact_modulus=MODULUS, hardness=hardness)
+    loads = [0.98 * first, 1.02 * first]
+    below, above = rc.solve_contact(
+        window, contact_modulus=MODULUS, mean_pressure=loads, hardness=hardness, reduce=contact_statistics
+    )["area_share_above_hardness"].values
+    assert below == 0 < above
+    # the same through the statistics of a run, whatever its loads
+    for loads in ([1e5], [1e9], [1e5, 1e7, 1e9]):
+        solved = rc.solve_contact(
+            window, contact_modulus=MODULUS, mean_pressure=loads, hardness=hardness, reduce=contact_statistics
+        )
+        found = with_first_yield(solved, window, {"tolerance": 1e-4})
+        assert float(found["first_yield_pressure"]) == pytest.approx(first, rel=5e-3)
+
+
+def test_first_yield_for_some_hardnesses_is_read_off_the_loads():
+    window = rough()
+    loads = 0.03 * MODULUS * np.array([0.5, 0.001, 0.1, 0.005, 0.02])
+    solved = rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=loads, reduce=contact_statistics)
+    found = with_first_yield(solved, window, {})["first_yield_pressure_by_ratio"]
+    reached = [
+        ratio for ratio in found["hardness_over_modulus"].values if found.sel(hardness_over_modulus=ratio) > 0
+    ]
+    assert reached == [0.03]
+    for ratio in reached:
+        exact = first_yield_pressure(window, contact_modulus=MODULUS, hardness=ratio * MODULUS)
+        assert float(found.sel(hardness_over_modulus=ratio)) == pytest.approx(exact, rel=0.1)
+    assert np.isnan(found.sel(hardness_over_modulus=0.1))  # beyond the loads
+
+
+def per_load(modulus, mean, largest, **others):
+    """Return statistics of loads with these pressures over the modulus."""
+    columns = {
+        "mean_contact_pressure": modulus * np.atleast_1d(mean),
+        "max_pressure": modulus * np.atleast_1d(largest),
+    } | others
+    dataset = xr.Dataset({name: ("load", np.atleast_1d(values)) for name, values in columns.items()})
+    loads = 1e6 * (1 + np.arange(dataset.sizes["load"]))
+    return dataset.assign(contact_modulus=modulus).assign_coords(mean_pressure=("load", loads))
+
+
+@pytest.mark.parametrize(
+    ("modulus", "mean", "largest", "outcome", "words"),
+    [
+        # the report that began it: 24.7 GPa at the peak, 2 to 10 GPa in the mean, in steel
+        (1.154e11, [0.017, 0.087], [0.08, 0.214], checks.LOOK, "At every load metals would flow"),
+        (1.154e11, [0.005, 0.0101], [0.01, 0.03], checks.LOOK, "At 1 of 2 loads, from 2.00 MPa on, metals"),
+        (1.154e11, [0.005, 0.01], [0.01, 0.0301], checks.LOOK, "from 2.00 MPa on"),
+        (1.154e11, [0.005, 0.01], [0.01, 0.03], checks.NOT_MADE, "Not made, no hardness is stated"),
+        (1.154e11, 1e-5, 1e-4, checks.NOT_MADE, "State the hardness"),
+        (
+            1.154e11,
+            [0.05, 0.101],
+            [0.1, 0.2],
+            checks.FAILED,
+            "from 2.00 MPa on, the contact is beyond what any",
+        ),
+        (1e8, 0.05, 0.1, checks.LOOK, "At 1.00 MPa metals would flow"),
+        (5e6, 0.9, 2.0, checks.NOT_MADE, "rubber-like solids (E* below 100 MPa) bear that"),
+        (5e6, 1.1, 2.0, checks.LOOK, "More than rubber bears"),
+    ],
+)
+def test_without_a_hardness_the_pressure_is_judged_by_what_materials_bear(
+    modulus, mean, largest, outcome, words
+):
+    check = contact_checks.plasticity(per_load(modulus, mean, largest))
+    assert check.outcome == outcome
+    assert words in check.sentence
+
+
+@pytest.mark.parametrize("modulus", [1e4, 5e6, 1e9, 1e11])
+@pytest.mark.parametrize("mean", 10.0 ** np.arange(-8, 2))
+def test_a_check_that_was_not_made_is_never_green(modulus, mean):
+    assert contact_checks.plasticity(per_load(modulus, mean, 2 * mean)).outcome != checks.PASSED
+
+
+def with_hardness(share):
+    """Return statistics of loads of which such shares of the load carry a hardness of 300 MPa."""
+    columns = {"load_share_above_hardness": share, "area_share_above_hardness": 0.9 * np.array(share)}
+    statistics = per_load(4.3e9, [0.05] * len(share), [3e8 / 4.3e9] * len(share), **columns)
+    return statistics.assign(hardness=3e8, rms_gradient=0.1, first_yield_pressure=1.5e6)
+
+
+def test_with_a_hardness_any_point_that_carries_it_asks_for_a_look():
+    check = contact_checks.plasticity(with_hardness([0.0, 0.0]))
+    assert check.outcome == checks.PASSED
+    assert check.sentence == (
+        "No point carries the hardness of 300 MPa: at most 100 % of it. First yield at a mean pressure of "
+        "1.50 MPa."
+    )
+    check = contact_checks.plasticity(with_hardness([0.0, 0.02, 0.3]))
+    assert check.outcome == checks.LOOK
+    assert check.sentence.startswith(
+        "At 2 of 3 loads, from 2.00 MPa on, points carry the hardness of 300 MPa and flow: up to 30.0 % of "
+        "the load on 27.0 % of the contact area."
+    )
+    assert "Plasticity index E* g / H = 1.4" in check.sentence
+    flags = [contact_checks.yield_flags(with_hardness([0.0, 0.02]).isel(load=load)) for load in (0, 1)]
+    assert flags == [[], ["points flow"]]
+
+
+def test_words_of_a_load_without_a_hardness():
+    def words(modulus, mean, largest):
+        return contact_checks.yield_flags(per_load(modulus, mean, largest).isel(load=0))
+
+    assert words(1e11, 0.01, 0.03) == []
+    assert words(1e11, 0.011, 0.03) == ["metals flow"]
+    assert words(1e11, 0.01, 0.031) == ["metals flow"]
+    assert words(1e11, 0.11, 0.2) == ["beyond hardness"]
+    assert words(5e6, 0.11, 0.2) == []
+
+
+def test_what_was_not_made_neither_helps_nor_harms():
+    passed, unmade, look = (
+        checks.Check("a", each, "A.") for each in (checks.PASSED, checks.NOT_MADE, checks.LOOK)
+    )
+    assert checks.verdict([passed, unmade]) == checks.PASSED
+    assert checks.verdict([unmade, look, passed]) == checks.LOOK
+    assert checks.verdict([unmade]) == checks.LOOK
+    assert checks.reasons([passed, unmade, look]) == [look]
+
+
+@pytest.mark.parametrize(
+    ("modulus", "loads", "outcome", "words"),
+    [
+        (115.0, [1e6], checks.LOOK, "did you mean 115 GPa or 115 MPa?"),
+        (
+            1.15e11,
+            [1.0, 1e6],
+            checks.LOOK,
+            "At 1 of 2 loads the mean pressure is hardly meant: 1.00 Pa is next",
+        ),
+        (1.15e11, [1e12], checks.LOOK, "more than any contact bears"),
+        (1.15e11, [1e6, 1e8], checks.PASSED, "115 GPa and loads of 1.00 MPa to 100 MPa"),
+        (2e4, [50.0], checks.PASSED, "20.0 kPa and loads of 50.0 Pa"),
+        (1.0, [0.01], checks.NOT_MADE, "in units of it"),
+    ],
+)
+def test_moduli_and_loads_that_no_material_has(modulus, loads, outcome, words):
+    statistics = per_load(modulus, [0.01] * len(loads), [0.02] * len(loads))
+    check = contact_checks.units(statistics.assign_coords(mean_pressure=("load", loads)))
+    assert check.outcome == outcome
+    assert words in check.sentence
+
+
+def test_a_plan_stays_below_the_hardness():
+    window = rough()
+    every = plan_loads(window, contact_modulus=MODULUS)
+    hardness = 1.1 * every[3]
+    assert plan_loads(window, contact_modulus=MODULUS, hardness=hardness) == every[:4]
+    given = plan_loads(window, contact_modulus=MODULUS, hardness=hardness, relative_pressure=[0.1, 1.0])
+    assert len(given) == 2  # what was asked for is not left out in silence: the solver refuses it
+    with pytest.raises(rc.SettingsError, match="is below all planned loads"):
+        plan_loads(window, contact_modulus=MODULUS, hardness=0.9 * every[0])
+
+
+def test_the_ranges_hold_one_another():
+    soft, hard = materials.METALS
+    assert materials.LEAST_HARDNESS < soft < hard < materials.HARDEST
+    assert materials.SOFTEST < materials.GEL < materials.RUBBER < materials.STIFFEST < materials.RIGID

@@ -1,0 +1,71 @@
+"""What the contact pressure asks of the material: its peak over the modulus, and what carries a hardness."""
+
+import numpy as np
+
+# hardness over contact modulus of classes of materials, for a run that states none: annealed pure metals;
+# structural steels and aluminium alloys; hardened steels and carbides; ceramics, glasses, glassy polymers
+# (Ashby 2011, Materials Selection in Mechanical Design, with H = 3 Y of Tabor 1951, The Hardness of Metals)
+HARDNESS_OVER_MODULUS = (0.003, 0.01, 0.03, 0.1)
+
+
+def shares_above(carried: np.ndarray, limit: float) -> tuple[float, float]:
+    """Return which shares of the load and of the contact area lie on points at a pressure or above it.
+
+    Parameters
+    ----------
+    carried : array (n,), Pa
+        pressures of the points in contact.
+    limit : float, Pa
+        as a hardness; rounding counts for it.
+
+    Returns
+    -------
+    load_share, area_share : float
+        from 0 to 1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> shares_above(np.array([1.0, 2.0, 5.0]), 2.0)
+    (0.875, 0.6666666666666666)
+    """
+    above = carried >= limit * (1 - 8 * np.finfo(carried.dtype).eps)
+    # one sum for both, so that all of it is exactly 1
+    load = carried.sum(where=above, dtype=float) / carried.sum(dtype=float) if not above.all() else 1.0
+    return float(load), float(above.mean())
+
+
+def bearing_numbers(
+    carried: np.ndarray, *, contact_modulus: float, hardness: float | None
+) -> dict[str, float | np.ndarray]:
+    """Return what the pressure of a load asks of the material.
+
+    Parameters
+    ----------
+    carried : array (n,), Pa
+        pressures of the points in contact.
+    contact_modulus : float, Pa
+    hardness : float or None, Pa
+        to which the pressure was limited.
+
+    Returns
+    -------
+    dict
+        `max_pressure_over_modulus`, and the shares of load and of contact area: at the hardness or, where
+        there is none, above each of `HARDNESS_OVER_MODULUS` of the modulus.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> found = bearing_numbers(np.array([1e9, 3e9]), contact_modulus=1e11, hardness=None)
+    >>> found["max_pressure_over_modulus"], found["load_share_above_ratio"]
+    (0.03, array([1.  , 1.  , 0.75, 0.  ]))
+    """
+    numbers: dict[str, float | np.ndarray] = {
+        "max_pressure_over_modulus": float(carried.max()) / contact_modulus
+    }
+    if hardness is not None:
+        load, area = shares_above(carried, hardness)
+        return numbers | {"load_share_above_hardness": load, "area_share_above_hardness": area}
+    shares = np.array([shares_above(carried, ratio * contact_modulus) for ratio in HARDNESS_OVER_MODULUS])
+    return numbers | {"load_share_above_ratio": shares[:, 0], "area_share_above_ratio": shares[:, 1]}

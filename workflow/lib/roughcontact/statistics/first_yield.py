@@ -1,0 +1,170 @@
+"""The load of first yield: the mean pressure at which the largest pressure reaches the hardness."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.checking import check_positive
+from roughcontact.contact.solve import solve_contact
+
+_SOLVER_SETTINGS = ("tolerance", "influence", "precision")
+_CLOSE = 3e-3  # of the largest pressure to the hardness, in the logarithm: then the last step is short
+_MOST_SOLVES = 40
+# of the largest pressure against the load, in logarithms: 1/3 of a single summit (Hertz), 1 of a single point
+_SLOPES = (0.05, 1.0)
+
+
+def first_yield_pressure(
+    window: xr.DataArray,
+    *,
+    contact_modulus: float,
+    hardness: float,
+    start: float | None = None,
+    tolerance: float = 1e-4,
+    **solver: Any,
+) -> float:
+    """Return the mean pressure at which the largest contact pressure reaches the hardness.
+
+    Below it the contact is elastic everywhere. It is that of the map as it is: the sharpest of its highest
+    summits decides, as finely as the pixels show it.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic, no NaN.
+    contact_modulus : float, Pa
+        E*.
+    hardness : float, Pa
+        H.
+    start : float, Pa, optional
+        a mean pressure near the one that is looked for, where one is known.
+    tolerance : float
+        of the solutions.
+    **solver
+        further arguments of `solve_contact`: `influence`, `precision`, `threads`.
+
+    Returns
+    -------
+    float, Pa
+        between H/N for N points, all of the load on one of them, and H, under which a flat map flows as a
+        whole.
+
+    Raises
+    ------
+    SettingsError
+        for a modulus or hardness that is no positive number.
+
+    Examples
+    --------
+    Under a wave the largest pressure is 2 √(p̄ p*), p* = π E* D/λ (Westergaard 1939).
+
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((1, 512), 1e-3 / 512, amplitude=1e-6, wavelength=1e-3)
+    >>> found = first_yield_pressure(wave, contact_modulus=1e9, hardness=2e6)
+    >>> print(f"{found / (2e6**2 / (4 * 3.14159e6)):.3f}")
+    1.000
+    """
+    modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
+    goal = check_positive("hardness", hardness, unit="Pa")
+
+    def excess(load: float) -> float:
+        """Return the logarithm of the largest pressure over the hardness."""
+        solved = solve_contact(
+            window,
+            contact_modulus=modulus,
+            mean_pressure=np.exp(load),
+            tolerance=tolerance,
+            on_failure="flag",
+            reduce=_largest,
+            **solver,
+        )
+        return float(np.log(solved["max_pressure"].item() / goal))
+
+    # no point carries more than all of the load, and one carries the mean pressure at least
+    low, high = float(np.log(goal / window.size)), float(np.log(goal))
+    load = low + 0.7 * (high - low) if start is None else float(np.clip(np.log(start), low, high))
+    slope, before, tried = 0.2, None, set()
+    for _ in range(_MOST_SOLVES):
+        here = excess(load)
+        tried.add(load)
+        low, high = (load, high) if here < 0 else (low, load)
+        if before is not None and load != before[0]:
+            slope = float(np.clip((here - before[1]) / (load - before[0]), *_SLOPES))
+        step = load - here / slope
+        if abs(here) < _CLOSE:
+            return float(np.exp(np.clip(step, low, high)))
+        before = load, here
+        load = float(np.clip(step, low, high))
+        if load in tried:
+            load = (low + high) / 2
+        if high - low < _CLOSE:
+            break
+    return float(np.exp((low + high) / 2))
+
+
+def with_first_yield(
+    statistics: xr.Dataset, window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1
+) -> xr.Dataset:
+    """Return the statistics of a surface with the load of first yield beside them.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        of all its loads, as `contact_statistics` returns them.
+    window : DataArray (y, x), m
+        the map that was solved.
+    contact : mapping
+        the settings it was solved with, of which `tolerance`, `influence` and `precision` count here.
+    threads : int
+        of the solutions.
+
+    Returns
+    -------
+    Dataset
+        with `first_yield_pressure` where there is a hardness. Where there is none, with
+        `first_yield_pressure_by_ratio` for each `hardness_over_modulus`: read off the loads that were solved,
+        NaN beyond them.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> from roughcontact.statistics.contact_statistics import contact_statistics
+    >>> wave = westergaard_surface((1, 512), 1e-3 / 512, amplitude=1e-5, wavelength=1e-3)
+    >>> loads = 1e9 * np.array([1e-4, 1e-3, 1e-2])
+    >>> solved = solve_contact(wave, contact_modulus=1e9, mean_pressure=loads, reduce=contact_statistics)
+    >>> with_first_yield(solved, wave, {})["first_yield_pressure_by_ratio"].values.round(-4)
+    array([     nan,  800000., 7160000.,      nan])
+    """
+    modulus = float(statistics["contact_modulus"])
+    order = np.argsort(statistics["mean_pressure"].values)
+    loads, largest = (statistics[name].values[order] for name in ("mean_pressure", "max_pressure"))
+    if "hardness" not in statistics:
+        goals = statistics["hardness_over_modulus"].values * modulus
+        loads, largest = _rising(loads, largest)
+        found = np.exp(np.interp(np.log(goals), np.log(largest), np.log(loads), left=np.nan, right=np.nan))
+        return statistics.assign(first_yield_pressure_by_ratio=("hardness_over_modulus", found))
+    hardness = float(statistics["hardness"])
+    elastic = largest < hardness * (1 - _CLOSE)
+    found = first_yield_pressure(
+        window,
+        contact_modulus=modulus,
+        hardness=hardness,
+        start=float(loads[elastic][-1]) if elastic.any() else None,
+        threads=threads,
+        **{key: contact[key] for key in _SOLVER_SETTINGS if key in contact},
+    )
+    return statistics.assign(first_yield_pressure=found)
+
+
+def _rising(loads: np.ndarray, largest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the loads at which the largest pressure is above that of all lower loads."""
+    first = np.append(True, largest[1:] > np.maximum.accumulate(largest)[:-1])
+    return loads[first], largest[first]
+
+
+def _largest(solved: xr.Dataset) -> xr.Dataset:
+    """Return the largest pressure of a load."""
+    return xr.Dataset({"max_pressure": solved["pressure"].max(("y", "x"))})
