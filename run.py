@@ -9,12 +9,9 @@ slow` for those that take long by their nature). `python3 run.py lint` does only
 of the package with the lowest versions that pyproject.toml admits.
 """
 
-import argparse
 import hashlib
 import importlib.util
 import os
-import shutil
-import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -34,8 +31,6 @@ def main(arguments):
         install("dev")
         os.chdir(ROOT)
         return jobs[arguments[0]](*arguments[1:])
-    if mistake := cannot_run(arguments):
-        sys.exit(mistake)
     install("")
     return work(*arguments)
 
@@ -54,6 +49,8 @@ def check_python():
 
 def install(group):
     """Install the package (editable) and a group of pyproject.toml into .venv, unless that is done."""
+    if not (VENV.exists() or os.access(ROOT, os.W_OK)):
+        sys.exit(f"{ROOT} is read-only, yet .venv is made in it: copy it to a folder of yours")
     sources = sorted((PACKAGE / "kernels/c").glob("*.[ch]"))
     files = [ROOT / "pyproject.toml", ROOT / "setup.py", *sources]
     settings = b"".join(file.read_bytes() for file in files) + sys.version.encode() + str(ROOT).encode()
@@ -77,60 +74,8 @@ def install(group):
 
 
 def work(*arguments):
-    """Run the workflow in the working directory, on all cores unless the arguments say otherwise."""
-    command = [BIN / "snakemake", "--snakefile", ROOT / "Snakefile", "--rerun-incomplete"]
-    command.append("--keep-going")  # a bad file stops its own surface alone
-    folder = understood(arguments).directory
-    if left_locked(folder):
-        print("The last run in this folder was killed: going on where it ended.", file=sys.stderr, flush=True)
-        run([*command, "--unlock", *arguments, "--quiet"])
-    if not any(word.split("=")[0] in ("--cores", "-c", "--jobs", "-j", "--profile") for word in arguments):
-        command += ["--cores", "all"]
-    code = run([*command, *arguments])
-    if code and folder.is_dir() and shutil.disk_usage(folder).free < 1e6:
-        print(f"The disk of {folder.absolute()} is full: make room and run again.", file=sys.stderr)
-    return code
-
-
-def understood(arguments):
-    """Return the words for Snakemake that are looked at here: the working directory, the configuration."""
-    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
-    parser.add_argument("--directory", "-d", type=Path, default=Path())
-    parser.add_argument("--configfile", "--configfiles", type=Path, nargs="+", default=[])
-    return parser.parse_known_args(arguments)[0]
-
-
-def cannot_run(arguments):
-    """Return why a run cannot begin, in a sentence; None where nothing is known against it."""
-    given = understood(arguments)
-    for file in given.configfile:
-        if not file.is_file():
-            return f"--configfile {file}: there is no such file; config/config.yaml is one to copy and change"
-    if not (VENV.exists() or os.access(ROOT, os.W_OK)):
-        return f"{ROOT} is read-only, yet .venv is made in it: copy it to a folder of yours"
-    folder = given.directory.absolute()
-    there = next(path for path in (folder, *folder.parents) if path.is_dir())
-    if not os.access(there, os.W_OK):
-        return f"{there} is read-only, results cannot be written there: name another folder with --directory"
-    return None
-
-
-def left_locked(folder):
-    """Tell whether Snakemake's locks in a working directory are those of a run that is gone.
-
-    A run holds a lock on .snakemake/running, which the system frees when the run ends in whatever way. Where
-    the last run was on another computer nobody here can know.
-    """
-    if os.name == "nt" or not any(folder.glob(".snakemake/locks/*.lock")):
-        return False
-    import fcntl
-
-    try:
-        with (folder / ".snakemake/running").open(encoding="utf-8") as file:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            return file.read() == socket.gethostname()
-    except OSError:
-        return False
+    """Run the workflow in the working directory."""
+    return run([BIN / "roughcontact", "run", *arguments])
 
 
 def lint():

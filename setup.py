@@ -1,4 +1,6 @@
-"""Build the library of compiled passes (workflow/lib/roughcontact/kernels/c); pyproject.toml has all else.
+"""Build the library of compiled passes (roughcontact/kernels/c) and put the workflow into wheels.
+
+pyproject.toml has all else.
 
 The library is plain C and knows nothing of Python: one wheel of a platform serves every version. It is built
 by the compiler of the system where there is one that works, else by that of the package ziglang, which pip
@@ -20,9 +22,13 @@ from pathlib import Path
 from setuptools import Extension, setup
 from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.command.build_ext import build_ext
+from setuptools.command.build_py import build_py
 from setuptools.errors import CompileError
 
 SOURCES = Path("workflow/lib/roughcontact/kernels/c")
+# what a wheel needs to run the workflow; in a checkout it lies where it is
+WORKFLOW = ["workflow/Snakefile"]
+WORKFLOW += [f"workflow/{folder}/*" for folder in ("envs", "profiles/*", "report", "rules", "scripts")]
 # Sums named in the source may be reordered; all else is computed as written, infinities and NaN included.
 FLAGS = [
     *("-std=c11", "-O3", "-shared", "-fPIC", "-fvisibility=hidden", "-pthread"),
@@ -97,6 +103,29 @@ class BuildLibrary(build_ext):
             raise CompileError(problem)
 
 
+class BuildWithWorkflow(build_py):
+    """The modules, and the workflow among them."""
+
+    def run(self):
+        """Copy the modules and, but for an editable installation, the workflow."""
+        super().run()
+        for source, copy in self.workflow_files().items():
+            self.mkpath(str(copy.parent))
+            self.copy_file(str(source), str(copy))
+
+    def get_outputs(self, include_bytecode=1):
+        """Return what this command writes."""
+        return super().get_outputs(include_bytecode) + [str(copy) for copy in self.workflow_files().values()]
+
+    def workflow_files(self):
+        """Return where each file of the workflow is copied to."""
+        if self.editable_mode:
+            return {}
+        target = Path(self.build_lib) / "roughcontact/_workflow"
+        files = [path for pattern in WORKFLOW for path in sorted(Path().glob(pattern)) if path.is_file()]
+        return {path: target / path for path in files}
+
+
 class PlatformWheel(bdist_wheel):
     """A wheel for one platform and every Python."""
 
@@ -114,6 +143,6 @@ setup(
             optional=not PLATFORM,
         )
     ],
-    cmdclass={"build_ext": BuildLibrary, "bdist_wheel": PlatformWheel},
+    cmdclass={"build_ext": BuildLibrary, "build_py": BuildWithWorkflow, "bdist_wheel": PlatformWheel},
     setup_requires=[] if find_compiler() else ["ziglang>=0.13"],
 )

@@ -37,6 +37,7 @@ SKIPPED = {
     "docs/explanation/validation.md": 2,
     "docs/how-to/cluster.md": 1,
     "docs/how-to/compare.md": 1,
+    "docs/how-to/install.md": 1,
     "docs/tutorial/index.md": 2,
 }
 OPTIONS = doctest.ELLIPSIS | NUMBER

@@ -14,7 +14,7 @@ from roughcontact.errors import ConvergenceError, RoughContactError, SettingsErr
 
 _BROKEN_PIPE = 141  # what a shell reports of a program that SIGPIPE has ended
 _DESCRIPTION = (
-    "The program `roughcontact`: what is in a file, and the contact of one map without any workflow."
+    "True contact area and contact pressures of measured surfaces: of one map, or of a whole study."
 )
 
 # what a file does not say: the arguments of read_height_map, the columns of the table of surfaces
@@ -27,6 +27,11 @@ _FILE_OPTIONS = {
     "resample": "linear: interpolate points that lie on no even grid to one",
     "checksum": "ignore: read a file that differs from the checksum in it (X3P edited by hand)",
 }
+
+
+_RUN = """Run the workflow in the working directory, on all cores. Options go to Snakemake: -n tells what
+would be done, --cores 1 leaves the rest of the computer alone, --configfile FILE takes other settings than
+config/config.yaml, --directory FOLDER works there."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -59,7 +64,11 @@ def main(arguments: list[str] | None = None) -> int:
     """
     arguments = sys.argv[1:] if arguments is None else list(arguments)
     try:
-        options = _parser(settings=arguments[:1] == ["solve"]).parse_args(arguments)
+        parser = _parser(settings=arguments[:1] == ["solve"])
+        if arguments[:1] == ["run"] and not {"-h", "--help"} & set(arguments):
+            options = argparse.Namespace(run=_run, arguments=arguments[1:])  # all of them Snakemake's
+        else:
+            options = parser.parse_args(arguments)
         code = options.run(options)
         sys.stdout.flush()
         return code
@@ -84,7 +93,7 @@ def _parser(*, settings: bool) -> argparse.ArgumentParser:
     """Return the parser; the options of `solve` come from the settings, which take a moment to import."""
     parser = _Parser(prog="roughcontact", description=_DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
-    verbs = parser.add_subparsers(required=True, metavar="inspect | solve | compare")
+    verbs = parser.add_subparsers(required=True, metavar="inspect | solve | init | run | compare")
 
     inspect = verbs.add_parser("inspect", help="say in plain words what is in a file")
     inspect.add_argument("files", nargs="+", metavar="FILE", help="measured height maps, any format")
@@ -99,6 +108,17 @@ def _parser(*, settings: bool) -> argparse.ArgumentParser:
         from roughcontact.command_line.options import add_settings
 
         add_settings(solve)
+
+    init = verbs.add_parser("init", help="write settings and a table of surfaces, to change and to run")
+    init.add_argument("files", nargs="*", metavar="FILE", help="measured height maps, for the table")
+    init.set_defaults(run=_init)
+
+    verbs.add_parser(
+        "run",
+        help="run the workflow: all surfaces of the table, to results/report.html",
+        usage="roughcontact run [OPTION ...]",
+        description=_RUN,
+    )
 
     compare = verbs.add_parser("compare", help="say which numbers of two runs differ by more than their ±")
     compare.add_argument("before", metavar="BEFORE", help="statistics.nc of one run")
@@ -169,6 +189,24 @@ def _solve(options: argparse.Namespace) -> int:
         raise SettingsError(in_options(error)) from error
     print(as_json(result) if options.json else solution(result))
     return 0 if all(load["converged"] for load in result["loads"]) else 1
+
+
+def _init(options: argparse.Namespace) -> int:
+    """Write settings and table, and say how to go on."""
+    from roughcontact.command_line.running import write_project
+
+    settings, table = write_project(options.files)
+    print(f"{settings}: state your materials and loads under `contact`")
+    print(f"{table}: {len(options.files) or 'no'} surface{'s' * (len(options.files) != 1)}, a row each")
+    print("then: roughcontact run")
+    return 0
+
+
+def _run(options: argparse.Namespace) -> int:
+    """Run the workflow."""
+    from roughcontact.command_line.running import run_workflow
+
+    return run_workflow(options.arguments)
 
 
 def _compare(options: argparse.Namespace) -> int:

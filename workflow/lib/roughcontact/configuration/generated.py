@@ -17,20 +17,25 @@ _HEAD = """\
 _WIDTH = 112  # of a comment with its indentation
 
 
-def default_yaml() -> str:
+def default_yaml(*, head: str = _HEAD) -> str:
     """Return the default configuration: every key with its default, its meaning and its unit.
+
+    Parameters
+    ----------
+    head : str
+        comment lines at its head.
 
     Returns
     -------
     str
-        the text of config/config.yaml.
+        the text; with the head that is given by default, that of config/config.yaml.
 
     Examples
     --------
     >>> "  max_missing: 0.4" in default_yaml().splitlines()
     True
     """
-    return _HEAD + "\n".join(_yaml(Settings, ""))
+    return head + "\n".join(_yaml(Settings, ""))
 
 
 def json_schema() -> str:

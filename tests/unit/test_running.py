@@ -1,0 +1,67 @@
+"""The workflow from the command line: settings and table to begin with, and what a run is refused for."""
+
+import pytest
+import yaml
+
+from roughcontact.command_line import running
+from roughcontact.command_line.program import main
+from roughcontact.configuration.resolve import resolve
+from roughcontact.configuration.surfaces import read_surfaces
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_init_writes_settings_and_a_table_that_can_be_run(folder, capsys):
+    for name in ("Ground 1.txt", "ground-1.csv", "ß.x3p", "Ground-1.nc"):
+        (folder / name).write_text("1 2")
+    assert main(["init", "Ground 1.txt", "Ground-1.nc", "ß.x3p"]) == 0
+    assert "3 surfaces" in capsys.readouterr().out
+    (settings,) = resolve(yaml.safe_load((folder / "config/config.yaml").read_text())).values()
+    surfaces = read_surfaces(settings["surfaces"])
+    assert {name: str(row.path) for name, row in surfaces.items()} == {
+        "Ground-1": "Ground 1.txt",
+        "Ground-1-2": "Ground-1.nc",
+        "surface": "ß.x3p",
+    }
+
+
+def test_init_writes_over_nothing(folder, capsys):
+    (folder / "config").mkdir()
+    (folder / "config/surfaces.tsv").write_text("mine")
+    assert main(["init"]) == 2
+    assert "config/surfaces.tsv is there already" in capsys.readouterr().err
+    assert (folder / "config/surfaces.tsv").read_text() == "mine"
+    assert not (folder / "config/config.yaml").exists()
+
+
+def test_init_names_a_file_that_is_not_there(folder, capsys):
+    assert main(["init", "nowhere.x3p"]) == 2
+    assert "nowhere.x3p: there is no such file" in capsys.readouterr().err
+    assert not (folder / "config").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--configfile", "nowhere.yaml"], "--configfile nowhere.yaml: there is no such file"),
+        ([], "there is no config/config.yaml"),
+    ],
+)
+def test_a_run_that_cannot_begin_is_refused_in_a_sentence(monkeypatch, tmp_path, capsys, arguments, said):
+    monkeypatch.setattr(running, "workflow_file", lambda: tmp_path / "package/workflow/Snakefile")
+    assert main(["run", *arguments]) == 2
+    assert said in capsys.readouterr().err
+    assert not list(tmp_path.glob(".snakemake"))
+
+
+def test_options_of_a_run_go_to_snakemake(folder, capfd):
+    (folder / "a.txt").write_text("1 2\n3 4\n")
+    assert main(["init", "a.txt"]) == 0
+    assert main(["run", "-n", "--quiet", "all"]) == 0
+    assert main(["run", "--no-such-option"]) != 0
+    assert "--no-such-option" in capfd.readouterr().err
+    assert not (folder / "results").exists()

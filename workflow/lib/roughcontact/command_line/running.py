@@ -1,0 +1,193 @@
+"""The workflow, from the command line: settings and table to begin with, and a run of it by Snakemake."""
+
+import argparse
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from roughcontact.errors import SettingsError
+
+PACKAGE = Path(__file__).parents[1]
+_CORES = ("--cores", "-c", "--jobs", "-j", "--profile", "--workflow-profile", "--executor", "-e")
+_FILES = Path("config/config.yaml"), Path("config/surfaces.tsv")
+
+_SETTINGS_HEAD = """\
+# Settings of roughcontact with their defaults. A key that is left out has its default.
+# State your materials and loads under `contact`; list your files in config/surfaces.tsv; then
+# run `roughcontact run`.
+"""
+_TABLE_HEAD = """\
+# One row for each surface: a name (letters, digits, -) and the file, separated by a tab.
+# A row that starts with # is left out. Further columns say what a file does not: dx and dy (steps
+# between points) and unit (theirs), height_unit, channel.
+surface\tpath
+"""
+_TABLE_EXAMPLE = "# ground\tmeasured/ground.x3p\n"
+
+
+def workflow_file() -> Path:
+    """Return the Snakefile: that inside the installed package, else that of the checkout.
+
+    Returns
+    -------
+    Path
+
+    Examples
+    --------
+    >>> workflow_file().name
+    'Snakefile'
+    """
+    installed = PACKAGE / "_workflow/workflow/Snakefile"
+    return installed if installed.is_file() else PACKAGE.parents[1] / "Snakefile"
+
+
+def write_project(files: Sequence[str | Path]) -> list[Path]:
+    r"""Write settings and a table of surfaces into the folder `config` of the working directory.
+
+    Parameters
+    ----------
+    files : sequence of str or Path
+        measured files; each becomes a row of the table, named after the file.
+
+    Returns
+    -------
+    list of Path
+        what was written.
+
+    Raises
+    ------
+    SettingsError
+        where there is one already, or a file is not there.
+
+    Examples
+    --------
+    >>> import contextlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+    ...     _ = Path("Ground 2.txt").write_text("1 2")
+    ...     _ = write_project(["Ground 2.txt"])
+    ...     Path("config/surfaces.tsv").read_text().splitlines()[-1]
+    'Ground-2\tGround 2.txt'
+    """
+    from roughcontact.configuration.generated import default_yaml
+    from roughcontact.results.storage import write_text
+
+    for path in _FILES:
+        if path.exists():
+            raise SettingsError(f"{path} is there already: change it, or go to another folder")
+    for file in files:
+        if not Path(file).is_file():
+            raise SettingsError(f"{file}: there is no such file")
+    rows = [f"{name}\t{file}\n" for name, file in zip(_names(files), files, strict=True)]
+    texts = default_yaml(head=_SETTINGS_HEAD), _TABLE_HEAD + ("".join(rows) or _TABLE_EXAMPLE)
+    for path, text in zip(_FILES, texts, strict=True):
+        write_text(text, path)
+    return list(_FILES)
+
+
+def _names(files: Sequence[str | Path]) -> list[str]:
+    """Return a name for each file, of letters, digits and hyphens, no two alike."""
+    names: list[str] = []
+    for file in files:
+        stem = re.sub(r"[^A-Za-z0-9]+", "-", Path(file).stem).strip("-") or "surface"
+        further = (f"{stem}-{number}" for number in range(2, len(files) + 2))
+        names.append(stem if stem not in names else next(name for name in further if name not in names))
+    return names
+
+
+def run_workflow(arguments: Sequence[str]) -> int:
+    """Run the workflow in the working directory, on all cores unless the arguments say otherwise.
+
+    A run that was killed before is gone on with; a bad file stops its own surface alone.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        for Snakemake.
+
+    Returns
+    -------
+    int
+        exit status of Snakemake.
+
+    Raises
+    ------
+    SettingsError
+        where a run cannot begin: Snakemake, a configuration file or the right to write is missing.
+    """
+    given = _understood(arguments)
+    _check_start(given)
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(workflow_file())]
+    command += ["--rerun-incomplete", "--keep-going"]
+    if _left_locked(given.directory):
+        print("The last run in this folder was killed: going on where it ended.", file=sys.stderr, flush=True)
+        _wait([*command, "--unlock", *arguments, "--quiet"])
+    if not any(word.split("=")[0] in _CORES for word in arguments):
+        command += ["--cores", "all"]
+    code = _wait([*command, *arguments])
+    if code and given.directory.is_dir() and shutil.disk_usage(given.directory).free < 1e6:
+        print(f"The disk of {given.directory.absolute()} is full: make room and run again.", file=sys.stderr)
+    return code
+
+
+def _understood(arguments: Sequence[str]) -> argparse.Namespace:
+    """Return the words for Snakemake that are looked at here: the working directory, the configuration."""
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("--directory", "-d", type=Path, default=Path())
+    parser.add_argument("--configfile", "--configfiles", type=Path, nargs="+", default=[])
+    return parser.parse_known_args(arguments)[0]
+
+
+def _check_start(given: argparse.Namespace) -> None:
+    """Raise where it is known beforehand that a run cannot begin."""
+    from importlib.util import find_spec
+
+    if find_spec("snakemake") is None:
+        raise SettingsError("Snakemake is not installed: pip install 'roughcontact[workflow]'")
+    for file in given.configfile:
+        if not file.is_file():
+            raise SettingsError(
+                f"--configfile {file}: there is no such file; `roughcontact init` writes one to change"
+            )
+    homes = given.directory, workflow_file().parent, workflow_file().parents[1]
+    if not given.configfile and not any((home / _FILES[0]).is_file() for home in homes):
+        folder = given.directory.absolute()
+        raise SettingsError(f"there is no {_FILES[0]} in {folder}: `roughcontact init` writes one to change")
+    folder = given.directory.absolute()
+    there = next(path for path in (folder, *folder.parents) if path.is_dir())
+    if not os.access(there, os.W_OK):
+        raise SettingsError(
+            f"{there} is read-only, results cannot be written there: name another folder with --directory"
+        )
+
+
+def _left_locked(folder: Path) -> bool:
+    """Tell whether Snakemake's locks in a working directory are those of a run that is gone.
+
+    A run holds a lock on .snakemake/running, which the system frees when the run ends in whatever way. Where
+    the last run was on another computer nobody here can know.
+    """
+    if os.name == "nt" or not any(folder.glob(".snakemake/locks/*.lock")):
+        return False
+    import fcntl
+
+    try:
+        with (folder / ".snakemake/running").open(encoding="utf-8") as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return file.read() == socket.gethostname()
+    except OSError:
+        return False
+
+
+def _wait(command: Sequence[str]) -> int:
+    """Run a command to its end, also after an interruption, which it has got as well."""
+    process = subprocess.Popen(command)
+    while True:
+        try:
+            return process.wait()
+        except KeyboardInterrupt:
+            continue
