@@ -1,5 +1,6 @@
 import os
 import sys
+from functools import cache
 from pathlib import Path
 
 # of this checkout: the folder of this file is workflow/rules, also where another workflow imports this one
@@ -8,7 +9,7 @@ sys.path.insert(0, str(ROOT / "workflow/lib"))
 
 from roughcontact.errors import SettingsError
 from roughcontact.configuration.dependencies import source_digest
-from roughcontact.configuration.stages import SECTIONS, owner, settings_of
+from roughcontact.configuration.stages import SECTIONS, STEPS, owner, settings_of
 from roughcontact.configuration.study import read_study
 from roughcontact.configuration.surfaces import find, measured, members
 
@@ -37,6 +38,7 @@ except SettingsError as error:
     raise WorkflowError(str(error)) from None
 
 STUDY = "" not in CASES
+TOGETHER = CASES[next(iter(CASES))]["together"]  # the same for all cases
 CROSSCHECK = CASES[next(iter(CASES))]["crosscheck"]  # the same for all cases
 FOLDER = "results/{case}/{surface}" if STUDY else "results/{surface}"
 LOGS = FOLDER.replace("results", "logs", 1)
@@ -61,9 +63,44 @@ RUNS = [
 ]
 
 
+def megabytes(path):
+    """Return the size of a measured file in MB, 0 where there is none."""
+    return os.path.getsize(path) / 1e6 if os.path.exists(path) else 0
+
+
+def row(surface):
+    """Return the row of the table that a surface comes from."""
+    return TABLE[MEMBERS[surface].pair] if surface in MEMBERS else MEASURED[surface]
+
+
+# Small maps go through several stages in one job, the others have a job for each stage.
+SMALL = {name for name in [*MEASURED, *MEMBERS] if megabytes(row(name).path) < TOGETHER}
+# What each case shares with another one is a link into that case's folder, so that every folder is complete.
+SHARED = {
+    case: {
+        stage: OWNERS[stage][case] for stage in SECTIONS if OWNERS[stage][case] != case
+    }
+    for case in CASES
+}
+# Which stages the measured faces of a pair, its members, and single surfaces have.
+STAGES = {
+    "": ([name for name in SOLVED if name in MEASURED], list(SECTIONS)),
+    "_faces": (
+        [name for name in MEASURED if name not in SOLVED],
+        ["height", "levelled"],
+    ),
+    "_members": (list(MEMBERS), list(SECTIONS)[1:]),
+}
+
+
 wildcard_constraints:
     surface="|".join([*MEASURED, *MEMBERS]),
     case="|".join(CASES),
+
+
+def stagewise(names):
+    """Return the constraint on `surface` that admits those of `names` that have a job for each stage."""
+    return "|".join(name for name in names if name not in SMALL) or "(?!)"
 
 
 def owners(stage, **wanted):
@@ -140,16 +177,17 @@ def code(script):
 
 def points(path):
     """Return the number of points of the map in a result file, from its header."""
-    os.stat(path)  # a file that is not there yet: Snakemake asks again when it is
+    # of a file that is not there yet Snakemake asks again when it is, and of one that waits at every step
+    return points_at(path, os.stat(path).st_mtime_ns)
+
+
+@cache
+def points_at(path, changed):
+    """Return the number of points of the map in a result file that was `changed` at this time."""
     from netCDF4 import Dataset
 
     with Dataset(path) as file:
         return file.dimensions["y"].size * file.dimensions["x"].size
-
-
-def megabytes(path):
-    """Return the size of a measured file in MB, 0 where there is none."""
-    return os.path.getsize(path) / 1e6 if os.path.exists(path) else 0
 
 
 def loads(wildcards):
@@ -178,17 +216,20 @@ def minutes(*, microseconds_per_point, and_load=0):
     return estimate
 
 
-def row(surface):
-    """Return the row of the table that a surface comes from."""
-    return TABLE[MEMBERS[surface].pair] if surface in MEMBERS else MEASURED[surface]
-
-
 def measured_file(wildcards):
     """Return the measured file.
 
     It is where it is: neither the prefix of a module nor a default storage is for it.
     """
     return local(str(MEASURED[wildcards.surface].path))
+
+
+def place_in_table(wildcards, input):
+    """Return path and place of a measured file, for messages: with `input`, so that another line reruns nothing."""
+    if wildcards.surface in MEMBERS:
+        return None
+    file = MEASURED[wildcards.surface]
+    return {"path": str(file.path), "origin": file.origin}
 
 
 def solver_threads(wildcards):

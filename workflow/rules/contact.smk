@@ -8,6 +8,7 @@ rule uncertainty:
     log:
         f"{LOGS}/uncertainty.log",
     wildcard_constraints:
+        surface=stagewise(SOLVED),
         case=owners("uncertainty"),
     conda:
         "../envs/roughcontact.yaml"
@@ -37,6 +38,7 @@ if owners("contact", keep_fields=True) or (
         log:
             f"{LOGS}/solve.log",
         wildcard_constraints:
+            surface=stagewise(SOLVED),
             case=owners("contact", keep_fields=True),
         conda:
             "../envs/roughcontact.yaml"
@@ -60,6 +62,7 @@ if owners("contact", keep_fields=True) or (
         log:
             f"{LOGS}/statistics.log",
         wildcard_constraints:
+            surface=stagewise(SOLVED),
             case=owners("statistics", keep_fields=True),
         conda:
             "../envs/roughcontact.yaml"
@@ -89,6 +92,7 @@ if owners("contact", keep_fields=False) or (
         log:
             f"{LOGS}/solve_statistics.log",
         wildcard_constraints:
+            surface=stagewise(SOLVED),
             case=owners("contact", keep_fields=False),
         conda:
             "../envs/roughcontact.yaml"

@@ -1,19 +1,3 @@
-# What each case shares with another one is a link into that case's folder, so that every folder is complete.
-SHARED = {
-    case: {
-        stage: OWNERS[stage][case] for stage in SECTIONS if OWNERS[stage][case] != case
-    }
-    for case in CASES
-}
-# Which stages the measured faces of a pair, its members, and single surfaces have.
-STAGES = {
-    "": ([name for name in SOLVED if name in MEASURED], list(SECTIONS)),
-    "_faces": (
-        [name for name in MEASURED if name not in SOLVED],
-        ["height", "levelled"],
-    ),
-    "_members": (list(MEMBERS), list(SECTIONS)[1:]),
-}
 LINKS = [
     f"results/{case}/{surface}/{stage}.nc"
     for case in CASES
@@ -27,6 +11,7 @@ LINKS = [
 for case, owners_of in SHARED.items():
     for kind, (surfaces, stages) in STAGES.items():
         shared = {stage: owners_of[stage] for stage in stages if stage in owners_of}
+        surfaces = [surface for surface in surfaces if surface not in SMALL]
         if shared and surfaces:
 
             rule:
@@ -65,6 +50,10 @@ rule panel:
         f"{FOLDER}/panel.html",
     log:
         f"{LOGS}/panel.log",
+    wildcard_constraints:
+        surface=(
+            stagewise(SOLVED) if CROSSCHECK["code"] == "none" else "|".join(SOLVED)
+        ),
     conda:
         "../envs/roughcontact.yaml"
     resources:

@@ -7,7 +7,7 @@ rule ingest:
     log:
         f"{LOGS}/ingest.log",
     wildcard_constraints:
-        surface="|".join(MEASURED),
+        surface=stagewise(MEASURED),
         case=owners("height"),
     priority: 1  # before all others, so that every file that cannot be read is known soon
     conda:
@@ -21,11 +21,7 @@ rule ingest:
         ),
     params:
         settings=stage_settings("height"),
-        # where it stands in the table: with `input` among its arguments, so that another line reruns nothing
-        file=lambda wildcards, input: {
-            "path": str(MEASURED[wildcards.surface].path),
-            "origin": MEASURED[wildcards.surface].origin,
-        },
+        file=place_in_table,
         code=code("ingest"),
     script:
         "../scripts/ingest.py"
@@ -40,7 +36,7 @@ rule level:
     log:
         f"{LOGS}/level.log",
     wildcard_constraints:
-        surface="|".join(MEASURED),
+        surface=stagewise(MEASURED),
         case=owners("levelled"),
     conda:
         "../envs/roughcontact.yaml"
@@ -65,7 +61,7 @@ if MEMBERS:
         log:
             f"{LOGS}/composite.log",
         wildcard_constraints:
-            surface="|".join(MEMBERS),
+            surface=stagewise(MEMBERS),
             case=owners("levelled"),
         conda:
             "../envs/roughcontact.yaml"
@@ -88,6 +84,7 @@ rule window:
     log:
         f"{LOGS}/window.log",
     wildcard_constraints:
+        surface=stagewise([*MEASURED, *MEMBERS]),
         case=owners("window"),
     conda:
         "../envs/roughcontact.yaml"

@@ -15,7 +15,7 @@ import warnings
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 from __main__ import snakemake  # the global of the script; `snakemake.script` has it in few versions only
 
@@ -26,12 +26,8 @@ from roughcontact.errors import RoughContactError
 if TYPE_CHECKING:
     import xarray as xr
 
-_name = " ".join([snakemake.rule, *map(str, snakemake.wildcards)])
-try:  # a descriptor, not a file: nothing is kept back that a full disk refuses again when the job ends
-    _log = os.open(snakemake.log[0], os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
-except OSError as cause:
-    sys.exit(f"[{_name}] ERROR: {snakemake.log[0]}: cannot be written ({cause.strerror})")
-
+_log: int
+_name: str
 
 _ASKED = (
     f"it had asked for {snakemake.resources.get('mem_mb')} MB; run fewer jobs at once (--cores 1), cut "
@@ -49,6 +45,23 @@ def _record(text: str) -> None:
     """Write to the log; a job does not fail for its log."""
     with suppress(OSError):
         os.write(_log, text.encode("utf-8", "replace"))
+
+
+def begin(job: Any) -> None:
+    """Open the log of a job, and make it the one that what follows is part of.
+
+    Parameters
+    ----------
+    job : object
+        with the attributes of the object `snakemake` of a script.
+    """
+    global snakemake, _log, _name  # noqa: PLW0603 - a process does one job after another
+    snakemake = job
+    _name = " ".join([job.rule, *map(str, job.wildcards)])
+    try:  # a descriptor, not a file: nothing is kept back that a full disk refuses again when the job ends
+        _log = os.open(job.log[0], os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+    except OSError as cause:
+        sys.exit(f"[{_name}] ERROR: {job.log[0]}: cannot be written ({cause.strerror})")
 
 
 def say(text: str) -> None:
@@ -130,6 +143,7 @@ def _end_with_the_run() -> None:
         threading.Thread(target=wait, daemon=True).start()
 
 
+begin(snakemake)
 _end_with_the_run()
 sys.excepthook = _report_error
 warnings.showwarning = _log_warning

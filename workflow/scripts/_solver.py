@@ -1,7 +1,7 @@
 """What the two scripts that solve have in common."""
 
+import _job
 import xarray as xr
-from _job import progress, snakemake
 
 from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.solve import SOLVER_SETTINGS
@@ -35,4 +35,8 @@ def solver_arguments(window: xr.DataArray, contact: dict) -> dict:
     except HeightMapError as error:
         raise HeightMapError(f"{window.attrs['source_file']}: {error} (section contact)") from error
     chosen = {key: contact[key] for key in SOLVER_SETTINGS}
-    return problem | chosen | {"mean_pressure": loads, "threads": snakemake.threads, "progress": progress}
+    return (
+        problem
+        | chosen
+        | {"mean_pressure": loads, "threads": _job.snakemake.threads, "progress": _job.progress}
+    )

@@ -1,18 +1,14 @@
 """Put the statistics of all surfaces into results/statistics.nc and results/summary.csv."""
 
-import json
-
 from _job import save, snakemake
 
 from roughcontact.results.collect import collect_statistics, pairs_table, summary_table
-from roughcontact.results.storage import read_dataset, write_table
+from roughcontact.results.storage import write_table
 
 files = zip(snakemake.params.entries, snakemake.input, strict=True)
 entries = [{**entry, "statistics": path} for entry, path in files]
-checksums = {entry["surface"]: read_dataset(entry["statistics"]).attrs["source_sha256"] for entry in entries}
-source = {"source_sha256": json.dumps(checksums, sort_keys=True)}
 statistics = collect_statistics(entries)
-save(statistics, snakemake.output.statistics, snakemake.params.settings, source=source)
+save(statistics, snakemake.output.statistics, snakemake.params.settings, source=statistics.attrs)
 summary = summary_table(statistics)
 write_table(summary, snakemake.output.summary)
 if snakemake.params.pairs:

@@ -1,18 +1,20 @@
 """What the verbs ask of a height map and of their options before they begin."""
 
 import difflib
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
-import xarray as xr
 
 from roughcontact.errors import HeightMapError, SettingsError
+
+if TYPE_CHECKING:  # a run with nothing to do imports this module, and nothing that takes long
+    import xarray as xr
 
 # what no length, pressure or ratio is beyond, far within what numbers hold: squares of products stay finite
 SMALLEST, LARGEST = 1e-100, 1e100
 
 
-def check_labelled(height: object) -> xr.DataArray:
+def check_labelled(height: object) -> "xr.DataArray":
     """Return a height map as it is, or say why it is none: no labels, no real numbers, no positions.
 
     Parameters
@@ -39,6 +41,8 @@ def check_labelled(height: object) -> xr.DataArray:
     ...
     roughcontact.errors.HeightMapError: the map is of type ndarray, its pixel size is unknown; label it by ...
     """
+    import xarray as xr
+
     if not isinstance(height, xr.DataArray):
         raise HeightMapError(
             f"the map is of type {type(height).__name__}, its pixel size is unknown; label it by "
@@ -65,7 +69,7 @@ def check_labelled(height: object) -> xr.DataArray:
     return height
 
 
-def check_map(height: xr.DataArray) -> np.ndarray:
+def check_map(height: "xr.DataArray") -> np.ndarray:
     """Return the heights as float64, NaN where not finite, or say why they are no height map.
 
     Parameters

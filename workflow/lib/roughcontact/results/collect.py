@@ -1,6 +1,7 @@
 """All surfaces (and cases) of a run in one dataset and one table."""
 
-from collections.abc import Hashable, Mapping, Sequence
+import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TypedDict
 
@@ -8,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from roughcontact.results.storage import read_dataset
+from roughcontact.results.storage import Array, read_arrays
 from roughcontact.variables import VARIABLES
 
 # how a unit is spelled in a column's name
@@ -56,7 +57,7 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         dims (surface, load, ...), or (case, surface, load, ...) where entries have cases. Labels are the
         coordinates `surface_name` (surface) and `case_name` (case). Loads and bins may differ between
         surfaces: shorter ones are padded with NaN, and `mean_pressure` and the bounds of the bins depend on
-        the surface.
+        the surface. The attribute `source_sha256` has the checksum of every measured file (JSON).
 
     Raises
     ------
@@ -65,33 +66,38 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     """
     surfaces = list(dict.fromkeys(entry["surface"] for entry in entries))
     cases = list(dict.fromkeys(entry["case"] for entry in entries))
-    datasets = {
-        (cases.index(entry["case"]), surfaces.index(entry["surface"])): read_dataset(entry["statistics"])
-        for entry in entries
-    }
-    sizes: dict[Hashable, int] = {}
-    dims: dict[Hashable, tuple[Hashable, ...]] = {}
-    for dataset in datasets.values():
-        sizes |= {dim: max(size, sizes.get(dim, 0)) for dim, size in dataset.sizes.items()}
-        dims |= {name: variable.dims for name, variable in dataset.variables.items()}
+    datasets: dict[tuple[int, int], dict[str, Array]] = {}
+    checksums = {}
+    for entry in entries:
+        arrays, attrs = read_arrays(entry["statistics"])
+        datasets[cases.index(entry["case"]), surfaces.index(entry["surface"])] = arrays
+        checksums[entry["surface"]] = attrs.get("source_sha256", "")
+    sizes: dict[str, int] = {}
+    dims: dict[str, tuple[str, ...]] = {}
+    for arrays in datasets.values():
+        for name, array in arrays.items():
+            for dim, size in zip(array.dims, array.values.shape, strict=True):
+                sizes[dim] = max(size, sizes.get(dim, 0))
+            dims[name] = array.dims
     columns = {}
-    for name in dims:
+    for name, of in dims.items():
         # the bins' centres follow from their bounds, and a dimension's own coordinate cannot vary by surface
         if name in sizes:
             continue
-        values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in dims[name])), np.nan)
-        for place, dataset in datasets.items():
-            if name in dataset.variables:
-                part = dataset[name].values
+        values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in of)), np.nan)
+        for place, arrays in datasets.items():
+            if name in arrays:
+                part = arrays[name].values
                 corner: tuple[int | slice, ...] = (*place, *(slice(size) for size in part.shape))
                 values[corner] = part
-        columns[name] = (("case", "surface", *dims[name]), values)
+        columns[name] = (("case", "surface", *of), values)
     collected = xr.Dataset(columns, coords={"surface_name": ("surface", np.array(surfaces, dtype=object))})
     collected = collected.set_coords([name for name in _COORDINATES if name in columns])
     for name, kind in _COMMON_LABELS.items():
         if name in sizes:
-            first = next(dataset for dataset in datasets.values() if name in dataset.coords)
+            first = next(arrays for arrays in datasets.values() if name in arrays)
             collected = collected.assign_coords({name: first[name].values.astype(kind)})
+    collected.attrs["source_sha256"] = json.dumps(checksums, sort_keys=True)
     if cases == [None]:
         return collected.isel(case=0)
     return collected.assign_coords(case_name=("case", np.array(cases, dtype=object)))

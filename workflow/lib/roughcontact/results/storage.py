@@ -9,7 +9,7 @@ from collections.abc import Hashable, Iterator
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -21,6 +21,15 @@ from roughcontact.io.guards import brief
 from roughcontact.variables import describe
 
 _FORMULA = tuple("=+-@\t\r")  # what a spreadsheet takes for the beginning of one
+
+
+class Array(NamedTuple):
+    """The values of one variable, and the names of their dimensions."""
+
+    dims: tuple[str, ...]
+    values: np.ndarray
+
+
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
 
 
@@ -137,14 +146,55 @@ def opened_dataset(path: str | Path) -> Iterator[xr.Dataset]:
     InputFileError
         where the file is missing, damaged or no netCDF file, also if that shows only within the block.
     """
+    with _readable(path), xr.open_dataset(path, engine="netcdf4") as dataset:
+        yield dataset
+
+
+@contextmanager
+def _readable(path: str | Path) -> Iterator[None]:
+    """Say of a result file that cannot be read what to do."""
     try:
-        with xr.open_dataset(path, engine="netcdf4") as dataset:
-            yield dataset
+        yield
     except InputFileError:
         raise
     except Exception as error:  # the libraries raise errors of many types on what is damaged
         why = brief(error)
         raise InputFileError(f"{path}: not readable as netCDF ({why}); delete it and run again") from error
+
+
+def read_arrays(path: str | Path) -> tuple[dict[str, Array], dict[str, Any]]:
+    """Read the bare arrays of one of the project's own result files: in half the time, where there are many.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    arrays : dict
+        name -> dimensions and values.
+    attrs : dict
+        attributes of the file.
+
+    Raises
+    ------
+    InputFileError
+        where the file is missing, damaged or no netCDF file.
+
+    Examples
+    --------
+    >>> import tempfile, xarray as xr
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_dataset(xr.Dataset({"mean_gap": ("load", [2e-7])}), f"{folder}/statistics.nc")
+    ...     read_arrays(f"{folder}/statistics.nc")[0]["mean_gap"]
+    Array(dims=('load',), values=array([2.e-07]))
+    """
+    from netCDF4 import Dataset
+
+    with _readable(path), Dataset(path) as file:
+        file.set_auto_maskandscale(False)
+        arrays = {name: Array(found.dimensions, found[...]) for name, found in file.variables.items()}
+        return arrays, {name: file.getncattr(name) for name in file.ncattrs()}
 
 
 def write_table(frame: pd.DataFrame, path: str | Path) -> None:

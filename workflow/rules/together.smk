@@ -1,0 +1,124 @@
+# Small maps: the stages of a surface in two jobs, up to the window and from there. A job that fails takes its own part
+# of its own surface (under its own case) along, nothing else; the window stays where the contact has failed.
+PARTS = {
+    "prepare": {
+        "": ["ingest", "level", "window"],
+        "_faces": ["ingest", "level"],
+        "_members": ["composite", "window"],
+    },
+    "contact": dict.fromkeys(
+        ("", "_members"),
+        ["uncertainty", "solve", "statistics", "solve_statistics", "panel"],
+    ),
+}
+
+
+def own_steps(case, part, kind):
+    """Return the scripts of one part that a case runs itself."""
+    left_out = (
+        {"solve_statistics"}
+        if CASES[case]["contact"]["keep_fields"]
+        else {"solve", "statistics"}
+    ) | ({"panel"} if CROSSCHECK["code"] != "none" else set())
+    return [
+        step
+        for step in PARTS[part][kind]
+        if step not in left_out
+        and all(
+            OWNERS[stage][case] == case
+            for stage in STEPS[step].outputs
+            if stage in SECTIONS
+        )
+    ]
+
+
+def linked_stages(case, part, kind):
+    """Return the stages that a part takes from other cases; the second one also those of a first without scripts."""
+    stages = {
+        STEPS[step].outputs[0]: None
+        for each in PARTS
+        if kind in PARTS[each]
+        and (each == part or (part == "contact" and not own_steps(case, each, kind)))
+        for step in PARTS[each][kind]
+    }
+    if part == "prepare" and kind != "_faces" and not own_steps(case, part, kind):
+        return []
+    return [stage for stage in stages if stage in SHARED[case]]
+
+
+def files_of_steps(steps, links):
+    """Return the input function that names the files which scripts read and do not write, and those to be linked."""
+    written = {name for step in steps for name in STEPS[step].outputs}
+    read = {name for step in steps for name in STEPS[step].inputs} - written
+
+    def files(wildcards):
+        special = {
+            "measured": measured_file,
+            "counter_face": counter_face,
+            "face": lambda wildcards: levelled_faces(wildcards)[0],
+            "facing": lambda wildcards: levelled_faces(wildcards)[1],
+        }
+        return {
+            name: special.get(name, stage_file(name))(wildcards)
+            for name in sorted(read | set(links))
+        }
+
+    return files
+
+
+def settings_of_steps(steps):
+    """Return the parameter function that gives the settings of each script."""
+    return lambda wildcards: {
+        step: stage_settings(STEPS[step].stage)(wildcards) for step in steps
+    }
+
+
+def small_memory(wildcards, attempt):
+    """Return the memory (MB) of a job with several stages of a small map, by the size of its file."""
+    return round(700 + attempt * 300 * megabytes(row(wildcards.surface).path))
+
+
+def small_minutes(wildcards, attempt):
+    """Return the run time (minutes) of a job with several stages of a small map."""
+    return round(5 + attempt * 10 * megabytes(row(wildcards.surface).path))
+
+
+for case in CASES:
+    for part, kinds in PARTS.items():
+        for kind in kinds:
+            small = [surface for surface in STAGES[kind][0] if surface in SMALL]
+            steps, links = own_steps(case, part, kind), linked_stages(case, part, kind)
+            written = [name for step in steps for name in STEPS[step].outputs]
+            if small and (steps or links):
+
+                rule:
+                    name:
+                        "_".join(filter(None, (part, case))) + kind
+                    # takes a small map through several stages
+                    input:
+                        unpack(files_of_steps(steps, links)),
+                    output:
+                        **{
+                            file: f"{FOLDER}/{file}.{'html' if file == 'panel' else 'nc'}"
+                            for file in [*written, *links]
+                        },
+                    log:
+                        **{step: f"{LOGS}/{step}.log" for step in steps or ["share"]},
+                    wildcard_constraints:
+                        surface="|".join(small),
+                        case=case,
+                    # before all others, so that every file that cannot be read is known soon
+                    priority: int(part == "prepare")
+                    conda:
+                        "../envs/roughcontact.yaml"
+                    resources:
+                        mem_mb=small_memory,
+                        runtime=small_minutes,
+                    params:
+                        steps=steps,
+                        links=links,
+                        settings=settings_of_steps(steps),
+                        file=place_in_table,
+                        code={step: code(step) for step in [*steps, "together"]},
+                    script:
+                        "../scripts/together.py"
