@@ -16,7 +16,7 @@ SMALLEST_PRESSURE = f"{SMALLEST} Pa"  # with its unit: meant as it stands
 ABOVE_ONE, BELOW_ONE = math.nextafter(1, 2), math.nextafter(1, 0)
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "hardness": None}
 # what else may be said of a body, where it is said of both
-MORE = {"thermal_conductivity": 50.0, "electrical_resistivity": 2e-7}
+MORE = {"yield_stress": 4e8, "thermal_conductivity": 50.0, "electrical_resistivity": 2e-7}
 SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}
 ENDLESS = [math.inf, -math.inf, math.nan]
 
@@ -42,6 +42,7 @@ LIMITS = {
     "contact.bodies.youngs_modulus": ([SMALLEST_PRESSURE], [0, -1]),
     "contact.bodies.poissons_ratio": ([math.nextafter(-1, 0), 0.5], [-1, math.nextafter(0.5, 1)]),
     "contact.bodies.hardness": ([SMALLEST_PRESSURE, None], [0, -1]),
+    "contact.bodies.yield_stress": ([SMALLEST_PRESSURE, None], [0, -1]),
     "contact.bodies.thermal_conductivity": ([SMALLEST], [0, -1]),
     "contact.bodies.electrical_resistivity": ([SMALLEST], [0, -1]),
     "contact.mean_pressure": (
@@ -218,7 +219,7 @@ def test_a_count_is_a_whole_number(key):
         (
             "statistics.colour",
             1,
-            "statistics.colour: unknown key, valid are pressure_bins, gap_bins, flow, seal",
+            "statistics.colour: unknown key, valid are pressure_bins, gap_bins, flow, stress, seal",
         ),
         ("level.fill", "HARMONIC", "level.fill = 'HARMONIC': unknown choice, did you mean harmonic? (how"),
         ("level.fill", "xyz", "level.fill = 'xyz': unknown choice, valid are harmonic, none (how missing"),

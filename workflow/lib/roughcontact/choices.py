@@ -20,7 +20,7 @@ OnFailure = Literal["raise", "flag"]
 # says so where it meets it
 SMALLEST_TOLERANCE = 1e-15
 
-Flow = Literal["auto", "always", "never"]
+Extra = Literal["auto", "always", "never"]  # what is computed beside the contact
 
 UncertaintySource = Literal["solver", "discretisation", "window", "processing"]
 OutsideCode = Literal["tamaas", "contactmechanics"]

@@ -18,6 +18,7 @@ from roughcontact.levelling.record import removed_and_filled
 from roughcontact.statistics import checks
 from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
 from roughcontact.statistics.first_yield import with_first_yield
+from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.variables import VARIABLES
 from roughcontact.window.periodic_window import periodic_window
@@ -83,7 +84,7 @@ def solve_file(
         show(len(loads), len(loads), "error budget")
         verbs = {"level": settings["level"], "window": settings["window"], "contact": solver}
         budget = error_budget(levelled, window, verbs, **settings["uncertainty"])
-    statistics = with_uncertainty(statistics, budget)
+    statistics = with_subsurface_yield(with_uncertainty(statistics, budget), contact["bodies"])
     outcome = checks.surface_checks(
         statistics, height=height.attrs, levelled=levelled.attrs, window=window.attrs, points=window.size
     )

@@ -14,8 +14,8 @@ from pydantic.json_schema import WithJsonSchema
 
 from roughcontact.choices import (
     SMALLEST_TOLERANCE,
+    Extra,
     Fill,
-    Flow,
     Influence,
     LevelForm,
     LineAlignment,
@@ -211,6 +211,12 @@ class Body(Section):
         description="largest pressure it bears before it flows (indentation hardness), Pa",
         examples=["2 GPa"],
     )
+    yield_stress: Pressure | None = Field(
+        default=None,
+        description="in tension, Pa: the stresses below the surface are then in the results, and the load at "
+        "which it yields there",
+        examples=["400 MPa"],
+    )
     thermal_conductivity: Conductivity | None = Field(
         default=None,
         description="W m-1 K-1, of both bodies: what the contact conducts of heat is then in the results",
@@ -309,10 +315,15 @@ class Statistics(Section):
         default=20, ge=1, description="bins of the pressure density, per factor of ten"
     )
     gap_bins: Count = Field(default=20, ge=1, description="bins of the gap density, per factor of ten")
-    flow: Flow = Field(
+    flow: Extra = Field(
         default="auto",
         description="whether the flow of a fluid through the gap is solved for; auto: of maps of up to 65536 "
         "points, and where a seal is given; larger ones take longer than the contact itself",
+    )
+    stress: Extra = Field(
+        default="auto",
+        description="whether the stresses below the surface are computed (needs bodies); auto: where one of "
+        "them states its yield_stress",
     )
     seal: Seal | None = Field(
         default=None,

@@ -79,6 +79,9 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         text = f"crosscheck.python: missing (path of the Python that has {crosscheck['code']})"
         mistakes.append(SettingsError(text))
     mistakes += [SettingsError(text) for text in _mistakes_in_bodies(settings["contact"]["bodies"], where)]
+    if settings["statistics"]["stress"] == "always" and not settings["contact"]["bodies"]:
+        text = "statistics.stress = 'always': needs contact.bodies, for their Poisson's ratios"
+        mistakes.append(SettingsError(text, keys=["statistics.stress"]))
     if bodies := settings["contact"]["bodies"]:
         settings["contact"]["contact_modulus"] = contact_modulus(bodies)
         if stated := [body["hardness"] for body in bodies if body["hardness"] is not None]:

@@ -528,6 +528,72 @@ def spot_array_stiffness(contact_radius: float, contact_modulus: float, period: 
     return contact_modulus / (period**2 * compliance)
 
 
+# --- Stresses below the surface -----------------------------------------------------------------------------
+
+
+def wave_von_mises(depth: npt.ArrayLike, poissons_ratio: float) -> np.ndarray:
+    """Return the largest stress of von Mises below a pressure wave of amplitude 1 without a mean.
+
+    Below p cos(qx) the principal stresses in the plane of the wave are (-cos(qx) ± qz) e^(-qz), and the one
+    across it -2ν cos(qx) e^(-qz) (plane strain). Largest below the crests: e^(-qz) √((1 - 2ν)² + 3 (qz)²).
+
+    Parameters
+    ----------
+    depth : array
+        qz.
+    poissons_ratio : float
+        ν.
+
+    Returns
+    -------
+    array, of the shape of `depth`
+        over the amplitude of the pressure.
+
+    References
+    ----------
+    .. [1] Johnson (1985), Contact Mechanics, section 13.2.
+
+    Examples
+    --------
+    >>> print(f"{wave_von_mises(1.0, 0.5):.4f}")  # √3/e
+    0.6372
+    """
+    z = np.asarray(depth, float)
+    return np.exp(-z) * np.sqrt((1 - 2 * poissons_ratio) ** 2 + 3 * z**2)
+
+
+def hertz_von_mises(depth: npt.ArrayLike, poissons_ratio: float) -> np.ndarray:
+    """Return the stress of von Mises on the axis of a Hertz contact, over its largest pressure.
+
+    σz/p0 = -1/(1 + z²/a²), σr/p0 = -(1 + ν)(1 - (z/a) atan(a/z)) + 1/(2 (1 + z²/a²)) [1]_; their difference
+    is also the stress of Tresca. For ν = 0.3 it is largest at z = 0.48 a, 0.62 p0.
+
+    Parameters
+    ----------
+    depth : array
+        z/a, positive.
+    poissons_ratio : float
+        ν.
+
+    Returns
+    -------
+    array, of the shape of `depth`
+
+    References
+    ----------
+    .. [1] Johnson (1985), Contact Mechanics, eq. (3.45).
+
+    Examples
+    --------
+    >>> print(f"{hertz_von_mises(0.48, 0.3):.3f}")
+    0.620
+    """
+    z = np.asarray(depth, float)
+    pressure = 1 / (1 + z**2)
+    radial = -(1 + poissons_ratio) * (1 - z * np.arctan2(1, z)) + pressure / 2
+    return np.abs(radial + pressure)
+
+
 # --- Flow through a gap ------------------------------------------------------------------------------------
 
 

@@ -27,9 +27,10 @@ _SUFFIX: dict[str | None, str] = {
     "degree": "_degree",
 }
 
-_COORDINATES = ("mean_pressure", "pressure_bin_bounds", "gap_bin_bounds", "patch_bin_bounds")
+_COORDINATES = ("mean_pressure", "pressure_bin_bounds", "gap_bin_bounds", "patch_bin_bounds", "profile_depth")
 _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")
-_NOT_IN_TABLE = {"pressure_bin", "gap_bin", "patch_bin", "source", "hardness_over_modulus"}  # dimensions
+# dimensions
+_NOT_IN_TABLE = {"pressure_bin", "gap_bin", "patch_bin", "depth", "source", "hardness_over_modulus"}
 # labels of a dimension that are the same for all surfaces
 _COMMON_LABELS = {"source": object, "hardness_over_modulus": float}
 _WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged", "gap_percolates_x", "gap_percolates_y")
@@ -82,7 +83,7 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     columns = {}
     for name, of in dims.items():
         # the bins' centres follow from their bounds, and a dimension's own coordinate cannot vary by surface
-        if name in sizes:
+        if name in sizes and name != "depth":
             continue
         values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in of)), np.nan)
         for place, arrays in datasets.items():
@@ -90,7 +91,7 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
                 part = arrays[name].values
                 corner: tuple[int | slice, ...] = (*place, *(slice(size) for size in part.shape))
                 values[corner] = part
-        columns[name] = (("case", "surface", *of), values)
+        columns["profile_depth" if name == "depth" else name] = (("case", "surface", *of), values)
     collected = xr.Dataset(columns, coords={"surface_name": ("surface", np.array(surfaces, dtype=object))})
     collected = collected.set_coords([name for name in _COORDINATES if name in columns])
     for name, kind in _COMMON_LABELS.items():

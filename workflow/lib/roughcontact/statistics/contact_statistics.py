@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_choice
-from roughcontact.choices import Flow
+from roughcontact.choices import Extra
 from roughcontact.connectivity import region_sizes
 from roughcontact.contact.response import linear_response
 from roughcontact.elasticity.energy import elastic_energy
@@ -29,6 +29,7 @@ from roughcontact.statistics.densities import (
     density,
     logarithmic_edges,
 )
+from roughcontact.statistics.subsurface import profile_depths, strained_body, stress_columns
 
 # what the solver says of each load, handed on unchanged
 SOLVER_COLUMNS = (
@@ -60,7 +61,8 @@ def contact_statistics(
     *,
     pressure_bins: int = 20,
     gap_bins: int = 20,
-    flow: Flow = "auto",
+    flow: Extra = "auto",
+    stress: Extra = "auto",
     seal: Mapping[str, float] | None = None,
     bodies: Bodies | None = None,
 ) -> xr.Dataset:
@@ -80,11 +82,14 @@ def contact_statistics(
     flow : {"auto", "always", "never"}
         whether the flow of a fluid through the gap is solved for: ``auto`` of maps of up to 65536 points, and
         where a seal is given.
+    stress : {"auto", "always", "never"}
+        whether the stresses below the surface are computed, of the body with the lower yield stress (else
+        with the lower Young's modulus): ``auto`` where a body states its `yield_stress`.
     seal : mapping, optional
         `viscosity` (Pa s), `pressure_difference` (Pa) and `width` (m) of a seal that leaks through the gap.
     bodies : sequence of two mappings, optional
         what the settings say of the two bodies beside their elasticity, `contact.bodies`: where both state
-        it, the conductance of the contact is added.
+        it, the conductance of the contact is added; `poissons_ratio` and `yield_stress` for the stresses.
 
     Returns
     -------
@@ -94,7 +99,7 @@ def contact_statistics(
     Raises
     ------
     SettingsError
-        where a number of bins is no whole number of at least 1.
+        where a number of bins is no whole number of at least 1, or stresses are asked for without bodies.
 
     Examples
     --------
@@ -114,7 +119,8 @@ def contact_statistics(
             raise SettingsError(
                 f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
             )
-    check_choice("flow", flow, Flow)
+    check_choice("flow", flow, Extra)
+    body = _body_to_strain(stress, bodies)
     height, modulus = contact["height"], float(contact["contact_modulus"])
     steps = spacing(height)
     mean_pressure = np.asarray(contact["mean_pressure"].values, float)
@@ -139,6 +145,7 @@ def contact_statistics(
             filled=filled,
             edges=edges,
             with_flow=with_flow,
+            body=body,
         )
         for pressure, gap in zip(contact["pressure"].values, contact["gap"].values, strict=True)
     ]
@@ -152,12 +159,17 @@ def contact_statistics(
     columns["points_per_shortest_wavelength"] = np.full(
         mean_pressure.shape, surface.pop("points_per_shortest_wavelength")
     )
+    coordinates = {"mean_pressure": ("load", mean_pressure)} | _bins(edges)
+    if body is not None:
+        coordinates["depth"] = ("depth", profile_depths(height.shape, steps))
+        for axis in ("x", "y"):
+            columns[f"max_von_mises_{axis}"] += float(height[axis][0])
     dims = {density: ("load", f"{name}_bin") for density, name in _BINS.items()}
     dims |= {f"{part}_share_above_ratio": ("load", "hardness_over_modulus") for part in ("load", "area")}
+    dims["von_mises_profile"] = ("load", "depth")
     variables: dict[str, object] = {
         name: (dims.get(name, ("load",)), values) for name, values in columns.items()
     }
-    coordinates = {"mean_pressure": ("load", mean_pressure)} | _bins(edges)
     material = {"contact_modulus": modulus}
     if hardness is not None:
         material["hardness"] = hardness
@@ -308,6 +320,7 @@ def _one_load(
     filled: np.ndarray | None,
     edges: dict[str, np.ndarray],
     with_flow: bool,
+    body: dict[str, float] | None,
 ) -> dict[str, object]:
     """Return all numbers of one load; `pressure` (ny, nx) Pa, `gap` (ny, nx) m, `filled` (ny, nx) or None."""
     touching = pressure > 0
@@ -331,12 +344,24 @@ def _one_load(
         "contact_stiffness": 1 / compliance if compliance > 0 else np.inf,
         **percolation_columns(open_gap),
         **(flow_columns(open_gap, steps) if with_flow else {}),
+        **({} if body is None else stress_columns(pressure, steps, **body)),
         "elastic_energy": elastic_energy(pressure, steps, contact_modulus=contact_modulus),
         "pressure_density": density(carried, edges["pressure"]),
         "patch_area_density": density(patches, edges["patch"]),
         "gap_density": density(gap[~touching], edges["gap"]),
         **bearing_numbers(carried, contact_modulus=contact_modulus, hardness=hardness),
     }
+
+
+def _body_to_strain(stress: Extra, bodies: Bodies | None) -> dict[str, float] | None:
+    """Return what the stresses below the surface depend on, None where they are not asked for."""
+    check_choice("stress", stress, Extra)
+    body = strained_body(bodies) or {}
+    names = ("poissons_ratio", "yield_stress")
+    stated = {name: value for name in names if (value := body.get(name)) is not None}
+    if stress == "always" and "poissons_ratio" not in stated:
+        raise SettingsError("stress = 'always' needs bodies, for their Poisson's ratios", keys=["stress"])
+    return stated if stress == "always" or (stress == "auto" and len(stated) == len(names)) else None
 
 
 def _bins(edges: dict[str, np.ndarray]) -> dict[Hashable, tuple]:

@@ -19,5 +19,6 @@ PartName = Literal[
     "coverage",
     "conductance",
     "sealing",
+    "subsurface",
 ]
 PARTS: tuple[PartName, ...] = get_args(PartName)

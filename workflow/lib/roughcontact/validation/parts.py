@@ -15,6 +15,7 @@ from roughcontact.validation import (
     paper,
     rough,
     sealing,
+    subsurface,
     waves,
 )
 from roughcontact.validation.lines import Part
@@ -70,5 +71,6 @@ def validate(part: PartName, sample: str | Path | None = None, *, finest_grid: i
         "coverage": coverage,
         "conductance": conductance,
         "sealing": sealing,
+        "subsurface": subsurface,
     }
     return modules[part].part(finest_grid=finest_grid)

@@ -1,0 +1,134 @@
+"""Stresses below the surface of the half-space, wave by wave."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from roughcontact.fourier import wavevectors
+
+
+def subsurface_stress(
+    pressure: np.ndarray, steps: tuple[float, float], *, poissons_ratio: float
+) -> Callable[[float], np.ndarray]:
+    """Return the function that gives the stresses at a depth below a periodic pressure without friction.
+
+    Below a wave p exp(i q x), q > 0, lie at the depth z [1]_ [2]_::
+
+        across the surface    -p (1 + qz) e^(-qz)         shear with q    i p qz e^(-qz)
+        along q               -p (1 - qz) e^(-qz)
+        along the crests      -2ν p e^(-qz)
+
+    The mean pressure acts at every depth, with the lateral pressure ν/(1 - ν) of a body that cannot give way.
+
+    Parameters
+    ----------
+    pressure : array (ny, nx), Pa
+        periodic.
+    steps : (dy, dx), m
+        of the points.
+    poissons_ratio : float
+        ν, of the body.
+
+    Returns
+    -------
+    callable
+        depth (m) -> array (6, ny, nx), Pa: xx, yy, zz, yz, xz, xy; tension is positive, z goes into the body.
+
+    References
+    ----------
+    .. [1] Johnson (1985), Contact Mechanics, section 13.2 and chapter 3.
+    .. [2] Tripp, Van Kuilenburg, Morales-Espejel and Lugt (2003), Frequency response functions and rough
+       surface stress analysis, Tribol. Trans. 46, 376.
+
+    Examples
+    --------
+    At the depth 1/q the shear below a wave is largest, p/e:
+
+    >>> import numpy as np
+    >>> wave = np.cos(2 * np.pi * np.arange(16) / 16)[None, :]
+    >>> stress = subsurface_stress(wave, (1.0, 1.0), poissons_ratio=0.3)(16 / (2 * np.pi))
+    >>> print(round(np.e * np.abs(stress[4]).max(), 6))
+    1.0
+    """
+    shape, mean = pressure.shape, float(pressure.mean())
+    spectrum = np.fft.rfft2(pressure - mean)
+    qy, qx = wavevectors(shape, steps)
+    q = np.hypot(qy, qx)
+    along_y, along_x = (np.divide(part, q, out=np.zeros_like(q), where=q > 0) for part in (qy, qx))
+    # a wave at the Nyquist limit has no sign, and no direction of its shear
+    ny, nx = shape
+    odd_y, odd_x = along_y.copy(), along_x.copy()
+    if ny % 2 == 0:
+        odd_y[ny // 2] = 0
+    if nx % 2 == 0:
+        odd_x[:, -1] = 0
+    lateral = poissons_ratio / (1 - poissons_ratio) * mean
+    uniform = np.array([-lateral, -lateral, -mean, 0, 0, 0])[:, None, None]
+
+    def at(depth: float) -> np.ndarray:
+        """Return the stresses (6, ny, nx) at a depth."""
+        reduced = q * depth
+        wave = spectrum * np.exp(-reduced)
+        with_q, crests, shear = 1 - reduced, 2 * poissons_ratio, 1j * reduced
+        components = (
+            -(along_x**2 * with_q + along_y**2 * crests) * wave,
+            -(along_y**2 * with_q + along_x**2 * crests) * wave,
+            -(1 + reduced) * wave,
+            odd_y * shear * wave,
+            odd_x * shear * wave,
+            -odd_x * odd_y * (with_q - crests) * wave,
+        )
+        return np.stack([np.fft.irfft2(component, s=shape) for component in components]) + uniform
+
+    return at
+
+
+def von_mises(stress: np.ndarray) -> np.ndarray:
+    """Return the equivalent stress of von Mises.
+
+    Parameters
+    ----------
+    stress : array (6, ...), Pa
+        xx, yy, zz, yz, xz, xy.
+
+    Returns
+    -------
+    array (...), Pa
+
+    Examples
+    --------
+    Tension in one direction is its own equivalent stress; pure shear counts √3 times:
+
+    >>> import numpy as np
+    >>> print(np.round(von_mises(np.array([[5.0, 0], [0, 0], [0, 0], [0, 0], [0, 1], [0, 0]])), 4))
+    [5.     1.7321]
+    """
+    xx, yy, zz, yz, xz, xy = stress
+    normal = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2
+    return np.sqrt(normal + 3 * (yz**2 + xz**2 + xy**2))
+
+
+def tresca(stress: np.ndarray) -> np.ndarray:
+    """Return the equivalent stress of Tresca, the largest difference of principal stresses.
+
+    Parameters
+    ----------
+    stress : array (6, ...), Pa
+        xx, yy, zz, yz, xz, xy.
+
+    Returns
+    -------
+    array (...), Pa
+
+    Examples
+    --------
+    Pure shear counts twice:
+
+    >>> import numpy as np
+    >>> print(tresca(np.array([0, 0, 0, 0, 1.0, 0])))
+    2.0
+    """
+    xx, yy, zz, yz, xz, xy = stress
+    tensor = np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), (0, 1), (-2, -1))
+    principal = np.linalg.eigvalsh(tensor)
+    return principal[..., 2] - principal[..., 0]
