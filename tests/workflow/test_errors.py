@@ -1,5 +1,8 @@
 """What goes wrong is said in one sentence, stops its own surface alone, and leaves nothing half-written."""
 
+import csv
+import html
+import json
 import os
 import re
 import signal
@@ -9,6 +12,8 @@ import numpy as np
 import psutil
 import pytest
 from small_project import SETTINGS, TABLE, counted
+
+from roughcontact.results.storage import read_dataset
 
 HEADER, GOOD, _ = TABLE
 
@@ -56,13 +61,27 @@ def test_a_broken_surface_stops_itself_alone(project):
         logs = [log.read_text() for log in project.path(f"logs/{name}").iterdir()]
         assert sum("Traceback" in log for log in logs) == jobs
     assert project.path("results/ground/panel.html").exists()
-    assert not project.path("results/report.html").exists()
     assert not list(project.path("results").rglob("*.partial"))
     assert f"Not finished: {', '.join(BROKEN)}." in run.stderr
-    # the way out that the message names: leave the rows out, and the report of the rest is made
+    # the report is made of the rest, and names what failed with the reason
+    page = project.path("results/report.html").read_text()
+    with project.path("results/summary.csv").open(newline="") as file:
+        rows = {row["surface"]: row for row in csv.DictReader(file)}
+    assert list(rows) == ["ground", *BROKEN]
+    assert float(rows["ground"]["relative_contact_area"]) > 0
+    failed = json.loads(read_dataset(project.path("results/statistics.nc")).attrs["failed"])
+    assert [failure["surface"] for failure in failed] == list(BROKEN)
+    for name, (_, said) in BROKEN.items():
+        assert rows[name]["verdict"] == "failed"
+        shown = re.search(f'<tr class="failure"><td class="text">{name}</td>.*?</tr>', page)[0]
+        for part in said:
+            assert part in rows[name]["reasons"]
+            assert html.escape(part) in shown
+    # rows that are left out leave it as well
     project.write(table=[HEADER, GOOD, *(f"#{row}" for row in rows)])
     assert counted(project.run()) == {"collect": 1, "report": 1}
-    assert project.path("results/report.html").exists()
+    assert "without results" not in project.path("results/report.html").read_text()
+    assert "failed" not in project.path("results/summary.csv").read_text()
 
 
 @pytest.mark.parametrize(

@@ -43,6 +43,9 @@ def hold():
 RUNNING = hold()
 
 
+KILLED = []  # what was said of jobs that could not say it themselves
+
+
 class OneLine(logging.Filter):
     """Leave of a failed job the one line that its script has said, or say that it was killed.
 
@@ -64,6 +67,7 @@ class OneLine(logging.Filter):
             if (line := last_words(record, how)) is None:
                 return False
             record.event, record.msg = "error", line
+            KILLED.append(line)
         return True
 
 
@@ -108,12 +112,78 @@ def unfinished():
             for stage in SECTIONS
         )
     ]
-    going = workflow.execution_settings.keep_going
-    others = (
-        "" if going else "The other surfaces go on to their end with --keep-going.\n"
+    names = ", ".join(names) or "the report"
+    said = (
+        f"Not finished: {names}. The lines with ERROR above say why; logs/ has more.\n"
     )
+    if report_of_the_rest():
+        return (
+            f"{said}results/report.html and results/summary.csv have the others, and name these with the reason.\n"
+            "Run again when it is mended; what is done is not done again."
+        )
+    if not workflow.execution_settings.keep_going:
+        said += "The other surfaces go on to their end, and the report is made of them, with --keep-going.\n"
     return (
-        f"Not finished: {', '.join(names) or 'the report'}. The lines with ERROR above say why; logs/ has more.\n"
-        f"{others}A row of the table of surfaces that starts with # is left out: so run again for the report\n"
+        f"{said}A row of the table of surfaces that starts with # is left out: so run again for the report\n"
         "of the rest, what is done is not done again."
     )
+
+
+def report_of_the_rest():
+    """Write dataset, table and page of what a run with --keep-going has finished; return whether there is any."""
+    waiting = [
+        job for job in workflow.dag.needrun_jobs() if not workflow.dag.finished(job)
+    ]
+    asked = any(job.rule.name == "report" for job in waiting)
+    if not (asked and workflow.execution_settings.keep_going):
+        return False
+    missing = {str(file) for job in waiting for file in job.output}
+    entries, panels, failures = [], [], []
+    for run in RUNS:
+        run = {"case": None, **run}
+        statistics = stage_file("statistics")({**run, "case": run["case"] or ""})
+        panel = f"{FOLDER}/panel.html".format(**run)
+        if missing & {statistics, panel}:
+            failures.append({**run, "reason": reason(**run)})
+        else:
+            entries.append({**run, "statistics": statistics})
+            panels.append(panel)
+    if not entries:
+        return False
+    from roughcontact.report.rest import write_rest
+
+    write_rest(
+        "results",
+        entries=entries,
+        panels=panels,
+        failures=failures,
+        title=CASES[next(iter(CASES))]["report"]["title"],
+        settings=run_settings(),
+        settings_of_statistics=run_settings(
+            lambda settings: settings_of(settings, "statistics")
+        ),
+        pairs={name: member.pair for name, member in MEMBERS.items()},
+    )
+    return True
+
+
+def reason(surface, case):
+    """Return why a surface has no results under a case: what the first of its scripts that failed has said."""
+    surfaces = [surface]
+    if surface in MEMBERS:
+        surfaces += [MEMBERS[surface].face, MEMBERS[surface].counter_face]
+    cases = [case, *(other for other in CASES if other != case)] if STUDY else [None]
+    for case in cases:
+        for name in surfaces:
+            folder = LOGS.format(case=case, surface=name)
+            for step in [*STEPS, "crosscheck"]:
+                if os.path.exists(log := f"{folder}/{step}.log"):
+                    with open(log, encoding="utf-8", errors="replace") as file:
+                        said = re.findall(r"^\[.*?\] ERROR: (.+)$", file.read(), re.M)
+                    if said:
+                        return said[-1]
+            for line in KILLED:
+                job, _, said = line.partition("] ERROR: ")
+                if {name, *filter(None, [case])} <= set(job.strip("[").split()):
+                    return said
+    return "not finished"

@@ -110,7 +110,9 @@ def _report_error(kind: type[BaseException], error: BaseException, trace: Traceb
         text = f"{error.filename or 'a file'}: {_DISK[error.errno]}"
     else:
         text = f"{kind.__name__}: {error} (not foreseen, please report it with {snakemake.log[0]})"
-    print(f"[{_name}] ERROR: {text}", file=sys.stderr, flush=True)
+    line = f"[{_name}] ERROR: {text}"
+    _record(f"{line}\n")  # for the report of the rest as well
+    print(line, file=sys.stderr, flush=True)
 
 
 def _log_warning(

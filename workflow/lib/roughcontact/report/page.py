@@ -13,6 +13,7 @@ from roughcontact.report.load_plots import compare_areas
 from roughcontact.report.summary import summary_of
 from roughcontact.report.tables import pair_table
 from roughcontact.report.template import template
+from roughcontact.results.collect import Failure
 from roughcontact.results.storage import read_dataset, write_text
 from roughcontact.statistics import checks
 
@@ -28,6 +29,7 @@ def write_report(
     title: str,
     settings: dict,
     pairs: str | Path | None = None,
+    failures: Sequence[Failure] = (),
 ) -> None:
     """Write the one self-contained page of a run: verdicts, comparison, and the part of every surface.
 
@@ -45,6 +47,8 @@ def write_report(
         the settings of the run (of each case, where there are cases).
     pairs : path or None
         the table of pairs of faces (`collect.pairs_table`), where there are any.
+    failures : sequence of dict
+        surfaces (and cases) without results, with the reason.
 
     Raises
     ------
@@ -68,6 +72,10 @@ def write_report(
         counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in checks.VERDICTS},
         comparison=compare_areas(lines) if lines else None,
         parts=parts,
+        failures=[
+            {"name": _name(failure["surface"], failure["case"]), "reason": failure["reason"]}
+            for failure in failures
+        ],
         pairs=pair_table(pairs) if pairs else None,
         settings=json.dumps(settings, indent=1, sort_keys=True),
         limits={
@@ -99,9 +107,16 @@ def _series(statistics: xr.Dataset) -> dict[str, xr.Dataset]:
         for index, surface in enumerate(statistics["surface_name"].values):
             one = of_case.isel(surface=index)
             one = one.isel(load=np.isfinite(one["mean_pressure"].values))
-            name = str(surface) if case is None else f"{surface} · {case}"
+            if not one.sizes["load"]:  # failed under this case
+                continue
+            name = _name(surface, case)
             series[name] = one.isel(load=np.argsort(one["mean_pressure"].values))
     return series
+
+
+def _name(surface: str, case: str | None) -> str:
+    """Return what a surface, under a case, is called on the page."""
+    return str(surface) if case is None else f"{surface} · {case}"
 
 
 def _headline(data: xr.Dataset) -> list[str]:

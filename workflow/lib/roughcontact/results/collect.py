@@ -44,6 +44,14 @@ class Entry(TypedDict):
     statistics: str | Path
 
 
+class Failure(TypedDict):
+    """A surface and case without results, and why."""
+
+    surface: str
+    case: str | None
+    reason: str
+
+
 def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     """Return the statistics of all surfaces, and of all cases where there are any, in one dataset.
 
@@ -167,6 +175,43 @@ def _with_columns_of_the_budget(statistics: xr.Dataset) -> xr.Dataset:
         if source != "combined":
             columns[f"{area.name}_from_{source}"] = area.sel(source=source, drop=True)
     return statistics.drop_dims("source").assign(columns)
+
+
+def with_failures(summary: pd.DataFrame, failures: Sequence[Failure]) -> pd.DataFrame:
+    """Return the table of all surfaces with a row for each one that has no results.
+
+    Parameters
+    ----------
+    summary : DataFrame
+        from `summary_table`.
+    failures : sequence of dict
+        ``{"surface": name, "case": name or None, "reason": sentence}``.
+
+    Returns
+    -------
+    DataFrame
+        rows of failures come last, without numbers: `verdict` is "failed" and `reasons` says why.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> summary = pd.DataFrame({"surface": ["ground"], "mean_gap_m": [2e-7]})
+    >>> failed = [{"surface": "turned", "case": None, "reason": "turned.txt: is empty"}]
+    >>> with_failures(summary, failed)["verdict"].tolist()
+    [nan, 'failed']
+    """
+    rows = pd.DataFrame(
+        [
+            {
+                "surface": failure["surface"],
+                **({"case": failure["case"]} if "case" in summary else {}),
+                "verdict": "failed",
+                "reasons": failure["reason"],
+            }
+            for failure in failures
+        ]
+    )
+    return pd.concat([summary, rows], ignore_index=True) if failures else summary
 
 
 def pairs_table(summary: pd.DataFrame, pairs: Mapping[str, str]) -> pd.DataFrame:
