@@ -21,7 +21,7 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinx.ext.viewcode",
     "numpydoc",
-    "myst_parser",
+    "myst_nb",  # Markdown, and pages that are notebooks
 ]
 exclude_patterns = ["generated"]  # included by other pages
 nitpicky = True
@@ -30,6 +30,11 @@ default_role = "code"
 # Markdown
 myst_heading_anchors = 3
 myst_enable_extensions = ["colon_fence", "deflist"]
+
+# notebooks are run anew by every build, and one that fails is an error
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300
 
 # docstrings
 autosummary_generate = False
