@@ -17,6 +17,7 @@ from roughcontact.faces.positions import relative_positions
 from roughcontact.levelling.level import level
 from roughcontact.report.page import write_report
 from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.statistics.targets import target_loads
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.window.periodic_window import periodic_window
 
@@ -87,8 +88,9 @@ def test_uncertainty_section_is_the_keyword_arguments_of_its_verb():
 
 
 def test_contact_section_is_the_keyword_arguments_of_its_verbs():
-    arguments = inspect.signature(plan_loads).parameters | inspect.signature(solve_contact).parameters
-    of_the_run = {"window", "fields", "reduce", "threads", "progress"}
+    verbs = (plan_loads, target_loads, solve_contact)
+    arguments = {name: each for verb in verbs for name, each in inspect.signature(verb).parameters.items()}
+    of_the_run = {"window", "solver", "bodies", "fields", "reduce", "threads", "progress"}
     assert set(Contact.model_fields) - {"bodies", "keep_fields"} == set(arguments) - of_the_run
     for name in ("tolerance", "zero_frequency", "on_failure"):
         assert Contact.model_fields[name].default == arguments[name].default

@@ -50,6 +50,9 @@ LIMITS = {
         [0, [], [0], [1e6, -1]],
     ),
     "contact.relative_pressure": ([SMALLEST, [SMALLEST], [1, 2, 3], None], [0, [], [0], [1, -1]]),
+    "contact.target_area": ([[SMALLEST], [0.5, BELOW_ONE], None], [0, 1, [], [0.5, 1]]),
+    "contact.target_gap": ([[SMALLEST], [1e-7, 2e-7], None], [0, [], [1e-7, -1]]),
+    "contact.target": ([["percolation"], None], [[], "yield"]),
     "contact.tolerance": (
         [SMALLEST_TOLERANCE, BELOW_ONE],
         [math.nextafter(SMALLEST_TOLERANCE, 0), 1],
@@ -65,7 +68,7 @@ LIMITS = {
     "validation.finest_grid": ([256], [255]),
     "surfaces": (["s"], [""]),
 }
-OTHERS = {"composite.rotations", "contact.bodies", "uncertainty.sources", "surfaces"}
+OTHERS = {"composite.rotations", "contact.bodies", "contact.target", "uncertainty.sources", "surfaces"}
 NUMBERS = [key for key in LIMITS if key not in OTHERS]
 COUNTS = [
     "level.order",

@@ -3,9 +3,9 @@
 import _job
 import xarray as xr
 
-from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.solve import SOLVER_SETTINGS
 from roughcontact.errors import HeightMapError
+from roughcontact.statistics.targets import wanted_loads
 
 
 def solver_arguments(window: xr.DataArray, contact: dict) -> dict:
@@ -26,12 +26,11 @@ def solver_arguments(window: xr.DataArray, contact: dict) -> dict:
     Raises
     ------
     HeightMapError
-        for relative loads on a flat map.
+        for relative loads and targets on a flat map.
     """
     problem = {"contact_modulus": contact["contact_modulus"]}
-    given = {key: contact[key] for key in ("mean_pressure", "relative_pressure", "hardness")}
     try:
-        loads = plan_loads(window, **problem, **given)
+        loads = wanted_loads(window, contact, threads=_job.snakemake.threads)
     except HeightMapError as error:
         raise HeightMapError(f"{window.attrs['source_file']}: {error} (section contact)") from error
     chosen = {key: contact[key] for key in SOLVER_SETTINGS}

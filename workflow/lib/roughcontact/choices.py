@@ -16,6 +16,7 @@ ZeroFrequency = Literal["zero", "nogi-kato", "lattice"]
 Influence = Literal["sampled", "elements"]
 Precision = Literal["double", "single"]
 OnFailure = Literal["raise", "flag"]
+LoadTarget = Literal["percolation", "first_yield"]
 # what rounding leaves of the error bound of the smallest maps; that of a larger one is higher, and the solver
 # says so where it meets it
 SMALLEST_TOLERANCE = 1e-15

@@ -15,7 +15,10 @@ from roughcontact.errors import SettingsError
 
 # what only the workflow needs (where fields go), or has an option of its own here
 _LEFT_OUT = {"bodies", "keep_fields"}
-_LISTS = {"mean_pressure": "+", "relative_pressure": "+", "sources": "*"}
+_LISTS = {
+    **dict.fromkeys(("mean_pressure", "relative_pressure", "target_area", "target_gap", "target"), "+"),
+    "sources": "*",
+}
 _LOADS = ("mean_pressure", "relative_pressure")  # one or the other
 _SECTIONS: dict[str, type[Section]] = {
     "contact": Contact,

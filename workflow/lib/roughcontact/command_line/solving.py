@@ -10,7 +10,6 @@ from typing import Any
 
 import xarray as xr
 
-from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
@@ -19,6 +18,7 @@ from roughcontact.statistics import checks
 from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
 from roughcontact.statistics.first_yield import with_first_yield
 from roughcontact.statistics.subsurface import with_subsurface_yield
+from roughcontact.statistics.targets import wanted_loads
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.variables import VARIABLES
 from roughcontact.window.periodic_window import periodic_window
@@ -69,8 +69,7 @@ def solve_file(
         show(0, None, "periodic window")
         window = periodic_window(levelled, **settings["window"])
         elastic = {"contact_modulus": contact["contact_modulus"]}
-        plan = {key: contact[key] for key in ("mean_pressure", "relative_pressure", "hardness")}
-        loads = plan_loads(window, **elastic, **plan)
+        loads = wanted_loads(window, contact, threads=threads)
         show(0, len(loads), "solving")
         solver = elastic | {"mean_pressure": loads} | {key: contact[key] for key in SOLVER_SETTINGS}
         solver["threads"] = threads

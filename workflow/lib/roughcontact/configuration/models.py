@@ -19,6 +19,7 @@ from roughcontact.choices import (
     Influence,
     LevelForm,
     LineAlignment,
+    LoadTarget,
     OnFailure,
     OutsideCode,
     Placement,
@@ -71,6 +72,8 @@ Angle = Annotated[
     BeforeValidator(partial(in_base_unit, base="degree")),
     WithJsonSchema({"type": ["number", "string"]}),
 ]
+Shares = Annotated[list[Annotated[Number, Field(gt=0, lt=1)]], Field(min_length=1), BeforeValidator(_as_list)]
+Lengths = Annotated[list[Length], Field(min_length=1), BeforeValidator(_as_list)]
 RelativeLoads = Annotated[
     list[Annotated[Positive, BeforeValidator(_without_unit)]],
     Field(min_length=1),
@@ -261,6 +264,25 @@ class Contact(Section):
         default=None,
         description="nominal pressure / (E* x rms gradient of the window), no unit, one number or a list",
         examples=[[0.01, 0.05, 0.2]],
+    )
+    target_area: Shares | None = Field(
+        default=None,
+        description="relative contact area whose load is found and solved, beside the loads that are given; "
+        "one number or a list",
+        examples=[[0.1]],
+    )
+    target_gap: Lengths | None = Field(
+        default=None,
+        description="mean gap, m, whose load is found and solved, beside the loads that are given; one "
+        "number or a list",
+        examples=[["0.2 µm"]],
+    )
+    target: Annotated[list[LoadTarget], Field(min_length=1), BeforeValidator(_as_list)] | None = Field(
+        default=None,
+        description="what else the load is found of, and solved: percolation, at which the gap closes along "
+        "x and along y; first_yield, at which a body begins to yield (its yield_stress below the surface, "
+        "else the hardness)",
+        examples=[["percolation"]],
     )
     tolerance: Number = Field(
         default=1e-4,

@@ -86,6 +86,10 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         settings["contact"]["contact_modulus"] = contact_modulus(bodies)
         if stated := [body["hardness"] for body in bodies if body["hardness"] is not None]:
             settings["contact"]["hardness"] = min(stated)  # the softer body flows first
+    limits = [settings["contact"]["hardness"], *(body["yield_stress"] for body in bodies or ())]
+    if "first_yield" in (settings["contact"]["target"] or ()) and not any(limits):
+        text = f"{where}.target: first_yield needs the yield_stress of a body, or a hardness"
+        mistakes.append(SettingsError(text, keys=["contact.target"]))
     return settings, mistakes
 
 

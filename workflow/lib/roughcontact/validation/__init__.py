@@ -20,5 +20,6 @@ PartName = Literal[
     "conductance",
     "sealing",
     "subsurface",
+    "targets",
 ]
 PARTS: tuple[PartName, ...] = get_args(PartName)

@@ -16,6 +16,7 @@ from roughcontact.validation import (
     rough,
     sealing,
     subsurface,
+    targets,
     waves,
 )
 from roughcontact.validation.lines import Part
@@ -72,5 +73,6 @@ def validate(part: PartName, sample: str | Path | None = None, *, finest_grid: i
         "conductance": conductance,
         "sealing": sealing,
         "subsurface": subsurface,
+        "targets": targets,
     }
     return modules[part].part(finest_grid=finest_grid)

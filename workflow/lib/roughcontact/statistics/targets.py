@@ -1,0 +1,276 @@
+"""The inverse question: the load at which a contact reaches a wanted area or gap, closes, or yields."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from scipy.optimize import brentq
+
+from roughcontact.checking import check_choice, check_positive
+from roughcontact.choices import LoadTarget
+from roughcontact.connectivity import runs_around
+from roughcontact.contact.loads import check_loads, plan_loads
+from roughcontact.contact.problem import pose
+from roughcontact.contact.solve import solve_contact
+from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.maps import spacing
+from roughcontact.statistics.contact_geometry import relative_contact_area
+from roughcontact.statistics.first_yield import first_yield_pressure
+from roughcontact.statistics.subsurface import Bodies, strained_body, stress_columns
+from roughcontact.statistics.theory import xu_area
+
+TARGETS = ("target_area", "target_gap", "target")  # keys of the settings, as arguments of `target_loads`
+_SOLVER = ("tolerance", "influence", "precision")
+_CLOSE = 1e-4  # of the logarithm of the load, to which it is found
+_LEAST = 0.01  # load in units of E* g over the number of points, which a single point carries
+_FULL = 50.0  # excess of full contact over any target, in the logarithm
+
+
+def target_loads(
+    window: xr.DataArray,
+    *,
+    contact_modulus: float,
+    target_area: float | Sequence[float] | None = None,
+    target_gap: float | Sequence[float] | None = None,
+    target: LoadTarget | Sequence[LoadTarget] | None = None,
+    hardness: float | None = None,
+    bodies: Bodies | None = None,
+    **solver: Any,
+) -> list[float]:
+    """Return the mean pressures at which a contact reaches what is wanted of it.
+
+    Area and mean gap change steadily with the load; it is put between two loads and found to 1e-4 of itself,
+    with a solution of the contact for each step. Where the wanted state comes at once (a gap that closes),
+    the load is the one just beyond.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic, no NaN, not flat.
+    contact_modulus : float, Pa
+        E*.
+    target_area : float or sequence of float, optional
+        relative contact area, corrected, between 0 and 1.
+    target_gap : float or sequence of float, m, optional
+        mean gap, less than that of the unloaded surfaces.
+    target : {"percolation", "first_yield"} or a sequence of these, optional
+        ``percolation``: the gap closes, along x and along y, one load where both are the same, none where it
+        is closed as soon as the surfaces touch (across ridges);
+        ``first_yield``: the stress of von Mises below the surface reaches the yield stress of a body, or
+        without one the largest pressure the hardness.
+    hardness : float, Pa, optional
+        of the softer body: it limits the pressure, and is what ``first_yield`` reaches.
+    bodies : sequence of two mappings, optional
+        `poissons_ratio` and `yield_stress` (Pa), for ``first_yield``.
+    **solver
+        further arguments of `solve_contact`: `tolerance`, `influence`, `precision`, `threads`.
+
+    Returns
+    -------
+    list of float, Pa
+        in the order of the arguments.
+
+    Raises
+    ------
+    SettingsError
+        for an area or a gap that no load gives, and for first yield without a yield stress and a hardness.
+    HeightMapError
+        for a flat map, which is in full contact at every load.
+
+    Examples
+    --------
+    Half of a wave touches at half of the load that closes it (Westergaard 1939):
+
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((1, 1024), 1e-3 / 1024, amplitude=1e-6, wavelength=1e-3)
+    >>> load, = target_loads(wave, contact_modulus=1e9, target_area=0.5)
+    >>> print(f"{load / (3.14159e6 / 2):.2f}")
+    1.00
+    """
+    modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
+    gradient = pose(window).gradient
+    if gradient == 0:
+        raise HeightMapError("the map is flat and in full contact at every load: give mean_pressure in Pa")
+    unit = modulus * gradient
+
+    def state(load: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return pressure and gap at a load."""
+        return _state(window, load, contact_modulus=modulus, hardness=hardness, **solver)
+
+    crossing = partial(_crossing, least=_LEAST * unit / window.size, limit=hardness)
+
+    def area_excess(wanted: float, load: float) -> float:
+        """Return by how much the area exceeds the wanted one, in the logarithm."""
+        return math.log(relative_contact_area(state(load)[0] > 0) / wanted)
+
+    def gap_excess(wanted: float, load: float) -> float:
+        """Return by how much the mean gap falls short of the wanted one, in the logarithm."""
+        pressure, gap = state(load)
+        mean = float(gap[pressure == 0].sum()) / gap.size
+        return min(math.log(wanted / mean), _FULL) if mean > 0 else _FULL
+
+    def closed(axis: int, load: float) -> float:
+        """Return 1 where no region of the gap runs around along an axis, else -1."""
+        pressure, gap = state(load)
+        return -1.0 if runs_around((pressure == 0) & (gap > 0))[axis] else 1.0
+
+    loads = []
+    for wanted in [] if target_area is None else check_loads("target_area", target_area, unit="of the area"):
+        if wanted >= 1:
+            raise SettingsError(
+                f"target_area = {wanted:g}: must be less than 1, all of the area", keys=["target_area"]
+            )
+        load = crossing(partial(area_excess, wanted), unit * _xu_load(wanted))
+        if load is None:
+            raise SettingsError(
+                f"target_area = {wanted:g}: a single point of the map, 1/{window.size} of it, is more",
+                keys=["target_area"],
+            )
+        loads.append(load)
+    unloaded = float(window.max() - window.mean())
+    for wanted in [] if target_gap is None else check_loads("target_gap", target_gap, unit="m"):
+        if wanted >= unloaded:
+            raise SettingsError(
+                f"target_gap = {wanted:g} m: must be less than the mean gap of the unloaded surfaces, "
+                f"{unloaded:.3g} m",
+                keys=["target_gap"],
+            )
+        load = crossing(partial(gap_excess, wanted), 0.05 * unit)
+        loads += [] if load is None else [load]
+    for word in [target] if isinstance(target, str) else target or []:
+        check_choice("target", word, LoadTarget)
+        if word == "percolation":
+            found = (crossing(partial(closed, axis), 0.25 * unit, steady=False) for axis in (1, 0))
+            loads += dict.fromkeys(load for load in found if load is not None)
+        else:
+            loads.append(_first_yield(window, modulus, hardness=hardness, bodies=bodies, **solver))
+    return loads
+
+
+def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1) -> list[float]:
+    """Return the mean pressures that the settings ask for: as they are, relative, planned, or by target.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        the map to be solved.
+    contact : mapping
+        the section `contact` of the settings.
+    threads : int
+        of the solutions on the way to a target.
+
+    Returns
+    -------
+    list of float, Pa
+        a plan made for the map where neither loads nor targets are given.
+
+    Raises
+    ------
+    SettingsError
+        for an area or a gap that no load gives.
+    HeightMapError
+        for relative loads or targets on a flat map.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((1, 64), 1e-6, amplitude=1e-7, wavelength=64e-6)
+    >>> wanted_loads(wave, {"contact_modulus": 1e9, "mean_pressure": [1e5], "relative_pressure": None})
+    [100000.0]
+    """
+    material: dict[str, Any] = {key: contact.get(key) for key in ("contact_modulus", "hardness")}
+    given: dict[str, Any] = {key: contact.get(key) for key in ("mean_pressure", "relative_pressure")}
+    targets: dict[str, Any] = {key: contact.get(key) for key in TARGETS}
+    loads = []
+    if any(value is not None for value in given.values()) or all(value is None for value in targets.values()):
+        loads = plan_loads(window, **material, **given)
+    if any(value is not None for value in targets.values()):
+        solver = {key: contact[key] for key in _SOLVER if key in contact}
+        found = target_loads(
+            window, **material, **targets, bodies=contact.get("bodies"), threads=threads, **solver
+        )
+        loads += [load for load in found if load not in loads]
+    return loads
+
+
+def _state(window: xr.DataArray, load: float, **solver: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Return pressure and gap at a load."""
+    solved = solve_contact(window, mean_pressure=load, on_failure="flag", **solver)
+    return solved["pressure"].values[0], solved["gap"].values[0]
+
+
+def _first_yield(
+    window: xr.DataArray,
+    modulus: float,
+    *,
+    hardness: float | None,
+    bodies: Bodies | None,
+    **solver: Any,
+) -> float:
+    """Return the load of first yield, below the surface where a yield stress is known."""
+    body = strained_body(bodies) or {}
+    limit, ratio = body.get("yield_stress"), body.get("poissons_ratio")
+    if limit is None or ratio is None:
+        if hardness is None:
+            raise SettingsError(
+                "target = 'first_yield' needs the yield_stress of a body, or a hardness", keys=["target"]
+            )
+        return first_yield_pressure(window, contact_modulus=modulus, hardness=hardness, **solver)
+    steps = spacing(window)
+
+    def excess(load: float) -> float:
+        """Return by how much the largest stress exceeds the yield stress, in the logarithm."""
+        pressure, _ = _state(window, load, contact_modulus=modulus, **solver)
+        stress = stress_columns(pressure, steps, poissons_ratio=ratio)["max_von_mises_stress"]
+        return math.log(stress / limit)
+
+    # a single point carries at most the load of all
+    load = _crossing(excess, limit / math.sqrt(window.size))
+    assert load is not None  # `excess` falls without end with the load
+    return load
+
+
+def _crossing(
+    excess: Callable[[float], float],
+    start: float,
+    *,
+    least: float = 0.0,
+    limit: float | None = None,
+    steady: bool = True,
+) -> float | None:
+    """Return the load from which on `excess`, which rises with the load, is not negative.
+
+    None where it is so at `least` already, a load that a single point carries. `limit` is a load from which
+    on the contact is full whatever the map; a `steady` excess is interpolated.
+    """
+
+    def at(logarithm: float) -> float:
+        load = math.exp(logarithm)
+        return _FULL if limit is not None and load >= limit else excess(load)
+
+    step = math.log(2)
+    low = high = math.log(start)
+    if at(low) < 0:
+        high += step
+        while at(high) < 0:
+            low, high = high, high + step
+    else:
+        low -= step
+        while at(low) >= 0:
+            if math.exp(low) < least:
+                return None
+            low, high = low - step, low
+    if steady:
+        return math.exp(brentq(at, low, high, xtol=_CLOSE / 2))
+    while high - low > _CLOSE:
+        middle = (low + high) / 2
+        low, high = (middle, high) if at(middle) < 0 else (low, middle)
+    return math.exp(high)
+
+
+def _xu_load(area: float) -> float:
+    """Return about which load in units of E* g gives a contact area, after Xu et al. (2024)."""
+    return float(brentq(lambda load: float(xu_area(load)) - area, 0.0, 10.0)) if area < 0.999 else 1.5
