@@ -245,6 +245,9 @@ def test_each_check_can_ask_for_a_look(good):
             "filled_share": 0.08,
             "outliers_rejected": 138,
             "outlier_kinds": json.dumps({"spike": 138}),
+            "row_jitter": 0.1,
+            "row_jitter_evidence": "clear",
+            "line_alignment": "jitter",
         },
         window={
             "periodisation": "mirror",
@@ -261,6 +264,7 @@ def test_each_check_can_ask_for_a_look(good):
     assert "down to 50" in found["Points in contact"].sentence
     assert "−15.0 %" in found["Periodic window"].sentence
     assert "5.00 %" in found["Missing points"].sentence
+    assert "by 10.0 % of the rms height (rms); they were aligned (jitter)" in found["Scan lines"].sentence
     assert "138 points were rejected as no surface (138 spike)" in found["Outliers"].sentence
     assert "they would carry 11.0 % of the load at most" in found["Outliers"].sentence
     assert "level.form" in found["Form"].sentence

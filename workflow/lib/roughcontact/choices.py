@@ -6,7 +6,7 @@ The settings are read before anything is computed, so this module imports nothin
 from typing import Literal
 
 LevelForm = Literal["none", "mean", "plane", "polynomial", "sphere", "cylinder"]
-LineAlignment = Literal["none", "median", "matched-steps"]
+LineAlignment = Literal["auto", "none", "jitter", "median", "matched-steps"]
 Fill = Literal["harmonic", "none"]
 
 Placement = Literal["largest", "search"]

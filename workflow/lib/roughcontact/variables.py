@@ -116,6 +116,10 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "rms_curvature": ("m-1", "spectral root mean square of the mean curvature of the solved window"),
     "nayak_parameter": ("1", "Nayak's bandwidth parameter m0 m4 / m2^2 of the solved window"),
     # ISO 25178-2, per surface: heights of the levelled map (measured points), texture of the solved window
+    "row_jitter": (
+        "1",
+        "rms shift of the rows over the rms height of the map without it; 0 without evidence",
+    ),
     "Sa": ("m", "arithmetical mean height of the levelled map"),
     "Sq": ("m", "root mean square height of the levelled map"),
     "Ssk": ("1", "skewness of the heights of the levelled map"),

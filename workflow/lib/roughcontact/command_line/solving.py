@@ -24,7 +24,10 @@ from roughcontact.variables import VARIABLES
 from roughcontact.window.periodic_window import periodic_window
 
 # what levelling removed and filled, of the attributes that it leaves
-_LEVELLED = ("form", "outliers_rejected", "filled_points", "filled_share", "largest_hole", "line_alignment")
+_LEVELLED = (
+    *("form", "outliers_rejected", "filled_points", "filled_share", "largest_hole"),
+    *("line_alignment", "row_jitter"),
+)
 _LEVELLED_JSON = ("outlier_kinds", "form_removed")
 
 Progress = Callable[[int, int | None, str], None]

@@ -111,9 +111,10 @@ class Level(Section):
         "deviations are taken for missing; null keeps every point",
     )
     line_alignment: LineAlignment = Field(
-        default="none",
-        description="for scanned maps: how rows are shifted to match one another; median: each row's median "
-        "to the same height; matched-steps: the median step from row to row to zero",
+        default="auto",
+        description="how rows (scan lines) are shifted to match one another; jitter: by what jumps from row "
+        "to row at random; auto: as jitter where the rows show it clearly, else not; median: each row's "
+        "median to the same height; matched-steps: the median step from row to row to zero",
     )
     scar_threshold: Positive | None = Field(
         default=None,

@@ -153,6 +153,7 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
         "missing_share": max(attrs.get("missing_share", 0.0) for attrs in (one, other)),
         "outliers_rejected": sum(attrs.get("outliers_rejected", 0) for attrs in (one, other)),
         "outlier_kinds": json.dumps({k: sum(each.get(k, 0) for each in kinds) for k in kinds[0] | kinds[1]}),
+        "row_jitter": max(attrs.get("row_jitter", 0.0) for attrs in (one, other)),
         "filled_points": int(filled.sum()),
         "filled_share": float(filled.mean()),
         "largest_hole": max(attrs.get("largest_hole", 0) for attrs in (one, other)),

@@ -8,11 +8,13 @@ import xarray as xr
 from roughcontact.checking import check_choice, check_map
 from roughcontact.choices import Fill, LevelForm, LineAlignment
 from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.io.instrument_kinds import PROBE, STYLUS, of_name
 from roughcontact.levelling.curved import fit_curved_form
 from roughcontact.levelling.filling import fill_harmonic, find_holes
 from roughcontact.levelling.filters import gaussian_mean_surface
 from roughcontact.levelling.outliers import find_outliers
 from roughcontact.levelling.polynomial import fit_polynomial
+from roughcontact.levelling.row_jitter import RowJitter, find_row_jitter
 from roughcontact.levelling.scan_lines import find_scars, line_offsets
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.roughness.heights import height_parameters
@@ -28,7 +30,7 @@ def level(
     order: int = 2,
     robust: bool = False,
     outlier_threshold: float | None = 6.0,
-    line_alignment: LineAlignment = "none",
+    line_alignment: LineAlignment = "auto",
     scar_threshold: float | None = None,
     s_filter: float | None = None,
     l_filter: float | None = None,
@@ -50,8 +52,10 @@ def level(
     outlier_threshold : float or None
         isolated spikes that stand off their surroundings by more than this many local standard deviations
         are taken for missing; None keeps every point. See `roughcontact.levelling.outliers`.
-    line_alignment : {"none", "median", "matched-steps"}
-        how rows (scan lines) are shifted to match one another. See `roughcontact.levelling.scan_lines`.
+    line_alignment : {"auto", "none", "jitter", "median", "matched-steps"}
+        how rows (scan lines) are shifted to match one another; auto: as jitter where the rows show clearly
+        that they are shifted at random, else not at all. See `roughcontact.levelling.row_jitter` and
+        `roughcontact.levelling.scan_lines`.
     scar_threshold : float or None
         pieces of scan lines that stick out against the lines before and after by more than this many
         standard deviations are taken for missing; None keeps every point.
@@ -67,7 +71,9 @@ def level(
     -------
     DataArray (y, x), m
         with the attributes of `height` and `form`, `form_removed` (JSON), `outlier_threshold` (0 where every
-        point was kept), `outliers_rejected`, `outlier_kinds` (JSON), `line_alignment`, `line_shift_rms` (m),
+        point was kept), `outliers_rejected`, `outlier_kinds` (JSON), `line_alignment` (what was done),
+        `line_alignment_by` (default, user), `row_jitter` (rms shift of the rows over `Sq` without it) and
+        `row_jitter_evidence` (none, doubtful, clear), `line_shift_rms` (m),
         `filters_removed` (JSON), `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, the
         height parameters of the measured points (`Sa`, `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1),
         and the coordinates `filled(y, x)`, where lines were aligned `line_offset(y)` (m, taken off each row),
@@ -115,9 +121,8 @@ def level(
     kinds: dict[str, int] = {}
     if outlier_threshold is not None:
         values = _without_outliers(values, outlier_threshold, kinds)
-    offsets = np.zeros(len(values))
-    if line_alignment != "none":
-        offsets = line_offsets(values, method=line_alignment)
+    jitter, done, offsets = _alignment(values, height, line_alignment)
+    if done != "none":
         values, kept = values - offsets[:, None], kept - offsets[:, None]
         if outlier_threshold is not None:  # what the shifts of the lines had hidden
             values = _without_outliers(values, outlier_threshold, kinds)
@@ -155,7 +160,10 @@ def level(
         "outlier_threshold": float(outlier_threshold or 0.0),
         "outliers_rejected": int(sum(kinds.values())),
         "outlier_kinds": json.dumps(kinds),
-        "line_alignment": line_alignment,
+        "line_alignment": done,
+        "line_alignment_by": "default" if line_alignment == "auto" else "user",
+        "row_jitter": _over_roughness(jitter.rms, parameters["Sq"], aligned=done != "none"),
+        "row_jitter_evidence": jitter.evidence,
         "line_shift_rms": float(np.sqrt(np.mean(offsets**2))),
         "filters_removed": json.dumps(filters),
         "filled_points": int(filled.sum()),
@@ -164,7 +172,7 @@ def level(
         "fill_method": fill,
     }
     coords = {"y": height["y"], "x": height["x"], "filled": (("y", "x"), filled)}
-    if line_alignment != "none":
+    if done != "none":
         coords["line_offset"] = ("y", offsets)
     if rejected.any():
         coords["rejected_height"] = (("y", "x"), np.where(rejected, kept, np.nan))
@@ -205,6 +213,29 @@ def _check_reach(height: xr.DataArray, **nesting_indices: float | None) -> None:
                 f"{longest:g} m of this map: check the unit",
                 keys=[f"level.{name}"],
             )
+
+
+def _alignment(values: np.ndarray, height: xr.DataArray, wanted: str) -> tuple[RowJitter, str, np.ndarray]:
+    """Return what is known of shifted rows, how they are aligned, and the shifts (ny,) that are taken off."""
+    jitter = find_row_jitter(values, scanned=_line_by_line(height))
+    done = wanted
+    if wanted == "auto":
+        done = "jitter" if jitter.evidence == "clear" else "none"
+    if done == "none":
+        return jitter, done, np.zeros(len(values))
+    return jitter, done, jitter.offsets if done == "jitter" else line_offsets(values, method=done)
+
+
+def _line_by_line(height: xr.DataArray) -> bool:
+    """Return whether the file names an instrument that scans its maps line by line."""
+    instrument = json.loads(height.attrs.get("instrument", "{}"))
+    return of_name(instrument.get("kind")) in (PROBE, STYLUS)
+
+
+def _over_roughness(jitter: float, rms_height: float, *, aligned: bool) -> float:
+    """Return the rms shift of the rows over the rms height of the map without it."""
+    without = rms_height if aligned else float(np.sqrt(max(rms_height**2 - jitter**2, 0.0)))
+    return jitter / without if without > 0 else 0.0
 
 
 def _without_outliers(values: np.ndarray, threshold: float, kinds: dict[str, int]) -> np.ndarray:

@@ -83,6 +83,7 @@ def write_report(
             "overcount": f"{100 * checks.OVERCOUNT:g} %",
             "filled": [f"{100 * share:g} %" for share in checks.FILLED_IN_CONTACT],
             "rejected": f"{100 * checks.REJECTED_LOAD:g} %",
+            "jitter": f"{100 * checks.ROW_JITTER:g} %",
             "gradient": f"{100 * checks.GRADIENT_CHANGE:g} %",
             "heights": f"{100 * checks.HEIGHT_CHANGE:g} %",
             "form": f"{100 * checks.FORM:g} %",

@@ -49,6 +49,8 @@ HEIGHT_PARAMETERS = (
     *("Sa", "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sdq", "Sdr"),
     *("Sk", "Spk", "Svk", "Smr1", "Smr2", "Vmc", "Vvv"),
 )
+# what levelling says of the map in numbers, handed on
+_LEVELLING_COLUMNS = (*HEIGHT_PARAMETERS, "row_jitter")
 
 FLOW_POINTS = 65536  # of a map: the flow through a larger one takes longer than its contact
 
@@ -254,7 +256,7 @@ def surface_statistics(height: xr.DataArray) -> dict[str, float]:
     (ny, nx), (dy, dx) = height.shape, spacing(height)
     # the middle of the range first: then a constant map is exactly zero, and flat, whatever its offset
     middle = (float(height.min()) + float(height.max())) / 2
-    parameters = {name: float(height.attrs[name]) for name in HEIGHT_PARAMETERS if name in height.attrs}
+    parameters = {name: float(height.attrs[name]) for name in _LEVELLING_COLUMNS if name in height.attrs}
     parameters |= roughness_parameters(height - middle) | texture_parameters(height)
     return parameters | {
         "window_length_x": nx * dx,

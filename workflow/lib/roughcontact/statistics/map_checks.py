@@ -14,6 +14,7 @@ from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, PASSED, Chec
 
 FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points that were not measured: look, fail
 REJECTED_LOAD = 0.02  # share of the load that rejected points would carry if they were kept
+ROW_JITTER = 0.01  # rms shift of the rows, of the rms height, from which on it moves the contact
 GRADIENT_CHANGE = 0.1  # relative change of the rms gradient by periodisation
 HEIGHT_CHANGE = 0.5  # rms change of the heights by periodisation, of their rms
 FORM = 0.8  # share of the mean square height that a second-order polynomial makes up
@@ -102,6 +103,46 @@ def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
         "level.outlier_threshold: null keeps every point."
     )
     return Check("Outliers", LOOK, text)
+
+
+def scan_lines(levelled: Attributes) -> Check:
+    """Check that the rows of the map are not shifted against one another, or that the user aligned them.
+
+    Parameters
+    ----------
+    levelled : mapping
+        attributes of the levelled map.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> shifted = {"row_jitter": 0.1, "row_jitter_evidence": "clear", "line_alignment": "none"}
+    >>> scan_lines(shifted).outcome
+    'look'
+    """
+    jitter, evidence = levelled.get("row_jitter", 0.0), levelled.get("row_jitter_evidence", "none")
+    aligned = levelled.get("line_alignment", "none")
+    if evidence == "none":
+        return Check("Scan lines", PASSED, "No random shift of the rows against one another was found.")
+    text = f"The rows are shifted against one another, by {percent(jitter)} of the rms height (rms)"
+    if evidence == "doubtful":
+        text = (
+            f"The rows share shifts of {percent(jitter)} of the rms height (rms), which may be drift of the "
+            "scanner or a lay along the rows"
+        )
+    outcome = PASSED if jitter <= ROW_JITTER else LOOK
+    if aligned == "none":
+        if outcome == LOOK:
+            text += ": it may carry much of the load. Compare level.line_alignment: jitter"
+    elif levelled.get("line_alignment_by") == "user":
+        text, outcome = f"{text}; they were aligned as asked ({aligned})", PASSED
+    else:
+        text += f"; they were aligned ({aligned})"
+        text += ": compare level.line_alignment: none" if outcome == LOOK else ""
+    return Check("Scan lines", outcome, f"{text}.")
 
 
 def form(levelled: Attributes, window: Attributes) -> Check:

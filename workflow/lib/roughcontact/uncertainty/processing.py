@@ -1,4 +1,4 @@
-"""Uncertainty from the choices of processing: outliers, order of levelling, way to make periodic, filling.
+"""Uncertainty from the choices of processing: outliers, rows, form, way to make periodic, filling of holes.
 
 Each choice that another careful user might make is solved beside the user's own, one at a time. Within a
 group of choices the true result may lie anywhere as far from the user's as the farthest of them, on either
@@ -18,6 +18,7 @@ from roughcontact.levelling.forms import form_from_record
 from roughcontact.levelling.outliers import find_outliers
 from roughcontact.levelling.polynomial import fit_polynomial, share_of_form
 from roughcontact.levelling.rejected import rejected_points, with_rejected
+from roughcontact.levelling.row_jitter import find_row_jitter
 from roughcontact.maps import spacing
 from roughcontact.statistics.checks import FORM
 from roughcontact.uncertainty.ensemble import Member, scale_to, shown_part, solve_member
@@ -49,12 +50,14 @@ def processing_uncertainty(
     * periodisation: `smooth-cross-fade` and `periodic-plus-smooth`
     * filling: holes filled with the roughness of the map on top of the harmonic surface
     * outliers: the rejected points that twice the threshold would keep put back, and narrow bumps rejected as
-      well.
+      well
+    * rows: shifted at random by what their alignment leaves open; aligned, where there is evidence of random
+      shifts and they were left alone or aligned in another way.
 
     Groups that make no difference to a map are left out: filling where nothing was filled, form and
-    periodisation where the map is periodic, outliers where none are in doubt. Forms, which are long waves,
-    are solved with half the points along each axis (block means) where that leaves 64, and their deviations
-    are scaled to the result.
+    periodisation where the map is periodic, outliers where none are in doubt, rows that are not shifted.
+    Forms, which are long waves, are solved with half the points along each axis (block means) where that
+    leaves 64, and their deviations are scaled to the result.
 
     Parameters
     ----------
@@ -196,11 +199,26 @@ def _choices(levelled: xr.DataArray, level: Mapping[str, Any], window: Mapping[s
     if chosen["filled"].any():
         refilled = periodic_window(rough_filling(levelled), **window)
         choices.append(_Choice("filling", "holes filled with roughness", refilled))
-    for name, other in _other_outliers(levelled, level):
-        without = periodic_window(other, **window)
-        if not np.array_equal(without.values, chosen.values):  # the points may lie outside the window
-            choices.append(_Choice("outliers", name, without))
+    for group, others in (("outliers", _other_outliers(levelled, level)), ("rows", _other_rows(levelled))):
+        for name, other in others:
+            solved = periodic_window(other, **window)
+            if not np.array_equal(solved.values, chosen.values):  # the points may lie outside the window
+                choices.append(_Choice(group, name, solved))
     return choices
+
+
+def _other_rows(levelled: xr.DataArray) -> Iterator[tuple[str, xr.DataArray]]:
+    """Yield (name, levelled map) with the rows shifted otherwise, where they are shifted at random."""
+    evidence = levelled.attrs.get("row_jitter_evidence", "none")
+    aligned = "line_offset" in levelled.coords
+    if evidence == "none" or (levelled.attrs["line_alignment"] != "none") != aligned:
+        return  # nothing to align, or no longer known (the sum of two faces)
+    taken = levelled["line_offset"].values if aligned else np.zeros(len(levelled))
+    found = find_row_jitter(levelled.values + taken[:, None], scanned=evidence == "doubtful")
+    if levelled.attrs["line_alignment"] == "jitter":
+        yield "rows shifted by what their alignment leaves open", levelled + found.left_open[:, None]
+    else:
+        yield "rows aligned as jitter", levelled + (taken - found.offsets)[:, None]
 
 
 def _other_outliers(levelled: xr.DataArray, level: Mapping[str, Any]) -> Iterator[tuple[str, xr.DataArray]]:
