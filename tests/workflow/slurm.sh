@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# Run the workflow through SLURM, on a one-node cluster that this script starts and stops.
+# Run the samples through SLURM by the command of docs/how-to/cluster.md, on a one-node cluster that this script
+# starts and stops. The cluster keeps no accounts, and kills a job that takes more memory than it asked for.
 #
 #     sudo apt-get install slurm-wlm munge
-#     sudo env PATH="$PWD/.venv/bin:$PATH" tests/workflow/slurm.sh
+#     sudo tests/workflow/slurm.sh
 #
-# Needs root (the daemons), snakemake on the path, and a machine without a SLURM of its own. Everything lies in a
-# temporary folder, on the loopback address, with a key of its own and no accounting. Takes some minutes.
+# Needs root (the daemons), the environment of run.py, and a machine without a SLURM of its own. Everything lies in
+# a temporary folder, on the loopback address, with a key of its own. Takes some minutes.
 set -euo pipefail
 
 checkout=$(cd "$(dirname "$0")/../.." && pwd)
@@ -51,7 +52,9 @@ SlurmctldLogFile=$folder/slurmctld.log
 SlurmdLogFile=$folder/slurmd.log
 ProctrackType=proctrack/linuxproc
 TaskPlugin=task/none
-JobAcctGatherType=jobacct_gather/none
+JobAcctGatherType=jobacct_gather/linux
+JobAcctGatherFrequency=task=1
+JobAcctGatherParams=OverMemoryKill,UsePss
 AccountingStorageType=accounting_storage/none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_Core_Memory
@@ -71,25 +74,21 @@ for _ in $(seq 60); do
 done
 sinfo --noheader --format=%t | grep -q idle || { tail "$folder"/*.log; echo "the node does not come up"; exit 1; }
 
-# a small map through all stages
+# by the command of the page, in a folder with what it names
 mkdir "$folder/run"
-python - "$folder/run" <<'PYTHON'
-import sys
-from pathlib import Path
-
-import numpy as np
-
-folder = Path(sys.argv[1])
-x = np.linspace(0, 2 * np.pi, 48, endpoint=False)
-np.save(folder / "wave.npy", np.cos(3 * x)[:, None] * np.cos(2 * x))
-(folder / "surfaces.tsv").write_text("surface\tpath\tunit\tdx\tdy\nwave\twave.npy\tum\t5\t5\n")
-(folder / "settings.yaml").write_text("surfaces: surfaces.tsv\ncontact: {contact_modulus: 1e9}\n")
-PYTHON
-snakemake --snakefile "$checkout/Snakefile" --workflow-profile "$checkout/workflow/profiles/slurm" \
-    --directory "$folder/run" --configfile "$folder/run/settings.yaml" \
-    --slurm-no-account --slurm-status-command squeue --slurm-keep-successful-logs \
-    --slurm-init-seconds-before-status-checks 3 --seconds-between-status-checks 3 --latency-wait 5 "$@" ||
-    { cat "$folder"/run/.snakemake/slurm_logs/*/*/*.log; exit 1; }
-
-[ -s "$folder/run/results/report.html" ] || { echo "no report"; exit 1; }
-echo "the workflow ran through SLURM:" "$folder"/run/.snakemake/slurm_logs/*
+cd "$folder/run"
+cp -r "$checkout/config" "$checkout/data_samples" "$checkout/Snakefile" "$checkout/workflow" .
+ln -s "$checkout/.venv" .venv
+cp config/config.yaml my.yaml
+command=$(sed -n '/^```bash/,/^```/{/^```/d;p}' "$checkout/docs/how-to/cluster.md" | grep -B1 slurm-no-account)
+echo "$command"
+bash -eu -c "$command" >"$folder/said" 2>&1 || {
+    tail -n 40 "$folder/said"
+    cat .snakemake/slurm_logs/*/*/*.log 2>/dev/null | tail -n 40
+    exit 1
+}
+[ -s results/report.html ] || { echo "no report"; exit 1; }
+killed=$(grep -c "exceeded memory limit\|oom-kill" "$folder/slurmd.log" || true)
+echo "the samples ran through SLURM: $(squeue --version), $(grep -c "has been submitted" "$folder/said") jobs," \
+    "$killed killed for want of memory"
+[ "$killed" = 0 ]

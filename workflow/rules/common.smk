@@ -196,12 +196,16 @@ def loads(wildcards):
     return len(contact["mean_pressure"] or contact["relative_pressure"] or range(10))
 
 
+# MB: a script and, on a cluster, the two Snakemakes that start it
+BASE_MEMORY = 700
+
+
 def memory(*, bytes_per_point, and_load=0):
     """Return the resource function that estimates memory (MB): a running Python, and so much for every point."""
 
     def estimate(wildcards, input, attempt):
         each = bytes_per_point + and_load * loads(wildcards)
-        return round(400 + attempt * each * points(input[0]) / 1e6)
+        return round(attempt * (BASE_MEMORY + each * points(input[0]) / 1e6))
 
     return estimate
 

@@ -14,7 +14,7 @@ rule ingest:
         "../envs/roughcontact.yaml"
     resources:
         mem_mb=lambda wildcards, attempt: round(
-            400 + attempt * 50 * megabytes(MEASURED[wildcards.surface].path)
+            attempt * (BASE_MEMORY + 50 * megabytes(MEASURED[wildcards.surface].path))
         ),
         runtime=lambda wildcards, attempt: round(
             5 + attempt * megabytes(MEASURED[wildcards.surface].path) / 100
