@@ -60,6 +60,7 @@ LIMITS = {
     "contact.hardness": ([SMALLEST_PRESSURE, None], [0, -1]),
     "statistics.pressure_bins": ([1], [0]),
     "statistics.gap_bins": ([1], [0]),
+    "statistics.work_of_adhesion": ([SMALLEST, None], [0, -1]),
     "statistics.seal.viscosity": ([SMALLEST], [0, -1]),
     "statistics.seal.pressure_difference": ([SMALLEST_PRESSURE], [0, -1]),
     "statistics.seal.width": ([SMALLEST], [0, -1]),
@@ -222,7 +223,10 @@ def test_a_count_is_a_whole_number(key):
         (
             "statistics.colour",
             1,
-            "statistics.colour: unknown key, valid are pressure_bins, gap_bins, flow, stress, seal",
+            (
+                "statistics.colour: unknown key, valid are pressure_bins, gap_bins, flow, stress, "
+                "work_of_adhesion, seal"
+            ),
         ),
         ("level.fill", "HARMONIC", "level.fill = 'HARMONIC': unknown choice, did you mean harmonic? (how"),
         ("level.fill", "xyz", "level.fill = 'xyz': unknown choice, valid are harmonic, none (how missing"),

@@ -52,6 +52,7 @@ _RESISTIVITIES = {
     1e-8: ("uOhm cm", "μΩ cm"),
     1e-9: ("nOhm m", "nΩ m"),
 }
+_WORKS = {1.0: ("J m-2", "J/m2", "N/m"), 1e-3: ("mJ/m2", "mN/m", "erg/cm2")}
 _VISCOSITIES = {1.0: ("Pa s", "Pa·s"), 1e-3: ("mPa s", "mPa·s", "cP"), 0.1: ("P",)}
 
 
@@ -69,6 +70,7 @@ _TABLES = {
     "W m-1 K-1": _by_name(_CONDUCTIVITIES),
     "Ohm m": _by_name(_RESISTIVITIES),
     "Pa s": _by_name(_VISCOSITIES),
+    "J m-2": _by_name(_WORKS),
 }
 # what a message offers
 _USUAL = {
@@ -78,6 +80,7 @@ _USUAL = {
     "W m-1 K-1": "W/(m K)",
     "Ohm m": "Ohm m, Ohm cm, uOhm cm",
     "Pa s": "Pa s, mPa s, cP",
+    "J m-2": "J/m2, mJ/m2",
 }
 _KINDS = {
     "m": "length",
@@ -86,6 +89,7 @@ _KINDS = {
     "W m-1 K-1": "conductivity",
     "Ohm m": "resistivity",
     "Pa s": "viscosity",
+    "J m-2": "work of adhesion",
 }
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)", re.DOTALL)
 
@@ -97,8 +101,9 @@ def value_of(unit: object, base: str) -> float | None:
     ----------
     unit : str
         its symbol, case-sensitive, or the word written out.
-    base : {"m", "Pa", "degree", "W m-1 K-1", "Ohm m", "Pa s"}
-        of a length, a pressure, an angle, a thermal conductivity, an electrical resistivity or a viscosity.
+    base : {"m", "Pa", "degree", "W m-1 K-1", "Ohm m", "Pa s", "J m-2"}
+        of a length, a pressure, an angle, a thermal conductivity, an electrical resistivity, a viscosity or a
+        work of adhesion.
 
     Returns
     -------
@@ -170,8 +175,9 @@ def in_base_unit(value: object, base: str) -> object:
     ----------
     value : object
         what was given: ``"115 GPa"``, or a bare number, which is in the base unit already.
-    base : {"m", "Pa", "degree", "W m-1 K-1", "Ohm m", "Pa s"}
-        of a length, a pressure, an angle, a thermal conductivity, an electrical resistivity or a viscosity.
+    base : {"m", "Pa", "degree", "W m-1 K-1", "Ohm m", "Pa s", "J m-2"}
+        of a length, a pressure, an angle, a thermal conductivity, an electrical resistivity, a viscosity or a
+        work of adhesion.
 
     Returns
     -------

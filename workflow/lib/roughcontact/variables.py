@@ -114,6 +114,8 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "rms_height": ("m", "root mean square height of the solved window"),
     "rms_gradient": ("1", "spectral root mean square gradient of the solved window"),
     "rms_curvature": ("m-1", "spectral root mean square of the mean curvature of the solved window"),
+    "conforming_energy": ("J m-2", "elastic energy by area of the solved window pressed flat"),
+    "effective_work_of_adhesion": ("J m-2", "work of adhesion less the energy of the window pressed flat"),
     "nayak_parameter": ("1", "Nayak's bandwidth parameter m0 m4 / m2^2 of the solved window"),
     # ISO 25178-2, per surface: heights of the levelled map (measured points), texture of the solved window
     "row_jitter": (

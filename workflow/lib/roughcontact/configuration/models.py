@@ -67,6 +67,7 @@ Resistivity = Annotated[
 Viscosity = Annotated[
     Positive, BeforeValidator(partial(in_base_unit, base="Pa s")), WithJsonSchema(_WITH_UNIT)
 ]
+Work = Annotated[Positive, BeforeValidator(partial(in_base_unit, base="J m-2")), WithJsonSchema(_WITH_UNIT)]
 Angle = Annotated[
     Number,
     BeforeValidator(partial(in_base_unit, base="degree")),
@@ -347,6 +348,12 @@ class Statistics(Section):
         default="auto",
         description="whether the stresses below the surface are computed (needs bodies); auto: where one of "
         "them states its yield_stress",
+    )
+    work_of_adhesion: Work | None = Field(
+        default=None,
+        description="of flat surfaces, J m-2: whether it suffices to press the roughness flat is then in the "
+        "results",
+        examples=["50 mJ/m2"],
     )
     seal: Seal | None = Field(
         default=None,

@@ -12,6 +12,7 @@ from roughcontact.io.metadata import labelled
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.quantities import number, percent, quantity
+from roughcontact.statistics.adhesion import adhesion_in_words
 
 _NO_LAY = 0.5  # texture aspect ratio from which on a surface has no lay
 
@@ -59,6 +60,7 @@ def surface_facts(
         ("rms curvature", f"{number(float(numbers['rms_curvature']) * 1e-3)} mm⁻¹"),
         ("Nayak parameter", number(float(numbers["nayak_parameter"]))),
         ("Points per shortest wave", number(resolution, digits=2)),
+        ("Adhesion", adhesion_in_words(numbers)),
         ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
         ("Hardness", _of_softer_body(numbers, "hardness")),
         ("First yield at p̄", _of_softer_body(numbers, "first_yield_pressure")),

@@ -19,6 +19,7 @@ from roughcontact.roughness.texture import texture_parameters
 from roughcontact.sealing.flow import flow_columns, leak_columns
 from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.statistics import theory
+from roughcontact.statistics.adhesion import adhesion_numbers
 from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers
 from roughcontact.statistics.conductance import Bodies, conductance_columns
 from roughcontact.statistics.contact_geometry import contact_perimeter, relative_contact_area
@@ -65,6 +66,7 @@ def contact_statistics(
     gap_bins: int = 20,
     flow: Extra = "auto",
     stress: Extra = "auto",
+    work_of_adhesion: float | None = None,
     seal: Mapping[str, float] | None = None,
     bodies: Bodies | None = None,
 ) -> xr.Dataset:
@@ -87,6 +89,8 @@ def contact_statistics(
     stress : {"auto", "always", "never"}
         whether the stresses below the surface are computed, of the body with the lower yield stress (else
         with the lower Young's modulus): ``auto`` where a body states its `yield_stress`.
+    work_of_adhesion : float, J/m2, optional
+        of flat surfaces: what the energy of full conformity leaves of it is added.
     seal : mapping, optional
         `viscosity` (Pa s), `pressure_difference` (Pa) and `width` (m) of a seal that leaks through the gap.
     bodies : sequence of two mappings, optional
@@ -127,6 +131,7 @@ def contact_statistics(
     steps = spacing(height)
     mean_pressure = np.asarray(contact["mean_pressure"].values, float)
     surface = surface_statistics(height)
+    surface |= adhesion_numbers(height, contact_modulus=modulus, work_of_adhesion=work_of_adhesion)
     gradient = float(surface["rms_gradient"])
     # a flat map has neither gradient nor heights to set the scale of the bins
     edges = {

@@ -3,7 +3,7 @@
 import xarray as xr
 
 from roughcontact.contact.solve import solve_contact
-from roughcontact.elasticity.energy import elastic_energy
+from roughcontact.elasticity.energy import conforming_energy, elastic_energy
 from roughcontact.maps import spacing
 from roughcontact.references import closed_forms, synthetic
 from roughcontact.roughness import parameters
@@ -27,6 +27,13 @@ PRESSURE = _evidence(
 )
 SPREAD = _evidence("std(p) = E* g/2, g² = Σ |q|² |ĥ(q)|²", "roughness.parameters.rms_gradient")
 ENERGY = _evidence("U = (E*/4) Σ |q| |ĥ(q)|²", "references.closed_forms.full_contact_energy")
+
+CONFORMING = Evidence(
+    "U = (E*/4) Σ |q| |ĥ(q)|², without a solution; w − U is left of a work of adhesion w",
+    "Persson and Tosatti (2001), J. Chem. Phys. 115, 5597",
+    "elasticity.energy.conforming_energy",
+    "tests/unit/test_adhesion.py::test_energy_is_the_work_of_full_contact",
+)
 
 
 def part(*, finest_grid: int) -> Part:
@@ -106,6 +113,14 @@ def _lines(name: str, height: xr.DataArray) -> list[Line]:
             tolerance=ROUNDING,
             reason=EXACT,
             evidence=ENERGY,
+        ),
+        compare(
+            f"{name}: energy of full conformity, without solving / (E* × length)",
+            conforming_energy(height.values, spacing(height), contact_modulus=1.0),
+            elastic_energy(far, spacing(height), contact_modulus=1.0),
+            tolerance=ROUNDING,
+            reason=EXACT,
+            evidence=CONFORMING,
         ),
         compare(
             f"{name}: closed at 1 + 1e-9 of the least full load and open at 0.999 (1 = yes)",

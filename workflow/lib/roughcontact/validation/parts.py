@@ -50,7 +50,7 @@ def validate(part: PartName, sample: str | Path | None = None, *, finest_grid: i
     --------
     >>> part = validate("full_contact", finest_grid=256)
     >>> len(part.lines), all(line.holds for line in part.lines)
-    (15, True)
+    (18, True)
     """
     check_choice("part", part, PartName)
     if finest_grid < _SMALLEST_GRID or finest_grid & (finest_grid - 1):
