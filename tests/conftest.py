@@ -1,6 +1,7 @@
 """Which tests run, and in which order: those of real files only where these are, the longest first."""
 
 import os
+import subprocess
 
 import pytest
 import shared_data
@@ -20,3 +21,24 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if item.get_closest_marker("shared_data"):
             item.add_marker(absent)
+
+
+@pytest.fixture
+def disk(tmp_path):
+    """A function that mounts a disk of a size at a new folder; as `remount` it changes the options of one."""
+    mounted = []
+
+    def mount(options, folder=None):
+        place = folder or tmp_path / f"disk-{len(mounted)}"
+        place.mkdir(exist_ok=True)
+        words = ["mount", "-t", "tmpfs", "-o", f"remount,{options}" if folder else options]
+        if os.name != "posix" or os.geteuid():
+            pytest.skip("only root may mount a small disk")
+        if subprocess.run([*words, "tmpfs", str(place)], check=False, capture_output=True).returncode:
+            pytest.skip("no disk may be mounted here")
+        mounted.append(place)
+        return place
+
+    yield mount
+    for place in set(mounted):  # lazily: a netCDF file whose writing failed is closed when it is collected
+        subprocess.run(["umount", "--lazy", str(place)], check=True)
