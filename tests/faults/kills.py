@@ -125,7 +125,7 @@ def run_with_kills(folder, targets, kills, longest, choose, expected, counts, wr
         counts["half files"] += len(half)
         wrong += [f"after a kill of {kind}: {name} is not whole" for name in half]
         if len(results(folder)) == done:
-            longest *= 1.05
+            longest *= 1.03
         print(dict(counts), f"{longest:.1f} s", file=sys.stderr, flush=True)
 
 
@@ -138,7 +138,7 @@ def wait_and_find(run, folder, kind, after):
         if kind != "writing" or list(folder.glob("results/**/.*.partial")):
             everyone = family(run)
             scripts = [process for process in everyone if ".snakemake/scripts" in words(process)]
-            scheduler = [process for process in everyone if "snakemake --snakefile" in words(process)]
+            scheduler = [process for process in everyone if " snakemake --snakefile " in words(process)]
             found = {"scheduler": scheduler, "script": scripts[:1]}.get(kind, everyone)
             if found:
                 return found

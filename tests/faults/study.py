@@ -1,4 +1,4 @@
-"""A small study with a report, and the command that runs it as `python3 run.py` does."""
+"""A small study with a report, and the command that runs it."""
 
 import os
 import shutil
@@ -13,24 +13,23 @@ from roughcontact.references.synthetic import self_affine_surface
 ROOT = Path(__file__).parents[2]
 SETTINGS = {
     "surfaces": "surfaces.tsv",
+    "together": 0.016,  # MB: between the two measured files
     "contact": {"contact_modulus": 1e9, "relative_pressure": [0.05, 0.2]},
     "uncertainty": {"sources": ["solver"]},
 }
-CASES = {"base": {}, "soft": {"contact": {"contact_modulus": 1e8}}}
-# run.py installs an environment first; here it is the one of this Python
-_RUN_PY = (
-    "import sys; from pathlib import Path; import run; run.BIN = Path(sys.executable).parent; "
-    "sys.exit(run.work(*sys.argv[1:]))"
-)
+CASES = {"base": {}, "fine": {"statistics": {"gap_bins": 30}}}
 
 
-def write_study(folder: Path, *, points: int = 48, surfaces: int = 1, cases: bool = True) -> None:
-    """Write maps of so many points along a side, a table and settings."""
+def write_study(folder: Path, *, sides: tuple[int, ...] = (40, 48), cases: bool = True) -> None:
+    """Write maps of so many points along their sides, a table and settings.
+
+    The first of two goes through its stages in two jobs, the second has a job for each.
+    """
     (folder / "measured").mkdir(parents=True)
     band = {"hurst": 0.8, "shortest": 8, "longest": 24, "rms_gradient": 0.1}
     rows = ["surface\tpath\tunit\tdx\tdy"]
-    for number in range(1, surfaces + 1):
-        heights = self_affine_surface((points, points), 1.0, **band, seed=number).values
+    for number, side in enumerate(sides, 1):
+        heights = self_affine_surface((side, side), 1.0, **band, seed=number).values
         np.save(folder / f"measured/{number}.npy", heights)
         rows.append(f"surface-{number}\tmeasured/{number}.npy\tum\t1\t1")
     (folder / "surfaces.tsv").write_text("\n".join(rows) + "\n")
@@ -44,14 +43,13 @@ def write_settings(folder: Path, settings: dict) -> None:
 
 def command(folder: Path, *arguments: str) -> list[str]:
     """Return the command that runs the study; to be started with `environment()`."""
-    words = [sys.executable, "-c", _RUN_PY, *arguments, "--cores", "2", "--directory", str(folder)]
-    return [*words, "--configfile", str(folder / "settings.yaml")]
+    words = [sys.executable, "-m", "roughcontact.command_line", "run", *arguments, "--cores", "2"]
+    return [*words, "--directory", str(folder), "--configfile", str(folder / "settings.yaml")]
 
 
 def environment(**more: str) -> dict[str, str]:
     """Return the variables that `command` needs."""
-    folders = [str(ROOT), str(ROOT / "workflow/lib")]
-    return os.environ | {"PYTHONPATH": os.pathsep.join(folders), "OMP_NUM_THREADS": "1"} | more
+    return os.environ | {"PYTHONPATH": str(ROOT / "workflow/lib"), "OMP_NUM_THREADS": "1"} | more
 
 
 def start_again(folder: Path) -> None:

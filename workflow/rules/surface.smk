@@ -22,6 +22,7 @@ rule ingest:
     params:
         settings=stage_settings("height"),
         file=place_in_table,
+        future=from_the_future,
         code=code("ingest"),
     script:
         "../scripts/ingest.py"

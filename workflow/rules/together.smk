@@ -121,6 +121,7 @@ for case in CASES:
                         links=links,
                         settings=settings_of_steps(steps),
                         file=place_in_table,
+                        future=from_the_future,
                         code={step: code(step) for step in [*steps, "together"]},
                     script:
                         "../scripts/together.py"

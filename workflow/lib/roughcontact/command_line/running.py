@@ -125,10 +125,10 @@ def run_workflow(arguments: Sequence[str]) -> int:
     command += ["--rerun-incomplete", "--keep-going"]
     if _left_locked(given.directory):
         print("The last run in this folder was killed: going on where it ended.", file=sys.stderr, flush=True)
-        _wait([*command, "--unlock", *arguments, "--quiet"])
+        _wait([*command, "--unlock", *arguments, "--quiet"], given.directory)
     if not any(word.split("=")[0] in _CORES for word in arguments):
         command += ["--cores", "all"]
-    code = _wait([*command, *arguments])
+    code = _wait([*command, *arguments], given.directory)
     if code and given.directory.is_dir() and shutil.disk_usage(given.directory).free < 1e6:
         print(f"The disk of {given.directory.absolute()} is full: make room and run again.", file=sys.stderr)
     return code
@@ -183,9 +183,19 @@ def _left_locked(folder: Path) -> bool:
         return False
 
 
-def _wait(command: Sequence[str]) -> int:
+def _cache(folder: Path) -> dict[str, str]:
+    """Return the variable that puts caches into the working directory, where there is no home to write to."""
+    try:
+        home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+        Path(home).mkdir(parents=True, exist_ok=True)
+    except (OSError, RuntimeError):
+        return {"XDG_CACHE_HOME": str(folder.absolute() / ".snakemake/cache")}
+    return {}
+
+
+def _wait(command: Sequence[str], folder: Path) -> int:
     """Run a command to its end, also after an interruption, which it has got as well."""
-    process = subprocess.Popen(command)
+    process = subprocess.Popen(command, env=os.environ | _cache(folder))
     while True:
         try:
             return process.wait()

@@ -1,0 +1,120 @@
+"""Where a run has no room, no home or may not write: one sentence that names it, or the usual result."""
+
+import fcntl
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import study
+
+from roughcontact.command_line import running
+from roughcontact.command_line.program import main
+
+LEVELLED = "results/surface-2/levelled.nc"
+
+
+def run(folder, *arguments, **variables):
+    """Run a study and return the process; `stderr` is all that was said."""
+    return subprocess.run(
+        study.command(folder, *arguments),
+        env=study.environment(**variables),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize("held_by_another_computer", [False, True])
+def test_locks_of_a_run_that_is_gone_are_told_from_those_of_one_at_work(tmp_path, held_by_another_computer):
+    assert not running._left_locked(tmp_path)
+    (tmp_path / ".snakemake/locks").mkdir(parents=True)
+    (tmp_path / ".snakemake/locks/0.output.lock").touch()
+    assert not running._left_locked(tmp_path)  # nobody knows whose they are
+    held = tmp_path / ".snakemake/running"
+    held.write_text("another" if held_by_another_computer else socket.gethostname())
+    assert running._left_locked(tmp_path) is not held_by_another_computer
+    with held.open() as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        assert not running._left_locked(tmp_path)
+
+
+def test_a_read_only_folder_is_named_before_anything_starts(disk, capsys):
+    read_only = disk("size=64k,ro")
+    for folder in (read_only, read_only / "new"):
+        assert main(["run", f"--directory={folder}"]) == 2
+        assert f"{read_only} is read-only, results cannot be written there" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_full_disk_is_named_and_the_run_goes_on_when_there_is_room(tmp_path, disk):
+    study.write_study(tmp_path / "elsewhere", cases=False)
+    assert run(tmp_path / "elsewhere", LEVELLED).returncode == 0
+    folder = disk("size=120k")
+    study.write_study(folder, cases=False)
+    full = run(folder, LEVELLED)
+    assert full.returncode
+    assert "[level surface-2] ERROR: results/surface-2/levelled.nc: cannot be written, the disk is full" in (
+        full.stdout
+    )
+    assert f"The disk of {folder} is full: make room and run again." in full.stdout
+    for word in ("Traceback", "not foreseen", "RuleException"):
+        assert word not in full.stdout
+    assert list(study.results(folder)) == ["results/surface-2/height.nc"]
+    disk("size=2m", folder)
+    assert run(folder, LEVELLED).returncode == 0
+    assert study.results(folder) == study.results(tmp_path / "elsewhere")
+
+
+@pytest.mark.slow
+def test_a_read_only_installation_without_home_in_the_c_locale(tmp_path, disk, monkeypatch):
+    installed = disk("size=60m")
+    shutil.copytree(study.ROOT / "workflow", installed / "workflow", ignore=shutil.ignore_patterns("*.pyc"))
+    for name in ("Snakefile", "config"):
+        copy = shutil.copytree if (study.ROOT / name).is_dir() else shutil.copy
+        copy(study.ROOT / name, installed / name)
+    disk("ro", installed)
+    here, there = tmp_path / "here", tmp_path / "there"
+    for folder in (here, there):
+        study.write_study(folder, cases=False)
+    assert run(here, LEVELLED).returncode == 0
+    monkeypatch.setattr(study, "ROOT", installed)
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    bare = run(there, LEVELLED, HOME="/proc/nowhere", LC_ALL="C", LANG="C", TMPDIR="/proc/nowhere")
+    assert bare.returncode == 0, bare.stdout
+    assert study.results(there) == study.results(here)
+
+
+@pytest.mark.slow
+def test_files_from_the_future(tmp_path):
+    study.write_study(tmp_path / "study", cases=False)
+    measured = tmp_path / "study/measured/2.npy"
+    future = time.time() + 4 * 365 * 86400
+    os.utime(measured, (future, future))
+    first = run(tmp_path / "study", LEVELLED)
+    assert first.returncode == 0, first.stdout
+    before = study.results(tmp_path / "study")
+    second = run(tmp_path / "study", LEVELLED)
+    assert "Nothing to be done" in second.stdout
+    assert study.results(tmp_path / "study") == before
+    os.utime(measured, (future + 1, future + 1))
+    assert "ingest           1" in run(tmp_path / "study", LEVELLED, "--dry-run").stdout
+
+
+def test_who_stops_reading_ends_the_program_quietly():
+    samples = sorted(str(path) for path in Path(study.ROOT, "data_samples").glob("*.*"))
+    program = [sys.executable, "-m", "roughcontact.command_line", "inspect", *samples]
+    inspect = subprocess.Popen(
+        program, env=study.environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    inspect.stdout.readline()
+    inspect.stdout.close()  # as `head -1` does
+    said = inspect.stderr.read()
+    assert inspect.wait() == 141
+    assert "Broken" not in said
+    assert "Traceback" not in said
