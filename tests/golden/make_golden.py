@@ -1,7 +1,8 @@
 """Write the golden numbers of the sample maps anew: `python tests/golden/make_golden.py`.
 
-Runs the workflow on `data_samples` with the shipped configuration, but to an error bound of 1e-8 and without
-the error budget: the numbers belong to the surfaces, not to the steps of the solver. Look at what changed
+Runs the workflow on `data_samples` with the shipped configuration, but elastic and under planned loads, from
+sparse to full contact, to an error bound of 1e-8 and without the error budget: the numbers belong to the
+surfaces, not to a material or the steps of the solver. Look at what changed
 (`git diff tests/golden`) and commit it together with the change that explains it.
 """
 
@@ -16,6 +17,7 @@ import yaml
 FOLDER = Path(__file__).parent
 ROOT = FOLDER.parents[1]
 DIGITS = 7
+STEEL_ON_STEEL = {"contact_modulus": 1.154e11}
 CONVERGED = {"contact": {"tolerance": 1e-8}}
 KEYS = {"surfaces": ["surface"], "loads": ["surface", "relative_pressure"]}
 COLUMNS = {
@@ -61,6 +63,7 @@ def run_samples(folder: Path, **cases: dict) -> dict[str, dict[str, pd.DataFrame
     """
     settings = yaml.safe_load((ROOT / "config/config.yaml").read_text())
     settings["uncertainty"]["sources"] = []
+    settings["contact"] |= STEEL_ON_STEEL | {"bodies": None, "mean_pressure": None}
     settings["cases"] = cases
     (folder / "settings.yaml").write_text(yaml.safe_dump(settings))
     command = [sys.executable, "-m", "snakemake", "--snakefile", ROOT / "Snakefile", "--directory", folder]

@@ -1,5 +1,7 @@
 """Statistics of several surfaces and cases in one dataset and one table."""
 
+import json
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -128,3 +130,27 @@ def test_pairs_have_mean_and_spread_over_their_members():
     ]
     np.testing.assert_allclose(table["mean_pressure_Pa"], [2, 4, 7, 1, 1])
     np.testing.assert_allclose(table["spread_mean_pressure_Pa"], [2**0.5, 8**0.5, np.nan, 0, 0])
+
+
+@pytest.mark.parametrize("cases", [[None], ["steel", "peek"]])
+def test_every_load_has_its_verdict_and_its_reasons(tmp_path, cases):
+    said = {
+        ("a", None): [["look at", ["Plasticity: it flows", "Form: a bow, a dome"]], ["trust", []]],
+        ("b", None): [["do not trust", ["Solver: missed"]]],
+    }
+    entries, expected = [], []
+    for case in cases:
+        for surface, loads in (("a", [1e5, 2e5]), ("b", [3e5])):
+            path = write_statistics(tmp_path / f"{surface}-{case}.nc", loads)
+            found = said[surface, None]
+            write_dataset(read_dataset(path).assign_attrs(verdicts=json.dumps(found)), path)
+            entries.append({"surface": surface, "case": case, "statistics": path})
+            expected += [(word, " | ".join(reasons)) for word, reasons in found]
+    table = summary_table(collect_statistics(entries))
+    assert list(table.columns)[-2:] == ["verdict", "reasons"]
+    assert list(zip(table["verdict"], table["reasons"], strict=True)) == expected
+    write_table(table, tmp_path / "summary.csv")
+    again = pd.read_csv(tmp_path / "summary.csv", keep_default_na=False)
+    assert list(again["reasons"]) == [reasons for _, reasons in expected]
+    pairs = pairs_table(table, {"a": "both", "b": "both"})
+    assert not {"verdict", "reasons"} & set(pairs)

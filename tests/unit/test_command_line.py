@@ -115,6 +115,8 @@ def test_solve_gives_the_numbers_of_the_verbs(capsys):
         assert 0 < load["error_bound"] <= 1e-5
         assert load["converged"] == 1
         assert isinstance(load["flags"], list)
+        assert load["verdict"] in ("trust", "look at", "do not trust")
+        assert (load["verdict"] == "trust") == (load["reasons"] == [])
     assert {check["outcome"] for check in found["checks"]} <= {"passed", "look", "failed", "not made"}
     assert found["verdict"] in ("trust", "look at", "do not trust")
 

@@ -1,5 +1,7 @@
 """What the material bears: shares beyond a hardness, first yield and the checks, against closed forms."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -218,6 +220,26 @@ def test_with_a_hardness_any_point_that_carries_it_asks_for_a_look():
     assert "Plasticity index E* g / H = 1.4" in check.sentence
     flags = [contact_checks.yield_flags(with_hardness([0.0, 0.02]).isel(load=load)) for load in (0, 1)]
     assert flags == [[], ["points flow"]]
+
+
+def test_the_verdict_on_a_load_is_that_of_its_own_checks():
+    window, hardness = rough(), 0.012 * MODULUS
+    first = first_yield_pressure(window, contact_modulus=MODULUS, hardness=hardness)
+    solved = rc.solve_contact(
+        window,
+        contact_modulus=MODULUS,
+        mean_pressure=[3 * first, 0.9 * first],
+        hardness=hardness,
+        reduce=contact_statistics,
+    )
+    above, below = checks.load_verdicts(solved, window)
+    assert [reason for reason in above[1] if "carry the hardness of 1.20 GPa" in reason]
+    assert above[0] == "look at"
+    assert not [reason for reason in below[1] if reason.startswith("Plasticity")]
+    worst = checks.surface_checks(solved, height={}, levelled={}, window=window.attrs, points=window.size)
+    assert checks.VERDICTS[checks.verdict(worst)] == "look at"
+    written = checks.with_verdicts(solved, window)
+    assert json.loads(written.attrs["verdicts"]) == [list(above), list(below)]
 
 
 def test_words_of_a_load_without_a_hardness():

@@ -85,6 +85,13 @@ def test_the_summary_has_a_row_for_each_surface_and_load(finished):
     for row in rows:
         assert 0 < float(row["relative_contact_area"]) < float(row["relative_contact_area_pixels"]) < 1
         assert float(row["error_bound"]) < 1e-6
+    # E* = 1 GPa, no hardness: at p' = 0.2 and g = 0.1 metals would flow, and the table says so of every load
+    assert {row["verdict"] for row in rows} <= {"trust", "look at", "do not trust"}
+    for row in rows:
+        beyond = float(row["mean_contact_pressure_Pa"]) > 1e7 or float(row["max_pressure_Pa"]) > 3e7
+        assert ("Plasticity: At " in row["reasons"]) == beyond
+        assert (row["verdict"] == "trust") == (row["reasons"] == "")
+    assert "metals would flow" in rows[-1]["reasons"]
 
 
 def test_a_second_run_does_nothing(finished):

@@ -55,8 +55,8 @@ def solve_file(
         `file`, `source_sha256`, `measured`, `levelled` (what was removed and filled), `window` (numbers of
         points), `surface` (name -> number),
         `loads` (one dict per load, name -> number, `{name}_uncertainty` -> source -> half-width, with the
-        words `flags`), `units` (name -> unit), `checks` (name, outcome, sentence), `verdict`, `warnings`
-        (sentences), `settings`.
+        words `flags`, `verdict` and `reasons`), `units` (name -> unit), `checks` (name, outcome, sentence),
+        `verdict`, `warnings` (sentences), `settings`.
 
     Raises
     ------
@@ -103,7 +103,9 @@ def solve_file(
             "periodisation": window.attrs.get("periodisation", "none"),
             "share": float(window.attrs.get("window_share", 1.0)),
         },
-        **_plain_numbers(statistics, checks.load_flags(statistics, window.size)),
+        **_plain_numbers(
+            statistics, checks.load_flags(statistics, window.size), checks.load_verdicts(statistics, window)
+        ),
         "checks": [check._asdict() for check in outcome],
         "verdict": checks.VERDICTS[checks.verdict(outcome)],
         "warnings": json.loads(height.attrs["ingest_warnings"]),
@@ -113,7 +115,9 @@ def solve_file(
     }
 
 
-def _plain_numbers(statistics: xr.Dataset, flags: list[list[str]]) -> dict[str, Any]:
+def _plain_numbers(
+    statistics: xr.Dataset, flags: list[list[str]], verdicts: list[tuple[str, list[str]]]
+) -> dict[str, Any]:
     """Return the numbers of a surface, those of its loads, and the units of both, as plain values."""
     names = [str(name) for name in statistics.variables]
     surface, per_load = ([n for n in names if statistics[n].dims == dims] for dims in ((), ("load",)))
@@ -123,8 +127,8 @@ def _plain_numbers(statistics: xr.Dataset, flags: list[list[str]]) -> dict[str, 
     loads = [
         {name: statistics[name].values[index].item() for name in per_load}
         | {name: dict(zip(sources, by_source[name][index], strict=True)) for name in uncertain}
-        | {"flags": words}
-        for index, words in enumerate(flags)
+        | {"flags": words, "verdict": verdict, "reasons": reasons}
+        for index, (words, (verdict, reasons)) in enumerate(zip(flags, verdicts, strict=True))
     ]
     return {
         "surface": {name: float(statistics[name]) for name in surface},

@@ -15,6 +15,11 @@ _HEAD = """\
 # that is left out has its default. config/README.md explains settings and table of surfaces.
 """
 _WIDTH = 112  # of a comment with its indentation
+# what has no default but is set, so that the shipped configuration runs on the samples, and what it is
+_SHIPPED = {
+    "bodies": "here steel and PEEK, a polymer of seals and plain bearings",
+    "mean_pressure": "here what seals and plain bearings carry",
+}
 
 
 def default_yaml(*, head: str = _HEAD) -> str:
@@ -84,15 +89,19 @@ def _yaml(model: type[Section], indent: str) -> list[str]:
         text = field.description or ""
         if words := words_of(field):
             text += f"; one of {', '.join(words)}"
+        if name in _SHIPPED:
+            text += f"; {_SHIPPED[name]}"
         if model is Settings:
             lines.append("")
         lines += [f"{indent}# {line}" for line in textwrap.wrap(text, _WIDTH - len(indent))]
         value, comment = field.get_default(call_default_factory=True), ""
         if value in (None, {}):
             value = field.examples[0] if field.examples else None
-            # the modulus has no default, yet the shipped configuration must run
-            comment = "" if name == "contact_modulus" else "# "
-        lines.append(f"{indent}{comment}{name}: {_flow(value)}")
+            comment = "" if name in _SHIPPED else "# "
+        if section and isinstance(value, list):  # a line for each
+            lines += [f"{indent}{comment}{name}:", *(f"{indent}{comment}  - {_flow(one)}" for one in value)]
+        else:
+            lines.append(f"{indent}{comment}{name}: {_flow(value)}")
     return lines
 
 

@@ -241,7 +241,7 @@ class Contact(Section):
         default=None,
         description="plane-strain contact modulus E*, Pa, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; 115 GPa "
         "for steel on steel",
-        examples=["115.4 GPa"],
+        examples=["115 GPa"],
     )
     bodies: list[Body] | None = Field(
         default=None,
@@ -251,7 +251,7 @@ class Contact(Section):
         "what else is asked of them",
         examples=[
             [
-                {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3},
+                {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "hardness": "2 GPa"},
                 {"youngs_modulus": "4 GPa", "poissons_ratio": 0.4, "hardness": "0.3 GPa"},
             ]
         ],

@@ -1,7 +1,6 @@
 """The panel of a surface: its part of the report, with its checks, pictures and numbers."""
 
 import json
-import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -69,7 +68,7 @@ def write_panel(
     name = surface if case is None else f"{surface} · {case}"
     identifier = surface if case is None else f"{case}--{surface}"
     verdict = checks.verdict(outcome)
-    reasons = [_reason(check) for check in checks.reasons(outcome)]
+    reasons = [checks.reason(check) for check in checks.reasons(outcome)]
     rough = float(numbers["rms_gradient"]) > 0  # a flat map has neither waves nor charts
     html = template("panel.html").render(
         identifier=identifier,
@@ -105,12 +104,6 @@ def _read_map(path: str | Path) -> xr.DataArray:
 def _shown_loads(loads: int) -> list[int]:
     """Return the places of the loads whose maps are drawn: the lowest, the middle, the highest."""
     return sorted({0, loads // 2, loads - 1})
-
-
-def _reason(check: checks.Check) -> str:
-    """Return the name of a check and its first sentence, for the top of the page."""
-    first = check.sentence.split(". ")[0].rstrip(".")
-    return f"{check.name}: {textwrap.shorten(first, 200, placeholder=' …')}"
 
 
 def _frame(window: xr.DataArray) -> map_plots.Frame:

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TypedDict
+from typing import Any, TypedDict
 
 import numpy as np
 import pandas as pd
@@ -66,7 +66,8 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         dims (surface, load, ...), or (case, surface, load, ...) where entries have cases. Labels are the
         coordinates `surface_name` (surface) and `case_name` (case). Loads and bins may differ between
         surfaces: shorter ones are padded with NaN, and `mean_pressure` and the bounds of the bins depend on
-        the surface. The attribute `source_sha256` has the checksum of every measured file (JSON).
+        the surface. The attributes are JSON: `source_sha256` has the checksum of every measured file,
+        `verdicts` what each file says of its loads, by case ("" where there are none) and surface.
 
     Raises
     ------
@@ -77,10 +78,12 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     cases = list(dict.fromkeys(entry["case"] for entry in entries))
     datasets: dict[tuple[int, int], dict[str, Array]] = {}
     checksums = {}
+    verdicts: dict[str, dict[str, Any]] = {case or "": {} for case in cases}
     for entry in entries:
         arrays, attrs = read_arrays(entry["statistics"])
         datasets[cases.index(entry["case"]), surfaces.index(entry["surface"])] = arrays
         checksums[entry["surface"]] = attrs.get("source_sha256", "")
+        verdicts[entry["case"] or ""][entry["surface"]] = json.loads(attrs.get("verdicts", "null"))
     sizes: dict[str, int] = {}
     dims: dict[str, tuple[str, ...]] = {}
     for arrays in datasets.values():
@@ -107,6 +110,8 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
             first = next(arrays for arrays in datasets.values() if name in arrays)
             collected = collected.assign_coords({name: first[name].values.astype(kind)})
     collected.attrs["source_sha256"] = json.dumps(checksums, sort_keys=True)
+    if all(found for of_case in verdicts.values() for found in of_case.values()):
+        collected.attrs["verdicts"] = json.dumps(verdicts, ensure_ascii=False)
     if cases == [None]:
         return collected.isel(case=0)
     return collected.assign_coords(case_name=("case", np.array(cases, dtype=object)))
@@ -117,6 +122,7 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
 
     Densities stay in the netCDF file. Of the error budget there is the combined uncertainty of each quantity,
     and what each source adds to that of the contact area. Loads that only pad a shorter list are left out.
+    The last columns are the `verdict` on each load and its `reasons`, joined by " | ", where they are known.
 
     Parameters
     ----------
@@ -153,7 +159,15 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     for name in names:
         unit, _ = VARIABLES[name.partition("_from_")[0]]
         frame[name + _SUFFIX[unit]] = table[name].to_numpy()
-    frame = frame[np.isfinite(table["mean_pressure"].to_numpy())].reset_index(drop=True)
+    real = np.isfinite(table["mean_pressure"].to_numpy())
+    frame = frame[real].reset_index(drop=True)
+    if "verdicts" in statistics.attrs:
+        verdicts = json.loads(statistics.attrs["verdicts"])
+        cases = frame["case"] if "case" in frame else [""] * len(frame)
+        rows = zip(cases, frame["surface"], table["load"][real], strict=True)
+        found = [verdicts[case][surface][load] for case, surface, load in rows]
+        frame["verdict"] = [word for word, _ in found]
+        frame["reasons"] = [" | ".join(reasons) for _, reasons in found]
     # padding made counts and flags floating; where none is missing they are whole numbers again
     for name in _WHOLE_NUMBERS:
         if name in frame and frame[name].notna().all():
@@ -241,7 +255,7 @@ def pairs_table(summary: pd.DataFrame, pairs: Mapping[str, str]) -> pd.DataFrame
     [{'surface': 'p', 'members': 2, 'mean_gap_m': 2.0, 'spread_mean_gap_m': 1.414}]
     """
     names = [name for name in ("case", "surface") if name in summary]
-    numbers = [name for name in summary if name not in names]
+    numbers = [name for name in summary if name not in (*names, "verdict", "reasons")]
     of_pairs = summary[summary["surface"].isin(pairs)]
     load = of_pairs.groupby(names, sort=False).cumcount().rename("load")
     of_pairs = of_pairs.assign(surface=of_pairs["surface"].map(pairs))

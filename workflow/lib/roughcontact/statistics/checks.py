@@ -6,6 +6,8 @@ it, is that of its worst check. The checks stand with their limits in
 `contact_checks` and `map_checks`; who shows them finds all that is needed here.
 """
 
+import json
+
 import xarray as xr
 
 from roughcontact.statistics import contact_checks, map_checks
@@ -24,7 +26,17 @@ from roughcontact.statistics.map_checks import (
     WINDOW_SHARE,
     Attributes,
 )
-from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, PASSED, VERDICTS, Check, reasons, verdict
+from roughcontact.statistics.outcome import (
+    FAILED,
+    LOOK,
+    NOT_MADE,
+    PASSED,
+    VERDICTS,
+    Check,
+    reason,
+    reasons,
+    verdict,
+)
 
 __all__ = [
     "CONTACT_POINTS",
@@ -47,9 +59,12 @@ __all__ = [
     "WINDOW_SHARE",
     "Check",
     "load_flags",
+    "load_verdicts",
+    "reason",
     "reasons",
     "surface_checks",
     "verdict",
+    "with_verdicts",
 ]
 
 
@@ -126,3 +141,43 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
         words += contact_checks.yield_flags(load)
         flags.append(words)
     return flags
+
+
+def load_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> list[tuple[str, list[str]]]:
+    """Return for each load the verdict of all checks of the surface at this load alone, and its reasons.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        complete, the error budget beside the numbers.
+    window : DataArray (y, x), m
+        the map that was solved, with the attributes that reading, levelling and windowing left.
+
+    Returns
+    -------
+    list (load) of (verdict, reasons)
+        a word of `VERDICTS`, and a line for each check that did not pass.
+    """
+    attrs, verdicts = window.attrs, []
+    for index in range(statistics.sizes["load"]):
+        alone = statistics.isel(load=[index])
+        found = surface_checks(alone, height=attrs, levelled=attrs, window=attrs, points=window.size)
+        verdicts.append((VERDICTS[verdict(found)], [reason(check) for check in reasons(found)]))
+    return verdicts
+
+
+def with_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
+    """Return the statistics with the verdict on each load, and its reasons, in their attribute `verdicts`.
+
+    Parameters
+    ----------
+    statistics, window
+        as of `load_verdicts`.
+
+    Returns
+    -------
+    Dataset
+        its attribute is JSON: a list (load) of [verdict, [reason, ...]].
+    """
+    found = load_verdicts(statistics, window)
+    return statistics.assign_attrs(verdicts=json.dumps(found, ensure_ascii=False))

@@ -68,9 +68,10 @@ def contact_points(statistics: xr.Dataset, points: int) -> Check:
     counts = np.rint(statistics["relative_contact_area_pixels"].values * points).astype(int)
     few = int((counts < CONTACT_POINTS).sum())
     if few:
+        loads = f"At {few} of {counts.size} loads fewer" if counts.size > 1 else "Fewer"
         text = (
-            f"{few} of {counts.size} loads have fewer than {CONTACT_POINTS} points in contact (down to "
-            f"{counts.min()}): their areas and pressures are coarse. Use higher loads or a finer map."
+            f"{loads} than {CONTACT_POINTS} points are in contact (down to {counts.min()}): areas and "
+            "pressures are coarse there. Use higher loads or a finer map."
         )
         return Check("Points in contact", LOOK, text)
     return Check("Points in contact", PASSED, f"At least {counts.min()} points in contact at every load.")
@@ -119,10 +120,10 @@ def resolution(statistics: xr.Dataset) -> Check:
     coarse = int((over > OVERCOUNT).sum())
     waves = f"The shortest wave of the map has {number(resolution, digits=2)} points"
     if coarse:
+        loads = f"At {coarse} of {over.size} loads the" if over.size > 1 else "The"
         text = (
-            f"At {coarse} of {over.size} loads the contact patches are only a few points across: counting "
-            f"points overstates the area by up to {percent(over.max())}, and the correction is coarse. "
-            f"{waves}."
+            f"{loads} contact patches are only a few points across: counting points overstates the area by "
+            f"up to {percent(over.max())}, and the correction is coarse. {waves}."
         )
         return Check("Resolution", LOOK, text)
     text = (

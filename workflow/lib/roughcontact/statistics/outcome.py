@@ -1,5 +1,6 @@
 """What a check says: passed, look, failed or not made, with a sentence; and the worst of several."""
 
+import textwrap
 from collections.abc import Iterable
 from typing import NamedTuple
 
@@ -55,3 +56,23 @@ def reasons(checks: Iterable[Check]) -> list[Check]:
     ['Slopes']
     """
     return [check for check in checks if check.outcome in (FAILED, LOOK)]
+
+
+def reason(check: Check) -> str:
+    """Return the name of a check and its first sentence, for lists of reasons.
+
+    Parameters
+    ----------
+    check : Check
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> reason(Check("Slopes", LOOK, "The rms gradient is 0.4: steep. Treat the numbers as estimates."))
+    'Slopes: The rms gradient is 0.4: steep'
+    """
+    first = check.sentence.split(". ")[0].rstrip(".")
+    return f"{check.name}: {textwrap.shorten(first, 200, placeholder=' …')}"
