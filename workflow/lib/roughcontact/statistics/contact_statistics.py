@@ -44,6 +44,8 @@ SOLVER_COLUMNS = (
     "load_error",
     "converged",
 )
+# what contact.nc keeps where it keeps no maps
+SOLUTION_COLUMNS = (*SOLVER_COLUMNS, "relative_pressure", "contact_modulus")
 
 # of ISO 25178-2, as `roughness.heights.height_parameters` returns them
 HEIGHT_PARAMETERS = (
