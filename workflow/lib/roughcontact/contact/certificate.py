@@ -31,12 +31,39 @@ def error_bound(grid: Grid, state: State, residual: Residual) -> float:
     """Return a bound of ||p - p*||_G / ||p||_G for the pressure of `state`.
 
     `residual` is that of the state, interpolated; half an application of G^-1 more at most.
+
+    Parameters
+    ----------
+    grid : Grid
+        operator and preconditioner.
+    state : State
+        a feasible pressure and its separation.
+    residual : Residual
+        of the state, interpolated.
+
+    Returns
+    -------
+    float
+        relative, in the norm of the elastic energy.
     """
     return relative_bound(grid.halfspace, state, grid.residual_norm(state, residual))
 
 
 def bound_without_transform(grid: Grid, state: State) -> float:
-    """Return a coarser bound, from ||r||_{G^-1}^2 <= mean(r^2) max|q|/2, for a residual of rounding alone."""
+    """Return a coarser bound, from ||r||_{G^-1}^2 <= mean(r^2) max|q|/2, for a residual of rounding alone.
+
+    Parameters
+    ----------
+    grid : Grid
+        operator and preconditioner.
+    state : State
+        a feasible pressure and its separation.
+
+    Returns
+    -------
+    float
+        relative, in the norm of the elastic energy; never below `error_bound`.
+    """
     gap = state.gap
     xp = gap.__array_namespace__()
     projected = xp.where(state.pressure > 0, gap, xp.minimum(gap, xp.zeros_like(gap)))
@@ -48,6 +75,20 @@ def relative_bound(halfspace: HalfSpace, state: State, residual_norm: float) -> 
     """Return the bound of the relative error that belongs to the norm ||r||_{G^-1} of the residual.
 
     What rounding hides in the residual is added, so that the bound holds down to the floor.
+
+    Parameters
+    ----------
+    halfspace : HalfSpace
+        the operator.
+    state : State
+        a feasible pressure and its separation.
+    residual_norm : float
+        ||r||_{G^-1}, dimensionless.
+
+    Returns
+    -------
+    float
+        infinite for a uniform pressure that leaves a residual: it has no relative error.
     """
     if state.norm == 0:
         # a uniform pressure: right where it leaves no residual, else no relative error exists
@@ -69,6 +110,11 @@ def rounding_floor(halfspace: HalfSpace, state: State, precision: str | None = N
         pressure and scale of rounding.
     precision : str, optional
         of the application; that of the state where it is not given.
+
+    Returns
+    -------
+    float
+        relative, in the norm of the elastic energy.
 
     References
     ----------

@@ -41,7 +41,20 @@ class Coarsening(NamedTuple):
 
 
 def pitches_of(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[float, float]:
-    """Return the pitches (dy, dx) of a grid."""
+    """Return the pitches (dy, dx) of a grid.
+
+    Parameters
+    ----------
+    shape : (int, int)
+        cells along y and x.
+    lengths : (float, float)
+        Ly and Lx of the periodic cell.
+
+    Returns
+    -------
+    tuple of float
+        in the unit of the lengths.
+    """
     return lengths[0] / shape[0], lengths[1] / shape[1]
 
 
@@ -50,6 +63,19 @@ def whole_factors(pitches: tuple[float, float], shape: tuple[int, int], *, small
 
     An axis is divided while it keeps at least `smallest` cells. One whose pitch is finer is coarsened alone,
     until the cells are about square.
+
+    Parameters
+    ----------
+    pitches : (float, float)
+        dy and dx of the cells.
+    shape : (int, int)
+        cells along y and x.
+    smallest : int
+        cells that an axis keeps at least.
+
+    Returns
+    -------
+    tuple of int
     """
     finest = min(p for p, n in zip(pitches, shape, strict=True) if n > 1)
     factors = []
@@ -65,6 +91,20 @@ def halving_factors(pitches: tuple[float, float], shape: tuple[int, int]) -> tup
     Where pixels are far longer than wide, a line whose whole length is short against the distance to the next
     is a contact of its own, coupled to the others by its load alone: a residual that is constant along it
     must stay constant across its gaps. So its one cell takes the mean over its contact.
+
+    Parameters
+    ----------
+    pitches : (float, float)
+        dy and dx of the cells.
+    shape : (int, int)
+        cells along y and x.
+
+    Returns
+    -------
+    factors : tuple of int
+        1 along an axis that stays as it is.
+    collapses_lines : bool
+        whether each coarser cell is a whole line.
     """
     (ny, nx), (dy, dx) = shape, pitches
     finest = min(p for p, n in zip(pitches, shape, strict=True) if n > 1)
@@ -78,6 +118,18 @@ def halving_factors(pitches: tuple[float, float], shape: tuple[int, int]) -> tup
 @lru_cache(maxsize=64)
 def hierarchy(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[Coarsening, ...]:
     """Return the grids coarser than `shape`, the finest first.
+
+    Parameters
+    ----------
+    shape : (int, int)
+        cells along y and x.
+    lengths : (float, float)
+        Ly and Lx of the periodic cell.
+
+    Returns
+    -------
+    tuple of Coarsening
+        empty where the grid is as small as the coarsest may be.
 
     Examples
     --------
@@ -96,7 +148,17 @@ def hierarchy(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[Coa
 
 
 def has_separate_lines(grids: tuple[Coarsening, ...]) -> bool:
-    """Return whether lines become cells in a hierarchy: they are contacts of their own."""
+    """Return whether lines become cells in a hierarchy: they are contacts of their own.
+
+    Parameters
+    ----------
+    grids : tuple of Coarsening
+        a hierarchy.
+
+    Returns
+    -------
+    bool
+    """
     return any(grid.collapses_lines for grid in grids)
 
 
@@ -105,6 +167,18 @@ def stencil(pitches: tuple[float, float], shape: tuple[int, int]) -> Weights:
     """Return the weights of a neighbour across y, across x, and diagonal; those of all eight sum to 1.
 
     They go with the inverse cube of the distance, as the kernel of G^-1 does.
+
+    Parameters
+    ----------
+    pitches : (float, float)
+        dy and dx of the cells.
+    shape : (int, int)
+        cells along y and x.
+
+    Returns
+    -------
+    tuple of float
+        zero across an axis of a single cell.
     """
     dy, dx = pitches
     weights = np.array([dy**-3.0, dx**-3.0, np.hypot(dy, dx) ** -3.0])

@@ -72,7 +72,20 @@ def conjugate_gradients(
 
 
 def corrected_accurately(grid: Grid, correction: PreconditionedResidual) -> PreconditionedResidual:
-    """Return `correction` with a field that, taken off the pressure, takes most of the residual away."""
+    """Return `correction` with a field that, taken off the pressure, takes most of the residual away.
+
+    Parameters
+    ----------
+    grid : Grid
+        operator and preconditioner.
+    correction : PreconditionedResidual
+        of the grid's last residual.
+
+    Returns
+    -------
+    PreconditionedResidual
+        its `mean` is zero.
+    """
     residual, active = grid.last_residual(precision_of(correction.field))
     steps = conjugate_gradients(grid, residual, correction.field, active)
     solution, first = next(steps)
@@ -83,5 +96,15 @@ def corrected_accurately(grid: Grid, correction: PreconditionedResidual) -> Prec
 
 
 def gains_little(bound: float, before: float) -> bool:
-    """Return whether a step lowered the bound by so little that an accurate correction is worth its price."""
+    """Return whether a step lowered the bound by so little that an accurate correction is worth its price.
+
+    Parameters
+    ----------
+    bound, before : float
+        the bound of the error after and before the step.
+
+    Returns
+    -------
+    bool
+    """
     return bool(np.isfinite(before) and bound > 0.5 * before)

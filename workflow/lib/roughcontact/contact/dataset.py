@@ -47,6 +47,11 @@ def as_dataset(
         of the dataset; `tolerance` says what counts as converged.
     threads : int
         of the passes over the fields.
+
+    Returns
+    -------
+    Dataset
+        the variables of contact.nc, over (load, y, x) or (load).
     """
     state = solution.state
     height_unit = problem.scale if not problem.flat else 1.0
@@ -93,7 +98,18 @@ def as_dataset(
 
 
 def joined(pieces: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Return the datasets of the loads as one."""
+    """Return the datasets of the loads as one.
+
+    Parameters
+    ----------
+    pieces : sequence of Dataset
+        from `as_dataset`.
+
+    Returns
+    -------
+    Dataset
+        with a dimension `load` as long as the sequence.
+    """
     if len(pieces) == 1:
         return pieces[0]
     return xr.concat(

@@ -111,7 +111,13 @@ class Interpolation:
         self._small = None if has_separate_lines(plan) else kernels.small_grids(self.grids, stores, ends)
 
     def set_active(self, active: Array) -> None:
-        """Let C be the points where the field `active`, which is kept, is not zero."""
+        """Let C be the points where the field `active`, which is kept, is not zero.
+
+        Parameters
+        ----------
+        active : array (ny, nx)
+            zero outside C; written over by nobody as long as C is to hold.
+        """
         kernels, xp, self.active = self.kernels, active.__array_namespace__(), active
         if self.grids:
             finest = self.grids[0]
@@ -137,7 +143,15 @@ class Interpolation:
                 kernels.block_mean(grid.means, coarser.factors, coarser.means)
 
     def prolong(self, values: Array, out: Array) -> None:
-        """Put P `values` into `out`; both of shape (ny, nx), the values zero outside C."""
+        """Put P `values` into `out`; both of shape (ny, nx), the values zero outside C.
+
+        Parameters
+        ----------
+        values : array (ny, nx)
+            zero outside C.
+        out : array (ny, nx)
+            is written.
+        """
         kernels = self.kernels
         if not self.grids:
             gaps = self._gaps()
@@ -151,12 +165,34 @@ class Interpolation:
         """Put P^T `field`, zero outside C, into `field`; return its sum.
 
         `scratch`, like `field`, is overwritten.
+
+        Parameters
+        ----------
+        field : array (ny, nx)
+            is written over.
+        scratch : array (ny, nx)
+            is written over.
+
+        Returns
+        -------
+        float
         """
         restricted, factors = self._restricted_to_coarse(field, scratch)
         return self.kernels.finish_restriction(field, scratch, restricted, factors, self.active)
 
     def redistribute(self, taken: Array, pressure: Array, cap: float, scratch: Array) -> tuple[float, float]:
         """Add the load P^T `taken`, which is zero on C, to the `pressure`.
+
+        Parameters
+        ----------
+        taken : array (ny, nx)
+            load to hand on, zero on C; is written over.
+        pressure : array (ny, nx)
+            gets the load.
+        cap : float
+            largest pressure allowed.
+        scratch : array (ny, nx)
+            is written over.
 
         Returns
         -------

@@ -151,5 +151,16 @@ def pose(window: xr.DataArray, *, precision: str = DOUBLE, threads: int = 1) -> 
 
 
 def on_host(array: _Labelled) -> _Labelled:
-    """Return `array` with its values in a NumPy array, whatever library and device they are of."""
+    """Return `array` with its values in a NumPy array, whatever library and device they are of.
+
+    Parameters
+    ----------
+    array : DataArray or Dataset
+        of any array library.
+
+    Returns
+    -------
+    DataArray or Dataset
+        the same one where nothing had to be copied.
+    """
     return array if isinstance(array.data, np.ndarray) else array.as_numpy()

@@ -22,6 +22,19 @@ def project_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.in
     """Return the nearest field to `pressure` between 0 and `cap` that has the prescribed mean.
 
     It is max(min(p - shift, cap), 0); the mean falls with the shift, which bisection finds to the last digit.
+
+    Parameters
+    ----------
+    pressure : array (ny, nx)
+        dimensionless.
+    mean_pressure : float
+        to be reached.
+    cap : float
+        largest pressure allowed.
+
+    Returns
+    -------
+    array (ny, nx)
     """
     xp = pressure.__array_namespace__()
     top = None if cap == np.inf else cap
@@ -45,6 +58,19 @@ def projected_gradient_step(grid: Grid, state: State, mean_pressure: float) -> S
 
     The first step length is that of steepest descent on the active set, <r, r> / <r, G r>; it is halved until
     the energy falls along the line to the projection.
+
+    Parameters
+    ----------
+    grid : Grid
+        operator and preconditioner.
+    state : State
+        a feasible pressure and its separation.
+    mean_pressure : float
+        prescribed, dimensionless.
+
+    Returns
+    -------
+    State or None
     """
     xp = state.pressure.__array_namespace__()
     gap, pressure = state.gap, state.pressure

@@ -41,6 +41,17 @@ def contact_mean(pressure: Array, separation: Array, *, cap: float) -> float:
 
     Where every point in contact has reached the cap, any offset between the separations of the points at the
     cap and of those without pressure will do: the middle.
+
+    Parameters
+    ----------
+    pressure, separation : array (ny, nx)
+        dimensionless.
+    cap : float
+        largest pressure allowed.
+
+    Returns
+    -------
+    float
     """
     xp = pressure.__array_namespace__()
     free = (pressure > 0) & (pressure < cap)
@@ -57,6 +68,19 @@ def scale_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.inf)
 
     Without a cap that is one multiplication. With one, points at the cap stay there, the others are scaled,
     and those that the factor takes beyond the cap are held in turn, which ends after finitely many passes.
+
+    Parameters
+    ----------
+    pressure : array (ny, nx)
+        dimensionless.
+    mean_pressure : float
+        to be reached.
+    cap : float
+        largest pressure allowed.
+
+    Returns
+    -------
+    array (ny, nx)
 
     Raises
     ------
@@ -89,10 +113,30 @@ def scale_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.inf)
 
 
 def norm(left: Array, right: Array) -> float:
-    """Return the root of the mean of left x right, a quadratic form that rounding may turn negative."""
+    """Return the root of the mean of left x right, a quadratic form that rounding may turn negative.
+
+    Parameters
+    ----------
+    left, right : array (ny, nx)
+        a field and what the operator makes of it.
+
+    Returns
+    -------
+    float
+    """
     return float(np.sqrt(max(mean_product(left, right), 0.0)))
 
 
 def mean_product(left: Array, right: Array) -> float:
-    """Return the mean over the grid of left x right, summed in double precision."""
+    """Return the mean over the grid of left x right, summed in double precision.
+
+    Parameters
+    ----------
+    left, right : array (ny, nx)
+        of one array library.
+
+    Returns
+    -------
+    float
+    """
     return mean(left * right)

@@ -83,14 +83,38 @@ class HalfSpace:
         self.largest_stiffness = float(xp.max(stiffness))
 
     def displacement(self, pressure: Array, *, out: Array | None = None) -> Array:
-        """Return u = G p, shape (ny, nx), mean zero, in the precision of `pressure`, in the array `out`."""
+        """Return u = G p, shape (ny, nx), mean zero, in the precision of `pressure`, in the array `out`.
+
+        Parameters
+        ----------
+        pressure : array (ny, nx)
+            dimensionless, single or double precision.
+        out : array (ny, nx), optional
+            is written; a new array where there is none.
+
+        Returns
+        -------
+        array (ny, nx)
+        """
         precision = precision_of(pressure)
         spectrum = self._transform(pressure)
         self._kernels.multiply(spectrum, self._symbol(precision))
         return self.field_of(spectrum, precision, out=out)
 
     def pressure(self, displacement: Array, *, out: Array | None = None) -> Array:
-        """Return p = G^-1 u, shape (ny, nx), mean zero, in the precision of `displacement`, in `out`."""
+        """Return p = G^-1 u, shape (ny, nx), mean zero, in the precision of `displacement`, in `out`.
+
+        Parameters
+        ----------
+        displacement : array (ny, nx)
+            dimensionless, single or double precision.
+        out : array (ny, nx), optional
+            is written; a new array where there is none.
+
+        Returns
+        -------
+        array (ny, nx)
+        """
         spectrum, _ = self.pressure_spectrum(displacement)
         return self.field_of(spectrum, precision_of(displacement), out=out)
 
@@ -98,6 +122,18 @@ class HalfSpace:
         """Return the spectrum of p = G^-1 u and the mean of u p: half an application.
 
         The next application, and who writes into the `scratch` array, may overwrite the spectrum.
+
+        Parameters
+        ----------
+        displacement : array (ny, nx)
+            dimensionless, single or double precision.
+
+        Returns
+        -------
+        spectrum : array (ny, nx//2 + 1), complex
+            as the transform leaves it.
+        energy : float
+            mean of u p.
         """
         precision = precision_of(displacement)
         spectrum = self._transform(displacement)
@@ -105,7 +141,21 @@ class HalfSpace:
         return spectrum, float(energy) / displacement.size**2
 
     def field_of(self, spectrum: Array, precision: str, *, out: Array | None = None) -> Array:
-        """Return the field of a `spectrum`, which is lost, in the array `out`: half an application."""
+        """Return the field of a `spectrum`, which is lost, in the array `out`: half an application.
+
+        Parameters
+        ----------
+        spectrum : array (ny, nx//2 + 1), complex
+            is lost.
+        precision : str
+            of the field.
+        out : array (ny, nx), optional
+            is written; a new array where there is none.
+
+        Returns
+        -------
+        array (ny, nx)
+        """
         if out is None:
             out = empty(self._like, precision)
         self._plan(precision).inverse(spectrum, out)
@@ -113,7 +163,17 @@ class HalfSpace:
         return out
 
     def scratch(self, precision: str) -> Array:
-        """Return an array (ny, nx) in `precision` that the next application overwrites."""
+        """Return an array (ny, nx) in `precision` that the next application overwrites.
+
+        Parameters
+        ----------
+        precision : str
+            of the array.
+
+        Returns
+        -------
+        array (ny, nx)
+        """
         return self._plan(precision).scratch
 
     def _transform(self, field: Array) -> Array:
