@@ -145,8 +145,8 @@ def _tensor(gap: np.ndarray, steps: tuple[float, float], axes: np.ndarray, toler
     drops *= root[:, None]
     energy = (drops**2).sum(axis=0)
     gains: deque[np.ndarray] = deque(maxlen=_STEPS_TO_TRUST)
-    cycle = multigrid(difference, np.argwhere(is_open))
-    solutions = minimised((difference.T @ difference).tocsr(), -(difference.T @ drops), cycle)
+    matrix, cycle = multigrid(difference, np.argwhere(is_open))
+    solutions = minimised(matrix, -(difference.T @ drops), cycle)
     for step, (pressure, gain) in enumerate(solutions):
         gains.append(gain)
         energy -= gain

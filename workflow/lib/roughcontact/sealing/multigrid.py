@@ -21,8 +21,11 @@ class _Level(NamedTuple):
     restrict: sp.csr_array
 
 
-def multigrid(root: sp.csr_array, places: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """Return a preconditioner for the matrix root' root of a network: a V-cycle of smoothed aggregation [1]_.
+Cycle = Callable[[np.ndarray], np.ndarray]
+
+
+def multigrid(root: sp.csr_array, places: np.ndarray) -> tuple[sp.csr_array, Cycle]:
+    """Return the matrix root' root of a network and a preconditioner: a V-cycle of smoothed aggregation [1]_.
 
     The network is cut into blocks of 3 x 3 points. What hangs together inside a block, by links that are not
     much weaker than the others of the same points, becomes one point of the next coarser network, so that
@@ -38,7 +41,8 @@ def multigrid(root: sp.csr_array, places: np.ndarray) -> Callable[[np.ndarray], 
 
     Returns
     -------
-    callable
+    matrix : sparse array (n, n)
+    cycle : callable
         residuals (n, columns) -> corrections (n, columns), symmetric and positive semidefinite.
 
     References
@@ -53,15 +57,16 @@ def multigrid(root: sp.csr_array, places: np.ndarray) -> Callable[[np.ndarray], 
     >>> points = np.arange(900)
     >>> ends = sp.coo_array((np.ones(900), (points, np.roll(points, -1)))).tocsr()
     >>> root = (ends - sp.eye_array(900)).tocsr()
-    >>> cycle = multigrid(root, np.stack([0 * points, points], axis=1))
+    >>> matrix, cycle = multigrid(root, np.stack([0 * points, points], axis=1))
     >>> b, x = np.sin(2 * np.pi * points / 900)[:, None], np.zeros((900, 1))
     >>> for _ in range(15):
-    ...     x = x + cycle(b - root.T @ (root @ x))
-    >>> bool(np.abs(b - root.T @ (root @ x)).max() < 1e-6)
+    ...     x = x + cycle(b - matrix @ x)
+    >>> bool(np.abs(b - matrix @ x).max() < 1e-6)
     True
     """
     levels: list[_Level] = []
-    matrix = (root.T @ root).tocsr()
+    transposed = root.T.tocsr()
+    finest = matrix = transposed @ root
     while matrix.shape[0] > _COARSEST:
         points = np.arange(matrix.shape[0])
         aggregate, count = _aggregates(matrix, places // _BLOCK)
@@ -73,12 +78,13 @@ def multigrid(root: sp.csr_array, places: np.ndarray) -> Callable[[np.ndarray], 
         constant = sp.csr_array((np.ones(points.size), aggregate, np.append(points, points.size)))
         across = root @ constant  # nothing inside an aggregate
         across.eliminate_zeros()
-        smooth = sp.diags_array(weight) @ (root.T @ across)
+        smooth = sp.diags_array(weight) @ (transposed @ across)
         prolong = (constant - smooth).tocsr()
         levels.append(_Level(matrix, weight[:, None], prolong, prolong.T.tocsr()))
         root = (across - root @ smooth).tocsr()
         root = root[np.diff(root.indptr) > 0]
-        matrix = (root.T @ root).tocsr()
+        transposed = root.T.tocsr()
+        matrix = transposed @ root
         first = np.empty(count, int)
         first[aggregate] = points  # any member has the place of its block
         places = places[first] // _BLOCK
@@ -101,11 +107,11 @@ def multigrid(root: sp.csr_array, places: np.ndarray) -> Callable[[np.ndarray], 
             correction += level.weight * (residual - level.matrix @ correction)
         return correction
 
-    return cycle
+    return finest, cycle
 
 
 def minimised(
-    matrix: sp.csr_array, forces: np.ndarray, precondition: Callable[[np.ndarray], np.ndarray]
+    matrix: sp.csr_array, forces: np.ndarray, precondition: Cycle
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Yield better and better solutions of matrix x = forces, by preconditioned conjugate gradients.
 
@@ -127,18 +133,23 @@ def minimised(
     """
     solution, residual = np.zeros_like(forces), forces.copy()
     direction = preconditioned = precondition(residual)
-    product = (residual * preconditioned).sum(axis=0)
+    product = _products(residual, preconditioned)
     while True:
         image = matrix @ direction
-        curvature = (direction * image).sum(axis=0)
+        curvature = _products(direction, image)
         step = np.divide(product, curvature, out=np.zeros_like(product), where=curvature > 0)
         solution += step * direction
         residual -= step * image
         yield solution, step * product
         preconditioned = precondition(residual)
-        before, product = product, (residual * preconditioned).sum(axis=0)
+        before, product = product, _products(residual, preconditioned)
         share = np.divide(product, before, out=np.zeros_like(product), where=before > 0)
         direction = preconditioned + share * direction
+
+
+def _products(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Return the scalar product of each pair of columns."""
+    return np.einsum("ij,ij->j", first, second)
 
 
 def _inverse(diagonal: np.ndarray) -> np.ndarray:

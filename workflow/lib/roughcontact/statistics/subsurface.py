@@ -12,7 +12,7 @@ from roughcontact.elasticity.subsurface import subsurface_stress, tresca, von_mi
 
 _DEPTHS_PER_DECADE = 6
 _DEEPEST = 0.25  # of the shorter side: deeper down the periodic copies act as one pressure
-_FINE = 0.01  # to which share of its place the depth of the largest stress is found
+_FINE = 0.01  # to which share the depth of the largest stress is found, and to which a load has the stress
 
 Bodies = Sequence[Mapping[str, float | None]]
 
@@ -159,8 +159,8 @@ def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.D
     Returns
     -------
     Dataset
-        with `first_subsurface_yield_pressure` (Pa), NaN where no two loads have it between them; unchanged
-        without stresses or without a yield stress.
+        with `first_subsurface_yield_pressure` (Pa), NaN where no load has it and no two have it between
+        them; unchanged without stresses or without a yield stress.
 
     Examples
     --------
@@ -179,6 +179,9 @@ def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.D
         return statistics
     order = np.argsort(statistics["mean_pressure"].values)
     load, stress = (statistics[name].values[order] for name in ("mean_pressure", "max_von_mises_stress"))
+    nearest = int(np.argmin(np.abs(stress / limit - 1)))
+    if abs(stress[nearest] / limit - 1) < _FINE:  # a load that was looked for, just beside it
+        return statistics.assign(first_subsurface_yield_pressure=float(load[nearest]))
     first = int(np.argmax(stress >= limit))  # 0 also where none is
     pair = slice(first - 1, first + 1)
     pressure = (
