@@ -165,6 +165,15 @@ def test_a_slip_in_a_case_is_named_as_its_own():
     assert mistake.keys == ("contact.contact_modulus",)
 
 
+def test_a_load_that_the_softer_body_does_not_bear_is_refused_before_anything_runs():
+    pair = [body("peek"), body("bearing steel")]
+    resolve({"contact": {"bodies": pair, "mean_pressure": "299 MPa"}})
+    (line,) = lines({"bodies": pair, "mean_pressure": ["1 MPa", "300 MPa"]})
+    assert line == (
+        "contact.mean_pressure 3e+08 Pa is not below the hardness 3e+08 Pa: no contact carries it"
+    )
+
+
 def test_the_softer_body_gives_the_hardness():
     for pair in ([body("peek"), body("bearing steel")], [body("bearing steel"), body("peek")]):
         assert resolve({"contact": {"bodies": pair}})[""]["contact"]["hardness"] == 3e8

@@ -86,6 +86,13 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         settings["contact"]["contact_modulus"] = contact_modulus(bodies)
         if stated := [body["hardness"] for body in bodies if body["hardness"] is not None]:
             settings["contact"]["hardness"] = min(stated)  # the softer body flows first
+    hardness, loads = settings["contact"]["hardness"], settings["contact"]["mean_pressure"] or ()
+    if hardness is not None and max(loads, default=0.0) >= hardness:
+        text = (
+            f"{where}.mean_pressure {max(loads):g} Pa is not below the hardness {hardness:g} Pa: no contact "
+            "carries it"
+        )
+        mistakes.append(SettingsError(text, keys=["contact.mean_pressure"]))
     limits = [settings["contact"]["hardness"], *(body["yield_stress"] for body in bodies or ())]
     if "first_yield" in (settings["contact"]["target"] or ()) and not any(limits):
         text = f"{where}.target: first_yield needs the yield_stress of a body, or a hardness"
