@@ -65,3 +65,27 @@ def test_options_of_a_run_go_to_snakemake(folder, capfd):
     assert main(["run", "--no-such-option"]) != 0
     assert "--no-such-option" in capfd.readouterr().err
     assert not (folder / "results").exists()
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"a: [1,\n b: }\n", "settings.yaml, line 2: is no valid YAML"),
+        (b"contact:\n\tmean_pressure: 1\n", "settings.yaml, line 2: is no valid YAML"),
+        (b"contact: \xff\xfe\n", "settings.yaml: is no text in UTF-8"),
+        (b"a: " + b"[" * 20_000, "settings.yaml: is nested without end"),
+        (b"# nothing\n", "settings.yaml: is empty"),
+        (b"level: {order: 2}\ncontact: {}\nlevel: {fill: none}\n", "line 1: level stands twice in the same"),
+        (b"cases:\n  soft: {}\n  soft: {}\n", "line 2: soft stands twice"),
+    ],
+)
+def test_a_configuration_that_cannot_be_read_is_named(folder, capsys, content, said):
+    (folder / "settings.yaml").write_bytes(content)
+    assert main(["run", "--configfile", "settings.yaml"]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_configuration_of_aliases_is_looked_at_once(folder):
+    lines = ["a0: &a0 [1, 1]", *(f"a{n}: &a{n} [*a{n - 1}, *a{n - 1}]" for n in range(1, 60))]
+    (folder / "settings.yaml").write_text("\n".join(lines))
+    running._check_yaml(folder / "settings.yaml")

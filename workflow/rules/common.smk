@@ -36,7 +36,7 @@ try:
     MEASURED = measured(TABLE)
     MEMBERS = members(TABLE, COMPOSITE["shifts"] * len(COMPOSITE["rotations"]))
 except SettingsError as error:
-    raise WorkflowError(str(error)) from None
+    sys.exit(str(error))  # the sentences alone: a WorkflowError comes with lines of this file
 
 STUDY = "" not in CASES
 TOGETHER = CASES[next(iter(CASES))]["together"]  # the same for all cases

@@ -153,6 +153,7 @@ def _check_start(given: argparse.Namespace) -> None:
             raise SettingsError(
                 f"--configfile {file}: there is no such file; `roughcontact init` writes one to change"
             )
+        _check_yaml(file)
     homes = given.directory, workflow_file().parent, workflow_file().parents[1]
     if not given.configfile and not any((home / _FILES[0]).is_file() for home in homes):
         folder = given.directory.absolute()
@@ -163,6 +164,44 @@ def _check_start(given: argparse.Namespace) -> None:
         raise SettingsError(
             f"{there} is read-only, results cannot be written there: name another folder with --directory"
         )
+
+
+def _check_yaml(file: Path) -> None:
+    """Raise where a configuration cannot be read, or says a thing twice: YAML takes the last alone."""
+    import yaml  # comes with Snakemake
+
+    try:
+        text = file.read_text(encoding="utf-8")
+        root = yaml.compose(text, Loader=yaml.SafeLoader)
+    except (OSError, UnicodeDecodeError) as error:
+        raise SettingsError(f"{file}: is no text in UTF-8 ({error}); save it as such") from error
+    except yaml.YAMLError as error:
+        mark, problem = (getattr(error, key, None) for key in ("problem_mark", "problem"))
+        line = f", line {mark.line + 1}" if mark else ""
+        raise SettingsError(
+            f"{file}{line}: is no valid YAML ({problem or error}); look at and above it"
+        ) from error
+    except RecursionError:
+        raise SettingsError(f"{file}: is nested without end; write out what is meant") from None
+    if root is None:
+        raise SettingsError(f"{file}: is empty; `roughcontact init` writes one to change")
+    waiting, seen = [root], set()
+    while waiting:
+        node = waiting.pop()
+        if id(node) in seen or isinstance(node, yaml.ScalarNode):  # of an alias once
+            continue
+        seen.add(id(node))
+        if isinstance(node, yaml.SequenceNode):
+            waiting += node.value
+            continue
+        keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+        for key, value in node.value:
+            waiting.append(value)
+            if keys.count(key.value) > 1 and "__use_yte__" not in text:
+                raise SettingsError(
+                    f"{file}, line {key.start_mark.line + 1}: {key.value} stands twice in the same group; "
+                    "leave one of them out"
+                )
 
 
 def _left_locked(folder: Path) -> bool:
