@@ -18,7 +18,7 @@ from roughcontact.command_line.program import main
 from roughcontact.configuration.models import Contact, Level, Uncertainty, Window
 from roughcontact.configuration.resolve import resolve
 from roughcontact.io.inspection import inspect_file
-from roughcontact.quantities import plus_minus
+from roughcontact.quantities import with_interval
 from roughcontact.references.synthetic import self_affine_surface
 
 ROOT = Path(__file__).parents[2]
@@ -162,9 +162,16 @@ def test_solve_says_how_far_the_numbers_may_be_off(capsys, small):
         for source, half_width in of_load.items():
             expected = budget[f"{name}_uncertainty"].sel(source=source)[0]
             assert half_width == pytest.approx(float(expected), rel=1e-6)
-    area, off = (load[f"relative_contact_area{end}"] for end in ("", "_uncertainty"))
+        for end in ("lower", "upper"):
+            expected = float(budget[f"{name}_{end}"][0])
+            assert load[f"{name}_{end}"] == pytest.approx(expected, rel=1e-6)
+            assert found["units"][f"{name}_{end}"] == found["units"][name]
+    area, *ends = (100 * load[f"relative_contact_area{end}"] for end in ("", "_lower", "_upper"))
     _, out, _ = said(capsys, *options)
-    assert f"{plus_minus(100 * area, 100 * off['combined'])} %" in out
+    assert f"{with_interval(area, *ends)} %" in out
+    assert "for this surface over 3.0 times the length of the map" in out
+    _, out, _ = said(capsys, *options, "--uncertainty-extent", "10")
+    assert "for this surface over 10 times the length of the map" in out
     _, out, _ = said(capsys, *options, "--uncertainty-sources")  # none of them
     assert "±" not in out
     code, _, err = said(capsys, *options, "--uncertainty-sources", "luck")

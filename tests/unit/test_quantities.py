@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from roughcontact.quantities import number, percent, plus_minus, prefix, quantity
+from roughcontact.quantities import number, percent, plus_minus, prefix, quantity, with_interval
 
 
 @pytest.mark.parametrize(
@@ -78,6 +78,22 @@ def test_number(value, digits, text):
 )
 def test_plus_minus(value, half_width, text):
     assert plus_minus(value, half_width) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "lower", "upper", "text"),
+    [
+        (0.5, 0.4, 0.6, "0.50 ± 0.10"),
+        (0.5, 0.4, 0.609, "0.50 ± 0.11"),  # as far, within a tenth
+        (0.5, 0.4, 0.8, "0.50 −0.10 +0.30"),
+        (0.97, 0.9, 1.0, "0.970 −0.070 +0.030"),
+        (0.0, 0.0, 0.02, "0.000 −0 +0.020"),  # no gap: nothing below it
+        (0.5, np.nan, np.nan, "0.500"),
+        (0.5, 0.5, 0.5, "0.500"),
+    ],
+)
+def test_with_interval(value, lower, upper, text):
+    assert with_interval(value, lower, upper) == text
 
 
 def test_percent_of_extremes():

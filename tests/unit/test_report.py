@@ -211,7 +211,7 @@ def good():
     contact = solve_contact(surface, contact_modulus=2e9, mean_pressure=loads, hardness=1.5e9)
     statistics = contact_statistics(contact)
     statistics["points_per_shortest_wavelength"][:] = 8.5
-    return statistics
+    return statistics.assign_attrs(window_flag="")
 
 
 def outcomes(statistics, *, height=(), levelled=(), window=(), points=96 * 96):
@@ -238,6 +238,7 @@ def test_each_check_can_ask_for_a_look(good):
     poor["relative_contact_area_pixels"][:] = [50 / 96**2, 1.0]
     poor["rms_gradient"] = 0.5
     poor["rejected_load_share"] = ("load", [0.11, 0.04])
+    poor.attrs["window_flag"] = "The heights grow with the length of the map."
     found, verdict = outcomes(
         poor,
         height={"missing_share": 0.1, "ingest_warnings": json.dumps(["The unit was guessed."])},
@@ -270,6 +271,7 @@ def test_each_check_can_ask_for_a_look(good):
     assert "level.form" in found["Form"].sentence
     assert "make up 70.0 % of the mean square gradient" in found["Steep places"].sentence
     assert found["Reading the file"].sentence == "The unit was guessed."
+    assert found["Sample"].sentence == "The heights grow with the length of the map."
 
 
 def test_slopes_that_no_surface_has_are_not_to_be_trusted(good):

@@ -7,7 +7,7 @@ import xarray as xr
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
 from roughcontact.levelling.level import level
-from roughcontact.quantities import plus_minus
+from roughcontact.quantities import plus_minus, with_interval
 from roughcontact.references import synthetic
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.results.collect import summary_table
@@ -49,12 +49,46 @@ def test_the_combined_interval_covers_the_surface_that_was_measured():
 
 def test_parts_add_as_squares_and_what_is_known_to_be_off_as_it_is():
     solver, pixels = (xr.Dataset({name: ("load", [v, np.nan]) for name in QUANTITIES}) for v in (3.0, 4.0))
-    combined = combine({"solver": solver, "discretisation": pixels}).sel(source="combined")
+    result = xr.Dataset({name: ("load", [9.0, 9.0]) for name in QUANTITIES})
+    result = result.assign(mean_pressure=("load", [1.0, 1.0]), relative_contact_area=("load", [0.5, 0.5]))
+    found = combine({"solver": solver, "discretisation": pixels}, result)
+    combined = found.sel(source="combined")
     for name in QUANTITIES:
         np.testing.assert_equal(combined[f"{name}_uncertainty"].values, [5.0, np.nan])
+    np.testing.assert_equal(found["mean_gap_lower"].values, [4.0, np.nan])
+    np.testing.assert_equal(found["mean_gap_upper"].values, [14.0, np.nan])
+    # a share of the area, and no pressure in contact below the load
+    assert [float(found[f"relative_contact_area_{end}"][0]) for end in ("lower", "upper")] == [0.0, 1.0]
     pixels["mean_gap_bias"] = ("load", [4.0, np.nan])
-    combined = combine({"solver": solver, "discretisation": pixels}).sel(source="combined")
-    assert float(combined["mean_gap_uncertainty"][0]) == 7.0
+    found = combine({"solver": solver, "discretisation": pixels}, result)
+    assert float(found["mean_gap_uncertainty"].sel(source="combined")[0]) == 7.0
+    # what the result is known to be too low reaches upwards alone
+    assert [float(found[f"mean_gap_{end}"][0]) for end in ("lower", "upper")] == [6.0, 16.0]
+
+
+def test_an_interval_may_reach_farther_up_than_down():
+    window = xr.Dataset({name: ("load", [8.0]) for name in QUANTITIES})
+    window = window.assign(mean_gap_down=("load", [3.0]), mean_gap_up=("load", [8.0]))
+    solver = xr.Dataset({name: ("load", [4.0]) for name in QUANTITIES})
+    result = xr.Dataset({name: ("load", [20.0]) for name in QUANTITIES}).assign(
+        mean_pressure=("load", [19.0])
+    )
+    found = combine({"solver": solver, "window": window}, result)
+    assert float(found["mean_gap_lower"][0]) == 15.0
+    assert float(found["mean_gap_upper"][0]) == pytest.approx(20 + np.hypot(4, 8))
+    assert float(found["mean_gap_uncertainty"].sel(source="combined")[0]) == pytest.approx(np.hypot(4, 8))
+    assert float(found["mean_contact_pressure_lower"][0]) == 19.0
+
+
+def test_the_result_lies_in_its_interval(maps, budget):
+    solved = solve_contact(maps[1], **CONTACT, reduce=headline)
+    for name in QUANTITIES:
+        assert (budget[f"{name}_lower"] < solved[name]).all()
+        assert (budget[f"{name}_upper"] > solved[name]).all()
+        assert (budget[f"{name}_lower"] >= 0).all()
+    # what is taken off a mean over whole pixels is no matter of chance, and the growth of waves is upwards
+    gap = budget["mean_gap_upper"] - solved["mean_gap"]
+    assert (gap >= solved["mean_gap"] - budget["mean_gap_lower"]).all()
 
 
 def test_every_source_has_its_place(budget):
@@ -97,6 +131,8 @@ def test_statistics_and_summary_carry_the_budget(statistics, budget):
     table = summary_table(one)
     combined = budget["max_pressure_uncertainty"].sel(source="combined").values
     np.testing.assert_array_equal(table["max_pressure_uncertainty_Pa"], combined)
+    for end in ("lower", "upper"):
+        np.testing.assert_array_equal(table[f"mean_gap_{end}_m"], budget[f"mean_gap_{end}"].values)
     area = budget["relative_contact_area_uncertainty"]
     for source in SOURCES:
         column = table[f"relative_contact_area_uncertainty_from_{source}"]
@@ -116,8 +152,9 @@ def test_the_report_says_what_the_uncertainty_is_made_of(statistics):
     shown = shown_budget(statistics)
     assert len(shown["rows"]) == 2
     area = float(statistics["relative_contact_area"][0])
-    half = float(statistics["relative_contact_area_uncertainty"].sel(source="combined")[0])
-    assert shown["rows"][0][1] == plus_minus(area, half)
+    ends = (float(statistics[f"relative_contact_area_{end}"][0]) for end in ("lower", "upper"))
+    assert shown["rows"][0][1] == with_interval(area, *ends)
+    assert any("for this surface over 3.00 times the length of the map" in note for note in shown["notes"])
     assert shown["rows"][0][-1] in shown["header"]
     assert len(shown["images"]) == 4
     assert all(image.startswith("data:image/svg") for _, image in shown["images"])

@@ -10,6 +10,7 @@ from roughcontact.errors import ConvergenceError, SettingsError
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.roughness.texture import texture_parameters
 from roughcontact.uncertainty.ensemble import solve_member
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.uncertainty.window_sampling import window_uncertainty
@@ -29,7 +30,7 @@ def crop(master, points, place):
 
 
 def test_identical_parts_leave_what_the_size_adds():
-    """Nine copies of a periodic map: the parts do not scatter, what they differ from the whole is bias."""
+    """Nine copies of a periodic map: the parts do not scatter, what they differ from the whole goes on."""
     tile = surface(64, longest=32.0).values
     levelled = level(height_map(np.tile(tile, (3, 3)), 1.0))
     problem = contact(0.05, 0.2)
@@ -38,29 +39,67 @@ def test_identical_parts_leave_what_the_size_adds():
         members = found[f"{name}_members"].values
         assert members.shape == (9, 2)
         np.testing.assert_allclose(members, members[:1].repeat(9, axis=0), rtol=1e-6)
-        bias = 2 * abs(members[0] - solved[name].values) / (3 - 1)
-        np.testing.assert_allclose(found[name], 2 * bias / np.sqrt(3), rtol=1e-3, atol=1e-9)
-        assert (found[name] < 0.02 * solved[name]).all()
+        change = abs(np.log(members[0] / solved[name].values))
+        # waves of a sixth of the map: next to nothing grows, and the least exponent is that of the change
+        ends = np.expm1(0.25 * change), -np.expm1(-0.25 * change)
+        if name == "mean_gap":
+            assert found.attrs["growth"] < 1.02
+            ends = found.attrs["growth"] ** 1.5 - 1, 0
+        else:
+            assert (found[name] < 0.02 * solved[name]).all()
+        for end, expected in zip(("up", "down"), ends, strict=True):
+            half_width = found[f"{name}_{end}"] / solved[name]
+            np.testing.assert_allclose(half_width, expected, rtol=1e-3, atol=1e-4)
 
 
-def test_formula_from_the_members():
-    solved, found = sampled(crop(surface(256, longest=32.0), 128, 0), contact(0.05, 0.2))
-    t = stats.t.ppf(0.975, 8)
+@pytest.mark.parametrize(("longest", "extent"), [(32.0, 3.0), (32.0, 10.0), (512.0, 3.0)])
+def test_formula_from_the_members(longest, extent):
+    levelled = crop(surface(512, longest=longest), 128, 0)
+    solved, found = sampled(levelled, contact(0.05, 0.2), extent=extent)
+    window = periodic_window(levelled)
+    flatness = min(1, 2 * texture_parameters(window)["Str"])
+    dimensions = 1 + flatness
+    t = stats.t.ppf(0.975, 3**dimensions - 1)
     assert found.attrs["coverage_factor"] == pytest.approx(t)
-    assert found.attrs["degrees_of_freedom"] == 8
-    # a map of 128 points has a window of 108; each part of 36 points one of 32, and bands of 3 or 4
-    longer = 108 / 32
-    for name in MEANS:
-        members, main = found[f"{name}_members"].values, solved[name].values
-        mean, deviation = members.mean(axis=0), members.std(axis=0, ddof=1)
-        bias = 2 * abs(mean - main) / (longer - 1)
-        expected = np.sqrt((t * main * deviation / mean / longer) ** 2 + (2 * bias) ** 2 / 3)
-        np.testing.assert_allclose(found[name], expected, rtol=1e-9)
-    peaks, peak = found["max_pressure_members"].values, solved["max_pressure"].values
-    assert (peaks.mean(axis=0) < peak).all()
-    np.testing.assert_allclose(
-        found["max_pressure"], t * peaks.std(axis=0, ddof=1) * peaks.mean(axis=0) / peak
-    )
+    assert found.attrs["degrees_of_freedom"] == pytest.approx(3**dimensions - 1)
+    growth = np.log(found.attrs["growth"])
+    assert (growth > 0.25) == (longest == 512.0)
+    hurst = np.clip(growth / np.log(extent), 0.25, 1)
+    scale = t * 3 ** (-(1 - hurst) * dimensions / 2) * np.sqrt(1 + extent ** (-(1 - hurst) * dimensions))
+    for name in QUANTITIES:
+        members, main = np.log(found[f"{name}_members"].values), np.log(solved[name].values)
+        deviation = members.std(axis=0, ddof=1)
+        down = scale * deviation
+        if name == "mean_gap":
+            up = np.hypot(down, 1.5 * growth)
+        elif name == "max_pressure":
+            down = t * deviation
+            up = down + np.sqrt(6) / np.pi * deviation * dimensions * np.log(extent)
+        else:
+            down = up = np.hypot(down, hurst * (main - members.mean(axis=0)) * np.log(extent) / np.log(3))
+        np.testing.assert_allclose(found[f"{name}_down"], solved[name] * (1 - np.exp(-down)), rtol=1e-9)
+        np.testing.assert_allclose(found[f"{name}_up"], solved[name] * (np.exp(up) - 1), rtol=1e-9)
+        np.testing.assert_array_equal(found[name], np.maximum(found[f"{name}_down"], found[f"{name}_up"]))
+
+
+def test_a_longer_surface_has_a_wider_interval():
+    levelled = crop(surface(512, longest=512.0), 128, 0)
+    three, ten = (sampled(levelled, contact(0.05), extent=extent)[1] for extent in (3.0, 10.0))
+    for name in QUANTITIES:
+        assert ten[f"{name}_up"] > three[f"{name}_up"]
+    assert "over 10.0 times the length of the map" in ten.attrs["reason"]
+    with pytest.raises(SettingsError, match=r"extent = 0\.5"):
+        sampled(levelled, contact(0.05), extent=0.5)
+
+
+def test_isolated_features_are_noticed():
+    """Pits that hold most of the mean square height: one map does not tell how many there are elsewhere."""
+    smooth = surface(256, longest=32.0)[:128, :128]
+    y, x = np.mgrid[:128, :128]
+    pit = -20 * float(smooth.std()) * np.exp(-((y - 70) ** 2 + (x - 60) ** 2) / 18)
+    flags = [sampled(level(map_), contact(0.1))[1].attrs["flag"] for map_ in (smooth, smooth + pit)]
+    assert not flags[0]
+    assert "Sku" in flags[1]
 
 
 def test_parts_lie_side_by_side_in_the_window():

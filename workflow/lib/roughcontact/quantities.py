@@ -3,6 +3,7 @@
 import math
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+_AS_FAR = 0.1  # by which the two sides of an interval may differ and still be called ±
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXED = ("m", "Pa", "J", "W", "S")  # units that take a prefix; composed ones are given in powers of ten
 
@@ -124,6 +125,32 @@ def plus_minus(value: float, half_width: float) -> str:
         return f"{number(value)} ± {number(half_width, digits=2)}"
     shown = (f"{round(x, places):.{max(places, 0)}f}".replace("-", "−") for x in (value, half_width))
     return " ± ".join(shown)
+
+
+def with_interval(value: float, lower: float, upper: float) -> str:
+    """Return a value with its interval: ± where it reaches about as far to both sides, else − and +.
+
+    Parameters
+    ----------
+    value, lower, upper : float
+        in the same unit; an interval that is not around the value is left out.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> with_interval(0.412, 0.321, 0.502), with_interval(0.412, 0.321, 0.744)
+    ('0.412 ± 0.091', '0.412 −0.091 +0.33')
+    """
+    down, up = value - lower, upper - value
+    wider, narrower = max(down, up), min(down, up)
+    if not math.isfinite(wider) or narrower < 0 or narrower >= (1 - _AS_FAR) * wider:
+        return plus_minus(value, wider)
+    shown = plus_minus(value, narrower if narrower > 0 else wider).partition(" ± ")[0]
+    ends = (number(float(f"{half_width:.1e}"), digits=2) for half_width in (down, up))
+    return " ".join([shown, *(f"{sign}{end}" for sign, end in zip("−+", ends, strict=True))])
 
 
 def percent(share: float) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from roughcontact.io.metadata import labelled
-from roughcontact.quantities import number, percent, plus_minus, prefix, quantity
+from roughcontact.quantities import number, percent, prefix, quantity, with_interval
 
 _WIDTH = 100
 # headline numbers of a load: name, heading, unit for people
@@ -174,6 +174,7 @@ def solution(result: Mapping[str, Any]) -> str:
         *_lines_of_hardness(surface),
         "",
         *_table(result["loads"]),
+        *_about(result["settings"]["uncertainty"]),
         "",
         _line("verdict", result["verdict"]),
     ]
@@ -191,13 +192,21 @@ def _lines_of_hardness(surface: Mapping[str, Any]) -> list[str]:
     return [_line("hardness", quantity(surface["hardness"], "Pa")), _line("first yield", first)]
 
 
+def _about(uncertainty: Mapping[str, Any]) -> list[str]:
+    """Return the line that says what the ± is for, where the surface beyond the map is part of it."""
+    if "window" not in uncertainty["sources"]:
+        return []
+    times = number(uncertainty["extent"], digits=2)
+    return ["", _line("±", f"for this surface over {times} times the length of the map")]
+
+
 def _cell(load: Mapping[str, Any], name: str, unit: str) -> str:
-    """Return a number of a load with its unit, and with its ± where there is one."""
-    value, half_width = load[name], load.get(f"{name}_uncertainty", {}).get("combined", math.nan)
-    if not half_width > 0:
+    """Return a number of a load with its unit, and with its interval where there is one."""
+    value, *ends = (load.get(f"{name}{end}", math.nan) for end in ("", "_lower", "_upper"))
+    if not ends[1] > ends[0]:
         return percent(value) if unit == "%" else quantity(value, unit, digits=4 if unit == "Pa" else 3)
     factor, shown = (100.0, "%") if unit == "%" else prefix(value, unit)
-    return f"{plus_minus(value * factor, half_width * factor)} {shown}"
+    return f"{with_interval(value * factor, *(end * factor for end in ends))} {shown}"
 
 
 def _table(loads: Iterable[Mapping[str, Any]]) -> list[str]:

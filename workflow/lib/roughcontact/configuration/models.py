@@ -375,6 +375,10 @@ class Uncertainty(Section):
         ge=4,
         description="parts of the window that are solved by themselves, for the source window",
     )
+    extent: Annotated[Number, Field(ge=1)] = Field(
+        default=3.0,
+        description="length of the surface that the ± is for, over the length of the map",
+    )
 
 
 class Report(Section):

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, plus_minus, prefix, quantity
+from roughcontact.quantities import number, prefix, quantity, with_interval
 from roughcontact.report.charts import COLOURS, MARKERS, Axis, Chart
 
 # what each quantity is called on the page
@@ -50,6 +50,7 @@ def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
         return None
     area = numbers["relative_contact_area"].values
     budget = numbers["relative_contact_area_uncertainty"]
+    ends = [numbers[f"relative_contact_area_{end}"] for end in ("lower", "upper")]
     present = [s for s in _WORDS if s != "combined" and np.isfinite(budget.sel(source=s)).any()]
     rows = []
     for index in range(numbers.sizes["load"]):
@@ -57,7 +58,7 @@ def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
         rows.append(
             [
                 quantity(float(numbers["mean_pressure"][index]), "Pa"),
-                plus_minus(area[index], float(budget.sel(source="combined")[index])),
+                with_interval(area[index], *(float(end[index]) for end in ends)),
                 *("–" if np.isnan(part) else f"± {number(part, digits=2)}" for part in parts.values()),
                 _largest(parts),
             ]
@@ -82,7 +83,10 @@ def _largest(parts: Mapping[str, float]) -> str:
 
 
 def _images(numbers: xr.Dataset, present: Sequence[str]) -> list[tuple[str, str]]:
-    """Draw the relative half-widths (percent) of each source against the load; return (quantity, image)."""
+    """Draw the relative half-widths (percent) of each source against the load; return (quantity, image).
+
+    All sources together are a solid line upwards and a dashed one downwards.
+    """
     load = numbers["mean_pressure"].values
     factor, unit = prefix(float(np.median(load)), "Pa")
     images = []
@@ -94,20 +98,24 @@ def _images(numbers: xr.Dataset, present: Sequence[str]) -> list[tuple[str, str]
             size=(330.0, 290.0),
         )
         value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
-        for place, source in enumerate([*present, "combined"]):
-            half = budget.sel(source=source).values
-            share = 100 * np.divide(half, value, out=np.full(value.shape, np.nan), where=value > 0)
-            share = np.where(share >= _LEAST, share, np.nan)
-            if source == "combined":
-                chart.line(load * factor, share, colour="#000000", width=2.2, label=_WORDS[source])
-            else:
-                chart.marks(
-                    load * factor,
-                    share,
-                    colour=COLOURS[place],
-                    marker=MARKERS[place],
-                    joined=1.5,
-                    label=_WORDS[source],
-                )
+        for place, source in enumerate(present):
+            chart.marks(
+                load * factor,
+                _in_percent(budget.sel(source=source).values, value),
+                colour=COLOURS[place],
+                marker=MARKERS[place],
+                joined=1.5,
+                label=_WORDS[source],
+            )
+        down, up = value - numbers[f"{name}_lower"].values, numbers[f"{name}_upper"].values - value
+        for half, dash, words in ((up, "", f"{_WORDS['combined']}, up"), (down, "5 3", "down")):
+            share = _in_percent(half, value)
+            chart.line(load * factor, share, colour="#000000", width=2.2, dash=dash, label=words)
         images.append((title, chart.source("below", columns=2)))
     return images
+
+
+def _in_percent(half_width: np.ndarray, value: np.ndarray) -> np.ndarray:
+    """Return half-widths in percent of the value, NaN where there is nothing to draw."""
+    share = 100 * np.divide(half_width, value, out=np.full(value.shape, np.nan), where=value > 0)
+    return np.where(share >= _LEAST, share, np.nan)

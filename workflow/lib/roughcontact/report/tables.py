@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, percent, plus_minus, prefix, quantity
+from roughcontact.quantities import number, percent, prefix, quantity, with_interval
 from roughcontact.results.storage import read_dataset, read_table
 from roughcontact.statistics.contact_checks import rubber_like
 from roughcontact.variables import VARIABLES
@@ -94,10 +94,9 @@ def number_table(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> Table:
         values = numbers[name].values.astype(float)
         factor, shown = _unit_of_column(values, unit)
         header.append((title, "" if shown == "1" else shown, VARIABLES[name][1]))
-        half_widths = _half_widths(numbers, name)
-        if half_widths is not None:
-            pairs = zip(values * factor, half_widths * factor, strict=True)
-            columns.append([plus_minus(*pair) for pair in pairs])
+        if f"{name}_lower" in numbers:
+            ends = (numbers[f"{name}_{end}"].values * factor for end in ("lower", "upper"))
+            columns.append([with_interval(*each) for each in zip(values * factor, *ends, strict=True)])
         elif name == "contact_clusters":  # a whole number
             columns.append([f"{value:.0f}" for value in values])
         else:
@@ -121,13 +120,6 @@ def _unit_of_column(values: np.ndarray, unit: str) -> tuple[float, str]:
         factor, shown = prefix(middle, unit.partition(" ")[0])
         return factor, f"{shown}{_PER_AREA[unit]}"
     return prefix(middle, unit)
-
-
-def _half_widths(numbers: xr.Dataset, name: str) -> np.ndarray | None:
-    """Return the combined uncertainty of a quantity (load), None where there is no budget for it."""
-    if f"{name}_uncertainty" not in numbers:
-        return None
-    return numbers[f"{name}_uncertainty"].sel(source="combined").values
 
 
 def material_table(numbers: xr.Dataset, shown: Sequence[int]) -> Table | None:

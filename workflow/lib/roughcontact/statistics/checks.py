@@ -98,6 +98,7 @@ def surface_checks(
         map_checks.periodicity(window),
         map_checks.window_share(window),
         map_checks.longest_wave(statistics),
+        map_checks.sample(statistics),
         map_checks.band(window),
         contact_checks.plasticity(statistics),
         contact_checks.load_range(statistics),

@@ -192,7 +192,7 @@ def contact_statistics(
 
 
 def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
-    """Return the statistics with the error budget beside them, `{quantity}_uncertainty` (load, source).
+    """Return the statistics with the error budget beside them: half-widths by source, ends of the interval.
 
     The share of the load that rejected points would carry, `rejected_load_share`, goes along.
 
@@ -224,10 +224,9 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     """
     if not np.array_equal(statistics["mean_pressure"].values, budget["mean_pressure"].values):
         raise SettingsError("the error budget is for other loads than the statistics; compute both again")
+    endings = ("_uncertainty", "_lower", "_upper")
     found = [
-        name
-        for name in map(str, budget.data_vars)
-        if name.endswith("_uncertainty") or name == "rejected_load_share"
+        name for name in map(str, budget.data_vars) if name.endswith(endings) or name == "rejected_load_share"
     ]
     words = {
         key: budget.attrs[key]

@@ -268,6 +268,33 @@ def longest_wave(statistics: xr.Dataset) -> Check:
     return Check("Longest wave", PASSED, f"{text}: it holds the longest waves.")
 
 
+def sample(statistics: xr.Dataset) -> Check:
+    """Check that the map tells how far its results stand for the surface beyond it.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        as `with_uncertainty` returns it: its attribute `window_flag` says what is wrong.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> sample(xr.Dataset(attrs={"window_flag": "The map is too small."})).outcome
+    'look'
+    """
+    if "window_flag" not in statistics.attrs:
+        text = "Not made: the surface beyond the map is no part of the error budget (uncertainty.sources)."
+        return Check("Sample", NOT_MADE, text)
+    if flag := statistics.attrs["window_flag"]:
+        return Check("Sample", LOOK, flag)
+    text = "Nothing in the map says that the surface beyond it is unlike the map: see what the ± is made of."
+    return Check("Sample", PASSED, text)
+
+
 def band(window: Attributes) -> Check:
     """Check that no wave is solved that the instrument is known not to resolve.
 

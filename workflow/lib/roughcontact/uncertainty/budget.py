@@ -21,10 +21,15 @@ COMBINED = "combined"
 # what the results of the members of an ensemble are called in the file
 _ENSEMBLES: dict[UncertaintySource, str] = {"window": "parts", "processing": "choices"}
 _COMMENT = (
-    "half-widths of 95 % intervals, in the unit of the quantity; combined: root of the sum of squares of the "
-    "sources that are given (of the pressure in contact, what whole pixels are known to be off is added to "
-    "it); NaN: not asked for, or not to be had from this map"
+    "half-widths of 95 % intervals, in the unit of the quantity, the larger where the interval reaches "
+    "farther to one side; combined: root of the sum of squares of the sources that are given (of the "
+    "pressure in contact, what whole pixels are known to be off is added to it); NaN: not asked for, or not "
+    "to be had from this map"
 )
+_ENDS = {
+    "lower": "lower end of the 95 % interval, all sources together",
+    "upper": "upper end of the 95 % interval, all sources together",
+}
 
 
 def error_budget(
@@ -34,12 +39,15 @@ def error_budget(
     *,
     sources: Sequence[UncertaintySource] = SOURCES,
     windows: int = 9,
+    extent: float = 3.0,
 ) -> xr.Dataset:
     """Return the uncertainty of contact area, mean gap, peak and mean contact pressure, by source and in all.
 
+    The interval is for the surface over `extent` times the length of the map, under the same mean pressure.
     Sources: `solver` (its certificate), `discretisation` (pixels half as large), `window` (an ensemble of
-    parts of the window), `processing` (other reasonable ways to level, fill and make periodic). They are
-    independent of one another, U² = sum of U_i² ([1]_, 5.1.2).
+    parts of the window, and how the heights grow with the length), `processing` (other reasonable ways to
+    level, fill and make periodic). They are independent of one another, U² = sum of U_i² ([1]_, 5.1.2), below
+    and above the result.
 
     Parameters
     ----------
@@ -52,16 +60,19 @@ def error_budget(
         which of the four go in; an empty list makes no interval.
     windows : int
         parts of the window that are solved by themselves, at most; 4 or more.
+    extent : float
+        length of the surface that the intervals are for, over that of the map; 1 or more.
 
     Returns
     -------
     Dataset
         dims (load, source): `{quantity}_uncertainty`, the half-width of the 95 % interval in the unit of the
-        quantity, `source` being the four and `combined`; NaN for a source that was left out or that this map
-        does not give. Along (member, load) and (choice, load) what the members of the two ensembles came to,
-        `{quantity}_parts` and `{quantity}_choices`. Whatever the sources: `rejected_load_share` (load), from
-        `roughcontact.uncertainty.rejected`. Attributes `window_reason`, `window_flag`,
-        `processing_reason`: what was done, and what is wrong with it, in words.
+        quantity (the larger one of both sides), `source` being the four and `combined`; NaN for a source that
+        was left out or that this map does not give. Along `load` the ends of the combined interval,
+        `{quantity}_lower` and `{quantity}_upper`. Along (member, load) and (choice, load) what the members of
+        the two ensembles came to, `{quantity}_parts` and `{quantity}_choices`. Whatever the sources:
+        `rejected_load_share` (load), from `roughcontact.uncertainty.rejected`. Attributes `window_reason`,
+        `window_flag`, `processing_reason`: what was done, and what is wrong with it, in words.
 
     Raises
     ------
@@ -78,7 +89,7 @@ def error_budget(
     --------
     >>> from roughcontact.references.synthetic import rough_reference_surface
     >>> height = rough_reference_surface(64)  # periodic, so that it is its own window
-    >>> settings = {"contact": {"contact_modulus": 1.0, "mean_pressure": [0.1]}}
+    >>> settings = {"window": {}, "contact": {"contact_modulus": 1.0, "mean_pressure": [0.1]}}
     >>> budget = error_budget(height, height, settings, sources=["solver"])
     >>> budget["mean_gap_uncertainty"].sel(source="combined").item() < 1e-5
     True
@@ -93,20 +104,27 @@ def error_budget(
     if not sources:
         return xr.Dataset({rejected.name: rejected}, coords=coordinates)
     solved = solve_contact(window, **contact, reduce=_count)
-    found = {"solver": solved[[_uncertainty(name) for name in QUANTITIES]]}
+    found: dict[UncertaintySource, xr.Dataset] = {
+        "solver": solved[[_uncertainty(name) for name in QUANTITIES]]
+    }
     found["solver"] = found["solver"].rename({_uncertainty(name): name for name in QUANTITIES})
     if "discretisation" in sources:
         found["discretisation"] = discretisation_uncertainty(window, contact=lenient, solved=solved)
     if "window" in sources:
         found["window"] = window_uncertainty(
-            levelled, window=settings["window"], contact=lenient, solved=solved, number=windows
+            levelled,
+            window=settings["window"],
+            contact=lenient,
+            solved=solved,
+            number=windows,
+            extent=extent,
         )
     if "processing" in sources:
         found["processing"] = processing_uncertainty(
             levelled, level=settings["level"], window=settings["window"], contact=lenient, solved=solved
         )
     found = {source: found[source] for source in SOURCES if source in sources}
-    budget = combine(found).assign_coords(coordinates).assign({rejected.name: rejected})
+    budget = combine(found, solved).assign_coords(coordinates).assign({rejected.name: rejected})
     for source, ending in _ENSEMBLES.items():
         if source in found:
             members = [f"{name}_members" for name in QUANTITIES]
@@ -122,23 +140,27 @@ def error_budget(
     return budget
 
 
-def combine(found: dict[str, xr.Dataset]) -> xr.Dataset:
-    """Return `{quantity}_uncertainty` (load, source) from the half-widths of each source, and combined.
+def combine(found: Mapping[UncertaintySource, xr.Dataset], result: xr.Dataset) -> xr.Dataset:
+    """Return `{quantity}_uncertainty` (load, source) from the half-widths of each source, and the ends.
 
-    U = b + sqrt(sum (U_i - b_i)²), b = sum b_i; a source that is absent, or NaN at a load, does not count.
-    b_i is what is known to be off ([1]_, F.2.4.5): of the pressure in contact, which is a mean over whole
-    pixels, and of nothing else.
+    Below the result U = sqrt(sum (U_i - b_i)²), above it U = b + sqrt(sum (U_i - b_i)²), b = sum b_i; a
+    source that is absent, or NaN at a load, does not count. b_i is what the result is known to be too low
+    ([1]_, F.2.4.5): of the pressure in contact, which is a mean over whole pixels, and of nothing else. The
+    area stays between nothing and all, the pressure in contact does not fall below the load.
 
     Parameters
     ----------
     found : dict
-        source -> Dataset (load) with the half-widths of `QUANTITIES` and, as `{quantity}_bias`, of what is
-        known to be off.
+        source -> Dataset (load) with the half-widths of `QUANTITIES`, as `{name}_down` and `{name}_up` too
+        where they differ, and, as `{name}_bias`, what the result is known to be too low.
+    result : Dataset
+        `QUANTITIES` (load), and `mean_pressure`.
 
     Returns
     -------
     Dataset
-        dims (load, source), `source` being the four and `combined`; NaN where none is known.
+        dims (load, source), `source` being the four and `combined`: the larger half-width; NaN where none is
+        known. Along `load` the ends of the combined interval, `{name}_lower` and `{name}_upper`.
 
     References
     ----------
@@ -147,29 +169,46 @@ def combine(found: dict[str, xr.Dataset]) -> xr.Dataset:
     Examples
     --------
     >>> import xarray as xr
-    >>> solver, pixels = (xr.Dataset({name: ("load", [u]) for name in QUANTITIES}) for u in (3.0, 4.0))
-    >>> combine({"solver": solver, "discretisation": pixels})["mean_gap_uncertainty"].values
-    array([[ 3.,  4., nan, nan,  5.]])
+    >>> solver, pixels = (xr.Dataset({name: ("load", [u]) for name in QUANTITIES}) for u in (0.3, 0.4))
+    >>> result = xr.Dataset({name: ("load", [0.6]) for name in QUANTITIES})
+    >>> result["mean_pressure"] = ("load", [0.2])
+    >>> found = combine({"solver": solver, "discretisation": pixels}, result)
+    >>> found["mean_gap_uncertainty"].values
+    array([[0.3, 0.4, nan, nan, 0.5]])
+    >>> [round(found[f"relative_contact_area_{end}"].item(), 2) for end in ("lower", "upper")]
+    [0.1, 1.0]
     """
-    loads = next(iter(found.values())).sizes["load"]
-    columns = {}
+    load = result["mean_pressure"].values
+    least = {"mean_contact_pressure": load, "max_pressure": load}
+    most = {"relative_contact_area": 1.0}
+    columns: dict[str, tuple] = {}
     for name in QUANTITIES:
-        parts, bias = np.full((loads, len(SOURCES)), np.nan), np.zeros((loads, len(SOURCES)))
+        shown = np.full((load.size, len(SOURCES)), np.nan)
+        below, above, bias = np.zeros((3, *shown.shape))
         for source, dataset in found.items():
             column = SOURCES.index(source)
-            parts[:, column] = dataset[name].values
-            if f"{name}_bias" in dataset:
-                bias[:, column] = dataset[f"{name}_bias"].values
-        by_chance = np.sqrt(np.nansum((parts - bias) ** 2, axis=1))
-        known = np.isfinite(parts).any(axis=1)
-        combined = np.where(
-            known, np.nansum(np.where(np.isfinite(parts), bias, 0), axis=1) + by_chance, np.nan
-        )
+            shown[:, column] = dataset[name].values
+            off = dataset[f"{name}_bias"].values if f"{name}_bias" in dataset else np.zeros(load.size)
+            bias[:, column] = off
+            for side, values in (("down", below), ("up", above)):
+                half_width = dataset.get(f"{name}_{side}", dataset[name]).values
+                values[:, column] = half_width - off
+        absent = np.isnan(shown)
+        down, up = (np.sqrt(np.sum(np.where(absent, 0, v) ** 2, axis=1)) for v in (below, above))
+        up = up + np.where(absent, 0, bias).sum(axis=1)
+        nothing = absent.all(axis=1)
+        down, up = (np.where(nothing, np.nan, half_width) for half_width in (down, up))
+        value = result[name].values
+        # a result on its bound, up to rounding, stays in its own interval
+        lower = np.maximum(value - down, np.minimum(value, least.get(name, 0.0)))
+        upper = np.minimum(value + up, np.maximum(value, most.get(name, np.inf)))
         columns[_uncertainty(name)] = (
             ("load", "source"),
-            np.column_stack([parts, combined]),
+            np.column_stack([shown, np.maximum(down, up)]),
             {"comment": _COMMENT},
         )
+        for end, values in (("lower", lower), ("upper", upper)):
+            columns[f"{name}_{end}"] = ("load", values, {"comment": _ENDS[end]})
     return xr.Dataset(columns, coords={"source": [*SOURCES, COMBINED]})
 
 

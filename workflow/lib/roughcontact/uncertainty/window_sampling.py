@@ -1,45 +1,62 @@
-"""Uncertainty from the window: a map is a sample of its surface, another place would give another result.
+"""Uncertainty from the window: what the surface beyond the map would give.
 
-The window is cut into parts (3 x 3), each of which is levelled, made periodic and solved at the same mean
-pressures as the window itself. Let the window have m times the points of a part, and r = sqrt(m) times its
-length (r = m for a profile). Two things are learned from the parts.
+A map is a sample: it shows one place, and waves up to its own length. The interval is for the surface, here
+or elsewhere, over `extent` times the length of the map, under the same mean pressure. Two things are asked.
 
-* Scatter. Parts that are longer than the waves of the surface are independent samples, so that the variance
-  of the window's result is 1/m of that among the parts. With waves up to 0.6 of the window that is what
-  windows do: docs/explanation/uncertainty.md.
-* Size. Where the mean of the parts differs from the result by d, small windows are biased: they miss long
-  waves, and more of them lies near a seam. A bias that falls as 1/length leaves d/(r - 1) in the window.
-  Twice that is taken for the half-width of a uniform distribution (JCGM 100:2008, 4.3.7).
+* Scatter: what would another place give? The window is cut into parts (3 x 3), each levelled, made periodic
+  and solved like the window. With s the standard deviation of the logarithm of their results and r the
+  length of the window over that of a part, the result of the window scatters by s r^(-(1 - H) D/2). Where
+  parts are longer than the waves they are independent samples, H = 0: in the plane, D = 2, that is s/r, the
+  s/sqrt(m) of m = r^2 parts. Where the surface has waves of all lengths the step from the window to a
+  longer surface looks like that from a part to the window, H = 1, and nothing is gained from the number of
+  parts. H is the exponent by which the heights grow with the length (`growth`), at least 0.25: no real
+  surface is as even as a stationary random one. D is 2, less where there is a lay: parts along it show the
+  same ridges.
+  The surface itself, `extent` times as long, scatters as well, which makes the factor sqrt(1 + extent^(-(1 -
+  H) D)).
+* Growth: what do longer waves add? The heights of the longer surface are extent^a times those of the map, a
+  the exponent before it is bounded. The mean gap follows the heights, upwards only, and by as much again as
+  half of that, since a is an estimate. Area and pressure in contact go on to change as they did from the
+  parts to the window, H times, in a direction that is not known.
 
-The largest pressure is no mean: it grows with the window without end. Its uncertainty is that of the largest
-pressure in windows of this size. The largest of n normal numbers lies at sqrt(2 ln n) and scatters as
-1/sqrt(2 ln n) standard deviations (Gumbel, Statistics of Extremes, 1958): scatter times value is the same in
-any window, which carries the scatter of the parts' peaks over to that of the window's.
+The largest pressure is no mean: it grows with the surface without end. It is that of the largest of
+extent^D maps: the largest of n normal numbers lies at sqrt(2 ln n) and scatters as 1/sqrt(2 ln n) standard
+deviations (Gumbel, Statistics of Extremes, 1958), so that the scatter of its logarithm is that of the
+parts' peaks, and it grows by the scale of the Gumbel distribution, s sqrt(6)/pi, times the logarithm of
+the number of maps.
+
+All constants are measured on real surfaces and made ones (docs/explanation/coverage.md).
 """
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from scipy.special import stdtrit
 
-from roughcontact.choices import LevelForm
 from roughcontact.errors import SettingsError
 from roughcontact.levelling.level import level
 from roughcontact.maps import spacing
-from roughcontact.quantities import percent
-from roughcontact.uncertainty.ensemble import scale_to, shown_part, solve_member
+from roughcontact.quantities import number, percent
+from roughcontact.roughness.texture import texture_parameters
+from roughcontact.uncertainty.ensemble import shown_part, solve_member
+from roughcontact.uncertainty.growth import form_order, growth_exponent
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.window.periodic_window import periodic_window
 
 _TOLERANCE = 1e-2  # of the pressure: 0.4 % of a part's area (rms), where parts differ by 5 % and more
 _LEAST_POINTS = 12  # along the side of a part
 _LEAST_WAVES = 2  # of the shortest wavelength that is kept, along the side of a part
-_BIAS = 2.0  # half-width of what the size may leave, over d/(r - 1)
 _COVERAGE = 0.95
-_STILL_GROWING = 0.3  # share by which the size may leave the mean gap off: then waves are too long
+_EXTENT = 3.0
+_LEAST_EXPONENT = 0.25  # by which the scatter of real surfaces is wider than that of stationary ones
+_GROWTH_REACH = 1.5  # of the growth that is expected: the upper end of the mean gap
+_LEAST_FREEDOM = 2.0  # degrees of freedom, however strong the lay
+_NEXT_TO_NOTHING = 1e-2  # of the window's result: less is no gap to take a logarithm of
+_STILL_GROWING = 0.25  # logarithm of the growth of the heights: waves are then as long as the map
+_ISOLATED = 8.0  # kurtosis from which a few places hold most of the mean square height
 
 Part = dict[str, slice]  # rows ("y") and columns ("x") of a map
 
@@ -51,13 +68,14 @@ def window_uncertainty(
     contact: Mapping[str, Any],
     solved: xr.Dataset,
     number: int = 9,
+    extent: float = _EXTENT,
 ) -> xr.Dataset:
     """Return the expanded uncertainty of the result of a window as a sample of its surface.
 
-    U^2 = (t s)^2 / m + (2 b)^2 / 3 [1]_ with s the standard deviation of the parts' results, scaled to the
-    result of the window, t of Student for 95 % and one less than their number, b = 2 d/(r - 1); largest
-    pressure: U = t s (mean of the parts' peaks) / peak [2]_, s as it is. The head of this module explains
-    all.
+    In the logarithm, downwards t s r^(-(1 - H) D/2) sqrt(1 + extent^(-(1 - H) D)), upwards the root of the
+    sum of squares of this and of the growth; t of Student for 95 % and r^D - 1 degrees of freedom [1]_; s of
+    the parts, r, H, D and the growth as the head of this module explains them, the largest pressure after
+    [2]_.
 
     Parameters
     ----------
@@ -69,28 +87,31 @@ def window_uncertainty(
         the result: `QUANTITIES` along `load`.
     number : int
         parts at most, 4 or more; 9 cut a map into 3 x 3 and a profile into 9.
+    extent : float
+        length of the surface that the interval is for, over that of the map; 1 or more.
 
     Returns
     -------
     Dataset
-        along `load` the expanded uncertainty of each of the four quantities, NaN where the window is too
-        small to be cut; along (member, load) the results of the parts as they are, `{name}_members`; along
-        `member` the parts' `member_offset_y`, `member_offset_x`, `member_length_y`, `member_length_x` (m, in
-        the map, with the band that making them periodic takes). Attributes: `coverage_factor` (t),
-        `degrees_of_freedom`, `map_share` (of the map that the parts cover), `reason` (what was done, in
-        words), `flag` (what is wrong with it, in words; empty where nothing is), `work` (FFT pairs times
-        points).
+        along `load`, for each of the four quantities the expanded uncertainty `{name}_down` and `{name}_up`
+        below and above the result, `{name}` the larger of them; NaN where the window is too small to be cut.
+        Along (member, load) the results of the parts as they are, `{name}_members`; along `member` the
+        parts' `member_offset_y`, `member_offset_x`, `member_length_y`, `member_length_x` (m, in the map, with
+        the band that making them periodic takes). Attributes: `extent`, `coverage_factor` (t),
+        `degrees_of_freedom`, `growth` (of the heights, a factor), `map_share` (of the map that the parts
+        cover), `reason` (what was done, in words), `flag` (what is wrong with it, in words; empty where
+        nothing is), `work` (FFT pairs times points).
 
     Raises
     ------
     SettingsError
-        where `number` is below 4.
+        where `number` is below 4 or `extent` below 1.
     ConvergenceError
         where the solve of a part misses its tolerance.
 
     References
     ----------
-    .. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.7 and 5.1.2.
+    .. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement, G.3.
     .. [2] Gumbel (1958), Statistics of Extremes.
 
     Examples
@@ -107,59 +128,136 @@ def window_uncertainty(
     """
     if number != int(number) or number < 4:
         raise SettingsError(f"windows = {number!r}: give a whole number of 4 or more")
-    whole = shown_part(levelled, periodic_window(levelled, **window))
+    if not extent >= 1:
+        raise SettingsError(f"extent = {extent!r}: give a number of 1 or more")
+    chosen = periodic_window(levelled, **window)
+    whole = shown_part(levelled, chosen)
     parts = _cut(whole, spacing(levelled), int(number), window.get("shortest_wavelength") or 0.0)
-    form: LevelForm = "none" if levelled.attrs["form"] in ("none", "mean") else "plane"
     own = {**window, "placement": "largest", "min_share": 0.0}
-    members, points = [], []
+    members = []
     for part in parts:
-        again = level(levelled.isel(part), form=form, outlier_threshold=None, fill="none")
-        periodic = periodic_window(again, **own)
-        points.append(math.prod(_sides(shown_part(again, periodic))))
+        periodic = periodic_window(_levelled_again(levelled.isel(part), form_order(levelled)), **own)
         members.append(solve_member(periodic, contact, tolerance=_TOLERANCE))
-    sides = _sides(whole)
-    more = float(math.prod(sides) / np.mean(points))
-    freedom = len(parts) - 1
-    factor = float(stdtrit(freedom, (1 + _COVERAGE) / 2)) if freedom else math.nan
-    dims = sum(n > 1 for n in sides)
+    step = _step(chosen, levelled.isel(whole), parts=len(parts), extent=extent)
     result: dict[str, tuple] = {}
-    bias = {}
     for name in QUANTITIES:
         values = np.array([member.values[name] for member in members])
-        half_width, bias[name] = _half_width(name, values, solved[name].values, more, factor, dims)
-        result |= {name: ("load", half_width), f"{name}_members": (("member", "load"), values)}
-    incomplete = bool(np.isnan(result["mean_gap"][1]).any())
-    grows = bool((bias["mean_gap"] > _STILL_GROWING * _open(solved)).any())
+        down, up = _half_widths(name, values, solved[name].values, step)
+        result |= {
+            name: ("load", np.maximum(down, up)),
+            f"{name}_down": ("load", down),
+            f"{name}_up": ("load", up),
+            f"{name}_members": (("member", "load"), values),
+        }
     covered = sum(math.prod(levelled.isel(part).shape) for part in parts) / levelled.size
+    incomplete = any(np.isnan(member.values["mean_gap"]).any() for member in members)
     return xr.Dataset(
         result | _places(levelled, parts),
         coords={"mean_pressure": ("load", np.asarray(solved["mean_pressure"].values, float))},
         attrs={
-            "coverage_factor": factor,
-            "degrees_of_freedom": freedom,
+            "extent": float(extent),
+            "coverage_factor": step.factor,
+            "degrees_of_freedom": step.freedom,
+            "growth": math.exp(step.growth),
             "map_share": covered,
-            "reason": _reason(levelled, parts, covered),
-            "flag": _flag(levelled, parts, incomplete, grows),
+            "reason": _reason(levelled, parts, covered, step),
+            "flag": _flag(levelled, parts, incomplete, step),
             "work": sum(member.work for member in members),
         },
     )
 
 
-def _half_width(
-    name: str, values: np.ndarray, result: np.ndarray, more: float, factor: float, dims: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the expanded uncertainty of a quantity (load), and what the size of the window may leave of it.
+class _Step(NamedTuple):
+    """The step from a window to the surface.
 
-    values: (member, load); more: points of the window over those of a part.
+    Attributes
+    ----------
+    extent : float
+        length of the surface over that of the window.
+    ratio : float
+        length of the window over that of a part.
+    dimensions : float
+        D: 2 without a lay, 1 for a strong one and for a profile.
+    exponent : float
+        H, from 0.25 to 1.
+    growth : float
+        logarithm of the growth of the heights.
+    freedom, factor : float
+        degrees of freedom of the scatter of the parts, and t for them; NaN for a single part.
     """
+
+    extent: float
+    ratio: float
+    dimensions: float
+    exponent: float
+    growth: float
+    freedom: float
+    factor: float
+
+    @property
+    def scatter(self) -> float:
+        """What the standard deviation among the parts is multiplied by, t included."""
+        each = (1 - self.exponent) * self.dimensions
+        return self.factor * self.ratio ** (-each / 2) * math.sqrt(1 + self.extent**-each)
+
+
+def _step(chosen: xr.DataArray, measured: xr.DataArray, *, parts: int, extent: float) -> _Step:
+    """Return the step from a window, `chosen`, of the points `measured`, to the surface."""
+    most = sum(n > 1 for n in measured.shape)
+    ratio = parts ** (1 / most)
+    isotropy = float(texture_parameters(chosen)["Str"])
+    # a profile and a flat map have no lay
+    dimensions = float(most) if math.isnan(isotropy) else 1.0 + min(1.0, 2.0 * isotropy)
+    exponent = growth_exponent(measured)
+    freedom, factor = math.nan, math.nan
+    if parts > 1:
+        freedom = max(_LEAST_FREEDOM, parts ** (dimensions / most) - 1)
+        factor = float(stdtrit(freedom, (1 + _COVERAGE) / 2))
+    return _Step(
+        extent,
+        ratio,
+        dimensions,
+        min(1.0, max(_LEAST_EXPONENT, exponent)),
+        exponent * math.log(extent),
+        freedom,
+        factor,
+    )
+
+
+def _half_widths(
+    name: str, values: np.ndarray, result: np.ndarray, step: _Step
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the expanded uncertainty of a quantity below and above its result; values (member, load)."""
     if len(values) < 2:
         return np.full(result.shape, np.nan), np.full(result.shape, np.nan)
-    mean = values.mean(axis=0)
+    # where nothing is left of the result (no gap in full contact) its logarithm says nothing
+    base = np.where(result > 0, result, 1.0)
+    logarithms = np.log(np.maximum(values, _NEXT_TO_NOTHING * base))
+    deviation = logarithms.std(axis=0, ddof=1)
+    scatter = step.scatter * deviation
     if name == "max_pressure":
-        return factor * values.std(axis=0, ddof=1) * np.minimum(1, mean / result), np.zeros(result.shape)
-    scatter = scale_to(result, values, base=mean).std(axis=0, ddof=1) / math.sqrt(more)
-    bias = _BIAS * np.abs(mean - result) / (more ** (1 / dims) - 1)
-    return np.hypot(factor * scatter, 2 * bias / math.sqrt(3)), bias
+        maps = math.log(step.extent) * step.dimensions
+        scatter = step.factor * deviation
+        down, up = scatter, scatter + math.sqrt(6) / math.pi * deviation * maps
+    elif name == "mean_gap":
+        down, up = scatter, np.hypot(scatter, _GROWTH_REACH * step.growth)
+    else:
+        change = np.abs(np.log(base) - logarithms.mean(axis=0))
+        going_on = step.exponent * change * math.log(step.extent) / math.log(step.ratio)
+        down = up = np.hypot(scatter, going_on)
+    alone = step.scatter * values.std(axis=0, ddof=1)
+    return (
+        np.where(result > 0, -result * np.expm1(-down), 0.0),
+        np.where(result > 0, result * np.expm1(up), alone),
+    )
+
+
+def _levelled_again(part: xr.DataArray, order: int) -> xr.DataArray:
+    """Return a part of a levelled map, levelled by itself like the map; nothing else is done to it."""
+    plain: dict[str, Any] = {"outlier_threshold": None, "line_alignment": "none", "fill": "none"}
+    return (
+        level(part, form="polynomial", order=order, **plain) if order else level(part, form="none", **plain)
+    )
 
 
 def _sides(part: Part) -> list[int]:
@@ -202,24 +300,20 @@ def _places(levelled: xr.DataArray, parts: list[Part]) -> dict[str, tuple]:
     return found
 
 
-def _reason(levelled: xr.DataArray, parts: list[Part], covered: float) -> str:
-    """Return what was done, in words."""
+def _reason(levelled: xr.DataArray, parts: list[Part], covered: float, step: _Step) -> str:
+    """Return what the interval is for, and what was done, in words."""
     ny, nx = levelled.isel(parts[0]).shape
     if len(parts) == 1:
         return f"The window of {nx} x {ny} points is too small to be cut into parts."
     return (
-        f"{len(parts)} parts of about {nx} x {ny} points, {percent(covered)} of the map, each levelled, made "
-        "periodic and solved by itself; their scatter, and how far their mean is from the whole."
+        f"The ± is for this surface over {number(step.extent)} times the length of the map, under the same "
+        f"mean pressure: {len(parts)} parts of about {nx} x {ny} points, {percent(covered)} of the map, each "
+        "levelled, made periodic and solved by itself, tell how results scatter; from how the heights grow "
+        f"with the length they are expected to be {number(math.exp(step.growth))} times as large there."
     )
 
 
-def _open(solved: xr.Dataset) -> np.ndarray:
-    """Return the mean gap (load), infinite in full contact."""
-    gap = solved["mean_gap"].values
-    return np.where(gap > 0, gap, np.inf)
-
-
-def _flag(levelled: xr.DataArray, parts: list[Part], incomplete: bool, grows: bool) -> str:
+def _flag(levelled: xr.DataArray, parts: list[Part], incomplete: bool, step: _Step) -> str:
     """Return what is wrong with the ensemble, in words; empty where nothing is."""
     ny, nx = levelled.isel(parts[0]).shape
     if len(parts) == 1:
@@ -229,9 +323,17 @@ def _flag(levelled: xr.DataArray, parts: list[Part], incomplete: bool, grows: bo
         )
     if incomplete:
         return "Part of the ensemble of windows missed the tolerance."
-    if grows:
+    if step.growth > _STILL_GROWING:
         return (
-            "The mean gap grows with the window: the surface has waves about as long as the window or "
-            "longer. The interval holds for waves up to the length of the map."
+            "The heights grow with the length of the map: the surface has waves about as long as the map, or "
+            f"a form. Over {number(step.extent)} times the length they are expected to be "
+            f"{number(math.exp(step.growth))} times as large, and the mean gap may be farther off than the "
+            "interval says. Measure a larger field, or take long waves off (level.form, level.l_filter)."
+        )
+    kurtosis = levelled.attrs.get("Sku", 3.0)
+    if kurtosis > _ISOLATED:
+        return (
+            f"A few places, deep pits or high peaks, hold most of the mean square height (Sku = "
+            f"{number(kurtosis)}): how many there are elsewhere one map cannot tell. Measure more places."
         )
     return ""

@@ -1,0 +1,83 @@
+"""The benchmark of coverage counts what it says, leaves out what is no map, and writes its page."""
+
+import importlib
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from roughcontact.levelling.level import level
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.results.storage import write_dataset
+from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.window.periodic_window import periodic_window
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def benchmark():
+    """The script `benchmarks/coverage.py` as a module."""
+    sys.path.insert(0, str(ROOT / "benchmarks"))
+    yield importlib.import_module("coverage")
+    sys.path.remove(str(ROOT / "benchmarks"))
+
+
+def part(inside, *, asked=()):
+    """Return a row whose truth, 1.1, is inside an interval of the result, 1, at the first loads."""
+    upper = [1.2] * inside + [1.05] * (3 - inside)
+    of_each = {"truth": [1.1] * 3, "result": [1.0] * 3, "lower": [0.8] * 3, "upper": upper}
+    return {"asked": list(asked), "loads": [[], [], []]} | dict.fromkeys(QUANTITIES, of_each)
+
+
+def test_shares_are_counted(benchmark):
+    page = benchmark.coverage_page
+    shares = page.Shares([part(3), part(1, asked=["Sample"]), part(2, asked=["Form"])])
+    assert shares.inside.mean() == pytest.approx(6 / 9)
+    # outside: two of the flagged part, one of the one that another check asks about
+    assert shares.silent(shares.flagged) == pytest.approx(1 / 9)
+    assert shares.silent(shares.asked) == 0
+    assert shares.error == pytest.approx(0.1)
+    assert shares.width(0) == pytest.approx(np.median([0.2] * 6 + [0.125] * 3) / 0.1)
+
+
+def test_tables_name_surfaces_and_say_all(benchmark, tmp_path):
+    found = [
+        {"group": "large", "name": "one.sur", "parts": [part(3), {"refused": "too much is missing"}]},
+        {"group": "small", "name": "two.x3p", "parts": [part(2)]},
+        {"group": "made", "name": "worn", "longest": 1 / 3, "seed": 1, "parts": [part(3)]},
+    ]
+    text = benchmark.coverage_page.tables(found)
+    assert "| one.sur | 1 | 100 % | 2.0 |" in text
+    assert "| two.x3p | 1 | 67 % |" in text
+    assert "| worn | 1 |" in text
+    assert "| 0.333 | 1 |" in text
+    assert text.count("| **all** |") == 4
+    benchmark.coverage_page.write(found, tmp_path / "coverage.md")
+    page = (tmp_path / "coverage.md").read_text(encoding="utf-8")
+    assert page.startswith("# Does the ± hold?")
+    assert text in page
+
+
+def test_files_that_are_no_maps_are_left_out(benchmark, tmp_path):
+    words = tmp_path / "notes.txt"
+    words.write_text("no numbers here")
+    assert benchmark.real_map(words) is None
+    small = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=3e-5, rms_gradient=0.1)
+    write_dataset(small.to_dataset(name="height"), tmp_path / "small.nc")
+    assert benchmark.real_map(tmp_path / "small.nc") is None
+
+
+def test_a_part_is_measured_with_its_interval(benchmark):
+    height = self_affine_surface((96, 96), 1e-6, hurst=0.8, shortest=8e-6, longest=3e-5, rms_gradient=0.1)
+    levelled = level(height[:80, :80])
+    assert periodic_window(levelled).size < 6400
+    truth = {name: [1.0, 1.0] for name in QUANTITIES}
+    row = benchmark.measure(height[:80, :80], [0.002, 0.01], truth)
+    for name in QUANTITIES:
+        assert (np.array(row[name]["lower"]) < row[name]["result"]).all()
+        assert (np.array(row[name]["upper"]) > row[name]["result"]).all()
+    empty = height.copy()
+    empty[:, ::2] = np.nan
+    assert "missing" in benchmark.measure(empty, [0.002], truth)["refused"]
