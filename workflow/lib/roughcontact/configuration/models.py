@@ -251,8 +251,18 @@ class Contact(Section):
         "what else is asked of them",
         examples=[
             [
-                {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "hardness": "2 GPa"},
-                {"youngs_modulus": "4 GPa", "poissons_ratio": 0.4, "hardness": "0.3 GPa"},
+                {
+                    "youngs_modulus": "210 GPa",
+                    "poissons_ratio": 0.3,
+                    "hardness": "2 GPa",
+                    "thermal_conductivity": 50.0,
+                },
+                {
+                    "youngs_modulus": "4 GPa",
+                    "poissons_ratio": 0.4,
+                    "hardness": "0.3 GPa",
+                    "thermal_conductivity": 0.3,
+                },
             ]
         ],
     )

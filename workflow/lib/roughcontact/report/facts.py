@@ -60,6 +60,7 @@ def surface_facts(
         ("rms curvature", f"{number(float(numbers['rms_curvature']) * 1e-3)} mm⁻¹"),
         ("Nayak parameter", number(float(numbers["nayak_parameter"]))),
         ("Points per shortest wave", number(resolution, digits=2)),
+        ("First yield below the surface", _first_yield(numbers)),
         ("Adhesion", adhesion_in_words(numbers)),
         ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
         ("Hardness", _of_softer_body(numbers, "hardness")),
@@ -233,6 +234,15 @@ def _lay(numbers: xr.Dataset) -> str:
 def _of_softer_body(numbers: xr.Dataset, name: str) -> str:
     """Return a pressure that belongs to the softer body, nothing where no hardness is stated."""
     return quantity(float(numbers[name]), "Pa") if name in numbers else ""
+
+
+def _first_yield(numbers: xr.Dataset) -> str:
+    """Return the load at which a body begins to yield below its surface, as far as that is known."""
+    name = "first_subsurface_yield_pressure"
+    if name not in numbers:
+        return ""
+    load = float(numbers[name])
+    return "not between the loads solved" if np.isnan(load) else f"at {quantity(load, 'Pa')} mean pressure"
 
 
 def _size(height: xr.DataArray) -> str:

@@ -40,6 +40,8 @@ _COLUMNS = (
     ("flow_factor_yy", "flow factor along y", "1"),
     ("leak_rate_x", "leak rate along x", "m2 s-1"),
     ("leak_rate_y", "leak rate along y", "m2 s-1"),
+    ("max_von_mises_stress", "largest von Mises stress", "Pa"),
+    ("max_von_mises_depth", "its depth", "m"),
     ("thermal_conductance", "thermal conductance", "W m-2 K-1"),
     ("electrical_conductance", "electrical conductance", "S m-2"),
     ("error_bound", "error bound", "1"),
