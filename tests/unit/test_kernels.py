@@ -154,7 +154,9 @@ CALLS = {
     "finish_restriction": lambda k, f, factors, cap: k.finish_restriction(
         f["field"], f["passed"], f["coarse"], factors, f["active"]
     ),
-    "refine": lambda k, f, factors, cap: k.refine(f["coarse_pressure"], factors, f["inner_out"]),
+    "refine": lambda k, f, factors, cap: k.refine(
+        f["coarse_pressure"], factors, f["field"], WEIGHTS, 0.6, f["inner_out"]
+    ),
 }
 BOUNDED = ("measure", "masked_residual", "advance", "redistribute", "project", "rescale", "project_residual")
 
@@ -390,13 +392,27 @@ def test_neighbours_of_a_wave(engine):
 @pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
 @pytest.mark.parametrize(("shape", "factors"), GRIDS)
 def test_refined_pressure_keeps_the_load_of_every_cell(engine, shape, factors):
-    coarse = make_fields(shape, factors, (DOUBLE, DOUBLE), np.inf)["coarse_pressure"]
-    fine = np.full(shape, np.nan)
-    engine.refine(coarse, factors, fine)
-    means = np.empty_like(coarse)
-    array_api.block_mean(fine, factors, means)
-    np.testing.assert_allclose(means, coarse, rtol=1e-13)
-    assert fine.min() >= 0
+    fields = make_fields(shape, factors, (DOUBLE, DOUBLE), np.inf)
+    coarse, fine = fields["coarse_pressure"], np.full(shape, np.nan)
+    # detail that takes all between nothing and everything to the highest point of its cell
+    for stiffness in (0.0, 0.6, 1e3, 1e20):
+        engine.refine(coarse, factors, fields["field"], WEIGHTS, stiffness, fine)
+        means = np.empty_like(coarse)
+        array_api.block_mean(fine, factors, means)
+        np.testing.assert_allclose(means, coarse, rtol=1e-13)
+        assert fine.min() >= 0
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+def test_refined_pressure_of_a_cell_that_is_closed_or_touches_at_one_point(engine):
+    """Under a wave of the shortest length: full contact where the load closes the gap, else only on top."""
+    heights = np.tile([[0.3, -0.3]], (4, 6))
+    weights = (0.0, 0.5, 0.0)  # then the detail is twice the height
+    fine = np.empty_like(heights)
+    engine.refine(np.full((2, 6), 2.0), (2, 2), heights, weights, 3.0, fine)
+    np.testing.assert_allclose(fine, 2 + 6 * heights, rtol=1e-14)
+    engine.refine(np.full((2, 6), 0.5), (2, 2), heights, weights, 3.0, fine)
+    np.testing.assert_allclose(fine, np.tile([[1.0, 0.0]], (4, 6)), rtol=1e-14)
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
@@ -412,7 +428,7 @@ def test_refined_pressure_finds_the_edge_between_the_cells(engine):
 
     coarse, exact = pressure(n), pressure(n * factor)
     fine = np.empty_like(exact)
-    engine.refine(coarse, (1, factor), fine)
+    engine.refine(coarse, (1, factor), np.zeros_like(fine), WEIGHTS, 1.0, fine)
     error = np.abs(fine - exact).mean()
     assert error < 0.15 * np.abs(np.repeat(coarse, factor, axis=1) - exact).mean()
     assert abs(np.count_nonzero(fine) - np.count_nonzero(exact)) <= 4

@@ -5,18 +5,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from roughcontact.choices import Influence
-from roughcontact.contact.coarsening import has_separate_lines, hierarchy
+from roughcontact.contact.coarsening import has_separate_lines, hierarchy, pitches_of, stencil
 from roughcontact.contact.interpolation import Interpolation
 from roughcontact.contact.line_search import LineSearch
 from roughcontact.contact.state import State, contact_mean, norm, scale_to_load
 from roughcontact.elasticity.halfspace import HalfSpace
 from roughcontact.kernels.arrays import SINGLE, Array, empty, in_precision, precision_of
 from roughcontact.kernels.choose import kernels_for
+from roughcontact.kernels.protocol import Factors
 
 # What the projection takes away is redistributed to the contact around, in several passes: at most so many,
 # until the rest, as a share of the load, is so small that all of the contact may share it. Under a profile
 # that is dear, because the displacement beside a line contact does not decay.
-MOST_PASSES, SMALL_REST = 5, 0.05
+MOST_PASSES, SMALL_REST = 12, 0.01
 MOST_PASSES_OF_PROFILES, SMALL_REST_OF_PROFILES = 100, 1e-5
 SMALL_CHANGE = 0.1  # of the residual's norm, that is simply added to it
 
@@ -251,6 +252,20 @@ class Grid:
         if change <= SMALL_CHANGE * norm_of_interpolated:
             return norm_of_interpolated + change
         return float(np.sqrt(self.halfspace.pressure_spectrum(interpolated)[1]))
+
+    def refine(self, coarse: Array, factors: Factors, out: Array) -> None:
+        """Put the pressure `coarse` of the next coarser grid onto this one, in single precision, into `out`.
+
+        Detail of the heights takes the pressure that it would take in full contact: exactly so for the
+        shortest wave along the finer axis, which has the wavenumber pi/pitch.
+        """
+        pitches = pitches_of(self.shape, self.halfspace.lengths)
+        weights = across_y, across_x, diagonal = stencil(pitches, self.shape)
+        pitch, across = min(
+            (d, w) for d, w, n in zip(pitches, (across_y, across_x), self.shape, strict=True) if n > 1
+        )
+        stiffness = 0.5 * np.pi / pitch / (4 * across + 8 * diagonal)
+        self.kernels.refine(coarse, factors, self.heights_in(SINGLE), weights, stiffness, out)
 
     def heights_in(self, precision: str) -> Array:
         """Return the dimensionless heights in a precision; in single precision they are kept."""

@@ -47,7 +47,7 @@ TOO_STIFF = 1e-3  # relative rounding floor of single precision from which all i
 PATIENCE = 20  # steps that do not improve the bound before the iteration is called stalled
 FEW_STEPS = 10  # are enough for a first guess, else it is left to the safeguarded iteration
 NEARLY = 1.5  # how far the floor of a first guess may be from that of the solution
-FIRST_LENGTH, SHORTEST, LONGEST = 0.965, 0.4, 0.99  # of a step; M is nowhere less than the inverse
+FIRST_LENGTH, SHORTEST, LONGEST = 0.985, 0.4, 0.99  # of a step; M is nowhere less than the inverse
 TYPICAL = 0.05  # of the bound is what a good step leaves
 # A step that may leave this share of what is foreseen is taken in double: one that meets the tolerance in
 # single precision is followed by another, which costs three pairs; one that misses it in double costs a pair.

@@ -49,7 +49,8 @@ def first_guess(grids: Sequence[Grid], factors: Sequence[Factors], load: float) 
     for number in range(len(grids) - 1, 0, -1):
         found, taken = first_guess_on_grid(grids[number], pressure, load, tolerance=COARSE_TOLERANCE)
         steps += taken
-        pressure = empty(found, SINGLE, grids[number - 1].shape)
         found = in_precision(found, SINGLE, copy=False)  # a stiff grid finishes in double
-        grids[number].kernels.refine(found, factors[number - 1], pressure)
+        finer = grids[number - 1]
+        pressure = empty(found, SINGLE, finer.shape)
+        finer.refine(found, factors[number - 1], pressure)
     return pressure, steps

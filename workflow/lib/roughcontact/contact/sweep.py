@@ -96,7 +96,7 @@ def sweep(
     # Full contact: p = mean + G^-1 H, wherever that is nowhere negative (Johnson 1985, section 13.2).
     fluctuation, full_contact_from = _full_contact(grids, max(loads))
     for number, load in enumerate(loads, start=1):
-        work = 0.0
+        work = 0.5 if number == 1 else 0.0  # the forward transform that gave the gradient
         if fluctuation is not None and load >= full_contact_from:
             pressure = in_precision(load + fluctuation, precision, copy=False)
             state, _ = finest.evaluate(scale_to_load(pressure, load))
@@ -104,7 +104,7 @@ def sweep(
         else:
             guess, steps = first_guess(grids, factors, load)
             if number == len(loads):  # the coarse grids are needed no more: give their memory back
-                work = _applications(grids)
+                work += _applications(grids)
                 del grids[1:]
             start = [guess]  # from which the solver alone takes it over
             del guess
@@ -124,11 +124,11 @@ def sweep(
 def _full_contact(grids: Sequence[Grid], load: float) -> tuple[Array | None, float]:
     """Return the fluctuation of the full-contact pressure and the load from which it is nowhere negative.
 
-    None, and no such load, where even the largest `load` is far from that: what a coarser grid leaves open,
-    the finer ones, whose fluctuation is larger, leave open too. Nor is there one where the cap is in the way.
+    None, and no such load, where even the largest `load` is far from that: the fluctuation on a coarser grid
+    tells, because that on the finer ones is larger still. Nor is there one where the cap is in the way.
     """
     xp = grids[0].heights_in(SINGLE).__array_namespace__()
-    for grid in reversed(grids) if load < OFTEN_FULL else ():
+    for grid in reversed(grids if load < OFTEN_FULL else grids[1:]):
         if load < -0.99 * float(xp.min(grid.halfspace.pressure(grid.heights_in(SINGLE)))):
             return None, np.inf
     fluctuation = grids[0].halfspace.pressure(grids[0].heights_in(DOUBLE))

@@ -12,6 +12,7 @@ from roughcontact.kernels.arrays import Array
 from roughcontact.kernels.protocol import Arrangement, Factors, Weights
 
 CLOSED = 1e-30  # stands for a gap of zero at a point of the active set
+SPECK = 1e-5  # share of the load of a refined cell that is none: it would be rounding alone
 _ALL_BUT_MEAN = (0, slice(1, None)), (slice(1, None), slice(None))  # of a spectrum
 
 
@@ -332,16 +333,23 @@ def finish_restriction(field: Array, passed: Array, coarse: Array, factors: Fact
     return _sum(xp, field)
 
 
-def refine(coarse: Array, factors: Factors, out: Array) -> None:
-    """Put the pressure `coarse` onto a grid `factors` times finer, into `out`, with edges between the cells.
+def refine(
+    coarse: Array, factors: Factors, heights: Array, weights: Weights, stiffness: float, out: Array
+) -> None:
+    """Put the pressure `coarse` onto a grid `factors` times finer, into `out`, with edges and detail.
 
     Towards the edge of a contact the pressure falls as the root of the distance (Johnson 1985, chapter 4), so
     that its square is linear there and can be continued beyond: it is interpolated linearly, and its root
-    shares out the load of every coarse cell among its fine ones.
+    shares out the load of every coarse cell among its fine ones. To that comes what the finer grid adds: a
+    height that stands out from the mean of its neighbours takes `stiffness` times as much pressure. What all
+    parts of a cell have too much is taken off evenly, but for those that come to zero: each cell keeps its
+    load.
     """
     xp = coarse.__array_namespace__()
     square = _continued(xp, coarse * coarse)
     (fy, fx), (ny, nx) = factors, coarse.shape
+    neighbours(heights, weights, out)
+    detail = xp.reshape(stiffness * (heights - out), (ny, fy, nx, fx))
     parts = xp.reshape(out, (ny, fy, nx, fx))
     for ky in range(fy):
         for kx in range(fx):
@@ -349,11 +357,28 @@ def refine(coarse: Array, factors: Factors, out: Array) -> None:
             along_x = _between(xp, square, at_x, 1)
             parts[:, ky, :, kx] = xp.sqrt(xp.clip(_between(xp, along_x, at_y, 0), 0, None))
     total = xp.sum(parts, axis=(1, 3))
-    flat = (total == 0) & (coarse > 0)
-    share = fy * fx * coarse / xp.where(total == 0, xp.ones_like(total), total)
-    parts *= share[:, None, :, None]
-    parts += xp.where(flat, coarse, xp.zeros_like(coarse))[:, None, :, None]
+    load = fy * fx * coarse
+    parts *= (load / xp.where(total == 0, xp.ones_like(total), total))[:, None, :, None]
+    parts += detail
+    parts -= _level(xp, parts, load)
+    parts *= xp.astype(parts > (SPECK * load)[:, None, :, None], parts.dtype)
+    total = xp.sum(parts, axis=(1, 3))
+    parts *= (load / xp.where(total == 0, xp.ones_like(total), total))[:, None, :, None]
+    lost = xp.where(total == 0, coarse, xp.zeros_like(coarse))  # where rounding leaves nothing
+    parts += lost[:, None, :, None]
     out[...] = xp.reshape(parts, out.shape)
+
+
+def _level(xp: Any, parts: Array, load: Array) -> Array:
+    """Return the number to take off the parts of every cell so that what is left above zero is its `load`."""
+    level = xp.full_like(load, -float("inf"))[:, None, :, None]
+    for _ in range(parts.shape[1] * parts.shape[3]):  # each time the lowest parts fall out, if any
+        above = xp.astype(parts > level, parts.dtype)
+        count = xp.sum(above, axis=(1, 3))
+        some = xp.where(count == 0, xp.ones_like(count), count)
+        found = (xp.sum(above * parts, axis=(1, 3)) - load) / some
+        level = xp.where((count > 0)[:, None, :, None], found[:, None, :, None], level)
+    return level
 
 
 def _continued(xp: Any, square: Array) -> Array:

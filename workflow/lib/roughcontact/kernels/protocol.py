@@ -111,7 +111,15 @@ class Kernels(Protocol):
     def finish_restriction(
         self, field: Array, passed: Array, coarse: Array, factors: Factors, active: Array
     ) -> float: ...
-    def refine(self, coarse: Array, factors: Factors, out: Array) -> None: ...
+    def refine(
+        self,
+        coarse: Array,
+        factors: Factors,
+        heights: Array,
+        weights: Weights,
+        stiffness: float,
+        out: Array,
+    ) -> None: ...
 
     def small_grids(
         self, grids: Sequence[Any], stores: Sequence[Array], ends: Sequence[int]

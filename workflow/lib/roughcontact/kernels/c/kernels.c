@@ -12,6 +12,7 @@
 #include "threads.h"
 
 #define CLOSED 1e-30 /* stands for a gap of zero at a point of the active set; as in array_api.py */
+#define SPECK 1e-5   /* share of the load of a cell that is none; as in array_api.py */
 
 enum { UNKNOWN, SCATTERED, ALONG_A_LINE }; /* `Arrangement` of protocol.py */
 

@@ -621,12 +621,50 @@ PASS(continue_square, { const REAL *coarse; REAL *square; int64_t ny, nx; })
     }
 }
 
-PASS(refine, { const REAL *coarse, *square; REAL *out; int64_t ny, nx, fy, fx; })
+/* Make of the `count` parts of a cell what lies above a level, such that `load` is left. */
+static void NAME(cut_to_load)(REAL *parts, int64_t count, REAL load)
 {
-    const int64_t ny = given->ny, nx = given->nx, fy = given->fy, fx = given->fx;
-    REAL *roots = scratch;
-    memset(given->out + first * fy * fx * nx, 0, (size_t)((last - first) * fy * fx * nx) * sizeof(REAL));
-    for (int64_t i = first; i < last; i++)
+    REAL level = -INFINITY, total = 0;
+    for (int64_t k = 0, above = count; k < count && above > 0; k++) { /* each time the lowest fall out, if any */
+        REAL sum = 0;
+        above = 0;
+        for (int64_t j = 0; j < count; j++)
+            if (parts[j] > level) {
+                sum += parts[j];
+                above++;
+            }
+        level = above ? (sum - load) / (REAL)above : level;
+    }
+    const REAL nothing = (REAL)SPECK * load;
+    for (int64_t k = 0; k < count; k++)
+        total += parts[k] = parts[k] - level > nothing ? parts[k] - level : 0;
+    for (int64_t k = 0; k < count; k++) /* where rounding leaves nothing, all alike */
+        parts[k] = total > 0 ? parts[k] * (load / total) : load / (REAL)count;
+}
+
+PASS(refine, {
+    const REAL *coarse, *square, *heights;
+    REAL *out;
+    struct Weights weights;
+    double stiffness;
+    int64_t ny, nx, fy, fx;
+})
+{
+    const int64_t ny = given->ny, nx = given->nx, fy = given->fy, fx = given->fx, width = nx * fx, rows = ny * fy;
+    const REAL stiffness = (REAL)given->stiffness;
+    REAL *detail = scratch, *row = detail + fy * width, *parts = row + width + 2;
+    memset(given->out + first * fy * width, 0, (size_t)((last - first) * fy * width) * sizeof(REAL));
+    for (int64_t i = first; i < last; i++) {
+        for (int64_t ky = 0; ky < fy; ky++) {
+            const int64_t at = i * fy + ky;
+            const REAL *here = given->heights + at * width;
+            REAL *own = detail + ky * width;
+            NAME(around)(given->heights + before(at, rows) * width, here, given->heights + after(at, rows) * width,
+                         &given->weights, row, own, width);
+            VECTOR
+            for (int64_t j = 0; j < width; j++)
+                own[j] = stiffness * (here[j] - own[j]);
+        }
         for (int64_t j = 0; j < nx; j++) {
             const REAL pressure = given->coarse[i * nx + j];
             if (!(pressure > 0))
@@ -635,23 +673,26 @@ PASS(refine, { const REAL *coarse, *square; REAL *out; int64_t ny, nx, fy, fx; }
             for (int64_t ky = 0; ky < fy; ky++) {
                 const REAL at_y = ((REAL)ky + (REAL)0.5) / (REAL)fy - (REAL)0.5;
                 const REAL share_y = at_y > 0 ? at_y : -at_y;
-                const REAL *row = given->square + i * nx;
+                const REAL *own = given->square + i * nx;
                 const REAL *beside = given->square + (at_y > 0 ? after(i, ny) : before(i, ny)) * nx;
                 for (int64_t kx = 0; kx < fx; kx++) {
                     const REAL at_x = ((REAL)kx + (REAL)0.5) / (REAL)fx - (REAL)0.5;
                     const REAL share_x = at_x > 0 ? at_x : -at_x;
                     const int64_t next = at_x > 0 ? after(j, nx) : before(j, nx);
-                    const REAL here = (1 - share_x) * row[j] + share_x * row[next];
+                    const REAL here = (1 - share_x) * own[j] + share_x * own[next];
                     const REAL there = (1 - share_x) * beside[j] + share_x * beside[next];
                     const REAL value = (1 - share_y) * here + share_y * there;
-                    roots[ky * fx + kx] = ROOT(value > 0 ? value : 0);
-                    total += roots[ky * fx + kx];
+                    parts[ky * fx + kx] = ROOT(value > 0 ? value : 0);
+                    total += parts[ky * fx + kx];
                 }
             }
-            const REAL share = total > 0 ? (REAL)(fy * fx) * pressure / total : 0;
+            const REAL load = (REAL)(fy * fx) * pressure, share = total > 0 ? load / total : 0;
             for (int64_t ky = 0; ky < fy; ky++)
                 for (int64_t kx = 0; kx < fx; kx++)
-                    given->out[((i * fy + ky) * nx + j) * fx + kx] =
-                        total > 0 ? share * roots[ky * fx + kx] : pressure;
+                    parts[ky * fx + kx] = share * parts[ky * fx + kx] + detail[ky * width + j * fx + kx];
+            NAME(cut_to_load)(parts, fy * fx, load);
+            for (int64_t ky = 0; ky < fy; ky++)
+                memcpy(given->out + (i * fy + ky) * width + j * fx, parts + ky * fx, (size_t)fx * sizeof(REAL));
         }
+    }
 }
