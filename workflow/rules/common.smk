@@ -36,7 +36,8 @@ try:
     MEASURED = measured(TABLE)
     MEMBERS = members(TABLE, COMPOSITE["shifts"] * len(COMPOSITE["rotations"]))
 except SettingsError as error:
-    sys.exit(str(error))  # the sentences alone: a WorkflowError comes with lines of this file
+    # the sentences alone: a WorkflowError comes with lines of this file
+    sys.exit(str(error))
 
 STUDY = "" not in CASES
 TOGETHER = CASES[next(iter(CASES))]["together"]  # the same for all cases

@@ -77,15 +77,20 @@ def last_words(record, how):
     code = int(status[2] or 0) if status else 1
     if code == 1:  # that of an error in Python
         return None
-    # above 128 a shell in between reports a signal
-    ended_by = (
-        signal.Signals(code - 128).name if code > 128 else status[1] or f"status {code}"
-    )
+    try:  # above 128 a shell in between reports a signal
+        ended_by = signal.Signals(code - 128).name if code > 128 else status[1]
+    except ValueError:
+        ended_by = None
+    ended_by = ended_by or f"status {code}"
     job = next(job for job in workflow.dag.jobs if job.jobid == record.jobid)
     name = " ".join([job.rule.name, *map(str, job.wildcards)])
     if ended_by == "SIGKILL":
+        asked = job.resources.get(
+            "mem_mb"
+        )  # the jobs that gather have asked for nothing
+        asked = f": it had asked for {asked} MB" if asked else ""
         return (
-            f"[{name}] ERROR: killed; probably out of memory: it had asked for {job.resources.mem_mb} MB. "
+            f"[{name}] ERROR: killed; probably out of memory{asked}. "
             "Free some memory, or run fewer jobs at once (--cores 1), and run again"
         )
     if ended_by in ("SIGTERM", "SIGINT", "SIGHUP"):

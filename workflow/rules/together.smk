@@ -75,9 +75,7 @@ def settings_of_steps(steps):
 
 def small_memory(wildcards, attempt):
     """Return the memory (MB) of a job with several stages of a small map, by the size of its file."""
-    return round(
-        attempt * (BASE_MEMORY + 300 * megabytes(row(wildcards.surface).path))
-    )
+    return round(attempt * (BASE_MEMORY + 300 * megabytes(row(wildcards.surface).path)))
 
 
 def small_minutes(wildcards, attempt):

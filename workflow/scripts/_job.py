@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 _log: int
 _name: str
 
-_ASKED = (
-    f"it had asked for {snakemake.resources.get('mem_mb')} MB; run fewer jobs at once (--cores 1), cut "
-    "the map or measure it coarser, and run again"
+_MEMORY = snakemake.resources.get("mem_mb")  # the jobs that gather ask for none
+_ASKED = (f"it had asked for {_MEMORY} MB; " if _MEMORY else "") + (
+    "run fewer jobs at once (--cores 1), cut the map or measure it coarser, and run again"
 )
 _DISK = {
     errno.ENOSPC: "the disk is full; make room and run again, what is done is not done again",

@@ -155,9 +155,14 @@ def _check_start(given: argparse.Namespace) -> None:
             )
         _check_yaml(file)
     homes = given.directory, workflow_file().parent, workflow_file().parents[1]
-    if not given.configfile and not any((home / _FILES[0]).is_file() for home in homes):
-        folder = given.directory.absolute()
-        raise SettingsError(f"there is no {_FILES[0]} in {folder}: `roughcontact init` writes one to change")
+    if not given.configfile:
+        found = [home / _FILES[0] for home in homes if (home / _FILES[0]).is_file()]
+        if not found:
+            folder = given.directory.absolute()
+            raise SettingsError(
+                f"there is no {_FILES[0]} in {folder}: `roughcontact init` writes one to change"
+            )
+        _check_yaml(found[0])
     folder = given.directory.absolute()
     there = next(path for path in (folder, *folder.parents) if path.is_dir())
     if not os.access(there, os.W_OK):
