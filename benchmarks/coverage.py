@@ -61,7 +61,7 @@ def measure(height, loads, truth) -> dict:
         statistics, height=height.attrs, levelled=levelled.attrs, window=window.attrs, points=window.size
     )
     return {
-        "asked": [check.name for check in outcome if check.outcome != checks.PASSED],
+        "asked": [check.name for check in checks.reasons(outcome)],
         "loads": checks.load_flags(statistics, window.size),
         **{
             name: {

@@ -28,6 +28,7 @@ _HOME = {
     "periodic_window": "roughcontact.window.periodic_window",
     "solve_contact": "roughcontact.contact.solve",
     "contact_statistics": "roughcontact.statistics.contact_statistics",
+    "first_yield_pressure": "roughcontact.statistics.first_yield",
     "error_budget": "roughcontact.uncertainty.budget",
     "compare_statistics": "roughcontact.results.comparison",
     "read_dataset": "roughcontact.results.storage",
