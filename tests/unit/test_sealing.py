@@ -102,6 +102,13 @@ def test_the_constriction_is_the_highest_level_that_is_open(seed):
         assert found[f"gap_percolates_{name}"] == bool(levels)
 
 
+def test_random_points_percolate_at_the_published_threshold():
+    """Sites of a square lattice percolate from a share of 0.5927 on (Stauffer and Aharony 1994)."""
+    found = percolation_columns(np.random.default_rng(5).random((700, 700)))
+    assert found["critical_constriction_x"] == pytest.approx(1 - 0.5927, abs=0.012)
+    assert found["critical_constriction_y"] == pytest.approx(1 - 0.5927, abs=0.012)
+
+
 def test_constriction_of_crossed_waves_is_their_saddle():
     """Of 1 + (cos x + cos y)/2: between two valleys, where one cosine is 1 and the other -1."""
     x = 2 * np.pi * np.arange(200) / 200

@@ -95,16 +95,19 @@ def _joined_over_seams(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
     from scipy.ndimage import label
 
     labels, count = label(inside)
-    parent = list(range(count + 1))
-    copy = [(0, 0)] * (count + 1)  # in which copy of the map a label lies, relative to its parent
+    # of labels at a seam: another label of their region, and in which copy of the map they lie, seen from it
+    above: dict[int, tuple[int, int, int]] = {}
     around = np.zeros((count + 1, 2), bool)
 
     def root_of(name: int) -> tuple[int, int, int]:
-        """Return the root of a label, and the copy of the map in which the label lies, relative to it."""
-        y = x = 0
-        while parent[name] != name:
-            y, x, name = y + copy[name][0], x + copy[name][1], parent[name]
-        return name, y, x
+        """Return the root of a label, and the copy of the map in which the label lies, seen from it."""
+        root, y, x = name, 0, 0
+        while root in above:
+            root, more_y, more_x = above[root]
+            y, x = y + more_y, x + more_x
+        if root != name:
+            above[name] = root, y, x  # the way is short the next time
+        return root, y, x
 
     for axis, last, first in ((0, labels[-1], labels[0]), (1, labels[:, -1], labels[:, 0])):
         both = (last > 0) & (first > 0)
@@ -115,6 +118,9 @@ def _joined_over_seams(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
             if root == other:
                 around[root] |= np.array(apart) != 0
             else:
-                parent[other], copy[other] = root, apart
+                above[other] = root, *apart
                 around[root] |= around[other]
-    return labels, np.array([root_of(name)[0] for name in range(count + 1)]), around
+    roots = np.arange(count + 1)
+    for name in list(above):
+        roots[name] = root_of(name)[0]
+    return labels, roots, around
