@@ -249,3 +249,31 @@ def test_a_single_bad_point_is_no_matter_of_units():
     assert "more than the field" not in found
     assert "check the height unit" not in found
     assert "more than the field" in "\n".join(suspicions(1e3 * height, 1e-6, 1e-6))
+
+
+def keyence(counts, step, scale):
+    """Return a VK4 file by its published layout: offsets from byte 12, steps and scale (pm) from 252."""
+    ny, nx = counts.shape
+    head = bytearray(600)
+    head[:12] = b"VK4_\0\0\0\0\0\0\0\0"
+    struct.pack_into("<I", head, 12 + 4 * 6, len(head))  # of the first image of heights
+    struct.pack_into("<7I", head, 84, 300, 2020, 5, 17, 12, 30, 0)
+    struct.pack_into("<3I", head, 252, step, step, scale)
+    image = struct.pack("<7I", nx, ny, 32, 0, 4 * nx * ny, 0, 2**32 - 1) + bytes(768)
+    return bytes(head) + image + counts.astype("<u4").tobytes()
+
+
+@pytest.mark.parametrize("wrapped", ["", "VK6", "VK7"])
+def test_keyence_alone_and_within_an_archive(tmp_path, wrapped):
+    counts = np.random.default_rng(8).integers(0, 2**20, (5, 7))
+    data = keyence(counts, 250_000, 100)
+    if wrapped:
+        packed = io.BytesIO()
+        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as new:
+            new.writestr("Vk4File", data)
+        data = wrapped.encode() + b"\x01" + bytes(range(1, 200)) + packed.getvalue()
+    height = read_height_map(saved(tmp_path, data, "map.bin"))
+    np.testing.assert_allclose(height.values, 1e-10 * counts, rtol=1e-12)
+    assert float(height.x[1] - height.x[0]) == pytest.approx(250e-9)
+    with pytest.raises(InputFileError):
+        read_height_map(saved(tmp_path, data[: int(0.6 * len(data))], "map.bin"))

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 from roughcontact.errors import InputFileError
 from roughcontact.io import instrument_kinds
 
+_LONGEST = 1e100  # of positions, so that their squares are numbers
+
 
 class UnevenPositionsError(InputFileError):
     """Positions that form no even grid; readers catch it and hand over the points as they are."""
@@ -222,7 +224,8 @@ def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -
         raise InputFileError(
             f"{where}: the values are of type {plain.dtype}, not real numbers; store heights as float64"
         )
-    heights = np.array(plain, dtype=float, ndmin=2)
+    with np.errstate(all="ignore"):  # a NaN of single precision may be one that signals
+        heights = np.array(plain, dtype=float, ndmin=2)
     if mask is not None:
         heights[np.atleast_2d(mask)] = np.nan
     if missing is not None:
@@ -231,6 +234,7 @@ def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -
     return heights
 
 
+@np.errstate(all="ignore")  # positions beyond all numbers are not even
 def even_step(positions: ArrayLike, name: str) -> float:
     """Return the step of evenly spaced positions.
 
@@ -265,6 +269,7 @@ def even_step(positions: ArrayLike, name: str) -> float:
     return step
 
 
+@np.errstate(all="ignore")
 def rounded_step(positions: ArrayLike) -> float | None:
     """Return the step of positions that are even but for the rounding of their last decimal.
 
@@ -289,7 +294,8 @@ def rounded_step(positions: ArrayLike) -> float | None:
     True
     """
     positions = np.asarray(positions, dtype=float)
-    if positions.size < 50 or not np.isfinite(positions).all() or not np.ptp(positions) > 0:
+    even = positions.size >= 50 and np.isfinite(positions).all()
+    if not even or not 0 < positions[-1] - positions[0] < _LONGEST:
         return None
     number = np.arange(positions.size)
     step, start = np.polyfit(number, positions, 1)

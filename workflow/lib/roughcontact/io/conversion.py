@@ -86,7 +86,9 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
     notes += doubts
     channel, request, done = on_even_grid(channel, request, path)
     scale = decide_scale(channel, request, path)
-    heights = _checked(channel.read() * scale.height_factor, path)
+    with np.errstate(over="ignore"):  # heights beyond all numbers are refused below
+        heights = channel.read() * scale.height_factor
+    heights = _checked(heights, path)
     return Converted(channel, choice, heights, scale.dx, scale.dy, [*notes, *done, *scale.notes])
 
 

@@ -13,6 +13,7 @@ from roughcontact.io.channels import Channel
 from roughcontact.io.request import Request
 from roughcontact.io.units import is_length, metres
 
+_SHORTEST = 1e-30  # m; steps between this and its inverse can be reckoned with
 _FEWEST_LINES = 10  # of a matrix that shows by its pixels that it was cut off
 
 
@@ -78,10 +79,8 @@ def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
         dy = dx
     if dx is None or dy is None:
         raise InputFileError(_what_is_missing(channel, path))
-    if not (0 < dx < np.inf and 0 < dy < np.inf):
-        raise InputFileError(
-            f"{path}: the file says steps of {dx:g} m x {dy:g} m, which cannot be; give dx, dy and unit"
-        )
+    if not (_SHORTEST < dx < 1 / _SHORTEST and _SHORTEST < dy < 1 / _SHORTEST):
+        raise InputFileError(f"{path}: steps of {dx:g} m x {dy:g} m cannot be; give dx, dy and unit")
     if channel.size_rounding is not None and request.dx is None and request.dy is None:
         _refuse_cut_matrix(channel.shape, dx, dy, sum(channel.size_rounding), path)
     height_factor = _height_factor(channel, request, path, notes)
