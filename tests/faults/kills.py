@@ -16,6 +16,7 @@ byte differed.
 """
 
 import argparse
+import csv
 import os
 import random
 import signal
@@ -29,7 +30,11 @@ from pathlib import Path
 import psutil
 from study import command, environment, results, start_again, write_study
 
+from roughcontact.results.storage import read_dataset
+
+GATHERED = ("results/statistics.nc", "results/summary.csv", "results/report.html")
 KINDS = ("script", "scheduler", "group", "writing")
+HANGS = 900.0  # seconds from which a run that does nothing any more is taken for one that never will
 AFTERWARDS = 5.0  # seconds in which jobs have to notice that their run is gone
 COUNTED = (
     "kills",
@@ -37,6 +42,7 @@ COUNTED = (
     "runs",
     "half files",
     "refused or failed",
+    "hung",
     "jobs that outlived their run",
     "differing files",
 )
@@ -103,8 +109,9 @@ def run_with_kills(folder, targets, kills, longest, choose, expected, counts, wr
         enough = counts["kills"] >= kills
         after = choose.uniform(0, longest)
         previous, kind = kind, choose.choice(KINDS)
-        if enough or not (victims := wait_and_find(run, folder, kind, after)):
-            if run.wait():
+        victims = [] if enough else wait_and_find(run, folder, kind, after)
+        if not victims:
+            if end_of(run):
                 counts["refused or failed"] += 1
                 wrong.append(f"after a kill of {previous}: {(folder / 'said.txt').read_text()[-2000:]}")
             return longest * (0.7 if counts["kills"] - before < FEW else 1.0)
@@ -116,12 +123,19 @@ def run_with_kills(folder, targets, kills, longest, choose, expected, counts, wr
                 continue
         counts["kills"] += 1
         counts[kind] += 1
-        run.wait()  # where a job alone was killed, the run ends by itself
+        # where a job alone was killed, the run ends by itself
+        if end_of(run) == -signal.SIGKILL and kind == "script":
+            counts["hung"] += 1
+            wrong.append(f"after a kill of {kind}: {(folder / 'said.txt').read_text()[-2000:]}")
         _, outlived = psutil.wait_procs(alive, timeout=AFTERWARDS)
         counts["jobs that outlived their run"] += len(outlived)
         wrong += [f"after a kill of {kind} still at work: {process}" for process in outlived]
         psutil.wait_procs(outlived)
-        half = differences({name: expected.get(name, b"") for name in results(folder)}, folder)
+        half = [
+            name
+            for name, content in results(folder).items()
+            if content != expected.get(name) and not (name in GATHERED and is_whole(folder / name))
+        ]
         counts["half files"] += len(half)
         wrong += [f"after a kill of {kind}: {name} is not whole" for name in half]
         if len(results(folder)) == done:
@@ -129,12 +143,21 @@ def run_with_kills(folder, targets, kills, longest, choose, expected, counts, wr
         print(dict(counts), f"{longest:.1f} s", file=sys.stderr, flush=True)
 
 
+def end_of(run):
+    """Return the exit status of a run that is left alone; that of a kill where it hangs."""
+    try:
+        return run.wait(timeout=HANGS)
+    except subprocess.TimeoutExpired:
+        os.killpg(run.pid, signal.SIGKILL)
+        return run.wait()
+
+
 def wait_and_find(run, folder, kind, after):
     """Wait until the time has come, and return the processes to kill; none where the run has ended before."""
     until = time.monotonic() + after
     while time.monotonic() < until and run.poll() is None:
         time.sleep(0.01)
-    while run.poll() is None:
+    while run.poll() is None and time.monotonic() < until + HANGS:
         if kind != "writing" or list(folder.glob("results/**/.*.partial")):
             everyone = family(run)
             scripts = [process for process in everyone if ".snakemake/scripts" in words(process)]
@@ -162,6 +185,16 @@ def words(process):
         return " ".join(process.cmdline())
     except psutil.Error:
         return ""
+
+
+def is_whole(path):
+    """Return whether a file that gathers the surfaces is complete: after a kill it is made of those there are."""
+    if path.suffix == ".nc":
+        return len(read_dataset(path).variables) > 0
+    text = path.read_text(encoding="utf-8")
+    if path.suffix == ".html":
+        return text.rstrip().endswith("</html>")
+    return text.endswith("\n") and len({len(row) for row in csv.reader(text.splitlines())}) == 1
 
 
 def differences(expected, folder):
