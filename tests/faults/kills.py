@@ -188,7 +188,7 @@ def words(process):
 
 
 def is_whole(path):
-    """Return whether a file that gathers the surfaces is complete: after a kill it is made of those there are."""
+    """Return whether a file that gathers the surfaces is complete: it may be made of some of them."""
     if path.suffix == ".nc":
         return len(read_dataset(path).variables) > 0
     text = path.read_text(encoding="utf-8")
