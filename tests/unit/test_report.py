@@ -16,6 +16,7 @@ from xml.etree import ElementTree
 import matplotlib
 import numpy as np
 import pytest
+import xarray as xr
 from PIL import Image
 
 from roughcontact.contact.loads import plan_loads
@@ -26,6 +27,7 @@ from roughcontact.maps import height_map
 from roughcontact.quantities import number, percent, prefix, quantity
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.report import map_plots
+from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.page import write_report
 from roughcontact.report.panel import write_panel
 from roughcontact.report.summary import embedded, summary_of
@@ -64,13 +66,18 @@ def run_surface(folder, name, height, *, case=None, loads=None, keep_fields=True
     return panel, {"surface": name, "case": case, "statistics": files["statistics"]}
 
 
-def assemble(folder, runs, title="Trial"):
+def assemble(folder, runs, title="Trial", **more):
     """Collect the statistics and write the page; return its path."""
     panels, entries = zip(*runs, strict=True)
     write_dataset(collect_statistics(list(entries)), folder / "statistics.nc")
     page = folder / "report.html"
     write_report(
-        page, panels=list(panels), statistics=folder / "statistics.nc", title=title, settings=SETTINGS
+        page,
+        panels=list(panels),
+        statistics=folder / "statistics.nc",
+        title=title,
+        settings=SETTINGS,
+        **more,
     )
     return page
 
@@ -518,3 +525,123 @@ def test_page_in_a_browser(page, tmp_path, width):
     assert result["sections"] == [f"surface-{name}" for name in ("holes", "profile", "flat", "sparse")]
     assert result["wide"] <= 0
     assert not Path(tmp_path / "page_files").exists()
+
+
+# --- many surfaces -----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    """An index of seven surfaces under two cases and one failure, and their pages."""
+    folder = tmp_path_factory.mktemp("many")
+    runs = [
+        run_surface(folder, f"s-{seed}", rough(seed, shape=(24, 24)), case=case)
+        for case in ("soft", "hard")
+        for seed in range(7)
+    ]
+    failures = [{"surface": "bad", "case": "soft", "reason": "bad.txt: <empty>"}]
+    return assemble(folder, runs, failures=failures)
+
+
+def test_of_many_surfaces_there_is_an_index_and_a_page_each(study):
+    text = study.read_text(encoding="utf-8")
+    pages = study.parent / "pages"
+    assert sorted(page.name for page in pages.iterdir()) == [f"s-{seed}.html" for seed in range(7)]
+    links = re.findall(r'href="(pages/[^"]*)"', text)
+    assert len(links) == 14
+    for link in links:
+        name, _, anchor = link.partition("#")
+        page = (study.parent / name).read_text(encoding="utf-8")
+        assert page.count(f'id="{anchor}"') == 1
+        assert '<a href="../report.html">' in page
+    assert "bad.txt: &lt;empty&gt;" in text
+    for page in (text, *(path.read_text(encoding="utf-8") for path in pages.iterdir())):
+        assert not re.search(r"(?i)url\(|@import|https?://", re.sub(r'"data:[^"]*"', "", page))
+    assert len(text) < 200_000
+
+
+def test_cases_are_compared_with_their_difference():
+    first = xr.Dataset(
+        {
+            "mean_pressure": ("load", [1e6, 2e6]),
+            "relative_contact_area": ("load", [0.1, 0.2]),
+            "mean_contact_pressure": ("load", [1e7, 1e7]),
+            "max_pressure": ("load", [3e7, 4e7]),
+            "mean_gap": ("load", [2e-6, 0.0]),
+            "relative_contact_area_uncertainty": (("load", "source"), [[0.003], [0.0]]),
+        },
+        coords={"source": ["combined"]},
+    )
+    second = first * 2
+    second["relative_contact_area_uncertainty"] = (("load", "source"), [[0.008], [0.0]])
+    areas, *_, gaps = case_table({"one": first, "two": second})["groups"]
+    # 0.2 ± 0.008 against 0.1 ± 0.003: hypot(0.008, 2 * 0.003)/0.1 = 10 %
+    assert areas["rows"][0] == ["1.00 MPa", "(10.00 ± 0.30) %", "(20.00 ± 0.80) %", "(100 ± 10) %"]
+    assert areas["rows"][1] == ["2.00 MPa", "20.0 %", "40.0 %", "100 %"]
+    assert gaps["rows"][1][-1] == "–"
+    assert case_table({"one": first}) is None
+
+
+def test_medians_of_many_surfaces_and_where_most_of_them_lie():
+    def surface(area):
+        return xr.Dataset(
+            {
+                "mean_pressure": ("load", [1e6]),
+                "relative_contact_area": ("load", [area]),
+                **{n: ("load", [1.0]) for n in ("mean_contact_pressure", "max_pressure", "mean_gap")},
+            }
+        )
+
+    surfaces = [{"one": surface(k / 100), "two": surface(2 * k / 100)} for k in range(11)]
+    table = case_medians([*surfaces, {"one": surface(0.9)}])
+    assert table["surfaces"] == 11
+    areas = table["groups"][0]["rows"][0]
+    assert areas == ["1.00 MPa", "5.00 % (1.00 to 9.00)", "10.0 % (2.00 to 18.0)", "100 % (100 to 100)"]
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+def test_the_index_is_sorted_and_filtered(study, tmp_path):
+    script = """
+<script>
+window.addEventListener("load", () => {
+  const rows = () => [...document.querySelectorAll("#many tbody tr")].filter(row => !row.hidden);
+  const names = () => rows().map(row => row.cells[0].textContent);
+  const find = document.getElementById("find"), said = {all: rows().length};
+  document.querySelectorAll("#many thead button")[3].click();
+  said.gradients = rows().map(row => parseFloat(row.cells[3].dataset.key));
+  find.value = "s-3"; find.dispatchEvent(new Event("input"));
+  said.found = names();
+  find.value = ""; find.dispatchEvent(new Event("input"));
+  const verdict = document.getElementById("verdict");
+  verdict.value = "none"; verdict.dispatchEvent(new Event("change"));
+  said.failed = names();
+  said.wide = document.documentElement.scrollWidth - window.innerWidth;
+  document.body.setAttribute("data-said", JSON.stringify(said));
+});
+</script>
+"""
+    page = tmp_path / "index.html"
+    page.write_text(
+        study.read_text(encoding="utf-8").replace("</body>", script + "</body>"), encoding="utf-8"
+    )
+    browser = subprocess.run(
+        [
+            CHROMIUM,
+            *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--window-size=500,900"),
+            *(f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=5000", "--dump-dom"),
+            page.as_uri(),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=180,
+        check=True,
+    )
+    said = json.loads(re.search(r'data-said="([^"]*)"', browser.stdout)[1].replace("&quot;", '"'))
+    assert said["all"] == 15
+    gradients = [value for value in said["gradients"] if value is not None]
+    assert len(gradients) == 14
+    assert gradients == sorted(gradients)
+    assert said["found"] == ["s-3 · soft", "s-3 · hard"] or said["found"] == ["s-3 · hard", "s-3 · soft"]
+    assert said["failed"] == ["bad · soft"]
+    assert said["wide"] <= 0

@@ -36,6 +36,9 @@ for case, owners_of in SHARED.items():
                     "../scripts/share.py"
 
 
+from roughcontact.report import ONE_PAGE
+
+
 rule panel:
     """Draw one surface's part of the report."""
     input:
@@ -112,6 +115,7 @@ rule report:
         panels=[f"{FOLDER}/panel.html".format(**run) for run in RUNS],
     output:
         report("results/report.html", caption="../report/page.rst", category="Page"),
+        **({"pages": directory("results/pages")} if len(RUNS) > ONE_PAGE else {}),
     log:
         "logs/report.log",
     conda:

@@ -1,6 +1,6 @@
 """The figures of the report that show results against the load: area, gap, distribution of the pressure."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -87,6 +87,50 @@ def compare_areas(series: Sequence[tuple[str, np.ndarray, np.ndarray]]) -> str:
         marker = MARKERS[(index // len(COLOURS) + index) % len(MARKERS)]
         colour = COLOURS[index % len(COLOURS)]
         chart.marks(load[order], area[order], colour=colour, marker=marker, joined=1.0, label=label)
+    return chart.source("below")
+
+
+def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]]) -> str:
+    """Draw the contact area against the load of very many surfaces: each as a faint line, medians in colour.
+
+    Parameters
+    ----------
+    groups : mapping
+        name of a case ("" in a run without cases) -> (relative pressures, relative contact areas) of each of
+        its surfaces.
+
+    Returns
+    -------
+    str
+        source of the image, a data URI.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> one = np.array([0.01, 0.1]), np.array([0.02, 0.2])
+    >>> spread_of_areas({"": [one] * 3}).partition(",")[0]
+    'data:image/svg+xml'
+    """
+    loads = np.concatenate([load for group in groups.values() for load, _ in group])
+    areas = np.concatenate([area for group in groups.values() for _, area in group])
+    chart = _area_chart(loads, areas, size=(660.0, 430.0))
+    medians = []
+    for index, (name, group) in enumerate(groups.items()):
+        colour = COLOURS[index % len(COLOURS)]
+        line = np.geomspace(min(load.min() for load, _ in group), max(load.max() for load, _ in group), 60)
+        curves = []
+        for load, area in group:
+            order = np.argsort(load)
+            chart.line(load[order], area[order], colour=f"{colour}38", width=0.8)
+            logs = np.log(load[order]), np.log(np.maximum(area[order], 1e-300))
+            curves.append(np.exp(np.interp(np.log(line), *logs, left=np.nan, right=np.nan)))
+        known = np.isfinite(curves).sum(axis=0) >= max(len(group) / 2, 1)
+        median = np.full(line.size, np.nan)
+        median[known] = np.nanmedian(np.array(curves)[:, known], axis=0)
+        medians.append((line, median, colour, f"median, {name}" if name else "median of the surfaces"))
+    _theory_lines(chart, loads)
+    for line, median, colour, label in medians:
+        chart.line(line, median, colour=colour, width=2.6, label=label)
     return chart.source("below")
 
 

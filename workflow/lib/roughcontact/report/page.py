@@ -1,16 +1,20 @@
 """The page of a run: verdicts, comparison and the panel of every surface in one self-contained HTML file."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from roughcontact import materials
 from roughcontact.quantities import number, percent, quantity
-from roughcontact.report.load_plots import compare_areas
-from roughcontact.report.summary import summary_of
+from roughcontact.report import ONE_PAGE
+from roughcontact.report.cases import case_medians, case_table
+from roughcontact.report.load_plots import compare_areas, spread_of_areas
+from roughcontact.report.summary import Summary, summary_of
 from roughcontact.report.tables import pair_table
 from roughcontact.report.template import template
 from roughcontact.results.collect import Failure
@@ -31,7 +35,10 @@ def write_report(
     pairs: str | Path | None = None,
     failures: Sequence[Failure] = (),
 ) -> None:
-    """Write the one self-contained page of a run: verdicts, comparison, and the part of every surface.
+    """Write the page of a run: verdicts, comparison, and the part of every surface.
+
+    Up to `report.ONE_PAGE` results stand on one self-contained page. Of more there is an index, and beside it
+    the folder `pages` with a page for each surface; nothing is fetched from elsewhere either.
 
     Parameters
     ----------
@@ -55,23 +62,36 @@ def write_report(
     InputFileError
         for a file that is not readable, or is no panel.
     """
-    parts = [Path(panel).read_text(encoding="utf-8") for panel in panels]
-    summaries = [summary_of(part, panel) for part, panel in zip(parts, panels, strict=True)]
+    many = len(panels) + len(failures) > ONE_PAGE
     series = _series(read_dataset(statistics))
-    rows = [{**summary, "numbers": _headline(series[summary["name"]])} for summary in summaries]
-    lines = [
-        (name, data["relative_pressure"].values, data["relative_contact_area"].values)
-        for name, data in series.items()
-        if np.isfinite(data["relative_pressure"]).all()
+    by_surface: dict[str, dict[str, xr.Dataset]] = {}
+    for (surface, case), data in series.items():
+        by_surface.setdefault(surface, {})[case or ""] = data
+    known = {_name(*key): data for key, data in series.items()}
+    read = partial(Path.read_text, encoding="utf-8")
+    summaries = [summary_of(read(Path(panel)), panel) for panel in panels]
+    rows = [
+        {
+            **summary,
+            "numbers": _headline(known[summary["name"]]),
+            "doubts": ", ".join(reason.partition(":")[0] for reason in summary["reasons"]),
+            "sort_by": _sort_keys(known[summary["name"]]),
+            "link": f"pages/{summary['surface']}.html#surface-{summary['identifier']}",
+        }
+        for summary in summaries
     ]
+    if many:
+        _write_pages(Path(path).parent / "pages", summaries, panels, by_surface, title=title)
     html = template("report.html").render(
         title=title,
         rows=rows,
         headings=_HEADINGS,
         words=checks.VERDICTS,
         counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in checks.VERDICTS},
-        comparison=compare_areas(lines) if lines else None,
-        parts=parts,
+        many=many,
+        comparison=_comparison(series, many=many),
+        cases=_cases(by_surface, many=many),
+        parts=[] if many else [read(Path(panel)) for panel in panels],
         failures=[
             {"name": _name(failure["surface"], failure["case"]), "reason": failure["reason"]}
             for failure in failures
@@ -99,8 +119,60 @@ def write_report(
     write_text(html, path)
 
 
-def _series(statistics: xr.Dataset) -> dict[str, xr.Dataset]:
-    """Return {name: statistics of its loads} of every surface (and case), loads rising, padding left out."""
+def _write_pages(
+    folder: Path,
+    summaries: Sequence[Summary],
+    panels: Sequence[str | Path],
+    by_surface: Mapping[str, Mapping[str, xr.Dataset]],
+    *,
+    title: str,
+) -> None:
+    """Write the page of each surface, with all its cases."""
+    names = list(dict.fromkeys(summary["surface"] for summary in summaries))
+    for place, name in enumerate(names):
+        own = [index for index, summary in enumerate(summaries) if summary["surface"] == name]
+        html = template("surface.html").render(
+            title=title,
+            name=name,
+            before=names[place - 1] if place else None,
+            after=names[place + 1] if place + 1 < len(names) else None,
+            cases=case_table(by_surface[name]),
+            summaries=[summaries[index] for index in own],
+            parts=[Path(panels[index]).read_text(encoding="utf-8") for index in own],
+        )
+        write_text(html, folder / f"{name}.html")
+
+
+def _comparison(series: Mapping[tuple[str, str | None], xr.Dataset], *, many: bool) -> str | None:
+    """Return the figure of area against load of all surfaces; None where all are flat."""
+    lines = {
+        key: (data["relative_pressure"].values, data["relative_contact_area"].values)
+        for key, data in series.items()
+        if np.isfinite(data["relative_pressure"]).all()
+    }
+    if not lines:
+        return None
+    if not many:
+        return compare_areas([(_name(*key), *line) for key, line in lines.items()])
+    groups: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
+    for (_, case), line in lines.items():
+        groups.setdefault(case or "", []).append(line)
+    return spread_of_areas(groups)
+
+
+def _cases(
+    by_surface: Mapping[str, Mapping[str, xr.Dataset]], *, many: bool
+) -> list[tuple[str, dict[str, Any]]]:
+    """Return (title, table) of the cases side by side: of each surface, or of all where there are many."""
+    if many:
+        medians = case_medians(list(by_surface.values()))
+        return [("", medians)] if medians else []
+    tables = [(name, case_table(cases)) for name, cases in by_surface.items()]
+    return [(name, table) for name, table in tables if table]
+
+
+def _series(statistics: xr.Dataset) -> dict[tuple[str, str | None], xr.Dataset]:
+    """Return {(surface, case): statistics}, loads rising; padding and what has failed are left out."""
     series = {}
     cases = statistics["case_name"].values if "case" in statistics.dims else [None]
     for place, case in enumerate(cases):
@@ -108,11 +180,21 @@ def _series(statistics: xr.Dataset) -> dict[str, xr.Dataset]:
         for index, surface in enumerate(statistics["surface_name"].values):
             one = of_case.isel(surface=index)
             one = one.isel(load=np.isfinite(one["mean_pressure"].values))
-            if not one.sizes["load"]:  # failed under this case
-                continue
-            name = _name(surface, case)
-            series[name] = one.isel(load=np.argsort(one["mean_pressure"].values))
+            if one.sizes["load"]:
+                order = np.argsort(one["mean_pressure"].values)
+                series[str(surface), None if case is None else str(case)] = one.isel(load=order)
     return series
+
+
+def _sort_keys(data: xr.Dataset) -> list[float]:
+    """Return the numbers by which the rows of the index are sorted, for each of the headings."""
+    return [
+        float(data["rms_height"]),
+        float(data["rms_gradient"]),
+        float(data["mean_pressure"].max()),
+        float(data["relative_contact_area"].max()),
+        float(data["max_pressure"].max()),
+    ]
 
 
 def _name(surface: str, case: str | None) -> str:

@@ -87,7 +87,15 @@ def write_panel(
         table=tables.number_table(numbers, checks.load_flags(numbers, solved.size)),
         material=tables.material_table(numbers, shown),
         crosscheck=tables.crosscheck_table(crosscheck, numbers, order) if crosscheck else None,
-        summary=embedded({"identifier": identifier, "name": name, "verdict": verdict, "reasons": reasons}),
+        summary=embedded(
+            {
+                "identifier": identifier,
+                "name": name,
+                "surface": surface,
+                "verdict": verdict,
+                "reasons": reasons,
+            }
+        ),
         settings=json.dumps(settings, indent=1, sort_keys=True),
         versions=facts.versions(numbers),
         source_sha256=measured.attrs.get("source_sha256", ""),

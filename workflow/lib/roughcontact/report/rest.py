@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -62,6 +63,7 @@ def write_rest(
     if known:
         write_table(pairs_table(summary, known), folder / "pairs.csv")
         written.append("pairs.csv")
+    shutil.rmtree(folder / "pages", ignore_errors=True)
     write_report(
         folder / "report.html",
         panels=panels,
@@ -73,5 +75,7 @@ def write_rest(
     )
     sources = [*(entry["statistics"] for entry in entries), *panels]
     before = min(Path(source).stat().st_mtime for source in sources) - 1
+    if (folder / "pages").exists():
+        written.append("pages")
     for name in written:
         os.utime(folder / name, (before, before))

@@ -11,12 +11,15 @@ from typing import TypedDict
 
 from roughcontact.errors import InputFileError
 
+_PIECE = 4096  # of a panel that is searched at once
+
 
 class Summary(TypedDict):
     """What the page must know of a panel."""
 
     identifier: str  # of its section, for links
     name: str  # of the surface, with that of the case
+    surface: str
     verdict: str  # a key of `checks.VERDICTS`
     reasons: list[str]  # a sentence for each check that did not pass
 
@@ -28,6 +31,7 @@ class _Finder(HTMLParser):
         super().__init__()
         self.text: str | None = None
         self._inside = False
+        self.found = False
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self._inside = tag == "script" and ("class", "summary") in attrs
@@ -39,6 +43,7 @@ class _Finder(HTMLParser):
             self.text += data
 
     def handle_endtag(self, tag: str) -> None:
+        self.found |= self._inside
         self._inside = False
 
 
@@ -57,8 +62,8 @@ def embedded(summary: Summary) -> str:
 
     Examples
     --------
-    >>> embedded({"identifier": "one", "name": "<one>", "verdict": "passed", "reasons": []})
-    '{"identifier": "one", "name": "\\u003cone>", "reasons": [], "verdict": "passed"}'
+    >>> embedded({"identifier": "1", "name": "<1>", "surface": "1", "verdict": "passed", "reasons": []})
+    '{"identifier": "1", "name": "\\u003c1>", "reasons": [], "surface": "1", "verdict": "passed"}'
     """
     return json.dumps(summary, sort_keys=True).replace("<", "\\u003c")
 
@@ -76,7 +81,7 @@ def summary_of(panel: str, path: str | Path) -> Summary:
     Returns
     -------
     dict
-        `identifier`, `name`, `verdict`, `reasons`.
+        `identifier`, `name`, `surface`, `verdict`, `reasons`.
 
     Raises
     ------
@@ -91,8 +96,10 @@ def summary_of(panel: str, path: str | Path) -> Summary:
     'passed'
     """
     finder = _Finder()
-    finder.feed(panel)
-    finder.close()
+    for start in range(0, len(panel), _PIECE):  # it stands near the beginning, before the pictures
+        finder.feed(panel[start : start + _PIECE])
+        if finder.found:
+            break
     if finder.text is None:
         raise InputFileError(f"{path}: is no part of a report; delete it and run again")
     return json.loads(finder.text)

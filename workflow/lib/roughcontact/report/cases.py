@@ -1,0 +1,149 @@
+"""The cases of a study side by side: of one surface load by load, of many by medians and spread."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.quantities import number, percent, plus_minus, prefix, quantity
+
+# quantity, its name, its unit (a share is given in percent)
+_COMPARED = (
+    ("relative_contact_area", "contact area A/A₀", "%"),
+    ("mean_contact_pressure", "pressure in contact", "Pa"),
+    ("max_pressure", "largest pressure", "Pa"),
+    ("mean_gap", "mean gap ū", "m"),
+)
+_SPREAD = (0.1, 0.9)  # quantiles over the surfaces
+
+Group = dict[str, Any]
+
+
+def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
+    """Return the numbers of one surface under several cases, with their differences from the first.
+
+    Loads are compared in order, first with first. The ± of a difference is that of two independent numbers;
+    what both cases have in common (the map, mostly the window) makes it smaller.
+
+    Parameters
+    ----------
+    cases : mapping
+        name -> statistics of the surface, loads rising.
+
+    Returns
+    -------
+    dict or None
+        `cases`, their names; `groups`, for each quantity its `title` and `rows` of cells: mean pressure under
+        the first case, the value under each, the difference of each other one in percent. None for a single
+        case.
+
+    Examples
+    --------
+    >>> one = xr.Dataset({name: ("load", [0.1]) for name, _, _ in _COMPARED}).assign(
+    ...     mean_pressure=("load", [1e6])
+    ... )
+    >>> table = case_table({"soft": one, "hard": one * 2})
+    >>> table["groups"][0]["rows"]
+    [['1.00 MPa', '10.0 %', '20.0 %', '100 %']]
+    """
+    if len(cases) < 2:
+        return None
+    first = next(iter(cases.values()))
+    loads = min(data.sizes["load"] for data in cases.values())
+    groups = []
+    for name, title, unit in _COMPARED:
+        rows = []
+        for load in range(loads):
+            values = [float(data[name][load]) for data in cases.values()]
+            halves = [_half_width(data, name, load) for data in cases.values()]
+            rows.append(
+                [
+                    quantity(float(first["mean_pressure"][load]), "Pa"),
+                    *(_shown(*pair, unit) for pair in zip(values, halves, strict=True)),
+                    *(
+                        _difference(values[0], halves[0], *pair)
+                        for pair in zip(values[1:], halves[1:], strict=True)
+                    ),
+                ]
+            )
+        groups.append({"title": title, "rows": rows})
+    return {"cases": list(cases), "groups": groups}
+
+
+def case_medians(surfaces: Sequence[Mapping[str, xr.Dataset]]) -> dict[str, Any] | None:
+    """Return medians over many surfaces under each case, and those of the differences from the first case.
+
+    Parameters
+    ----------
+    surfaces : sequence of mappings
+        of each surface, name of the case -> statistics, loads rising; those that lack a case are left out.
+
+    Returns
+    -------
+    dict or None
+        as `case_table` returns it, each cell with the 10th and 90th percentile; `surfaces` is how many were
+        compared. None where there is a single case, or no surface under all of them.
+    """
+    names = list(dict.fromkeys(name for surface in surfaces for name in surface))
+    complete = [surface for surface in surfaces if len(surface) == len(names)]
+    if len(names) < 2 or not complete:
+        return None
+    loads = min(data.sizes["load"] for surface in complete for data in surface.values())
+    groups = []
+    for quantity_name, title, unit in _COMPARED:
+        values = np.array(
+            [[surface[name][quantity_name].values[:loads] for name in names] for surface in complete], float
+        )
+        with np.errstate(divide="ignore", invalid="ignore"):
+            changes = 100 * (values[:, 1:] / values[:, :1] - 1)
+        rows = []
+        for load in range(loads):
+            pressure = np.median([float(surface[names[0]]["mean_pressure"][load]) for surface in complete])
+            rows.append(
+                [
+                    quantity(float(pressure), "Pa"),
+                    *(_quantiles(column, unit) for column in values[:, :, load].T),
+                    *(_quantiles(column, "±%") for column in changes[:, :, load].T),
+                ]
+            )
+        groups.append({"title": title, "rows": rows})
+    return {"cases": names, "groups": groups, "surfaces": len(complete)}
+
+
+def _half_width(data: xr.Dataset, name: str, load: int) -> float:
+    """Return the combined ± of a number, NaN where there is none."""
+    if f"{name}_uncertainty" not in data:
+        return np.nan
+    return float(data[f"{name}_uncertainty"].sel(source="combined")[load])
+
+
+def _shown(value: float, half: float, unit: str) -> str:
+    """Return a number with its ± in a unit that suits it."""
+    factor, shown = (100.0, "%") if unit == "%" else prefix(value, unit)
+    text = plus_minus(value * factor, half * factor)
+    return f"({text}) {shown}" if "±" in text else f"{text} {shown}"
+
+
+def _difference(first: float, half_of_first: float, other: float, half: float) -> str:
+    """Return by how many percent a number differs from that of the first case, with its ±."""
+    if not first > 0:
+        return "–"
+    ratio = other / first
+    spread = np.hypot(half, ratio * half_of_first) / first
+    text = plus_minus(100 * (ratio - 1), 100 * spread)
+    return f"({text}) %" if "±" in text else f"{text} %"
+
+
+def _quantiles(values: np.ndarray, unit: str) -> str:
+    """Return the median of some numbers and where most of them lie."""
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return "–"
+    low, middle, high = np.quantile(known, [_SPREAD[0], 0.5, _SPREAD[1]])
+    if unit == "%":
+        return f"{percent(middle)} ({number(100 * low)} to {number(100 * high)})"
+    if unit == "±%":
+        return f"{number(middle)} % ({number(low)} to {number(high)})"
+    factor, shown = prefix(float(middle), unit)
+    return f"{number(middle * factor)} {shown} ({number(low * factor)} to {number(high * factor)})"
