@@ -42,6 +42,11 @@ def hold():
 
 RUNNING = hold()
 
+# Snakemake's limit of 100 jobs a second is for clusters. Where it is set, every job that ends starts a clock that looks
+# for work each second until the run ends: after some hundred jobs that takes longer than the jobs.
+if workflow.local_exec and workflow.scheduling_settings is not None:
+    workflow.scheduling_settings.max_jobs_per_timespan = None
+
 
 KILLED = []  # what was said of jobs that could not say it themselves
 
