@@ -20,6 +20,9 @@ from roughcontact.levelling.rejected import with_rejected_marked
 from roughcontact.roughness.heights import height_parameters
 from roughcontact.window.band import reliable_wavelength
 
+# what levelling found and did with the rows of the face whose rows are shifted more
+_OF_ROWS = ("row_jitter", "row_jitter_evidence", "line_alignment", "line_alignment_by")
+
 
 def composite(
     face: xr.DataArray,
@@ -143,6 +146,7 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
         for face in (lower, upper)
         for warning in json.loads(face.height.attrs.get("ingest_warnings", "[]"))
     ]
+    shifted = max((one, other), key=lambda attrs: attrs.get("row_jitter", 0.0))
     coarser = max((lower, upper), key=lambda face: reliable_wavelength(face.height)[0])
     return one | {
         "units": "m",
@@ -153,7 +157,7 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
         "missing_share": max(attrs.get("missing_share", 0.0) for attrs in (one, other)),
         "outliers_rejected": sum(attrs.get("outliers_rejected", 0) for attrs in (one, other)),
         "outlier_kinds": json.dumps({k: sum(each.get(k, 0) for each in kinds) for k in kinds[0] | kinds[1]}),
-        "row_jitter": max(attrs.get("row_jitter", 0.0) for attrs in (one, other)),
+        **{name: shifted[name] for name in _OF_ROWS if name in shifted},
         "filled_points": int(filled.sum()),
         "filled_share": float(filled.mean()),
         "largest_hole": max(attrs.get("largest_hole", 0) for attrs in (one, other)),

@@ -211,8 +211,8 @@ def _other_rows(levelled: xr.DataArray) -> Iterator[tuple[str, xr.DataArray]]:
     """Yield (name, levelled map) with the rows shifted otherwise, where they are shifted at random."""
     evidence = levelled.attrs.get("row_jitter_evidence", "none")
     aligned = "line_offset" in levelled.coords
-    if evidence == "none" or (levelled.attrs["line_alignment"] != "none") != aligned:
-        return  # nothing to align, or no longer known (the sum of two faces)
+    if evidence == "none" or "counter_face" in levelled.attrs:
+        return  # nothing to align, or rows of two faces that may lie across one another
     taken = levelled["line_offset"].values if aligned else np.zeros(len(levelled))
     found = find_row_jitter(levelled.values + taken[:, None], scanned=evidence == "doubtful")
     if levelled.attrs["line_alignment"] == "jitter":
