@@ -25,8 +25,8 @@ pytestmark = pytest.mark.shared_data
 
 LARGEST = 160  # points along a side that are solved: the middle of the map
 LOAD = 0.05
-# checks that speak of how small that part is, of what any lens leaves out, or of a load that no one asked for on
-# a material that no one named: no matter of the file
+# checks that speak of how small that part is, of what any lens leaves out, or of a load that was not asked for
+# on a material that was not named: no matter of the file
 OF_THE_PART = {"Longest wave", "Band", "Plasticity"}
 
 # What the checks must say of a file, beyond what is common to all: verdict, and checks that ask for a look.
