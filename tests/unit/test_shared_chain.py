@@ -25,7 +25,7 @@ pytestmark = pytest.mark.shared_data
 
 LARGEST = 160  # points along a side that are solved: the middle of the map
 LOAD = 0.05
-# checks that speak of how small that part is, of what any lens leaves out, or of a load that was not asked for
+# checks that speak of how small that part is, of what any lens leaves out, or of a load not asked for
 # on a material that was not named: no matter of the file
 OF_THE_PART = {"Longest wave", "Band", "Plasticity"}
 
