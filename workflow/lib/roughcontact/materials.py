@@ -38,7 +38,12 @@ class Doubt(NamedTuple):
     meant: tuple[float, ...]
 
     def question(self) -> str:
-        """Return the doubt as the second half of a sentence."""
+        """Return the doubt as the second half of a sentence.
+
+        Returns
+        -------
+        str
+        """
         likely = " or ".join(quantity(value, "Pa") for value in self.meant[:2])
         return f"{self.reason}; did you mean {likely}?" if likely else self.reason
 

@@ -157,7 +157,20 @@ class Grid:
         return state, LineSearch(slope / size, slope_after / size)
 
     def residual(self, state: State, *, precision: str) -> Residual:
-        """Return the residual of `state` in a precision: half of an application of G^-1."""
+        """Return the residual of `state` in a precision: half of an application of G^-1.
+
+        Parameters
+        ----------
+        state : State
+            a feasible pressure and its separation.
+        precision : str
+            `SINGLE` or `DOUBLE`.
+
+        Returns
+        -------
+        Residual
+            valid until the next one.
+        """
         workspace = self._workspace_in(precision)
         active = self.kernels.masked_residual(
             state.pressure, state.separation, state.offset, self.cap, workspace.values
@@ -168,7 +181,17 @@ class Grid:
         return Residual(spectrum, precision, energy, active)
 
     def precondition(self, residual: Residual) -> PreconditionedResidual:
-        """Return M r for the last `residual`: the other half of the application."""
+        """Return M r for the last `residual`: the other half of the application.
+
+        Parameters
+        ----------
+        residual : Residual
+            the last one.
+
+        Returns
+        -------
+        PreconditionedResidual
+        """
         workspace = self._workspace_in(residual.precision)
         self.halfspace.field_of(residual.spectrum, residual.precision, out=workspace.field)
         return PreconditionedResidual(workspace.field, self._restrict(workspace) / max(residual.active, 1))
@@ -187,6 +210,23 @@ class Grid:
         projection adds or takes away is redistributed to the contact beside it: P^T hands it on, until little
         is left (`roughcontact.contact.iteration`). Lines that are contacts of their own keep their loads. The
         field of the correction is lost.
+
+        Parameters
+        ----------
+        state : State
+            where the step begins.
+        correction : PreconditionedResidual
+            M r of that state.
+        length : float
+            of the step.
+        mean_pressure : float
+            prescribed, dimensionless.
+        out : array (ny, nx)
+            is written.
+
+        Returns
+        -------
+        array (ny, nx)
         """
         kernels, cap = self.kernels, self.cap
         workspace = self._workspace_in(precision_of(correction.field))
@@ -217,18 +257,51 @@ class Grid:
         return scale_to_load(out, mean_pressure, cap=cap)
 
     def last_residual(self, precision: str) -> tuple[Array, Array]:
-        """Return the last residual in a precision and the map of its active set."""
+        """Return the last residual in a precision and the map of its active set.
+
+        Parameters
+        ----------
+        precision : str
+            `SINGLE` or `DOUBLE`.
+
+        Returns
+        -------
+        residual : array (ny, nx)
+        active : array (ny, nx) of bool
+        """
         workspace = self._workspace_in(precision)
         return workspace.values, workspace.values != 0
 
     def precondition_on(self, contact: Array, residual: Array) -> Array:
-        """Return M `residual`, shape (ny, nx), for a given contact set; the residual is zero outside it."""
+        """Return M `residual`, shape (ny, nx), for a given contact set; the residual is zero outside it.
+
+        Parameters
+        ----------
+        contact : array (ny, nx)
+            not zero on the contact set.
+        residual : array (ny, nx)
+            zero outside it.
+
+        Returns
+        -------
+        array (ny, nx)
+        """
         interpolation = self._workspace_in(precision_of(residual)).interpolation
         interpolation.set_active(in_precision(contact, precision_of(residual)))
         return self.precondition_on_last_set(residual)
 
     def precondition_on_last_set(self, residual: Array) -> Array:
-        """Return M `residual`, shape (ny, nx), for the active set of the last residual in its precision."""
+        """Return M `residual`, shape (ny, nx), for the active set of the last residual in its precision.
+
+        Parameters
+        ----------
+        residual : array (ny, nx)
+            zero outside the active set.
+
+        Returns
+        -------
+        array (ny, nx)
+        """
         workspace = self._workspace_in(precision_of(residual))
         workspace.interpolation.prolong(residual, workspace.field)
         self.halfspace.pressure(workspace.field, out=workspace.field)
@@ -242,6 +315,18 @@ class Grid:
         (`roughcontact.contact.certificate`). What the projection takes away is bounded by its mean square
         times the largest |q|/2; only where this is no small change is the projected residual transformed
         itself. The residual cannot be preconditioned after that.
+
+        Parameters
+        ----------
+        state : State
+            a feasible pressure and its separation.
+        residual : Residual
+            of the state.
+
+        Returns
+        -------
+        float
+            dimensionless.
         """
         interpolated = self._workspace_in(residual.precision).field
         norm_of_interpolated = float(np.sqrt(residual.energy))
@@ -258,6 +343,15 @@ class Grid:
 
         Detail of the heights takes the pressure that it would take in full contact: exactly so for the
         shortest wave along the finer axis, which has the wavenumber pi/pitch.
+
+        Parameters
+        ----------
+        coarse : array
+            pressure over the coarser grid's cells.
+        factors : (int, int)
+            fy and fx, to the coarser grid.
+        out : array (ny, nx)
+            is written.
         """
         pitches = pitches_of(self.shape, self.halfspace.lengths)
         weights = across_y, across_x, diagonal = stencil(pitches, self.shape)
@@ -268,7 +362,17 @@ class Grid:
         self.kernels.refine(coarse, factors, self.heights_in(SINGLE), weights, stiffness, out)
 
     def heights_in(self, precision: str) -> Array:
-        """Return the dimensionless heights in a precision; in single precision they are kept."""
+        """Return the dimensionless heights in a precision; in single precision they are kept.
+
+        Parameters
+        ----------
+        precision : str
+            `SINGLE` or `DOUBLE`.
+
+        Returns
+        -------
+        array (ny, nx)
+        """
         if precision == SINGLE and self._single is not None:
             return self._single
         if self._reference == 0 and self._unit == 1:

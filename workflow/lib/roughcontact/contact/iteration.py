@@ -151,7 +151,13 @@ class Iterate:
         self._spare: State | None = None  # whose arrays the next state may have
 
     def measure(self, step: int) -> None:
-        """Find the residual of the state and the bound that it gives without the certificate."""
+        """Find the residual of the state and the bound that it gives without the certificate.
+
+        Parameters
+        ----------
+        step : int
+            number of the step.
+        """
         self._single_floor = rounding_floor(self.grid.halfspace, self.state, SINGLE)
         if self._single_floor > TOO_STIFF:
             self.residual_precision = self.precision = self.finish = DOUBLE
@@ -165,15 +171,35 @@ class Iterate:
         self.residual = self.grid.residual(self.state, precision=self.residual_precision)
 
     def is_in_final_precision(self) -> bool:
-        """Return whether the state has the precision of the result."""
+        """Return whether the state has the precision of the result.
+
+        Returns
+        -------
+        bool
+        """
         return precision_of(self.state.pressure) == self.finish
 
     def is_hopeless(self) -> bool:
-        """Return whether the rounding of a result in single precision alone is above the tolerance."""
+        """Return whether the rounding of a result in single precision alone is above the tolerance.
+
+        Returns
+        -------
+        bool
+        """
         return self.finish == SINGLE and self._single_floor > NEARLY * self.tolerance
 
     def has_stalled(self, step: int) -> bool:
-        """Return whether no further step would help: at the rounding floor, or after many in vain."""
+        """Return whether no further step would help: at the rounding floor, or after many in vain.
+
+        Parameters
+        ----------
+        step : int
+            number of the step.
+
+        Returns
+        -------
+        bool
+        """
         if step - self._lowest_step > PATIENCE:
             return True
         if not self.is_in_final_precision():
@@ -183,7 +209,12 @@ class Iterate:
         return self.bound <= at_floor * rounding_floor(self.grid.halfspace, self.state)
 
     def may_be_done(self) -> bool:
-        """Return whether the certificate is worth its price."""
+        """Return whether the certificate is worth its price.
+
+        Returns
+        -------
+        bool
+        """
         return self.bound <= self.tolerance and self.is_in_final_precision()
 
     def certify(self) -> None:
@@ -256,6 +287,22 @@ def first_guess_on_grid(
 
     For a first guess on a finer grid: what the last step leaves is foreseen, not measured. Steps that gain
     less than half are not for this function: `solve_on_grid` goes on.
+
+    Parameters
+    ----------
+    grid : Grid
+        operator and preconditioner.
+    start : array (ny, nx)
+        where to begin; its mean may differ.
+    mean_pressure : float
+        prescribed, dimensionless.
+    tolerance : float
+        relative error wanted, in the norm of the elastic energy.
+
+    Returns
+    -------
+    pressure : array (ny, nx)
+    steps : int
     """
     pressure = scale_to_load(in_precision(start, SINGLE, copy=False), mean_pressure, cap=grid.cap)
     bound_before = np.inf

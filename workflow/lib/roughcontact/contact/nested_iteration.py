@@ -25,6 +25,17 @@ def nested_heights(heights: Array, lengths: tuple[float, float]) -> list[tuple[F
     """Return [(factors, heights), ...] of the grids coarser than that of `heights`, the finest first.
 
     The factors are those to the next finer grid.
+
+    Parameters
+    ----------
+    heights : array (ny, nx)
+        dimensionless.
+    lengths : (float, float)
+        Ly and Lx of the periodic cell.
+
+    Returns
+    -------
+    list of (factors, array)
     """
     nested = []
     while max(heights.shape) > COARSEST:
@@ -43,6 +54,21 @@ def first_guess(grids: Sequence[Grid], factors: Sequence[Factors], load: float) 
     """Return a first guess of the pressure on the finest grid, and the steps taken on the others.
 
     Each grid starts from the next coarser one's pressure, refined, and is solved to about `COARSE_TOLERANCE`.
+
+    Parameters
+    ----------
+    grids : sequence of Grid
+        the finest first.
+    factors : sequence of (int, int)
+        of each coarser grid to the next finer one.
+    load : float
+        mean pressure, dimensionless.
+
+    Returns
+    -------
+    pressure : array (ny, nx)
+        in single precision.
+    steps : int
     """
     coarsest = grids[-1].heights_in(SINGLE)
     pressure, steps = coarsest.__array_namespace__().full_like(coarsest, load), 0

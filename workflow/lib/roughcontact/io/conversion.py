@@ -42,7 +42,13 @@ class Converted:
     notes: list[str]
 
     def centres(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the cell centres (x, y) in m, from where the file puts the first one or half a step."""
+        """Return the cell centres (x, y) in m, from where the file puts the first one or half a step.
+
+        Returns
+        -------
+        x, y : array
+            m, rising.
+        """
         ny, nx = self.heights.shape
         factor = self.dx / self.channel.dx if self.channel.dx else None
         return (

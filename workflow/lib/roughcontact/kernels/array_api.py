@@ -17,12 +17,29 @@ _ALL_BUT_MEAN = (0, slice(1, None)), (slice(1, None), slice(None))  # of a spect
 
 
 def mean(field: Array) -> float:
-    """Return the mean of a field, summed in double precision."""
+    """Return the mean of a field, summed in double precision.
+
+    Parameters
+    ----------
+    field : array
+
+    Returns
+    -------
+    float
+    """
     return _sum(field.__array_namespace__(), field) / field.size
 
 
 def multiply(spectrum: Array, symbol: Array) -> None:
-    """Multiply `spectrum` by `symbol`; q = 0 becomes zero."""
+    """Multiply `spectrum` by `symbol`; q = 0 becomes zero.
+
+    Parameters
+    ----------
+    spectrum : array (ny, nx//2 + 1), complex
+        is multiplied in place.
+    symbol : array (ny, nx//2 + 1)
+        of an operator.
+    """
     for part in _ALL_BUT_MEAN:
         spectrum[part] *= symbol[part]
     spectrum[0, 0] = 0
@@ -31,8 +48,19 @@ def multiply(spectrum: Array, symbol: Array) -> None:
 def divide(spectrum: Array, symbol: Array, weights: Array) -> float:
     """Divide `spectrum` by `symbol`; q = 0 becomes zero.
 
-    Returns the sum of |s|^2 / symbol over the waves but q = 0, in double precision: each counts as often as
-    the entry of `weights` for its column says.
+    Parameters
+    ----------
+    spectrum : array (ny, nx//2 + 1), complex
+        is divided in place.
+    symbol : array (ny, nx//2 + 1)
+        of an operator.
+    weights : array (nx//2 + 1,)
+        how often the waves of a column count.
+
+    Returns
+    -------
+    float
+        sum of |s|^2 / symbol over the waves but q = 0, in double precision.
     """
     xp, energy = spectrum.__array_namespace__(), 0.0
     for part in _ALL_BUT_MEAN:
@@ -51,6 +79,20 @@ def slope_power(spectrum: Array, weights: Array, along_y: Array, along_x: Array)
 
     y is the entry of `along_y` for the row; the entries for the column, x of `along_x` and how often the wave
     counts of `weights`, come in float64 too.
+
+    Parameters
+    ----------
+    spectrum : array (ny, nx//2 + 1), complex
+    weights : array (nx//2 + 1,)
+        how often the waves of a column count.
+    along_y : array (ny,)
+        by row.
+    along_x : array (nx//2 + 1,)
+        by column, float64.
+
+    Returns
+    -------
+    float
     """
     xp = spectrum.__array_namespace__()
     return _sum(xp, _power(xp, spectrum) * (weights * (along_y[:, None] + along_x)))
@@ -60,6 +102,16 @@ def extent(field: Array) -> tuple[float, float, int]:
     """Return the least and the largest value, and how many are infinite or no number.
 
     Where there are any of those, the other two tell nothing.
+
+    Parameters
+    ----------
+    field : array (ny, nx)
+
+    Returns
+    -------
+    least, largest : float
+    missing : int
+        how many are infinite or no number.
     """
     xp = field.__array_namespace__()
     finite = xp.isfinite(field)
@@ -68,7 +120,19 @@ def extent(field: Array) -> tuple[float, float, int]:
 
 
 def make_dimensionless(heights: Array, reference: float, unit: float, out: Array) -> None:
-    """Put (`heights` - `reference`) / `unit` into `out`."""
+    """Put (`heights` - `reference`) / `unit` into `out`.
+
+    Parameters
+    ----------
+    heights : array (ny, nx)
+        in their own unit.
+    reference : float
+        height that counts as zero.
+    unit : float
+        height that counts as one.
+    out : array
+        is written.
+    """
     xp = heights.__array_namespace__()
     out[...] = xp.astype((heights - reference) / unit, out.dtype)
 
@@ -90,6 +154,32 @@ def measure(
     Six sums, in double precision: pressure x displacement; displacement squared; separation over the free
     contact {0 < p < cap}, and the number of its points; change of pressure x separation `before`, and after,
     both less `offset`, which drops out but for rounding. The change is that from the pressure `start`.
+
+    Parameters
+    ----------
+    separation : array (ny, nx)
+        holds the displacement; becomes the separation.
+    heights : array (ny, nx)
+        in their own unit.
+    reference : float
+        height that counts as zero.
+    unit : float
+        height that counts as one.
+    start : array (ny, nx)
+        pressure before the last step.
+    before : array (ny, nx)
+        separation before the last step.
+    offset : float
+        separation that counts as closed.
+    pressure : array (ny, nx)
+        dimensionless.
+    cap : float
+        largest pressure allowed.
+
+    Returns
+    -------
+    tuple of float
+        the six sums.
     """
     xp = pressure.__array_namespace__()
     displaced = xp.asarray(separation, copy=True)
@@ -111,6 +201,23 @@ def masked_residual(pressure: Array, separation: Array, offset: float, cap: floa
 
     The active set is where the gap should vanish: `active_set`. A gap that does vanish there stands as
     `CLOSED`, so that the values are zero at inactive points alone.
+
+    Parameters
+    ----------
+    pressure : array (ny, nx)
+        dimensionless.
+    separation : array (ny, nx)
+        displacement less height.
+    offset : float
+        separation that counts as closed.
+    cap : float
+        largest pressure allowed.
+    values : array (ny, nx)
+        is written.
+
+    Returns
+    -------
+    int
     """
     xp = pressure.__array_namespace__()
     gap = separation - offset
@@ -135,6 +242,27 @@ def advance(
 
     What the projection took away comes into `correction`. Inactive points keep the pressure they have.
     `free` becomes 1 between the bounds, 0 elsewhere.
+
+    Parameters
+    ----------
+    pressure : array (ny, nx)
+        dimensionless.
+    separation : array (ny, nx)
+        displacement less height.
+    correction : array (ny, nx)
+        of the pressure; written over.
+    offset : float
+        separation that counts as closed.
+    mean : float
+        of the correction over the active set.
+    length : float
+        of the step.
+    cap : float
+        largest pressure allowed.
+    out : array
+        is written.
+    free : array (ny, nx)
+        is written.
     """
     xp = pressure.__array_namespace__()
     moved = pressure - length * (correction - mean)
@@ -150,8 +278,26 @@ def redistribute(
 ) -> tuple[float, float]:
     """Add `passed` and `coarse`, shared out, to `field` where `free` is not zero.
 
-    Returns how much of the field then lies outside of 0 and `cap`, and the sum of the field projected between
-    them, in double precision.
+    Parameters
+    ----------
+    field : array (ny, nx)
+        gets the load.
+    passed : array (ny, nx)
+        what neighbours pass back.
+    coarse : array
+        over the coarse cells.
+    factors : (int, int)
+        fy and fx, from the fine grid to the coarse one.
+    free : array (ny, nx)
+        where it is zero the field gets load.
+    cap : float
+        largest pressure allowed.
+
+    Returns
+    -------
+    outside, total : float
+        how much of the field lies outside of 0 and `cap`, and the sum of it projected between them, in double
+        precision.
     """
     xp = field.__array_namespace__()
     shared = repeat(coarse, factors, field.shape) / (factors[0] * factors[1])
@@ -164,6 +310,17 @@ def project(field: Array, cap: float, taken: Array, free: Array) -> None:
     """Project `field` onto [0, `cap`]; what that takes away comes into `taken`.
 
     `free` becomes 1 between the bounds and 0 elsewhere.
+
+    Parameters
+    ----------
+    field : array (ny, nx)
+        is written over.
+    cap : float
+        largest pressure allowed.
+    taken : array (ny, nx)
+        is written.
+    free : array (ny, nx)
+        is written.
     """
     xp = field.__array_namespace__()
     projected = xp.clip(field, 0, None if cap == float("inf") else cap)
@@ -173,7 +330,16 @@ def project(field: Array, cap: float, taken: Array, free: Array) -> None:
 
 
 def rescale(field: Array, factor: float, cap: float) -> None:
-    """Project `field` onto [0, `cap`] and multiply it by a number."""
+    """Project `field` onto [0, `cap`] and multiply it by a number.
+
+    Parameters
+    ----------
+    field : array (ny, nx)
+        is written over.
+    factor : float
+    cap : float
+        largest pressure allowed.
+    """
     xp = field.__array_namespace__()
     field[...] = xp.clip(field, 0, None if cap == float("inf") else cap) * factor
 
@@ -181,7 +347,23 @@ def rescale(field: Array, factor: float, cap: float) -> None:
 def project_residual(pressure: Array, separation: Array, offset: float, cap: float, values: Array) -> float:
     """Project `values` onto what a certificate allows: at most the gap where p = 0, at least it at the cap.
 
-    Returns the sum of the squares of what that changes.
+    Parameters
+    ----------
+    pressure : array (ny, nx)
+        dimensionless.
+    separation : array (ny, nx)
+        displacement less height.
+    offset : float
+        separation that counts as closed.
+    cap : float
+        largest pressure allowed.
+    values : array (ny, nx)
+        is written over.
+
+    Returns
+    -------
+    float
+        sum of the squares of what that changes.
     """
     xp = pressure.__array_namespace__()
     gap = xp.astype(separation - offset, values.dtype)
@@ -197,7 +379,25 @@ def restore_units(
 ) -> tuple[float, float]:
     """Take `offset` off the gap, multiply it and the pressure by their units, and mark the contact.
 
-    Returns the least gap and the sum of the pressure, in their units and in double precision.
+    Parameters
+    ----------
+    pressure : array (ny, nx)
+        is multiplied in place.
+    gap : array (ny, nx)
+        is multiplied in place.
+    offset : float
+        separation that counts as closed.
+    pressure_unit : float
+        pressure that counts as one.
+    gap_unit : float
+        gap that counts as one.
+    contact : array (ny, nx)
+        is written: 1 where the pressure is positive.
+
+    Returns
+    -------
+    least_gap, load : float
+        least gap and sum of the pressure, in their units and in double precision.
     """
     xp = pressure.__array_namespace__()
     gap -= offset
@@ -211,6 +411,14 @@ def block_mean(field: Array, factors: Factors, out: Array) -> None:
     """Put the means of `field` over blocks of `factors` cells into `out`.
 
     The last block of a row or a column may lack cells: they count as zero.
+
+    Parameters
+    ----------
+    field : array (ny, nx)
+    factors : (int, int)
+        fy and fx, from the fine grid to the coarse one.
+    out : array
+        over the coarse cells; is written.
     """
     xp = field.__array_namespace__()
     for axis in (0, 1):
@@ -223,7 +431,17 @@ def block_mean(field: Array, factors: Factors, out: Array) -> None:
 
 
 def active_share(active: Array, factors: Factors, out: Array) -> None:
-    """Put the share of points where `active` is not zero, over blocks of `factors` cells, into `out`."""
+    """Put the share of points where `active` is not zero, over blocks of `factors` cells, into `out`.
+
+    Parameters
+    ----------
+    active : array (ny, nx)
+        not zero on the active set.
+    factors : (int, int)
+        fy and fx, from the fine grid to the coarse one.
+    out : array
+        over the coarse cells; is written.
+    """
     xp = active.__array_namespace__()
     block_mean(xp.astype(active != 0, out.dtype), factors, out)
 
@@ -239,6 +457,21 @@ def weigh(
     line contact goes with the logarithm of the distance: each coarser grid adds a constant to the reciprocal
     of its weight, and contacts add up as conductors in parallel do.
     What the weight leaves of 1 goes into `empty`. All hold for cells out of contact, whose weight is zero.
+
+    Parameters
+    ----------
+    weight : array
+        mean weight of the parts of every cell; becomes that of the cell.
+    share : array
+        of every cell that is in contact.
+    factors : (int, int)
+        fy and fx, from the fine grid to the coarse one.
+    arrangement : Arrangement
+        of the contacts in the cells.
+    empty : array
+        is written.
+    gain : array
+        is written.
     """
     xp, parts = share.__array_namespace__(), factors[0] * factors[1]
     gain[...] = 1 / xp.where(weight > 0, weight, xp.ones_like(weight))
@@ -253,20 +486,50 @@ def weigh(
 
 
 def weighted_mean(field: Array, factors: Factors, gain: Array, out: Array) -> None:
-    """Put `gain` x the means of `field` over blocks of `factors` cells into `out`."""
+    """Put `gain` x the means of `field` over blocks of `factors` cells into `out`.
+
+    Parameters
+    ----------
+    field : array (ny, nx)
+    factors : (int, int)
+        fy and fx, from the fine grid to the coarse one.
+    gain : array
+        by cell.
+    out : array
+        over the coarse cells; is written.
+    """
     block_mean(field, factors, out)
     out *= gain
 
 
 def mix(values: Array, empty: Array, coarse: Array, factors: Factors, out: Array) -> None:
-    """Put `values` + `empty` x `coarse`, each coarse cell repeated `factors` times, into `out`."""
+    """Put `values` + `empty` x `coarse`, each coarse cell repeated `factors` times, into `out`.
+
+    Parameters
+    ----------
+    values : array (ny, nx)
+    empty : array
+        share of a cell that counts as gap.
+    coarse : array
+        over the coarse cells.
+    factors : (int, int)
+        fy and fx, from the fine grid to the coarse one.
+    out : array
+        is written.
+    """
     out[...] = values + empty * repeat(coarse, factors, values.shape)
 
 
 def neighbours(field: Array, weights: Weights, out: Array) -> None:
     """Put the weighted means of the eight neighbours, over the periodic boundary, into `out`.
 
-    `weights`: those of a neighbour across y, across x, and diagonal.
+    Parameters
+    ----------
+    field : array (ny, nx)
+    weights : (float, float, float)
+        of a neighbour across y, across x, and diagonal.
+    out : array
+        is written.
     """
     xp = field.__array_namespace__()
     across_y, across_x, diagonal = weights
@@ -276,7 +539,20 @@ def neighbours(field: Array, weights: Weights, out: Array) -> None:
 
 
 def fill(values: Array, empty: Array, mixed: Array, weights: Weights, out: Array) -> None:
-    """Put `values` + `empty` x the neighbours' means of `mixed` into `out`."""
+    """Put `values` + `empty` x the neighbours' means of `mixed` into `out`.
+
+    Parameters
+    ----------
+    values : array (ny, nx)
+    empty : array
+        share of a cell that counts as gap.
+    mixed : array (ny, nx)
+        field whose neighbours are taken.
+    weights : (float, float, float)
+        of a neighbour across y, across x, and diagonal.
+    out : array
+        is written.
+    """
     neighbours(mixed, weights, out)
     out[...] = values + empty * out
 
@@ -288,18 +564,54 @@ def fill_from(
 
     The mixture is `values` + empty x `coarse`, each coarse cell repeated `factors` times, with empty 1 where
     `active` is zero and 0 elsewhere.
+
+    Parameters
+    ----------
+    values : array (ny, nx)
+    active : array (ny, nx)
+        not zero on the active set.
+    coarse : array
+        over the coarse cells.
+    factors : (int, int)
+        fy and fx, from the fine grid to the coarse one.
+    weights : (float, float, float)
+        of a neighbour across y, across x, and diagonal.
+    out : array
+        is written.
     """
     empty = _zeros_of(active)
     fill(values, empty, values + empty * repeat(coarse, factors, values.shape), weights, out)
 
 
 def empty_neighbours(field: Array, empty: Array, weights: Weights, out: Array) -> None:
-    """Put the neighbours' means of `empty` x `field` into `out`, the transpose of filling."""
+    """Put the neighbours' means of `empty` x `field` into `out`, the transpose of filling.
+
+    Parameters
+    ----------
+    field : array (ny, nx)
+    empty : array
+        share of a cell that counts as gap.
+    weights : (float, float, float)
+        of a neighbour across y, across x, and diagonal.
+    out : array
+        is written.
+    """
     neighbours(empty * field, weights, out)
 
 
 def gather(field: Array, empty: Array, factors: Factors, out: Array) -> None:
-    """Put the sums of `empty` x `field` over blocks of cells into `out`, the transpose of mixing."""
+    """Put the sums of `empty` x `field` over blocks of cells into `out`, the transpose of mixing.
+
+    Parameters
+    ----------
+    field : array (ny, nx)
+    empty : array
+        share of a cell that counts as gap.
+    factors : (int, int)
+        fy and fx, from the fine grid to the coarse one.
+    out : array
+        over the coarse cells; is written.
+    """
     block_mean(empty * field, factors, out)
     out *= factors[0] * factors[1]
 
@@ -310,6 +622,20 @@ def empty_from(
     """Put the neighbours' means of empty x `field` into `passed`, and gather that into `coarse`.
 
     Empty as in `fill_from`, of which this is, with `finish_restriction`, the transpose.
+
+    Parameters
+    ----------
+    field : array (ny, nx)
+    active : array (ny, nx)
+        not zero on the active set.
+    weights : (float, float, float)
+        of a neighbour across y, across x, and diagonal.
+    passed : array (ny, nx)
+        is written.
+    factors : (int, int)
+        fy and fx, from the fine grid to the coarse one.
+    coarse : array
+        over the coarse cells; is written.
     """
     empty = _zeros_of(active)
     empty_neighbours(field, empty, weights, passed)
@@ -317,7 +643,19 @@ def empty_from(
 
 
 def spread(field: Array, gain: Array, coarse: Array, factors: Factors) -> None:
-    """Add `coarse`, each cell shared out among its fine ones, to `field`, and multiply that by `gain`."""
+    """Add `coarse`, each cell shared out among its fine ones, to `field`, and multiply that by `gain`.
+
+    Parameters
+    ----------
+    field : array (ny, nx)
+        is written over.
+    gain : array
+        by cell.
+    coarse : array
+        over the coarse cells.
+    factors : (int, int)
+        fy and fx, from the fine grid to the coarse one.
+    """
     field += repeat(coarse, factors, field.shape) / (factors[0] * factors[1])
     field *= gain
 
@@ -325,7 +663,23 @@ def spread(field: Array, gain: Array, coarse: Array, factors: Factors) -> None:
 def finish_restriction(field: Array, passed: Array, coarse: Array, factors: Factors, active: Array) -> float:
     """Add `passed` and `coarse`, shared out, to `field` where `active` is not zero; elsewhere make it zero.
 
-    Returns the sum of the field, in double precision.
+    Parameters
+    ----------
+    field : array (ny, nx)
+        is written over.
+    passed : array (ny, nx)
+        what neighbours pass back.
+    coarse : array
+        over the coarse cells.
+    factors : (int, int)
+        fy and fx, from the fine grid to the coarse one.
+    active : array (ny, nx)
+        not zero on the active set.
+
+    Returns
+    -------
+    float
+        sum of the field, in double precision.
     """
     xp = field.__array_namespace__()
     shared = repeat(coarse, factors, field.shape) / (factors[0] * factors[1])
@@ -344,6 +698,21 @@ def refine(
     height that stands out from the mean of its neighbours takes `stiffness` times as much pressure. What all
     parts of a cell have too much is taken off evenly, but for those that come to zero: each cell keeps its
     load.
+
+    Parameters
+    ----------
+    coarse : array
+        pressure over the coarse cells.
+    factors : (int, int)
+        fy and fx, from the fine grid to the coarse one.
+    heights : array
+        of the finer grid, dimensionless.
+    weights : (float, float, float)
+        of a neighbour across y, across x, and diagonal.
+    stiffness : float
+        pressure over the height that stands out.
+    out : array
+        is written.
     """
     xp = coarse.__array_namespace__()
     square = _continued(xp, coarse * coarse)
@@ -403,7 +772,20 @@ def _between(xp: Any, field: Array, offset: float, axis: int) -> Array:
 
 
 def repeat(field: Array, factors: Factors, shape: tuple[int, ...]) -> Array:
-    """Return `field` with every cell repeated `factors` times, as far as a field of `shape` goes."""
+    """Return `field` with every cell repeated `factors` times, as far as a field of `shape` goes.
+
+    Parameters
+    ----------
+    field : array (ny, nx)
+    factors : (int, int)
+        fy and fx, from the fine grid to the coarse one.
+    shape : (int, int)
+        of the result.
+
+    Returns
+    -------
+    array
+    """
     xp = field.__array_namespace__()
     return xp.repeat(xp.repeat(field, factors[0], axis=0), factors[1], axis=1)[: shape[0], : shape[1]]
 
@@ -412,6 +794,19 @@ def active_set(pressure: Array, gap: Array, cap: float) -> Array:
     """Return the active set: the points where the gap should vanish and may not yet.
 
     They carry a pressure below the cap, overlap without pressure, or gape at the cap.
+
+    Parameters
+    ----------
+    pressure : array (ny, nx)
+        dimensionless.
+    gap : array (ny, nx)
+        is multiplied in place.
+    cap : float
+        largest pressure allowed.
+
+    Returns
+    -------
+    array of bool
     """
     none, full = pressure <= 0, pressure >= cap
     return (none & (gap < 0)) | (full & (gap > 0)) | ~(none | full)
@@ -428,4 +823,14 @@ def _sum(xp: Any, field: Array) -> float:
 
 
 def small_grids(grids: Sequence[Any], stores: Sequence[Array], ends: Sequence[int]) -> None:
-    """Return None: every grid of a hierarchy is passed over by itself."""
+    """Return None: every grid of a hierarchy is passed over by itself.
+
+    Parameters
+    ----------
+    grids : sequence of CoarseGrid
+        the hierarchy.
+    stores : list of array
+        memory of its fields.
+    ends : list of int
+        where each grid ends in it.
+    """

@@ -33,7 +33,12 @@ def kernels_for(field: Array, *, threads: int = 1) -> Kernels:
 
 @cache
 def library_is_there() -> bool:
-    """Return whether the compiled kernels can be used here; say so, once, where they cannot."""
+    """Return whether the compiled kernels can be used here; say so, once, where they cannot.
+
+    Returns
+    -------
+    bool
+    """
     try:
         compiled.library()
     except OSError as problem:

@@ -43,11 +43,28 @@ class Plan:
         self.scratch = empty(like, precision)
 
     def forward(self, field: Array) -> Array:
-        """Return the spectrum (ny, nx//2 + 1) in the layout of `numpy.fft.rfft2`, lost with the next call."""
+        """Return the spectrum (ny, nx//2 + 1) in the layout of `numpy.fft.rfft2`, lost with the next call.
+
+        Parameters
+        ----------
+        field : array (ny, nx)
+            real.
+
+        Returns
+        -------
+        array (ny, nx//2 + 1), complex
+        """
         return field.__array_namespace__().fft.rfftn(field, axes=(0, 1))
 
     def inverse(self, spectrum: Array, out: Array) -> None:
-        """Put the field, with the factor 1/(ny nx), into `out`; the spectrum may be lost."""
+        """Put the field, with the factor 1/(ny nx), into `out`; the spectrum may be lost.
+
+        Parameters
+        ----------
+        spectrum : array (ny, nx//2 + 1), complex
+        out : array (ny, nx)
+            is written.
+        """
         out[...] = out.__array_namespace__().fft.irfftn(spectrum, s=self.shape, axes=(0, 1))
 
 
@@ -146,7 +163,12 @@ def _choose_mkl_threading() -> None:
 
 @cache
 def mkl_is_installed() -> bool:
-    """Return whether `mkl_fft` can be imported here."""
+    """Return whether `mkl_fft` can be imported here.
+
+    Returns
+    -------
+    bool
+    """
     return find_spec("mkl_fft") is not None
 
 
@@ -154,6 +176,21 @@ def make_plan(like: Array, precision: str, *, threads: int = 1, share: Plan | No
     """Return the fastest plan for fields like the array `like`; a single row or column is left to SciPy.
 
     A plan that may lie in the memory of `share`, of the same shape and higher precision, does.
+
+    Parameters
+    ----------
+    like : array (ny, nx)
+        of the shape, the library and the device of the fields.
+    precision : str
+        `SINGLE` or `DOUBLE`.
+    threads : int
+        to be used at most.
+    share : Plan, optional
+        whose memory may be used.
+
+    Returns
+    -------
+    Plan
     """
     if not isinstance(like, np.ndarray):
         return Plan(like, precision, threads=threads)

@@ -43,7 +43,17 @@ class Store:
         self._turn = Lock()
 
     def empty(self, shape: tuple[int, ...], dtype: DTypeLike) -> np.ndarray:
-        """Return a new array, its content undefined."""
+        """Return a new array, its content undefined.
+
+        Parameters
+        ----------
+        shape : tuple of int
+        dtype : dtype
+
+        Returns
+        -------
+        array
+        """
         dtype = np.dtype(dtype)
         size = prod(shape) * dtype.itemsize
         # never waits: whoever finds another thread here (one that a fork has left behind, too) does without
@@ -68,7 +78,12 @@ class Store:
         self._returned.append(self._lent.pop(id(reference))[1])
 
     def lent(self) -> int:
-        """Return the bytes that arrays use, in whole pages."""
+        """Return the bytes that arrays use, in whole pages.
+
+        Returns
+        -------
+        int
+        """
         with self._turn:
             self._take_back()
             return self._size() - sum(end - start for start, end in self._free)

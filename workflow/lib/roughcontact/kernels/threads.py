@@ -11,6 +11,17 @@ def threads_for(size: int, threads: int) -> int:
 
     One in a process that was forked from another: threads do not live on in it, and waiting for them would
     take for ever.
+
+    Parameters
+    ----------
+    size : int
+        points of the grid.
+    threads : int
+        allowed.
+
+    Returns
+    -------
+    int
     """
     return threads if size >= SMALL and not _here["forked"] else 1
 

@@ -55,31 +55,108 @@ class Format:
     told_by: ToldBy = ToldBy.MARK
 
     def has_mark(self, head: bytes) -> bool:
-        """Return whether a file that begins with `head` has the mark of this format."""
+        """Return whether a file that begins with `head` has the mark of this format.
+
+        Parameters
+        ----------
+        head : bytes
+            the first bytes of a file.
+
+        Returns
+        -------
+        bool
+        """
         return head.startswith(self.marks, self.offset) and (self.text_header or not looks_like_text(head))
 
     def is_plausible(self, header: Header) -> bool:
-        """Return whether the fields of a header can be of this format: guards against chance matches."""
+        """Return whether the fields of a header can be of this format: guards against chance matches.
+
+        Parameters
+        ----------
+        header : mapping
+            fields that the library found.
+
+        Returns
+        -------
+        bool
+        """
         return True
 
     def claimed_bytes(self, header: Header, points: int) -> int:
-        """Return how many bytes a file with maps of so many points has by its header; 0: not said."""
+        """Return how many bytes a file with maps of so many points has by its header; 0: not said.
+
+        Parameters
+        ----------
+        header : mapping
+            fields that the library found.
+        points : int
+            of a map.
+
+        Returns
+        -------
+        int
+        """
         return 0
 
     def steps(self, header: Header, steps: np.ndarray) -> np.ndarray:
-        """Return the steps (dx, dy), from those that the library found."""
+        """Return the steps (dx, dy), from those that the library found.
+
+        Parameters
+        ----------
+        header : mapping
+            fields that the library found.
+        steps : array (2,)
+            dx and dy that the library found.
+
+        Returns
+        -------
+        array (2,)
+        """
         return steps
 
     def not_measured(self, header: Header, heights: np.ndarray) -> np.ndarray | None:
-        """Return which points (ny, nx) carry a code for a missing point that the library does not know."""
+        """Return which points (ny, nx) carry a code for a missing point that the library does not know.
+
+        Parameters
+        ----------
+        header : mapping
+            fields that the library found.
+        heights : array (ny, nx)
+            as the library read them.
+
+        Returns
+        -------
+        array (ny, nx) of bool, or None
+            None where nothing is known of such codes.
+        """
         return None
 
     def instrument(self, path: Path) -> dict[str, Any]:
-        """Return what the file says of the instrument beyond what the library finds."""
+        """Return what the file says of the instrument beyond what the library finds.
+
+        Parameters
+        ----------
+        path : Path
+
+        Returns
+        -------
+        dict
+            label -> what the file says.
+        """
         return {}
 
     def sign_notes(self, header: Header) -> list[str]:
-        """Return a sentence where the header says that heights were inverted, or are those of an imprint."""
+        """Return a sentence where the header says that heights were inverted, or are those of an imprint.
+
+        Parameters
+        ----------
+        header : mapping
+            fields that the library found.
+
+        Returns
+        -------
+        list of str
+        """
         return []
 
 

@@ -12,6 +12,16 @@ from roughcontact.io.interface import Reader, ToldBy, head_of
 def recognises(path: Path, head: bytes) -> bool:
     """Return whether a file is HDF5 with the group that Zygo's have.
 
+    Parameters
+    ----------
+    path : Path
+    head : bytes
+        its first bytes.
+
+    Returns
+    -------
+    bool
+
     Raises
     ------
     InputFileError

@@ -12,7 +12,18 @@ from roughcontact.io.interface import Reader, ToldBy, head_of
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file begins with the mark of an instrument's format."""
+    """Return whether a file begins with the mark of an instrument's format.
+
+    Parameters
+    ----------
+    path : Path
+    head : bytes
+        its first bytes.
+
+    Returns
+    -------
+    bool
+    """
     return any(each.told_by is ToldBy.MARK for each in marked(head))
 
 

@@ -27,6 +27,16 @@ _HEIGHTS = ("measuredHeight", "height", "capacitiveSensorHeight")  # the measure
 def recognises(path: Path, head: bytes) -> bool:
     """Return whether a file is HDF5 that says that it is a scan of JPK's.
 
+    Parameters
+    ----------
+    path : Path
+    head : bytes
+        its first bytes.
+
+    Returns
+    -------
+    bool
+
     Raises
     ------
     InputFileError

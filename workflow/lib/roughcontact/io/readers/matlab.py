@@ -24,6 +24,16 @@ _NUMBERS = ("double", "single", "int8", "uint8", "int16", "uint16", "int32", "ui
 def recognises(path: Path, head: bytes) -> bool:
     """Return whether a file begins as MATLAB's do.
 
+    Parameters
+    ----------
+    path : Path
+    head : bytes
+        its first bytes.
+
+    Returns
+    -------
+    bool
+
     Examples
     --------
     >>> recognises(Path("map.dat"), b"MATLAB 5.0 MAT-file, Platform: GLNXA64")

@@ -33,6 +33,16 @@ _KNOWN = {
 def recognises(path: Path, head: bytes) -> bool:
     r"""Return whether a file begins as one of the formats that are refused by name.
 
+    Parameters
+    ----------
+    path : Path
+    head : bytes
+        its first bytes.
+
+    Returns
+    -------
+    bool
+
     Examples
     --------
     >>> recognises(Path("map.sur"), b"DSCOMPRESSED\0\0"), recognises(Path("map.txt"), b"BZh is a name")

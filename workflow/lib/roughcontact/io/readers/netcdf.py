@@ -36,6 +36,16 @@ _MARKS = (*_CLASSIC, b"CDF\x05", hdf5.MARK)
 def recognises(path: Path, head: bytes) -> bool:
     r"""Return whether a file begins as netCDF does; HDF5 of other kinds is told by its contents before.
 
+    Parameters
+    ----------
+    path : Path
+    head : bytes
+        its first bytes.
+
+    Returns
+    -------
+    bool
+
     Examples
     --------
     >>> recognises(Path("map.dat"), b"CDF\x01"), recognises(Path("map.nc"), b"\x89HDF")

@@ -13,6 +13,16 @@ from roughcontact.io.interface import Reader, ToldBy
 def recognises(path: Path, head: bytes) -> bool:
     r"""Return whether a file begins as NumPy's do.
 
+    Parameters
+    ----------
+    path : Path
+    head : bytes
+        its first bytes.
+
+    Returns
+    -------
+    bool
+
     Examples
     --------
     >>> recognises(Path("map.dat"), b"\x93NUMPY\x01\x00")

@@ -21,6 +21,16 @@ _BYTES_PER_BYTE = 12  # memory for each byte of a file: numbers as text, their p
 def recognises(path: Path, head: bytes) -> bool:
     """Return whether a file begins with one of the revisions of the format.
 
+    Parameters
+    ----------
+    path : Path
+    head : bytes
+        its first bytes.
+
+    Returns
+    -------
+    bool
+
     Examples
     --------
     >>> recognises(Path("map.dat"), b"aISO-1.0"), recognises(Path("map.sdf"), b"1.0 2.0")

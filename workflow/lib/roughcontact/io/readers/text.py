@@ -46,6 +46,16 @@ _INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquis
 def recognises(path: Path, head: bytes) -> bool:
     """Return whether a file begins as readable text.
 
+    Parameters
+    ----------
+    path : Path
+    head : bytes
+        its first bytes.
+
+    Returns
+    -------
+    bool
+
     Examples
     --------
     >>> recognises(Path("map.dat"), b"Width: 2 mm"), recognises(Path("map.txt"), bytes(8))

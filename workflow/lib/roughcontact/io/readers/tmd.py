@@ -26,6 +26,16 @@ _LONGEST = 4096  # bytes of mark and comment
 def recognises(path: Path, head: bytes) -> bool:
     r"""Return whether a file begins as TrueMap's do.
 
+    Parameters
+    ----------
+    path : Path
+    head : bytes
+        its first bytes.
+
+    Returns
+    -------
+    bool
+
     Examples
     --------
     >>> recognises(Path("map.dat"), b"Binary TrueMap Data File v2.0\r\n\0\0")

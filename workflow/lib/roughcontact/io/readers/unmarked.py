@@ -9,7 +9,18 @@ from roughcontact.io.interface import Reader, ToldBy, head_of
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return True: whatever no other reader took is tried."""
+    """Return True: whatever no other reader took is tried.
+
+    Parameters
+    ----------
+    path : Path
+    head : bytes
+        its first bytes.
+
+    Returns
+    -------
+    bool
+    """
     return True
 
 

@@ -32,7 +32,18 @@ _KINDS = {"NonContacting": instrument_kinds.OPTICAL, "Contacting": instrument_ki
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file is an archive with a main.xml, in whatever folder of it."""
+    """Return whether a file is an archive with a main.xml, in whatever folder of it.
+
+    Parameters
+    ----------
+    path : Path
+    head : bytes
+        its first bytes.
+
+    Returns
+    -------
+    bool
+    """
     return head.startswith(b"PK") and zipfile.is_zipfile(path) and bool(_main_xmls(path))
 
 
