@@ -202,11 +202,20 @@ def loads(wildcards):
 BASE_MEMORY = 700
 
 
-def memory(*, bytes_per_point, and_load=0):
+def flows(wildcards):
+    """Return whether the flow through the gap is solved for, however large the map."""
+    asked = CASES[wildcards.get("case", "")]["statistics"]
+    return asked["flow"] == "always" or (
+        asked["flow"] == "auto" and bool(asked["seal"])
+    )
+
+
+def memory(*, bytes_per_point, and_load=0, and_flow=0):
     """Return the resource function that estimates memory (MB): a running Python, and so much for every point."""
 
     def estimate(wildcards, input, attempt):
         each = bytes_per_point + and_load * loads(wildcards)
+        each += and_flow if flows(wildcards) else 0
         return round(attempt * (BASE_MEMORY + each * points(input[0]) / 1e6))
 
     return estimate

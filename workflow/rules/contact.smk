@@ -68,7 +68,7 @@ if owners("contact", keep_fields=True) or (
             "../envs/roughcontact.yaml"
         threads: solver_threads
         resources:
-            mem_mb=memory(bytes_per_point=300, and_load=50),
+            mem_mb=memory(bytes_per_point=300, and_load=50, and_flow=1600),
             runtime=minutes(microseconds_per_point=100, and_load=10),
         params:
             settings=stage_settings("statistics"),
@@ -98,7 +98,7 @@ if owners("contact", keep_fields=False) or (
             "../envs/roughcontact.yaml"
         threads: solver_threads
         resources:
-            mem_mb=memory(bytes_per_point=500),
+            mem_mb=memory(bytes_per_point=500, and_flow=1600),
             runtime=minutes(microseconds_per_point=20, and_load=40),
         params:
             settings=stage_settings("statistics"),
