@@ -70,7 +70,7 @@ def digests(workflow):
         ("lib/roughcontact/io/readers/sdf.py", {"ingest", "validate"}),  # found in its folder at run time
         ("lib/roughcontact/io/instruments/library.py", {"ingest", "validate"}),
         ("lib/roughcontact/contact/solve.py", {*SOLVERS, "statistics", "validate"}),
-        ("lib/roughcontact/results/collect.py", {"collect"}),
+        ("lib/roughcontact/results/collect.py", {"collect", "report"}),
         ("lib/roughcontact/report/templates/report.css", PAGES),
         ("lib/roughcontact/configuration/models.py", set()),
         ("scripts/_solver.py", SOLVERS),

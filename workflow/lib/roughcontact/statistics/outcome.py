@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 PASSED, LOOK, FAILED = "passed", "look", "failed"
 NOT_MADE = "not made"  # what it takes is not known; it speaks neither for nor against a result
+_SHORT = 80  # letters of a sentence that says what there is, while the next one says what it means
 VERDICTS = {PASSED: "trust", LOOK: "look at", FAILED: "do not trust"}
 
 
@@ -59,7 +60,7 @@ def reasons(checks: Iterable[Check]) -> list[Check]:
 
 
 def reason(check: Check) -> str:
-    """Return the name of a check and its first sentence, for lists of reasons.
+    """Return the name of a check and its first sentence, or two where that is short, for lists of reasons.
 
     Parameters
     ----------
@@ -72,7 +73,8 @@ def reason(check: Check) -> str:
     Examples
     --------
     >>> reason(Check("Slopes", LOOK, "The rms gradient is 0.4: steep. Treat the numbers as estimates."))
-    'Slopes: The rms gradient is 0.4: steep'
+    'Slopes: The rms gradient is 0.4: steep. Treat the numbers as estimates'
     """
-    first = check.sentence.split(". ")[0].rstrip(".")
-    return f"{check.name}: {textwrap.shorten(first, 200, placeholder=' …')}"
+    first, *others = check.sentence.rstrip(".").split(". ")
+    text = f"{first}. {others[0]}" if others and len(first) < _SHORT else first
+    return f"{check.name}: {textwrap.shorten(text, 240, placeholder=' …')}"
