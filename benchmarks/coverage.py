@@ -62,7 +62,6 @@ def measure(height, loads, truth) -> dict:
     )
     return {
         "asked": [check.name for check in checks.reasons(outcome)],
-        "loads": checks.load_flags(statistics, window.size),
         **{
             name: {
                 "truth": truth[name],

@@ -7,13 +7,12 @@ import numpy as np
 NAMES = ("relative_contact_area", "mean_gap", "mean_contact_pressure", "max_pressure")
 WORDS = ("contact area", "mean gap", "pressure in contact", "largest pressure")
 HEADLINE = 3  # of these, the ones that the goals are for
-# checks that say nothing of the surface beyond the map
-OTHER_CHECKS = {"Resolution", "Band", "Reading the file", "Slopes", "Plasticity", "Load range", "Solver"}
+FLAG = "Sample"  # the check that speaks of the surface beyond the map
 
 INTRODUCTION = """
 Written by `python benchmarks/coverage.py FOLDER ... --page docs/explanation/coverage.md`, FOLDER being any
 folders of instrument files; `benchmarks/README.md` says how to repeat it. How the interval is made:
-{{doc}}`uncertainty`.
+{doc}`uncertainty`.
 
 **What is asked.** The ± is for this surface over three times the length of the map. A measured map that is
 cut into 3 × 3 parts shows whether it holds: each part is processed by default settings as if it were the
@@ -24,17 +23,15 @@ are in the first table, those from 192 points in the second, with parts of 64 po
 **Columns.** *Inside*: share of the results whose interval holds the truth, at the three loads together.
 *Width*: median half-width (half the interval) over the 95 % quantile of the error; 1 is as wide as it must
 be. *Flag*: share of the parts for which the check *Sample* asks for a look. *Silent*: share of all results
-that are outside with no such flag, and, after the stroke, with no flag of any check that looks beyond the map
-({checks})."""
+that are outside without it.
 
-CHECKS = (
-    "Sample, Form, Longest wave, Periodic window, Window, Missing points, Steep places, and others like them"
-)
+The constants of the method were chosen on the maps of the first table and on made surfaces of other seeds;
+nothing was chosen on those of the second."""
 
 
 def write(found: list[dict], path: Path) -> None:
     """Write the page."""
-    lines = ["# Does the ± hold? Real surfaces and made ones", INTRODUCTION.format(checks=CHECKS), ""]
+    lines = ["# Does the ± hold? Real surfaces and made ones", INTRODUCTION, ""]
     path.write_text("\n".join(lines) + "\n" + tables(found) + "\n", encoding="utf-8")
 
 
@@ -48,7 +45,7 @@ def tables(found: list[dict]) -> str:
         chosen = [each for each in found if each["group"] == group]
         if chosen:
             lines += [f"## {title}", "", *_per_surface([(each["name"], [each]) for each in chosen]), ""]
-            lines += [*_per_load(chosen), ""]
+            lines += [*_per_load(chosen), "", *_goals(chosen), ""]
     made = [each for each in found if each["group"] == "made"]
     if made:
         lines += ["## Made surfaces", "", *_made_words(), ""]
@@ -84,7 +81,8 @@ class Shares:
     ----------
     inside : array (part, quantity, load)
     half_width, error : arrays alike, over the result
-    flagged, asked : arrays (part,), by the check Sample, and by any that looks beyond the map
+    flagged : array (part,)
+        by the check of the surface beyond the map.
     """
 
     def __init__(self, parts: list[dict]):
@@ -97,16 +95,15 @@ class Shares:
         self.inside = (truth >= lower - rounding) & (truth <= upper + rounding)
         base = np.where(result > 0, result, 1.0)
         self.half_width, self.error = (upper - lower) / 2 / base, np.abs(truth - result) / base
-        self.flagged = np.array(["Sample" in part["asked"] for part in parts])
-        self.asked = np.array([bool(set(part["asked"]) - OTHER_CHECKS) for part in parts])
+        self.flagged = np.array([FLAG in part["asked"] for part in parts])
 
     def width(self, quantity: int) -> float:
         """Return the median half-width over the 95 % quantile of the error."""
         return float(np.median(self.half_width[:, quantity]) / np.quantile(self.error[:, quantity], 0.95))
 
-    def silent(self, flagged: np.ndarray) -> float:
+    def silent(self) -> float:
         """Return the share of all headline results that are outside without a flag."""
-        return float((~self.inside[:, :HEADLINE] & ~flagged[:, None, None]).mean())
+        return float((~self.inside[:, :HEADLINE] & ~self.flagged[:, None, None]).mean())
 
 
 def _per_surface(chosen: list[tuple[str, list[dict]]]) -> list[str]:
@@ -135,7 +132,7 @@ def _per_surface(chosen: list[tuple[str, list[dict]]]) -> list[str]:
         cells += [
             _percent(shares.inside[:, HEADLINE].mean()),
             _percent(shares.flagged.mean()),
-            f"{100 * shares.silent(shares.flagged):.1f} / {100 * shares.silent(shares.asked):.1f} %",
+            f"{100 * shares.silent():.1f} %",
         ]
         if name == "**all**":
             calm = shares.inside[~shares.flagged][:, :HEADLINE]
@@ -158,6 +155,31 @@ def _per_load(chosen: list[dict]) -> list[str]:
     for quantity, words in enumerate(WORDS):
         cells = [_percent(shares.inside[:, quantity, load].mean()) for load in range(3)]
         lines.append(f"| {words} | {' | '.join(cells)} |")
+    return lines
+
+
+def _goals(chosen: list[dict]) -> list[str]:
+    """Return what the ± is to reach, and what it does."""
+    shares = Shares(_rows(chosen))
+    inside = shares.inside[:, :HEADLINE]
+    calm = inside[~shares.flagged]
+    widths = [
+        [Shares(parts).width(quantity) for quantity in range(HEADLINE)]
+        for parts in (_rows([each]) for each in chosen)
+        if parts
+    ]
+    found = (
+        ("inside, least of the three", 0.90, inside.mean(axis=(0, 2)).min(), 1),
+        ("the same, least of the loads", 0.85, inside.mean(axis=0).min(), 1),
+        ("of the results without a flag", 0.92, calm.mean() if calm.size else np.nan, 1),
+        ("silent, at most", 0.04, shares.silent(), -1),
+        ("width, largest of the medians, at most", 1.5, np.median(widths, axis=0).max(), -1),
+    )
+    lines = ["| goal | wished for | found | |", "| --- | --- | --- | --- |"]
+    for what, wished, reached, sense in found:
+        shown = (f"{v:.1f}" if wished > 1 else f"{100 * v:.1f} %" for v in (wished, reached))
+        met = "met" if sense * reached >= sense * wished else "not met"
+        lines.append(f"| {what} | {' | '.join(shown)} | {met} |")
     return lines
 
 
