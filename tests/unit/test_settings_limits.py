@@ -65,6 +65,7 @@ LIMITS = {
     "statistics.seal.pressure_difference": ([SMALLEST_PRESSURE], [0, -1]),
     "statistics.seal.width": ([SMALLEST], [0, -1]),
     "uncertainty.windows": ([4], [3]),
+    "uncertainty.extent": ([1, 3.5], [BELOW_ONE, 0]),
     "uncertainty.sources": ([[], ["window"]], [["lens"], "window"]),
     "validation.finest_grid": ([256], [255]),
     "surfaces": (["s"], [""]),
