@@ -46,6 +46,7 @@ def test_surfaces_with_different_loads_and_bins(tmp_path):
     collected = collect_statistics(entries)
     assert dict(collected.sizes) == {"surface": 2, "load": 3, "pressure_bin": 5, "bounds": 2}
     assert list(collected["surface_name"].values) == ["b", "a"]
+    assert float(collected.sel(surface="a")["rms_height"]) == 2e-6
     np.testing.assert_array_equal(collected["mean_pressure"], [[1e5, 2e5, 4e5], [3e5, np.nan, np.nan]])
     np.testing.assert_array_equal(collected["rms_height"], [1e-6, 2e-6])
     np.testing.assert_array_equal(collected["pressure_bin_bounds"][1, :, 1], [2, 4, 6, 8, 10])

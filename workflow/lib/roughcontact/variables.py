@@ -179,7 +179,9 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     # labels
     "source": (None, "what an uncertainty comes from; combined: root of the sum of their squares"),
     "choice": (None, "what was done otherwise than the settings say"),
+    "surface": (None, "name of the surface, as in the table of surfaces"),
     "surface_name": (None, "name of the surface, as in the table of surfaces"),
+    "case": (None, "name of the case, as in the settings"),
     "case_name": (None, "name of the case, as in the settings"),
 }
 

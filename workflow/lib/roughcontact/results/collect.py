@@ -64,8 +64,9 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     -------
     Dataset
         dims (surface, load, ...), or (case, surface, load, ...) where entries have cases. Labels are the
-        coordinates `surface_name` (surface) and `case_name` (case). Loads and bins may differ between
-        surfaces: shorter ones are padded with NaN, and `mean_pressure` and the bounds of the bins depend on
+        coordinates `surface` and `case`; `surface_name` and `case_name` are the same. Loads and bins may
+        differ between surfaces: shorter ones are padded with NaN, and `mean_pressure` and the bounds of the
+        bins depend on
         the surface. The attributes are JSON: `source_sha256` has the checksum of every measured file,
         `verdicts` what each file says of its loads, by case ("" where there are none) and surface.
 
@@ -103,7 +104,7 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
                 corner: tuple[int | slice, ...] = (*place, *(slice(size) for size in part.shape))
                 values[corner] = part
         columns["profile_depth" if name == "depth" else name] = (("case", "surface", *of), values)
-    collected = xr.Dataset(columns, coords={"surface_name": ("surface", np.array(surfaces, dtype=object))})
+    collected = xr.Dataset(columns, coords=_labels("surface", surfaces))
     collected = collected.set_coords([name for name in _COORDINATES if name in columns])
     for name, kind in _COMMON_LABELS.items():
         if name in sizes:
@@ -114,7 +115,13 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         collected.attrs["verdicts"] = json.dumps(verdicts, ensure_ascii=False)
     if cases == [None]:
         return collected.isel(case=0)
-    return collected.assign_coords(case_name=("case", np.array(cases, dtype=object)))
+    return collected.assign_coords(_labels("case", cases))
+
+
+def _labels(dim: str, names: Sequence[str | None]) -> dict[str, Any]:
+    """Return the names along a dimension: its own coordinate, for `.sel`, and one that is kept by `.isel`."""
+    values = (dim, np.array(names, dtype=object))
+    return {dim: values, f"{dim}_name": values}
 
 
 def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
@@ -145,7 +152,7 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
      ground         1000000.0 3.000000e-07
      ground         2000000.0 2.000000e-07
     """
-    statistics = _with_columns_of_the_budget(statistics)
+    statistics = _with_columns_of_the_budget(statistics).drop_vars(["surface", "case"], errors="ignore")
     names = [
         name
         for name in map(str, statistics.variables)
