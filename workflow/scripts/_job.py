@@ -14,7 +14,7 @@ import traceback
 import warnings
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
+from types import SimpleNamespace, TracebackType
 from typing import TYPE_CHECKING, Any, TextIO
 
 from __main__ import snakemake  # the global of the script; `snakemake.script` has it in few versions only
@@ -62,6 +62,36 @@ def begin(job: Any) -> None:
         _log = os.open(job.log[0], os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     except OSError as cause:
         sys.exit(f"[{_name}] ERROR: {job.log[0]}: cannot be written ({cause.strerror})")
+
+
+def of_step(job: Any, name: str, step: Any) -> SimpleNamespace:
+    """Return one of the steps of a job that takes several, as a job.
+
+    Parameters
+    ----------
+    job : object
+        the object `snakemake` of the script.
+    name : str
+        of the step.
+    step : Step
+        which files it reads and leaves (`roughcontact.configuration.stages`).
+
+    Returns
+    -------
+    SimpleNamespace
+        with the attributes of the object `snakemake` that the step's own script looks at.
+    """
+    files = dict(job.input.items()) | dict(job.output.items())
+    named = type(job.input)  # a list whose entries have names
+    return SimpleNamespace(
+        rule=name,
+        input=named(fromdict={key: files[key] for key in step.inputs if files.get(key)}),
+        output=named(fromdict={key: files[key] for key in step.outputs}),
+        log=[job.log[name]],
+        params=SimpleNamespace(settings=job.params.settings[name], file=job.params.get("file")),
+        wildcards=job.wildcards,
+        threads=job.threads,
+    )
 
 
 def say(text: str) -> None:

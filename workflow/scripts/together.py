@@ -3,7 +3,6 @@
 import os
 import runpy
 from pathlib import Path
-from types import SimpleNamespace
 
 import _job
 
@@ -13,17 +12,6 @@ job = _job.snakemake
 for name in job.params.links:
     here = Path(job.output[name])
     here.symlink_to(os.path.relpath(job.input[name], here.parent))
-files = dict(job.input.items()) | dict(job.output.items())
-named = type(job.input)  # a list whose entries have names
 for name in job.params.steps:
-    step = STEPS[name]
-    settings = SimpleNamespace(settings=job.params.settings[name], file=job.params.get("file"))
-    of_step = {
-        "rule": name,
-        "input": named(fromdict={key: files[key] for key in step.inputs if files.get(key)}),
-        "output": named(fromdict={key: files[key] for key in step.outputs}),
-        "log": [job.log[name]],
-        "params": settings,
-    }
-    _job.begin(SimpleNamespace(**of_step, wildcards=job.wildcards, threads=job.threads))
+    _job.begin(_job.of_step(job, name, STEPS[name]))
     runpy.run_path(str(Path(_job.__file__).with_name(f"{name}.py")))
