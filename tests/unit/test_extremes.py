@@ -150,12 +150,12 @@ def test_a_tolerance_just_above_the_floor_of_single_precision_is_reached():
 
 def test_reducing_to_an_unknown_variable_is_refused_after_the_first_load():
     told = []
-    with pytest.raises(RoughContactError, match=r"no description for the output variables \['depth'\]"):
+    with pytest.raises(RoughContactError, match=r"no description for the output variables \['mean_depth'\]"):
         solve_contact(
             SURFACE,
             contact_modulus=MODULUS,
             mean_pressure=[1e6, 2e6],
-            reduce=lambda contact: contact[["gap"]].mean(("y", "x")).rename(gap="depth"),
+            reduce=lambda contact: contact[["gap"]].mean(("y", "x")).rename(gap="mean_depth"),
             progress=lambda *done: told.append(done),
         )
     assert not told
