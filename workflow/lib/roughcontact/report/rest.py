@@ -22,6 +22,7 @@ from roughcontact.results.storage import provenance, write_dataset, write_table
 def write_rest(
     folder: str | Path,
     *,
+    staging: str | Path,
     entries: Sequence[Entry],
     panels: Sequence[str | Path],
     failures: Sequence[Failure],
@@ -32,12 +33,15 @@ def write_rest(
 ) -> None:
     """Write `statistics.nc`, `summary.csv`, `pairs.csv` and `report.html` of what a run has finished.
 
-    They are dated before what they are made of, so that the next run makes them again whatever has changed.
+    They are dated before what they are made of, so that the next run makes them again whatever has changed,
+    and before they come to their place, so that this holds where the run is killed meanwhile.
 
     Parameters
     ----------
     folder : path
-        where they are written.
+        where they come to lie.
+    staging : path
+        a folder of the same disk in which they are written first; what is in it is removed.
     entries : sequence of dict
         what is finished, as `collect_statistics` takes it; one at least.
     panels : sequence of paths
@@ -51,31 +55,31 @@ def write_rest(
     pairs : mapping
         name of a member -> name of its pair; empty where there are no pairs.
     """
-    folder = Path(folder)
+    folder, staging = Path(folder), Path(staging)
+    shutil.rmtree(staging, ignore_errors=True)
+    staging.mkdir(parents=True)
     statistics = collect_statistics(entries)
     origin = provenance(settings_of_statistics, source_sha256=statistics.attrs["source_sha256"])
     named = {"failed": json.dumps(list(failures), sort_keys=True)}
-    write_dataset(statistics.assign_attrs(origin | named), folder / "statistics.nc")
+    write_dataset(statistics.assign_attrs(origin | named), staging / "statistics.nc")
     summary = summary_table(statistics)
-    write_table(with_failures(summary, failures), folder / "summary.csv")
-    written = ["statistics.nc", "summary.csv", "report.html"]
+    write_table(with_failures(summary, failures), staging / "summary.csv")
     known = {member: pair for member, pair in pairs.items() if member in set(summary["surface"])}
     if known:
-        write_table(pairs_table(summary, known), folder / "pairs.csv")
-        written.append("pairs.csv")
-    shutil.rmtree(folder / "pages", ignore_errors=True)
+        write_table(pairs_table(summary, known), staging / "pairs.csv")
     write_report(
-        folder / "report.html",
+        staging / "report.html",
         panels=panels,
-        statistics=folder / "statistics.nc",
+        statistics=staging / "statistics.nc",
         title=title,
         settings=settings,
-        pairs=folder / "pairs.csv" if known else None,
+        pairs=staging / "pairs.csv" if known else None,
         failures=failures,
     )
     sources = [*(entry["statistics"] for entry in entries), *panels]
     before = min(Path(source).stat().st_mtime for source in sources) - 1
-    if (folder / "pages").exists():
-        written.append("pages")
-    for name in written:
-        os.utime(folder / name, (before, before))
+    shutil.rmtree(folder / "pages", ignore_errors=True)
+    for path in staging.iterdir():
+        os.utime(path, (before, before))
+        path.replace(folder / path.name)
+    staging.rmdir()
