@@ -10,7 +10,7 @@ HEADLINE = 3  # of these, the ones that the goals are for
 FLAG = "Sample"  # the check that speaks of the surface beyond the map
 
 INTRODUCTION = """
-Written by `python benchmarks/coverage.py FOLDER ... --page docs/explanation/coverage.md`, FOLDER being any
+Written by `python benchmarks/intervals.py FOLDER ... --page docs/explanation/coverage.md`, FOLDER being any
 folders of instrument files; `benchmarks/README.md` says how to repeat it. How the interval is made:
 {doc}`uncertainty`.
 

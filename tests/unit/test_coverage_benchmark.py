@@ -18,9 +18,9 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def benchmark():
-    """The script `benchmarks/coverage.py` as a module."""
+    """The script `benchmarks/intervals.py` as a module."""
     sys.path.insert(0, str(ROOT / "benchmarks"))
-    yield importlib.import_module("coverage")
+    yield importlib.import_module("intervals")
     sys.path.remove(str(ROOT / "benchmarks"))
 
 

@@ -1,7 +1,7 @@
 """Hold the ± against surfaces whose results are known: real maps, cut into parts, and made ones.
 
-    python benchmarks/coverage.py FOLDER ... --page docs/explanation/coverage.md
-    python benchmarks/coverage.py FOLDER --only plu-1.plu      # one map, printed
+    python benchmarks/intervals.py FOLDER ... --page docs/explanation/coverage.md
+    python benchmarks/intervals.py FOLDER --only plu-1.plu      # one map, printed
 
 Every map in the folders that is read without being told anything, and has at least 400 points along each
 side, is solved whole, by default settings: that is the truth. It is cut into 3 x 3 parts, and each part is
