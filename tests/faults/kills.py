@@ -2,9 +2,11 @@
 
     .venv/bin/python tests/faults/kills.py               # 200 kills: about an hour
     .venv/bin/python tests/faults/kills.py --kills 12
+    .venv/bin/python tests/faults/kills.py --write docs/explanation/kills.csv
 
 A run is killed again and again, each time a little further, until it has come to its end; then its results
-are compared with those of a run that was left alone, and the next run begins from nothing. What is killed:
+are compared with those of a run that was left alone, and the next run begins from nothing. After half of the
+kills the same command goes on at once, after the others when no job is left. What is killed:
 
 - script: one job of the run;
 - scheduler: Snakemake alone, so that its jobs have to notice by themselves;
@@ -12,13 +14,15 @@ are compared with those of a run that was left alone, and the next run begins fr
 - writing: the same, at the moment a result is being written.
 
 Returns 1 where a file was there that is not whole, a run was refused or failed, a job outlived its run, or a
-byte differed.
+byte differed; each is said when it is seen, and the folder is kept as it was then, with what its runs have
+said.
 """
 
 import argparse
 import csv
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -36,16 +40,20 @@ GATHERED = ("results/statistics.nc", "results/summary.csv", "results/report.html
 KINDS = ("script", "scheduler", "group", "writing")
 HANGS = 900.0  # seconds from which a run that does nothing any more is taken for one that never will
 AFTERWARDS = 5.0  # seconds in which jobs have to notice that their run is gone
-COUNTED = (
-    "kills",
-    *KINDS,
-    "runs",
-    "half files",
-    "refused or failed",
-    "hung",
-    "jobs that outlived their run",
-    "differing files",
-)
+COUNTED = {
+    "kills": "kills",
+    "script": "of a job",
+    "scheduler": "of Snakemake",
+    "group": "of everything",
+    "writing": "of everything, while a result was written",
+    "at once": "after which the run went on at once",
+    "half files": "files that were not whole",
+    "refused or failed": "runs that were refused afterwards, or failed",
+    "hung": "runs that hung",
+    "jobs that outlived their run": "jobs that outlived their run",
+    "runs": "runs that came to their end",
+    "differing files": "files that differed then",
+}
 FEW = 6  # kills that a run should bear
 
 
@@ -77,28 +85,40 @@ def kill_at_random(
     longest = 0.1 * (time.monotonic() - begin)
     expected = results(left_alone)
     choose = random.Random(seed)
+
+    def complain(kind: str, *sentences: str) -> None:
+        """Count what went wrong and say it, and keep the folder as it is."""
+        counts[kind] += len(sentences)
+        if sentences:
+            kept = folder / f"wrong-{len(wrong) + 1}"
+            shutil.copytree(killed, kept, symlinks=True, ignore_dangling_symlinks=True)
+            wrong.extend(f"{kind}: {sentence} ({kept})" for sentence in sentences)
+            print(*wrong[-len(sentences) :], sep="\n", file=sys.stderr, flush=True)
+
     while counts["kills"] < kills:
         start_again(killed)
-        longest = run_with_kills(killed, targets, kills, longest, choose, expected, counts, wrong)
+        shutil.rmtree(killed / "said", ignore_errors=True)
+        longest = run_with_kills(killed, targets, kills, longest, choose, expected, counts, complain)
         left = [str(path) for path in killed.glob("results/**/.*.partial")]
-        differing = differences(expected, killed) + left
         counts["runs"] += 1
-        counts["differing files"] += len(differing)
-        wrong += [f"after run {counts['runs']}: {name} differs" for name in differing]
+        differing = differences(expected, killed) + left
+        complain("differing files", *(f"after run {counts['runs']}: {name}" for name in differing))
         print(dict(counts), file=sys.stderr, flush=True)
     return counts, wrong
 
 
-def run_with_kills(folder, targets, kills, longest, choose, expected, counts, wrong):
+def run_with_kills(folder, targets, kills, longest, choose, expected, counts, complain):
     """Kill one run again and again until it has come to its end; return the longest time to wait for a kill.
 
     It grows while kills come too early for any progress, and falls where a run bore few of them, so that it
     suits the machine and what else it does.
     """
     kind, before = "none", counts["kills"]
+    (folder / "said").mkdir()
     while True:
         done = len(results(folder))
-        with (folder / "said.txt").open("w") as said:  # a pipe that nobody reads would stop the run
+        file = folder / f"said/{counts['kills'] - before}.txt"
+        with file.open("w") as said:  # a pipe that nobody reads would stop the run
             run = subprocess.Popen(
                 command(folder, *targets),
                 env=environment(),
@@ -108,14 +128,12 @@ def run_with_kills(folder, targets, kills, longest, choose, expected, counts, wr
             )
         enough = counts["kills"] >= kills
         after = choose.uniform(0, longest)
-        previous, kind = kind, choose.choice(KINDS)
+        previous, kind, at_once = kind, choose.choice(KINDS), choose.random() < 0.5
         victims = [] if enough else wait_and_find(run, folder, kind, after)
         if not victims:
             if end_of(run):
-                counts["refused or failed"] += 1
-                wrong.append(f"after a kill of {previous}: {(folder / 'said.txt').read_text()[-2000:]}")
+                complain("refused or failed", f"after a kill of {previous}: {file.read_text()[-2000:]}")
             return longest * (0.7 if counts["kills"] - before < FEW else 1.0)
-        alive = family(run)
         for victim in victims:
             try:
                 victim.kill()
@@ -125,19 +143,19 @@ def run_with_kills(folder, targets, kills, longest, choose, expected, counts, wr
         counts[kind] += 1
         # where a job alone was killed, the run ends by itself
         if end_of(run) == -signal.SIGKILL and kind == "script":
-            counts["hung"] += 1
-            wrong.append(f"after a kill of {kind}: {(folder / 'said.txt').read_text()[-2000:]}")
-        _, outlived = psutil.wait_procs(alive, timeout=AFTERWARDS)
-        counts["jobs that outlived their run"] += len(outlived)
-        wrong += [f"after a kill of {kind} still at work: {process}" for process in outlived]
-        psutil.wait_procs(outlived)
+            complain("hung", f"after a kill of {kind}: {file.read_text()[-2000:]}")
+        if at_once:
+            counts["at once"] += 1
+        else:
+            _, outlived = psutil.wait_procs(session(run), timeout=AFTERWARDS)
+            complain("jobs that outlived their run", *(f"after a kill of {kind}: {job}" for job in outlived))
+            psutil.wait_procs(outlived)
         half = [
             name
             for name, content in results(folder).items()
             if content != expected.get(name) and not (name in GATHERED and is_whole(folder / name))
         ]
-        counts["half files"] += len(half)
-        wrong += [f"after a kill of {kind}: {name} is not whole" for name in half]
+        complain("half files", *(f"after a kill of {kind}: {name}" for name in half))
         if len(results(folder)) == done:
             longest *= 1.03
         print(dict(counts), f"{longest:.1f} s", file=sys.stderr, flush=True)
@@ -179,6 +197,18 @@ def family(run):
         return []
 
 
+def session(run):
+    """Return the processes that a run has started, also those whose parent is gone."""
+    found = []
+    for process in psutil.process_iter():
+        try:
+            if os.getsid(process.pid) == run.pid:
+                found.append(process)
+        except ProcessLookupError:
+            continue
+    return found
+
+
 def words(process):
     """Return the command line of a process, empty where it is gone."""
     try:
@@ -208,11 +238,18 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--kills", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--write", type=Path, help="write the counts as CSV")
     arguments = parser.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
-    with tempfile.TemporaryDirectory() as folder:
-        counts, wrong = kill_at_random(Path(folder), arguments.kills, arguments.seed)
-    print(*(f"{number:5d} {name}" for name, number in counts.items()), *wrong, sep="\n")
+    folder = Path(tempfile.mkdtemp(prefix="killed-"))
+    counts, wrong = kill_at_random(folder, arguments.kills, arguments.seed)
+    if arguments.write:
+        with arguments.write.open("w", newline="", encoding="utf-8") as stream:
+            rows = [(COUNTED[name], number) for name, number in counts.items()]
+            csv.writer(stream, lineterminator="\n").writerows([("what", "count"), *rows])
+    print(*(f"{number:5d} {COUNTED[name]}" for name, number in counts.items()), *wrong, sep="\n")
+    if not wrong:
+        shutil.rmtree(folder)
     return int(bool(wrong))
 
 

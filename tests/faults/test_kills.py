@@ -1,8 +1,11 @@
 """The short form of the kills; the full one is a command of its own (see docs/explanation/faults.md)."""
 
+import fcntl
+import socket
 import subprocess
 import time
 
+import psutil
 import pytest
 from kills import family, kill_at_random, words
 from study import command, environment, write_study
@@ -31,3 +34,33 @@ def test_a_killed_job_that_asked_for_no_memory_is_said_and_ends_the_run(tmp_path
     said = (tmp_path / "said.txt").read_text()
     assert "\n[collect] ERROR: killed; probably out of memory. Free some memory" in said
     assert "Traceback" not in said
+
+
+@pytest.mark.slow
+def test_a_job_of_a_killed_run_does_not_take_the_next_run_for_its_own(tmp_path):
+    write_study(tmp_path, sides=(48,), cases=False)
+    run = subprocess.Popen(
+        command(tmp_path, "results/surface-1/levelled.nc"),
+        env=environment(),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    while not (jobs := [each for each in family(run) if words(each).endswith(".ingest.py")]):
+        assert run.poll() is None
+        time.sleep(0.002)
+    (job,) = jobs
+    job.suspend()  # it cannot notice that its run is gone
+    others = [each for each in family(run) if each != job]
+    for each in others:
+        each.kill()
+    run.wait()
+    psutil.wait_procs(others)
+    with (tmp_path / ".snakemake/running").open("r+") as held:  # as the next run does
+        fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        held.write(f"{socket.gethostname()} another\n")
+        held.truncate()
+        held.flush()
+        job.resume()
+        psutil.wait_procs([job], timeout=20)
+        assert not job.is_running()
+    assert not list(tmp_path.glob("results/**/*.nc"))

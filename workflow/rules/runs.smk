@@ -16,10 +16,12 @@ def hold():
     """Lock .snakemake/running for as long as this process lives, and return the open file.
 
     The system frees the lock when the process ends, in whatever way: by this a job knows that its run is gone
-    (`_job.py`), and `run.py` that the locks of Snakemake are those of a run that was killed.
+    (`_job.py`), and `run.py` that the locks of Snakemake are those of a run that was killed. The file names
+    computer and run, so that a job of a run that was killed does not take the next one for its own.
     """
     if fcntl is None or not workflow.is_main_process or workflow.output_settings.dryrun:
         return None
+    os.environ.pop("ROUGHCONTACT_RUN", None)  # of a run that this one is a part of
     try:
         os.makedirs(".snakemake", exist_ok=True)
         file = open(".snakemake/running", "a+", encoding="utf-8")
@@ -32,9 +34,13 @@ def hold():
                 time.sleep(0.1)
         else:
             return None  # another run: Snakemake refuses this one
-        file.truncate(0)
-        file.write(socket.gethostname())
-        file.flush()
+        run = f"{os.getpid()}-{time.time_ns()}"
+        line = f"{socket.gethostname()} {run}\n".encode()
+        # in place, then cut: a kill in between leaves the computer's name
+        with open(".snakemake/running", "r+b", buffering=0) as content:
+            content.write(line)
+            content.truncate(len(line))
+        os.environ["ROUGHCONTACT_RUN"] = run  # for its jobs
         return file
     except OSError:  # a folder that cannot be written, or one without locks
         return None

@@ -10,6 +10,7 @@ import os
 import socket
 import sys
 import threading
+import time
 import traceback
 import warnings
 from contextlib import suppress
@@ -158,21 +159,34 @@ def _log_warning(
 
 
 def _end_with_the_run() -> None:
-    """End this job as soon as the run that started it is gone: by the lock it holds, see runs.smk."""
+    """End this job as soon as the run that started it is gone: by the file it holds, see runs.smk."""
     try:
         import fcntl
 
         file = Path(".snakemake/running").open(encoding="utf-8")  # noqa: SIM115 - open until the job ends
     except (ImportError, OSError):  # a system or a folder without locks
         return
+    own = os.environ.get("ROUGHCONTACT_RUN")  # none on a cluster that hands no variables on
 
-    def wait() -> None:
+    def run_at_work() -> bool:
+        """Tell whether the run that holds the file is there, and is the one that started this job."""
+        file.seek(0)
+        if own not in (None, *file.read().split()[1:]):  # the next run has begun
+            return False
+        try:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+        return False
+
+    def watch() -> None:
         with suppress(OSError):
-            fcntl.flock(file, fcntl.LOCK_SH)  # returns when nobody holds it any more
+            while run_at_work():
+                time.sleep(0.2)
             os._exit(1)
 
-    if file.read() == socket.gethostname():  # on a cluster jobs outlive the run
-        threading.Thread(target=wait, daemon=True).start()
+    if file.read().split()[:1] == [socket.gethostname()]:  # on a cluster jobs outlive the run
+        threading.Thread(target=watch, daemon=True).start()
 
 
 begin(snakemake)

@@ -7,6 +7,7 @@ import shutil
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from roughcontact.errors import SettingsError
 
 PACKAGE = Path(__file__).parents[1]
 _CORES = ("--cores", "-c", "--jobs", "-j", "--profile", "--workflow-profile", "--executor", "-e")
+_TRIES = 10
 _FILES = Path("config/config.yaml"), Path("config/surfaces.tsv")
 
 _SETTINGS_HEAD = """\
@@ -221,10 +223,18 @@ def _left_locked(folder: Path) -> bool:
 
     try:
         with (folder / ".snakemake/running").open(encoding="utf-8") as file:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            return file.read() == socket.gethostname()
+            if file.read().split()[:1] != [socket.gethostname()]:
+                return False
+            for _ in range(_TRIES):  # the jobs of a run that was just killed hold it for a moment
+                try:
+                    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                except BlockingIOError:
+                    time.sleep(0.1)
+                else:
+                    return True
     except OSError:
-        return False
+        pass
+    return False
 
 
 def _cache(folder: Path) -> dict[str, str]:
