@@ -833,4 +833,9 @@ def small_grids(grids: Sequence[Any], stores: Sequence[Array], ends: Sequence[in
         memory of its fields.
     ends : list of int
         where each grid ends in it.
+
+    Returns
+    -------
+    None
+        where nothing passes over several grids in one call; else a `SmallGrids`.
     """

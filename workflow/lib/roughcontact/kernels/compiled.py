@@ -66,7 +66,17 @@ _view, _address = (ctypes.c_char * 0).from_buffer, ctypes.addressof
 
 @cache
 def library() -> ctypes.CDLL:
-    """Return the library of the passes; raise OSError where there is none of these sources."""
+    """Return the library of the passes.
+
+    Returns
+    -------
+    ctypes.CDLL
+
+    Raises
+    ------
+    OSError
+        where there is none, or none that was built from these sources.
+    """
     found = ctypes.CDLL(str(LIBRARY))
     try:
         find = found.find_pass_given

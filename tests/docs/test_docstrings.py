@@ -1,0 +1,63 @@
+"""Every public function says in its docstring what goes in and what comes out, in numpydoc's form."""
+
+import importlib
+import inspect
+import pkgutil
+from typing import NoReturn
+
+import pytest
+from numpydoc.docscrape import NumpyDocString
+
+import roughcontact
+from roughcontact.kernels import array_api
+
+MODULES = [
+    module.name
+    for module in pkgutil.walk_packages(roughcontact.__path__, "roughcontact.")
+    if not module.name.endswith(("__main__", "libkernels"))  # the library of the passes is not of Python's kind
+]
+
+
+def public_functions(module):
+    """Yield the public functions of a module, and the methods of its public classes with the class's name."""
+    for name, member in vars(module).items():
+        if name.startswith("_") or getattr(member, "__module__", None) != module.__name__:
+            continue
+        if inspect.isclass(member):
+            yield from (
+                (f"{name}.{method}", function, member)
+                for method, function in vars(member).items()
+                if inspect.isfunction(function) and not method.startswith("_")
+            )
+        elif inspect.isroutine(member) or hasattr(member, "__wrapped__"):
+            yield name, member, None
+
+
+def docstring_of(function, of_class):
+    """Return its docstring; a method has that of the method it overrides, a kernel that of `array_api`."""
+    documented = inspect.getdoc(function)
+    if documented is None and of_class is not None:
+        documented = inspect.getdoc(getattr(of_class, function.__name__))
+    if documented is None and of_class.__module__.startswith("roughcontact.kernels"):
+        described = getattr(array_api, function.__name__)
+        assert arguments(described) == arguments(function)
+        documented = inspect.getdoc(described)
+    return NumpyDocString(documented)
+
+
+def arguments(function):
+    return set(inspect.signature(function).parameters) - {"self", "cls"}
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_every_public_function_describes_its_arguments_and_what_it_gives(name):
+    for function_name, function, of_class in public_functions(importlib.import_module(name)):
+        docstring = docstring_of(function, of_class)
+        described = {
+            one.strip().lstrip("*") for entry in docstring["Parameters"] for one in entry.name.split(",")
+        }
+        missing = arguments(function) - described
+        assert not missing, f"{function_name}: {missing} not described"
+        gives = inspect.signature(function).return_annotation
+        if gives not in (None, NoReturn, inspect.Signature.empty, "None", "NoReturn"):
+            assert docstring["Returns"] or docstring["Yields"], f"{function_name} does not say what it returns"
