@@ -9,13 +9,18 @@ import pytest
 from numpydoc.docscrape import NumpyDocString
 
 import roughcontact
-from roughcontact.kernels import array_api
+from roughcontact.kernels import array_api, compiled, protocol
 
 MODULES = [
     module.name
     for module in pkgutil.walk_packages(roughcontact.__path__, "roughcontact.")
-    if not module.name.endswith(("__main__", "libkernels"))  # the library of the passes is not of Python's kind
+    if not module.name.endswith(("__main__", "libkernels"))  # programs, and what is no module of Python
 ]
+IMPLEMENTED = {
+    protocol.Kernels: array_api,
+    compiled.Compiled: array_api,
+    compiled.CompiledSmallGrids: protocol.SmallGrids,
+}
 
 
 def public_functions(module):
@@ -34,15 +39,13 @@ def public_functions(module):
 
 
 def docstring_of(function, of_class):
-    """Return its docstring; a method has that of the method it overrides, a kernel that of `array_api`."""
-    documented = inspect.getdoc(function)
-    if documented is None and of_class is not None:
-        documented = inspect.getdoc(getattr(of_class, function.__name__))
-    if documented is None and of_class.__module__.startswith("roughcontact.kernels"):
-        described = getattr(array_api, function.__name__)
-        assert arguments(described) == arguments(function)
-        documented = inspect.getdoc(described)
-    return NumpyDocString(documented)
+    """Return its docstring, or that of the method which it overrides or implements."""
+    places = [function]
+    if of_class is not None:
+        described = IMPLEMENTED.get(of_class, of_class)
+        places.append(getattr(described, function.__name__))
+        assert arguments(places[-1]) == arguments(function)
+    return NumpyDocString(next(filter(None, map(inspect.getdoc, places))))
 
 
 def arguments(function):
@@ -60,4 +63,13 @@ def test_every_public_function_describes_its_arguments_and_what_it_gives(name):
         assert not missing, f"{function_name}: {missing} not described"
         gives = inspect.signature(function).return_annotation
         if gives not in (None, NoReturn, inspect.Signature.empty, "None", "NoReturn"):
-            assert docstring["Returns"] or docstring["Yields"], f"{function_name} does not say what it returns"
+            assert docstring["Returns"] or docstring["Yields"], (
+                f"{function_name} does not say what it returns"
+            )
+
+
+def test_functions_and_methods_are_found():
+    found = {name for name, *_ in public_functions(compiled)} | {
+        name for name, *_ in public_functions(array_api)
+    }
+    assert {"library", "Compiled.measure", "CompiledSmallGrids.restrict", "small_grids"} <= found

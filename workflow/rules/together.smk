@@ -11,6 +11,7 @@ PARTS = {
         ["uncertainty", "solve", "statistics", "solve_statistics", "panel"],
     ),
 }
+SUFFIXES = {"panel": "html"}
 
 
 def own_steps(case, part, kind):
@@ -99,7 +100,7 @@ for case in CASES:
                         unpack(files_of_steps(steps, links)),
                     output:
                         **{
-                            file: f"{FOLDER}/{file}.{'html' if file == 'panel' else 'nc'}"
+                            file: f"{FOLDER}/{file}.{SUFFIXES.get(file, 'nc')}"
                             for file in [*written, *links]
                         },
                     log:

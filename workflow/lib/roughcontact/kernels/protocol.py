@@ -135,6 +135,31 @@ class SmallGrids(Protocol):
 
     first: int
 
-    def weigh(self) -> None: ...
-    def prolong(self, sweeps: int, work: Array, other: Array) -> None: ...
-    def restrict(self, sweeps: int, work: Array, other: Array) -> None: ...
+    def weigh(self) -> None:
+        """Weigh the cells of each grid by what the next finer one has in contact."""
+
+    def prolong(self, sweeps: int, work: Array, other: Array) -> None:
+        """Interpolate from the coarsest of the grids to the first.
+
+        Parameters
+        ----------
+        sweeps : int
+            of smoothing on each grid.
+        work : array
+            the values of all grids, one after another; is written over.
+        other : array, like `work`
+            scratch; is written over.
+        """
+
+    def restrict(self, sweeps: int, work: Array, other: Array) -> None:
+        """Apply the transpose of `prolong`.
+
+        Parameters
+        ----------
+        sweeps : int
+            of smoothing on each grid.
+        work : array
+            the values of all grids, one after another; is written over.
+        other : array, like `work`
+            scratch; is written over.
+        """
