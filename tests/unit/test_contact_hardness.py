@@ -82,3 +82,24 @@ def test_a_load_that_no_contact_carries_is_refused():
         rc.solve_contact(rough(), contact_modulus=MODULUS, mean_pressure=2e6, hardness=1e6)
     with pytest.raises(rc.SettingsError, match="hardness = -1"):
         rc.solve_contact(rough(), contact_modulus=MODULUS, mean_pressure=2e6, hardness=-1)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+def test_a_hardness_that_single_precision_rounds_takes_no_more_than_others(seed):
+    """The first steps are taken in single precision, where the hardness is another number."""
+    profile = synthetic.self_affine_surface(
+        (1, 1024), 1e-6, hurst=0.8, shortest=8e-6, longest=256e-6, rms_gradient=0.1, seed=seed
+    )
+    unit = 0.1 * MODULUS
+    rounded = np.float32(0.7)
+    assert float(rounded) < 0.7
+    taken = [
+        float(
+            rc.solve_contact(
+                profile, contact_modulus=MODULUS, mean_pressure=1e7, hardness=hardness * unit, fields=False
+            )["operator_applications"][0]
+        )
+        for hardness in (0.7, float(rounded))
+    ]
+    assert taken[0] <= taken[1] + 2
+    assert taken[0] <= 14.1

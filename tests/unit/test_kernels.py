@@ -312,6 +312,22 @@ def test_the_active_set_is_where_the_gap_should_vanish(engine):
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@pytest.mark.parametrize("inner", [SINGLE, DOUBLE])
+@pytest.mark.parametrize("cap", [0.3, 0.9])
+def test_points_at_the_cap_are_there_in_the_precision_of_the_next_pressure(engine, inner, cap):
+    assert float(np.float32(0.3)) > 0.3
+    assert float(np.float32(0.9)) < 0.9
+    pressure = np.array([[0.0, 0.1, cap, cap]], SINGLE)
+    separation = np.array([[1.0, 0.0, -1.0, 0.5]], SINGLE)  # the last one leaves the cap
+    moved, free, correction = np.empty((1, 4)), np.empty((1, 4), inner), np.full((1, 4), 0.05, inner)
+    engine.advance(pressure, separation, correction, 0.0, 0.0, 1.0, cap, moved, free)
+    np.testing.assert_allclose(moved, [[0, 0.05, cap, cap - 0.05]], rtol=1e-6)
+    assert moved[0, 2] == cap
+    np.testing.assert_array_equal(correction, 0)
+    np.testing.assert_array_equal(free, [[0, 1, 0, 1]])
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 def test_missing_values_are_counted_wherever_they_lie(engine, value):
     for shape in ((1, 7), (5, 1), (6, 9)):

@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import array_api_strict
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
@@ -20,7 +21,7 @@ from roughcontact.contact.problem import pose
 from roughcontact.contact.projected_gradient import project_to_load, projected_gradient_step
 from roughcontact.contact.state import contact_mean, norm, scale_to_load
 from roughcontact.contact.sweep import sweep
-from roughcontact.kernels.arrays import DOUBLE, SINGLE
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, empty
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 
@@ -233,6 +234,42 @@ def test_the_offset_where_no_point_is_free():
 )
 def test_scaling_to_a_load(pressure, load, cap, expected):
     np.testing.assert_allclose(scale_to_load(np.array(pressure), load, cap=cap), expected, atol=1e-14)
+
+
+@pytest.mark.parametrize("cap", [0.3, 0.9])
+def test_scaling_keeps_points_at_the_cap_through_a_change_of_precision(cap):
+    assert float(np.float32(0.3)) > 0.3
+    assert float(np.float32(0.9)) < 0.9
+    for before, after in (("float32", "float64"), ("float64", "float32"), ("float32", "float32")):
+        pressure = np.array([0.0, 0.1 * cap, 0.2 * cap, cap, cap], before)
+        scaled = scale_to_load(pressure, 0.55 * cap, cap=cap, precision=after)
+        assert scaled.dtype == after
+        np.testing.assert_array_equal(scaled >= cap, [False, False, False, True, True])
+        np.testing.assert_allclose(scaled / cap, [0, 0.25, 0.5, 1, 1], rtol=1e-6)
+        assert not np.shares_memory(scaled, pressure)
+
+
+@pytest.mark.parametrize("lengths", [LENGTHS, (0.1, 10.0)], ids=["square", "separate lines"])
+@pytest.mark.parametrize("like", [np.asarray, array_api_strict.asarray], ids=["compiled", "plain"])
+@pytest.mark.parametrize("cap", [0.3, 0.35])
+def test_a_step_that_changes_the_precision_leaves_points_at_the_cap(lengths, like, cap):
+    assert float(np.float32(0.3)) > 0.3
+    assert float(np.float32(0.35)) < 0.35
+    heights = like(rough())
+    grid = Grid(heights, lengths, cap=cap)
+    uniform = heights.__array_namespace__().full_like(heights, 0.1)
+    pressure, _ = first_guess_on_grid(grid, uniform, 0.1, tolerance=0.01)
+    state, _ = grid.evaluate(pressure)
+    at_cap = np.asarray(state.pressure) == np.float32(cap)
+    stay = at_cap & (np.asarray(state.gap) < 0)
+    assert stay.sum() > 20
+    correction = grid.precondition(grid.residual(state, precision="float32"))
+    out = empty(heights, "float64")
+    moved = np.asarray(grid.advance(state, correction, 0.5, 0.1, out))
+    assert moved.dtype == np.float64
+    assert moved.max() == cap
+    assert (moved[stay] == cap).all()
+    assert moved.mean() == pytest.approx(0.1, rel=1e-12)
 
 
 def test_a_load_at_the_cap_is_refused():

@@ -246,8 +246,7 @@ class Grid:
             if outside <= small * total:
                 break
         if total <= 0:  # rounding has eaten a load far below the residual: stay, and leave it to safe steps
-            out[...] = in_precision(state.pressure, precision_of(out), copy=False)
-            return scale_to_load(out, mean_pressure, cap=cap)
+            return scale_to_load(state.pressure, mean_pressure, cap=cap, precision=precision_of(out))
         if cap == np.inf and line_loads is None:
             kernels.rescale(out, mean_pressure * out.size / total, cap)
             return out
@@ -390,12 +389,13 @@ class Grid:
         return workspace.interpolation.restrict(field, self.halfspace.scratch(precision_of(field)))
 
     def _restore_line_loads(self, pressure: Array, line_loads: Array) -> None:
-        """Scale every line of `pressure` to the load that it had."""
+        """Scale every line of `pressure` to the load that it had; points at the cap stay there."""
         xp = pressure.__array_namespace__()
-        found = self._line_sums(pressure)
-        factor = xp.clip(line_loads, 0, None) / xp.where(found > 0, found, xp.ones_like(found))
+        free = xp.where(pressure < self.cap, pressure, xp.zeros_like(pressure))
+        found, at_cap = self._line_sums(free), self._line_sums(pressure - free)
+        factor = xp.clip(line_loads - at_cap, 0, None) / xp.where(found > 0, found, xp.ones_like(found))
         if float(xp.sum(factor * found)) > 0:
-            pressure *= xp.astype(factor, pressure.dtype)
+            pressure += free * xp.astype(factor - 1, pressure.dtype)
 
     def _line_sums(self, field: Array) -> Array:
         """Return the sums, in double precision, over the lines that are contacts of their own."""

@@ -41,7 +41,7 @@ from roughcontact.contact.grid import Grid, Residual
 from roughcontact.contact.line_search import LineSearch, minimize_between
 from roughcontact.contact.projected_gradient import projected_gradient_step
 from roughcontact.contact.state import State, scale_to_load
-from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, empty, in_precision, precision_of
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, empty, precision_of
 
 TOO_STIFF = 1e-3  # relative rounding floor of single precision from which all is done in double
 PATIENCE = 20  # steps that do not improve the bound before the iteration is called stalled
@@ -144,7 +144,7 @@ class Iterate:
         self.grid, self.mean_pressure = grid, mean_pressure
         self.tolerance, self.finish = tolerance, finish
         self.precision = self.residual_precision = SINGLE
-        self.state = self._state_in(SINGLE, start, copy=False)
+        self.state = self._state_in(SINGLE, start)
         self.bound = self._bound_before = self._lowest = np.inf
         self._lowest_step = self._failures = 0
         self.length = FIRST_LENGTH
@@ -275,9 +275,9 @@ class Iterate:
             for _ in range(2 ** min(1 + self._failures // 2, 6)):
                 self.state = projected_gradient_step(self.grid, self.state, self.mean_pressure) or self.state
 
-    def _state_in(self, precision: str, pressure: Array, *, copy: bool = True) -> State:
-        pressure = in_precision(pressure, precision, copy=copy)
-        return self.grid.evaluate(scale_to_load(pressure, self.mean_pressure, cap=self.grid.cap))[0]
+    def _state_in(self, precision: str, pressure: Array) -> State:
+        scaled = scale_to_load(pressure, self.mean_pressure, cap=self.grid.cap, precision=precision)
+        return self.grid.evaluate(scaled)[0]
 
 
 def first_guess_on_grid(
@@ -304,7 +304,7 @@ def first_guess_on_grid(
     pressure : array (ny, nx)
     steps : int
     """
-    pressure = scale_to_load(in_precision(start, SINGLE, copy=False), mean_pressure, cap=grid.cap)
+    pressure = scale_to_load(start, mean_pressure, cap=grid.cap, precision=SINGLE)
     bound_before = np.inf
     for step in range(FEW_STEPS):
         state, _ = grid.evaluate(pressure)

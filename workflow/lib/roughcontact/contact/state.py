@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from roughcontact.kernels.array_api import mean
-from roughcontact.kernels.arrays import Array
+from roughcontact.kernels.arrays import Array, in_precision, precision_of
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,14 @@ def contact_mean(pressure: Array, separation: Array, *, cap: float) -> float:
     return 0.5 * (float(xp.max(separation[full])) + float(xp.min(separation[~full])))
 
 
-def scale_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.inf) -> Array:
+def scale_to_load(
+    pressure: Array, mean_pressure: float, *, cap: float = np.inf, precision: str | None = None
+) -> Array:
     """Return max(pressure, 0) x factor, at most `cap`, with the factor that gives the prescribed mean.
 
     Without a cap that is one multiplication. With one, points at the cap stay there, the others are scaled,
     and those that the factor takes beyond the cap are held in turn, which ends after finitely many passes.
+    A change of precision rounds the cap: what was at the cap before it is at the cap after it.
 
     Parameters
     ----------
@@ -77,6 +80,8 @@ def scale_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.inf)
         to be reached.
     cap : float
         largest pressure allowed.
+    precision : str, optional
+        of the result, where it is another one.
 
     Returns
     -------
@@ -88,7 +93,7 @@ def scale_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.inf)
         for a mean pressure that is not below the cap.
     """
     xp = pressure.__array_namespace__()
-    positive = xp.clip(pressure, 0, None)
+    positive = xp.clip(in_precision(pressure, precision or precision_of(pressure), copy=False), 0, None)
     total = mean_pressure * pressure.size
     load = float(xp.sum(positive, dtype=xp.float64))
     if cap == np.inf:

@@ -15,7 +15,6 @@ from roughcontact.contact.problem import Problem
 from roughcontact.contact.state import State, scale_to_load
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, in_precision
 
-FAR = 100.0  # times the rounding floor: what has stalled above that is begun again from uniform pressure
 OFTEN_FULL = 1.0  # load in units of E* g; the full-contact pressure has a standard deviation of half that
 
 
@@ -112,13 +111,6 @@ def sweep(
             solution = solve_on_grid(
                 finest, start.pop(), load, tolerance=tolerance, finish=precision, give_up=give_up
             )
-            if solution.error_bound > max(tolerance, FAR * rounding_floor(finest.halfspace, solution.state)):
-                # seldom, seen on a profile at its hardness: the active set goes in circles from this guess
-                steps += solution.steps
-                del solution
-                like = finest.heights_in(SINGLE)
-                uniform = like.__array_namespace__().full_like(like, load)
-                solution = solve_on_grid(finest, uniform, load, tolerance=tolerance, finish=precision)
             state, bound, steps = solution.state, solution.error_bound, steps + solution.steps
         yield Solution(
             state=state,

@@ -240,8 +240,8 @@ def advance(
 ) -> None:
     """Put p - length (correction - mean), projected onto [0, `cap`], into `out`.
 
-    What the projection took away comes into `correction`. Inactive points keep the pressure they have.
-    `free` becomes 1 between the bounds, 0 elsewhere.
+    What the projection took away comes into `correction`. Inactive points keep the pressure they have: at
+    the cap in one precision is at the cap in that of `out`. `free` becomes 1 between the bounds, 0 elsewhere.
 
     Parameters
     ----------
@@ -265,10 +265,12 @@ def advance(
         is written.
     """
     xp = pressure.__array_namespace__()
-    moved = pressure - length * (correction - mean)
-    moved = xp.where(active_set(pressure, separation - offset, cap), moved, pressure)
+    active = active_set(pressure, separation - offset, cap)
+    moved = xp.astype(pressure, out.dtype)
+    moved[pressure >= cap] = cap
+    moved -= xp.where(active, length * (correction - mean), xp.zeros_like(correction))
     projected = xp.clip(moved, 0, None if cap == float("inf") else cap)
-    out[...] = xp.astype(projected, out.dtype)
+    out[...] = projected
     free[...] = xp.astype((projected > 0) & (projected < cap), free.dtype)
     correction[...] = xp.astype(moved - projected, correction.dtype)
 

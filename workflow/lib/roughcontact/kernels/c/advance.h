@@ -10,6 +10,7 @@ PASS(advance, {
 })
 {
     const STATE offset = (STATE)given->offset, cap = (STATE)given->cap;
+    const OUT most = (OUT)given->cap;
     const INNER mean = (INNER)given->mean, length = (INNER)given->length;
     for (int64_t i = first; i < last; i++) {
         const STATE *pressure = given->pressure + i * given->nx, *separation = given->separation + i * given->nx;
@@ -19,10 +20,11 @@ PASS(advance, {
         for (int64_t j = 0; j < given->nx; j++) {
             const STATE p = pressure[j], gap = separation[j] - offset;
             const INNER own = ACTIVE(p, gap, cap) ? length : 0; /* inactive points keep what they have */
-            const WIDER moved = p - own * (correction[j] - mean), held = HELD(moved, (WIDER)cap);
-            out[j] = (OUT)held;
+            const OUT start = p >= cap ? most : (OUT)p;         /* a rounded cap stands for the cap */
+            const OUT moved = start - own * (correction[j] - mean), held = HELD(moved, most);
+            out[j] = held;
             correction[j] = (INNER)(moved - held);
-            free[j] = FREE(moved, (WIDER)cap) ? (INNER)1 : (INNER)0;
+            free[j] = FREE(moved, most) ? (INNER)1 : (INNER)0;
         }
     }
 }

@@ -48,15 +48,12 @@
 #define STATE float
 #define INNER float
 #define OUT float
-#define WIDER float
 #define TYPES fff
 #include "advance.h"
 #undef OUT
-#undef WIDER
 #undef TYPES
 
 #define OUT double
-#define WIDER double
 #define TYPES ffd
 #include "advance.h"
 #undef STATE
@@ -80,7 +77,6 @@
 #undef STATE
 #undef INNER
 #undef OUT
-#undef WIDER
 #undef TYPES
 
 static const struct Entry JOIN(table, of, LEVEL)[] = {
