@@ -1,5 +1,6 @@
 """The workflow from the command line: settings and table to begin with, and what a run is refused for."""
 
+import numpy as np
 import pytest
 import yaml
 
@@ -65,6 +66,17 @@ def test_options_of_a_run_go_to_snakemake(folder, capfd):
     assert main(["run", "--no-such-option"]) != 0
     assert "--no-such-option" in capfd.readouterr().err
     assert not (folder / "results").exists()
+
+
+def test_a_dry_run_is_short_and_snakemake_has_its_own_screen_where_asked(folder, capfd):
+    np.save(folder / "a.npy", np.ones((4, 4)))
+    assert main(["init", "a.npy"]) == 0
+    assert main(["run", "-n"]) == 0
+    short = capfd.readouterr().out
+    assert "1 surface, 5 jobs" in short
+    assert "rule prepare" not in short
+    assert main(["run", "-n", "--quiet", "host"]) == 0
+    assert "rule prepare" in capfd.readouterr().out
 
 
 @pytest.mark.parametrize(

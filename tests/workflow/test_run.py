@@ -57,6 +57,16 @@ def test_a_run_shows_how_far_it_has_come(finished):
     assert "load 2 of 2" in finished.path("logs/ground/solve.log").read_text()
 
 
+def test_the_short_screen_has_a_line_for_each_surface(project):
+    files = [f"results/{name}/height.nc" for name in ("ground", "turned")]
+    run = project.run(*files, "--logger", "roughcontact")
+    assert run.returncode == 0, run.stderr
+    said = run.stderr.partition("2 surfaces, 2 jobs\n")[2]
+    assert re.fullmatch(
+        r"(ground|turned): done \(1 of 2.*\)\n(ground|turned): done \(2 of 2\)\ndone in .*\n", said
+    )
+
+
 def test_every_file_carries_settings_versions_and_checksum(finished):
     for surface, name in (("ground", "ground.npy"), ("turned", "turned.txt")):
         checksum = hashlib.sha256(finished.path(f"measured/{name}").read_bytes()).hexdigest()

@@ -70,6 +70,8 @@ class OneLine(logging.Filter):
     def filter(self, record):
         event = getattr(record, "event", None)
         text = str(record.msg)
+        if event == "run_info":  # for screens that show surfaces instead of jobs
+            record.surfaces = surfaces_of_jobs()
         if event == "error" and f'CalledProcessError in file "{ROOT}' in text:
             self.ended.how = text
             return False
@@ -80,6 +82,20 @@ class OneLine(logging.Filter):
             record.event, record.msg = "error", line
             KILLED.append(line)
         return True
+
+
+def surfaces_of_jobs():
+    """Return the row of the table that each job waiting to run works for: job -> name."""
+    rows = dict(zip(MEASURED, MEASURED)) | {
+        name: member.pair for name, member in MEMBERS.items()
+    }
+    for member in MEMBERS.values():
+        rows |= {member.face: member.pair, member.counter_face: member.pair}
+    return {
+        job.jobid: rows[name]
+        for job in workflow.dag.needrun_jobs()
+        if (name := job.wildcards_dict.get("surface")) in rows
+    }
 
 
 def last_words(record, how):

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 _log: int
 _name: str
+_SCREEN = os.environ.get("ROUGHCONTACT_SCREEN")  # how a run shows itself: roughcontact.command_line.screen
+_ERASE = "\r\x1b[K" if _SCREEN == "bar" else ""
 
 _MEMORY = snakemake.resources.get("mem_mb")  # the jobs that gather ask for none
 _ASKED = (f"it had asked for {_MEMORY} MB; " if _MEMORY else "") + (
@@ -96,9 +98,10 @@ def of_step(job: Any, name: str, step: Any) -> SimpleNamespace:
 
 
 def say(text: str) -> None:
-    """Write one line to the log and to the screen."""
+    """Write one line to the log, and to the screen unless that has a line for each surface alone."""
     _record(f"[{_name}] {text}\n")
-    print(f"[{_name}] {text}", file=sys.stderr, flush=True)
+    if not _SCREEN:
+        print(f"[{_name}] {text}", file=sys.stderr, flush=True)
 
 
 def progress(done: int, total: int, text: str) -> None:
@@ -143,7 +146,7 @@ def _report_error(kind: type[BaseException], error: BaseException, trace: Traceb
         text = f"{kind.__name__}: {error} (not foreseen, please report it with {snakemake.log[0]})"
     line = f"[{_name}] ERROR: {text}"
     _record(f"{line}\n")  # for the report of the rest as well
-    print(line, file=sys.stderr, flush=True)
+    print(f"{_ERASE}{line}", file=sys.stderr, flush=True)
 
 
 def _log_warning(

@@ -16,6 +16,8 @@ from roughcontact.errors import SettingsError
 PACKAGE = Path(__file__).parents[1]
 _CORES = ("--cores", "-c", "--jobs", "-j", "--profile", "--workflow-profile", "--executor", "-e")
 _TRIES = 10
+# with one of these the screen is Snakemake's own
+_SHOW = ("--logger", "--quiet", "-q", "--verbose", "--printshellcmds", "-p", "--debug-dag")
 _FILES = Path("config/config.yaml"), Path("config/surfaces.tsv")
 
 _SETTINGS_HEAD = """\
@@ -124,6 +126,8 @@ def run_workflow(arguments: Sequence[str]) -> int:
     given = _understood(arguments)
     _check_start(given)
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(workflow_file())]
+    if not any(word.split("=")[0] in _SHOW for word in arguments):
+        command += ["--logger", "roughcontact"]
     command += ["--rerun-incomplete", "--keep-going"]
     if _left_locked(given.directory):
         print("The last run in this folder was killed: going on where it ended.", file=sys.stderr, flush=True)

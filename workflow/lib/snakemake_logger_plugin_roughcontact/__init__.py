@@ -1,0 +1,41 @@
+"""The short screen of a run as a logger plugin of Snakemake: `snakemake --logger roughcontact`.
+
+Snakemake finds such plugins by the name of their package, which therefore lies beside roughcontact.
+"""
+
+import logging
+import os
+import sys
+
+from snakemake_interface_logger_plugins.base import LogHandlerBase
+
+from roughcontact.command_line.screen import VARIABLE, Screen
+
+
+class LogHandler(LogHandlerBase):
+    """Shows the events of a run on the screen of `roughcontact.command_line.screen`."""
+
+    writes_to_stream = True
+    writes_to_file = False
+    has_filter = False  # Snakemake's own, which knows --quiet
+    has_formatter = False
+    needs_rulegraph = False
+
+    def __post_init__(self) -> None:
+        """Choose the stream, and tell the jobs who writes to the terminal."""
+        stream = sys.stdout if self.common_settings.stdout else sys.stderr
+        bar = stream.isatty()
+        self.screen = Screen(stream, bar=bar, planned=self.common_settings.dryrun)
+        os.environ[VARIABLE] = "bar" if bar else "lines"
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Show what is worth a line."""
+        try:
+            self.screen.show(record, self.format(record))
+        except Exception:
+            self.handleError(record)
+
+    def close(self) -> None:
+        """Leave the terminal without the bar."""
+        self.screen.clear()
+        super().close()
