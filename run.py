@@ -83,7 +83,7 @@ def lint():
     checks = [
         [BIN / "ruff", "format", "--check", "."],
         [BIN / "ruff", "check", "."],
-        [BIN / "numpydoc", "lint", *sorted(PACKAGE.rglob("*.py"))],
+        [BIN / "numpydoc", "lint", *sorted(PACKAGE.parent.rglob("*.py"))],
         [BIN / "mypy"],
         [BIN / "lint-imports", "--no-logo"],
         [BIN / "snakefmt", "--check", "Snakefile", "workflow/Snakefile", "workflow/rules"],

@@ -5,7 +5,7 @@ import logging
 
 import pytest
 
-from roughcontact.command_line.screen import ERASE, Screen
+from snakemake_logger_plugin_roughcontact.screen import ERASE, Screen
 
 BEGIN = 1_000_000.0
 JOBS = {1: "ground", 2: "ground", 3: "turned", 4: "turned"}  # and 5, the report
@@ -53,7 +53,7 @@ def test_a_surface_has_one_line_when_its_last_job_has_ended(tmp_path):
     run.job(3, 10, 20)
     assert run.lines == ["2 surfaces, 5 jobs"]
     run.job(2, 20, 50)
-    # a contact of 30 s as the one before, and a report of (10 + 10 + 30) / 3 s, then of (10 + 10 + 30 + 30) / 4 s
+    # a contact of 30 s as the one before, and a report of (10 + 10 + 30) / 3 s
     assert run.lines[1:] == [
         "ground: done, 2 warnings in its logs and in the report (1 of 2, about 47 s left)"
     ]

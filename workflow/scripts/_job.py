@@ -29,7 +29,9 @@ if TYPE_CHECKING:
 
 _log: int
 _name: str
-_SCREEN = os.environ.get("ROUGHCONTACT_SCREEN")  # how a run shows itself: roughcontact.command_line.screen
+_SCREEN = os.environ.get(
+    "ROUGHCONTACT_SCREEN"
+)  # how a run shows itself: snakemake_logger_plugin_roughcontact
 _ERASE = "\r\x1b[K" if _SCREEN == "bar" else ""
 
 _MEMORY = snakemake.resources.get("mem_mb")  # the jobs that gather ask for none

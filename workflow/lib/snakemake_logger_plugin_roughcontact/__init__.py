@@ -1,6 +1,8 @@
 """The short screen of a run as a logger plugin of Snakemake: `snakemake --logger roughcontact`.
 
-Snakemake finds such plugins by the name of their package, which therefore lies beside roughcontact.
+Snakemake finds such plugins by the name of their package, which therefore lies beside roughcontact. It
+imports them at every start: nothing of roughcontact may be imported here, since a Snakefile of another
+checkout brings its own.
 """
 
 import logging
@@ -9,11 +11,11 @@ import sys
 
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 
-from roughcontact.command_line.screen import VARIABLE, Screen
+from .screen import VARIABLE, Screen
 
 
 class LogHandler(LogHandlerBase):
-    """Shows the events of a run on the screen of `roughcontact.command_line.screen`."""
+    """Shows the events of a run on a `Screen`."""
 
     writes_to_stream = True
     writes_to_file = False
