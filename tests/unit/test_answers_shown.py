@@ -6,7 +6,7 @@ import roughcontact as rc
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.report.facts import surface_facts
-from roughcontact.report.tables import number_table
+from roughcontact.report.tables import number_tables
 from roughcontact.statistics.subsurface import with_subsurface_yield
 
 BODIES = [
@@ -23,12 +23,14 @@ def maps():
 
 
 def shown(maps, **more):
-    """Return titles and cells of the table of numbers, and the facts, of two loads."""
+    """Return titles and cells of the tables of numbers, and the facts, of two loads."""
     contact = rc.solve_contact(maps[2], contact_modulus=4e9, mean_pressure=[1e4, 2e8])
     numbers = with_subsurface_yield(rc.contact_statistics(contact, **more), more.get("bodies"))
-    table = number_table(numbers, [[], []])
-    units = {title: unit for title, unit, _ in table["header"]}
-    cells = [dict(zip(units, row["cells"], strict=True)) for row in table["rows"]]
+    units, cells = {}, [{}, {}]
+    for table in number_tables(numbers, [[], []]):
+        units |= {title: unit for title, unit, _ in table["header"]}
+        for known, row in zip(cells, table["rows"], strict=True):
+            known |= {column[0]: cell for column, cell in zip(table["header"], row["cells"], strict=True)}
     return units, cells, dict(surface_facts(*maps, numbers))
 
 
@@ -37,7 +39,7 @@ def test_answers_that_need_materials_and_a_seal(maps):
     units, cells, facts = shown(maps, bodies=BODIES, seal=seal, work_of_adhesion=0.05)
     assert units["thermal conductance"].endswith("W/(m² K)")
     assert units["largest von Mises stress"] in ("MPa", "GPa")
-    assert units["leak rate along x"] == "m2 s-1"
+    assert units["leak rate along x"] == "m²/s"
     assert float(cells[0]["narrowest place along x"]) > float(cells[1]["narrowest place along x"])
     assert facts["Adhesion"].startswith("not sticky")
     assert facts["First yield below the surface"].endswith("mean pressure")

@@ -2,6 +2,7 @@
 
 import base64
 import functools
+import html
 import http.server
 import io
 import json
@@ -31,8 +32,8 @@ from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.page import write_report
 from roughcontact.report.panel import write_panel
 from roughcontact.report.summary import embedded, summary_of
-from roughcontact.results.collect import collect_statistics
-from roughcontact.results.storage import provenance, write_dataset
+from roughcontact.results.collect import collect_statistics, summary_table
+from roughcontact.results.storage import provenance, read_dataset, write_dataset
 from roughcontact.statistics import checks
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.window.periodic_window import periodic_window
@@ -117,12 +118,16 @@ def test_page_is_self_contained_and_complete(page):
     assert "<title>Four &lt;surfaces&gt;</title>" in text
     assert "&lt;b&gt;&amp;" in text
     sources = re.findall(r'(?:src|href)="([^"]*)"', text)
-    assert all(source.startswith(("#", "data:")) for source in sources)
+    beside = {source for source in sources if not source.startswith(("#", "data:"))}
+    assert beside == {"summary.csv", "statistics.nc"}  # links, which load nothing
+    assert not re.search(r'src="(?!data:)', text)
     assert not re.search(r"(?i)url\(|@import|https?://", re.sub(r'"data:[^"]*"', "", text))
     assert len(set(re.findall(r'\bid="([^"]*)"', text))) == len(re.findall(r'\bid="([^"]*)"', text))
     anchors = {source[1:] for source in sources if source.startswith("#")}
     assert anchors <= set(re.findall(r'\bid="([^"]*)"', text))
-    assert all(re.findall(r'<img src="data:[^"]*" alt="([^"]*)"', text))
+    alternatives = re.findall(r'<img src="data:[^"]*" alt="([^"]*)"', text)
+    assert len(alternatives) == text.count("<img ")
+    assert all(re.search(r"\d", words) for words in alternatives if words.startswith("Contact"))
     assert text.count("kept no maps of pressure and gap") == 1
 
 
@@ -150,18 +155,17 @@ def test_page_is_the_same_a_second_time(page, tmp_path):
 
 
 def test_numbers_of_the_page_are_those_of_the_file(page):
-    from roughcontact.results.storage import read_dataset
-
     statistics = read_dataset(page.parent / "all" / "holes" / "statistics.nc").sortby("mean_pressure")
     text = (page.parent / "all" / "holes" / "panel.html").read_text(encoding="utf-8")
-    body = text[text.index("<tbody>") : text.index("</tbody>")]
-    rows = [re.findall(r"<td>([^<]*)</td>", row) for row in body.split("<tr")[1:]]
+    table = text[text.index("<caption>Contact</caption>") :]
+    body = table[table.index("<tbody>") : table.index("</tbody>")]
+    rows = [re.findall(r"<t[dh][^>]*>([^<]*)</t[dh]>", row) for row in body.split("<tr")[1:]]
     assert len(rows) == 3
     for row, area, clusters in zip(
         rows, statistics["relative_contact_area"], statistics["contact_clusters"], strict=True
     ):
         assert row[2] == number(100 * float(area))
-        assert row[11] == str(int(clusters))
+        assert row[4] == str(int(clusters))
     assert "remarks" in text
 
 
@@ -177,6 +181,7 @@ def test_a_panel_says_of_itself_what_was_embedded():
         "name": "one</script><p class='summary'>& \"two\"",
         "verdict": "look",
         "reasons": ["Form: <b> & ±"],
+        "not_judged": ["Band"],
     }
     decoy = '<script type="application/json" class="other">{}</script>'
     panel = (
@@ -525,6 +530,125 @@ def test_page_in_a_browser(page, tmp_path, width):
     assert result["sections"] == [f"surface-{name}" for name in ("holes", "profile", "flat", "sparse")]
     assert result["wide"] <= 0
     assert not Path(tmp_path / "page_files").exists()
+
+
+FRAME_PROBE = """
+<script>
+const frame = document.querySelector("iframe"), wait = time => new Promise(done => setTimeout(done, time));
+frame.addEventListener("load", async () => {
+  const inside = frame.contentDocument, said = {};
+  const over = element => element.scrollWidth - element.clientWidth;
+  said.page = over(inside.documentElement);
+  said.tables = Math.max(...[...inside.querySelectorAll(".scroll")].map(over));
+  said.heads = [...inside.querySelectorAll("th")].filter(head => !head.scope).length;
+  said.captions = [...inside.querySelectorAll("table")].filter(table => !table.caption).length;
+  const seen = kind => [...inside.querySelectorAll(kind)].map(check => check.checkVisibility());
+  said.doubts = seen(".checks .look, .checks .failed");
+  said.passed = seen(".checks .passed");
+  const link = inside.querySelector("a[download]");
+  said.table = link && link.href;
+  const map = [...inside.images].find(image => image.alt.startsWith("Contact pressure of holes"));
+  map.closest("button").click();
+  await wait(500);
+  const dialog = inside.querySelector("dialog"), drawn = dialog.querySelector("svg image");
+  said.opened = dialog.open;
+  const large = dialog.querySelector("svg").getBoundingClientRect();
+  said.larger = large.width / map.getBoundingClientRect().width;
+  said.values = [];
+  for (let row = 0; row < ROWS; row++) for (let column = 0; column < COLUMNS; column += 7) {
+    const on = drawn.getBoundingClientRect();
+    const clientX = on.left + (column + 0.5) / COLUMNS * on.width;
+    const clientY = on.top + (row + 0.5) / ROWS * on.height;
+    const event = new frame.contentWindow.PointerEvent("pointermove", {bubbles: true, clientX, clientY});
+    dialog.querySelector("svg").dispatchEvent(event);
+    said.values.push([row, column, dialog.querySelector("p").textContent]);
+  }
+  dialog.querySelector("button").click();
+  said.closed = !dialog.open;
+  document.body.setAttribute("data-said", encodeURIComponent(JSON.stringify(said)));
+});
+</script>
+"""
+
+
+def said_in_a_frame(text, folder, *, width, rows, columns):
+    """Show a page in a frame so many pixels wide; return what a script finds in it."""
+    probe = FRAME_PROBE.replace("ROWS", str(rows)).replace("COLUMNS", str(columns))
+    frame = f'<iframe style="width:{width}px;height:900px;border:0" srcdoc="{html.escape(text)}"></iframe>'
+    (folder / "frame.html").write_text(f"<!DOCTYPE html><body>{frame}{probe}</body>", encoding="utf-8")
+    browser = subprocess.run(
+        [
+            CHROMIUM,
+            *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--window-size=1500,1000"),
+            *(f"--user-data-dir={folder / 'profile'}", "--virtual-time-budget=20000", "--dump-dom"),
+            (folder / "frame.html").as_uri(),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=180,
+        check=True,
+    )
+    return json.loads(unquote(re.search(r'data-said="([^"]*)"', browser.stdout)[1]))
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+@pytest.mark.parametrize("shown", [400, 1400, "print"])
+def test_nothing_is_cut_off_and_maps_can_be_read(page, tmp_path, shown):
+    """At both widths, and with the rules of the printed page on A4 between its margins."""
+    text = page.read_text(encoding="utf-8")
+    if shown == "print":
+        text = text.replace("@media print", "@media all")
+    window = xr.open_dataset(page.parent / "all" / "holes" / "contact.nc")
+    pressures = window["pressure"].sortby("mean_pressure").values
+    rows, columns = pressures.shape[1:]
+    said = said_in_a_frame(
+        text, tmp_path, width=700 if shown == "print" else shown, rows=rows, columns=columns
+    )
+    assert said["page"] <= 0
+    assert said["tables"] <= 0
+    assert said["heads"] == said["captions"] == 0
+    assert all(said["doubts"])
+    assert said["passed"]
+    assert not any(said["passed"])
+    assert said["opened"]
+    assert said["closed"]
+    table = base64.b64decode(said["table"].partition(",")[2]).decode()
+    known = summary_table(read_dataset(page.parent / "statistics.nc"))
+    assert table == known.to_csv(index=False)
+    if shown == "print":
+        return
+    assert said["larger"] > 1.4
+    lowest, highest = pressures[0], max(np.percentile(p[p > 0], 99.5) for p in pressures)
+    read = 0
+    for row, column, words in said["values"]:
+        value = lowest[rows - 1 - row, column]
+        if value == 0:
+            assert words.endswith(": no contact")
+            continue
+        found, unit = re.search(r"pressure ≈ ([\d.e+-]+) (\w+)$", words).groups()
+        found = float(found) * {"kPa": 1e3, "MPa": 1e6, "GPa": 1e9}[unit]
+        assert abs(found - min(value, highest)) < 0.015 * highest
+        read += 1
+    assert read > 2
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+def test_the_page_is_printed(page, tmp_path):
+    printed = tmp_path / "page.pdf"
+    subprocess.run(
+        [
+            CHROMIUM,
+            *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--no-pdf-header-footer"),
+            *(f"--user-data-dir={tmp_path / 'profile'}", f"--print-to-pdf={printed}", page.as_uri()),
+        ],
+        capture_output=True,
+        timeout=180,
+        check=True,
+    )
+    pages = [int(count) for count in re.findall(rb"/Count (\d+)", printed.read_bytes())]
+    assert 5 <= max(pages) <= 40
 
 
 # --- many surfaces -----------------------------------------------------------------------------------------

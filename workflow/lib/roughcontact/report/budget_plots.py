@@ -48,9 +48,9 @@ def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
     """
     if "source" not in numbers.dims:
         return None
-    area = numbers["relative_contact_area"].values
+    area = numbers["relative_contact_area"]
     budget = numbers["relative_contact_area_uncertainty"]
-    ends = [numbers[f"relative_contact_area_{end}"] for end in ("lower", "upper")]
+    shown = [area, *(numbers[f"relative_contact_area_{end}"] for end in ("lower", "upper"))]
     present = [s for s in _WORDS if s != "combined" and np.isfinite(budget.sel(source=s)).any()]
     rows = []
     for index in range(numbers.sizes["load"]):
@@ -58,8 +58,8 @@ def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
         rows.append(
             [
                 quantity(float(numbers["mean_pressure"][index]), "Pa"),
-                with_interval(area[index], *(float(end[index]) for end in ends)),
-                *("–" if np.isnan(part) else f"± {number(part, digits=2)}" for part in parts.values()),
+                with_interval(*(100 * float(of[index]) for of in shown)),
+                *(_part(100 * part) for part in parts.values()),
                 _largest(parts),
             ]
         )
@@ -70,10 +70,22 @@ def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
         notes.append(f"Not in the ±: {', '.join(absent)}.")
     return {
         "images": _images(numbers, present),
-        "header": ["mean pressure p̄", "contact area A/A₀", *(_WORDS[s] for s in present), "largest part"],
+        "header": [
+            "mean pressure p̄",
+            "contact area A/A₀ (%)",
+            *(f"{_WORDS[s]} (%)" for s in present),
+            "largest part",
+        ],
         "rows": rows,
         "notes": notes,
     }
+
+
+def _part(half_width: float) -> str:
+    """Return what a source adds; a source that could change nothing is not written as ± 0."""
+    if np.isnan(half_width):
+        return "–"
+    return f"± {number(half_width, digits=2)}" if half_width > 0 else "no pixel in doubt"
 
 
 def _largest(parts: Mapping[str, float]) -> str:

@@ -6,11 +6,12 @@ millisecond and a few kilobytes.
 """
 
 import html
+import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Literal
+from typing import Any, Literal
 from urllib.parse import quote
 
 import numpy as np
@@ -177,6 +178,8 @@ class Chart:
         room around the axes; None for what their labels take.
     grid : bool
         whether lines go through from the ticks.
+    reading : dict
+        what it takes to read values from a picture (`map_plots.framed`); it goes with the chart as JSON.
     """
 
     x: Axis
@@ -186,6 +189,7 @@ class Chart:
     size: tuple[float, float] = (430.0, 360.0)
     margins: Rectangle | None = None
     grid: bool = True
+    reading: dict[str, Any] = field(default_factory=dict)
     _drawn: list[str] = field(default_factory=list)
     _beside: list[str] = field(default_factory=list)
     _legend: list[tuple[str, Callable[[float, float], str]]] = field(default_factory=list)
@@ -257,6 +261,28 @@ class Chart:
         stroke = _stroke(colour, joined, "")
         through = f'<path d="M{{0:g}} {{1:g}}h26" {stroke}/>' if joined else ""
         self._list(label, lambda at, up: through.format(at, up) + glyph(at + 13, up))
+
+    def bars(self, x: np.ndarray, lower: np.ndarray, upper: np.ndarray, *, colour: str) -> None:
+        """Draw error bars, which may reach farther to one side; one that leaves the axes ends at their edge.
+
+        Parameters
+        ----------
+        x, lower, upper : arrays of one size
+            a bar with an end that is not known is left out.
+        colour : str
+        """
+        left, low = self._pixels(x, lower)
+        high = self._pixels(x, upper)[1]
+        height = self.area[3]
+        low[np.isnan(low) & np.isfinite(lower)] = height + 9  # zero, or less, on a logarithmic axis
+        low, high = (np.clip(end, -9, height + 9) for end in (low, high))
+        path = "".join(
+            f"M{a:.1f} {b:.1f}V{c:.1f}M{a - 3:.1f} {b:.1f}h6M{a - 3:.1f} {c:.1f}h6"
+            for a, b, c in zip(left, low, high, strict=True)
+            if np.isfinite([a, b, c]).all()
+        )
+        if path:
+            self._drawn.append(f'<path d="{path}" fill="none" {_stroke(colour, 1.1, "")}/>')
 
     def across(
         self, *, x: float | None = None, y: float | None = None, label: str = "", **style: str
@@ -385,8 +411,9 @@ class Chart:
             total += rows
         elif self._legend:
             parts += self._legend_inside(legend)
+        reading = f" data-reading='{html.escape(json.dumps(self.reading))}'" if self.reading else ""
         return data_uri(
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.size[0]:g} {total:g}" '
+            f'<svg xmlns="http://www.w3.org/2000/svg"{reading} viewBox="0 0 {self.size[0]:g} {total:g}" '
             f'width="{self.size[0]:g}" height="{total:g}" font-family="{_FONT}" font-size="{_SIZE:g}" '
             f'fill="{INK}">{"".join(parts)}</svg>'
         )

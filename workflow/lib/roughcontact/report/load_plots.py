@@ -16,8 +16,11 @@ from roughcontact.report.charts import (
     Axis,
     Chart,
 )
+from roughcontact.report.tables import unit_of_column
 from roughcontact.roughness.summits import summit_statistics
 from roughcontact.statistics import theory
+
+_RELATIVE = "relative pressure p′ = p̄ / (E* g)"
 
 
 def area_against_load(statistics: xr.Dataset, window: xr.DataArray) -> str:
@@ -44,28 +47,40 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray) -> str:
     """
     unit = float(statistics["contact_modulus"] * statistics["rms_gradient"])
     load = statistics["relative_pressure"].values
-    factor, shown = prefix(float(np.median(load)) * unit, "Pa")
     corrected = statistics["relative_contact_area"].values
-    chart = _area_chart(load, corrected, pascal=(unit * factor, shown))
+    counted = statistics["relative_contact_area_pixels"].values
+    ends = _ends(statistics, "relative_contact_area")
+    chart = _area_chart(load, np.concatenate([corrected, ends[0]]), top=_pascal_axis(statistics))
     line = _theory_lines(chart, load)
     modulus = float(statistics["contact_modulus"])
     summits = summit_statistics(window)
     area = theory.greenwood_williamson_area(line * unit, summits, contact_modulus=modulus)
     if np.isfinite(area).any():
-        chart.line(line, area, colour="#8a5a00", dash=DASH_DOTTED, width=1.3, label="Greenwood-Williamson")
-    counted = statistics["relative_contact_area_pixels"].values
-    chart.marks(load, counted, colour=COLOURS[0], filled=False, label="solved, pixels counted")
-    chart.marks(load, corrected, colour=COLOURS[0], label="solved, corrected")
-    return chart.source("lower right")
+        chart.line(
+            line, 100 * area, colour="#8a5a00", dash=DASH_DOTTED, width=1.3, label="Greenwood-Williamson"
+        )
+    chart.bars(load, *(100 * end for end in ends), colour=COLOURS[0])
+    chart.marks(load, 100 * counted, colour=COLOURS[0], filled=False, label="solved, pixels counted")
+    chart.marks(load, 100 * corrected, colour=COLOURS[0], label="solved, corrected")
+    return chart.source("below", columns=2)
 
 
-def compare_areas(series: Sequence[tuple[str, np.ndarray, np.ndarray]]) -> str:
+def compare_areas(
+    series: Sequence[tuple[str, np.ndarray, np.ndarray]],
+    *,
+    ends: Sequence[tuple[np.ndarray, np.ndarray]] = (),
+    pascal: bool = False,
+) -> str:
     """Draw the contact area against the load of several surfaces or cases, with the theories that fit all.
 
     Parameters
     ----------
-    series : sequence of (label, relative pressures, relative contact areas)
+    series : sequence of (label, loads, relative contact areas)
         one entry for each surface under each case.
+    ends : sequence of (lower, upper)
+        of the interval of each area, as many as `series`; no error bars where empty.
+    pascal : bool
+        loads are mean pressures (Pa), for which there are no theories that fit all; else they are relative.
 
     Returns
     -------
@@ -79,14 +94,21 @@ def compare_areas(series: Sequence[tuple[str, np.ndarray, np.ndarray]]) -> str:
     'data:image/svg+xml'
     """
     loads = np.concatenate([load for _, load, _ in series])
-    areas = np.concatenate([area for _, _, area in series])
-    chart = _area_chart(loads, areas, size=(660.0, 430.0))
-    _theory_lines(chart, loads)
-    for index, (label, load, area) in enumerate(series):
+    areas = np.concatenate([*(area for _, _, area in series), *(low for low, _ in ends)])
+    factor, unit = prefix(float(np.median(loads)), "Pa") if pascal else (1.0, "")
+    label = f"mean pressure p̄ ({unit})" if pascal else _RELATIVE
+    chart = _area_chart(loads * factor, areas, size=(560.0, 430.0), label=label)
+    if not pascal:
+        _theory_lines(chart, loads)
+    for index, (name, load, area) in enumerate(series):
         order = np.argsort(load)
         marker = MARKERS[(index // len(COLOURS) + index) % len(MARKERS)]
         colour = COLOURS[index % len(COLOURS)]
-        chart.marks(load[order], area[order], colour=colour, marker=marker, joined=1.0, label=label)
+        if ends:
+            chart.bars(load * factor, *(100 * end for end in ends[index]), colour=colour)
+        chart.marks(
+            load[order] * factor, 100 * area[order], colour=colour, marker=marker, joined=1.0, label=name
+        )
     return chart.source("below")
 
 
@@ -121,7 +143,7 @@ def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]
         curves = []
         for load, area in group:
             order = np.argsort(load)
-            chart.line(load[order], area[order], colour=f"{colour}38", width=0.8)
+            chart.line(load[order], 100 * area[order], colour=f"{colour}38", width=0.8)
             logs = np.log(load[order]), np.log(np.maximum(area[order], 1e-300))
             curves.append(np.exp(np.interp(np.log(line), *logs, left=np.nan, right=np.nan)))
         known = np.isfinite(curves).sum(axis=0) >= max(len(group) / 2, 1)
@@ -130,7 +152,7 @@ def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]
         medians.append((line, median, colour, f"median, {name}" if name else "median of the surfaces"))
     _theory_lines(chart, loads)
     for line, median, colour, label in medians:
-        chart.line(line, median, colour=colour, width=2.6, label=label)
+        chart.line(line, 100 * median, colour=colour, width=2.6, label=label)
     return chart.source("below")
 
 
@@ -142,7 +164,7 @@ def _theory_lines(chart: Chart, loads: np.ndarray) -> np.ndarray:
         (theory.xu_area(line), "", "Xu et al."),
         (theory.bush_gibson_thomas_area(line), DOTTED, "Bush-Gibson-Thomas, low load"),
     ):
-        chart.line(line, area, dash=dash, label=label, colour=GREY, width=1.3)
+        chart.line(line, 100 * area, dash=dash, label=label, colour=GREY, width=1.3)
     return line
 
 
@@ -151,25 +173,50 @@ def _area_chart(
     areas: np.ndarray,
     *,
     size: tuple[float, float] = (430.0, 360.0),
-    pascal: tuple[float, str] | None = None,
+    label: str = _RELATIVE,
+    top: Axis | None = None,
 ) -> Chart:
-    """Return the log-log axes of area against load; `pascal` is a relative pressure of 1 and its unit."""
-    low, high = loads.min() / 1.5, loads.max() * 1.5
-    top = None
-    if pascal is not None:
-        factor, unit = pascal
-        top = Axis(f"mean pressure p̄ ({unit})", low * factor, high * factor, log=True)
-    least = max(np.min(areas[areas > 0], initial=1.0) / 3, 1e-8)
+    """Return the log-log axes of area (percent) against load that hold these shares."""
+    least = max(np.min(areas[areas > 0], initial=1.0) / 2, 1e-8)
     return Chart(
-        Axis("relative pressure p′ = p̄ / (E* g)", low, high, log=True),
-        Axis("relative contact area A/A₀", least, 1.4, log=True),
+        Axis(label, loads.min() / 1.5, loads.max() * 1.5, log=True),
+        Axis("contact area A/A₀ (%)", 100 * least, 140.0, log=True),
         top=top,
         size=size,
     )
 
 
+def _load_axis(statistics: xr.Dataset, name: str, label: str, factor: float) -> Axis:
+    """Return the logarithmic axis of a load; those of mean and relative pressure run alongside."""
+    load = statistics[name].values * factor
+    return Axis(label, load.min() / 1.5, load.max() * 1.5, log=True)
+
+
+def _pascal_axis(statistics: xr.Dataset) -> Axis:
+    """Return the axis of the mean pressure."""
+    factor, unit = unit_of_column(statistics["mean_pressure"].values, "Pa")
+    return _load_axis(statistics, "mean_pressure", f"mean pressure p̄ ({unit})", factor)
+
+
+def _relative_axis(statistics: xr.Dataset) -> Axis | None:
+    """Return the axis of the relative pressure, None for a flat map, which has none."""
+    if "relative_pressure" not in statistics or not np.isfinite(statistics["relative_pressure"]).all():
+        return None
+    return _load_axis(statistics, "relative_pressure", _RELATIVE, 1.0)
+
+
+def _ends(statistics: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return both ends of the interval of a quantity, NaN where there is none."""
+    none = np.full(statistics[name].shape, np.nan)
+    lower, upper = (
+        statistics[key].values if (key := f"{name}_{end}") in statistics else none
+        for end in ("lower", "upper")
+    )
+    return lower, upper
+
+
 def gap_against_load(statistics: xr.Dataset) -> str:
-    """Draw the mean gap against the mean pressure (logarithmic), the rms height beside it.
+    """Draw the mean gap with its interval against the load, both logarithmic, the rms height beside it.
 
     Parameters
     ----------
@@ -188,19 +235,71 @@ def gap_against_load(statistics: xr.Dataset) -> str:
     >>> gap_against_load(numbers.assign(rms_height=3e-7)).partition(",")[0]
     'data:image/svg+xml'
     """
-    order = np.argsort(statistics["mean_pressure"].values)
-    load, gap = (statistics[name].values[order] for name in ("mean_pressure", "mean_gap"))
-    rms = float(statistics["rms_height"])
-    factor, load_unit = prefix(float(np.median(load)), "Pa")
-    scale, gap_unit = prefix(max(float(gap.max()), rms), "m")
-    ends = load[0] * factor / 1.5, load[-1] * factor * 1.5
+    x = _pascal_axis(statistics)
+    load = statistics["mean_pressure"].values * unit_of_column(statistics["mean_pressure"].values, "Pa")[0]
+    gap, rms = statistics["mean_gap"].values, float(statistics["rms_height"])
+    ends = _ends(statistics, "mean_gap")
+    scale, unit = unit_of_column(gap, "m")
+    drawn = np.concatenate([gap, *ends, [rms]]) * scale
+    drawn = drawn[np.isfinite(drawn) & (drawn > 0)]
+    lowest = max(drawn.min(initial=1.0), drawn.max(initial=1.0) * 1e-5)
     chart = Chart(
-        Axis(f"mean pressure p̄ ({load_unit})", *ends, log=True),
-        Axis(f"mean gap ū ({gap_unit})", 0.0, 1.08 * max(float(gap.max()), rms) * scale),
+        x,
+        Axis(f"mean gap ū ({unit})", lowest / 1.6, drawn.max(initial=1.0) * 1.6, log=True),
+        top=_relative_axis(statistics),
     )
     chart.across(y=rms * scale, dash=DASHED, label="rms height")
-    chart.marks(load * factor, gap * scale, colour=COLOURS[2], joined=1.5, label="mean gap")
-    return chart.source()
+    chart.bars(load, *(end * scale for end in ends), colour=COLOURS[2])
+    chart.marks(load, gap * scale, colour=COLOURS[2], joined=1.5, label="mean gap")
+    return chart.source("lower left")
+
+
+def pressure_against_load(statistics: xr.Dataset) -> str:
+    """Draw mean and largest pressure of the contact with their intervals against the load, logarithmic.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        of one surface.
+
+    Returns
+    -------
+    str
+        source of the image, a data URI.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> names = ("mean_pressure", "mean_contact_pressure", "max_pressure")
+    >>> numbers = xr.Dataset({name: ("load", [10.0**power, 2e6]) for power, name in enumerate(names)})
+    >>> pressure_against_load(numbers).partition(",")[0]
+    'data:image/svg+xml'
+    """
+    factor = unit_of_column(statistics["mean_pressure"].values, "Pa")[0]
+    load = statistics["mean_pressure"].values * factor
+    lines = [
+        ("max_pressure", "largest", COLOURS[1], "^"),
+        ("mean_contact_pressure", "mean over the contact", COLOURS[0], "o"),
+    ]
+    scale, unit = unit_of_column(statistics["mean_contact_pressure"].values, "Pa")
+    hardness = float(statistics["hardness"]) if "hardness" in statistics else np.nan
+    values = [statistics[name].values for name, *_ in lines]
+    ends = [_ends(statistics, name) for name, *_ in lines]
+    drawn = np.concatenate([*values, *(end for pair in ends for end in pair), [hardness]]) * scale
+    drawn = drawn[np.isfinite(drawn) & (drawn > 0)]
+    chart = Chart(
+        _pascal_axis(statistics),
+        Axis(f"pressure in contact ({unit})", drawn.min() / 1.6, drawn.max() * 1.8, log=True),
+        top=_relative_axis(statistics),
+    )
+    if np.isfinite(hardness):
+        chart.across(y=hardness * scale, dash=DASHED, label="hardness")
+    for (_, label, colour, marker), value, (lower, upper) in zip(lines, values, ends, strict=True):
+        # what is limited to the hardness has no interval beyond it
+        highest = np.fmin(upper, hardness) if label == "largest" else upper
+        chart.bars(load, lower * scale, highest * scale, colour=colour)
+        chart.marks(load, value * scale, colour=colour, marker=marker, joined=1.2, label=label)
+    return chart.source("lower right")
 
 
 def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:

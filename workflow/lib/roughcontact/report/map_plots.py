@@ -53,11 +53,36 @@ def height_map(height: xr.DataArray, *, rectangle: Frame | None = None) -> str:
         bad=_NOT_MEASURED,
         limits=(lowest, highest),
         extend=(True, True),
+        bad_word="not measured",
         frame=rectangle,
     )
 
 
-def pressure_map(height: xr.DataArray, pressure: np.ndarray) -> str:
+def common_limits(pressures: np.ndarray, gaps: np.ndarray) -> tuple[float, float]:
+    """Return the highest pressure and the widest gap that maps of several loads have a colour for.
+
+    Parameters
+    ----------
+    pressures : array (load, ny, nx), Pa
+    gaps : array (load, ny, nx), m
+
+    Returns
+    -------
+    pressure : float, Pa
+        at no load more than one in 200 of the points in contact carries more, so that a few peaks do not take
+        all the colours.
+    gap : float, m
+
+    Examples
+    --------
+    >>> common_limits(np.array([[[0.0, 2e6]], [[0.0, 5e6]]]), np.array([[[1e-6, 0.0]], [[5e-7, 0.0]]]))
+    (5000000.0, 1e-06)
+    """
+    highest = max((float(np.percentile(p[p > 0], 99.5)) for p in pressures if (p > 0).any()), default=1.0)
+    return highest, max(float(g[p == 0].max(initial=0.0)) for p, g in zip(pressures, gaps, strict=True))
+
+
+def pressure_map(height: xr.DataArray, pressure: np.ndarray, *, highest: float | None = None) -> str:
     """Draw the contact pressure over the window, no contact in grey; a profile is drawn as a line.
 
     Parameters
@@ -65,6 +90,8 @@ def pressure_map(height: xr.DataArray, pressure: np.ndarray) -> str:
     height : DataArray (y, x), m
         the window, for its coordinates.
     pressure : array (ny, nx), Pa
+    highest : float, Pa, optional
+        of the last colour; else that of `common_limits` for this load alone.
 
     Returns
     -------
@@ -81,6 +108,7 @@ def pressure_map(height: xr.DataArray, pressure: np.ndarray) -> str:
     """
     if 1 in pressure.shape:
         return _profile(height, [(pressure.ravel(), "pressure", COLOURS[1])], label="pressure", unit="Pa")
+    highest = common_limits(pressure[None], pressure[None])[0] if highest is None else highest
     return _map(
         height,
         np.where(pressure > 0, pressure, np.nan),
@@ -88,12 +116,15 @@ def pressure_map(height: xr.DataArray, pressure: np.ndarray) -> str:
         unit="Pa",
         colours="viridis",
         bad=_NO_CONTACT,
-        limits=(0, np.percentile(pressure[pressure > 0], 99.5)),  # a few peaks must not take all the colours
-        extend=(False, True),
+        limits=(0, highest),
+        extend=(False, bool((pressure > highest).any())),
+        bad_word="no contact",
     )
 
 
-def gap_map(height: xr.DataArray, gap: np.ndarray, pressure: np.ndarray) -> str:
+def gap_map(
+    height: xr.DataArray, gap: np.ndarray, pressure: np.ndarray, *, widest: float | None = None
+) -> str:
     """Draw the gap over the window with the contact in white; a profile shows both faces as lines.
 
     Parameters
@@ -103,6 +134,8 @@ def gap_map(height: xr.DataArray, gap: np.ndarray, pressure: np.ndarray) -> str:
     gap : array (ny, nx), m
     pressure : array (ny, nx), Pa
         positive where the surfaces touch.
+    widest : float, m, optional
+        of the last colour; else the widest gap of this load.
 
     Returns
     -------
@@ -116,7 +149,7 @@ def gap_map(height: xr.DataArray, gap: np.ndarray, pressure: np.ndarray) -> str:
         ]
         return _profile(height, faces, label="height", unit="m")
     # full contact leaves no gap to scale by
-    widest = gap[pressure == 0].max(initial=0.0) or np.ptp(height.values)
+    widest = widest or gap[pressure == 0].max(initial=0.0) or float(np.ptp(height.values))
     return _map(
         height,
         np.where(pressure > 0, np.nan, gap),
@@ -125,6 +158,7 @@ def gap_map(height: xr.DataArray, gap: np.ndarray, pressure: np.ndarray) -> str:
         colours="cividis",
         bad=_CONTACT,
         limits=(0, widest),
+        bad_word="contact",
     )
 
 
@@ -136,6 +170,7 @@ def framed(
     bar: Axis,
     colours: str,
     bad: str = _CONTACT,
+    bad_word: str = "",
     extend: tuple[bool, bool] = (False, False),
 ) -> Chart:
     """Return values as a picture between axes, with a colour bar; pictures of one shape come out alike.
@@ -152,6 +187,8 @@ def framed(
     colours : {"viridis", "cividis", "magma"}
     bad : str
         colour of bad points.
+    bad_word : str
+        what they are, for who reads values from the picture; empty where there are none.
     extend : (bool, bool)
         whether there are values below, and above, those of the colours.
 
@@ -172,6 +209,14 @@ def framed(
     upright = values[::-1] if y.low < y.high else values
     source, coarse = coloured(upright, (bar.low, bar.high), colours, bad=bad)
     chart.picture(source, smooth=not coarse)
+    chart.reading = {
+        "x": [x.label, x.low, x.high],
+        "y": [y.label, y.low, y.high],
+        "value": [bar.label, bar.low, bar.high],
+        "colours": colour_scale(colours),
+        "bad": [bad, bad_word],
+        "points": list(values.shape[::-1]),
+    }
     chart.colour_bar(bar, colour_scale(colours), below=extend[0], above=extend[1])
     return chart
 
@@ -203,6 +248,7 @@ def _map(
     unit: str,
     colours: str,
     bad: str,
+    bad_word: str,
     limits: tuple[float, float],
     extend: tuple[bool, bool] = (False, False),
     frame: Frame | None = None,
@@ -220,6 +266,7 @@ def _map(
         bar=Axis(f"{label} ({value_unit})", low, high if high > low else low + 1),
         colours=colours,
         bad=bad,
+        bad_word=bad_word,
         extend=extend,
     )
     if frame is not None:

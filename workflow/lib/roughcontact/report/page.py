@@ -1,5 +1,6 @@
 """The page of a run: verdicts, comparison and the panel of every surface in one self-contained HTML file."""
 
+import base64
 import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -12,16 +13,18 @@ import xarray as xr
 from roughcontact import materials
 from roughcontact.quantities import number, percent, quantity
 from roughcontact.report import ONE_PAGE
+from roughcontact.report.captions import comparison_caption
 from roughcontact.report.cases import case_medians, case_table
+from roughcontact.report.glance import HEADINGS, glance_rows, main_reason
 from roughcontact.report.load_plots import compare_areas, spread_of_areas
 from roughcontact.report.summary import Summary, summary_of
 from roughcontact.report.tables import pair_table
 from roughcontact.report.template import template
-from roughcontact.results.collect import Failure
+from roughcontact.results.collect import Failure, summary_table
 from roughcontact.results.storage import read_dataset, write_text
 from roughcontact.statistics import checks
 
-# the numbers of a surface at the top of the page, as `_headline` gives them
+# the numbers of a surface in the index of many, as `_headline` gives them
 _HEADINGS = ("rms height", "rms gradient g", "mean pressure p̄", "contact area A/A₀", "largest pressure")
 
 
@@ -63,7 +66,8 @@ def write_report(
         for a file that is not readable, or is no panel.
     """
     many = len(panels) + len(failures) > ONE_PAGE
-    series = _series(read_dataset(statistics))
+    collected = read_dataset(statistics)
+    series = _series(collected)
     by_surface: dict[str, dict[str, xr.Dataset]] = {}
     for (surface, case), data in series.items():
         by_surface.setdefault(surface, {})[case or ""] = data
@@ -73,6 +77,7 @@ def write_report(
     rows = [
         {
             **summary,
+            **_glance(summary, known[summary["name"]]),
             "numbers": _headline(known[summary["name"]]),
             "doubts": ", ".join(reason.partition(":")[0] for reason in summary["reasons"]),
             "sort_by": _sort_keys(known[summary["name"]]),
@@ -81,15 +86,17 @@ def write_report(
         for summary in summaries
     ]
     if many:
-        _write_pages(Path(path).parent / "pages", summaries, panels, by_surface, title=title)
+        _write_pages(Path(path).parent / "pages", rows, panels, by_surface, title=title)
     html = template("report.html").render(
         title=title,
         rows=rows,
         headings=_HEADINGS,
+        asked=HEADINGS,
+        download=None if many else _as_download(summary_table(collected).to_csv(index=False)),
         words=checks.VERDICTS,
         counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in checks.VERDICTS},
         many=many,
-        comparison=_comparison(series, many=many),
+        comparisons=_comparisons(series, many=many),
         cases=_cases(by_surface, many=many),
         parts=[] if many else [read(Path(panel)) for panel in panels],
         failures=[
@@ -121,7 +128,7 @@ def write_report(
 
 def _write_pages(
     folder: Path,
-    summaries: Sequence[Summary],
+    summaries: Sequence[Mapping[str, Any]],
     panels: Sequence[str | Path],
     by_surface: Mapping[str, Mapping[str, xr.Dataset]],
     *,
@@ -137,27 +144,73 @@ def _write_pages(
             before=names[place - 1] if place else None,
             after=names[place + 1] if place + 1 < len(names) else None,
             cases=case_table(by_surface[name]),
-            summaries=[summaries[index] for index in own],
+            rows=[summaries[index] for index in own],
+            asked=HEADINGS,
+            words=checks.VERDICTS,
+            failures=(),
             parts=[Path(panels[index]).read_text(encoding="utf-8") for index in own],
         )
         write_text(html, folder / f"{name}.html")
 
 
-def _comparison(series: Mapping[tuple[str, str | None], xr.Dataset], *, many: bool) -> str | None:
-    """Return the figure of area against load of all surfaces; None where all are flat."""
-    lines = {
-        key: (data["relative_pressure"].values, data["relative_contact_area"].values)
+def _glance(summary: Summary, numbers: xr.Dataset) -> dict[str, Any]:
+    """Return the cells of a surface at two or three loads, the one reason that matters, how many others."""
+    reasons = summary["reasons"]
+    return {
+        "glance": glance_rows(numbers),
+        "loads": numbers.sizes["load"],
+        "reason": main_reason(reasons),
+        "others": max(len(reasons) - 1, 0),
+    }
+
+
+def _as_download(text: str) -> str:
+    """Return a table as a link to itself, so that the page needs no other file to hand it out."""
+    return "data:text/csv;charset=utf-8;base64," + base64.b64encode(text.encode()).decode()
+
+
+def _comparisons(series: Mapping[tuple[str, str | None], xr.Dataset], *, many: bool) -> list[tuple[str, str]]:
+    """Return (image, caption) of area against load of all surfaces: in pascals, and relative to E* g.
+
+    Of very many there is the latter alone, of flat surfaces nothing.
+    """
+    rough = {
+        key: data.sortby("mean_pressure")
         for key, data in series.items()
         if np.isfinite(data["relative_pressure"]).all()
     }
-    if not lines:
-        return None
-    if not many:
-        return compare_areas([(_name(*key), *line) for key, line in lines.items()])
-    groups: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
-    for (_, case), line in lines.items():
-        groups.setdefault(case or "", []).append(line)
-    return spread_of_areas(groups)
+    if not rough:
+        return []
+    relative = {
+        key: (data["relative_pressure"].values, data["relative_contact_area"].values)
+        for key, data in rough.items()
+    }
+    in_these_units = (
+        "Over the pressure relative to E* times the rms gradient rough surfaces fall close together; the "
+        "dark lines without marks are theories that know nothing of a surface but its rms gradient."
+    )
+    if many:
+        groups: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
+        for (_, case), line in relative.items():
+            groups.setdefault(case or "", []).append(line)
+        return [(spread_of_areas(groups), f"Each surface is a faint line. {in_these_units}")]
+    names = [_name(*key) for key in rough]
+    lines = [(name, *relative[key]) for name, key in zip(names, rough, strict=True)]
+    pascal = [
+        (name, data["mean_pressure"].values, data["relative_contact_area"].values)
+        for name, data in zip(names, rough.values(), strict=True)
+    ]
+    known = all("relative_contact_area_lower" in data for data in rough.values())
+    ends = [
+        (data["relative_contact_area_lower"].values, data["relative_contact_area_upper"].values)
+        for data in rough.values()
+        if known
+    ]
+    bars = "Bars: the ±." if known else ""
+    return [
+        (compare_areas(pascal, ends=ends, pascal=True), f"{comparison_caption(pascal, 'Pa')} {bars}".strip()),
+        (compare_areas(lines, ends=ends), f"{comparison_caption(lines, '1')} {in_these_units}".strip()),
+    ]
 
 
 def _cases(
@@ -209,8 +262,15 @@ def _headline(data: xr.Dataset) -> list[str]:
         number(float(data["rms_gradient"])),
         _span(data["mean_pressure"].values, lambda value: quantity(value, "Pa")),
         _span(data["relative_contact_area"].values, percent),
-        quantity(float(data["max_pressure"].max()), "Pa"),
+        _largest_pressure(data),
     ]
+
+
+def _largest_pressure(data: xr.Dataset) -> str:
+    """Return the largest pressure and the lowest load at which it acts."""
+    place = int(data["max_pressure"].values.argmax())
+    peak, load = (float(data[name][place]) for name in ("max_pressure", "mean_pressure"))
+    return f"{quantity(peak, 'Pa')} at {quantity(load, 'Pa')}"
 
 
 def _span(values: np.ndarray, show: Callable[[float], str]) -> str:

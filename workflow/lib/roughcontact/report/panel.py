@@ -9,8 +9,9 @@ import xarray as xr
 
 from roughcontact.maps import side_lengths
 from roughcontact.quantities import percent, quantity
-from roughcontact.report import facts, load_plots, map_plots, tables, texture_plots
+from roughcontact.report import captions, facts, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
+from roughcontact.report.glance import shown_loads
 from roughcontact.report.summary import embedded
 from roughcontact.report.template import template
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
@@ -57,7 +58,7 @@ def write_panel(
     numbers = read_dataset(statistics)
     order = np.argsort(numbers["mean_pressure"].values, kind="stable")
     numbers = numbers.isel(load=order)
-    shown = _shown_loads(numbers.sizes["load"])
+    shown = shown_loads(numbers["relative_contact_area"].values)
     outcome = checks.surface_checks(
         numbers,
         height=plane.attrs if counter_face else measured.attrs,  # of both faces together
@@ -75,7 +76,9 @@ def write_panel(
         name=name,
         verdict=verdict,
         verdict_words=checks.VERDICTS[verdict],
-        checks=outcome,
+        doubts=checks.reasons(outcome),
+        not_judged=[check for check in outcome if check.outcome == checks.NOT_MADE],
+        sound=[check for check in outcome if check.outcome == checks.PASSED],
         facts=facts.surface_facts(measured, plane, solved, numbers),
         maps=_maps(measured, plane, solved, counter_face),
         scores=tables.score_table(solved),
@@ -84,7 +87,7 @@ def write_panel(
         waves=_waves(solved, numbers) if rough else [],
         charts=_charts(numbers, solved, shown) if rough else [],
         budget=shown_budget(numbers),
-        table=tables.number_table(numbers, checks.load_flags(numbers, solved.size)),
+        tables=tables.number_tables(numbers, checks.load_flags(numbers, solved.size)),
         material=tables.material_table(numbers, shown),
         crosscheck=tables.crosscheck_table(crosscheck, numbers, order) if crosscheck else None,
         summary=embedded(
@@ -94,6 +97,7 @@ def write_panel(
                 "surface": surface,
                 "verdict": verdict,
                 "reasons": reasons,
+                "not_judged": [check.name for check in outcome if check.outcome == checks.NOT_MADE],
             }
         ),
         settings=json.dumps(settings, indent=1, sort_keys=True),
@@ -107,11 +111,6 @@ def _read_map(path: str | Path) -> xr.DataArray:
     """Return the height map of a result file, attributes of the file included."""
     dataset = read_dataset(path)
     return dataset["height"].assign_attrs(dataset.attrs | dataset["height"].attrs)
-
-
-def _shown_loads(loads: int) -> list[int]:
-    """Return the places of the loads whose maps are drawn: the lowest, the middle, the highest."""
-    return sorted({0, loads // 2, loads - 1})
 
 
 def _frame(window: xr.DataArray) -> map_plots.Frame:
@@ -145,18 +144,24 @@ def _maps(
 
 
 def _fields(path: str | Path, window: xr.DataArray, loads: np.ndarray) -> list[tuple[str, str, str]]:
-    """Return (caption, pressure map, gap map) of a few loads, an empty list where no maps were kept."""
+    """Return (caption, pressure map, gap map) of a few loads, an empty list where no maps were kept.
+
+    The maps of all loads have the colours of one scale.
+    """
     with opened_dataset(path) as contact:
         if "pressure" not in contact or "gap" not in contact:
             return []
         chosen = contact[["pressure", "gap", "mean_pressure"]].isel(load=loads).load()
+    pressures, gaps = chosen["pressure"].values, chosen["gap"].values
+    highest, widest = map_plots.common_limits(pressures, gaps)
     fields = []
-    for index in range(chosen.sizes["load"]):
-        pressure, gap = (chosen[name].values[index] for name in ("pressure", "gap"))
-        caption = f"p̄ = {quantity(float(chosen['mean_pressure'][index]), 'Pa')}"
+    for load, pressure, gap in zip(chosen["mean_pressure"].values, pressures, gaps, strict=True):
         area = percent(np.count_nonzero(pressure > 0) / pressure.size)
-        pictures = map_plots.pressure_map(window, pressure), map_plots.gap_map(window, gap, pressure)
-        fields.append((f"{caption}: {area} of the pixels touch", *pictures))
+        pictures = (
+            map_plots.pressure_map(window, pressure, highest=highest),
+            map_plots.gap_map(window, gap, pressure, widest=widest),
+        )
+        fields.append((f"p̄ = {quantity(float(load), 'Pa')}: {area} of the pixels touch", *pictures))
     return fields
 
 
@@ -172,10 +177,29 @@ def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, st
     return pictures
 
 
-def _charts(numbers: xr.Dataset, window: xr.DataArray, shown: Sequence[int]) -> list[tuple[str, str]]:
-    """Return (title, image) of the charts of a window that is not flat."""
+def _charts(
+    numbers: xr.Dataset, window: xr.DataArray, shown: Sequence[int]
+) -> list[tuple[str, str, str, str]]:
+    """Return (title, image, what it shows, how to read it) of the charts of a window that is not flat."""
+    bars = captions.reading_of(numbers)
     return [
-        ("Contact area against load", load_plots.area_against_load(numbers, window)),
-        ("Mean gap against load", load_plots.gap_against_load(numbers)),
-        ("Distribution of the contact pressure", load_plots.pressure_distribution(numbers, shown)),
+        (
+            "Contact area against load",
+            load_plots.area_against_load(numbers, window),
+            captions.area_caption(numbers),
+            f"{bars} Lines: theories, for comparison.",
+        ),
+        (
+            "Pressure against load",
+            load_plots.pressure_against_load(numbers),
+            captions.pressure_caption(numbers),
+            bars,
+        ),
+        ("Mean gap against load", load_plots.gap_against_load(numbers), captions.gap_caption(numbers), bars),
+        (
+            "Distribution of the contact pressure",
+            load_plots.pressure_distribution(numbers, shown),
+            captions.distribution_caption(numbers),
+            "Equal areas below a line are equal shares of the contact.",
+        ),
     ]

@@ -22,6 +22,7 @@ class Summary(TypedDict):
     surface: str
     verdict: str  # a key of `checks.VERDICTS`
     reasons: list[str]  # a sentence for each check that did not pass
+    not_judged: list[str]  # names of the checks that could not be made
 
 
 class _Finder(HTMLParser):
@@ -62,8 +63,9 @@ def embedded(summary: Summary) -> str:
 
     Examples
     --------
-    >>> embedded({"identifier": "1", "name": "<1>", "surface": "1", "verdict": "passed", "reasons": []})
-    '{"identifier": "1", "name": "\\u003c1>", "reasons": [], "surface": "1", "verdict": "passed"}'
+    >>> said = {"identifier": "1", "name": "<1>", "surface": "1", "verdict": "passed"}
+    >>> print(embedded(said | {"reasons": [], "not_judged": ["Band"]}).partition(", ")[2])
+    "name": "\u003c1>", "not_judged": ["Band"], "reasons": [], "surface": "1", "verdict": "passed"}
     """
     return json.dumps(summary, sort_keys=True).replace("<", "\\u003c")
 
@@ -81,7 +83,7 @@ def summary_of(panel: str, path: str | Path) -> Summary:
     Returns
     -------
     dict
-        `identifier`, `name`, `surface`, `verdict`, `reasons`.
+        `identifier`, `name`, `surface`, `verdict`, `reasons`, `not_judged`.
 
     Raises
     ------

@@ -15,40 +15,53 @@ from roughcontact.statistics.contact_checks import rubber_like
 from roughcontact.variables import VARIABLES
 from roughcontact.window.score import WEIGHTS
 
-# the columns of the table of numbers: variable, short name, unit (a share is given in percent); those that
-# the statistics lack are left out
-_COLUMNS = (
-    ("mean_pressure", "mean pressure p̄", "Pa"),
-    ("relative_pressure", "p̄/(E*\N{NO-BREAK SPACE}g)", "1"),
-    ("relative_contact_area", "contact area A/A₀", "%"),
-    ("relative_contact_area_pixels", "pixels in contact", "%"),
-    ("mean_contact_pressure", "pressure in contact", "Pa"),
-    ("pressure_std", "its std", "Pa"),
-    ("max_pressure", "largest pressure", "Pa"),
-    ("mean_gap", "mean gap ū", "m"),
-    ("contact_stiffness", "stiffness −dp̄/dū", "Pa m-1"),
-    ("elastic_energy", "elastic energy", "J m-2"),
-    ("contact_perimeter", "contact perimeter", "m"),
-    ("contact_clusters", "contact patches", "1"),
-    ("max_pressure_over_modulus", "largest over E*", "1"),
-    ("load_share_above_hardness", "load at the hardness", "%"),
-    ("area_share_above_hardness", "contact area at it", "%"),
-    ("contact_on_filled_points", "on filled points", "%"),
-    ("critical_constriction_x", "narrowest place along x", "m"),
-    ("critical_constriction_y", "narrowest place along y", "m"),
-    ("flow_factor_xx", "flow factor along x", "1"),
-    ("flow_factor_yy", "flow factor along y", "1"),
-    ("leak_rate_x", "leak rate along x", "m2 s-1"),
-    ("leak_rate_y", "leak rate along y", "m2 s-1"),
-    ("max_von_mises_stress", "largest von Mises stress", "Pa"),
-    ("max_von_mises_depth", "its depth", "m"),
-    ("thermal_conductance", "thermal conductance", "W m-2 K-1"),
-    ("electrical_conductance", "electrical conductance", "S m-2"),
-    ("error_bound", "error bound", "1"),
-)
+# the tables of numbers: what each is about, and of its columns variable, short name, unit (a share is given
+# in percent); those that the statistics lack are left out
+_LOAD = ("mean_pressure", "mean pressure p̄", "Pa")
+_GROUPS = {
+    "Contact": (
+        ("relative_pressure", "p̄/(E*\N{NO-BREAK SPACE}g)", "1"),
+        ("relative_contact_area", "contact area A/A₀", "%"),
+        ("relative_contact_area_pixels", "pixels in contact", "%"),
+        ("contact_clusters", "contact patches", "1"),
+        ("contact_perimeter", "contact perimeter", "m"),
+        ("contact_on_filled_points", "on filled points", "%"),
+    ),
+    "Pressure": (
+        ("mean_contact_pressure", "pressure in contact", "Pa"),
+        ("pressure_std", "its standard deviation", "Pa"),
+        ("max_pressure", "largest pressure", "Pa"),
+        ("max_pressure_over_modulus", "largest over E*", "1"),
+        ("load_share_above_hardness", "load at the hardness", "%"),
+        ("area_share_above_hardness", "contact area at it", "%"),
+    ),
+    "Stress below the surface": (
+        ("max_von_mises_stress", "largest von Mises stress", "Pa"),
+        ("max_von_mises_depth", "its depth", "m"),
+    ),
+    "Gap and conductance": (
+        ("mean_gap", "mean gap ū", "m"),
+        ("contact_stiffness", "stiffness −dp̄/dū", "Pa m-1"),
+        ("elastic_energy", "elastic energy", "J m-2"),
+        ("conductance_per_conductivity", "conductance by conductivity", "m-1"),
+        ("thermal_conductance", "thermal conductance", "W m-2 K-1"),
+        ("electrical_conductance", "electrical conductance", "S m-2"),
+    ),
+    "Sealing": (
+        ("critical_constriction_x", "narrowest place along x", "m"),
+        ("critical_constriction_y", "narrowest place along y", "m"),
+        ("flow_factor_xx", "flow factor along x", "1"),
+        ("flow_factor_yy", "flow factor along y", "1"),
+        ("leak_rate_x", "leak rate along x", "m2 s-1"),
+        ("leak_rate_y", "leak rate along y", "m2 s-1"),
+    ),
+    "Solution": (("error_bound", "error bound of the pressure", "1"),),
+}
+_COLUMNS = (_LOAD, *(column for columns in _GROUPS.values() for column in columns))
 
 # units whose first letter takes the prefix, and how the rest of them is written
 _PER_AREA = {"J m-2": "/m²", "S m-2": "/m²", "W m-2 K-1": "/(m² K)"}
+_WRITTEN = {"1": "", "m-1": "m⁻¹", "m2 s-1": "m²/s"}  # units that take no prefix
 
 # of these, those of the table of pairs
 _OF_PAIRS = ("mean_pressure", "relative_contact_area", "mean_contact_pressure", "max_pressure", "mean_gap")
@@ -74,8 +87,8 @@ _MATERIALS = (
 Table = dict[str, Any]
 
 
-def number_table(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> Table:
-    """Return the table of numbers against load, each column in one unit that suits all its values.
+def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[Table]:
+    """Return the tables of numbers against load, each column in one unit that suits all its values.
 
     Parameters
     ----------
@@ -86,31 +99,57 @@ def number_table(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> Table:
 
     Returns
     -------
-    dict
-        `header`, a (title, unit, meaning) for each column; `rows`, each with its `cells` and its `flags`.
+    list of dict
+        `title`, what the table is about; `header`, a (title, unit, meaning) for each column, the mean
+        pressure first; `rows`, each with its `cells` and its `flags`.
     """
-    header, columns = [], []
-    for name, title, unit in _COLUMNS:
-        if name not in numbers:
+    tables = []
+    for title, group in _GROUPS.items():
+        known = [column for column in group if column[0] in numbers]
+        if not known:
             continue
-        values = numbers[name].values.astype(float)
-        factor, shown = _unit_of_column(values, unit)
-        header.append((title, "" if shown == "1" else shown, VARIABLES[name][1]))
-        if f"{name}_lower" in numbers:
-            ends = (numbers[f"{name}_{end}"].values * factor for end in ("lower", "upper"))
-            columns.append([with_interval(*each) for each in zip(values * factor, *ends, strict=True)])
-        elif name == "contact_clusters":  # a whole number
-            columns.append([f"{value:.0f}" for value in values])
-        else:
-            columns.append([number(value * factor) for value in values])
-    rows = [
-        {"cells": cells, "flags": ", ".join(words)} for *cells, words in zip(*columns, flags, strict=True)
-    ]
-    return {"header": header, "rows": rows}
+        header, columns = zip(*(_column(numbers, *column) for column in (_LOAD, *known)), strict=True)
+        rows = [
+            {"cells": cells, "flags": ", ".join(words)} for *cells, words in zip(*columns, flags, strict=True)
+        ]
+        tables.append({"title": title, "header": header, "rows": rows})
+    return tables
 
 
-def _unit_of_column(values: np.ndarray, unit: str) -> tuple[float, str]:
-    """Return the factor and the name of the unit that suits the middle of some values."""
+def _column(numbers: xr.Dataset, name: str, title: str, unit: str) -> tuple[tuple[str, str, str], list[str]]:
+    """Return the head of a column (title, unit, meaning) and its cells."""
+    values = numbers[name].values.astype(float)
+    factor, shown = unit_of_column(values, unit)
+    head = title, shown, VARIABLES[name][1]
+    if f"{name}_lower" in numbers:
+        ends = (numbers[f"{name}_{end}"].values * factor for end in ("lower", "upper"))
+        return head, [with_interval(*each) for each in zip(values * factor, *ends, strict=True)]
+    if name == "contact_clusters":  # a whole number
+        return head, [f"{value:.0f}" for value in values]
+    return head, [number(value * factor) for value in values]
+
+
+def unit_of_column(values: np.ndarray, unit: str) -> tuple[float, str]:
+    """Return the factor and the name of the unit that suits the middle of some values.
+
+    Parameters
+    ----------
+    values : array
+        in `unit`; zeros, infinity and NaN do not count.
+    unit : str
+        "%" for a share.
+
+    Returns
+    -------
+    factor : float
+        what the values are to be multiplied with.
+    shown : str
+
+    Examples
+    --------
+    >>> unit_of_column(np.array([2e6, 3e8, 0.0]), "Pa")
+    (1e-06, 'MPa')
+    """
     finite = np.abs(values[np.isfinite(values) & (values != 0)])
     middle = float(np.exp(np.log(finite).mean())) if finite.size else 0.0
     if unit == "%":
@@ -121,7 +160,7 @@ def _unit_of_column(values: np.ndarray, unit: str) -> tuple[float, str]:
     if unit in _PER_AREA:
         factor, shown = prefix(middle, unit.partition(" ")[0])
         return factor, f"{shown}{_PER_AREA[unit]}"
-    return prefix(middle, unit)
+    return (1.0, _WRITTEN[unit]) if unit in _WRITTEN else prefix(middle, unit)
 
 
 def material_table(numbers: xr.Dataset, shown: Sequence[int]) -> Table | None:

@@ -1,0 +1,187 @@
+"""What one sees in a picture of the contact, with its numbers: captions and alternative texts."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.quantities import number, percent, quantity
+from roughcontact.report.tables import unit_of_column
+
+_BARS = "Bars: the ±."
+
+
+def area_caption(numbers: xr.Dataset) -> str:
+    """Return from where to where the contact area grows.
+
+    Parameters
+    ----------
+    numbers : Dataset
+        statistics of one surface, loads rising.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> areas = {"mean_pressure": ("load", [1e6, 5e6]), "relative_contact_area": ("load", [0.01, 0.05])}
+    >>> area_caption(xr.Dataset(areas | {"area_xu": ("load", [0.01, 0.04])}))
+    '1.00 % of the area touch at 1.00 MPa, 5.00 % at 5.00 MPa; the theory of Xu et al. says 4.00 % there.'
+    """
+    areas, xu = numbers["relative_contact_area"].values, numbers.get("area_xu")
+    text = _from_to(numbers, [percent(float(areas[0])) + " of the area touch", percent(float(areas[-1]))])
+    if xu is not None and np.isfinite(xu.values[-1]):
+        text += f"; the theory of Xu et al. says {percent(float(xu[-1]))} there"
+    return f"{text}."
+
+
+def gap_caption(numbers: xr.Dataset) -> str:
+    """Return from where to where the mean gap falls.
+
+    Parameters
+    ----------
+    numbers : Dataset
+        statistics of one surface, loads rising.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> gaps = {"mean_pressure": ("load", [1e6, 5e6]), "mean_gap": ("load", [2e-6, 5e-7])}
+    >>> gap_caption(xr.Dataset(gaps | {"rms_height": 1e-6}))
+    'The mean gap is 2.00 µm at 1.00 MPa, 0.500 µm at 5.00 MPa: 2.00 and 0.500 of the rms height.'
+    """
+    gaps, rms = numbers["mean_gap"].values, float(numbers["rms_height"])
+    factor, unit = unit_of_column(gaps, "m")
+    first, last = (f"{number(float(gap) * factor)} {unit}" for gap in (gaps[0], gaps[-1]))
+    text = _from_to(numbers, [f"The mean gap is {first}", last])
+    shares = " and ".join(dict.fromkeys(number(float(gap) / rms) for gap in (gaps[0], gaps[-1])))
+    return f"{text}: {shares} of the rms height."
+
+
+def pressure_caption(numbers: xr.Dataset) -> str:
+    """Return mean and largest pressure at the lowest and the highest load, and where they reach the hardness.
+
+    Parameters
+    ----------
+    numbers : Dataset
+        statistics of one surface, loads rising.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> loads = {"mean_pressure": ("load", [1e6, 5e6]), "mean_contact_pressure": ("load", [1e8, 2e8])}
+    >>> pressure_caption(xr.Dataset(loads | {"max_pressure": ("load", [3e8, 4e8])}))
+    'Mean pressure in contact 100 MPa at 1.00 MPa, 200 MPa at 5.00 MPa; largest 400 MPa at 5.00 MPa.'
+    """
+    means, largest = (numbers[name].values for name in ("mean_contact_pressure", "max_pressure"))
+    factor, unit = unit_of_column(means, "Pa")
+    first, last = (f"{number(float(mean) * factor)} {unit}" for mean in (means[0], means[-1]))
+    text = _from_to(numbers, [f"Mean pressure in contact {first}", last])
+    peak = int(largest.argmax())
+    load = quantity(float(numbers["mean_pressure"][peak]), "Pa")
+    words = f"{number(float(largest[peak]) * factor)} {unit}"
+    if _at_hardness(numbers, peak):
+        return f"{text}; largest {words}, the hardness, from {load} on."
+    return f"{text}; largest {words} at {load}."
+
+
+def distribution_caption(numbers: xr.Dataset) -> str:
+    """Return how the pressure is distributed over the contact at the highest load.
+
+    Parameters
+    ----------
+    numbers : Dataset
+        statistics of one surface, loads rising.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> loads = {"mean_pressure": ("load", [5e6]), "mean_contact_pressure": ("load", [2e8])}
+    >>> distribution_caption(xr.Dataset(loads | {"pressure_std": ("load", [5e7])}))
+    'At 5.00 MPa the pressure scatters by 25.0 % of its mean over the contact.'
+    """
+    last = numbers.isel(load=-1)
+    load = quantity(float(last["mean_pressure"]), "Pa")
+    if _at_hardness(numbers, -1) and float(last["area_share_above_hardness"]) > 0:
+        share = percent(float(last["area_share_above_hardness"]))
+        return f"At {load} {share} of the contact carry the hardness."
+    scatter = float(last["pressure_std"]) / float(last["mean_contact_pressure"])
+    return f"At {load} the pressure scatters by {percent(scatter)} of its mean over the contact."
+
+
+def reading_of(numbers: xr.Dataset) -> str:
+    """Return how the marks of a figure are to be read: what its bars are, where there are any.
+
+    Parameters
+    ----------
+    numbers : Dataset
+        statistics of one surface.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> reading_of(xr.Dataset({"mean_gap_lower": 1e-6}))
+    'Bars: the ±.'
+    """
+    return _BARS if any(str(name).endswith("_lower") for name in numbers) else ""
+
+
+def comparison_caption(series: Sequence[tuple[str, np.ndarray, np.ndarray]], unit: str) -> str:
+    """Return which surface has the least and which the most contact at the highest load that all have.
+
+    Parameters
+    ----------
+    series : sequence of (name, loads, relative contact areas)
+        loads rising.
+    unit : str
+        of the loads: "Pa", or "1" for relative pressures.
+
+    Returns
+    -------
+    str
+        empty for a single surface.
+
+    Examples
+    --------
+    >>> loads = np.array([1e6, 5e7])
+    >>> series = [("ground", loads, np.array([0.1, 0.3])), ("turned", loads, np.array([0.1, 0.5]))]
+    >>> comparison_caption(series, "Pa")
+    'At p̄ = 50.0 MPa 30.0 % (ground) to 50.0 % (turned) of the area touch.'
+    """
+    if len(series) < 2:
+        return ""
+    highest = min(float(loads[-1]) for _, loads, _ in series)
+    areas = [float(np.interp(highest, loads, areas)) for _, loads, areas in series]
+    least, most = (
+        f"{percent(areas[place])} ({series[place][0]})" for place in (np.argmin(areas), np.argmax(areas))
+    )
+    symbol = "p̄" if unit == "Pa" else "p′"
+    return f"At {symbol} = {quantity(highest, unit)} {least} to {most} of the area touch."
+
+
+def _at_hardness(numbers: xr.Dataset, place: int) -> bool:
+    """Return whether the largest pressure of a load is the hardness."""
+    if "hardness" not in numbers:
+        return False
+    return float(numbers["max_pressure"][place]) >= float(numbers["hardness"]) * (1 - 1e-9)
+
+
+def _from_to(numbers: xr.Dataset, said: list[str]) -> str:
+    """Return what is said of the lowest and of the highest load, with these; once where there is one."""
+    loads = numbers["mean_pressure"].values
+    ends = [quantity(float(load), "Pa") for load in (loads[0], loads[-1])]
+    pairs = [f"{words} at {load}" for words, load in zip(said, ends, strict=True)]
+    return ", ".join(pairs if loads.size > 1 else pairs[:1])

@@ -1,0 +1,213 @@
+"""At a glance: of a surface, at two or three loads, what an engineer asks, each number with its interval."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.quantities import number, percent, quantity, with_interval
+from roughcontact.report.tables import unit_of_column
+from roughcontact.statistics.contact_checks import rubber_like, yield_flags
+
+AREAS = (0.01, 0.1, 0.3)  # contact areas whose nearest loads are shown
+NOT_JUDGED = "not judged"
+HEADINGS = (
+    "mean pressure p̄",
+    "contact area A/A₀",
+    "pressure in contact",
+    "mean gap ū",
+    "seals?",
+    "yields?",
+    "largest pressure",
+    "conductance",
+)
+
+# what is wrong with the map comes first, what the material makes of the pressure after it
+_WEIGHT = (
+    "Units",
+    "Solver",
+    "Outliers",
+    "Missing points",
+    "Slopes",
+    "Steep places",
+    "Points in contact",
+    "Resolution",
+    "Scan lines",
+    "Form",
+    "Periodic window",
+    "Longest wave",
+    "Sample",
+    "Band",
+    "Window",
+    "Plasticity",
+    "Load range",
+    "Reading the file",
+)
+
+
+class Cell(NamedTuple):
+    """What stands in a cell of the table: the answer, and in small letters what belongs to it."""
+
+    text: str
+    more: str = ""
+
+
+def shown_loads(areas: np.ndarray) -> list[int]:
+    """Return the places of the loads at which a surface is looked at: two or three.
+
+    Parameters
+    ----------
+    areas : array (load,)
+        relative contact areas, loads rising.
+
+    Returns
+    -------
+    list of int
+        all of up to three; of more those with the areas nearest to `AREAS`, by ratio.
+
+    Examples
+    --------
+    >>> shown_loads(np.array([0.002, 0.011, 0.04, 0.08, 0.2, 0.7]))
+    [1, 3, 4]
+    >>> shown_loads(np.array([1e-5, 1e-4, 1e-3, 2e-3]))
+    [0, 3]
+    """
+    if areas.size <= 3:
+        return list(range(areas.size))
+    logarithm = np.log(np.maximum(areas, 1e-300))
+    found = {int(np.abs(logarithm - np.log(area)).argmin()) for area in AREAS}
+    if len(found) == 1:
+        found |= {0, areas.size - 1}
+    return sorted(found)
+
+
+def glance_rows(numbers: xr.Dataset) -> list[list[Cell]]:
+    """Return for two or three loads of a surface the cells below `HEADINGS`.
+
+    Parameters
+    ----------
+    numbers : Dataset
+        statistics of one surface, loads rising; a number that is not there, or NaN, was not asked for.
+
+    Returns
+    -------
+    list (load) of lists of Cell
+    """
+    places = shown_loads(numbers["relative_contact_area"].values)
+    return [
+        [
+            _with_interval(numbers, "mean_pressure", "Pa", place),
+            _with_interval(numbers, "relative_contact_area", "%", place),
+            _with_interval(numbers, "mean_contact_pressure", "Pa", place),
+            _with_interval(numbers, "mean_gap", "m", place),
+            _seals(numbers, place),
+            _yields(numbers.isel(load=place)),
+            _largest(numbers, place),
+            _conducts(numbers, place),
+        ]
+        for place in places
+    ]
+
+
+def main_reason(reasons: Sequence[str]) -> str:
+    """Return the one reason that matters most: a doubt of the map before one of the material.
+
+    Parameters
+    ----------
+    reasons : sequence of str
+        name of a check, colon, sentence.
+
+    Returns
+    -------
+    str
+        empty where there is none.
+
+    Examples
+    --------
+    >>> main_reason(["Plasticity: it flows", "Outliers: they carry the load"])
+    'Outliers: they carry the load'
+    """
+
+    def weight(reason: str) -> int:
+        name = reason.partition(":")[0]
+        return _WEIGHT.index(name) if name in _WEIGHT else len(_WEIGHT)
+
+    return min(reasons, key=weight, default="")
+
+
+def _known(numbers: xr.Dataset, name: str) -> bool:
+    """Return whether there is such a number, at one load at least."""
+    return name in numbers and bool(np.isfinite(numbers[name].values.astype(float)).any())
+
+
+def _with_interval(numbers: xr.Dataset, name: str, unit: str, place: int) -> Cell:
+    """Return a number of a load and its interval, in the unit that suits those of all loads."""
+    factor, shown = unit_of_column(numbers[name].values, unit)
+    value = float(numbers[name][place]) * factor
+    if not _known(numbers, f"{name}_lower"):
+        return Cell(f"{number(value)} {shown}")
+    lower, upper = (float(numbers[f"{name}_{end}"][place]) * factor for end in ("lower", "upper"))
+    text, *interval = with_interval(value, lower, upper).split(" ")
+    return Cell(f"{text} {shown}", " ".join(interval))
+
+
+def _seals(numbers: xr.Dataset, place: int) -> Cell:
+    """Return whether the gap is closed to a fluid, with the narrowest place on the way through."""
+    if not _known(numbers, "gap_percolates_x"):
+        return Cell(NOT_JUDGED)
+    if np.isnan(float(numbers.get("Std", 0.0))) and float(numbers["rms_gradient"]) > 0:
+        return Cell(NOT_JUDGED, "a profile does not tell")
+    is_open = [axis for axis in ("x", "y") if float(numbers[f"gap_percolates_{axis}"][place])]
+    if not is_open:
+        return Cell("seals", "gap closed along x and y")
+    narrowest = [f"{_unbroken(numbers[f'critical_constriction_{axis}'][place])} ({axis})" for axis in is_open]
+    closed = {"x": "y", "y": "x"}[is_open[0]]
+    answer = "leaks" if len(is_open) == 2 else f"seals along {closed}, leaks along {is_open[0]}"
+    return Cell(answer, f"narrowest place {', '.join(narrowest)}")
+
+
+def _unbroken(length: xr.DataArray) -> str:
+    """Return a length that is not broken before its unit."""
+    return quantity(float(length), "m", digits=2).replace(" ", "\N{NO-BREAK SPACE}")
+
+
+def _yields(load: xr.Dataset) -> Cell:
+    """Return whether a body yields at a load, at its surface or below."""
+    below = _known(load, "volume_above_yield") and float(load["volume_above_yield"]) > 0
+    if _known(load, "hardness"):
+        share = float(load["load_share_above_hardness"])
+        if share > 0:
+            return Cell("yes", f"{percent(share)} of the load at the hardness")
+        return Cell("yes", "below the surface") if below else Cell("no", "hardness nowhere reached")
+    if _known(load, "volume_above_yield"):
+        return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")
+    if rubber_like(load):
+        return Cell(NOT_JUDGED, "rubber-like")
+    flags = yield_flags(load.drop_vars("hardness", errors="ignore"))
+    would = {"metals flow": "; metals would", "beyond hardness": "; any material would"}
+    return Cell(NOT_JUDGED, "no hardness stated" + would.get(" ".join(flags), ""))
+
+
+def _largest(numbers: xr.Dataset, place: int) -> Cell:
+    """Return the largest pressure of a load; a pressure that is limited has no interval of its own."""
+    capped = _known(numbers, "hardness") and float(numbers["max_pressure"][place]) >= float(
+        numbers["hardness"]
+    ) * (1 - 1e-9)
+    if capped:
+        factor, shown = unit_of_column(numbers["max_pressure"].values, "Pa")
+        return Cell(f"{number(float(numbers['max_pressure'][place]) * factor)} {shown}", "the hardness")
+    return _with_interval(numbers, "max_pressure", "Pa", place)
+
+
+def _conducts(numbers: xr.Dataset, place: int) -> Cell:
+    """Return the conductance of heat or of current, or what it is by conductivity."""
+    for name, unit, words in (
+        ("thermal_conductance", "W m-2 K-1", "heat"),
+        ("electrical_conductance", "S m-2", "current"),
+        ("conductance_per_conductivity", "m-1", "by conductivity"),
+    ):
+        if _known(numbers, name):
+            text, interval = _with_interval(numbers, name, unit, place)
+            return Cell(text, f"{interval}, {words}" if interval else words)
+    return Cell(NOT_JUDGED)
