@@ -97,7 +97,10 @@ def test_a_configuration_that_cannot_be_read_is_named(folder, capsys, content, s
     assert said in capsys.readouterr().err
 
 
-def test_a_configuration_of_aliases_is_looked_at_once(folder):
-    lines = ["a0: &a0 [1, 1]", *(f"a{n}: &a{n} [*a{n - 1}, *a{n - 1}]" for n in range(1, 60))]
+def test_a_configuration_of_aliases_is_looked_at_once(folder, capsys):
+    # 2**60 values: what is looked for stands in the first line, and is come to last
+    lines = ["contact: {mean_pressure: 1, mean_pressure: 2}", "a0: &a0 [1, 1]"]
+    lines += [f"a{n}: &a{n} [*a{n - 1}, *a{n - 1}]" for n in range(1, 60)]
     (folder / "settings.yaml").write_text("\n".join(lines))
-    running._check_yaml(folder / "settings.yaml")
+    assert main(["run", "--configfile", "settings.yaml"]) == 2
+    assert "settings.yaml, line 1: mean_pressure stands twice in the same group" in capsys.readouterr().err

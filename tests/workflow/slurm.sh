@@ -10,6 +10,7 @@
 set -euo pipefail
 
 checkout=$(cd "$(dirname "$0")/../.." && pwd)
+# of a name that nobody can foresee and link elsewhere (this runs as root); all users of SLURM look into it
 folder=$(mktemp -d -t slurm.XXXXXX)
 chmod 755 "$folder"
 daemons=()

@@ -14,7 +14,8 @@ from roughcontact.errors import InputFileError
 MAX_FILE_BYTES = 4 * 2**30
 MAX_UNPACKED_BYTES = 2**30
 MAX_XML_BYTES = 2**28
-# what zipfile raises on damaged, encrypted or oddly compressed archives
+# what zipfile raises on archives that are damaged or oddly compressed; RuntimeError is its word for a member
+# that asks for a password
 ARCHIVE_ERRORS = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, OSError)
 _LONGEST_PATH = 4095  # characters; what systems allow
 _LONGEST_NAME = 255
