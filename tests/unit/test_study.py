@@ -57,3 +57,14 @@ def test_a_billion_aliases_are_refused_in_a_second(tmp_path, where):
         with pytest.raises(SettingsError, match="more than 100000 values: look for aliases"):
             study(tmp_path, GOOD | {where: value}, "ground\tground.txt\tum\t")
     assert time.process_time() - begin < 1
+
+
+@pytest.mark.parametrize(("shifts", "clash"), [(3, True), (2, False), (0, False)])
+def test_a_name_that_a_pair_needs_is_among_the_mistakes(tmp_path, shifts, clash):
+    (tmp_path / "surfaces.tsv").write_text(
+        "surface\tpath\tcounter_face\nseal\tground.txt\tground.txt\nseal-3\tground.txt\t\n"
+    )
+    (tmp_path / "ground.txt").write_text("1 2\n3 4\n")
+    with pytest.raises(SettingsError, match="levle: unknown key") as caught:
+        read_study(GOOD | {"levle": {}, "composite": {"shifts": shifts}}, [tmp_path], measured_in=[tmp_path])
+    assert ("line 3, surface = seal-3: the pair seal needs this name" in str(caught.value)) is clash

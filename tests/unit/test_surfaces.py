@@ -77,12 +77,12 @@ def test_a_row_with_a_counter_face_is_a_pair(table, tmp_path):
 
 @pytest.mark.parametrize(("name", "clash"), [("seal-2", True), ("seal-face", True), ("seal-3", False)])
 def test_a_name_that_a_pair_needs(table, name, clash):
-    surfaces = read_surfaces(table("surface\tpath\tcounter_face", "seal\ta\tb", f"{name}\tc"))
+    path = table("surface\tpath\tcounter_face", "seal\ta\tb", f"{name}\tc")
     if not clash:
-        assert len(members(surfaces, 2)) == 2
+        assert len(members(read_surfaces(path, members_each=2), 2)) == 2
         return
     with pytest.raises(SettingsError, match=f"line 3, surface = {name}: the pair seal needs this name"):
-        members(surfaces, 2)
+        read_surfaces(path, members_each=2)
 
 
 def test_the_working_directory_comes_before_the_folder_of_the_table(table, tmp_path, monkeypatch):
@@ -202,10 +202,17 @@ def test_a_table_that_is_no_text_is_named(tmp_path):
 
 @pytest.mark.parametrize("name", ["seal-counter-face", "seal-face", "seal-1"])
 def test_the_pair_that_needs_a_name_is_named(table, name):
-    surfaces = read_surfaces(table("surface\tpath\tcounter_face", "seal\ta\tb", f"{name}\tc"))
+    path = table("surface\tpath\tcounter_face\tdx", "seal\ta\tb\t-1", f"{name}\tc\t1")
     with pytest.raises(SettingsError) as caught:
-        members(surfaces, 1)
-    assert str(caught.value) == (
-        f"table of surfaces, line 3, surface = {name}: the pair seal needs this name for one of its parts; "
-        "rename one"
-    )
+        read_surfaces(path, members_each=1)
+    assert str(caught.value).splitlines()[1:] == [
+        "  line 2, dx = '-1': must be a number greater than 0 (decimal point, no unit)",
+        f"  line 3, surface = {name}: the pair seal needs this name for one of its parts; rename one",
+    ]
+
+
+def test_an_unknown_column_hides_no_mistake_in_the_rows(table):
+    said = mistakes(table("surface\tpath\tdx\tcolour", "a\ta.txt\t-1\tred", "a\ta.txt\t1\tred"))
+    assert "column 'colour': unknown, valid are surface" in said
+    assert "line 2, dx = '-1': must be a number" in said
+    assert "line 3, surface = a: stands twice" in said

@@ -4,9 +4,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from pydantic import ValidationError
+
 from roughcontact.checking import check_choice
 from roughcontact.choices import Checksum, Resampling
-from roughcontact.configuration.models import Settings
+from roughcontact.configuration.models import Composite, Settings
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import Surface, find, read_surfaces
 from roughcontact.errors import SettingsError
@@ -68,12 +70,22 @@ def read_study(
     table = config.get("surfaces", Settings.model_fields["surfaces"].default)
     if isinstance(table, str) and table:  # else that is among the mistakes in the settings
         try:
-            surfaces = read_surfaces(find(table, folders) or table, measured_in, check=_mistakes_in)
+            path, each = find(table, folders) or table, _members_each(config)
+            surfaces = read_surfaces(path, measured_in, check=_mistakes_in, members_each=each)
         except SettingsError as error:
             mistakes.append(str(error))
     if mistakes:
         raise SettingsError("\n".join(mistakes))
     return cases, surfaces
+
+
+def _members_each(config: Mapping[str, Any]) -> int:
+    """Return how many members each pair has; 1 where the settings of pairs have mistakes of their own."""
+    try:
+        composite = Composite.model_validate(config.get("composite", {}))
+    except ValidationError:
+        return 1
+    return composite.shifts * len(composite.rotations)
 
 
 def _check_size(config: Mapping[str, Any]) -> None:

@@ -104,6 +104,7 @@ def read_surfaces(
     folders: Sequence[str | Path] = (".",),
     *,
     check: Callable[[Surface], list[str]] | None = None,
+    members_each: int = 0,
 ) -> dict[str, Surface]:
     r"""Read the table of surfaces.
 
@@ -115,6 +116,8 @@ def read_surfaces(
         where relative paths of the table are looked for, in this order; the table's own folder comes second.
     check : callable, optional
         returns what else is wrong with a row: what the table alone does not tell, as whether its files exist.
+    members_each : int
+        how many members each pair has, whose names no row may have; 0 where that is not asked.
 
     Returns
     -------
@@ -138,11 +141,12 @@ def read_surfaces(
     table = Path(table)
     header, rows = _cells(table)
     mistakes = _mistakes_in_header(header)
+    readable = {*REQUIRED} <= {*header} and len({*header}) == len(header)
     if not mistakes and not rows:
         mistakes.append("has no row; add one line with the name and the path of each surface")
     folders = [folders[0], table.parent, *folders[1:]]
     surfaces: dict[str, Surface] = {}
-    for line, cells in rows if not mistakes else ():
+    for line, cells in rows if readable else ():
         row = dict(zip(header, cells, strict=False))
         if any(cells[len(header) :]):
             mistakes.append(f"line {line}: {len(cells)} cells, the header has {len(header)}")
@@ -155,6 +159,8 @@ def read_surfaces(
         name = row.get("surface", "")
         surfaces[name] = Surface(name, path or Path(), f"{table}, line {line}", given, counter_face)
         mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
+    if members_each:
+        mistakes += _names_of_parts(surfaces, members(surfaces, members_each))
     if mistakes:
         raise SettingsError(
             "\n".join([f"mistakes in the table of surfaces {table}:", *(f"  {m}" for m in mistakes)])
@@ -206,32 +212,30 @@ def members(surfaces: Mapping[str, Surface], count: int) -> dict[str, Member]:
     dict
         name -> Member, in the order of the table.
 
-    Raises
-    ------
-    SettingsError
-        where a surface of the table has the name of a member or of a face of a pair.
-
     Examples
     --------
     >>> pair = Surface("seal", Path("a.x3p"), "line 2", {}, counter_face=Path("b.x3p"))
     >>> list(members({"seal": pair}, 3))
     ['seal-1', 'seal-2', 'seal-3']
     """
-    found = {
+    return {
         f"{name}-{number}": Member(name, number, f"{name}-face", f"{name}-counter-face")
         for name, row in surfaces.items()
         if row.counter_face is not None
         for number in range(1, count + 1)
     }
-    made = {*found, *(name for member in found.values() for name in (member.face, member.counter_face))}
-    for name in surfaces:
-        if name in made:
-            pair = name.rpartition("-counter-face")[0] or name.rpartition("-")[0]
-            raise SettingsError(
-                f"table of surfaces, {surfaces[name].origin.rpartition(', ')[2]}, surface = {name}: the pair "
-                f"{pair} needs this name for one of its parts; rename one"
-            )
-    return found
+
+
+def _names_of_parts(surfaces: Mapping[str, Surface], found: Mapping[str, Member]) -> list[str]:
+    """Return which surfaces have the name of a member or of a face of a pair."""
+    parts = {name: member.pair for name, member in found.items()}
+    parts |= {side: each.pair for each in found.values() for side in (each.face, each.counter_face)}
+    return [
+        f"{row.origin.rpartition(', ')[2]}, surface = {name}: the pair {parts[name]} needs this name for one "
+        "of its parts; rename one"
+        for name, row in surfaces.items()
+        if name in parts
+    ]
 
 
 def _cells(table: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
