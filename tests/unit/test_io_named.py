@@ -105,8 +105,16 @@ def archive(*names):
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as packed:
         for name in names:
-            packed.writestr(name, b"1 2 3 4\n")
+            packed.writestr(zipfile.ZipInfo(name), b"1 2 3 4\n")  # of 1980: it becomes the name of a test
     return stream.getvalue()
+
+
+def locked(packed):
+    """Return an archive whose only member is marked as encrypted."""
+    marked = bytearray(packed)
+    marked[6] |= 1
+    marked[marked.find(b"PK\x01\x02") + 8] |= 1
+    return bytes(marked)
 
 
 @pytest.mark.parametrize(
@@ -115,6 +123,13 @@ def archive(*names):
         (b"DSCOMPRESSED" + bytes(500), r"Digital Surf file in its compressed form .* save it uncompressed"),
         (b"MATLAB 7.3 MAT-file, Platform" + bytes(500), r"version 7\.3 \(HDF5\).*'-v7'"),
         (gzip.compress(b"1 2 3", mtime=0), "packed file; unpack it first"),
+        (b"Wyko ASCII Data File Format\t0\t0\t1\nX Size\t2\n1\t2\n", "counted in waves.*take the OPD file"),
+        (b"Zygo ASCII Data File - Format 2\n0 1 1 20\n", "counts of the phase.*take the DAT or DATX file"),
+        (b"Zygo XYZ Data File - Format 2\n0 1 1 20\n", "MetroPro file in ASCII"),
+        (b"DSAA\n2 2\n0 1\n0 1\n0 1\n1 2\n3 4\n", "grid of Surfer.*save it as ASCII XYZ"),
+        (b"DSBB" + bytes(50), "grid of Surfer"),
+        (b"ISO 5436 - 2000\r\n\x03\r\n1.0\r\n\x03", "a profile in the form of ISO 5436-2"),
+        (locked(archive("main.xml")), "the ZIP archive asks for a password; unpack it first"),
         (picture("PNG"), "a picture, whose colours are no heights"),
         (picture("JPEG"), "a picture, whose colours are no heights"),
         (picture("TIFF"), "a TIFF picture, but none of Park Systems, JPK or Olympus LEXT"),

@@ -329,3 +329,39 @@ def test_a_real_export_of_uneven_positions():
         read_height_map(MORE / "xy-2.txt")
     height = read_height_map(MORE / "xy-2.txt", resample="linear")
     assert 1e-5 < float(height.x[0]) < float(height.x[-1]) < 4.3e-5
+
+
+def test_a_heading_above_a_matrix_gives_the_unit_of_its_heights(tmp_path):
+    heights = np.arange(20.0).reshape(4, 5) ** 2
+    matrix = "\n".join(" ".join(map(str, row)) for row in heights)
+    for heading in ("Height(nm)", "# Height Sensor [nm]", '"Z (nm)"'):
+        height = read_height_map(
+            saved(tmp_path, f"made on Monday\n{heading}\n{matrix}\n"), dx=1, dy=1, unit="um"
+        )
+        np.testing.assert_allclose(height.values, 1e-9 * heights, rtol=1e-14)
+    size = read_height_map(saved(tmp_path, f"Width: 5 mm\nHeight: 4 mm\n{matrix}\n"), height_unit="um")
+    np.testing.assert_allclose(size.values, 1e-6 * heights, rtol=1e-14)
+
+
+def test_the_text_export_of_a_binary_format_is_read_as_text(tmp_path):
+    matrix = "\n".join("1.5 2.5 3.5 4.5" for _ in range(5))
+    head = "\\*File list\n\\Version: 0x09200201\n\\*Ciao image list\n\\Data offset: 80\n\\Data length: 40\n"
+    height = read_height_map(saved(tmp_path, f"{head}Height(nm)\n{matrix}\n"), dx=1, dy=1, unit="um")
+    assert height.shape == (5, 4)
+    assert height.values[0, 1] == pytest.approx(2.5e-9)
+    points = "".join(f"{10 * x}\t{10 * y}\t{x * y}\n" for y in range(4) for x in range(3))
+    head = "WSxM file copyright UAM\nWSxM ASCII XYZ file\nX[nm]\tY[nm]\tZ[nm]\n\n"
+    height = read_height_map(saved(tmp_path, head + points))
+    np.testing.assert_allclose(height.values, 1e-9 * np.outer(range(4), range(3)), rtol=1e-14)
+    assert float(height.x[1] - height.x[0]) == pytest.approx(10e-9)
+
+
+def test_units_of_axes_in_the_header_of_a_stylus_profiler(tmp_path):
+    head = "[Meta Data]\nScan Length=60\nHorizontal Units=mm\nVertical Units=um\n[Scan Data]\n"
+    assert_trace(read_height_map(saved(tmp_path, head + trace("\t"))))
+
+
+def test_a_line_that_is_no_row_of_numbers_names_the_way_out(tmp_path):
+    path = saved(tmp_path, "1 2\nProfile1 3 0\nCX A 120 MM 1.0 D\nEOR\n12\n13\n14\n")
+    with pytest.raises(InputFileError, match=r"line 2 is no row of numbers .* export the map as X3P or SDF"):
+        read_height_map(path)

@@ -143,7 +143,9 @@ def test_tables_that_are_none(table, lines, said):
 
 
 def test_a_missing_table_is_named(tmp_path):
-    assert "nowhere.tsv: not readable" in mistakes(tmp_path / "nowhere.tsv")
+    assert "nowhere.tsv: no such file; correct `surfaces` in the settings" in mistakes(
+        tmp_path / "nowhere.tsv"
+    )
 
 
 @pytest.mark.parametrize("verb", [read_height_map, inspect_file])

@@ -244,8 +244,8 @@ def _cells(table: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
         lines = table.read_text(encoding="utf-8-sig").splitlines()
     except FileNotFoundError as error:
         raise SettingsError(
-            f"table of surfaces {table}: no such file; correct `surfaces` in the settings, or write the table "
-            "(`roughcontact init` writes one to change)"
+            f"table of surfaces {table}: no such file; correct `surfaces` in the settings, or write the "
+            "table (`roughcontact init` writes one to change)"
         ) from error
     except (OSError, UnicodeDecodeError) as error:
         raise SettingsError(

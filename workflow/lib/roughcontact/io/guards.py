@@ -229,6 +229,8 @@ def check_archive(path: Path) -> None:
                 if member.filename.lower().endswith(".xml"):
                     _check_xml(archive, member, path)
     except ARCHIVE_ERRORS as error:
+        if isinstance(error, RuntimeError) and "password" in str(error):
+            raise InputFileError(f"{path}: the ZIP archive asks for a password; unpack it first") from error
         raise InputFileError(f"{path}: the ZIP archive is damaged or encrypted ({brief(error)})") from error
 
 

@@ -41,6 +41,9 @@ class Format:
     text_header : bool
         Whether the header is plain text. All others are binary from the start, so that a text that begins
         with their mark is a text.
+    binary_data : bool
+        Whether the data behind a header in plain text are always binary: what is text to its end is an
+        export, which begins with the same header.
     told_by : ToldBy
         `ToldBy.CONTENTS` where the mark is that of a container, in which another reader looks for this
         format.
@@ -52,6 +55,7 @@ class Format:
     vendor: str = ""
     offset: int = 0
     text_header: bool = False
+    binary_data: bool = False
     told_by: ToldBy = ToldBy.MARK
 
     def has_mark(self, head: bytes) -> bool:
@@ -247,13 +251,13 @@ _BCR = ("fileformat".encode("utf-16-le"), "\ufefffileformat".encode("utf-16-le")
 
 # In the order in which those that share a mark, or have none, are tried.
 FORMATS = (
-    Format("di", (b"\\*",), PROBE, "Bruker", text_header=True),
+    Format("di", (b"\\*",), PROBE, "Bruker", text_header=True, binary_data=True),
     Format("ezd", (b"[DataSet]",), PROBE, "Nanosurf", text_header=True),
     Format("mi", (b"fileType",), PROBE, "Molecular Imaging", text_header=True),
     _DigitalSurf("sur", (b"DIGITAL SURF",)),
     _Alicona("al3d", (b"AliconaImaging",), OPTICAL, "Alicona"),
     _MicroProf("frt", (b"FRTM_GLIDERV",), OPTICAL, "FRT"),
-    Format("wsxm", (b"WSxM",), PROBE, "Nanotec", text_header=True),
+    Format("wsxm", (b"WSxM",), PROBE, "Nanotec", text_header=True, binary_data=True),
     Format("gwy", (b"GWYP",)),
     Format("mdt", (b"\x01\xb0\x93\xff",), PROBE, "NT-MDT"),
     Format("zmg", (b"Zeta-Instruments",), OPTICAL, "KLA Zeta"),

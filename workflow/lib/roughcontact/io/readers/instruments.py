@@ -9,6 +9,7 @@ from roughcontact.io.channels import MeasuredFile
 from roughcontact.io.instruments.formats import marked
 from roughcontact.io.instruments.library import read_as
 from roughcontact.io.interface import Reader, ToldBy, head_of
+from roughcontact.io.text.lines import is_text
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -24,7 +25,8 @@ def recognises(path: Path, head: bytes) -> bool:
     -------
     bool
     """
-    return any(each.told_by is ToldBy.MARK for each in marked(head))
+    found = [each for each in marked(head) if each.told_by is ToldBy.MARK]
+    return bool(found) and not (found[0].binary_data and is_text(path))
 
 
 def read(path: Path) -> MeasuredFile:

@@ -9,14 +9,16 @@ from roughcontact.io.text.lines import looks_like_text
 
 _PICTURE = "a picture, whose colours are no heights; export the map itself as X3P, SDF or text"
 _PACKED = "a packed file; unpack it first"
+_SURFER = "a grid of Surfer, which is not read; save it as ASCII XYZ, or as an Arc/Info ASCII grid"
+_ZYGO = (
+    "a MetroPro file in ASCII, whose heights may be counts of the phase, which is not read; take the DAT or "
+    "DATX file itself"
+)
 # first bytes -> what the file is, and the way out
 _KNOWN = {
     b"DSCOMPRESSED": (
         "a Digital Surf file in its compressed form (DSCOMPRESSED), which is not read; save it uncompressed "
         "(SUR), or export it as X3P or SDF"
-    ),
-    b"MATLAB 7.3 MAT-file": (
-        "a MATLAB file of version 7.3 (HDF5), which is not read; save it with save(..., '-v7')"
     ),
     b"\x1f\x8b": _PACKED + " (gunzip)",
     b"BZh": _PACKED + " (bunzip2)",
@@ -27,6 +29,24 @@ _KNOWN = {
     b"\xff\xd8\xff": _PICTURE,
     b"GIF8": _PICTURE,
     b"%PDF-": "a PDF; export the map itself as X3P, SDF or text",
+    b"DSBB": _SURFER,
+    b"DSRB": _SURFER,
+    b"ISO 5436": (
+        "a profile in the form of ISO 5436-2 (SMD), which is not read; export it as X3P, or as text x z"
+    ),
+}
+# the same, of files that are plain text
+_KNOWN_TEXTS = {
+    b"MATLAB 7.3 MAT-file": (
+        "a MATLAB file of version 7.3 (HDF5), which is not read; save it with save(..., '-v7')"
+    ),
+    b"Wyko ASCII Data File": (
+        "a Wyko file in ASCII, whose heights are counted in waves, which is not read; take the OPD file "
+        "itself"
+    ),
+    b"Zygo ASCII Data File": _ZYGO,
+    b"Zygo XYZ Data File": _ZYGO,
+    b"DSAA": _SURFER,
 }
 
 
@@ -48,7 +68,9 @@ def recognises(path: Path, head: bytes) -> bool:
     >>> recognises(Path("map.sur"), b"DSCOMPRESSED\0\0"), recognises(Path("map.txt"), b"BZh is a name")
     (True, False)
     """
-    return head.startswith(tuple(_KNOWN)) and (head.startswith(b"MATLAB 7.3") or not looks_like_text(head))
+    return head.startswith(tuple(_KNOWN_TEXTS)) or (
+        head.startswith(tuple(_KNOWN)) and not looks_like_text(head)
+    )
 
 
 def read(path: Path) -> NoReturn:
@@ -64,7 +86,7 @@ def read(path: Path) -> NoReturn:
         Always, with the way out.
     """
     head = head_of(path)
-    what = next(what for mark, what in _KNOWN.items() if head.startswith(mark))
+    what = next(what for mark, what in (_KNOWN | _KNOWN_TEXTS).items() if head.startswith(mark))
     raise InputFileError(f"{path}: this is {what}")
 
 

@@ -22,7 +22,7 @@ from roughcontact.io.channels import (
 from roughcontact.io.guards import check_memory
 from roughcontact.io.interface import Reader, ToldBy
 from roughcontact.io.metadata import instrument_words
-from roughcontact.io.text.columns import Column, headed
+from roughcontact.io.text.columns import Column, headed, unit_of_heights
 from roughcontact.io.text.header import parse_header
 from roughcontact.io.text.lines import lines_of, looks_like_text
 from roughcontact.io.text.point_grid import points_on_grid
@@ -107,6 +107,8 @@ def _file(
     """Return what the table is: what header and headings say counts, then what the columns look like."""
     values = table.values
     columns = headed(header, values.shape[1], delimiter)
+    if "height_unit" not in said and (unit := unit_of_heights(header)):
+        said = said | {"height_unit": unit}
     if not {"length_x", "length_y", "nx", "ny"} & set(said):
         kept = slice(table.empty_left, values.shape[1] - table.empty_right)
         columns = columns and columns[kept]

@@ -103,6 +103,33 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
     return nearest
 
 
+def unit_of_heights(lines: Sequence[str]) -> str | None:
+    """Return the unit in a heading above a matrix, as ``Height (nm)``.
+
+    Parameters
+    ----------
+    lines : sequence of str
+        The header.
+
+    Returns
+    -------
+    str or None
+        None where no line among the last ones is such a heading.
+
+    Examples
+    --------
+    >>> unit_of_heights(["Monday", "Height Sensor(nm)"]), unit_of_heights(["Height: 12 nm"])
+    ('nm', None)
+    """
+    for line in reversed(lines[-_NEAR:]):
+        text = line.strip(' \r\n\t"#%')
+        if len(text) <= _LONGEST and text.endswith((")", "]")) and not set(text) & set(":=0123456789"):
+            column = _column(text)
+            if column.role == "z" and is_length(column.unit):
+                return column.unit
+    return None
+
+
 def _indexed(columns: list[Column]) -> list[Column]:
     """Return the columns; a first one without a heading beside others that have one counts the rows."""
     first = columns[0]

@@ -6,6 +6,7 @@ from roughcontact.errors import InputFileError
 
 _BYTE_ORDER_MARKS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb\xbf": "utf-8-sig"}
 _LONGEST = 2**30  # bytes
+_SIGNS = bytes([*b"\t\n\r\f", *range(32, 127), *range(128, 256)])
 
 
 def looks_like_text(head: bytes) -> bool:
@@ -26,7 +27,22 @@ def looks_like_text(head: bytes) -> bool:
     """
     if head.startswith(tuple(_BYTE_ORDER_MARKS)) or _unmarked_utf16(head):
         return True
-    return bool(head) and not any((byte < 32 and byte not in b"\t\n\r\f") or byte == 127 for byte in head)
+    return bool(head) and not head.translate(None, _SIGNS)
+
+
+def is_text(path: Path) -> bool:
+    """Return whether a file is text to its end, not only at its beginning.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    bool
+    """
+    with path.open("rb") as stream:
+        return all(not piece.translate(None, _SIGNS) for piece in iter(lambda: stream.read(2**20), b""))
 
 
 def _unmarked_utf16(head: bytes) -> str | None:

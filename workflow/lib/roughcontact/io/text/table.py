@@ -265,7 +265,10 @@ def _parse(
         try:
             empty = _append(numbers, text, delimiter)
         except ValueError as error:
-            raise InputFileError(f"{path}: line {number} is no row of numbers ({brief(error)})") from error
+            raise InputFileError(
+                f"{path}: line {number} is no row of numbers ({brief(error)}); leave the table alone "
+                "in it, below lines of words, or export the map as X3P or SDF"
+            ) from error
         counts.append(len(numbers) - before)
         empty_rows = empty_rows + 1 if empty[0] == counts[-1] else 0
         if not empty_rows:
