@@ -11,7 +11,8 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
-from cases import LOADS, relative_error, surface
+from cases import relative_error, surface
+from race import LOADS
 from speed import HERE, SCRIPTS
 from worker import Worker
 
@@ -22,9 +23,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--sizes", type=int, nargs="*", default=[256, 512], help="points per side")
     parser.add_argument("--seed", type=int, default=0, help="of the random phases")
-    parser.add_argument("--rivals", type=Path, default=HERE / ".rivals", help="made by setup_rivals.sh")
+    parser.add_argument(
+        "--rivals", type=Path, default=HERE / ".rivals/bin/python", help="Python that has ASPHER and Tamaas"
+    )
     options = parser.parse_args()
-    python = str(options.rivals.absolute() / "bin" / "python")
+    python = str(options.rivals.absolute())
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         workers = {

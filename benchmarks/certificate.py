@@ -105,15 +105,20 @@ def measure(number: int) -> dict:
 
     solution = solve(case["tolerance"])
     reference = solve(max(TIGHTER * float(solution["error_bound"]), TIGHTEST))
+    return found | compare(solution, reference, case["spacing"])
+
+
+def compare(solution, reference, spacing) -> dict:
+    """Return bound and true error of a solution of one load, by a `reference` of the same load."""
     pressure, exact = solution["pressure"].values, reference["pressure"].values
-    scale = energy_norm(pressure, case["spacing"])
-    reference_error = float(reference["error_bound"]) * energy_norm(exact, case["spacing"]) / scale
-    found |= {
+    scale = energy_norm(pressure, spacing)
+    reference_error = float(reference["error_bound"]) * energy_norm(exact, spacing) / scale
+    found = {
         "contact": float(solution["contact"].mean()),
         "points": int(solution["contact"].sum()),
         "bound": float(solution["error_bound"]),
         "converged": bool(solution["converged"]),
-        "true_error": energy_norm(pressure - exact, case["spacing"]) / scale,
+        "true_error": energy_norm(pressure - exact, spacing) / scale,
         "reference_error": reference_error,
     }
     found["ratio"] = found["bound"] / max(found["true_error"], reference_error, np.finfo(float).tiny)

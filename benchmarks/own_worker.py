@@ -43,9 +43,9 @@ def details(contact) -> dict:
 
 
 def versions() -> dict:
-    """Return what the solver runs on: the libraries that it uses where they are installed included."""
-    used = ("numpy", "scipy", "mkl_fft", "mkl")
-    installed = {found.metadata["Name"].replace("-", "_"): found.version for found in distributions()}
+    """Return the versions of the package and of the libraries that compute for it."""
+    used = ("numpy", "scipy", "ducc0")
+    installed = {found.metadata["Name"]: found.version for found in distributions()}
     return {"roughcontact": rc.__version__} | {name: installed[name] for name in used if name in installed}
 
 

@@ -14,7 +14,7 @@ import worker
 SINGLE_REACHES = 2e-6
 
 
-def solve(gap, load, tolerance):
+def solve(gap, load, tolerance, *, coarsest=32):
     result = aspher.solve_nested(
         grid_size=gap.shape[0],
         gap=gap.ravel(),
@@ -23,7 +23,7 @@ def solve(gap, load, tolerance):
         backend="periodic",
         precond_engine="fft",
         precision="float" if tolerance >= SINGLE_REACHES else "float_then_double",
-        coarsest=32,
+        coarsest=coarsest,
         light_result=True,
     )
     return result.pressure, lambda: {"converged": str(result.status) == "converged"}

@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 REHEARSAL = 0.5  # seconds
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
 
 def serve(pose, solve, versions: dict) -> None:

@@ -1,0 +1,149 @@
+"""Times of this solver alone: from the first second, over one transform pair, of many loads in one call."""
+
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
+
+import roughcontact as rc
+from roughcontact.kernels.fft import make_plan
+from roughcontact.maps import height_map
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "workflow" / "lib"
+FIRST_SIZE = 256
+LOAD = 0.03
+PAIR_SIZES = (512, 1024, 2048)
+SWEEP_SIZES = (512, 1024)
+SWEEP = np.geomspace(0.001, 1.0, 20).tolist()
+ENOUGH = 0.5  # seconds that something is repeated for
+
+# one process, one solve: where its time goes
+PROCESS = """
+import time
+start = time.perf_counter()
+import numpy, roughcontact, roughcontact.maps
+heights = roughcontact.maps.height_map(numpy.load({heights!r}), 1 / {size})
+imported = time.perf_counter()
+for _ in range(2):
+    before = time.perf_counter()
+    roughcontact.solve_contact(heights, contact_modulus=1.0, mean_pressure={load})
+    print(time.perf_counter() - before)
+print(imported - start)
+"""
+
+
+def starts(study):
+    """Yield the jobs of the first seconds: of a new installation, and of a process when all is warm."""
+    yield "installation", partial(installation, study)
+    yield "process", partial(process, study)
+
+
+def installation(study) -> dict:
+    """Return the times of installing the package, beside what it needs, and of its first two processes."""
+    with tempfile.TemporaryDirectory() as folder:
+        target, home = Path(folder) / "packages", Path(folder) / "home"
+        home.mkdir()
+        start = time.perf_counter()
+        command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", str(target)]
+        subprocess.run([*command, str(ROOT)], check=True)
+        installed = time.perf_counter() - start
+        environment = {"PATH": os.environ["PATH"], "HOME": str(home), "OMP_NUM_THREADS": "1"}
+        first, second = (one_process(study, target, environment) for _ in range(2))
+    return {"pip_seconds": installed, "first": first, "second": second}
+
+
+def process(study) -> dict:
+    """Return the median times of a process that solves one map, everything being there."""
+    environment = os.environ | {"OMP_NUM_THREADS": "1"}
+    runs = [one_process(study, PACKAGE, environment) for _ in range(max(5, study.repeats))]
+    return {name: statistics.median(run[name] for run in runs) for name in runs[0]}
+
+
+def one_process(study, package: Path, environment: dict) -> dict:
+    """Return the seconds of a process that imports the package and solves one map twice."""
+    code = PROCESS.format(heights=str(study.made(FIRST_SIZE, 0)), size=FIRST_SIZE, load=LOAD)
+    start = time.perf_counter()
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=environment | {"PYTHONPATH": str(package)},
+        cwd=study.work,
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    whole = time.perf_counter() - start
+    first, second, imports = map(float, done.stdout.split())
+    return {"whole": whole - second, "imports": imports, "first": first, "second": second}
+
+
+def pair(study):
+    """Yield the jobs of the time of a solve over that of one transform pair of its map."""
+    for size in PAIR_SIZES:
+        for threads in study.threads:
+            yield f"{size} threads {threads}", partial(over_one_pair, study, size, threads)
+
+
+def over_one_pair(study, size: int, threads: int) -> dict:
+    """Return the median seconds of a solve and of a pair of transforms of the same map, taking turns."""
+    values = np.load(study.made(size, 0))
+    window = height_map(values, 1 / size)
+    plan, out = make_plan(values, "float64", threads=threads), np.empty_like(values)
+    options = {"contact_modulus": 1.0, "mean_pressure": LOAD, "threads": threads, "fields": True}
+
+    def transform():
+        plan.inverse(plan.forward(values), out)
+
+    seconds = {"pair": [], "solve": []}
+    for _ in range(study.repeats):
+        seconds["pair"] += repeated(transform)
+        seconds["solve"] += repeated(lambda: rc.solve_contact(window, **options))
+    work = float(rc.solve_contact(window, **options)["operator_applications"].sum())
+    medians = {name: statistics.median(found) for name, found in seconds.items()}
+    return {"size": size, "threads": threads, "pairs": work} | medians
+
+
+def repeated(run) -> list[float]:
+    """Return the seconds of repeated calls, the first half second of them left out."""
+    seconds, start = [], time.perf_counter()
+    while (begun := time.perf_counter()) < start + 2 * ENOUGH or not seconds:
+        run()
+        if begun > start + ENOUGH or time.perf_counter() > start + 2 * ENOUGH:
+            seconds.append(time.perf_counter() - begun)
+    return seconds
+
+
+def sweep(study):
+    """Yield the jobs of many loads in one call against as many calls."""
+    for size in SWEEP_SIZES:
+        for threads in study.threads:
+            yield f"{size} threads {threads}", partial(one_call_or_many, study, size, threads)
+
+
+def one_call_or_many(study, size: int, threads: int) -> dict:
+    """Return median seconds and pairs of one call for all loads, and of a call for each, taking turns."""
+    worker = study.warm_worker("roughcontact", threads)
+    ask = partial(worker.ask, heights=str(study.made(size, 0)), tolerance=1e-4, options={"fields": False})
+    ask(load=SWEEP)
+    one, many = [], []
+    for _ in range(study.repeats):
+        one.append(ask(load=SWEEP))
+        answers = [ask(load=load) for load in SWEEP]
+        many.append(
+            {name: sum(answer[name] for answer in answers) for name in ("seconds", "operator_applications")}
+        )
+    found = {"size": size, "threads": threads}
+    for name, group in (("one", one), ("many", many)):
+        found[name] = {
+            "seconds": statistics.median(each["seconds"] for each in group),
+            "pairs": group[-1]["operator_applications"],
+        }
+    return found

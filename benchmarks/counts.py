@@ -1,0 +1,135 @@
+"""What needs no clock: transform pairs, error bounds held against true errors, growth of the work, memory.
+
+Each function yields names of jobs and what to call for their records, which `speed.py` keeps.
+"""
+
+import sys
+from functools import partial
+from pathlib import Path
+
+import cases
+import certificate
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
+
+import roughcontact as rc
+from roughcontact.contact.loads import plan_loads
+from roughcontact.maps import height_map, spacing
+
+TOLERANCES = (1e-4, 1e-8)
+TRUTH = 1e-12
+HARDNESS = (1.05, 2.0, 10.0)  # over the mean pressure
+SEEDS_OF_HARD_ONES = 3
+MEMORY_LOAD = 0.03
+ASPHER_TOLERANCE = 4e-6  # its own, which meets a true error of about 1e-4
+LARGEST_IN_MEMORY = {"ASPHER": 4096}  # points per side; it takes minutes above
+
+
+def maps(study):
+    """Yield the jobs of all measured maps: pairs and bounds by default settings, and pairs with options."""
+    for name, window, _ in study.maps():
+        yield name, partial(of_map, name, window)
+
+
+def of_map(name: str, window) -> dict:
+    """Return shape and solves of a window at all loads: by default settings, then with options."""
+    ways = {"elements": {"influence": "elements"}, "single precision": {"precision": "single"}}
+    solves = []
+    for relative, load in loads_of(window):
+        solves += [found | {"load": relative} for found in certified(window, load)]
+        hard = {f"hardness {ratio:g} p̄": {"hardness": ratio * load} for ratio in HARDNESS}
+        for way, options in (ways | hard).items():
+            found = solved(window, load, tolerance=TOLERANCES[0], **options)
+            solves.append(pairs(found) | {"load": relative, "way": way, "tolerance": TOLERANCES[0]})
+    return {"name": name, "shape": list(window.shape), "solves": solves}
+
+
+def hard(study):
+    """Yield the jobs of the hard maps: pairs and bounds."""
+    for name in cases.hard_surfaces():
+        yield name, partial(of_hard, name)
+
+
+def of_hard(name: str) -> dict:
+    """Return the solves of a hard map, all seeds together."""
+    solves = []
+    for seed in range(SEEDS_OF_HARD_ONES):
+        window = cases.hard_surfaces(seed)[name]
+        for relative, load in loads_of(window):
+            solves += [found | {"load": relative, "seed": seed} for found in certified(window, load)]
+    return {"name": name, "solves": solves}
+
+
+def growth(study):
+    """Yield the jobs of made maps of all sizes, and of the largest measured map enlarged to them."""
+    windows = {"made": None}
+    if measured := [window for _, window, _ in study.maps()]:
+        windows["measured"] = max(measured, key=lambda window: window.size)
+    for kind, window in windows.items():
+        for size in study.growth_sizes:
+            for relative in cases.LOADS[:3]:
+                yield f"{kind} {size} {relative:g}", partial(of_size, kind, window, size, relative)
+
+
+def of_size(kind: str, window, size: int, relative: float) -> dict:
+    """Return the pairs to both tolerances on a made map, or on a window enlarged by its spectrum."""
+    made = kind == "made"
+    large = height_map(cases.surface(size), 1 / size) if made else cases.enlarged(window, size)
+    load = plan_loads(large, contact_modulus=1.0, relative_pressure=[relative])
+    found = [solved(large, load, tolerance=tolerance, fields=False) for tolerance in TOLERANCES]
+    return {"kind": kind, "size": size, "load": relative, "pairs": [pairs(one)["pairs"] for one in found]}
+
+
+def memory(study):
+    """Yield the jobs of peak memory, each in a fresh process on one thread."""
+    ways = [("roughcontact", {}), ("roughcontact, single precision", {"precision": "single"}), ("ASPHER", {})]
+    for size in study.memory_sizes:
+        for name, options in ways:
+            code = name.split(",")[0]
+            if code in study.pythons and size <= LARGEST_IN_MEMORY.get(code, size):
+                yield f"{name} {size}", partial(peak, study, code, name, size, options)
+
+
+def peak(study, code: str, name: str, size: int, options: dict) -> dict:
+    """Return the bytes per point of one solve."""
+    with study.worker(code, threads=1) as worker:
+        for points in (64, size):  # the first loads what is loaded once
+            answer = worker.ask(
+                heights=str(study.made(points, 0)),
+                load=MEMORY_LOAD,
+                tolerance=ASPHER_TOLERANCE if code == "ASPHER" else TOLERANCES[0],
+                options=options,
+            )
+    return {"code": name, "size": size, "bytes_per_point": answer["peak_bytes"] / size**2}
+
+
+def loads_of(window) -> list[tuple[float, float]]:
+    """Return p' and mean pressure (E* = 1) of all loads."""
+    planned = plan_loads(window, contact_modulus=1.0, relative_pressure=list(cases.LOADS))
+    return list(zip(cases.LOADS, planned, strict=True))
+
+
+def solved(window, load, **options):
+    """Return the contact of one load, flagged where it misses its tolerance."""
+    contact = rc.solve_contact(window, contact_modulus=1.0, mean_pressure=load, on_failure="flag", **options)
+    return contact.isel(load=0)
+
+
+def pairs(solution) -> dict:
+    """Return the transform pairs of a solution, and whether it met its tolerance."""
+    return {
+        "pairs": float(solution["operator_applications"]),
+        "converged": bool(solution["converged"]),
+        "floor": float(solution["rounding_floor"]),
+    }
+
+
+def certified(window, load: float) -> list[dict]:
+    """Return pairs, bound and true error of a load at both tolerances."""
+    reference = solved(window, load, tolerance=TRUTH)
+    records = []
+    for tolerance in TOLERANCES:
+        solution = solved(window, load, tolerance=tolerance)
+        held = certificate.compare(solution, reference, spacing(window))
+        records.append(pairs(solution) | held | {"way": "default", "tolerance": tolerance})
+    return records
