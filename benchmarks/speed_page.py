@@ -218,7 +218,7 @@ def maps_section(maps: list[dict]) -> list[str]:
     for tolerance in (1e-4, 1e-8):
         solves = default_solves(maps, tolerance)
         cells = [spread([s["pairs"] for s in chosen(solves, load=load)]) for load in loads]
-        rows.append([f"{tolerance:.0e}", *cells, f"**{spread([s['pairs'] for s in solves])}**"])
+        rows.append([short(tolerance), *cells, f"**{spread([s['pairs'] for s in solves])}**"])
     ways = dict.fromkeys(s["way"] for found in maps for s in found["solves"] if s["way"] != "default")
     with_options = []
     for way in ways:
@@ -278,7 +278,7 @@ def bounds(maps: list[dict]) -> list[str]:
         below = sum(s["bound"] < s["true_error"] - s["reference_error"] for s in solves)
         rows.append(
             (
-                f"{tolerance:.0e}",
+                short(tolerance),
                 len(solves),
                 f"{min(ratio):.3f}",
                 f"{np.median(ratio):.3f}",
@@ -443,6 +443,11 @@ def seconds(value: float) -> str:
     return f"{1000 * value:.3g} ms" if value < 1 else f"{value:.3g} s"
 
 
+def short(tolerance: float) -> str:
+    """Return a power of ten as 1e-4."""
+    return f"{tolerance:.0e}".replace("e-0", "e-")
+
+
 def table(header: Sequence[str], rows: Iterable[Sequence]) -> str:
     """Return a table in Markdown."""
     lines = ["| " + " | ".join(str(cell) for cell in row) + " |" for row in (header, *rows)]
@@ -504,7 +509,8 @@ def draw_times(ax, timed: list[dict]) -> None:
     ax.minorticks_off()
     ax.set_xlim(right=max([*sizes, 1]) * 1.9)  # room for the names
     ax.set_xlabel("points of the map")
-    ax.set_ylabel("time of one load / s")
+    ax.yaxis.set_major_formatter(lambda time, _: seconds(time))
+    ax.set_ylabel("time of one load")
     ax.set_title(
         "Time to a true error of 1e-4, one thread\nline and band: made maps; dots: measured maps", fontsize=9
     )
@@ -522,11 +528,13 @@ def draw_work(ax, maps: list[dict]) -> None:
             ax.plot(
                 place + shift + np.array([-0.15, 0.15]), [np.median(pairs)] * 2, color=colour, linewidth=2
             )
-        ax.plot([], [], ".", color=colour, label=f"to a proven error of {tolerance:.0e}")
+        ax.plot([], [], ".", color=colour, label=f"to a proven error of {short(tolerance)}")
     ax.set_xticks(range(len(loads)), [f"{load:g}" for load in loads])
-    ax.set_ylim(bottom=0)
-    ax.set_xlabel("p′: mean pressure over E* times the rms gradient")
+    ax.set_ylim(0, 1.15 * ax.get_ylim()[1])  # room for the legend
+    ax.set_xlabel("p′ = mean pressure / (E* × rms gradient)")
     ax.set_ylabel("pairs of Fourier transforms")
-    ax.set_title(f"Work of roughcontact on {len(maps)} measured maps\ndots: maps; lines: medians", fontsize=9)
+    ax.set_title(
+        f"Work of roughcontact for one load, {len(maps)} measured maps\ndots: maps; bars: medians", fontsize=9
+    )
     ax.legend(fontsize=8, frameon=False, loc="upper right")
     ax.grid(alpha=0.2, axis="y")
