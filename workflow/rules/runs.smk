@@ -81,6 +81,9 @@ class OneLine(logging.Filter):
                 return False
             record.event, record.msg = "error", line
             KILLED.append(line)
+        elif event == "job_error" and (line := last_words_on_a_cluster(record)):
+            record.event, record.msg = "error", line
+            KILLED.append(line)
         return True
 
 
@@ -96,6 +99,29 @@ def surfaces_of_jobs():
         for job in workflow.dag.needrun_jobs()
         if (name := job.wildcards_dict.get("surface")) in rows
     }
+
+
+def last_words_on_a_cluster(record):
+    """Return what to say about a job of SLURM, from the log that SLURM keeps of it; None where it tells nothing."""
+    kept = [path for path in map(str, record.log) if "/slurm_logs/" in path]
+    try:
+        with open(kept[-1], encoding="utf-8", errors="replace") as file:
+            text = file.read()
+    except (IndexError, OSError):
+        return None
+    job = next(job for job in workflow.dag.jobs if job.jobid == record.jobid)
+    name = " ".join([job.rule.name, *map(str, job.wildcards)])
+    if re.search("exceeded .*memory limit|oom.kill", text, re.I):
+        why = f"took more memory than the {job.resources.get('mem_mb')} MB it had asked for"
+    elif "DUE TO TIME LIMIT" in text:
+        why = f"took longer than the {job.resources.get('runtime')} minutes it had asked for"
+    else:
+        said = re.findall(r"^\[.*?\] ERROR: .+$", text, re.M)
+        return said[-1] if said else None
+    again = job.attempt <= (job.restart_times or 0)
+    return f"[{name}] ERROR: killed, {why}" + (
+        "; it is tried again with more" if again else ""
+    )
 
 
 def last_words(record, how):
