@@ -29,6 +29,8 @@ SOURCES = Path("workflow/lib/roughcontact/kernels/c")
 # what a wheel needs to run the workflow; in a checkout it lies where it is
 WORKFLOW = ["workflow/Snakefile"]
 WORKFLOW += [f"workflow/{folder}/*" for folder in ("envs", "profiles/*", "report", "rules", "scripts")]
+# where the commit is noted in a wheel
+COMMIT = "roughcontact/_commit.txt"
 # Sums named in the source may be reordered; all else is computed as written, infinities and NaN included.
 FLAGS = [
     *("-std=c11", "-O3", "-shared", "-fPIC", "-fvisibility=hidden", "-pthread"),
@@ -103,8 +105,19 @@ class BuildLibrary(build_ext):
             raise CompileError(problem)
 
 
+@cache
+def current_commit():
+    """Return the commit that is built; nothing where it is not known."""
+    command = ["git", "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError:
+        return ""
+    return done.stdout.strip() if Path(".git").exists() else ""
+
+
 class BuildWithWorkflow(build_py):
-    """The modules, and the workflow among them."""
+    """The modules, and among them the workflow and the commit, which goes into every result."""
 
     def run(self):
         """Copy the modules and, but for an editable installation, the workflow."""
@@ -112,10 +125,14 @@ class BuildWithWorkflow(build_py):
         for source, copy in self.workflow_files().items():
             self.mkpath(str(copy.parent))
             self.copy_file(str(source), str(copy))
+        if (commit := current_commit()) and not self.editable_mode:
+            Path(self.build_lib, COMMIT).write_text(commit, encoding="ascii")
 
     def get_outputs(self, include_bytecode=1):
         """Return what this command writes."""
-        return super().get_outputs(include_bytecode) + [str(copy) for copy in self.workflow_files().values()]
+        copies = [str(copy) for copy in self.workflow_files().values()]
+        noted = [str(Path(self.build_lib, COMMIT))] if current_commit() and not self.editable_mode else []
+        return super().get_outputs(include_bytecode) + copies + noted
 
     def workflow_files(self):
         """Return where each file of the workflow is copied to."""

@@ -1,15 +1,20 @@
 """Statistics of several surfaces and cases in one dataset and one table."""
 
 import json
+import warnings
 
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
 
+from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import InputFileError
+from roughcontact.maps import height_map
 from roughcontact.results.collect import collect_statistics, pairs_table, summary_table
+from roughcontact.results.selection import read_statistics
 from roughcontact.results.storage import read_dataset, write_dataset, write_table
+from roughcontact.statistics.contact_statistics import contact_statistics
 
 
 def write_statistics(path, loads, *, bins=3, scale=1.0):
@@ -26,7 +31,7 @@ def write_statistics(path, loads, *, bins=3, scale=1.0):
         },
         coords={
             "mean_pressure": ("load", loads),
-            "pressure_bin": (bounds[1:] + bounds[:-1]) / 2,
+            "pressure_bin_centre": ("pressure_bin", (bounds[1:] + bounds[:-1]) / 2),
             "pressure_bin_bounds": (("pressure_bin", "bounds"), np.column_stack([bounds[:-1], bounds[1:]])),
         },
     )
@@ -155,3 +160,63 @@ def test_every_load_has_its_verdict_and_its_reasons(tmp_path, cases):
     assert list(again["reasons"]) == [reasons for _, reasons in expected]
     pairs = pairs_table(table, {"a": "both", "b": "both"})
     assert not {"verdict", "reasons"} & set(pairs)
+
+
+def test_files_of_surfaces_are_concatenated_without_a_word(tmp_path):
+    """Each has bins of its own scale; they belong together in their order."""
+    paths = [tmp_path / "a.nc", tmp_path / "b.nc"]
+    for path, scale in zip(paths, (1e-6, 3e-7), strict=True):
+        wave = height_map(scale * np.cos(np.linspace(0, 2 * np.pi, 64, endpoint=False))[None], 1e-6)
+        contact = solve_contact(wave, contact_modulus=1e9, mean_pressure=[1e5, 2e5 * (scale / 1e-6)])
+        write_dataset(contact_statistics(contact), path)
+    files = [xr.open_dataset(path) for path in paths]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        together = xr.concat(files, dim="surface")
+    sizes = {dim: together.sizes[dim] for dim in ("surface", "load", "pressure_bin", "gap_bin", "patch_bin")}
+    assert sizes == {"surface": 2, "load": 2, **{dim: files[0].sizes[dim] for dim in list(sizes)[2:]}}
+    widths = together["pressure_bin_bounds"].diff("bounds").squeeze("bounds")
+    np.testing.assert_allclose((together["pressure_density"] * widths).sum("pressure_bin"), 1, rtol=1e-12)
+
+
+@pytest.fixture
+def two_surfaces(tmp_path):
+    """The file of a run of two surfaces, each with loads of its own, and its path."""
+    entries = [
+        {"surface": name, "case": None, "statistics": write_statistics(tmp_path / f"{name}.nc", loads)}
+        for name, loads in (("b", [1e5, 2e5, 4e5]), ("a", [3e5]))
+    ]
+    write_dataset(collect_statistics(entries), tmp_path / "all.nc")
+    return tmp_path / "all.nc"
+
+
+def test_loads_are_selected_by_their_pressure(two_surfaces):
+    statistics = read_statistics(two_surfaces)
+    nearest = statistics.sel(mean_pressure=3.5e5, method="nearest")
+    assert nearest["mean_pressure"].values.tolist() == [4e5, 3e5]
+    assert nearest["relative_contact_area"].values.tolist() == [0.04, 0.03]
+    one = statistics.sel(surface="b")
+    assert one.sel(mean_pressure=2e5)["relative_contact_area"].item() == 0.02
+    several = one.sel(mean_pressure=[3.9e5, 0], method="nearest")
+    assert several["mean_pressure"].values.tolist() == [4e5, 1e5]
+    assert one["contact_clusters"].isel(load=slice(1, None)).sel(mean_pressure=2e5).item() == 6
+    assert read_statistics(two_surfaces.with_name("b.nc")).sel(mean_pressure=1e5)["contact_clusters"] == 5
+
+
+@pytest.mark.parametrize(
+    ("asked", "error"),
+    [
+        ({"mean_pressure": 2e5}, "= 200000.0 Pa is none of the loads 100000, 200000, 300000, 400000; try"),
+        ({"mean_pressure": 2e5, "method": "nearest", "tolerance": 1e4}, "is none of the loads"),
+    ],
+)
+def test_a_load_that_a_surface_does_not_have_is_refused(two_surfaces, asked, error):
+    with pytest.raises(KeyError, match=error):
+        read_statistics(two_surfaces).sel(**asked)
+
+
+def test_another_way_of_selecting_is_refused(two_surfaces):
+    with pytest.raises(ValueError, match="method = 'pad' is not one of"):
+        read_statistics(two_surfaces).sel(mean_pressure=2e5, method="pad")
+    with pytest.raises(ValueError, match="give a pressure or a list of them"):
+        read_statistics(two_surfaces).sel(mean_pressure=[[2e5]])

@@ -43,8 +43,8 @@ def test_patches_of_a_solved_contact(statistics):
     assert stats["largest_patch_area"][2] == pytest.approx(1)
     assert stats["largest_patch_area"].attrs["units"] == "m2"
     centres, means = (
-        stats["patch_bin"],
-        (stats["patch_area_density"] * width * stats["patch_bin"]).sum("patch_bin"),
+        stats["patch_bin_centre"],
+        (stats["patch_area_density"] * width * stats["patch_bin_centre"]).sum("patch_bin"),
     )
     expected = stats["relative_contact_area_pixels"] / stats["contact_clusters"]
     assert (abs(means / expected - 1)[:2] < 0.3).all()  # centres of bins stand for what is in them

@@ -247,7 +247,7 @@ def test_densities_are_whole_whatever_the_pressures():
         np.testing.assert_array_equal(bounds[1:, 0], bounds[:-1, 1])
         whole = (stats[f"{name}_density"].values * np.diff(bounds).ravel()).sum(axis=1)
         np.testing.assert_allclose(whole, 1.0, rtol=1e-13)
-        np.testing.assert_allclose(stats[f"{name}_bin"], bounds.mean(axis=1))
+        np.testing.assert_allclose(stats[f"{name}_bin_centre"], bounds.mean(axis=1))
     assert stats.sizes["pressure_bin"] == 6 * 7 + 1
     assert stats.sizes["gap_bin"] == 4 * 3 + 1
 
@@ -373,7 +373,7 @@ def test_solver_columns_are_handed_on_and_everything_is_described():
         np.testing.assert_array_equal(stats[name], contact[name])
     assert stats.attrs == contact.attrs
     assert not {"y", "x"} & set(stats.dims)
-    assert stats["pressure_bin"].attrs["bounds"] == "pressure_bin_bounds"
+    assert stats["pressure_bin_centre"].attrs["bounds"] == "pressure_bin_bounds"
 
 
 def test_the_window_has_its_size_and_its_place():

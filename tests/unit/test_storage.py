@@ -1,10 +1,18 @@
 """Result files are written whole or not at all, described, and the same for the same content."""
 
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
 
+import roughcontact
 from roughcontact.errors import InputFileError, OutputFileError, RoughContactError
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.results.storage import (
@@ -116,3 +124,45 @@ def test_a_damaged_result_is_named(tmp_path):
         except InputFileError as error:
             refused += "damaged.nc: not readable as netCDF" in str(error)
     assert refused > 20
+
+
+def test_a_file_says_what_it_is_and_what_computed_it():
+    first = provenance({}, stage="height", of="ground")
+    made = provenance({}, stage="window", of="ground", history=first["history"])
+    assert made["title"] == "Periodic window: ground"
+    assert made["history"].splitlines() == [
+        f"Heights as measured by {made['source']}",
+        f"Periodic window by {made['source']}",
+    ]
+    assert {"numpy", "scipy", "h5py", "SurfaceTopography", "python"} <= set(json.loads(made["versions"]))
+
+
+def test_the_commit_is_that_of_the_checkout_and_of_no_folder_around_it(tmp_path):
+    """An environment often lies within the checkout of something else."""
+    package = Path(roughcontact.__file__).parent
+    git = ["git", "-c", "user.name=a", "-c", "user.email=a@b"]
+    ask = "from roughcontact.results.storage import provenance; print(provenance({}).get('commit'))"
+    for place, known in (("workflow/lib", True), ("venv/lib/site-packages", False)):
+        checkout = tmp_path / place.partition("/")[0]
+        copy = tmp_path / checkout / place / "roughcontact"
+        shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__"))
+        subprocess.run([*git, "init", "-q", checkout], check=True)
+        subprocess.run([*git, "commit", "-q", "--allow-empty", "-m", "a"], check=True, cwd=checkout)
+        ask_git = ["git", "-C", checkout, "rev-parse", "HEAD"]
+        head = subprocess.run(ask_git, capture_output=True, text=True, check=True)
+        command = [sys.executable, "-c", ask]
+        there = os.environ | {"PYTHONPATH": str(copy.parent)}
+        said = subprocess.run(command, env=there, capture_output=True, text=True, check=True).stdout.strip()
+        assert said == (head.stdout.strip() if known else "None")
+
+
+def test_axes_are_named_and_bounds_are_described_by_their_bins(tmp_path):
+    bins = {
+        "pressure_bin_centre": ("pressure_bin", [1.0, 3.0], {"bounds": "pressure_bin_bounds"}),
+        "pressure_bin_bounds": (("pressure_bin", "bounds"), [[0.0, 2.0], [2.0, 4.0]]),
+    }
+    write_dataset(small().assign_coords(x=[0.0, 1.0, 2.0], **bins), tmp_path / "gap.nc")
+    read = read_dataset(tmp_path / "gap.nc")
+    assert [read[name].attrs["axis"] for name in "xy"] == ["X", "Y"]
+    assert "long_name" not in read["pressure_bin_bounds"].attrs
+    assert read["pressure_bin_centre"].attrs["bounds"] == "pressure_bin_bounds"

@@ -129,7 +129,14 @@ def save(result: "xr.DataArray | xr.Dataset", path: str, settings: dict, *, sour
 
     if hasattr(result, "to_dataset"):  # a single labelled array
         result = result.to_dataset()
-    origin = provenance(settings, source_sha256=source["source_sha256"])
+    wildcards = snakemake.wildcards
+    origin = provenance(
+        settings,
+        source_sha256=source["source_sha256"],
+        stage=Path(path).stem,
+        of=", ".join(filter(None, map(wildcards.get, ("surface", "case")))),
+        history=source.get("history", ""),
+    )
     write_dataset(result.assign_attrs(origin), path)
 
 

@@ -32,6 +32,7 @@ _HOME = {
     "error_budget": "roughcontact.uncertainty.budget",
     "compare_statistics": "roughcontact.results.comparison",
     "read_dataset": "roughcontact.results.storage",
+    "read_statistics": "roughcontact.results.selection",
     "write_dataset": "roughcontact.results.storage",
     "RoughContactError": "roughcontact.errors",
     "InputFileError": "roughcontact.errors",

@@ -152,11 +152,11 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     # coordinates and bins
     "x": ("m", "cell centres along x"),
     "y": ("m", "cell centres along y"),
-    "pressure_bin": ("Pa", "centres of the pressure bins"),
+    "pressure_bin_centre": ("Pa", "centres of the pressure bins"),
     "pressure_bin_bounds": ("Pa", "edges of the pressure bins"),
-    "gap_bin": ("m", "centres of the gap bins"),
+    "gap_bin_centre": ("m", "centres of the gap bins"),
     "gap_bin_bounds": ("m", "edges of the gap bins"),
-    "patch_bin": ("m2", "centres of the patch area bins"),
+    "patch_bin_centre": ("m2", "centres of the patch area bins"),
     "patch_bin_bounds": ("m2", "edges of the patch area bins"),
     "depth": ("m", "depth below the surface"),
     "profile_depth": ("m", "depth below the surface"),
@@ -186,8 +186,19 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
 }
 
 
+# CF has this standard name for distances on a plane; without it checkers take an axis for degrees of longitude
+_AXES = {
+    "x": {"axis": "X", "standard_name": "projection_x_coordinate"},
+    "y": {"axis": "Y", "standard_name": "projection_y_coordinate"},
+    "depth": {"axis": "Z", "positive": "down"},
+}
+
+
 def describe(dataset: xr.Dataset) -> xr.Dataset:
     """Return a dataset with `units` and `long_name` on every variable, from the table `VARIABLES`.
+
+    The bounds of bins are described by the bins, as the CF conventions have it; `x`, `y` and `depth` get
+    their `axis`.
 
     Parameters
     ----------
@@ -216,9 +227,13 @@ def describe(dataset: xr.Dataset) -> xr.Dataset:
             f"no description for the output variables {unknown}: add them to variables.py"
         )
     dataset = dataset.copy()
+    bounds = {variable.attrs.get("bounds") for variable in dataset.variables.values()}
     for name, variable in dataset.variables.items():
         units, long_name = VARIABLES[str(name)]
-        variable.attrs["long_name"] = long_name
+        if name not in bounds:
+            variable.attrs["long_name"] = long_name
         if units is not None:
             variable.attrs["units"] = units
+        if name in dataset.dims:
+            variable.attrs |= _AXES.get(str(name), {})
     return dataset

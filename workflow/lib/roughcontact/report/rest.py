@@ -59,7 +59,8 @@ def write_rest(
     shutil.rmtree(staging, ignore_errors=True)
     staging.mkdir(parents=True)
     statistics = collect_statistics(entries)
-    origin = provenance(settings_of_statistics, source_sha256=statistics.attrs["source_sha256"])
+    checksums = statistics.attrs["source_sha256"]
+    origin = provenance(settings_of_statistics, source_sha256=checksums, stage="statistics")
     named = {"failed": json.dumps(list(failures), sort_keys=True)}
     write_dataset(statistics.assign_attrs(origin | named), staging / "statistics.nc")
     summary = summary_table(statistics)

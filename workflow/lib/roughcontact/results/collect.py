@@ -27,10 +27,15 @@ _SUFFIX: dict[str | None, str] = {
     "degree": "_degree",
 }
 
-_COORDINATES = ("mean_pressure", "pressure_bin_bounds", "gap_bin_bounds", "patch_bin_bounds", "profile_depth")
+_BINS = ("pressure_bin", "gap_bin", "patch_bin")
+_COORDINATES = (
+    "mean_pressure",
+    "profile_depth",
+    *(f"{bins}_{of}" for bins in _BINS for of in ("centre", "bounds")),
+)
 _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")
 # dimensions
-_NOT_IN_TABLE = {"pressure_bin", "gap_bin", "patch_bin", "depth", "source", "hardness_over_modulus"}
+_NOT_IN_TABLE = {*_BINS, "depth", "source", "hardness_over_modulus"}
 # labels of a dimension that are the same for all surfaces
 _COMMON_LABELS = {"source": object, "hardness_over_modulus": float}
 _WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged", "gap_percolates_x", "gap_percolates_y")
@@ -65,10 +70,10 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     Dataset
         dims (surface, load, ...), or (case, surface, load, ...) where entries have cases. Labels are the
         coordinates `surface` and `case`; `surface_name` and `case_name` are the same. Loads and bins may
-        differ between surfaces: shorter ones are padded with NaN, and `mean_pressure` and the bounds of the
-        bins depend on
-        the surface. The attributes are JSON: `source_sha256` has the checksum of every measured file,
-        `verdicts` what each file says of its loads, by case ("" where there are none) and surface.
+        differ between surfaces: shorter ones are padded with NaN, and `mean_pressure`, the centres and the
+        bounds of the bins depend on the surface. The attributes are JSON: `source_sha256` has the checksum
+        of every measured file, `verdicts` what each file says of its loads, by case ("" where there are
+        none) and surface.
 
     Raises
     ------
@@ -94,7 +99,7 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
             dims[name] = array.dims
     columns = {}
     for name, of in dims.items():
-        # the bins' centres follow from their bounds, and a dimension's own coordinate cannot vary by surface
+        # a dimension's own coordinate cannot vary by surface
         if name in sizes and name != "depth":
             continue
         values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in of)), np.nan)

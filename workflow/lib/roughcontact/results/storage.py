@@ -5,9 +5,11 @@ import json
 import os
 import platform
 import shutil
+import subprocess
 from collections.abc import Hashable, Iterator
 from contextlib import contextmanager, suppress
-from importlib.metadata import version
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -33,7 +35,34 @@ class Array(NamedTuple):
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
 
 
-def provenance(settings: dict[str, Any], *, source_sha256: str = "") -> dict[str, str]:
+# what may have had a part in a number, as far as it is installed; Snakemake started the jobs
+_PACKAGES = [
+    "numpy",
+    "scipy",
+    "xarray",
+    "netCDF4",
+    "h5py",
+    "pandas",
+    "pydantic",
+    "SurfaceTopography",
+    "x3pio",
+]
+_PACKAGES += ["sdfio", "mkl-fft", "mkl", "matplotlib", "snakemake"]
+# what each file of a surface holds
+_TITLES = {
+    "height": "Heights as measured",
+    "levelled": "Levelled heights",
+    "window": "Periodic window",
+    "contact": "Solution of the contact",
+    "uncertainty": "Error budget of the contact",
+    "statistics": "Statistics of the contact",
+    "crosscheck": "Contact solved by another code",
+}
+
+
+def provenance(
+    settings: dict[str, Any], *, source_sha256: str = "", stage: str = "", of: str = "", history: str = ""
+) -> dict[str, str]:
     """Return the attributes that say how a file came about: settings, versions, checksum of the input.
 
     No wall clock and no host name, so that two equal runs write equal files.
@@ -44,6 +73,12 @@ def provenance(settings: dict[str, Any], *, source_sha256: str = "") -> dict[str
         whatever JSON can write.
     source_sha256 : str
         checksum of the measured file.
+    stage : str
+        name of the file without its ending: "height", "statistics".
+    of : str
+        name of the surface.
+    history : str
+        of the file that it was made of.
 
     Returns
     -------
@@ -52,19 +87,52 @@ def provenance(settings: dict[str, Any], *, source_sha256: str = "") -> dict[str
 
     Examples
     --------
-    >>> provenance({"level": {"form": "plane"}})["settings"]
+    >>> made = provenance({"level": {"form": "plane"}}, stage="levelled", of="ground")
+    >>> made["settings"]
     '{"level": {"form": "plane"}}'
+    >>> made["title"]
+    'Levelled heights: ground'
     """
-    packages = ("numpy", "scipy", "xarray", "netCDF4")
-    versions = {"roughcontact": __version__, "python": platform.python_version()}
-    versions |= {name: version(name) for name in packages}
-    return {
+    program = f"roughcontact {__version__}"
+    title = _TITLES.get(stage, "Result of roughcontact")
+    made = {
         "Conventions": "CF-1.11",
-        "source": f"roughcontact {__version__}",
+        "title": f"{title}: {of}" if of else title,
+        "history": "\n".join(filter(None, [history, f"{title} by {program}"])),
+        "source": program,
         "settings": json.dumps(settings, sort_keys=True),
-        "versions": json.dumps(versions, sort_keys=True),
+        "versions": _versions(),
         "source_sha256": source_sha256,
     }
+    if commit := _commit():
+        made["commit"] = commit
+    return made
+
+
+@cache
+def _versions() -> str:
+    """Return the versions of all that computes, as JSON."""
+    versions = {"roughcontact": __version__, "python": platform.python_version()}
+    for name in _PACKAGES:
+        with suppress(PackageNotFoundError):
+            versions[name] = version(name)
+    return json.dumps(versions, sort_keys=True)
+
+
+@cache
+def _commit() -> str:
+    """Return the commit of the source: of its checkout, or the one that was noted when a wheel was built."""
+    package = Path(__file__).resolve().parents[1]
+    with suppress(OSError):
+        return (package / "_commit.txt").read_text(encoding="ascii").strip()
+    checkout = package.parents[2]
+    if not (checkout / ".git").exists():  # an environment within a folder of somebody else's
+        return ""
+    command = ["git", "-C", str(checkout), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    with suppress(OSError, subprocess.SubprocessError):
+        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
+        return done.stdout.strip()
+    return ""
 
 
 def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:

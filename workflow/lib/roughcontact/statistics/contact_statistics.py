@@ -1,6 +1,5 @@
 """Numbers of each load of a contact solution: areas, clusters, pressures, gaps, energy, stiffness, theory."""
 
-import math
 from collections.abc import Hashable, Mapping
 
 import numpy as np
@@ -26,6 +25,7 @@ from roughcontact.statistics.contact_geometry import contact_perimeter, relative
 from roughcontact.statistics.densities import (
     GAP_DECADES,
     PATCH_BINS,
+    PATCH_DECADES,
     PRESSURE_DECADES,
     density,
     logarithmic_edges,
@@ -139,7 +139,7 @@ def contact_statistics(
     edges = {
         "pressure": (modulus * gradient or modulus) * logarithmic_edges(PRESSURE_DECADES, pressure_bins),
         "gap": (float(np.ptp(height.values)) or steps[1]) * logarithmic_edges(GAP_DECADES, gap_bins),
-        "patch": steps[0] * steps[1] * logarithmic_edges((0, math.ceil(math.log10(height.size))), PATCH_BINS),
+        "patch": steps[0] * steps[1] * logarithmic_edges(PATCH_DECADES, PATCH_BINS),
     }
     filled = height["filled"].values != 0 if "filled" in height.coords else None
     hardness = float(contact["hardness"]) if "hardness" in contact else None
@@ -373,11 +373,14 @@ def _body_to_strain(stress: Extra, bodies: Bodies | None) -> dict[str, float] | 
 
 
 def _bins(edges: dict[str, np.ndarray]) -> dict[Hashable, tuple]:
-    """Return the coordinates that the bins have in a file: their centres, and their bounds."""
+    """Return the coordinates that the bins have in a file: their centres, and their bounds.
+
+    Neither is the coordinate of the dimension: that would keep surfaces apart, whose bins are in the same order.
+    """
     coordinates: dict[Hashable, tuple] = {}
     for name, bounds in edges.items():
         centres = (bounds[1:] + bounds[:-1]) / 2
-        coordinates[f"{name}_bin"] = (f"{name}_bin", centres, {"bounds": f"{name}_bin_bounds"})
+        coordinates[f"{name}_bin_centre"] = (f"{name}_bin", centres, {"bounds": f"{name}_bin_bounds"})
         both = np.column_stack([bounds[:-1], bounds[1:]])
         coordinates[f"{name}_bin_bounds"] = ((f"{name}_bin", "bounds"), both)
     return coordinates

@@ -5,6 +5,7 @@ import numpy as np
 PRESSURE_DECADES = (-3, 3)  # in units of E* g
 GAP_DECADES = (-4, 0)  # in units of the peak-to-valley height, which no gap exceeds
 PATCH_BINS = 5  # per factor of ten of the area of a patch, from one pixel on
+PATCH_DECADES = (0, 9)  # up to more points than a map can have, so that the bins of all maps are as many
 
 
 def logarithmic_edges(decades: tuple[int, int], per_decade: int) -> np.ndarray:

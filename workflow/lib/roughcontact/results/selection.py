@@ -1,0 +1,110 @@
+"""Statistics whose loads are selected by their pressure, one surface or all surfaces of a run."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from xarray.core.indexing import IndexSelResult
+
+from roughcontact.results.storage import read_dataset
+
+
+def read_statistics(path: str | Path) -> xr.Dataset:
+    """Read a file of statistics, ready for `.sel(mean_pressure=..., method="nearest")`.
+
+    Each surface may have been solved at pressures of its own: of several surfaces each gives its own load.
+
+    Parameters
+    ----------
+    path : str or Path
+        `statistics.nc` of one surface, or that of a run.
+
+    Returns
+    -------
+    Dataset
+        what `read_dataset` returns, with an index on `mean_pressure`.
+
+    Raises
+    ------
+    InputFileError
+        where the file is missing, damaged or no netCDF file.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import xarray as xr
+    >>> from roughcontact.results.storage import write_dataset
+    >>> loads = {"surface": ["ground", "turned"]}
+    >>> loads["mean_pressure"] = (("surface", "load"), [[1e6, 2e6], [3e6, 4e6]])
+    >>> gaps = xr.Dataset({"mean_gap": (("surface", "load"), [[4e-7, 3e-7], [2e-7, 1e-7]])}, coords=loads)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_dataset(gaps, f"{folder}/statistics.nc")
+    ...     statistics = read_statistics(f"{folder}/statistics.nc")
+    >>> statistics.sel(mean_pressure=2.2e6, method="nearest")["mean_gap"].values
+    array([3.e-07, 2.e-07])
+    >>> statistics.sel(surface="turned").sel(mean_pressure=4e6)["mean_gap"].item()
+    1e-07
+    """
+    return read_dataset(path).set_xindex("mean_pressure", MeanPressureIndex)
+
+
+class MeanPressureIndex(xr.Index):
+    """Places of loads by their mean pressure, which may differ between surfaces and cases.
+
+    Parameters
+    ----------
+    name : str
+        of the coordinate.
+    pressures : Variable (..., load), Pa
+        NaN where a list of loads is padded.
+    """
+
+    def __init__(self, name: Any, pressures: xr.Variable):
+        self.name, self.pressures = name, pressures
+
+    @classmethod
+    def from_variables(
+        cls, variables: Mapping[Any, xr.Variable], *, options: Mapping[str, Any]
+    ) -> "MeanPressureIndex":
+        """Return the index of the one coordinate that is given."""
+        ((name, pressures),) = variables.items()
+        return cls(name, pressures)
+
+    def create_variables(self, variables: Mapping[Any, xr.Variable] | None = None) -> dict[Any, xr.Variable]:
+        """Return the coordinate, or what is left of it."""
+        return {self.name: self.pressures}
+
+    def isel(self, indexers: Mapping[Any, Any]) -> "MeanPressureIndex | None":
+        """Return the index of a part; None where a single load is left."""
+        part = self.pressures.isel({dim: at for dim, at in indexers.items() if dim in self.pressures.dims})
+        return MeanPressureIndex(self.name, part) if "load" in part.dims else None
+
+    def sel(
+        self, labels: dict[Any, Any], method: str | None = None, tolerance: float | None = None
+    ) -> IndexSelResult:
+        """Return the place of the load at one pressure, or at several, for each surface."""
+        ((name, label),) = labels.items()
+        if method not in (None, "nearest"):
+            raise ValueError(f'{name}: method = {method!r} is not one of None, "nearest"')
+        wanted = np.asarray(label, float)
+        if wanted.ndim > 1:
+            raise ValueError(f"{name}: give a pressure or a list of them, not a table")
+        asked = xr.Variable(["asked"] if wanted.ndim else [], wanted)
+        distances = abs(self.pressures - asked).fillna(np.inf)
+        allowed = 0.0 if method is None else np.inf if tolerance is None else float(tolerance)
+        if not (distances.min("load") <= allowed).all():
+            known = np.unique(self.pressures.values[np.isfinite(self.pressures.values)])
+            listed = ", ".join(f"{pressure:.6g}" for pressure in known)
+            raise KeyError(f'{name} = {label} Pa is none of the loads {listed}; try method="nearest"')
+        places = distances.argmin("load")
+        if wanted.ndim:
+            places = xr.Variable(["load" if dim == "asked" else dim for dim in places.dims], places.values)
+        elif not places.ndim:
+            return IndexSelResult({"load": int(places)})
+        return IndexSelResult({"load": places})
+
+    def equals(self, other: xr.Index, **_: Any) -> bool:
+        """Return whether another index holds the same pressures."""
+        return isinstance(other, MeanPressureIndex) and self.pressures.equals(other.pressures)
