@@ -186,7 +186,7 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
 }
 
 
-# CF has this standard name for distances on a plane; without it checkers take an axis for degrees of longitude
+# CF has this standard name for distances on a plane; without it checkers take an axis for a longitude
 _AXES = {
     "x": {"axis": "X", "standard_name": "projection_x_coordinate"},
     "y": {"axis": "Y", "standard_name": "projection_y_coordinate"},

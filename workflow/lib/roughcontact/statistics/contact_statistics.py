@@ -375,7 +375,7 @@ def _body_to_strain(stress: Extra, bodies: Bodies | None) -> dict[str, float] | 
 def _bins(edges: dict[str, np.ndarray]) -> dict[Hashable, tuple]:
     """Return the coordinates that the bins have in a file: their centres, and their bounds.
 
-    Neither is the coordinate of the dimension: that would keep surfaces apart, whose bins are in the same order.
+    Neither is the coordinate of the dimension, which would keep the bins of two surfaces apart.
     """
     coordinates: dict[Hashable, tuple] = {}
     for name, bounds in edges.items():
