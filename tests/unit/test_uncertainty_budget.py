@@ -151,8 +151,8 @@ def test_the_budget_belongs_to_the_numbers_of_the_statistics(maps, statistics):
 def test_the_report_says_what_the_uncertainty_is_made_of(statistics):
     shown = shown_budget(statistics)
     assert len(shown["rows"]) == 2
-    area = float(statistics["relative_contact_area"][0])
-    ends = (float(statistics[f"relative_contact_area_{end}"][0]) for end in ("lower", "upper"))
+    area = 100 * float(statistics["relative_contact_area"][0])
+    ends = (100 * float(statistics[f"relative_contact_area_{end}"][0]) for end in ("lower", "upper"))
     assert shown["rows"][0][1] == with_interval(area, *ends)
     assert any("for this surface over 3.00 times the length of the map" in note for note in shown["notes"])
     assert shown["rows"][0][-1] in shown["header"]

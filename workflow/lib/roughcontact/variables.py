@@ -105,6 +105,52 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "mean_gap_choices": ("m", "mean gap with other choices of processing"),
     "max_pressure_choices": ("Pa", "largest pressure with other choices of processing"),
     "mean_contact_pressure_choices": ("Pa", "pressure in contact with other choices of processing"),
+    "conductance_per_conductivity_uncertainty": (
+        "m-1",
+        "half-width of the 95 % interval of the conductance over the mean conductivity",
+    ),
+    "conductance_per_conductivity_lower": (
+        "m-1",
+        "lower end of the 95 % interval of the conductance over the mean conductivity",
+    ),
+    "conductance_per_conductivity_upper": (
+        "m-1",
+        "upper end of the 95 % interval of the conductance over the mean conductivity",
+    ),
+    "conductance_per_conductivity_parts": (
+        "m-1",
+        "conductance over the mean conductivity of each part of the window, solved by itself",
+    ),
+    "conductance_per_conductivity_choices": (
+        "m-1",
+        "conductance over the mean conductivity with other choices of processing",
+    ),
+    "critical_constriction_x_uncertainty": (
+        "m",
+        "half-width of the 95 % interval of the narrowest place along x",
+    ),
+    "critical_constriction_x_lower": ("m", "lower end of the 95 % interval of the narrowest place along x"),
+    "critical_constriction_x_upper": ("m", "upper end of the 95 % interval of the narrowest place along x"),
+    "critical_constriction_x_parts": (
+        "m",
+        "narrowest place along x of each part of the window, solved by itself",
+    ),
+    "critical_constriction_x_choices": ("m", "narrowest place along x with other choices of processing"),
+    "critical_constriction_y_uncertainty": (
+        "m",
+        "half-width of the 95 % interval of the narrowest place along y",
+    ),
+    "critical_constriction_y_lower": ("m", "lower end of the 95 % interval of the narrowest place along y"),
+    "critical_constriction_y_upper": ("m", "upper end of the 95 % interval of the narrowest place along y"),
+    "critical_constriction_y_parts": (
+        "m",
+        "narrowest place along y of each part of the window, solved by itself",
+    ),
+    "critical_constriction_y_choices": ("m", "narrowest place along y with other choices of processing"),
+    "thermal_conductance_lower": ("W m-2 K-1", "lower end of the 95 % interval of the thermal conductance"),
+    "thermal_conductance_upper": ("W m-2 K-1", "upper end of the 95 % interval of the thermal conductance"),
+    "electrical_conductance_lower": ("S m-2", "lower end of the 95 % interval of the electrical conductance"),
+    "electrical_conductance_upper": ("S m-2", "upper end of the 95 % interval of the electrical conductance"),
     "switches": ("1", "switches between contact and non-contact along all rows and columns"),
     "beside_the_peak": ("Pa", "difference between the largest pressure and the mean of its neighbours"),
     # theory beside the data

@@ -166,7 +166,8 @@ def comparison_caption(series: Sequence[tuple[str, np.ndarray, np.ndarray]], uni
     highest = min(float(loads[-1]) for _, loads, _ in series)
     areas = [float(np.interp(highest, loads, areas)) for _, loads, areas in series]
     least, most = (
-        f"{percent(areas[place])} ({series[place][0]})" for place in (np.argmin(areas), np.argmax(areas))
+        f"{percent(areas[place])} ({series[place][0]})"
+        for place in (int(np.argmin(areas)), int(np.argmax(areas)))
     )
     symbol = "p̄" if unit == "Pa" else "p′"
     return f"At {symbol} = {quantity(highest, unit)} {least} to {most} of the area touch."

@@ -61,6 +61,7 @@ def surface_facts(
         ("Nayak parameter", number(float(numbers["nayak_parameter"]))),
         ("Points per shortest wave", number(resolution, digits=2)),
         ("First yield below the surface", _first_yield(numbers)),
+        ("Gap closes", _closing(numbers)),
         ("Adhesion", adhesion_in_words(numbers)),
         ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
         ("Hardness", _of_softer_body(numbers, "hardness")),
@@ -243,6 +244,25 @@ def _first_yield(numbers: xr.Dataset) -> str:
         return ""
     load = float(numbers[name])
     return "not between the loads solved" if np.isnan(load) else f"at {quantity(load, 'Pa')} mean pressure"
+
+
+def _closing(numbers: xr.Dataset) -> str:
+    """Return between which loads the gap closes along each axis, nothing for a profile and for a flat map."""
+    if "gap_percolates_x" not in numbers or not np.isfinite(numbers.get("Std", np.nan)):
+        return ""
+    loads = [quantity(float(load), "Pa") for load in numbers["mean_pressure"]]
+    found = {}
+    for axis in ("x", "y"):
+        closed = np.flatnonzero(numbers[f"gap_percolates_{axis}"].values == 0)
+        if not closed.size:
+            found[axis] = f"not up to {loads[-1]}"
+        elif closed[0] == 0:
+            found[axis] = f"at {loads[0]} already"
+        else:
+            found[axis] = f"between {loads[closed[0] - 1]} and {loads[closed[0]]}"
+    if found["x"] == found["y"]:
+        return found["x"]
+    return "; ".join(f"along {axis} {words}" for axis, words in found.items())
 
 
 def _size(height: xr.DataArray) -> str:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, percent, quantity, with_interval
+from roughcontact.quantities import number, percent, prefix, with_interval
 from roughcontact.report.tables import unit_of_column
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 
@@ -159,17 +159,32 @@ def _seals(numbers: xr.Dataset, place: int) -> Cell:
     if np.isnan(float(numbers.get("Std", 0.0))) and float(numbers["rms_gradient"]) > 0:
         return Cell(NOT_JUDGED, "a profile does not tell")
     is_open = [axis for axis in ("x", "y") if float(numbers[f"gap_percolates_{axis}"][place])]
+    doubt = " (in doubt)" if any(_in_doubt(numbers, axis, place) for axis in ("x", "y")) else ""
     if not is_open:
-        return Cell("seals", "gap closed along x and y")
-    narrowest = [f"{_unbroken(numbers[f'critical_constriction_{axis}'][place])} ({axis})" for axis in is_open]
+        return Cell(f"seals{doubt}", "gap closed along x and y")
+    narrowest = [f"{_narrowest(numbers, axis, place)} ({axis})" for axis in is_open]
     closed = {"x": "y", "y": "x"}[is_open[0]]
     answer = "leaks" if len(is_open) == 2 else f"seals along {closed}, leaks along {is_open[0]}"
-    return Cell(answer, f"narrowest place {', '.join(narrowest)}")
+    return Cell(answer + doubt, f"narrowest place {', '.join(narrowest)}")
 
 
-def _unbroken(length: xr.DataArray) -> str:
-    """Return a length that is not broken before its unit."""
-    return quantity(float(length), "m", digits=2).replace(" ", "\N{NO-BREAK SPACE}")
+def _in_doubt(numbers: xr.Dataset, axis: str, place: int) -> bool:
+    """Return whether the interval of the narrowest place has both an open and a closed gap in it."""
+    if not _known(numbers, f"critical_constriction_{axis}_lower"):
+        return False
+    lower, upper = (
+        float(numbers[f"critical_constriction_{axis}_{end}"][place]) for end in ("lower", "upper")
+    )
+    return lower <= 0 < upper
+
+
+def _narrowest(numbers: xr.Dataset, axis: str, place: int) -> str:
+    """Return the narrowest place on the way along an axis, with its interval; not broken before its unit."""
+    name = f"critical_constriction_{axis}"
+    factor, unit = prefix(float(numbers[name][place]), "m")
+    ends = [f"{name}_lower", f"{name}_upper"] if _known(numbers, f"{name}_lower") else [name, name]
+    text = with_interval(*(float(numbers[key][place]) * factor for key in (name, *ends)))
+    return f"{text}\N{NO-BREAK SPACE}{unit}"
 
 
 def _yields(load: xr.Dataset) -> Cell:

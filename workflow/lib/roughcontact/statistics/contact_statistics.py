@@ -233,7 +233,19 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
         for key in ("window_reason", "window_flag", "processing_reason")
         if key in budget.attrs
     }
-    return statistics.merge(budget[found], compat="override", join="override").assign_attrs(words)
+    complete = statistics.merge(budget[found], compat="override", join="override").assign_attrs(words)
+    return complete.assign(_ends_in_other_units(complete))
+
+
+def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Return the ends of the intervals of what conducts, which are those of K/E* in other units."""
+    base = "conductance_per_conductivity"
+    return {
+        f"{name}_{end}": statistics[name] / statistics[base] * statistics[f"{base}_{end}"]
+        for name in ("thermal_conductance", "electrical_conductance")
+        for end in ("lower", "upper")
+        if name in statistics and f"{base}_{end}" in statistics
+    }
 
 
 def surface_statistics(height: xr.DataArray) -> dict[str, float]:

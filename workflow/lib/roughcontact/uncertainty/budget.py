@@ -9,6 +9,7 @@ import xarray as xr
 from roughcontact.checking import check_choice
 from roughcontact.choices import UncertaintySource
 from roughcontact.contact.solve import solve_contact
+from roughcontact.uncertainty.answers import ANSWERS, answers_in, headline_and_answers
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, grid_marks
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.uncertainty.processing import processing_uncertainty
@@ -41,7 +42,10 @@ def error_budget(
     windows: int = 9,
     extent: float = 3.0,
 ) -> xr.Dataset:
-    """Return the uncertainty of contact area, mean gap, peak and mean contact pressure, by source and in all.
+    """Return the uncertainty of the headline numbers and of the answers, by source and in all.
+
+    The headline numbers are contact area, mean gap, largest and mean pressure in contact; the answers
+    conductance and narrowest places of the gap (`roughcontact.uncertainty.answers`).
 
     The interval is for the surface over `extent` times the length of the map, under the same mean pressure.
     Sources: `solver` (its certificate), `discretisation` (pixels half as large), `window` (an ensemble of
@@ -127,10 +131,8 @@ def error_budget(
     budget = combine(found, solved).assign_coords(coordinates).assign({rejected.name: rejected})
     for source, ending in _ENSEMBLES.items():
         if source in found:
-            members = [f"{name}_members" for name in QUANTITIES]
-            kept = found[source][members].rename(
-                {f"{name}_members": f"{name}_{ending}" for name in QUANTITIES}
-            )
+            names = {f"{name}_members": f"{name}_{ending}" for name in (*QUANTITIES, *ANSWERS)}
+            kept = found[source][list(names)].rename(names)
             budget = budget.merge(kept.drop_vars("mean_pressure"))
             budget.attrs |= {
                 f"{source}_{key}": found[source].attrs[key]
@@ -182,10 +184,12 @@ def combine(found: Mapping[UncertaintySource, xr.Dataset], result: xr.Dataset) -
     least = {"mean_contact_pressure": load, "max_pressure": load}
     most = {"relative_contact_area": 1.0}
     columns: dict[str, tuple] = {}
-    for name in QUANTITIES:
+    for name in (*QUANTITIES, *answers_in(result)):
         shown = np.full((load.size, len(SOURCES)), np.nan)
         below, above, bias = np.zeros((3, *shown.shape))
         for source, dataset in found.items():
+            if name not in dataset:  # the solver adds nothing to the answers
+                continue
             column = SOURCES.index(source)
             shown[:, column] = dataset[name].values
             off = dataset[f"{name}_bias"].values if f"{name}_bias" in dataset else np.zeros(load.size)
@@ -213,9 +217,10 @@ def combine(found: Mapping[UncertaintySource, xr.Dataset], result: xr.Dataset) -
 
 
 def _count(contact: xr.Dataset) -> xr.Dataset:
-    """Return the four quantities of a load, the marks of its grid, and what the solver leaves open."""
+    """Return the numbers of a load, the marks of its grid, and what the solver leaves open."""
     open_by_solver = solver_uncertainty(contact)
-    return grid_marks(contact).merge(open_by_solver.rename({name: _uncertainty(name) for name in QUANTITIES}))
+    counted = grid_marks(contact).merge(headline_and_answers(contact)[list(ANSWERS)])
+    return counted.merge(open_by_solver.rename({name: _uncertainty(name) for name in QUANTITIES}))
 
 
 def _uncertainty(name: str) -> str:

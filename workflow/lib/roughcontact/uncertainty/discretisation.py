@@ -28,6 +28,7 @@ tests/unit/test_uncertainty_discretisation.py).
 """
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,8 @@ from numpy.typing import ArrayLike
 from roughcontact.contact.solve import solve_contact
 from roughcontact.maps import refined, spacing
 from roughcontact.statistics.contact_geometry import count_switches
+from roughcontact.uncertainty.answers import answers_in, headline_and_answers
+from roughcontact.uncertainty.ensemble import Count
 from roughcontact.uncertainty.headline import QUANTITIES, fields_of, headline
 from roughcontact.uncertainty.solver import solver_uncertainty
 from roughcontact.window.periodisation import periodic_plus_smooth
@@ -85,13 +88,18 @@ def discretisation_uncertainty(
     if solved is None:
         solved = solve_contact(window, **contact, reduce=grid_marks)
     part = _part(window)
-    coarse = solved if part is window else _solve(part, contact)
-    fine = _solve(refined(part, 2), contact)
+    names = [*QUANTITIES, *answers_in(solved)]
+    coarse = solved if part is window else _solve(part, contact, names)
+    fine = _solve(refined(part, 2), contact, names)
     change = {
         name: _FIRST_ORDER
         * np.abs(solved[name].values * _ratio(coarse[name].values - fine[name].values, coarse[name].values))
         for name in QUANTITIES
     }
+    for name in answers_in(solved):  # a narrowest place that is closed is no base of a ratio
+        own, other = coarse[name].values, fine[name].values
+        scale = np.divide(solved[name].values, own, out=np.ones(own.shape), where=own > 0)
+        change[name] = _FIRST_ORDER * np.abs(scale * (own - other))
     load, share = solved["mean_pressure"].values, solved["relative_contact_area"].values
     switches = solved["switches"].values / window.size
     area = _root_of_squares(
@@ -106,6 +114,7 @@ def discretisation_uncertainty(
         "max_pressure": np.hypot(change["max_pressure"], _BESIDE_THE_PEAK * solved["beside_the_peak"].values),
         "mean_contact_pressure": np.abs(overcount) + load * _ratio(area, share**2),
         "mean_contact_pressure_bias": np.abs(overcount),
+        **{name: change[name] for name in answers_in(solved)},
     }
     return xr.Dataset({name: ("load", values) for name, values in uncertainty.items()})
 
@@ -139,17 +148,18 @@ def grid_marks(contact: xr.Dataset) -> xr.Dataset:
     return headline(contact).assign(switches=("load", switches), beside_the_peak=("load", drop))
 
 
-def _solve(window: xr.DataArray, contact: Mapping[str, Any]) -> xr.Dataset:
-    """Return the four quantities of a map and the solver's part of the mean gap; NaN for a failed load."""
+def _solve(window: xr.DataArray, contact: Mapping[str, Any], names: list[str]) -> xr.Dataset:
+    """Return quantities of a map, the solver's part of the mean gap beside them; NaN for a failed load."""
     tolerance = min(_TOLERANCE, contact.get("tolerance", _TOLERANCE))
     arguments = {**contact, "tolerance": tolerance, "on_failure": "flag"}
-    found = solve_contact(window, **arguments, reduce=_headline_and_gap)
-    return found[[*QUANTITIES, "mean_gap_uncertainty"]].where(found["converged"] == 1)
+    count = headline_and_answers if names[len(QUANTITIES) :] else headline
+    found = solve_contact(window, **arguments, reduce=partial(_with_open_gap, count))
+    return found[[*names, "mean_gap_uncertainty"]].where(found["converged"] == 1)
 
 
-def _headline_and_gap(contact: xr.Dataset) -> xr.Dataset:
-    """Return the four quantities of a load and what the solver leaves open of the mean gap."""
-    return headline(contact).assign(mean_gap_uncertainty=solver_uncertainty(contact)["mean_gap"])
+def _with_open_gap(count: Count, contact: xr.Dataset) -> xr.Dataset:
+    """Return what is counted of a load and what the solver leaves open of the mean gap."""
+    return count(contact).assign(mean_gap_uncertainty=solver_uncertainty(contact)["mean_gap"])
 
 
 def _part(window: xr.DataArray) -> xr.DataArray:

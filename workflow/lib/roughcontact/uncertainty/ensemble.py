@@ -1,6 +1,6 @@
 """One member of an ensemble: a quick solve of a window, and the four numbers that the error budget is for."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,9 +8,12 @@ import xarray as xr
 
 from roughcontact.contact.solve import solve_contact
 from roughcontact.maps import spacing
+from roughcontact.uncertainty.answers import answers_in
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 
 _OWN = ("tolerance", "fields", "reduce", "progress")  # what a member decides for itself
+
+Count = Callable[[xr.Dataset], xr.Dataset]
 
 
 class Member(NamedTuple):
@@ -28,7 +31,9 @@ class Member(NamedTuple):
     work: float
 
 
-def solve_member(window: xr.DataArray, contact: Mapping[str, Any], *, tolerance: float) -> Member:
+def solve_member(
+    window: xr.DataArray, contact: Mapping[str, Any], *, tolerance: float, count: Count = headline
+) -> Member:
     """Solve one window of an ensemble, without keeping fields.
 
     Parameters
@@ -40,6 +45,8 @@ def solve_member(window: xr.DataArray, contact: Mapping[str, Any], *, tolerance:
         "flag", is NaN.
     tolerance : float
         of the pressure, unless `contact` has a wider one.
+    count : callable
+        what the numbers of a load are: `headline` or `headline_and_answers`.
 
     Returns
     -------
@@ -58,10 +65,10 @@ def solve_member(window: xr.DataArray, contact: Mapping[str, Any], *, tolerance:
     >>> found.values["relative_contact_area"].round(2)
     array([0.34])
     """
-    found = solve_contact(window, **solver_arguments(contact, tolerance=tolerance), reduce=headline)
+    found = solve_contact(window, **solver_arguments(contact, tolerance=tolerance), reduce=count)
     converged = found["converged"].values == 1
     return Member(
-        {name: np.where(converged, found[name].values, np.nan) for name in QUANTITIES},
+        {name: np.where(converged, found[name].values, np.nan) for name in (*QUANTITIES, *answers_in(found))},
         float(found["operator_applications"].sum()) * window.size,
     )
 

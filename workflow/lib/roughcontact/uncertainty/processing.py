@@ -21,8 +21,9 @@ from roughcontact.levelling.rejected import rejected_points, with_rejected
 from roughcontact.levelling.row_jitter import find_row_jitter
 from roughcontact.maps import spacing
 from roughcontact.statistics.checks import FORM
+from roughcontact.uncertainty.answers import answers_in, headline_and_answers
 from roughcontact.uncertainty.ensemble import Member, scale_to, shown_part, solve_member
-from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.window.periodic_window import periodic_window
 
 COVERAGE_FACTOR = 2.0  # of the expanded uncertainty: about 95 %
@@ -105,9 +106,10 @@ def processing_uncertainty(
     choices = _choices(levelled, level, window)
     groups = np.array([choice.group for choice in choices])
     on_coarse_grid = np.isin(groups, ("own", "form"))
-    members = [solve_member(choice.window, contact, tolerance=_TOLERANCE) for choice in choices]
+    count = headline_and_answers if answers_in(solved) else headline
+    members = [solve_member(choice.window, contact, tolerance=_TOLERANCE, count=count) for choice in choices]
     result: dict[str, tuple] = {}
-    for name in QUANTITIES:
+    for name in (*QUANTITIES, *answers_in(solved)):
         main = solved[name].values
         values = np.array([member.values[name] for member in members])
         values[on_coarse_grid] = scale_to(main, values[on_coarse_grid], base=values[0])

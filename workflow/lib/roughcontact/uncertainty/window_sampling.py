@@ -41,9 +41,10 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import spacing
 from roughcontact.quantities import number, percent
 from roughcontact.roughness.texture import texture_parameters
+from roughcontact.uncertainty.answers import answers_in, headline_and_answers, of_other_places
 from roughcontact.uncertainty.ensemble import shown_part, solve_member
 from roughcontact.uncertainty.growth import form_order, growth_exponent
-from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.window.periodic_window import periodic_window
 
 _TOLERANCE = 1e-2  # of the pressure: 0.4 % of a part's area (rms), where parts differ by 5 % and more
@@ -134,10 +135,11 @@ def window_uncertainty(
     whole = shown_part(levelled, chosen)
     parts = _cut(whole, spacing(levelled), int(number), window.get("shortest_wavelength") or 0.0)
     own = {**window, "placement": "largest", "min_share": 0.0}
+    count = headline_and_answers if answers_in(solved) else headline
     members = []
     for part in parts:
         periodic = periodic_window(_levelled_again(levelled.isel(part), form_order(levelled)), **own)
-        members.append(solve_member(periodic, contact, tolerance=_TOLERANCE))
+        members.append(solve_member(periodic, contact, tolerance=_TOLERANCE, count=count))
     step = _step(chosen, levelled.isel(whole), parts=len(parts), extent=extent)
     result: dict[str, tuple] = {}
     for name in QUANTITIES:
@@ -148,6 +150,17 @@ def window_uncertainty(
             f"{name}_down": ("load", down),
             f"{name}_up": ("load", up),
             f"{name}_members": (("member", "load"), values),
+        }
+    for name in answers_in(solved):
+        of_parts = np.array([member.values[name] for member in members])
+        down, up = of_other_places(
+            name, of_parts, solved[name].values, factor=step.scatter, growth=step.growth
+        )
+        result |= {
+            name: ("load", np.maximum(down, up)),
+            f"{name}_down": ("load", down),
+            f"{name}_up": ("load", up),
+            f"{name}_members": (("member", "load"), of_parts),
         }
     covered = sum(math.prod(levelled.isel(part).shape) for part in parts) / levelled.size
     incomplete = any(np.isnan(member.values["mean_gap"]).any() for member in members)
