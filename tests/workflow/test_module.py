@@ -1,5 +1,6 @@
 """The workflow as a module of somebody else's, and what Snakemake draws without being told of cores."""
 
+import json
 import subprocess
 import sys
 
@@ -65,3 +66,21 @@ def test_drawings_need_no_number_of_cores(finished, drawing):
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("digraph")
+
+
+def test_the_report_of_snakemake_has_each_surface_with_captions_and_labels(finished):
+    page = finished.path("snakemake-report.html")
+    done = finished.run("--report", page)
+    assert done.returncode == 0, done.stderr
+    text = page.read_text(encoding="utf-8")
+    shown = text[text.index('<script id="categories">') :].partition("</script>")[0]
+    categories = json.loads(shown[shown.index("{") : shown.rindex("}") + 1])
+    assert list(categories) == ["All surfaces", "ground", "turned"]
+    of_ground = [f"results/ground/{name}" for name in ("panel.html", "statistics.nc")]
+    assert sorted(path for paths in categories["ground"].values() for path in paths) == of_ground
+    assert sum(map(len, categories["All surfaces"].values())) == 3
+    for words in (
+        "figures and checks",
+        "what touches: maps, area and gap against load",
+    ):  # a label, a caption
+        assert words in text

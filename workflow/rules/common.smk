@@ -146,6 +146,28 @@ def counter_face(wildcards):
     )
 
 
+# what the report of Snakemake shows of each surface
+SHOWN = {
+    "panel": ("html", "figures and checks", "page"),
+    "statistics": ("nc", "all numbers", "netCDF"),
+}
+
+
+def shown(name):
+    """Return a file of a surface as an output that `snakemake --report` shows, under the surface's name."""
+    ending, holds, kind = SHOWN[name]
+    return report(
+        f"{FOLDER}/{name}.{ending}",
+        caption=f"../report/surface_{name}.rst",
+        category="{surface}",
+        labels={
+            **({"case": "{case}"} if STUDY else {}),
+            "holds": holds,
+            "file": kind,
+        },
+    )
+
+
 def stage_settings(stage):
     """Return the parameter function that gives all the settings on which `stage` depends."""
 

@@ -58,7 +58,7 @@ if owners("contact", keep_fields=True) or (
             contact=stage_file("contact"),
             uncertainty=stage_file("uncertainty"),
         output:
-            f"{FOLDER}/statistics.nc",
+            shown("statistics"),
         log:
             f"{LOGS}/statistics.log",
         wildcard_constraints:
@@ -88,7 +88,7 @@ if owners("contact", keep_fields=False) or (
             uncertainty=stage_file("uncertainty"),
         output:
             contact=f"{FOLDER}/contact.nc",
-            statistics=f"{FOLDER}/statistics.nc",
+            statistics=shown("statistics"),
         log:
             f"{LOGS}/solve_statistics.log",
         wildcard_constraints:

@@ -50,7 +50,7 @@ rule panel:
         statistics=stage_file("statistics"),
         crosscheck=crosscheck_file,
     output:
-        f"{FOLDER}/panel.html",
+        shown("panel"),
     log:
         f"{LOGS}/panel.log",
     wildcard_constraints:
@@ -79,7 +79,8 @@ rule collect:
                 "pairs": report(
                     "results/pairs.csv",
                     caption="../report/pairs.rst",
-                    category="Data",
+                    category="All surfaces",
+                    labels={"holds": "pairs of faces", "file": "table"},
                 )
             }
             if MEMBERS
@@ -88,10 +89,14 @@ rule collect:
         statistics=report(
             "results/statistics.nc",
             caption="../report/statistics.rst",
-            category="Data",
+            category="All surfaces",
+            labels={"holds": "all numbers", "file": "netCDF"},
         ),
         summary=report(
-            "results/summary.csv", caption="../report/summary.rst", category="Data"
+            "results/summary.csv",
+            caption="../report/summary.rst",
+            category="All surfaces",
+            labels={"holds": "all numbers", "file": "table"},
         ),
     log:
         "logs/collect.log",
@@ -114,7 +119,12 @@ rule report:
         pairs=["results/pairs.csv"] if MEMBERS else [],
         panels=[f"{FOLDER}/panel.html".format(**run) for run in RUNS],
     output:
-        report("results/report.html", caption="../report/page.rst", category="Page"),
+        report(
+            "results/report.html",
+            caption="../report/page.rst",
+            category="All surfaces",
+            labels={"holds": "figures, numbers, checks", "file": "page"},
+        ),
         **({"pages": directory("results/pages")} if len(RUNS) > ONE_PAGE else {}),
     log:
         "logs/report.log",

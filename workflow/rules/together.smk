@@ -11,7 +11,6 @@ PARTS = {
         ["uncertainty", "solve", "statistics", "solve_statistics", "panel"],
     ),
 }
-SUFFIXES = {"panel": "html"}
 
 
 def own_steps(case, part, kind):
@@ -100,7 +99,11 @@ for case in CASES:
                         unpack(files_of_steps(steps, links)),
                     output:
                         **{
-                            file: f"{FOLDER}/{file}.{SUFFIXES.get(file, 'nc')}"
+                            file: (
+                                shown(file)
+                                if file in SHOWN and file in written
+                                else f"{FOLDER}/{file}.nc"
+                            )
                             for file in [*written, *links]
                         },
                     log:
