@@ -28,7 +28,7 @@ LARGEST = {"ASPHER": 2048, "Tamaas": 512}  # points per side; it takes minutes a
 THREADS_USED = {"Tamaas": 1}  # codes that use this many threads, whatever they are given
 PAUSE = 0.1  # seconds before a solve: idle threads of the code before may spin for so long
 REHEARSED = 2.0  # seconds: solves that take longer are not rehearsed
-REPEATS = ((10.0, 1), (2.0, 2))  # solves that take longer than so many seconds are timed so often at most
+REPEATS = ((5.0, 1), (2.0, 2))  # solves that take longer than so many seconds are timed so often at most
 
 
 @dataclass(frozen=True)
@@ -161,31 +161,34 @@ def solve(
 
 def race(study):
     """Yield the jobs of timing all codes on each case."""
+    guesses: dict = {}
     for case in all_cases(study):
+        known: dict = {}
         for threads in study.threads:
-            yield f"{case.key} threads {threads}", partial(times, study, case, threads)
+            yield f"{case.key} threads {threads}", partial(times, study, case, threads, known, guesses)
 
 
-def times(study, case: Case, threads: int) -> dict:
-    """Return median seconds and largest true error of all codes, taking turns."""
+def times(study, case: Case, threads: int, known: dict, guesses: dict) -> dict:
+    """Return median seconds and largest true error of all codes, taking turns.
+
+    `known` gets the solve of each code at its tolerance: those of the other codes are kept by `rungs`, this
+    solver's own is looked for anew, because it may have changed since.
+    """
     kept = study.results.setdefault("rungs", {})
-    solves, known_of = {}, {}
-    for code in codes_for(study, case, threads):
-        # this solver's own is looked for anew: it may have changed since
-        known = rung(study, case, code, {}) if code == "roughcontact" else kept.get(rung_key(case, code))
-        if known is None:
-            known = kept[rung_key(case, code)] = rung(study, case, code, {})
-        if known:
-            known_of[code], solves[code] = known, []
+    codes = codes_for(study, case, threads)
+    for code in codes:
+        if code not in known:
+            known[code] = kept.get(rung_key(case, code)) or rung(study, case, code, guesses)
+            if code != "roughcontact":
+                kept[rung_key(case, code)] = known[code]
+    solves: dict = {code: [] for code in codes if known[code]}
     for repeat in range(study.repeats):
         for code, of_code in solves.items():
-            known = known_of[code]
-            if repeat < most_repeats(known["seconds"]):
+            if repeat < most_repeats(known[code]["seconds"]):
                 time.sleep(PAUSE)
-                rehearse = known["seconds"] < REHEARSED
-                of_code.append(
-                    solve(study, case, code, known["tolerance"], threads=threads, rehearse=rehearse)
-                )
+                brief = known[code]["seconds"] < REHEARSED
+                tolerance = known[code]["tolerance"]
+                of_code.append(solve(study, case, code, tolerance, threads=threads, rehearse=brief))
     return {
         "name": case.name,
         "group": case.group,
