@@ -22,9 +22,9 @@ the truth is a solution with a proven error below 1e-10, to which all three conv
 `benchmarks/agreement.py`). Times are medians of repeated solves in warm processes, the codes taking turns,
 from heights in memory to the pressure, with whatever a solve sets up anew. Each code solves the case,
 untimed, for half a second right before a timed solve of less than 2 s: a process that has waited for the
-others is slow at first. *Made* maps are self-affine with random phases, Hurst exponent 0.8, 4 to N/8 waves
-per side, three of each size and load (geometric means); measured ones are the largest square in the middle
-of each file, levelled and made periodic by default. p′ = p̄ / (E\\* g), where g is the rms gradient. ASPHER
+others is slow at first. *Made × n* are self-affine maps, Hurst exponent 0.8, 4 to N/8 waves per
+side; times and ratios are geometric means over n of them with other random phases. Measured maps are the
+largest square in the middle of each file, levelled and made periodic by default. p′ = p̄ / (E\\* g), where g is the rms gradient. ASPHER
 works in single precision where that suffices, the fastest of its settings here; roughcontact ends in
 double; the wheel of Tamaas uses one thread, and sides of more than 512 points would take it minutes."""
 
@@ -152,7 +152,8 @@ def race_section(timed: list[dict]) -> list[str]:
         rows = []
         for (_, size, name, load), group in sorted(groups.items()):
             own = [case["codes"]["roughcontact"]["seconds"] for case in group]
-            row = [name.replace("_", "\\_"), f"{size}²", f"{load:g}", seconds(geometric_mean(own))]
+            shown = f"made × {len(group)}" if name == "made" else named(name)
+            row = [shown, f"{size}²", f"{load:g}", seconds(geometric_mean(own))]
             for code in rivals:
                 found = [case["codes"][code]["seconds"] for case in group if code in case["codes"]]
                 row.append(seconds(geometric_mean(found)) if len(found) == len(group) else "–")
@@ -439,8 +440,8 @@ SECTIONS = {
 
 
 def seconds(value: float) -> str:
-    """Return a time with its unit."""
-    return f"{1000 * value:.3g} ms" if value < 1 else f"{value:.3g} s"
+    """Return a time with its unit, to three digits."""
+    return f"{1000 * value:.3g} ms" if value < 1 else f"{value:.3g} s" if value < 1000 else f"{value:.0f} s"
 
 
 def short(tolerance: float) -> str:
