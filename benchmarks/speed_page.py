@@ -24,9 +24,10 @@ from heights in memory to the pressure, with whatever a solve sets up anew. Each
 untimed, for half a second right before a timed solve of less than 2 s: a process that has waited for the
 others is slow at first. *Made × n* are self-affine maps, Hurst exponent 0.8, 4 to N/8 waves per
 side; times and ratios are geometric means over n of them with other random phases. Measured maps are the
-largest square in the middle of each file, levelled and made periodic by default. p′ = p̄ / (E\\* g), where g is the rms gradient. ASPHER
-works in single precision where that suffices, the fastest of its settings here; roughcontact ends in
-double; the wheel of Tamaas uses one thread, and sides of more than 512 points would take it minutes."""
+largest square in the middle of each file, levelled and made periodic by default. p′ = p̄ / (E\\* g),
+where g is the rms gradient. ASPHER works in single precision where that suffices, the fastest of its
+settings here; roughcontact ends in double; the wheel of Tamaas uses one thread, and sides of more than
+512 points would take it minutes."""
 
 PAIRS = """\
 A pair is one forward and one inverse Fourier transform of the map, by far the longest part of a solve. All
