@@ -164,7 +164,17 @@ _ROWS = b"1 2 3 4\n" * 5
 _BLANKS = [b" " * 2**20] * 250
 _BOMB = b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY x "ha"><!ENTITY y "&x;&x;&x;&x;">]><a>&y;</a>'
 
+
 # name -> what writes the file, and whether it shall be refused (else: a map or a refusal)
+def _cdf5(*, attributes: int = 0, axes: int = 0) -> bytes:
+    """Return a CDF-5 file of one variable whose header counts more than it has."""
+    name = (1).to_bytes(8, "big") + b"z\0\0\0"
+    listed = (12).to_bytes(4, "big") + attributes.to_bytes(8, "big") if attributes else bytes(12)
+    variable = name + axes.to_bytes(8, "big") + listed + (6).to_bytes(4, "big") + bytes(16)
+    variables = (11).to_bytes(4, "big") + (1).to_bytes(8, "big") + variable
+    return b"CDF\x05" + bytes(8) + bytes(12) + bytes(12) + variables + bytes(1000)
+
+
 FILES: dict[str, tuple[Callable[[Path], None], bool]] = {
     "text: blanks in a header": (_bytes(b"width(->" + b" " * 100_000 + b"x: 3\n", _ROWS), False),
     "text: 300 000 letters": (_bytes(b"a" * 300_000 + b"\n", _ROWS), False),
@@ -179,6 +189,8 @@ FILES: dict[str, tuple[Callable[[Path], None], bool]] = {
     "netCDF: a coordinate of 10¹⁰ points": (_netcdf(_long_coordinate), True),
     "netCDF: six variables of 11 585²": (_netcdf(_unread_variables), False),
     "netCDF: 200 000 brackets in an attribute": (_netcdf(_brackets), False),
+    "netCDF: 2³⁰ axes of a variable (CDF-5)": (_bytes(_cdf5(axes=2**30)), True),
+    "netCDF: 2⁶⁰ attributes (CDF-5)": (_bytes(_cdf5(attributes=2**60)), True),
     "HDF5: a group that contains itself": (_hdf5(_circle), True),
     "HDF5: a link in a circle": (_hdf5(_circle_of_names), True),
     "HDF5: groups doubled 40 times": (_hdf5(_doubled), True),

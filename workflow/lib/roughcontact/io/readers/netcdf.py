@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io import hdf5
+from roughcontact.io import cdf5, hdf5
 from roughcontact.io.channels import (
     Channel,
     MeasuredFile,
@@ -30,7 +30,7 @@ from roughcontact.io.metadata import instrument_words
 from roughcontact.io.units import is_length
 
 _CLASSIC = (b"CDF\x01", b"CDF\x02")  # the second one with offsets of 64 bits
-_MARKS = (*_CLASSIC, b"CDF\x05", hdf5.MARK)
+_MARKS = (*_CLASSIC, cdf5.MARK, hdf5.MARK)
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -73,6 +73,8 @@ def read(path: Path) -> MeasuredFile:
         For a file that is damaged, cut off, or has no such variable.
     """
     head = head_of(path)
+    if head.startswith(cdf5.MARK):
+        cdf5.check_header(path)
     arrays = hdf5.datasets(path) if head.startswith(hdf5.MARK) else {}
     # In a classic file that was cut off, the netCDF library reads zeros; SciPy misses the bytes.
     engine = "scipy" if head.startswith(_CLASSIC) else "netcdf4"
