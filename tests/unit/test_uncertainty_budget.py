@@ -148,6 +148,17 @@ def test_the_budget_belongs_to_the_numbers_of_the_statistics(maps, statistics):
         np.testing.assert_allclose(found[name], statistics[name], rtol=1e-12)
 
 
+def test_no_pressure_rises_above_the_hardness():
+    pixels = xr.Dataset({name: ("load", [4.0]) for name in QUANTITIES})
+    result = xr.Dataset({name: ("load", [9.0]) for name in QUANTITIES}).assign(mean_pressure=("load", [1.0]))
+    free, limited = (combine({"discretisation": pixels}, result, hardness=h) for h in (None, 10.0))
+    for name in ("max_pressure", "mean_contact_pressure"):
+        assert free[f"{name}_upper"].values == 13
+        assert limited[f"{name}_upper"].values == 10
+        assert limited[f"{name}_lower"].values == free[f"{name}_lower"].values
+    assert limited["mean_gap_upper"].values == 13
+
+
 def test_the_report_says_what_the_uncertainty_is_made_of(statistics):
     shown = shown_budget(statistics)
     assert len(shown["rows"]) == 2

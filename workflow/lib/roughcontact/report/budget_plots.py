@@ -72,8 +72,8 @@ def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
         "images": _images(numbers, present),
         "header": [
             "mean pressure p̄",
-            "contact area A/A₀ (%)",
-            *(f"{_WORDS[s]} (%)" for s in present),
+            "contact area A/A₀",
+            *(_WORDS[s] for s in present),
             "largest part",
         ],
         "rows": rows,

@@ -13,10 +13,10 @@ from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 AREAS = (0.01, 0.1, 0.3)  # contact areas whose nearest loads are shown
 NOT_JUDGED = "not judged"
 HEADINGS = (
-    "mean pressure p̄",
-    "contact area A/A₀",
+    "mean pressure\N{NO-BREAK SPACE}p̄",
+    "contact area\N{NO-BREAK SPACE}A/A₀",
     "pressure in contact",
-    "mean gap ū",
+    "mean\N{NO-BREAK SPACE}gap\N{NO-BREAK SPACE}ū",
     "seals?",
     "yields?",
     "largest pressure",
@@ -193,7 +193,7 @@ def _yields(load: xr.Dataset) -> Cell:
     if _known(load, "hardness"):
         share = float(load["load_share_above_hardness"])
         if share > 0:
-            return Cell("yes", f"{percent(share)} of the load at the hardness")
+            return Cell("yes", f"{percent(share)} of the load flows")
         return Cell("yes", "below the surface") if below else Cell("no", "hardness nowhere reached")
     if _known(load, "volume_above_yield"):
         return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")

@@ -128,7 +128,11 @@ def error_budget(
             levelled, level=settings["level"], window=settings["window"], contact=lenient, solved=solved
         )
     found = {source: found[source] for source in SOURCES if source in sources}
-    budget = combine(found, solved).assign_coords(coordinates).assign({rejected.name: rejected})
+    budget = (
+        combine(found, solved, hardness=contact.get("hardness"))
+        .assign_coords(coordinates)
+        .assign({rejected.name: rejected})
+    )
     for source, ending in _ENSEMBLES.items():
         if source in found:
             names = {f"{name}_members": f"{name}_{ending}" for name in (*QUANTITIES, *ANSWERS)}
@@ -142,13 +146,16 @@ def error_budget(
     return budget
 
 
-def combine(found: Mapping[UncertaintySource, xr.Dataset], result: xr.Dataset) -> xr.Dataset:
+def combine(
+    found: Mapping[UncertaintySource, xr.Dataset], result: xr.Dataset, *, hardness: float | None = None
+) -> xr.Dataset:
     """Return `{quantity}_uncertainty` (load, source) from the half-widths of each source, and the ends.
 
     Below the result U = sqrt(sum (U_i - b_i)²), above it U = b + sqrt(sum (U_i - b_i)²), b = sum b_i; a
     source that is absent, or NaN at a load, does not count. b_i is what the result is known to be too low
     ([1]_, F.2.4.5): of the pressure in contact, which is a mean over whole pixels, and of nothing else. The
-    area stays between nothing and all, the pressure in contact does not fall below the load.
+    area stays between nothing and all, the pressure in contact does not fall below the load, and no pressure
+    rises above the hardness that it is limited to.
 
     Parameters
     ----------
@@ -157,6 +164,8 @@ def combine(found: Mapping[UncertaintySource, xr.Dataset], result: xr.Dataset) -
         where they differ, and, as `{name}_bias`, what the result is known to be too low.
     result : Dataset
         `QUANTITIES` (load), and `mean_pressure`.
+    hardness : float, Pa, optional
+        that the pressure is limited to.
 
     Returns
     -------
@@ -182,7 +191,8 @@ def combine(found: Mapping[UncertaintySource, xr.Dataset], result: xr.Dataset) -
     """
     load = result["mean_pressure"].values
     least = {"mean_contact_pressure": load, "max_pressure": load}
-    most = {"relative_contact_area": 1.0}
+    limit = np.inf if hardness is None else hardness
+    most = {"relative_contact_area": 1.0, "max_pressure": limit, "mean_contact_pressure": limit}
     columns: dict[str, tuple] = {}
     for name in (*QUANTITIES, *answers_in(result)):
         shown = np.full((load.size, len(SOURCES)), np.nan)
