@@ -1,11 +1,20 @@
 """What follows from the contact stands in the tables and facts of the report, where it is known."""
 
+import re
+from urllib.parse import unquote
+from xml.etree import ElementTree
+
+import numpy as np
 import pytest
+import xarray as xr
 
 import roughcontact as rc
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import rough_reference_surface
-from roughcontact.report.facts import surface_facts
+from roughcontact.report import load_plots
+from roughcontact.report.charts import COLOURS
+from roughcontact.report.facts import _closing, surface_facts
+from roughcontact.report.glance import NOT_JUDGED, _seals, _yields
 from roughcontact.report.tables import number_tables
 from roughcontact.statistics.subsurface import with_subsurface_yield
 
@@ -56,3 +65,75 @@ def test_answers_that_nobody_asked_for_take_no_room(maps):
 def test_a_load_of_first_yield_that_is_not_known_is_said_so(maps):
     bodies = [body | {"yield_stress": 1.0} for body in BODIES]
     assert shown(maps, bodies=bodies)[2]["First yield below the surface"] == "not between the loads solved"
+
+
+def test_where_a_gap_closes_and_whether_that_is_in_doubt():
+    numbers = xr.Dataset(
+        {
+            "mean_pressure": ("load", [1e6, 2e6, 5e6]),
+            "relative_contact_area": ("load", [0.01, 0.1, 0.4]),
+            "gap_percolates_x": ("load", [1.0, 1.0, 0.0]),
+            "gap_percolates_y": ("load", [1.0, 0.0, 0.0]),
+            "critical_constriction_x": ("load", [2e-6, 1e-6, 0.0]),
+            "critical_constriction_y": ("load", [1e-6, 0.0, 0.0]),
+            "critical_constriction_x_lower": ("load", [1.8e-6, 0.0, 0.0]),
+            "critical_constriction_x_upper": ("load", [2.2e-6, 2e-6, 0.0]),
+            "rms_gradient": 0.1,
+            "Std": 0.0,
+        }
+    )
+    cells = [_seals(numbers, place) for place in range(3)]
+    assert cells[0] == (
+        "leaks",
+        "narrowest place 2.00 ± 0.20\N{NO-BREAK SPACE}µm (x), 1.00\N{NO-BREAK SPACE}µm (y)",
+    )
+    assert cells[1].text == "seals along y, leaks along x (in doubt)"
+    assert cells[2] == ("seals", "gap closed along x and y")
+    assert _closing(numbers) == "along x between 2.00 MPa and 5.00 MPa; along y between 1.00 MPa and 2.00 MPa"
+    assert _seals(numbers.assign(Std=float("nan")), 0).text == NOT_JUDGED
+    assert _seals(numbers.drop_vars("gap_percolates_x"), 0).text == NOT_JUDGED
+
+
+def test_whether_a_body_yields_is_answered_where_it_can_be():
+    load = xr.Dataset(
+        {
+            "contact_modulus": 1e11,
+            "mean_contact_pressure": 2e9,
+            "max_pressure": 5e9,
+            "max_pressure_over_modulus": 0.05,
+            "load_share_above_hardness": 0.25,
+            "area_share_above_hardness": 0.1,
+            "volume_above_yield": 1e-9,
+        }
+    )
+    assert _yields(load.assign(hardness=3e9)) == ("yes", "25.0 % of the load flows")
+    kept = load.assign(load_share_above_hardness=0.0, hardness=3e9)
+    assert _yields(kept) == ("yes", "below the surface")
+    assert _yields(kept.assign(volume_above_yield=0.0)) == ("no", "hardness nowhere reached")
+    assert _yields(load.assign(volume_above_yield=0.0)) == ("no", "yield stress nowhere reached")
+    unknown = load.drop_vars("volume_above_yield")
+    assert _yields(unknown) == (NOT_JUDGED, "no hardness stated; metals would")
+    assert _yields(unknown.assign(contact_modulus=1e6)) == (NOT_JUDGED, "rubber-like")
+
+
+@pytest.mark.parametrize("name", ["gap", "patch"])
+def test_distributions_have_an_area_of_one(maps, name):
+    contact = rc.solve_contact(maps[2], contact_modulus=4e9, mean_pressure=[2e7, 2e8])
+    numbers = rc.contact_statistics(contact)
+    draw = {"gap": load_plots.gap_distribution, "patch": load_plots.patch_distribution}[name]
+    svg = ElementTree.fromstring(unquote(draw(numbers, [0, 1]).partition(",")[2]))
+    axes = next(box for box in svg.iter("{http://www.w3.org/2000/svg}svg") if box.get("x"))
+    width, height = (float(axes.get(side)) for side in ("width", "height"))
+    lines = [p for p in axes if p.get("stroke") in COLOURS and not p.get("stroke-dasharray")]
+    assert len(lines) == 2
+    for line in lines:
+        points = np.array(re.findall(r"(-?[\d.]+) (-?[\d.]+)", line.get("d")), float)
+        below = np.trapezoid(height - points[:, 1], points[:, 0])
+        bounds = numbers[f"{name}_bin_bounds"].values[1:]
+        per_pixel = np.log(bounds[-1, 1] / bounds[0, 0]) / np.ptp(points[:, 0])
+        written = [t for t in svg if t.tag.endswith("text") and t.get("text-anchor") == "end"]
+        values, places = zip(*((float(t.text), float(t.get("y"))) for t in written), strict=True)
+        per_unit = np.ptp(values) / np.ptp(places)
+        first = float(numbers["gap_density"][0, 0] * np.diff(numbers["gap_bin_bounds"][0])[0])
+        assert below * per_pixel * per_unit == pytest.approx(1, abs=0.02 + (first if name == "gap" else 0.05))
+    assert width > 0

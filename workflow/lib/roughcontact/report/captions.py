@@ -119,6 +119,66 @@ def distribution_caption(numbers: xr.Dataset) -> str:
     return f"At {load} the pressure scatters by {percent(scatter)} of its mean over the contact."
 
 
+def patch_caption(numbers: xr.Dataset) -> str:
+    """Return how many patches there are at the highest load, and how large the largest of them is.
+
+    Parameters
+    ----------
+    numbers : Dataset
+        statistics of one surface, loads rising.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> found = {"mean_pressure": ("load", [5e6]), "contact_clusters": ("load", [12])}
+    >>> areas = {"largest_patch_area": ("load", [2e-11]), "relative_contact_area_pixels": ("load", [0.1])}
+    >>> window = {"window_length_x": 2e-5, "window_length_y": 2e-5}
+    >>> patch_caption(xr.Dataset(found | areas | window))
+    'At 5.00 MPa 12 patches touch; the largest, 20.0 µm², has 50.0 % of the contact.'
+    """
+    last = numbers.isel(load=-1)
+    window = float(numbers["window_length_x"] * numbers["window_length_y"])
+    largest = float(last["largest_patch_area"])
+    share = percent(largest / (float(last["relative_contact_area_pixels"]) * window))
+    count = int(last["contact_clusters"])
+    load, area = quantity(float(last["mean_pressure"]), "Pa"), f"{number(largest * 1e12)} µm²"
+    if count == 1:
+        return f"At {load} a single patch of {area} touches."
+    return f"At {load} {count} patches touch; the largest, {area}, has {share} of the contact."
+
+
+def open_caption(numbers: xr.Dataset) -> str:
+    """Return how wide the gap is where the surfaces do not touch.
+
+    Parameters
+    ----------
+    numbers : Dataset
+        statistics of one surface, loads rising.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> found = {"mean_pressure": ("load", [5e6]), "mean_gap": ("load", [1e-7])}
+    >>> open_caption(xr.Dataset(found | {"relative_contact_area_pixels": ("load", [0.5])}))
+    'At 5.00 MPa 50.0 % of the area are apart, by 200 nm on average.'
+    """
+    last = numbers.isel(load=-1)
+    load, apart = (
+        quantity(float(last["mean_pressure"]), "Pa"),
+        1 - float(last["relative_contact_area_pixels"]),
+    )
+    if apart <= 0:
+        return f"At {load} nothing is apart."
+    mean = quantity(float(last["mean_gap"]) / apart, "m")
+    return f"At {load} {percent(apart)} of the area are apart, by {mean} on average."
+
+
 def reading_of(numbers: xr.Dataset) -> str:
     """Return how the marks of a figure are to be read: what its bars are, where there are any.
 

@@ -319,24 +319,106 @@ def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
     str
         source of the image, a data URI.
     """
-    bounds = statistics["pressure_bin_bounds"].values
-    shares = statistics["pressure_density"].values * np.diff(bounds, axis=1).ravel()
-    peak = float(statistics["max_pressure"].values[loads].max())
-    factor, unit = prefix(peak, "Pa")
+    return _distribution(
+        statistics,
+        loads,
+        density="pressure_density",
+        bins="pressure_bin_bounds",
+        unit="Pa",
+        labels=("contact pressure p", "p P(p), share of the contact per factor e"),
+        means=("mean over the contact", statistics["mean_contact_pressure"].values),
+    )
+
+
+def gap_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
+    """Draw the distribution of the gap at a few loads, as that of the pressure; points out of contact only.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        of one surface.
+    loads : sequence of int
+        which loads to draw.
+
+    Returns
+    -------
+    str
+        source of the image, a data URI.
+    """
+    apart = 1 - statistics["relative_contact_area_pixels"].values
+    gap = statistics["mean_gap"].values
+    return _distribution(
+        statistics,
+        loads,
+        density="gap_density",
+        bins="gap_bin_bounds",
+        unit="m",
+        labels=("gap u", "u P(u), share of the open area per factor e"),
+        means=("mean out of contact", np.divide(gap, apart, out=np.full(gap.shape, np.nan), where=apart > 0)),
+    )
+
+
+def patch_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
+    """Draw how much of the contact lies in patches of which area, at a few loads.
+
+    The share of the contact per factor e of the area a of a patch, a² P(a)/⟨a⟩, pixels counted.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        of one surface.
+    loads : sequence of int
+        which loads to draw.
+
+    Returns
+    -------
+    str
+        source of the image, a data URI.
+    """
+    bounds = statistics["patch_bin_bounds"].values
+    middles = np.sqrt(np.maximum(bounds[:, 0], bounds[:, 1] / 2) * bounds[:, 1])
+    by_area = statistics["patch_area_density"] * xr.DataArray(middles, dims="patch_bin")
+    widths = xr.DataArray(np.diff(bounds, axis=1).ravel(), dims="patch_bin")
+    weighted = by_area / (by_area * widths).sum("patch_bin")
+    return _distribution(
+        statistics.assign(patch_area_density=weighted.transpose("load", "patch_bin")),
+        loads,
+        density="patch_area_density",
+        bins="patch_bin_bounds",
+        unit="m2",
+        labels=("area of a patch", "share of the contact per factor e"),
+        means=("largest patch", statistics["largest_patch_area"].values),
+    )
+
+
+def _distribution(
+    statistics: xr.Dataset,
+    loads: Sequence[int],
+    *,
+    density: str,
+    bins: str,
+    unit: str,
+    labels: tuple[str, str],
+    means: tuple[str, np.ndarray],
+) -> str:
+    """Draw shares per factor e over a logarithmic axis at a few loads, dotted lines at `means`."""
+    bounds = statistics[bins].values
+    shares = statistics[density].fillna(0.0).values * np.diff(bounds, axis=1).ravel()
     widths = np.log(bounds[1:, 1] / bounds[1:, 0])
     carrying = np.nonzero((shares[loads, 1:] > 1e-4).any(axis=0))[0]
-    first = carrying[0] if carrying.size else 0
-    highest = 1.35 * float((shares[loads, 1:] / widths).max())  # room for the legend
+    first, last = (carrying[0], carrying[-1]) if carrying.size else (0, len(widths) - 1)
+    low, high = bounds[1 + first, 0], bounds[1 + last, 1]
+    factor, shown = (1e12, "µm²") if unit == "m2" else prefix(float(high), unit)
+    highest = 1.35 * float((shares[loads, 1:] / widths).max()) or 1.0  # room for the legend
     chart = Chart(
-        Axis(f"contact pressure p ({unit})", bounds[1 + first, 0] * factor, peak * factor * 1.3, log=True),
-        Axis("p P(p), share of the contact per factor e", 0.0, highest),
+        Axis(f"{labels[0]} ({shown})", low * factor, high * factor * 1.15, log=True),
+        Axis(labels[1], 0.0, highest),
     )
     for index, load in enumerate(loads):
         edges = np.repeat(np.append(bounds[1:, 0], bounds[-1, 1]) * factor, 2)
         steps = np.concatenate([[0.0], np.repeat(shares[load, 1:] / widths, 2), [0.0]])
         label = f"p̄ = {quantity(float(statistics['mean_pressure'][load]), 'Pa')}"
         chart.line(edges, steps, colour=COLOURS[index], label=label)
-        mean = float(statistics["mean_contact_pressure"][load]) * factor
-        words = "mean over the contact" if load == loads[-1] else ""
-        chart.across(x=mean, colour=COLOURS[index], dash=DOTTED, label=words)
+        words = means[0] if load == loads[-1] else ""
+        chart.across(x=float(means[1][load]) * factor, colour=COLOURS[index], dash=DOTTED, label=words)
     return chart.source("upper left")

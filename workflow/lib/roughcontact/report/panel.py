@@ -202,4 +202,16 @@ def _charts(
             captions.distribution_caption(numbers),
             "Equal areas below a line are equal shares of the contact.",
         ),
+        (
+            "Distribution of the gap",
+            load_plots.gap_distribution(numbers, shown),
+            captions.open_caption(numbers),
+            "Equal areas below a line are equal shares of what is apart.",
+        ),
+        (
+            "Sizes of the contact patches",
+            load_plots.patch_distribution(numbers, shown),
+            captions.patch_caption(numbers),
+            "Equal areas below a line are equal shares of the contact.",
+        ),
     ]

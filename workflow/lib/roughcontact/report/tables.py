@@ -24,8 +24,8 @@ _GROUPS = {
         ("relative_contact_area", "contact area A/A₀", "%"),
         ("relative_contact_area_pixels", "pixels in contact", "%"),
         ("contact_clusters", "contact patches", "1"),
+        ("largest_patch_area", "largest patch", "m2"),
         ("contact_perimeter", "contact perimeter", "m"),
-        ("contact_on_filled_points", "on filled points", "%"),
     ),
     "Pressure": (
         ("mean_contact_pressure", "pressure in contact", "Pa"),
@@ -55,7 +55,10 @@ _GROUPS = {
         ("leak_rate_x", "leak rate along x", "m2 s-1"),
         ("leak_rate_y", "leak rate along y", "m2 s-1"),
     ),
-    "Solution": (("error_bound", "error bound of the pressure", "1"),),
+    "Solution": (
+        ("error_bound", "error bound of the pressure", "1"),
+        ("contact_on_filled_points", "contact on filled points", "%"),
+    ),
 }
 _COLUMNS = (_LOAD, *(column for columns in _GROUPS.values() for column in columns))
 
@@ -160,6 +163,8 @@ def unit_of_column(values: np.ndarray, unit: str) -> tuple[float, str]:
     if unit in _PER_AREA:
         factor, shown = prefix(middle, unit.partition(" ")[0])
         return factor, f"{shown}{_PER_AREA[unit]}"
+    if unit == "m2":
+        return 1e12, "µm²"
     return (1.0, _WRITTEN[unit]) if unit in _WRITTEN else prefix(middle, unit)
 
 
