@@ -62,6 +62,7 @@ class Study:
         self.sizes, self.seeds, self.threads = options.sizes, options.seeds, options.threads
         self.growth_sizes, self.memory_sizes = options.growth_sizes, options.memory_sizes
         self.repeats = options.repeats
+        self.load = os.getloadavg()[0]  # before anything is measured
         self.file = self.work / "speed.json"
         self.results = json.loads(self.file.read_text(encoding="utf-8")) if self.file.exists() else {}
         self.pythons = {"roughcontact": sys.executable}
@@ -76,7 +77,10 @@ class Study:
         if again:
             self.results.pop(part, None)
         kept = self.results.setdefault(part, {})
-        self.results["about"] = self.results.get("about", {}) | {"machine": machine()}
+        about = self.results.setdefault("about", {})
+        about["machine"] = machine()
+        if part in TIMES:
+            about.setdefault("load", {})[part] = self.load
         for name, job in PARTS[part](self):
             if name not in kept:
                 kept[name] = job()

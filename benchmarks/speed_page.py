@@ -13,6 +13,7 @@ COLOURS = {"roughcontact": "#0b6e8f", "ASPHER": "#c8553d", "Tamaas": "#7a7a7a"}
 BEGIN, END = "<!-- speed: written by benchmarks/speed.py -->", "<!-- end of speed -->"
 COMMAND = "python benchmarks/speed.py FOLDER ... --page docs/explanation/benchmark.md --readme README.md"
 HARDEST = 5
+QUIET = 2.5  # load average: more than an earlier part of the measurement leaves behind
 AS_IT_IS = ("#", "|", "- ", "![")  # paragraphs that are not prose
 
 RACE = """\
@@ -72,6 +73,12 @@ def page(results: dict, drawing: str) -> str:
         f"""**Machine.** {machine["processor"]}, {machine["cores"]} cores, {machine["memory_GiB"]} GiB;
         {machine["system"]}, Python {machine["python"]}. **Versions.** {versions}.""",
     ]
+    load = max(about.get("load", {}).values(), default=0.0)
+    if load > QUIET:
+        parts.append(
+            f"""Other programs ran when the times were taken (load average {load:.0f} before the start): on a
+            machine at rest they are shorter, and ratios may differ."""
+        )
     if results.get("race") or results.get("maps"):
         parts.append(f"![Time of one load by size of the map, and work on measured maps]({drawing})")
     for name, section in SECTIONS.items():

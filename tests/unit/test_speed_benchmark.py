@@ -218,6 +218,13 @@ def test_the_page_shows_every_row(script):
     assert max(len(line) for line in text.splitlines() if not line.startswith(("|", "-"))) <= 110
 
 
+def test_the_page_says_when_the_machine_was_busy(script):
+    results = kept_records(script)
+    assert "Other programs ran" not in script.speed_page.page(results, "benchmark.png")
+    results["about"]["load"] = {"pair": 0.1, "race": 11.6}
+    assert "(load average 12 before the start)" in script.speed_page.page(results, "benchmark.png")
+
+
 def test_the_sentence_stands_on_the_page_and_between_its_marks(script, tmp_path):
     results = kept_records(script)
     said = script.speed_page.sentence(results)
