@@ -15,23 +15,22 @@ from pathlib import Path
 from PIL import Image, ImageChops
 
 SURFACE = "sandblasted"
-PARTS = ("From the measured map to the solved window", "Contact against load", "What the ± is made of")
+PARTS = ("Pressure and gap",)
 WIDTH, MARGIN, COLOURS = 1200, 24, 240
 
 
 def excerpt(report: str) -> str:
-    """Return the page with nothing but some parts of one surface on it."""
+    """Return the page with nothing but its first table and some parts of one surface on it."""
     head, _, _ = report.partition("<body")
     section = re.search(rf'<section class="surface" id="surface-{SURFACE}">.*?</section>', report, re.DOTALL)
     title, *parts = section.group().split("<h3>")
     kept = [part for part in parts if part.startswith(PARTS)]
     if len(kept) != len(PARTS):
         sys.exit(f"the report has no longer all of the parts {PARTS}: choose others")
-    # of the error budget the figure is enough, the table below it goes
-    kept = [re.sub(r'<div class="scroll".*', "", part, flags=re.DOTALL) for part in kept]
+    glance = re.search(r'<section id="glance">.*?</section>', report, re.DOTALL).group()
     text = "<h3>".join(["", *kept])
     heading = re.search(r"<h2>.*?</h2>", title, re.DOTALL).group()
-    return f"{head}<body><main>{heading}{text}</main></body></html>"
+    return f"{head}<body><main>{glance}{heading}{text}</main></body></html>"
 
 
 def screenshot(page: Path, picture: Path) -> None:
