@@ -12,6 +12,7 @@ from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
 from roughcontact.references import closed_forms
 from roughcontact.references.synthetic import product_wave_surface, rough_reference_surface
+from roughcontact.results.storage import opened_dataset, read_dataset, write_dataset
 from roughcontact.statistics import contact_geometry
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.variables import describe
@@ -452,3 +453,15 @@ def test_full_contact_leaves_no_gap_at_all():
     stats = solve_contact(wave, contact_modulus=1.0, mean_pressure=10.0, reduce=contact_statistics)
     assert stats["relative_contact_area"].item() == 1
     assert stats["mean_gap"].item() == 0
+
+
+def test_an_open_file_is_counted_load_by_load(tmp_path):
+    loads = [0.01, 0.02, 0.05]
+    contact = solve_contact(rough_reference_surface(96), contact_modulus=1.0, mean_pressure=loads)
+    write_dataset(contact, tmp_path / "contact.nc")
+    with opened_dataset(tmp_path / "contact.nc") as file:
+        counted = contact_statistics(file)
+        assert file["pressure"].encoding["chunksizes"][0] == 1
+        for name in ("pressure", "gap"):  # never all loads at once
+            assert not file[name].variable._in_memory
+        xr.testing.assert_identical(counted.load(), contact_statistics(read_dataset(tmp_path / "contact.nc")))

@@ -33,6 +33,7 @@ class Array(NamedTuple):
 
 
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
+_PIECE = (1, 512, 1024)  # points that are compressed together in a map for each load
 
 
 # what may have had a part in a number, as far as it is installed; Snakemake started the jobs
@@ -173,6 +174,9 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
             encoding[name] = {"_FillValue": np.nan}
         if variable.size >= _COMPRESSED_FROM and variable.dtype.kind in "fiub":
             encoding[name] |= {"zlib": True, "complevel": 1, "shuffle": True}
+            if variable.dims[1:] == ("y", "x"):  # in pieces of one load, each of which is read alone
+                pieces = zip(_PIECE, variable.shape, strict=True)
+                encoding[name]["chunksizes"] = tuple(min(pair) for pair in pieces)
     with _whole(path, size=dataset.nbytes) as partial:
         dataset.to_netcdf(partial, engine="netcdf4", encoding=encoding)
 

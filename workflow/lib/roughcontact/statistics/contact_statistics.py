@@ -79,7 +79,8 @@ def contact_statistics(
     contact : Dataset
         as `solve_contact` returns it: `pressure` (load, y, x) Pa, `gap` (load, y, x) m, `height` (y, x) m
         with the optional coordinate `filled`, `contact_modulus` Pa, `hardness` Pa where the pressure was
-        limited to one, coordinate `mean_pressure` (load) Pa.
+        limited to one, coordinate `mean_pressure` (load) Pa. Of an open file (`opened_dataset`) the maps of
+        one load at a time are read.
     pressure_bins, gap_bins : int
         bins per factor of ten. Pressures: [0, 1e-3], then logarithmic to 1e3, in units of E* g. Gaps: [0,
         1e-4], then logarithmic to 1, in units of the peak-to-valley height. The bounds depend on the
@@ -145,9 +146,9 @@ def contact_statistics(
     hardness = float(contact["hardness"]) if "hardness" in contact else None
     with_flow = flow == "always" or (flow == "auto" and (height.size <= FLOW_POINTS or seal is not None))
     rows = [
-        _one_load(
-            pressure,
-            gap,
+        _one_load(  # one after another: of a file that is open, the maps of one load are in memory
+            contact["pressure"].isel(load=load).values,
+            contact["gap"].isel(load=load).values,
             steps,
             contact_modulus=modulus,
             hardness=hardness,
@@ -156,7 +157,7 @@ def contact_statistics(
             with_flow=with_flow,
             body=body,
         )
-        for pressure, gap in zip(contact["pressure"].values, contact["gap"].values, strict=True)
+        for load in range(mean_pressure.size)
     ]
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     columns |= {name: contact[name].values for name in SOLVER_COLUMNS if name in contact}
