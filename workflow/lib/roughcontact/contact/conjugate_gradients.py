@@ -50,9 +50,10 @@ def conjugate_gradients(
     .. [1] Hestenes and Stiefel (1952), J. Res. Natl. Bur. Stand. 49, 409.
     """
     xp = residual.__array_namespace__()
+    zero = xp.zeros_like(residual[:1, :1])
 
     def centred(field: Array) -> Array:
-        return xp.where(active, field - mean(field[active]), xp.zeros_like(field))
+        return xp.where(active, field - mean(field[active]), zero)
 
     left, z = centred(residual), centred(preconditioned)
     direction, solution = z, xp.zeros_like(left)
@@ -65,10 +66,13 @@ def conjugate_gradients(
             return
         length = rz / curvature
         solution += length * direction
-        left = centred(left - length * displaced)
+        displaced *= length
+        left = centred(left - displaced)
+        del displaced  # the maps that are large are no more than there have to be
         z = centred(grid.precondition_on_last_set(left))
         before, rz = rz, mean_product(left, z)
         direction = z + rz / before * direction
+        del z
 
 
 def corrected_accurately(grid: Grid, correction: PreconditionedResidual) -> PreconditionedResidual:

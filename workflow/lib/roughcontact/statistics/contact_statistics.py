@@ -146,9 +146,9 @@ def contact_statistics(
     hardness = float(contact["hardness"]) if "hardness" in contact else None
     with_flow = flow == "always" or (flow == "auto" and (height.size <= FLOW_POINTS or seal is not None))
     rows = [
-        _one_load(  # one after another: of a file that is open, the maps of one load are in memory
-            contact["pressure"].isel(load=load).values,
-            contact["gap"].isel(load=load).values,
+        _one_load(
+            contact,
+            load,
             steps,
             contact_modulus=modulus,
             hardness=hardness,
@@ -332,8 +332,8 @@ def theory_columns(
 
 
 def _one_load(
-    pressure: np.ndarray,
-    gap: np.ndarray,
+    contact: xr.Dataset,
+    load: int,
     steps: tuple[float, float],
     *,
     contact_modulus: float,
@@ -343,12 +343,31 @@ def _one_load(
     with_flow: bool,
     body: dict[str, float] | None,
 ) -> dict[str, object]:
-    """Return all numbers of one load; `pressure` (ny, nx) Pa, `gap` (ny, nx) m, `filled` (ny, nx) or None."""
+    """Return all numbers of one load; of an open file no more than one of its maps is in memory at a time."""
+    pressure = contact["pressure"].isel(load=load).values
     touching = pressure > 0
-    points = int(np.count_nonzero(touching))
     carried = pressure[touching]
-    patches = region_sizes(touching) * (steps[0] * steps[1])
+    points = carried.size
+    of_pressure = {
+        **({} if body is None else stress_columns(pressure, steps, **body)),
+        "elastic_energy": elastic_energy(pressure, steps, contact_modulus=contact_modulus),
+        "pressure_density": density(carried, edges["pressure"]),
+    }
+    of_carried = {
+        "mean_contact_pressure": carried.mean(),
+        "max_pressure": carried.max(),
+        "pressure_std": carried.std(),
+    }
+    bearing = bearing_numbers(carried, contact_modulus=contact_modulus, hardness=hardness)
+    del pressure, carried
+    gap = contact["gap"].isel(load=load).values
+    gap_density = density(gap[~touching], edges["gap"])
     open_gap = np.where(touching, 0.0, gap)
+    del gap
+    mean_gap = open_gap.mean()
+    passage = percolation_columns(open_gap) | (flow_columns(open_gap, steps) if with_flow else {})
+    del open_gap
+    patches = region_sizes(touching) * (steps[0] * steps[1])
     compliance = linear_response(touching, steps, contact_modulus)
     return {
         "relative_contact_area": relative_contact_area(touching),
@@ -357,20 +376,15 @@ def _one_load(
         "contact_clusters": patches.size,
         "largest_patch_area": patches.max(initial=0.0),
         "contact_on_filled_points": 0.0 if filled is None else np.count_nonzero(touching & filled) / points,
-        "mean_contact_pressure": carried.mean(),
-        "max_pressure": carried.max(),
-        "pressure_std": carried.std(),
+        **of_carried,
         # the solver keeps the mean of the gap over the contact at zero: what is left there is rounding
-        "mean_gap": open_gap.mean(),
+        "mean_gap": mean_gap,
         "contact_stiffness": 1 / compliance if compliance > 0 else np.inf,
-        **percolation_columns(open_gap),
-        **(flow_columns(open_gap, steps) if with_flow else {}),
-        **({} if body is None else stress_columns(pressure, steps, **body)),
-        "elastic_energy": elastic_energy(pressure, steps, contact_modulus=contact_modulus),
-        "pressure_density": density(carried, edges["pressure"]),
+        **passage,
+        **of_pressure,
         "patch_area_density": density(patches, edges["patch"]),
-        "gap_density": density(gap[~touching], edges["gap"]),
-        **bearing_numbers(carried, contact_modulus=contact_modulus, hardness=hardness),
+        "gap_density": gap_density,
+        **bearing,
     }
 
 
