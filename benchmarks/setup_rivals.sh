@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Make the separate environment of the codes that the benchmark compares with:
 #     bash benchmarks/setup_rivals.sh [FOLDER] [PYTHON]
-# FOLDER is benchmarks/.rivals by default, which git ignores. Tamaas (AGPL) comes as a wheel, ASPHER is
-# compiled. Neither is ever imported by this project.
+# FOLDER is benchmarks/.rivals by default, which git ignores. Tamaas (AGPL) and ContactMechanics come as wheels,
+# ASPHER is compiled. None of them is ever imported by this project.
 set -euo pipefail
 folder=${1:-"$(cd "$(dirname "$0")" && pwd)/.rivals"}
 python=${2:-python3}
@@ -19,5 +19,6 @@ if [ ${#missing[@]} -gt 0 ]; then
 fi
 
 "$python" -m venv "$folder"
-"$folder/bin/pip" install --quiet --disable-pip-version-check "numpy>=2" scipy tamaas==2.9.0 aspher==0.1.3.post1
-"$folder/bin/python" -c 'import aspher, tamaas' && echo "ready: $folder/bin/python"
+"$folder/bin/pip" install --quiet --disable-pip-version-check "numpy>=2" scipy \
+    ContactMechanics==1.8.3 tamaas==2.9.0 aspher==0.1.3.post1
+"$folder/bin/python" -c 'import aspher, ContactMechanics, tamaas' && echo "ready: $folder/bin/python"

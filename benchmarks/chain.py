@@ -1,0 +1,322 @@
+"""Measure the whole chain: stages by size of the map, studies by number of surfaces, against plain scripts.
+
+    python benchmarks/chain.py --page docs/explanation/chain.md
+
+Every process is measured by itself (`clock/sitecustomize.py`). Results are kept in the output folder after
+every part; a later call adds to them or replaces what it measures again.
+"""
+
+import argparse
+import json
+import os
+import platform
+import resource
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from cases import relative_error, surface
+from speed import machine
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent
+LIBRARY = ROOT / "workflow/lib"
+SLOPE = 0.1  # rms gradient of the maps, whose points are 1 um apart
+MODULUS = 1e9  # Pa
+STAGES = ("ingest", "level", "window", "uncertainty", "solve", "statistics", "panel", "collect", "report")
+FEW, MANY = [0.01, 0.05, 0.2], np.geomspace(0.003, 0.3, 8).tolist()  # over E* and the rms gradient
+CASES = {
+    "hard": {},
+    "soft": {"contact": {"contact_modulus": MODULUS / 10}},
+    "raw": {"window": {"method": "raw"}},
+}
+RIVALS = {"Tamaas": "plain_tamaas.py", "ContactMechanics": "plain_contactmechanics.py"}
+WRITTEN = """Written by `python benchmarks/chain.py --page docs/explanation/chain.md`; see
+`benchmarks/README.md`."""
+MACHINE = """**Machine.** {processor}, {cores} cores, {memory_GiB} GiB; {system}, Python {python};
+one thread for each job."""
+STAGES_SAY = """One made map, three loads, a job for every stage: CPU seconds / peak of memory in
+MB. `run` is Snakemake."""
+MOST = """At {size}² most memory is taken by {worst}: {each:.0f} bytes for each point, the
+interpreter and its libraries (some 150 MB) among them."""
+BUSY = "Other work ran on this machine beside the measurement: CPU seconds hold, wall times say little."
+PLAN = "The dry run of {number} × {cases} takes {wall:.3g} s ({cpu:.3g} CPU s) and shows {lines} lines."
+SCRIPTS_SAY = """One file to numbers, whole processes, imports and all, one thread, eight loads of
+p̄/(E* g) = 0.003 to 0.3. The scripts (`benchmarks/plain_*.py`) read, take off a plane and solve, at
+the tolerance of the examples of each code; they give contact areas alone. This program without
+error budget counts, labels and compares as well; the whole chain adds error budget, files and
+report. Area: how far the eight areas (share of points in contact) are off those of this program,
+L2."""
+
+
+def heights(folder: Path, size: int, seed: int = 0) -> Path:
+    """Return the file of a made map in um, written where it is missing."""
+    path = folder / f"map-{size}-{seed}.npy"
+    if not path.exists():
+        np.save(path, SLOPE * size * surface(size, seed))
+    return path
+
+
+def study(folder: Path, *, number: int, size: int, settings: dict) -> Path:
+    """Write settings and table of a study of so many maps into an empty folder, and return it."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    rows = ["surface\tpath\tunit\tdx\tdy"]
+    rows += [f"s{i}\t{heights(folder.parent, size, i)}\tum\t1\t1" for i in range(number)]
+    (folder / "surfaces.tsv").write_text("\n".join(rows) + "\n")
+    contact = {"contact_modulus": MODULUS, "relative_pressure": FEW}
+    (folder / "settings.json").write_text(
+        json.dumps({"surfaces": "surfaces.tsv", "contact": contact} | settings)
+    )
+    return folder
+
+
+def take(command: list, folder: Path) -> dict:
+    """Run a command; return its wall and CPU time, its output, and what each of its processes took."""
+    clock = folder / "clock.jsonl"
+    clock.unlink(missing_ok=True)
+    paths = [str(HERE / "clock"), str(LIBRARY)]
+    threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    variables = os.environ | threads | {"CLOCK": str(clock), "PYTHONPATH": os.pathsep.join(paths)}
+    before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    run = subprocess.run(
+        list(map(str, command)), cwd=folder, env=variables, capture_output=True, text=True, check=False
+    )
+    wall, after = time.perf_counter() - begin, resource.getrusage(resource.RUSAGE_CHILDREN)
+    if run.returncode:
+        raise RuntimeError(f"{' '.join(map(str, command))}\n{run.stdout}{run.stderr}")
+    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    processes = [json.loads(line) for line in clock.read_text().splitlines()] if clock.exists() else []
+    return {"wall": wall, "cpu": used, "output": run.stdout, "processes": processes}
+
+
+def workflow(folder: Path, *arguments: str, cores: int = 1) -> dict:
+    """Run the workflow in a folder."""
+    words = [sys.executable, "-m", "roughcontact.command_line", "run", "--configfile", "settings.json"]
+    return take([*words, "--cores", str(cores), *arguments], folder)
+
+
+def stage_of(process: dict) -> str:
+    """Return what a process of a run did: a stage, `run` for Snakemake itself, nothing for all others."""
+    words = process["command"]
+    scripts = [Path(word).name.split(".") for word in words if ".snakemake/scripts/" in word]
+    if scripts:
+        return scripts[0][1]
+    return "run" if words[1:3] == ["-m", "snakemake"] else ""
+
+
+def measure_stages(work: Path, size: int) -> dict:
+    """Return CPU time and peak memory of every stage of one map, three loads, a job for each."""
+    folder = study(work / "stages", number=1, size=size, settings={"together": 0})
+    taken = workflow(folder)
+    stages = {
+        stage: {"cpu": process["cpu"], "peak_MB": process["peak_MB"]}
+        for process in taken["processes"]
+        if (stage := stage_of(process))
+    }
+    return {"size": size, "stages": stages, "cpu": taken["cpu"], "wall": taken["wall"]}
+
+
+def measure_study(work: Path, *, number: int, size: int, cores: int) -> dict:
+    """Return what a study of three cases takes, its second run, and the size of its pages."""
+    folder = study(work / "study", number=number, size=size, settings={"cases": CASES})
+    first = workflow(folder, cores=cores)
+    second = workflow(folder, cores=cores)
+    pages = [folder / "results/report.html", *folder.glob("results/pages/*")]
+    jobs = [process for process in first["processes"] if stage_of(process) not in ("", "run")]
+    own = sum(process["cpu"] for process in first["processes"] if stage_of(process) == "run")
+    return {
+        "number": number,
+        "size": size,
+        "jobs": len(jobs),
+        "cpu": sum(process["cpu"] for process in jobs),
+        "scheduling": own,
+        "wall": first["wall"],
+        "cores": cores,
+        "again": second["wall"],
+        "pages_MB": sum(page.stat().st_size for page in pages) / 1e6,
+    }
+
+
+def measure_plan(work: Path, *, number: int) -> dict:
+    """Return what the dry run of a study of three cases takes."""
+    folder = study(work / "plan", number=1, size=64, settings={"cases": CASES})
+    table = (folder / "surfaces.tsv").read_text().splitlines()
+    rows = [table[1].replace("s0", f"s{i}", 1) for i in range(number)]
+    (folder / "surfaces.tsv").write_text("\n".join([table[0], *rows]) + "\n")
+    taken = workflow(folder, "-n")
+    return {
+        "number": number,
+        "wall": taken["wall"],
+        "cpu": taken["cpu"],
+        "lines": taken["output"].count("\n"),
+    }
+
+
+def measure_scripts(work: Path, size: int, *, python: Path, codes: list[str]) -> dict:
+    """Return what one map with eight loads takes, file to numbers, by this program and by plain scripts."""
+    file = heights(work, size)
+    loads = [MODULUS * SLOPE * load for load in MANY]
+    own = [sys.executable, "-m", "roughcontact.command_line", "solve", file, "--json", "--threads", "1"]
+    own += ["--dx", "1", "--dy", "1", "--unit", "um", "--contact-modulus", MODULUS, "--mean-pressure", *loads]
+    plain = ["--level-form", "plane", "--window-method", "raw", "--uncertainty-sources"]
+    take([*own, *plain], work)  # loads what is loaded once
+    bare, budget = take([*own, *plain], work), take(own, work)
+    folder = study(work / "chain", number=1, size=size, settings={})
+    settings = json.loads((folder / "settings.json").read_text())
+    settings["contact"] = {"contact_modulus": MODULUS, "mean_pressure": loads}
+    (folder / "settings.json").write_text(json.dumps(settings))
+    found = {"without error budget": bare, "with error budget": budget, "whole chain": workflow(folder)}
+    areas = [load["relative_contact_area_pixels"] for load in json.loads(bare["output"])["loads"]]
+    rows = [{"name": name, **_times(taken)} for name, taken in found.items()]
+    for code in codes:
+        taken = take([python, HERE / RIVALS[code], file, *(load / MODULUS for load in loads)], work)
+        others = json.loads(taken["output"].splitlines()[-1])
+        off = relative_error(np.array(others), np.array(areas))
+        rows.append({"name": code, **_times(taken), "area_off": off})
+    return {"size": size, "rows": rows}
+
+
+def _times(taken: dict) -> dict:
+    return {"cpu": taken["cpu"], "wall": taken["wall"]}
+
+
+def table(header: tuple, rows: list[tuple]) -> str:
+    """Return a table in Markdown."""
+    lines = ["| " + " | ".join(str(cell) for cell in row) + " |" for row in (header, *rows)]
+    return "\n".join([lines[0], "|" + " --- |" * len(header), *lines[1:]])
+
+
+def page(results: dict) -> str:
+    """Return the page."""
+    where = results["machine"]
+    stages = sorted(results["stages"].values(), key=lambda entry: entry["size"])
+    studies = sorted(results["studies"].values(), key=lambda entry: entry["number"])
+    parts = [
+        "# Time and memory of the whole chain",
+        WRITTEN,
+        MACHINE.format(**where),
+    ]
+    if results.get("busy"):
+        parts.append(BUSY)
+    if stages:
+        first = [f"{entry['size']}²" for entry in stages]
+        rows = [
+            (stage, *(_used(entry["stages"].get(stage)) for entry in stages))
+            for stage in (*STAGES, "run")
+            if any(stage in entry["stages"] for entry in stages)
+        ]
+        rows.append(("all, CPU s", *(f"{entry['cpu']:.3g}" for entry in stages)))
+        last = {stage: stages[-1]["stages"].get(stage, {}).get("peak_MB", 0) for stage in STAGES}
+        points = stages[-1]["size"] ** 2
+        worst = max(last, key=lambda stage: last[stage])
+        parts += [
+            "## Stages by the size of the map",
+            STAGES_SAY,
+            table(("stage", *first), rows),
+            MOST.format(size=stages[-1]["size"], worst=worst, each=last[worst] * 2**20 / points),
+        ]
+    if studies:
+        rows = [
+            (
+                f"{entry['number']} × {len(CASES)} of {entry['size']}²",
+                entry["jobs"],
+                f"{entry['cpu']:.3g}",
+                f"{entry['cpu'] / entry['number'] / len(CASES):.2g}",
+                f"{entry['scheduling']:.3g}",
+                f"{entry['wall']:.3g} on {entry['cores']}",
+                f"{entry['again']:.2g}",
+                f"{entry['pages_MB']:.3g}",
+            )
+            for entry in studies
+        ]
+        header = ("surfaces × cases", "jobs", "CPU s of jobs", "for each result", "CPU s of Snakemake")
+        parts += [
+            "## Studies by the number of surfaces",
+            "Three cases, three loads, error budget and report of all.",
+            table((*header, "wall s on cores", "second run, s", "pages, MB"), rows),
+        ]
+    plans = sorted(results["plans"].values(), key=lambda entry: entry["number"])
+    if plans:
+        parts.append("\n".join(PLAN.format(cases=len(CASES), **entry) for entry in plans))
+    scripts = sorted(results["scripts"].values(), key=lambda entry: entry["size"])
+    if scripts:
+        parts += [
+            "## Against a plain script",
+            SCRIPTS_SAY,
+        ]
+        for entry in scripts:
+            own = {row["name"]: row["cpu"] for row in entry["rows"] if "area_off" not in row}
+            rows = [
+                (
+                    row["name"],
+                    f"{row['cpu']:.3g}",
+                    f"{row['wall']:.3g}",
+                    *(f"{row['cpu'] / seconds:.2g}" if "area_off" in row else "" for seconds in own.values()),
+                    f"{row['area_off']:.1e}" if "area_off" in row else "",
+                )
+                for row in entry["rows"]
+            ]
+            header = (f"{entry['size']}²", "CPU s", "wall s", *(f"times {name}" for name in own), "area")
+            parts.append(table(header, rows))
+    return "\n\n".join(parts) + "\n"
+
+
+def _used(entry: dict | None) -> str:
+    """Return CPU seconds and MB of a stage."""
+    return f"{entry['cpu']:.3g} / {entry['peak_MB']:.0f}" if entry else "-"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Measure the whole chain.")
+    add = parser.add_argument
+    add("--sizes", type=int, nargs="*", default=[512, 1024, 2048], help="of maps, points per side")
+    add("--studies", type=int, nargs="*", default=[12, 60], help="numbers of surfaces")
+    add("--study-size", type=int, default=128, help="points per side of the maps of studies")
+    add("--plans", type=int, nargs="*", default=[60, 600], help="numbers of surfaces of dry runs")
+    add("--script-sizes", type=int, nargs="*", default=[512], help="of maps that plain scripts solve too")
+    add("--codes", nargs="*", choices=list(RIVALS), default=list(RIVALS), help="plain scripts")
+    add("--rivals", type=Path, default=HERE / ".rivals", help="environment made by setup_rivals.sh")
+    add("--cores", type=int, default=len(os.sched_getaffinity(0)), help="of studies")
+    add("--output", type=Path, default=HERE / "work/chain", help="folder of maps, runs and results")
+    add("--busy", action="store_true", help="say on the page that other work ran beside")
+    add("--page", type=Path, help="page to write")
+    options = parser.parse_args()
+    work = options.output.resolve()
+    work.mkdir(parents=True, exist_ok=True)
+    kept = work / "results.json"
+    results: dict = json.loads(kept.read_text()) if kept.exists() else {}
+    for part in ("stages", "studies", "plans", "scripts"):
+        results.setdefault(part, {})
+    results["busy"] = options.busy
+    results["machine"] = machine() | {"python": platform.python_version()}
+
+    def keep(part: str, key: int, found: dict) -> None:
+        results[part][str(key)] = found
+        kept.write_text(json.dumps(results, indent=1))
+        print(part, key, json.dumps({k: v for k, v in found.items() if not isinstance(v, dict)}), flush=True)
+
+    python = options.rivals.absolute() / "bin/python"
+    codes = options.codes if python.exists() else []
+    if options.codes and options.script_sizes and not codes:
+        print(
+            f"no plain scripts: no environment in {options.rivals}; setup_rivals.sh makes it", file=sys.stderr
+        )
+    for size in options.script_sizes:
+        keep("scripts", size, measure_scripts(work, size, python=python, codes=codes))
+    for size in options.sizes:
+        keep("stages", size, measure_stages(work, size))
+    for number in options.plans:
+        keep("plans", number, measure_plan(work, number=number))
+    for number in options.studies:
+        found = measure_study(work, number=number, size=options.study_size, cores=options.cores)
+        keep("studies", number, found)
+    if options.page:
+        options.page.write_text(page(results), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

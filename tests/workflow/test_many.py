@@ -1,0 +1,53 @@
+"""A study of many surfaces on tiny maps, to its index, with a line of the screen for each."""
+
+import csv
+import re
+
+import numpy as np
+import pytest
+from small_project import Project
+
+from roughcontact.references.synthetic import self_affine_surface
+
+SIDE = 32
+CASES = {
+    "hard": {},
+    "soft": {"contact": {"contact_modulus": 1e8}},
+    "binned": {"statistics": {"gap_bins": 5}},
+}
+SETTINGS = {
+    "surfaces": "surfaces.tsv",
+    "contact": {"contact_modulus": 1e9, "relative_pressure": [0.05, 0.2]},
+    "uncertainty": {"sources": ["solver"]},
+    "cases": CASES,
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [60])
+def test_a_study_of_many_surfaces_goes_to_its_index(tmp_path, checkout, number):
+    project = Project(tmp_path / "study", checkout)
+    band = {"hurst": 0.8, "shortest": 8, "longest": 16, "rms_gradient": 0.1}
+    table = ["surface\tpath\tunit\tdx\tdy"]
+    for seed in range(number):
+        heights = self_affine_surface((SIDE, SIDE), 1.0, **band, seed=seed).values
+        np.save(project.path(f"measured/{seed}.npy"), heights)
+        table.append(f"s{seed}\tmeasured/{seed}.npy\tum\t1\t1")
+    project.write(SETTINGS, table)
+    run = project.run("--logger", "roughcontact")
+    assert run.returncode == 0, run.stderr
+    # preparing is shared by the cases; collect, report and the target
+    jobs = number * (1 + len(CASES)) + 3
+    lines = run.stderr.splitlines()
+    assert f"{number} surfaces, {jobs} jobs" in lines
+    assert len([line for line in lines if re.match(r"s\d+: done", line)]) == number
+    assert len(lines) < number + 10
+    with project.path("results/summary.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 2 * len(CASES) * number
+    pages = list(project.path("results/pages").rglob("*.html"))
+    assert len(pages) == number
+    assert sum(page.stat().st_size for page in pages) < 50e6
+    index = project.path("results/report.html").read_text(encoding="utf-8")
+    assert all(f"s{seed}" in index for seed in range(number))
+    assert "Nothing to be done" in project.run().stderr
