@@ -182,7 +182,7 @@ def main() -> None:
     options = parse()
     warnings.simplefilter("ignore")
     study = Study(options)
-    if "ASPHER" not in study.pythons:
+    if options.only and "ASPHER" not in study.pythons:
         print(
             f"ASPHER and Tamaas are left out: there is no {options.rivals}; "
             f"{HERE.name}/setup_rivals.sh makes it"

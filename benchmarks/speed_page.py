@@ -91,28 +91,25 @@ def page(results: dict, drawing: str) -> str:
 def sentence(results: dict) -> str:
     """Return what page and README say of the speed."""
     words = []
-    solves = default_solves(results.get("maps", {}).values(), 1e-4)
-    if solves:
+    timed = list(results.get("race", {}).values())
+    largest = max((case["size"] for case in timed if case["group"] == "made"), default=0)
+    if shown := chosen(timed, threads=1, group="made", size=min(1024, largest)):
+        own = statistics.median(case["codes"]["roughcontact"]["seconds"] for case in shown)
+        size = shown[0]["size"]
+        words.append(f"One load on a map of {size} × {size} points takes {seconds(own)} on one thread.")
+    if compared := {rival: found for rival in RIVALS if (found := ratios(timed, rival, 1))}:
+        times = " and ".join(
+            f"{rival} takes {geometric_mean(found.values()):.2g} times" for rival, found in compared.items()
+        )
+        cases = " and ".join(str(len(found)) for found in compared.values())
+        words.append(f"To the same true error {times} as long (geometric means over {cases} maps and loads).")
+    if solves := default_solves(results.get("maps", {}).values(), 1e-4):
         pairs = [solve["pairs"] for solve in solves]
         words.append(
             f"""On {len(results["maps"])} measured maps a load takes a median of {np.median(pairs):.1f}
             pairs of Fourier transforms to a proven error of 1e-4 (90 % of them at most
             {np.quantile(pairs, 0.9):.1f}, all at most {max(pairs):.1f})."""
         )
-    timed = list(results.get("race", {}).values())
-    largest = max((case["size"] for case in timed if case["group"] == "made"), default=0)
-    shown = chosen(timed, threads=1, group="made", size=min(1024, largest))
-    if shown:
-        own = statistics.median(case["codes"]["roughcontact"]["seconds"] for case in shown)
-        size = shown[0]["size"]
-        words.append(f"A map of {size} × {size} points takes {seconds(own)} on one thread.")
-    compared = {rival: found for rival in RIVALS if (found := ratios(timed, rival, 1))}
-    if compared:
-        times = " and ".join(
-            f"{rival} takes {geometric_mean(found.values()):.2g} times" for rival, found in compared.items()
-        )
-        cases = " and ".join(str(len(found)) for found in compared.values())
-        words.append(f"To the same true error {times} as long (geometric means over {cases} maps and loads).")
     return wrapped(" ".join(words))
 
 
@@ -172,12 +169,12 @@ def race_section(timed: list[dict]) -> list[str]:
         parts += [
             f"**{threads} thread{'s' if threads > 1 else ''}**",
             table(("map", "points", "p′", *codes, *(f"{code} ratio" for code in rivals)), rows),
-            "\n".join(line for rival in rivals for line in compared(here, rival, threads)),
+            "\n".join(line for rival in rivals for line in comparison(here, rival, threads)),
         ]
     return [*parts, slowest_ratio(timed)]
 
 
-def compared(timed: list[dict], rival: str, threads: int) -> list[str]:
+def comparison(timed: list[dict], rival: str, threads: int) -> list[str]:
     """Return what the ratios to a code come to, on made maps, on measured ones and on all."""
     lines = []
     for group in ("made", "measured", None):
