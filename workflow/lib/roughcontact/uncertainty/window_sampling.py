@@ -15,9 +15,17 @@ or elsewhere, over `extent` times the length of the map, under the same mean pre
   The surface itself, `extent` times as long, scatters as well, which makes the factor sqrt(1 + extent^(-(1 -
   H) D)).
 * Growth: what do longer waves add? The heights of the longer surface are extent^a times those of the map, a
-  the exponent before it is bounded. The mean gap follows the heights, upwards only, and by as much again as
-  half of that, since a is an estimate. Area and pressure in contact go on to change as they did from the
-  parts to the window, H times, in a direction that is not known.
+  the exponent before it is bounded. The window is solved once more with its heights so many times as large:
+  that is how far up the mean gap may be, and by a quarter of it more, since a is an estimate. It grows by
+  more than the heights, since the same pressure closes less of it: with u(p) the gap of the map, n times the
+  heights have the gap n u(p/n), whose logarithm grows 1 + p/(K u) times as fast as that of n, K = -dp/du the
+  stiffness. Area and pressure in contact go on to change as they did from the parts to the window, H times,
+  in a direction that is not known.
+
+What scatters is the logarithm of a quantity; of the area A that of x = erfinv(A), which is A at low loads up
+to a factor. A = erf(sqrt(2) p/(E* g)) of Persson (2001) says why: of other places with another gradient g
+the logarithm of x is off by the same at all loads, A itself only while it is small, and never above 1. The
+pressure in contact is the load over the area, and as uncertain.
 
 The largest pressure is no mean: it grows with the surface without end. It is that of the largest of
 extent^D maps: the largest of n normal numbers lies at sqrt(2 ln n) and scatters as 1/sqrt(2 ln n) standard
@@ -34,7 +42,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from scipy.special import stdtrit
+from scipy.special import erf, erfinv, stdtrit
 
 from roughcontact.errors import SettingsError
 from roughcontact.levelling.level import level
@@ -53,10 +61,12 @@ _LEAST_WAVES = 2  # of the shortest wavelength that is kept, along the side of a
 _COVERAGE = 0.95
 _EXTENT = 3.0
 _LEAST_EXPONENT = 0.25  # by which the scatter of real surfaces is wider than that of stationary ones
-_GROWTH_REACH = 1.5  # of the growth that is expected: the upper end of the mean gap
+_GROWTH_REACH = 1.25  # of what the expected growth of the heights adds to the mean gap
 _LEAST_FREEDOM = 2.0  # degrees of freedom, however strong the lay
 _NEXT_TO_NOTHING = 1e-2  # of the window's result: less is no gap to take a logarithm of
+_FULL = 1 - 1e-6  # area of which a part has hardly a point left to close
 _STILL_GROWING = 0.25  # logarithm of the growth of the heights: waves are then as long as the map
+_FEW_STRIPS = 2.5  # degrees of freedom: with fewer a lay leaves three independent parts
 _ISOLATED = 8.0  # kurtosis from which a few places hold most of the mean square height
 
 Part = dict[str, slice]  # rows ("y") and columns ("x") of a map
@@ -73,10 +83,10 @@ def window_uncertainty(
 ) -> xr.Dataset:
     """Return the expanded uncertainty of the result of a window as a sample of its surface.
 
-    In the logarithm, downwards t s r^(-(1 - H) D/2) sqrt(1 + extent^(-(1 - H) D)), upwards the root of the
-    sum of squares of this and of the growth; t of Student for 95 % and r^D - 1 degrees of freedom [1]_; s of
-    the parts, r, H, D and the growth as the head of this module explains them, the largest pressure after
-    [2]_.
+    In the logarithm, of the area A in that of erfinv(A) [3]_, downwards t s r^(-(1 - H) D/2) sqrt(1 +
+    extent^(-(1 - H) D)), upwards the root of the sum of squares of this and of the growth; t of Student for
+    95 % and r^D - 1 degrees of freedom [1]_; s of the parts, r, H, D and the growth as the head of this
+    module explains them, the largest pressure after [2]_.
 
     Parameters
     ----------
@@ -114,6 +124,7 @@ def window_uncertainty(
     ----------
     .. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement, G.3.
     .. [2] Gumbel (1958), Statistics of Extremes.
+    .. [3] Persson (2001), J. Chem. Phys. 115, 3840.
 
     Examples
     --------
@@ -141,15 +152,23 @@ def window_uncertainty(
         periodic = periodic_window(_levelled_again(levelled.isel(part), form_order(levelled)), **own)
         members.append(solve_member(periodic, contact, tolerance=_TOLERANCE, count=count))
     step = _step(chosen, levelled.isel(whole), parts=len(parts), extent=extent)
+    values = {name: np.array([member.values[name] for member in members]) for name in QUANTITIES}
+    widths, work = _half_widths(values, solved, step), sum(member.work for member in members)
+    if step.growth > 0 and len(parts) > 1:
+        higher = chosen.copy(data=chosen.values * math.exp(step.growth))
+        grown = solve_member(higher, contact, tolerance=_TOLERANCE)
+        down, up = widths["mean_gap"]
+        added = _GROWTH_REACH * (grown.values["mean_gap"] - solved["mean_gap"].values)
+        widths["mean_gap"] = down, np.hypot(up, np.maximum(added, 0.0))
+        work += grown.work
     result: dict[str, tuple] = {}
     for name in QUANTITIES:
-        values = np.array([member.values[name] for member in members])
-        down, up = _half_widths(name, values, solved[name].values, step)
+        down, up = widths[name]
         result |= {
             name: ("load", np.maximum(down, up)),
             f"{name}_down": ("load", down),
             f"{name}_up": ("load", up),
-            f"{name}_members": (("member", "load"), values),
+            f"{name}_members": (("member", "load"), values[name]),
         }
     for name in answers_in(solved):
         of_parts = np.array([member.values[name] for member in members])
@@ -175,7 +194,7 @@ def window_uncertainty(
             "map_share": covered,
             "reason": _reason(levelled, parts, covered, step),
             "flag": _flag(levelled, parts, incomplete, step),
-            "work": sum(member.work for member in members),
+            "work": work,
         },
     )
 
@@ -237,32 +256,59 @@ def _step(chosen: xr.DataArray, measured: xr.DataArray, *, parts: int, extent: f
     )
 
 
-def _half_widths(
-    name: str, values: np.ndarray, result: np.ndarray, step: _Step
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the expanded uncertainty of a quantity below and above its result; values (member, load)."""
-    if len(values) < 2:
-        return np.full(result.shape, np.nan), np.full(result.shape, np.nan)
+Widths = tuple[np.ndarray, np.ndarray]  # below and above the result, along the loads
+
+
+def _half_widths(values: dict[str, np.ndarray], solved: xr.Dataset, step: _Step) -> dict[str, Widths]:
+    """Return the expanded uncertainty of each quantity, without the growth of the gap; values (member, load)."""
+    result = {name: solved[name].values for name in QUANTITIES}
+    if len(values["mean_gap"]) < 2:
+        return {name: (np.full(each.shape, np.nan),) * 2 for name, each in result.items()}
+    area, load = result["relative_contact_area"], solved["mean_pressure"].values
+    down, up = _of_the_area(values["relative_contact_area"], area, step)
+    some = np.where(area > 0, area, 1.0)
+    return {
+        "relative_contact_area": (down, up),
+        "mean_gap": _of_the_gap(values["mean_gap"], result["mean_gap"], step),
+        "max_pressure": _of_the_peak(values["max_pressure"], result["max_pressure"], step),
+        # the load over either end of the area
+        "mean_contact_pressure": (load / some * up / (some + up), load / some * down / (some - down)),
+    }
+
+
+def _of_the_area(values: np.ndarray, result: np.ndarray, step: _Step) -> Widths:
+    """Return the half-widths of the contact area."""
+    base = np.where(result > 0, result, 1.0)
+    whole, parts = (_effort(np.maximum(v, _NEXT_TO_NOTHING * base)) for v in (base, values))
+    change = np.abs(whole - parts.mean(axis=0))
+    going_on = step.exponent * change * math.log(step.extent) / math.log(step.ratio)
+    half_width = np.hypot(step.scatter * parts.std(axis=0, ddof=1), going_on)
+    ends = (erf(np.exp(whole + side * half_width)) for side in (-1, 1))
+    down, up = (np.abs(end / erf(np.exp(whole)) - 1) for end in ends)
+    return result * down, result * up
+
+
+def _effort(area: np.ndarray) -> np.ndarray:
+    """Return ln erfinv(A), which is the logarithm of the load over E* g by Persson's law."""
+    return np.log(erfinv(np.minimum(area, _FULL)))
+
+
+def _of_the_gap(values: np.ndarray, result: np.ndarray, step: _Step) -> Widths:
+    """Return the half-widths of the mean gap, as far as it scatters."""
     # where nothing is left of the result (no gap in full contact) its logarithm says nothing
     base = np.where(result > 0, result, 1.0)
-    logarithms = np.log(np.maximum(values, _NEXT_TO_NOTHING * base))
-    deviation = logarithms.std(axis=0, ddof=1)
-    scatter = step.scatter * deviation
-    if name == "max_pressure":
-        maps = math.log(step.extent) * step.dimensions
-        scatter = step.factor * deviation
-        down, up = scatter, scatter + math.sqrt(6) / math.pi * deviation * maps
-    elif name == "mean_gap":
-        down, up = scatter, np.hypot(scatter, _GROWTH_REACH * step.growth)
-    else:
-        change = np.abs(np.log(base) - logarithms.mean(axis=0))
-        going_on = step.exponent * change * math.log(step.extent) / math.log(step.ratio)
-        down = up = np.hypot(scatter, going_on)
+    half_width = step.scatter * np.log(np.maximum(values, _NEXT_TO_NOTHING * base)).std(axis=0, ddof=1)
     alone = step.scatter * values.std(axis=0, ddof=1)
-    return (
-        np.where(result > 0, -result * np.expm1(-down), 0.0),
-        np.where(result > 0, result * np.expm1(up), alone),
-    )
+    return -result * np.expm1(-half_width), np.where(result > 0, result * np.expm1(half_width), alone)
+
+
+def _of_the_peak(values: np.ndarray, result: np.ndarray, step: _Step) -> Widths:
+    """Return the half-widths of the largest pressure, as that of the largest of several maps."""
+    deviation = np.log(np.maximum(values, _NEXT_TO_NOTHING * result)).std(axis=0, ddof=1)
+    maps = math.log(step.extent) * step.dimensions
+    down = step.factor * deviation
+    up = down + math.sqrt(6) / math.pi * deviation * maps
+    return -result * np.expm1(-down), result * np.expm1(up)
 
 
 def _levelled_again(part: xr.DataArray, order: int) -> xr.DataArray:
@@ -348,5 +394,10 @@ def _flag(levelled: xr.DataArray, parts: list[Part], incomplete: bool, step: _St
         return (
             f"A few places, deep pits or high peaks, hold most of the mean square height (Sku = "
             f"{number(kurtosis)}): how many there are elsewhere one map cannot tell. Measure more places."
+        )
+    if step.freedom < _FEW_STRIPS:
+        return (
+            f"The surface has a lay, and parts along it show the same ridges: the {len(parts)} parts tell no "
+            "more than three would. Measure a map that is longer across the lay, or more places."
         )
     return ""
