@@ -240,6 +240,46 @@ def test_grains_and_spikes_are_told_apart_on_one_map():
     assert np.argwhere(outliers).tolist() == sorted(spikes.tolist())
 
 
+def dense_spikes():
+    """Return a map of which one point in sixteen is a spike, 3 to 30 rms heights tall."""
+    generator, values = np.random.default_rng(0), rough((192, 192))
+    spikes = generator.random(values.shape) < 0.06
+    signs = generator.choice([-1, 1], spikes.sum())
+    values[spikes] += signs * generator.uniform(3e-6, 30e-6, spikes.sum())
+    return values, spikes
+
+
+def disturbed_patch():
+    """Return a map with a patch of which one point in four is a spike, some of them hundreds of times taller."""
+    generator, values = np.random.default_rng(0), rough((192, 192))
+    spikes = np.zeros(values.shape, dtype=bool)
+    spikes[60:80, 60:80] = generator.random((20, 20)) < 0.25
+    values[spikes] += 5e-6 * generator.lognormal(0, 1.5, spikes.sum())
+    return values, spikes
+
+
+@pytest.mark.parametrize(("make", "share"), [(dense_spikes, 1.0), (disturbed_patch, 0.4)])
+def test_no_spike_is_left_that_the_rule_would_find(make, share):
+    """Far spikes hide near ones: the rule is applied to what it leaves, and takes nothing but spikes."""
+    values, spikes = make()
+    outliers, kinds = find_outliers(values, threshold=THRESHOLD)
+    assert not outliers[~spikes].any()
+    assert outliers.sum() >= share * spikes.sum()
+    assert kinds == {"spike": outliers.sum()}
+    again, _ = find_outliers(np.where(outliers, np.nan, values), threshold=THRESHOLD)
+    assert not again.any()
+
+
+def test_bumps_stay_beside_spikes_that_hide_one_another():
+    values, spikes = disturbed_patch()
+    places = grid_of_places(60, values.shape, seed=5)
+    places = places[(np.abs(places - 70) > 20).any(axis=1)]
+    with_bumps = with_bells(values, places, height=15e-6, width=1.1, seed=6)
+    outliers, _ = find_outliers(with_bumps, threshold=THRESHOLD)
+    assert outliers.any()
+    assert not outliers[~spikes].any()
+
+
 def test_dust_is_structure_and_stays():
     """Grains of dust with steep sides, larger than a spike."""
     values = rough((256, 256))

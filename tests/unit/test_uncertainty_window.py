@@ -187,8 +187,8 @@ def test_isolated_features_are_noticed():
 
 
 def test_a_lay_leaves_few_independent_parts():
-    ridges = surface(256, longest=16.0)[:128, 100].values[:, None]
-    roughness = 0.05 * surface(256, longest=32.0, seed=3)[:128, :128].values
+    ridges = surface(256, longest=16.0)[:192, 100].values[:, None]
+    roughness = 0.05 * surface(256, longest=32.0, seed=3)[:192, :192].values
     flags = []
     for heights in (ridges + roughness, 10 * roughness):
         _, found = sampled(level(height_map(heights, 1.0)), contact(0.1))

@@ -17,6 +17,7 @@ _SENTINEL_POINTS = 64  # in a smaller map one height may well lie far from the f
 _LINE = 8  # points that a line must have to be called dead
 _BELL = 0.35  # mean of 4 f (1 - f) over a bump and its neighbours: see `_without_bumps`
 _LEAST_RING = 0.25  # share of the ring that must be measured to be the surroundings of a point
+_MOST_ROUNDS = 10  # what is disturbed through and through has no end
 _AT_ONCE = 20_000  # neighbourhoods gathered at a time
 _PLANE_POINTS = 250_000  # enough to find the tilt of a map
 
@@ -39,6 +40,9 @@ def find_outliers(
       than these are from each other. It stands for 'not measured' (a -1 among 440 ... 520).
     * `dead_line`: whole rows or columns of one single value among others that vary, standing off their
       neighbours by more than lines usually do.
+
+    The rules are applied to what they leave until they find nothing more, ten times at most: a far spike hides
+    a near one in the spread of its surroundings.
 
     Parameters
     ----------
@@ -69,17 +73,21 @@ def find_outliers(
     >>> np.argwhere(outliers).tolist(), kinds
     ([[20, 30]], {'spike': 1})
     """
-    found = {}
+    found: dict[str, int] = {}
     outliers = np.zeros(values.shape, dtype=bool)
-    for kind, finder in (
-        ("spike", lambda v: _spikes(v, threshold, bumps=bumps)),
-        ("sentinel", _sentinels),
-        ("dead_line", _dead_lines),
-    ):
-        new = finder(np.where(outliers, np.nan, values))
-        if new.any():
-            found[kind] = int(new.sum())
-            outliers |= new
+    for _ in range(_MOST_ROUNDS):
+        before = found.copy()
+        for kind, finder in (
+            ("spike", lambda v: _spikes(v, threshold, bumps=bumps)),
+            ("sentinel", _sentinels),
+            ("dead_line", _dead_lines),
+        ):
+            new = finder(np.where(outliers, np.nan, values))
+            if new.any():
+                found[kind] = found.get(kind, 0) + int(new.sum())
+                outliers |= new
+        if found == before:
+            break
     return outliers, found
 
 
