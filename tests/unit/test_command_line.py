@@ -96,6 +96,14 @@ def test_inspect_tells_what_is_to_be_given_and_takes_it(capsys, tmp_path):
     assert code == 0
     assert "60.00 µm × 40.00 µm" in out
     assert "to be given" not in out
+    with_units = said(capsys, "inspect", path, "--dx", "2um", "--dy", "0.002 mm", "--height-unit", "nm")
+    assert with_units == (0, out, "")
+    mixed = said(capsys, "inspect", path, "--dx", "2", "--dy", "2000 nm", "--unit", "um", "--height-unit", "nm")
+    assert mixed == (0, out, "")
+    # the unit of a step is not that of the heights
+    assert "the unit of its heights" in said(capsys, "inspect", path, "--dx", "2um", "--dy", "2um")[1]
+    _, out, err = said(capsys, "inspect", path, "--dx", "2", "--dy", "2um", "--height-unit", "nm")
+    assert "dx = 2.0 is given without a unit" in out + err
 
 
 def test_solve_gives_the_numbers_of_the_verbs(capsys):
@@ -250,7 +258,8 @@ def test_a_profile_is_solved(capsys):
             "--body[0].youngs_modulus = '210': 210 Pa is softer than any gel",
         ),
         (["solve", PERIODIC, *("--body", "210GPa") * 2], "--body 210GPa: has 1 values; give Young's modulus"),
-        (["inspect", GROUND, "--dx", "one"], "argument --dx: invalid float value: 'one'"),
+        (["inspect", GROUND, "--dx", "one"], "argument --dx: 'one' is no number, nor one with its unit"),
+        (["inspect", GROUND, "--dx", "1parsec"], "dx = '1parsec': unknown length unit 'parsec'"),
     ],
 )
 def test_bad_input_ends_with_code_2_and_one_sentence(capsys, arguments, words):

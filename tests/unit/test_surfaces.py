@@ -183,10 +183,17 @@ def test_further_folders_come_after_that_of_the_table(table, tmp_path, monkeypat
     assert (str(row.path), str(row.counter_face)) == ("a.txt", "a.txt")
 
 
-@pytest.mark.parametrize("number", ["0", "-0.0", "nan", "inf", "1 um", "true"])
+@pytest.mark.parametrize("number", ["0", "-0.0", "nan", "inf", "1 parsec", "-1 um", "0 um", "1,5 um", "true"])
 def test_pitches_are_positive_numbers(table, number):
     said = mistakes(table("surface\tpath\tdx", f"a\ta.txt\t{number}"))
-    assert f"line 2, dx = '{number}': must be a number greater than 0 (decimal point, no unit)" in said
+    assert f"line 2, dx = '{number}': must be a number greater than 0 (decimal point), in `unit` or" in said
+
+
+def test_pitches_may_carry_their_unit(table):
+    path = table("surface\tpath\tdx\tdy\tunit", "a\ta.txt\t1.5 um\t2\tmm", "b\tb.txt\t3\t0.5 µm\t")
+    given = {name: surface.given for name, surface in read_surfaces(path).items()}
+    assert given["a"] == {"unit": "mm", "dx": "1.5 um", "dy": 2.0}
+    assert given["b"] == {"dx": 3.0, "dy": "0.5 µm"}
 
 
 def test_a_name_that_stands_twice_is_named_with_its_first_line(table):

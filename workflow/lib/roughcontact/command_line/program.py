@@ -20,8 +20,8 @@ _DESCRIPTION = (
 # what a file does not say: the arguments of read_height_map, the columns of the table of surfaces
 _FILE_OPTIONS = {
     "channel": "which channel of the file, by name",
-    "dx": "step from point to point along x, in --unit",
-    "dy": "step from point to point along y, in --unit",
+    "dx": "step from point to point along x, in --unit, or with its own: 1.5um",
+    "dy": "step from point to point along y, in --unit, or with its own: 1.5um",
     "unit": "unit of --dx and --dy, and of the heights without --height-unit: m, mm, um, nm, ...",
     "height-unit": "unit of the heights",
     "resample": "linear: interpolate points that lie on no even grid to one",
@@ -138,9 +138,21 @@ def _add_file_options(parser: argparse.ArgumentParser) -> None:
     """Add what the verbs that read a map take: what its file does not say, and how to print."""
     group = parser.add_argument_group("what the file does not say")
     for name, text in _FILE_OPTIONS.items():
-        kind, shown = (float, "NUMBER") if name in ("dx", "dy") else (str, "TEXT")
+        kind, shown = (_length, "LENGTH") if name in ("dx", "dy") else (str, "TEXT")
         group.add_argument(f"--{name}", help=text, type=kind, metavar=shown)
     _add_json(parser)
+
+
+def _length(text: str) -> float | str:
+    """Return a number, or the text itself where it is one with a unit."""
+    from roughcontact.units import carries_unit
+
+    if carries_unit(text):
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number, nor one with its unit (1.5um)") from None
 
 
 def _add_json(parser: argparse.ArgumentParser) -> None:

@@ -16,6 +16,7 @@ from pathlib import Path
 
 from roughcontact.configuration.messages import NAME_RULE, is_name, nearest
 from roughcontact.errors import SettingsError
+from roughcontact.units import carries_unit, in_base_unit
 
 REQUIRED = ("surface", "path")
 NUMBERS = ("dx", "dy")
@@ -152,7 +153,9 @@ def read_surfaces(
             mistakes.append(f"line {line}: {len(cells)} cells, the header has {len(header)}")
         mistakes += _mistakes_in_row(row, line, surfaces)
         given: dict[str, str | float] = {key: row[key] for key in TEXTS if row.get(key)}
-        given |= {key: _number(row[key]) for key in NUMBERS if row.get(key)}
+        given |= {
+            key: row[key] if carries_unit(row[key]) else _number(row[key]) for key in NUMBERS if row.get(key)
+        }
         path, counter_face = (
             (find(row[key], folders) or Path(row[key])) if row.get(key) else None for key in ("path", PAIR)
         )
@@ -281,9 +284,10 @@ def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Sur
     """Return what is wrong with the cells of one row; `before` are the surfaces of the rows above."""
     name = row.get("surface", "")
     mistakes = [
-        f"line {line}, {key} = {row[key]!r}: must be a number greater than 0 (decimal point, no unit)"
+        f"line {line}, {key} = {row[key]!r}: must be a number greater than 0 (decimal point), in `unit` or "
+        "with its own unit behind it (1.5 um)"
         for key in NUMBERS
-        if row.get(key) and not 0 < _number(row[key]) < math.inf
+        if row.get(key) and not 0 < _length(row[key]) < math.inf
     ]
     if not is_name(name):
         mistakes.append(f"line {line}, surface = {name!r}: {NAME_RULE}")
@@ -294,6 +298,14 @@ def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Sur
     if not row.get("path"):
         mistakes.append(f"line {line}, path: is empty; give the file of surface {name}")
     return mistakes
+
+
+def _length(text: str) -> float:
+    """Return a length in `unit`, or in m where it carries its unit; NaN where the text is none."""
+    try:
+        return _number(str(in_base_unit(text, "m")))
+    except ValueError:
+        return math.nan
 
 
 def _number(text: str) -> float:

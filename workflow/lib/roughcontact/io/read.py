@@ -28,8 +28,8 @@ def read_height_map(
     path: str | Path,
     *,
     channel: str | None = None,
-    dx: float | None = None,
-    dy: float | None = None,
+    dx: float | str | None = None,
+    dy: float | str | None = None,
     unit: str | None = None,
     height_unit: str | None = None,
     resample: str | None = None,
@@ -43,8 +43,9 @@ def read_height_map(
         An instrument file, X3P, SDF, text (matrix, list of points, profile), `.npy` or netCDF.
     channel : str, optional
         Name of the channel; without it the first one that holds heights.
-    dx, dy : float, optional
-        Steps from point to point, in `unit`. They win over what the file says, with a warning.
+    dx, dy : float or str, optional
+        Steps from point to point, in `unit`, or with a unit of their own behind them: ``"1.5 um"``. They win
+        over what the file says, with a warning.
     unit : str, optional
         Unit of `dx` and `dy`, or of the file's own steps where `dx` and `dy` are not given; also that of the
         heights where neither `height_unit` nor the file says it.

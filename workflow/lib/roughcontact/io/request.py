@@ -15,8 +15,8 @@ class Request:
     ----------
     channel : str or None
         Name of the channel.
-    dx, dy : float or None
-        Steps from point to point, in `unit`.
+    dx, dy : float, str or None
+        Steps from point to point, in `unit` or with their own (``1.5 um``).
     unit, height_unit : str or None
         Units of the steps and of the heights.
     resample : str or None
@@ -31,8 +31,8 @@ class Request:
     """
 
     channel: str | None = None
-    dx: float | None = None
-    dy: float | None = None
+    dx: float | str | None = None
+    dy: float | str | None = None
     unit: str | None = None
     height_unit: str | None = None
     resample: str | None = None

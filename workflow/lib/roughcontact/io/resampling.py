@@ -67,12 +67,13 @@ def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channe
     check_choice(f"{path}: resample", request.resample, Resampling)
     steps = given_steps(request, path)
     if any(steps):  # the steps are in `unit`: so shall be the positions
-        own = unit_of_steps(request, f"dx = {request.dx}, dy = {request.dy}", path)
+        unit = unit_of_steps(request, f"dx = {request.dx}, dy = {request.dy}", path)
+        own = metres(unit, where=f"{path}: unit", error=SettingsError)
         if is_length(channel.lateral_unit):
             factor = metres(channel.lateral_unit) / own
             y = None if points.y is None else points.y * factor
             points = points._replace(x=points.x * factor, y=y)
-        channel = replace(channel, lateral_unit=request.unit)
+        channel = replace(channel, lateral_unit=unit)
     gridded, done = resampled(channel, points, steps, path)
     return gridded, replace(request, dx=None, dy=None), [done]
 

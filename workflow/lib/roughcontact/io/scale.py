@@ -12,6 +12,7 @@ from roughcontact.errors import InputFileError, SettingsError
 from roughcontact.io.channels import Channel
 from roughcontact.io.request import Request
 from roughcontact.io.units import is_length, metres
+from roughcontact.units import carries_unit, in_base_unit
 
 _SHORTEST = 1e-30  # m; steps between this and its inverse can be reckoned with
 _FEWEST_LINES = 10  # of a matrix that shows by its pixels that it was cut off
@@ -99,21 +100,24 @@ def given_steps(request: Request, path: Path) -> tuple[float | None, float | Non
     Returns
     -------
     dx, dy : float or None
-        In the unit of the request; None where there is none.
+        In `unit_of_steps`; None where there is none.
 
     Raises
     ------
     SettingsError
-        For a step that is no positive number.
+        For a step that is no positive number, is given without a unit beside one that has its own, or has an
+        unknown one.
+
+    Examples
+    --------
+    >>> given_steps(Request(dx="1.5 um", dy=2.0, unit="mm"), Path("map.txt"))
+    (1.5e-06, 0.002)
     """
-    return (
-        None if request.dx is None else _positive(request.dx, "dx", path),
-        None if request.dy is None else _positive(request.dy, "dy", path),
-    )
+    return _given("dx", request, path), _given("dy", request, path)
 
 
-def unit_of_steps(request: Request, steps: str, path: Path) -> float:
-    """Return the metres per unit of the steps that the user gives.
+def unit_of_steps(request: Request, steps: str, path: Path) -> str:
+    """Return the unit of the steps that the user gives: m where one of them carries its own.
 
     Parameters
     ----------
@@ -125,21 +129,45 @@ def unit_of_steps(request: Request, steps: str, path: Path) -> float:
 
     Returns
     -------
-    float, m
+    str
 
     Raises
     ------
     SettingsError
-        Where no unit, or an unknown one, is given.
+        Where no unit is given.
 
     Examples
     --------
     >>> unit_of_steps(Request(dx=2.0, unit="um"), "dx = 2", Path("map.txt"))
-    1e-06
+    'um'
+    >>> unit_of_steps(Request(dx="2 um"), "dx = 2 um", Path("map.txt"))
+    'm'
     """
+    if _carry_units(request):
+        return "m"
     if request.unit is None:
         raise SettingsError(f"{path}: {steps} is given without a unit; give unit as well")
-    return metres(request.unit, where=f"{path}: unit", error=SettingsError)
+    return request.unit
+
+
+def _carry_units(request: Request) -> bool:
+    """Return whether a step that the user gives has its unit behind it, as in ``1.5 um``."""
+    return carries_unit(request.dx) or carries_unit(request.dy)
+
+
+def _given(name: str, request: Request, path: Path) -> float | None:
+    """Return a step that the user gives, in the unit of the steps."""
+    value = getattr(request, name)
+    if value is None or not _carry_units(request):
+        return None if value is None else _positive(value, name, path)
+    if not carries_unit(value):
+        if request.unit is None:
+            raise SettingsError(f"{path}: {name} = {value} is given without a unit; write it behind it")
+        return _positive(value, name, path) * metres(request.unit, where=f"{path}: unit", error=SettingsError)
+    try:
+        return _positive(in_base_unit(value, "m"), name, path)
+    except ValueError as error:
+        raise SettingsError(f"{path}: {name} = {value!r}: {error}") from error
 
 
 def _step(
@@ -149,7 +177,9 @@ def _step(
     given, stated = getattr(request, name), getattr(channel, name)
     if given is None:
         return None if stated is None or factor is None else stated * factor
-    step = _positive(given, name, path) * unit_of_steps(request, f"{name} = {given}", path)
+    unit = unit_of_steps(request, f"{name} = {given}", path)
+    own = given_steps(request, path)[("dx", "dy").index(name)]
+    step = own * metres(unit, where=f"{path}: unit", error=SettingsError)
     if stated is not None and is_length(channel.lateral_unit):
         in_file = stated * metres(channel.lateral_unit)
         if abs(in_file / step - 1) > 1e-3:
@@ -196,10 +226,10 @@ def _differs(stated: str | None, factor: float) -> bool:
     return stated is not None and (not is_length(stated) or metres(stated) != factor)
 
 
-def _positive(value: float, name: str, path: Path) -> float:
+def _positive(value: object, name: str, path: Path) -> float:
     """Return a step that the user gives as a number."""
     try:
-        number = float(value)
+        number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
         number = np.nan
     if not (np.isfinite(number) and number > 0) or isinstance(value, bool):
