@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy import stats
 
 from roughcontact.contact.solve import solve_contact
@@ -214,6 +215,21 @@ def test_the_check_says_what_was_found_and_done(attributes, outcome, word):
     )
     assert found.outcome == outcome
     assert word in found.sentence
+
+
+@pytest.mark.parametrize(
+    ("texture", "hidden"),
+    [
+        ({"Str": 0.05, "Std": 92.0}, True),
+        ({"Str": 0.05, "Std": 0.0}, False),
+        ({"Str": 0.8, "Std": 90.0}, False),
+        ({"Str": np.nan, "Std": np.nan}, False),
+    ],
+)
+def test_a_lay_along_the_rows_is_said_to_hide_shifts(texture, hidden):
+    found = scan_lines({"row_jitter_evidence": "none"}, xr.Dataset(texture))
+    assert found.outcome == checks.PASSED
+    assert ("would not show" in found.sentence) == hidden
 
 
 def test_statistics_carry_the_figure():

@@ -94,6 +94,21 @@ def test_both_slips_of_a_run_are_asked_for_at_once():
     assert "did you mean 1.00 MPa?" in load
 
 
+def test_a_modulus_in_megapascal_is_asked_for_where_the_load_or_the_hardness_speaks_against_a_gel():
+    """115000 may be a gel of 115 kPa: under 1 kPa it is, under 1 MPa, or with a hardness of 2 GPa, steel."""
+    for load in (1e2, 1e3, 3e4, 1e5):
+        resolve({"contact": {"contact_modulus": 115000, "mean_pressure": load}})
+    for load in (1e6, "1 MPa", [1e5, 1e8]):
+        (question,) = lines({"contact_modulus": 115000, "mean_pressure": load})
+        assert question.startswith("contact.contact_modulus = 115000: 115 kPa is as soft as a gel, which")
+        assert "did you mean 115 GPa" in question
+    (question,) = lines({"contact_modulus": 115000, "relative_pressure": 0.1, "hardness": "2 GPa"})
+    assert "does not bear 2.00 GPa; did you mean 115 GPa?" in question
+    # meant, and then it is the load that is asked for
+    (question,) = lines({"contact_modulus": "115 kPa", "mean_pressure": 1e6})
+    assert question.startswith("contact.mean_pressure[0] = 1000000.0: 1.00 MPa is more than any contact bears")
+
+
 def test_what_is_written_with_its_unit_is_meant():
     settings = resolve({"contact": {"contact_modulus": "115 Pa", "mean_pressure": ["1 mbar", "1e-3 Pa"]}})[""]
     assert settings["contact"]["contact_modulus"] == 115.0

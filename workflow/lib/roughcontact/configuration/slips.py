@@ -96,8 +96,10 @@ def _in_contact(given: Mapping[str, Any], contact: Mapping[str, Any]) -> list[tu
     if bodies:
         modulus = materials.contact_modulus(bodies)
     elif contact["contact_modulus"] is not None:
-        doubt = materials.doubt_of_modulus(contact["contact_modulus"])
-        modulus = meant(contact["contact_modulus"], doubt, "contact_modulus")
+        modulus = contact["contact_modulus"]
+        borne = [*(contact["mean_pressure"] or ()), contact["hardness"] or 0.0]
+        doubt = materials.doubt_of_modulus(modulus) or materials.doubt_of_gel(modulus, borne)
+        modulus = meant(modulus, doubt, "contact_modulus")
     else:  # a mistake of another kind
         return found
     if contact["hardness"] is not None:

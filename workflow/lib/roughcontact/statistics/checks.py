@@ -93,7 +93,7 @@ def surface_checks(
         contact_checks.resolution(statistics),
         map_checks.missing_points(statistics, height, levelled),
         map_checks.outliers(statistics, levelled),
-        map_checks.scan_lines(levelled),
+        map_checks.scan_lines(levelled, statistics),
         map_checks.form(levelled, window),
         map_checks.periodicity(window),
         map_checks.window_share(window),
