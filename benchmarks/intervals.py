@@ -6,8 +6,9 @@
 Every map in the folders that is read without being told anything, and has at least 400 points along each
 side, is solved whole, by default settings: that is the truth, of the pressure in contact the load over the
 contact area. It is cut into 3 x 3 parts, and each part is processed as if it were the measurement, its own
-error budget included, at the same mean pressures. Maps that are smaller, from 192 points on, make a second group. Made surfaces of eight kinds, with waves from an eighth
-to three times the length of the map, are cut in the same way, some with faults.
+error budget included, at the same mean pressures. Maps that are smaller, from 192 points on, make a second
+group. Made surfaces of eight kinds, with waves from an eighth to three times the length of the map, are cut
+in the same way, some with faults.
 """
 
 import argparse

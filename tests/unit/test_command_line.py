@@ -98,7 +98,9 @@ def test_inspect_tells_what_is_to_be_given_and_takes_it(capsys, tmp_path):
     assert "to be given" not in out
     with_units = said(capsys, "inspect", path, "--dx", "2um", "--dy", "0.002 mm", "--height-unit", "nm")
     assert with_units == (0, out, "")
-    mixed = said(capsys, "inspect", path, "--dx", "2", "--dy", "2000 nm", "--unit", "um", "--height-unit", "nm")
+    mixed = said(
+        capsys, "inspect", path, "--dx", "2", "--dy", "2000 nm", "--unit", "um", "--height-unit", "nm"
+    )
     assert mixed == (0, out, "")
     # the unit of a step is not that of the heights
     assert "the unit of its heights" in said(capsys, "inspect", path, "--dx", "2um", "--dy", "2um")[1]

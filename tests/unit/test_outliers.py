@@ -250,7 +250,7 @@ def dense_spikes():
 
 
 def disturbed_patch():
-    """Return a map with a patch of which one point in four is a spike, some of them hundreds of times taller."""
+    """Return a map with a patch of which one point in four is a spike, some a hundred times as tall."""
     generator, values = np.random.default_rng(0), rough((192, 192))
     spikes = np.zeros(values.shape, dtype=bool)
     spikes[60:80, 60:80] = generator.random((20, 20)) < 0.25

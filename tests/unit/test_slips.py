@@ -106,7 +106,9 @@ def test_a_modulus_in_megapascal_is_asked_for_where_the_load_or_the_hardness_spe
     assert "does not bear 2.00 GPa; did you mean 115 GPa?" in question
     # meant, and then it is the load that is asked for
     (question,) = lines({"contact_modulus": "115 kPa", "mean_pressure": 1e6})
-    assert question.startswith("contact.mean_pressure[0] = 1000000.0: 1.00 MPa is more than any contact bears")
+    assert question.startswith(
+        "contact.mean_pressure[0] = 1000000.0: 1.00 MPa is more than any contact bears"
+    )
 
 
 def test_what_is_written_with_its_unit_is_meant():

@@ -39,7 +39,9 @@ def gap_of_higher(levelled, problem, growth):
     """Return n u(p/n): the gap of heights n times as large, from the map itself under other loads."""
     loads = np.array(problem["mean_pressure"]) / growth
     window = periodic_window(levelled)
-    return growth * solve_contact(window, **(problem | {"mean_pressure": list(loads)}), reduce=headline).mean_gap
+    return (
+        growth * solve_contact(window, **(problem | {"mean_pressure": list(loads)}), reduce=headline).mean_gap
+    )
 
 
 def test_identical_parts_leave_what_the_size_adds():
@@ -140,9 +142,7 @@ def test_formula_from_the_members(longest, extent):
         for name in ("mean_gap", "max_pressure")
     }
     ends = {}
-    gap, peak, area = (
-        solved[name].values for name in ("mean_gap", "max_pressure", "relative_contact_area")
-    )
+    gap, peak, area = (solved[name].values for name in ("mean_gap", "max_pressure", "relative_contact_area"))
     scatter = scale * deviation["mean_gap"]
     grown = gap_of_higher(levelled, contact(0.05, 0.2), found.attrs["growth"]).values
     ends["mean_gap"] = gap * np.exp(-scatter), gap + np.hypot(gap * np.expm1(scatter), 1.25 * (grown - gap))

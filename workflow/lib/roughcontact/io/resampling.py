@@ -10,7 +10,7 @@ import numpy as np
 
 from roughcontact.checking import check_choice
 from roughcontact.choices import Resampling
-from roughcontact.errors import HeightMapError, InputFileError
+from roughcontact.errors import HeightMapError, InputFileError, SettingsError
 from roughcontact.io.channels import Channel, Points
 from roughcontact.io.guards import check_points
 from roughcontact.io.request import Request

@@ -174,12 +174,11 @@ def _step(
     name: str, channel: Channel, request: Request, factor: float | None, path: Path, notes: list[str]
 ) -> float | None:
     """Return one step in m, None where nobody says it; note where file and user differ."""
-    given, stated = getattr(request, name), getattr(channel, name)
+    given, stated = _given(name, request, path), getattr(channel, name)
     if given is None:
         return None if stated is None or factor is None else stated * factor
-    unit = unit_of_steps(request, f"{name} = {given}", path)
-    own = given_steps(request, path)[("dx", "dy").index(name)]
-    step = own * metres(unit, where=f"{path}: unit", error=SettingsError)
+    unit = unit_of_steps(request, f"{name} = {getattr(request, name)}", path)
+    step = given * metres(unit, where=f"{path}: unit", error=SettingsError)
     if stated is not None and is_length(channel.lateral_unit):
         in_file = stated * metres(channel.lateral_unit)
         if abs(in_file / step - 1) > 1e-3:

@@ -41,8 +41,8 @@ def find_outliers(
     * `dead_line`: whole rows or columns of one single value among others that vary, standing off their
       neighbours by more than lines usually do.
 
-    The rules are applied to what they leave until they find nothing more, ten times at most: a far spike hides
-    a near one in the spread of its surroundings.
+    The rules are applied to what they leave until they find nothing more, ten times at most: a far spike
+    hides a near one in the spread of its surroundings.
 
     Parameters
     ----------

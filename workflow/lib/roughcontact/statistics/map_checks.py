@@ -131,7 +131,9 @@ def scan_lines(levelled: Attributes, statistics: xr.Dataset | None = None) -> Ch
     if evidence == "none":
         found = "No random shift of the rows against one another was found."
         if statistics is not None and _lay_along_rows(statistics):
-            found += " The lay runs along the rows: beside grooves a few rows wide small shifts would not show."
+            found += (
+                " The lay runs along the rows: beside grooves a few rows wide small shifts would not show."
+            )
         return Check("Scan lines", PASSED, found)
     text = f"The rows are shifted against one another, by {percent(jitter)} of the rms height (rms)"
     if evidence == "doubtful":

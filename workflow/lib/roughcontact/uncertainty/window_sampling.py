@@ -260,7 +260,7 @@ Widths = tuple[np.ndarray, np.ndarray]  # below and above the result, along the 
 
 
 def _half_widths(values: dict[str, np.ndarray], solved: xr.Dataset, step: _Step) -> dict[str, Widths]:
-    """Return the expanded uncertainty of each quantity, without the growth of the gap; values (member, load)."""
+    """Return the half-widths of each quantity, without the growth of the gap, from values (member, load)."""
     result = {name: solved[name].values for name in QUANTITIES}
     if len(values["mean_gap"]) < 2:
         return {name: (np.full(each.shape, np.nan),) * 2 for name, each in result.items()}
