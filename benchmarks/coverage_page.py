@@ -18,9 +18,9 @@ folders of instrument files; `benchmarks/README.md` says how to repeat it. How t
 cut into 3 × 3 parts shows whether it holds: each part is processed by default settings as if it were the
 measurement, the truth is the result of the whole map at the same mean pressure (p̄ = 0.02 · 0.1 · 0.4 E\\* g,
 g of the whole map). All maps of at least 400 points along each side that are read without being told anything
-are in the first table, those from 192 points in the second, with parts of 64 points and more. The true pressure
-in contact is the load over the contact area: the mean over whole pixels falls short of it, for which the
-intervals make up.
+are in the first table, those from 192 points in the second, with parts of 64 points and more. The true
+pressure in contact is the load over the contact area: the mean over whole pixels falls short of it, for which
+the intervals make up.
 
 **Columns.** *Inside*: share of the results whose interval holds the truth, at the three loads together.
 *Width*: median half-width (half the interval) over the 95 % quantile of the error; 1 is as wide as it must
