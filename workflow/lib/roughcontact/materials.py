@@ -20,9 +20,9 @@ GEL_POISSONS_RATIO = 0.45  # of these: like water, they hardly change their volu
 RUBBER = 1e8
 # hardness over modulus: metals yield at strains of 0.001 to 0.01 (Ashby 2011) and flow in an indent at three
 # times their yield stress (Tabor 1951, The Hardness of Metals; Johnson 1985, Contact Mechanics, chapter 6;
-# less in a deep one: Jackson and Green 2005, J. Tribol. 127, 343). E* of two like bodies is 0.55 E, which makes
-# 0.005 to 0.05 E*: mild steel on steel bears 0.013, hardened 0.065. Below the surface yield begins sooner, at
-# a largest pressure of 1.6 yield stresses: the largest shear is 0.31 of it (Johnson, section 3.4)
+# less in a deep one: Jackson and Green 2005, J. Tribol. 127, 343). E* of two like bodies is 0.55 E, which
+# makes 0.005 to 0.05 E*: mild steel on steel bears 0.013, hardened 0.065. Below the surface yield begins
+# sooner, at a largest pressure of 1.6 yield stresses: the largest shear is 0.31 of it (Johnson, section 3.4)
 METALS = (0.01, 0.03)
 HARDEST = 0.1  # that no material exceeds; diamond, glasses and glassy polymers come near
 LEAST_HARDNESS = 1e-4  # that all exceed; pure indium and lead have about 0.001
