@@ -6,10 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.special import ndtri
 
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
+from roughcontact.references.closed_forms import gaussian_bearing
 from roughcontact.roughness.bearing import bearing_parameters
 from roughcontact.roughness.heights import height_parameters
 
@@ -127,3 +129,22 @@ def test_cells_with_missing_points_do_not_count():
     counts = np.array([5, 3, 3, 5, 5])
     assert found == pytest.approx((cells @ counts) / counts.sum())
     assert known == pytest.approx(cells.mean())
+
+
+def test_closed_form_of_normal_heights_by_quadrature():
+    """The line by least squares over a fine curve, areas by the rectangle rule: nothing of the integrals."""
+    known = gaussian_bearing(2.0)
+    ratio = (np.arange(2_000_000) + 0.5) / 2_000_000
+    curve = 2.0 * ndtri(1 - ratio)
+    middle = (ratio > 0.3) & (ratio < 0.7)
+    slope, at_zero = np.polyfit(ratio[middle], curve[middle], 1)
+    assert known["Sk"] == pytest.approx(-slope, rel=1e-9)
+    upper, lower = at_zero, at_zero + slope
+    enters, leaves = (curve > upper).mean(), (curve > lower).mean()
+    assert known["Smr1"] == pytest.approx(enters, abs=1e-6)
+    assert known["Smr2"] == pytest.approx(leaves, abs=1e-6)
+    assert known["Spk"] == pytest.approx(2 * np.maximum(curve - upper, 0).mean() / enters, rel=1e-4)
+    assert known["Svk"] == pytest.approx(2 * np.maximum(lower - curve, 0).mean() / (1 - leaves), rel=1e-4)
+    core, peak = (np.maximum(curve - 2.0 * ndtri(1 - m), 0).mean() for m in (0.8, 0.1))
+    assert known["Vmc"] == pytest.approx(core - peak, rel=1e-4)
+    assert known["Vvv"] == pytest.approx(np.maximum(2.0 * ndtri(0.2) - curve, 0).mean(), rel=1e-4)

@@ -6,7 +6,11 @@ import xarray as xr
 
 import roughcontact as rc
 from roughcontact.connectivity import connected_regions, region_sizes
-from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.references.closed_forms import (
+    westergaard_contact_share,
+    westergaard_full_contact_pressure,
+)
+from roughcontact.references.synthetic import rough_reference_surface, westergaard_surface
 from roughcontact.results.collect import collect_statistics, summary_table
 from roughcontact.results.storage import write_dataset
 from roughcontact.variables import describe
@@ -49,6 +53,16 @@ def test_patches_of_a_solved_contact(statistics):
     expected = stats["relative_contact_area_pixels"] / stats["contact_clusters"]
     assert (abs(means / expected - 1)[:2] < 0.3).all()  # centres of bins stand for what is in them
     assert (np.diff(centres) > 0).all()
+
+
+@pytest.mark.parametrize("ratio", [0.1, 0.6])
+def test_ridges_touch_in_one_patch_each(ratio):
+    ridges = westergaard_surface((1, 768), 1 / 256, amplitude=0.01, wavelength=1.0)
+    load = ratio * westergaard_full_contact_pressure(0.01, 1.0, 1.0)
+    contact = rc.solve_contact(ridges, contact_modulus=1.0, mean_pressure=[load], tolerance=1e-8)
+    sizes = region_sizes(contact["pressure"].values[0] > 0)
+    assert sizes.size == 3
+    np.testing.assert_allclose(sizes / 256, westergaard_contact_share(ratio), atol=2 / 256)
 
 
 def test_they_reach_the_table_of_all_surfaces(statistics, tmp_path):

@@ -769,3 +769,58 @@ def nogi_kato_zero_frequency(length_y: float, length_x: float, contact_modulus: 
     a, b = np.pi / length_x, np.pi / length_y
     integral = 4 * (a * np.arcsinh(b / a) + b * np.arcsinh(a / b))
     return length_x * length_y / (4 * np.pi**2) * 2 / contact_modulus * integral
+
+
+# --- heights ----------------------------------------------------------------------------------------------
+
+
+def gaussian_bearing(rms_height: float) -> dict[str, float]:
+    """Return the parameters of the material ratio curve of heights that are normally distributed.
+
+    The curve is z(m) = σ Φ⁻¹(1 − m). The line of its flattest 40 %, which are those in the middle, has by
+    least squares the slope −σ [erf(t)/(2√π) − 0.4 φ(t)] 12/0.4³, t = Φ⁻¹(0.7); its ends are Sk apart. Peaks
+    and dales beyond them have the areas σ [φ(c) − c (1 − Φ(c))], c = Sk/(2σ), and are drawn as triangles. The
+    material down to the ratio m is σ [φ(c) − c m], c = Φ⁻¹(1 − m), and the voids alike.
+
+    Parameters
+    ----------
+    rms_height : float, m
+        σ.
+
+    Returns
+    -------
+    dict of float
+        `Sk`, `Spk`, `Svk`, `Vmc`, `Vvv` (m), `Smr1`, `Smr2` (1).
+
+    References
+    ----------
+    .. [1] ISO 13565-2:1996; ISO 25178-2:2021, annex B.
+
+    Examples
+    --------
+    >>> found = gaussian_bearing(1.0)
+    >>> print(" ".join(f"{name} {value:.3f}" for name, value in found.items()))
+    Sk 2.574 Spk 0.945 Svk 0.945 Vmc 0.906 Vvv 0.112 Smr1 0.099 Smr2 0.901
+    """
+    from scipy.special import erf, ndtr, ndtri
+
+    def height_density(t: float) -> float:
+        return float(np.exp(-(t**2) / 2) / np.sqrt(2 * np.pi))
+
+    def material(ratio: float) -> float:
+        above = float(ndtri(1 - ratio))
+        return height_density(above) - above * ratio
+
+    end = float(ndtri(0.7))
+    core = float(erf(end) / (2 * np.sqrt(np.pi)) - 0.4 * height_density(end)) * 12 / 0.4**3
+    peaks = float(ndtr(-core / 2))
+    triangle = 2 * material(peaks) / peaks * rms_height
+    return {
+        "Sk": core * rms_height,
+        "Spk": triangle,
+        "Svk": triangle,
+        "Vmc": (material(0.8) - material(0.1)) * rms_height,
+        "Vvv": material(0.2) * rms_height,
+        "Smr1": peaks,
+        "Smr2": 1 - peaks,
+    }

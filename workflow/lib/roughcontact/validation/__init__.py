@@ -21,5 +21,6 @@ PartName = Literal[
     "sealing",
     "subsurface",
     "targets",
+    "patches",
 ]
 PARTS: tuple[PartName, ...] = get_args(PartName)

@@ -13,6 +13,7 @@ from roughcontact.validation import (
     full_contact,
     hertz,
     paper,
+    patches,
     rough,
     sealing,
     subsurface,
@@ -74,5 +75,6 @@ def validate(part: PartName, sample: str | Path | None = None, *, finest_grid: i
         "sealing": sealing,
         "subsurface": subsurface,
         "targets": targets,
+        "patches": patches,
     }
     return modules[part].part(finest_grid=finest_grid)
