@@ -67,8 +67,9 @@ def conjugate_gradients(
         length = rz / curvature
         solution += length * direction
         displaced *= length
-        left = centred(left - displaced)
+        left -= displaced
         del displaced  # the maps that are large are no more than there have to be
+        left = centred(left)
         z = centred(grid.precondition_on_last_set(left))
         before, rz = rz, mean_product(left, z)
         direction = z + rz / before * direction

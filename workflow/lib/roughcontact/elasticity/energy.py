@@ -35,10 +35,12 @@ def elastic_energy(pressure: np.ndarray, steps: tuple[float, float], *, contact_
     >>> print(f"{elastic_energy(wave, (1 / 16, 1 / 16), contact_modulus=1.0) * 2 * np.pi:.6f}")
     2.000000
     """
+    spectrum = np.fft.rfft2(pressure - pressure.mean())
+    spectrum /= pressure.size
+    power = spectrum.real**2 + spectrum.imag**2
+    del spectrum
     wavenumber = wavenumbers(pressure.shape, steps)
     wavenumber[0, 0] = np.inf
-    spectrum = np.fft.rfft2(pressure - pressure.mean()) / pressure.size
-    power = spectrum.real**2 + spectrum.imag**2
     return float((halfplane_weights(pressure.shape) * power / wavenumber).sum() / contact_modulus)
 
 

@@ -48,8 +48,9 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
     dy, dx = spacing(height)
     result = dict.fromkeys(names, math.nan) | {"density": count / (values.size * dy * dx)}
     if count:
-        q = fourier.wavenumbers(values.shape, (dy, dx))
-        curvature = np.fft.irfft2(q**2 / 2 * np.fft.rfft2(values), s=values.shape)[summit]
+        spectrum = np.fft.rfft2(values)
+        spectrum *= fourier.wavenumbers(values.shape, (dy, dx)) ** 2 / 2
+        curvature = np.fft.irfft2(spectrum, s=values.shape)[summit]
         result["mean_radius"] = float(1 / curvature.mean())
         result["height_std"] = float(values[summit].std())
         result["mean_height"] = float(values[summit].mean())

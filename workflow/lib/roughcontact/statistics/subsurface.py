@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from scipy.optimize import minimize_scalar
 
 from roughcontact.elasticity.subsurface import subsurface_stress, tresca, von_mises
 
@@ -120,6 +119,8 @@ def stress_columns(
     best = int(profile.argmax())
     depth, stress = float(depths[best]), stress_at(float(depths[best]))
     if 0 < best < depths.size - 1:
+        from scipy.optimize import minimize_scalar  # takes longer to import than a small map to solve
+
         found = minimize_scalar(
             lambda z: -von_mises(stress_at(z)).max(),
             bounds=(float(depths[best - 1]), float(depths[best + 1])),

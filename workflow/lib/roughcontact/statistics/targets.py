@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from scipy.optimize import brentq
 
 from roughcontact.checking import check_choice, check_positive
 from roughcontact.choices import LoadTarget
@@ -264,6 +263,8 @@ def _crossing(
                 return None
             low, high = low - step, low
     if steady:
+        from scipy.optimize import brentq  # takes longer to import than a small map to solve
+
         return math.exp(brentq(at, low, high, xtol=_CLOSE / 2))
     while high - low > _CLOSE:
         middle = (low + high) / 2
@@ -273,4 +274,6 @@ def _crossing(
 
 def _xu_load(area: float) -> float:
     """Return about which load in units of E* g gives a contact area, after Xu et al. (2024)."""
+    from scipy.optimize import brentq
+
     return float(brentq(lambda load: float(xu_area(load)) - area, 0.0, 10.0)) if area < 0.999 else 1.5
