@@ -2,7 +2,7 @@
 
 Python blocks are executed, doctests among them compared; `bash` blocks are run, `console` blocks run and what
 follows a line `$ command` is compared; YAML blocks are settings, are checked, and are written to the file
-that a comment in their first line names. A block that cannot run here has `<!-- skip: next "why" -->` before
+that a comment in their first line names, or a job for GitHub Actions, whose commands are run. A block that cannot run here has `<!-- skip: next "why" -->` before
 it and is counted below.
 """
 
@@ -72,6 +72,20 @@ def run_console(example):
     return None
 
 
+def run_yaml(example):
+    """Take a block with jobs for one of GitHub Actions, all others for settings."""
+    (run_job if "\njobs:" in example.parsed else write_settings)(example)
+
+
+def run_job(example):
+    """Run the commands of a job of GitHub Actions, in the folder that it names."""
+    (job,) = yaml.safe_load(example.parsed)["jobs"].values()
+    folder = job["defaults"]["run"]["working-directory"]
+    for step in job["steps"]:
+        if "run" in step:
+            shell(f"cd {shlex.quote(folder)}\n{step['run']}")
+
+
 def write_settings(example):
     """Check settings, and write them to the file that the first line of the block names, if it names one."""
     resolve(yaml.safe_load(example.parsed))
@@ -87,7 +101,7 @@ def parsed(page):
         PythonCodeBlockParser(doctest_optionflags=OPTIONS),
         CodeBlockParser("bash", run_bash),
         CodeBlockParser("console", run_console),
-        CodeBlockParser("yaml", write_settings),
+        CodeBlockParser("yaml", run_yaml),
     ]
     return Sybil(parsers).parse(page)
 
@@ -96,8 +110,8 @@ def parsed(page):
 def checkout(tmp_path, monkeypatch):
     """A copy of the checkout with this environment on the path, as working directory.
 
-    `python3 run.py` and `roughcontact` are those of this checkout, in this environment, and install nothing:
-    `.ci/run` does that, from nothing.
+    `python3 run.py`, `roughcontact` and `pip` are those of this checkout, in this environment, and install
+    nothing: `.ci/run` does that, from nothing.
     """
     for name in ("run.py", "Snakefile", "pyproject.toml"):
         shutil.copy(ROOT / name, tmp_path)
@@ -113,6 +127,7 @@ def checkout(tmp_path, monkeypatch):
     scripts = {
         "python3": f'[ "$1" = run.py ] || exec {python} "$@"\nshift\nexec {python} -c {start} "$@"',
         "roughcontact": f'exec {python} -m roughcontact.command_line "$@"',
+        "pip": '[ "$1" = install ]',
     }
     for name, script in scripts.items():
         (programs / name).write_text(f"#!/bin/sh\n{script}\n")
