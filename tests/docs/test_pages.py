@@ -2,8 +2,8 @@
 
 Python blocks are executed, doctests among them compared; `bash` blocks are run, `console` blocks run and what
 follows a line `$ command` is compared; YAML blocks are settings, are checked, and are written to the file
-that a comment in their first line names, or a job for GitHub Actions, whose commands are run. A block that cannot run here has `<!-- skip: next "why" -->` before
-it and is counted below.
+that a comment in their first line names, or a job for GitHub Actions, whose commands are run. A block that
+cannot run here has `<!-- skip: next "why" -->` before it and is counted below.
 """
 
 import doctest

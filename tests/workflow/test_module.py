@@ -84,3 +84,17 @@ def test_the_report_of_snakemake_has_each_surface_with_captions_and_labels(finis
         "what touches: maps, area and gap against load",
     ):  # a label, a caption
         assert words in text
+
+
+def test_the_installed_package_has_the_snakefile_for_a_module(tmp_path):
+    (tmp_path / "measured").mkdir()
+    write_maps(tmp_path / "measured")
+    (tmp_path / "surfaces.tsv").write_text("\n".join(TABLE[:2]) + "\n")
+    there = 'snakefile: "{workflow}/Snakefile"'
+    assert there in OTHER
+    named = OTHER.replace(there, "snakefile: str(workflow_file())").format(settings=SETTINGS)
+    first = "from roughcontact.command_line.running import workflow_file\n"
+    (tmp_path / "Snakefile").write_text(first + named)
+    done = snakemake(tmp_path, "--snakefile", tmp_path / "Snakefile", "--dry-run")
+    assert done.returncode == 0, done.stderr
+    assert "contact/results/ground/statistics.nc" in done.stderr + done.stdout

@@ -26,8 +26,25 @@ def test_the_shipped_configuration_names_maps_that_are_there():
 def test_the_conda_environment_has_the_packages_of_the_project():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     environment = yaml.safe_load((ROOT / "workflow/envs/roughcontact.yaml").read_text())["dependencies"]
-    assert sorted(environment[-1]["pip"]) == sorted(project["dependencies"])
-    assert f"python {project['requires-python']}" in environment
+    lines = [line for line in environment if isinstance(line, str)] + environment[-1]["pip"]
+    names = {"matplotlib-base": "matplotlib"}
+    found = {}
+    for line in lines:
+        name, lowest = re.fullmatch(r"([\w-]+) *(>=[\d.]+)?.*", line).groups()
+        found[names.get(name, name).lower()] = lowest
+    wanted = [f"python{project['requires-python']}", *project["dependencies"]]
+    lowest_wanted = dict(re.match(r"([\w-]+)(>=[\d.]+)", line).groups() for line in wanted)
+    assert found == {name.lower(): lowest for name, lowest in lowest_wanted.items()} | {"pip": None}
+
+
+def test_the_container_installs_what_is_here():
+    """No test builds it; its own commands are those by which `.ci/run` installs the wheel."""
+    recipe = (ROOT / "Dockerfile").read_text()
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    lowest = project["requires-python"].removeprefix(">=")
+    versions = re.findall(r"^FROM python:(\d+)\.(\d+)-", recipe, re.MULTILINE)
+    assert versions
+    assert all([int(n) for n in version] >= [int(n) for n in lowest.split(".")] for version in versions)
 
 
 @pytest.mark.parametrize("rules", sorted((ROOT / "workflow/rules").glob("*.smk")), ids=lambda path: path.stem)

@@ -224,6 +224,11 @@ def loads(wildcards):
 BASE_MEMORY = 700
 
 
+def reading_memory(path):
+    """Return the memory (MB) for the content of a measured file: arrays of NumPy lie plain, others may be packed."""
+    return (10 if str(path).endswith(".npy") else 50) * megabytes(path)
+
+
 def flows(wildcards):
     """Return whether the flow through the gap is solved for, however large the map."""
     asked = CASES[wildcards.get("case", "")]["statistics"]
@@ -232,13 +237,18 @@ def flows(wildcards):
     )
 
 
-def memory(*, bytes_per_point, and_load=0, and_flow=0):
-    """Return the resource function that estimates memory (MB): a running Python, and so much for every point."""
+def memory(*, bytes_per_point, and_load=0, and_flow=0, up_to_a_million=0):
+    """Return the resource function that estimates memory (MB): a running Python, and so much for every point.
+
+    `up_to_a_million` is for each of the first million points, of what does not grow with larger maps.
+    """
 
     def estimate(wildcards, input, attempt):
         each = bytes_per_point + and_load * loads(wildcards)
         each += and_flow if flows(wildcards) else 0
-        return round(attempt * (BASE_MEMORY + each * points(input[0]) / 1e6))
+        millions = points(input[0]) / 1e6
+        needed = each * millions + up_to_a_million * min(millions, 1)
+        return round(attempt * (BASE_MEMORY + needed))
 
     return estimate
 

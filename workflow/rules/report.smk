@@ -60,7 +60,7 @@ rule panel:
     conda:
         "../envs/roughcontact.yaml"
     resources:
-        mem_mb=memory(bytes_per_point=300, and_load=50),
+        mem_mb=memory(bytes_per_point=100, and_load=15),
         runtime=minutes(microseconds_per_point=20),
     params:
         settings=stage_settings("statistics"),
@@ -130,6 +130,13 @@ rule report:
         "logs/report.log",
     conda:
         "../envs/roughcontact.yaml"
+    resources:
+        mem_mb=lambda wildcards, input, attempt: round(
+            attempt * (BASE_MEMORY + 4 * input.size_mb)
+        ),
+        runtime=lambda wildcards, input, attempt: round(
+            5 + attempt * input.size_mb / 10
+        ),
     params:
         title=CASES[next(iter(CASES))]["report"]["title"],
         settings=run_settings(),

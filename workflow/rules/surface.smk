@@ -14,7 +14,7 @@ rule ingest:
         "../envs/roughcontact.yaml"
     resources:
         mem_mb=lambda wildcards, attempt: round(
-            attempt * (BASE_MEMORY + 50 * megabytes(MEASURED[wildcards.surface].path))
+            attempt * (BASE_MEMORY + reading_memory(MEASURED[wildcards.surface].path))
         ),
         runtime=lambda wildcards, attempt: round(
             5 + attempt * megabytes(MEASURED[wildcards.surface].path) / 100
@@ -42,7 +42,7 @@ rule level:
     conda:
         "../envs/roughcontact.yaml"
     resources:
-        mem_mb=memory(bytes_per_point=200),
+        mem_mb=memory(bytes_per_point=110),
         runtime=minutes(microseconds_per_point=20),
     params:
         settings=stage_settings("levelled"),
@@ -90,7 +90,7 @@ rule window:
     conda:
         "../envs/roughcontact.yaml"
     resources:
-        mem_mb=memory(bytes_per_point=200),
+        mem_mb=memory(bytes_per_point=100),
         runtime=minutes(microseconds_per_point=20),
     params:
         settings=stage_settings("window"),

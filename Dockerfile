@@ -1,0 +1,16 @@
+# The program with its workflow: docker build -t roughcontact . && docker run --rm -v "$PWD:/work" roughcontact run
+FROM python:3.12-slim-bookworm AS build
+# hadolint ignore=DL3008
+RUN apt-get update && apt-get install -y --no-install-recommends gcc libc6-dev git && rm -rf /var/lib/apt/lists/*
+WORKDIR /source
+COPY . .
+RUN pip wheel --no-cache-dir --no-deps --wheel-dir /wheels .
+
+FROM python:3.12-slim-bookworm
+COPY --from=build /wheels /wheels
+RUN pip install --no-cache-dir "roughcontact[workflow] @ file://$(echo /wheels/*.whl)" && rm -r /wheels
+WORKDIR /work
+# Snakemake keeps what it remembers below the home of whoever runs this
+ENV HOME=/tmp
+ENTRYPOINT ["roughcontact"]
+CMD ["--help"]

@@ -1,0 +1,103 @@
+"""What the jobs declare against what they take, as docs/how-to/cluster.md has it in a table."""
+
+import re
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import psutil
+import pytest
+from small_project import ROOT, SETTINGS, Project
+
+from roughcontact.references.synthetic import self_affine_surface
+
+STAGES = ("ingest", "level", "window", "uncertainty", "solve", "statistics", "panel", "report")
+LOADS = [0.02, 0.1, 0.3]
+
+
+def peak(pid: int) -> float:
+    """Return the largest memory that a process has had so far, in MB; 0 where it is gone."""
+    try:
+        status = Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return 0.0
+    found = re.search(r"VmHWM:\s+(\d+) kB", status)
+    return int(found[1]) * 1024 / 1e6 if found else 0.0
+
+
+def measured(project: Project) -> dict[str, tuple[int, float]]:
+    """Run the workflow, and return of each stage what it declared and what it took on a cluster (MB).
+
+    There each job is a Snakemake that starts another one, which starts the script.
+    """
+    own = dict.fromkeys(STAGES, 0.0)
+    snakemake = 0.0
+    with project.path("said").open("w+") as said:
+        run = subprocess.Popen(project.command("--cores", "1"), stdout=said, stderr=said)
+        while run.poll() is None:
+            snakemake = max(snakemake, peak(run.pid))
+            for child in psutil.Process(run.pid).children(recursive=True):
+                try:
+                    command = " ".join(child.cmdline())
+                except psutil.Error:
+                    continue
+                if (script := re.search(r"\.(\w+)\.py\b", command)) and script[1] in own:
+                    own[script[1]] = max(own[script[1]], peak(child.pid))
+            time.sleep(0.05)
+        said.seek(0)
+        text = said.read()
+    assert run.returncode == 0, text
+    declared = {}
+    for rule, lines in re.findall(r"^(?:local)?rule (\w+):\n((?: .*\n)+)", text, re.MULTILINE):
+        if asked := re.search(r"mem_mb=(\d+)", lines):
+            declared[rule] = int(asked[1])
+    return {stage: (declared[stage], own[stage] + 2 * snakemake) for stage in STAGES}
+
+
+def of_map(folder: Path, size: int) -> dict[str, tuple[int, float]]:
+    """Return what each stage declared and took for a map of so many points by side."""
+    project = Project(folder, ROOT)
+    heights = self_affine_surface(
+        (size, size), 1.0, hurst=0.8, shortest=8, longest=size / 4, rms_gradient=0.1, seed=1
+    )
+    np.save(project.path("measured/map.npy"), heights.values)
+    contact = SETTINGS["contact"] | {"relative_pressure": LOADS}
+    project.write(
+        SETTINGS | {"contact": contact}, ("surface\tpath\tunit\tdx\tdy", "map\tmeasured/map.npy\tum\t1\t1")
+    )
+    return measured(project)
+
+
+def on_the_page() -> dict[str, dict[int, int]]:
+    """Return what each stage declares (MB) by the points by side of a map, as the page on clusters says."""
+    page = (ROOT / "docs/how-to/cluster.md").read_text(encoding="utf-8")
+    heading, _, *rows = re.findall(r"^\| (.*) \|$", page, re.MULTILINE)
+    sizes = [int(size) for size in re.findall(r"(\d+)²", heading)]
+    found = {}
+    for row in rows:
+        stage, *cells = row.split(" | ")
+        found[stage.strip("`")] = {
+            size: int(cell.split(" / ")[0]) for size, cell in zip(sizes, cells, strict=True)
+        }
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("size", [128, 1024])
+def test_jobs_declare_what_they_take_within_a_factor_of_two(tmp_path, size):
+    found, page = of_map(tmp_path, size), on_the_page()
+    declared = {stage: declared for stage, (declared, _) in found.items()}
+    assert declared == pytest.approx({stage: page[stage][size] for stage in STAGES}, rel=0.02)
+    shares = {stage: declared / taken for stage, (declared, taken) in found.items()}
+    assert {stage: share for stage, share in shares.items() if not 1 <= share <= 2} == {}
+
+
+if __name__ == "__main__":  # the rows of the table, for the sizes given
+    import sys
+    import tempfile
+
+    for size in map(int, sys.argv[1:]):
+        with tempfile.TemporaryDirectory() as scratch:
+            for stage, (declared, taken) in of_map(Path(scratch), size).items():
+                print(size, stage, declared, round(taken))
