@@ -40,7 +40,7 @@ def hold():
         with open(".snakemake/running", "r+b", buffering=0) as content:
             content.write(line)
             content.truncate(len(line))
-        os.environ["ROUGHCONTACT_RUN"] = run  # for its jobs
+        os.environ.update(ROUGHCONTACT_RUN=run)  # for its jobs
         return file
     except OSError:  # a folder that cannot be written, or one without locks
         return None
