@@ -700,10 +700,28 @@ def test_cases_are_compared_with_their_difference():
     second["relative_contact_area_uncertainty"] = (("load", "source"), [[0.008], [0.0]])
     areas, *_, gaps = case_table({"one": first, "two": second})["groups"]
     # 0.2 ± 0.008 against 0.1 ± 0.003: hypot(0.008, 2 * 0.003)/0.1 = 10 %
-    assert areas["rows"][0] == ["1.00 MPa", "(10.00 ± 0.30) %", "(20.00 ± 0.80) %", "(100 ± 10) %"]
-    assert areas["rows"][1] == ["2.00 MPa", "20.0 %", "40.0 %", "100 %"]
+    assert areas["rows"][0] == ["1.00 MPa / 2.00 MPa", "(10.00 ± 0.30) %", "(20.00 ± 0.80) %", "(100 ± 10) %"]
+    assert areas["rows"][1] == ["2.00 MPa / 4.00 MPa", "20.0 %", "40.0 %", "100 %"]
     assert gaps["rows"][1][-1] == "–"
     assert case_table({"one": first}) is None
+
+
+def test_loads_of_cases_are_named_by_what_they_have_in_common():
+    def surface(modulus, load):
+        ones = {name: ("load", [1.0]) for name in ("mean_contact_pressure", "max_pressure", "mean_gap")}
+        relative = {"relative_pressure": ("load", [load / modulus]), "mean_pressure": ("load", [load])}
+        # 1 against 1 + 2e-16 is no difference
+        return xr.Dataset(
+            {**ones, **relative, "relative_contact_area": ("load", [np.nextafter(1.0, modulus)])}
+        )
+
+    soft, hard, stiff = surface(0.5, 0.01), surface(1e9, 2e7), surface(2e9, 2e7)
+    for cases, shown in (((soft, hard), "0.0200 E* g"), ((hard, stiff), "20.0 MPa")):
+        named = dict(zip(("one", "two"), cases, strict=True))
+        for table in (case_table(named), case_medians([named, named])):
+            row = table["groups"][0]["rows"][0]
+            assert row[0] == shown
+            assert row[-1] in ("0 %", "0 % (0 to 0)")
 
 
 def test_medians_of_many_surfaces_and_where_most_of_them_lie():

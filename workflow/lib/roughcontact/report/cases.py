@@ -17,6 +17,8 @@ _COMPARED = (
 )
 _SPREAD = (0.1, 0.9)  # quantiles over the surfaces
 
+_DUST = 1e-9  # percent: a difference that small is rounding
+
 Group = dict[str, Any]
 
 
@@ -34,9 +36,9 @@ def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
     Returns
     -------
     dict or None
-        `cases`, their names; `groups`, for each quantity its `title` and `rows` of cells: mean pressure under
-        the first case, the value under each, the difference of each other one in percent. None for a single
-        case.
+        `cases`, their names; `groups`, for each quantity its `title` and `rows` of cells: mean pressure (in
+        E* g, or that of each case, where the cases differ in it), the value under each, the difference of
+        each other one in percent. None for a single case.
 
     Examples
     --------
@@ -45,12 +47,12 @@ def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
     ... )
     >>> table = case_table({"soft": one, "hard": one * 2})
     >>> table["groups"][0]["rows"]
-    [['1.00 MPa', '10.0 %', '20.0 %', '100 %']]
+    [['1.00 MPa / 2.00 MPa', '10.0 %', '20.0 %', '100 %']]
     """
     if len(cases) < 2:
         return None
-    first = next(iter(cases.values()))
     loads = min(data.sizes["load"] for data in cases.values())
+    names_of_loads = [_load([[data] for data in cases.values()], load) for load in range(loads)]
     groups = []
     for name, title, unit in _COMPARED:
         rows = []
@@ -59,7 +61,7 @@ def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
             halves = [_half_width(data, name, load) for data in cases.values()]
             rows.append(
                 [
-                    quantity(float(first["mean_pressure"][load]), "Pa"),
+                    names_of_loads[load],
                     *(_shown(*pair, unit) for pair in zip(values, halves, strict=True)),
                     *(
                         _difference(values[0], halves[0], *pair)
@@ -90,6 +92,8 @@ def case_medians(surfaces: Sequence[Mapping[str, xr.Dataset]]) -> dict[str, Any]
     if len(names) < 2 or not complete:
         return None
     loads = min(data.sizes["load"] for surface in complete for data in surface.values())
+    by_case = [[surface[name] for surface in complete] for name in names]
+    names_of_loads = [_load(by_case, load) for load in range(loads)]
     groups = []
     for quantity_name, title, unit in _COMPARED:
         values = np.array(
@@ -97,18 +101,28 @@ def case_medians(surfaces: Sequence[Mapping[str, xr.Dataset]]) -> dict[str, Any]
         )
         with np.errstate(divide="ignore", invalid="ignore"):
             changes = 100 * (values[:, 1:] / values[:, :1] - 1)
-        rows = []
-        for load in range(loads):
-            pressure = np.median([float(surface[names[0]]["mean_pressure"][load]) for surface in complete])
-            rows.append(
-                [
-                    quantity(float(pressure), "Pa"),
-                    *(_quantiles(column, unit) for column in values[:, :, load].T),
-                    *(_quantiles(column, "±%") for column in changes[:, :, load].T),
-                ]
-            )
+        rows = [
+            [
+                names_of_loads[load],
+                *(_quantiles(column, unit) for column in values[:, :, load].T),
+                *(_quantiles(column, "±%") for column in changes[:, :, load].T),
+            ]
+            for load in range(loads)
+        ]
         groups.append({"title": title, "rows": rows})
     return {"cases": names, "groups": groups, "surfaces": len(complete)}
+
+
+def _load(cases: Sequence[Sequence[xr.Dataset]], load: int) -> str:
+    """Return what all surfaces have in common at a load under all cases, else the median pressure of each."""
+    pressures = np.array([[float(data["mean_pressure"][load]) for data in case] for case in cases])
+    if np.allclose(pressures, pressures[0, 0], rtol=1e-6):
+        return quantity(float(pressures[0, 0]), "Pa")
+    if all("relative_pressure" in data for case in cases for data in case):
+        relative = np.array([[float(data["relative_pressure"][load]) for data in case] for case in cases])
+        if np.allclose(relative, relative[0, 0], rtol=1e-6):
+            return f"{number(float(relative[0, 0]))} E* g"
+    return " / ".join(quantity(float(median), "Pa") for median in np.median(pressures, axis=1))
 
 
 def _half_width(data: xr.Dataset, name: str, load: int) -> float:
@@ -131,7 +145,8 @@ def _difference(first: float, half_of_first: float, other: float, half: float) -
         return "–"
     ratio = other / first
     spread = np.hypot(half, ratio * half_of_first) / first
-    text = plus_minus(100 * (ratio - 1), 100 * spread)
+    change = 100 * (ratio - 1)
+    text = plus_minus(0.0 if abs(change) < _DUST else change, 100 * spread)
     return f"({text}) %" if "±" in text else f"{text} %"
 
 
@@ -144,6 +159,7 @@ def _quantiles(values: np.ndarray, unit: str) -> str:
     if unit == "%":
         return f"{percent(middle)} ({number(100 * low)} to {number(100 * high)})"
     if unit == "±%":
+        low, middle, high = (0.0 if abs(value) < _DUST else value for value in (low, middle, high))
         return f"{number(middle)} % ({number(low)} to {number(high)})"
     factor, shown = prefix(float(middle), unit)
     return f"{number(middle * factor)} {shown} ({number(low * factor)} to {number(high * factor)})"
