@@ -103,3 +103,14 @@ def test_a_hardness_that_single_precision_rounds_takes_no_more_than_others(seed)
     ]
     assert taken[0] <= taken[1] + 2
     assert taken[0] <= 14.1
+
+
+@pytest.mark.parametrize("ratio", [1.2, 2.0, 5.0, 20.0])
+@pytest.mark.parametrize("relative", [0.003, 0.03, 0.3])
+def test_a_hardness_near_the_load_takes_no_more_than_another(relative, ratio):
+    """Where nearly all of the contact has yielded, too."""
+    window, load = rough(), relative * 0.1 * MODULUS
+    contact = rc.solve_contact(
+        window, contact_modulus=MODULUS, mean_pressure=load, hardness=ratio * load, fields=False
+    )
+    assert float(contact["operator_applications"][0]) <= 20.5

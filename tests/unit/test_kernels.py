@@ -155,10 +155,19 @@ CALLS = {
         f["field"], f["passed"], f["coarse"], factors, f["active"]
     ),
     "refine": lambda k, f, factors, cap: k.refine(
-        f["coarse_pressure"], factors, f["field"], WEIGHTS, 0.6, f["inner_out"]
+        f["coarse_pressure"], factors, f["field"], WEIGHTS, 0.6, cap, f["inner_out"]
     ),
 }
-BOUNDED = ("measure", "masked_residual", "advance", "redistribute", "project", "rescale", "project_residual")
+BOUNDED = (
+    "measure",
+    "masked_residual",
+    "advance",
+    "redistribute",
+    "project",
+    "rescale",
+    "project_residual",
+    "refine",
+)
 
 
 def outcome(name, engine, fields, factors, cap, convert=np.array):
@@ -412,11 +421,29 @@ def test_refined_pressure_keeps_the_load_of_every_cell(engine, shape, factors):
     coarse, fine = fields["coarse_pressure"], np.full(shape, np.nan)
     # detail that takes all between nothing and everything to the highest point of its cell
     for stiffness in (0.0, 0.6, 1e3, 1e20):
-        engine.refine(coarse, factors, fields["field"], WEIGHTS, stiffness, fine)
+        engine.refine(coarse, factors, fields["field"], WEIGHTS, stiffness, np.inf, fine)
         means = np.empty_like(coarse)
         array_api.block_mean(fine, factors, means)
         np.testing.assert_allclose(means, coarse, rtol=1e-13)
         assert fine.min() >= 0
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@pytest.mark.parametrize("precision", [SINGLE, DOUBLE])
+@pytest.mark.parametrize(("shape", "factors"), GRIDS)
+def test_refined_pressure_keeps_the_load_of_every_cell_below_the_cap(engine, shape, factors, precision):
+    cap = 0.7
+    fields = make_fields(shape, factors, (precision, precision), np.inf)
+    coarse, fine = np.minimum(fields["coarse_pressure"], precision(cap)), np.full(shape, np.nan, precision)
+    for stiffness in (0.0, 0.6, 1e3):
+        engine.refine(coarse, factors, fields["field"], WEIGHTS, stiffness, cap, fine)
+        means = np.empty_like(coarse)
+        array_api.block_mean(fine, factors, means)
+        np.testing.assert_allclose(means, coarse, rtol=64 * np.finfo(precision).eps)
+        assert fine.min() >= 0
+        assert fine.max() <= precision(cap)
+        full = np.repeat(np.repeat(coarse == precision(cap), factors[0], 0), factors[1], 1)
+        assert (fine[full] == precision(cap)).all()
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
@@ -425,9 +452,9 @@ def test_refined_pressure_of_a_cell_that_is_closed_or_touches_at_one_point(engin
     heights = np.tile([[0.3, -0.3]], (4, 6))
     weights = (0.0, 0.5, 0.0)  # then the detail is twice the height
     fine = np.empty_like(heights)
-    engine.refine(np.full((2, 6), 2.0), (2, 2), heights, weights, 3.0, fine)
+    engine.refine(np.full((2, 6), 2.0), (2, 2), heights, weights, 3.0, np.inf, fine)
     np.testing.assert_allclose(fine, 2 + 6 * heights, rtol=1e-14)
-    engine.refine(np.full((2, 6), 0.5), (2, 2), heights, weights, 3.0, fine)
+    engine.refine(np.full((2, 6), 0.5), (2, 2), heights, weights, 3.0, np.inf, fine)
     np.testing.assert_allclose(fine, np.tile([[1.0, 0.0]], (4, 6)), rtol=1e-14)
 
 
@@ -444,7 +471,7 @@ def test_refined_pressure_finds_the_edge_between_the_cells(engine):
 
     coarse, exact = pressure(n), pressure(n * factor)
     fine = np.empty_like(exact)
-    engine.refine(coarse, (1, factor), np.zeros_like(fine), WEIGHTS, 1.0, fine)
+    engine.refine(coarse, (1, factor), np.zeros_like(fine), WEIGHTS, 1.0, np.inf, fine)
     error = np.abs(fine - exact).mean()
     assert error < 0.15 * np.abs(np.repeat(coarse, factor, axis=1) - exact).mean()
     assert abs(np.count_nonzero(fine) - np.count_nonzero(exact)) <= 4

@@ -19,7 +19,7 @@ from roughcontact.contact.line_search import LineSearch, minimize_between
 from roughcontact.contact.nested_iteration import COARSE_TOLERANCE, first_guess, nested_heights
 from roughcontact.contact.problem import pose
 from roughcontact.contact.projected_gradient import project_to_load, projected_gradient_step
-from roughcontact.contact.state import contact_mean, norm, scale_to_load
+from roughcontact.contact.state import contact_mean, norm, scale_below_cap, scale_to_load
 from roughcontact.contact.sweep import sweep
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, empty
 from roughcontact.maps import height_map
@@ -230,6 +230,7 @@ def test_the_offset_where_no_point_is_free():
         ([0.0, 4.0, 4.0, 1.0], 2.5, 4.0, [0.0, 4.0, 4.0, 2.0]),  # at the cap: they stay
         ([0.0, 4.0, 4.0], 1.0, 4.0, [0.0, 1.5, 1.5]),  # more than the load: all give way
         ([0.0, 4.0, 4.0, 0.0], 3.0, 4.0, [2.0, 4.0, 4.0, 2.0]),  # nothing else carries: the others share
+        ([0.0, 0.3, 0.3], 0.2 - 1e-17, 0.3, [0.0, 0.3, 0.3]),  # but for what is rounding: they carry none
     ],
 )
 def test_scaling_to_a_load(pressure, load, cap, expected):
@@ -270,6 +271,33 @@ def test_a_step_that_changes_the_precision_leaves_points_at_the_cap(lengths, lik
     assert moved.max() == cap
     assert (moved[stay] == cap).all()
     assert moved.mean() == pytest.approx(0.1, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("pressure", "load", "expected"),
+    [
+        ([1.0, 0.5, 0.0, 0.0], 0.5, 2.0),
+        ([1.0, 1.0, 0.5, 0.0], 0.5, 0.0),
+        ([1.0, 1.0, 1.0, 0.5], 0.5, -2.0),  # the points at the cap carry more than the load
+        ([1.0, 0.0, 0.0, 0.0], 0.5, np.inf),  # no other carries any
+    ],
+)
+def test_the_factor_below_the_cap_that_makes_up_the_load(pressure, load, expected):
+    assert scale_below_cap(np.array(pressure), load, 1.0) == expected
+
+
+@pytest.mark.parametrize("precision", [SINGLE, DOUBLE])
+@pytest.mark.parametrize("cap", [0.3, 2.0, np.inf])
+@pytest.mark.parametrize("spread", [1e-3, 1.0, 1e3])
+def test_projection_to_a_load_is_the_nearest_feasible_field(precision, cap, spread):
+    """What it takes is the same where the pressure is free, no more at zero, and no less at the cap."""
+    wanted = spread * np.random.default_rng(5).standard_normal((30, 40)).astype(precision)
+    found = project_to_load(wanted, 0.2, cap=cap)
+    assert found.dtype == precision
+    assert found.mean(dtype=float) == pytest.approx(0.2, rel=4 * EPS[precision] * max(1, spread))
+    assert ((found >= 0) & (found <= cap)).all()
+    taken = (wanted - found).astype(float)
+    assert taken[found < cap].max() <= taken[found > 0].min() + 8 * EPS[precision] * (spread + 1)
 
 
 def test_a_load_at_the_cap_is_refused():

@@ -8,7 +8,15 @@ from roughcontact.choices import Influence
 from roughcontact.contact.coarsening import has_separate_lines, hierarchy, pitches_of, stencil
 from roughcontact.contact.interpolation import Interpolation
 from roughcontact.contact.line_search import LineSearch
-from roughcontact.contact.state import State, contact_mean, norm, scale_to_load
+from roughcontact.contact.state import (
+    State,
+    contact_mean,
+    mean_product,
+    norm,
+    project_to_load,
+    scale_below_cap,
+    scale_to_load,
+)
 from roughcontact.elasticity.halfspace import HalfSpace
 from roughcontact.kernels.arrays import SINGLE, Array, empty, in_precision, precision_of
 from roughcontact.kernels.choose import kernels_for
@@ -19,6 +27,7 @@ from roughcontact.kernels.protocol import Factors
 # that is dear, because the displacement beside a line contact does not decay.
 MOST_PASSES, SMALL_REST = 12, 0.01
 MOST_PASSES_OF_PROFILES, SMALL_REST_OF_PROFILES = 100, 1e-5
+MOST_SCALED = 2.0  # factor up to which the points below the cap make up for what is missing in the load
 SMALL_CHANGE = 0.1  # of the residual's norm, that is simply added to it
 
 
@@ -208,8 +217,9 @@ class Grid:
 
         That is p - length (M r - mean) on the active set, projected onto [0, cap]. The load that the
         projection adds or takes away is redistributed to the contact beside it: P^T hands it on, until little
-        is left (`roughcontact.contact.iteration`). Lines that are contacts of their own keep their loads. The
-        field of the correction is lost.
+        is left (`roughcontact.contact.iteration`). Lines that are contacts of their own keep their loads.
+        Where the cap leaves no such step, it is one along the projected gradient. The field of the correction
+        is lost.
 
         Parameters
         ----------
@@ -231,6 +241,10 @@ class Grid:
         kernels, cap = self.kernels, self.cap
         workspace = self._workspace_in(precision_of(correction.field))
         interpolation, taken, free = workspace.interpolation, correction.field, workspace.values
+        safe = 0.0
+        if cap < np.inf:  # half the stiffness of the residual, <r, M r> / <r, r>, while both are there
+            square = mean_product(free, free)
+            safe = 0.5 * mean_product(free, taken) / square if square > 0 else 0.0
         kernels.advance(
             state.pressure, state.separation, taken, state.offset, correction.mean, length, cap, out, free
         )
@@ -253,6 +267,13 @@ class Grid:
         kernels.rescale(out, 1.0, cap)
         if line_loads is not None:
             self._restore_line_loads(out, line_loads)
+        if cap < np.inf and not 1 / MOST_SCALED < scale_below_cap(out, mean_pressure, cap) < MOST_SCALED:
+            # Too much or too little has come to the cap for the others to make up: the gap tells better which
+            # points belong there, as in a step along the projected gradient.
+            pressure, gap = (
+                in_precision(a, precision_of(out), copy=False) for a in (state.pressure, state.gap)
+            )
+            out = project_to_load(pressure - safe * gap, mean_pressure, cap=cap)
         return scale_to_load(out, mean_pressure, cap=cap)
 
     def last_residual(self, precision: str) -> tuple[Array, Array]:
@@ -358,7 +379,7 @@ class Grid:
             (d, w) for d, w, n in zip(pitches, (across_y, across_x), self.shape, strict=True) if n > 1
         )
         stiffness = 0.5 * np.pi / pitch / (4 * across + 8 * diagonal)
-        self.kernels.refine(coarse, factors, self.heights_in(SINGLE), weights, stiffness, out)
+        self.kernels.refine(coarse, factors, self.heights_in(SINGLE), weights, stiffness, self.cap, out)
 
     def heights_in(self, precision: str) -> Array:
         """Return the dimensionless heights in a precision; in single precision they are kept.

@@ -9,48 +9,10 @@ References
    Control 21, 174.
 """
 
-import numpy as np
-
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.line_search import minimize_between
-from roughcontact.contact.state import State, mean_product
-from roughcontact.kernels.array_api import active_set, mean
-from roughcontact.kernels.arrays import Array
-
-
-def project_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.inf) -> Array:
-    """Return the nearest field to `pressure` between 0 and `cap` that has the prescribed mean.
-
-    It is max(min(p - shift, cap), 0); the mean falls with the shift, which bisection finds to the last digit.
-
-    Parameters
-    ----------
-    pressure : array (ny, nx)
-        dimensionless.
-    mean_pressure : float
-        to be reached.
-    cap : float
-        largest pressure allowed.
-
-    Returns
-    -------
-    array (ny, nx)
-    """
-    xp = pressure.__array_namespace__()
-    top = None if cap == np.inf else cap
-    low, high = float(xp.min(pressure)) - mean_pressure, float(xp.max(pressure))
-    if top is not None:
-        low -= cap
-    while True:
-        shift = 0.5 * (low + high)
-        projected = xp.clip(pressure - shift, 0, top)
-        if not low < shift < high:
-            break
-        if mean(projected) > mean_pressure:
-            low = shift
-        else:
-            high = shift
-    return projected
+from roughcontact.contact.state import State, mean_product, project_to_load
+from roughcontact.kernels.array_api import active_set
 
 
 def projected_gradient_step(grid: Grid, state: State, mean_pressure: float) -> State | None:

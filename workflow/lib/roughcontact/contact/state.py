@@ -102,12 +102,15 @@ def scale_to_load(
     if mean_pressure >= cap:
         raise ValueError(f"a mean pressure of {mean_pressure:g} cannot be carried below the cap {cap:g}")
     held = pressure >= cap
-    if mean_pressure * pressure.size < cap * int(xp.count_nonzero(held)):
+    rounding = 4 * float(xp.finfo(positive.dtype).eps) * total
+    if total < cap * int(xp.count_nonzero(held)) - rounding:
         held = pressure > np.inf  # nowhere: there is more than the load, all must give way
     while True:
         missing = total - cap * int(xp.count_nonzero(held))
         rest = float(xp.sum(positive[~held], dtype=xp.float64))
-        if rest > 0:
+        if abs(missing) <= rounding:  # the points at the cap carry it all
+            scaled = xp.zeros_like(positive)
+        elif rest > 0:
             scaled = positive * (missing / rest)
         else:  # all that carried something is at the cap: the others share what is missing
             scaled = xp.full_like(positive, missing / int(xp.count_nonzero(~held)))
@@ -115,6 +118,70 @@ def scale_to_load(
         if rest == 0 or not xp.any(beyond):
             return xp.where(held, xp.full_like(positive, cap), scaled)
         held |= beyond
+
+
+def scale_below_cap(pressure: Array, mean_pressure: float, cap: float) -> float:
+    """Return the factor for what lies below the cap that gives the prescribed mean.
+
+    Negative where the points at the cap carry more than the load, infinite where no other carries any.
+
+    Parameters
+    ----------
+    pressure : array (ny, nx)
+        dimensionless, from 0 to `cap`.
+    mean_pressure : float
+        to be reached.
+    cap : float
+        largest pressure allowed.
+
+    Returns
+    -------
+    float
+    """
+    xp = pressure.__array_namespace__()
+    below = pressure < cap
+    missing = mean_pressure * pressure.size - cap * (pressure.size - int(xp.count_nonzero(below)))
+    found = float(xp.sum(xp.where(below, pressure, xp.zeros_like(pressure)), dtype=xp.float64))
+    return missing / found if found > 0 else np.inf
+
+
+def project_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.inf) -> Array:
+    """Return the nearest field to `pressure` between 0 and `cap` that has the prescribed mean.
+
+    It is max(min(p - shift, cap), 0). The mean falls with the shift, linearly between the shifts at which a
+    point comes to a bound: steps of Newton and of bisection, in turns, find it to the last digit.
+
+    Parameters
+    ----------
+    pressure : array (ny, nx)
+        dimensionless.
+    mean_pressure : float
+        to be reached.
+    cap : float
+        largest pressure allowed.
+
+    Returns
+    -------
+    array (ny, nx)
+    """
+    xp = pressure.__array_namespace__()
+    top = None if cap == np.inf else cap
+    low, high = float(xp.min(pressure)) - mean_pressure, float(xp.max(pressure))
+    if top is not None:
+        low -= cap
+    enough = float(xp.finfo(pressure.dtype).eps) * mean_pressure
+    shift, by_newton = 0.5 * (low + high), False
+    while True:
+        projected = xp.clip(pressure - shift, 0, top)
+        excess = mean(projected) - mean_pressure
+        low, high = (shift, high) if excess > 0 else (low, shift)
+        middle = 0.5 * (low + high)
+        if abs(excess) <= enough or not low < middle < high:
+            return projected
+        between = int(xp.count_nonzero((projected > 0) & (projected < cap)))
+        newton = shift + excess * pressure.size / max(between, 1)
+        by_newton = not by_newton
+        shift = newton if by_newton and low < newton < high else middle
 
 
 def norm(left: Array, right: Array) -> float:

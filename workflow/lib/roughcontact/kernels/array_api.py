@@ -690,7 +690,13 @@ def finish_restriction(field: Array, passed: Array, coarse: Array, factors: Fact
 
 
 def refine(
-    coarse: Array, factors: Factors, heights: Array, weights: Weights, stiffness: float, out: Array
+    coarse: Array,
+    factors: Factors,
+    heights: Array,
+    weights: Weights,
+    stiffness: float,
+    cap: float,
+    out: Array,
 ) -> None:
     """Put the pressure `coarse` onto a grid `factors` times finer, into `out`, with edges and detail.
 
@@ -698,8 +704,8 @@ def refine(
     that its square is linear there and can be continued beyond: it is interpolated linearly, and its root
     shares out the load of every coarse cell among its fine ones. To that comes what the finer grid adds: a
     height that stands out from the mean of its neighbours takes `stiffness` times as much pressure. What all
-    parts of a cell have too much is taken off evenly, but for those that come to zero: each cell keeps its
-    load.
+    parts of a cell have too much is taken off evenly, but for those that come to zero, and what they have
+    beyond the cap is handed to its other parts: each cell keeps its load.
 
     Parameters
     ----------
@@ -713,6 +719,8 @@ def refine(
         of a neighbour across y, across x, and diagonal.
     stiffness : float
         pressure over the height that stands out.
+    cap : float
+        largest pressure allowed.
     out : array
         is written.
     """
@@ -737,6 +745,9 @@ def refine(
     parts *= (load / xp.where(total == 0, xp.ones_like(total), total))[:, None, :, None]
     lost = xp.where(total == 0, coarse, xp.zeros_like(coarse))  # where rounding leaves nothing
     parts += lost[:, None, :, None]
+    if cap < float("inf"):
+        parts = _held(xp, parts, load, cap)
+        parts[xp.broadcast_to((coarse >= cap)[:, None, :, None], parts.shape)] = cap
     out[...] = xp.reshape(parts, out.shape)
 
 
@@ -750,6 +761,25 @@ def _level(xp: Any, parts: Array, load: Array) -> Array:
         found = (xp.sum(above * parts, axis=(1, 3)) - load) / some
         level = xp.where((count > 0)[:, None, :, None], found[:, None, :, None], level)
     return level
+
+
+def _held(xp: Any, parts: Array, load: Array, cap: float) -> Array:
+    """Return the parts of every cell held at the cap; its others carry what is missing in its `load`."""
+    count = parts.shape[1] * parts.shape[3]
+    for _ in range(count):  # each time more of them may reach the cap
+        below = parts < cap
+        number = xp.sum(xp.astype(below, load.dtype), axis=(1, 3))
+        rest = xp.clip(load - cap * (count - number), 0, None)
+        others = xp.sum(xp.where(below, parts, xp.zeros_like(parts)), axis=(1, 3))
+        factor = rest / xp.where(others > 0, others, xp.ones_like(others))
+        even = xp.where(
+            others > 0, xp.zeros_like(rest), rest / xp.where(number > 0, number, xp.ones_like(number))
+        )
+        shared = parts * factor[:, None, :, None] + even[:, None, :, None]
+        parts = xp.where(below, shared, xp.full_like(parts, cap))
+        if not xp.any(parts > cap):
+            break
+    return parts
 
 
 def _continued(xp: Any, square: Array) -> Array:

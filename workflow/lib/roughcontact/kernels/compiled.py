@@ -55,7 +55,7 @@ _GIVEN = {
     "prolong_small": ("rrrrrrDr", "qq"),
     "restrict_small": ("rrrrrrDr", "qq"),
     "continue_square": ("rr", "qq"),
-    "refine": ("rrrr", "ddddqqqq"),
+    "refine": ("rrrr", "dddddqqqq"),
 }
 _structs = {name: Struct("P" * len(arrays) + rest) for name, (arrays, rest) in _GIVEN.items()}
 _pack = {name: struct.pack for name, struct in _structs.items()}
@@ -232,11 +232,11 @@ class Compiled:
         first = sum(count > SMALL_GRID for count in cells)
         return CompiledSmallGrids(grids, stores, ends, first) if first < len(grids) else None
 
-    def refine(self, coarse, factors, heights, weights, stiffness, out):
+    def refine(self, coarse, factors, heights, weights, stiffness, cap, out):
         square, (ny, nx), (fy, fx) = store.empty(coarse.shape, coarse.dtype), coarse.shape, factors
         self._run("continue_square", ny, nx + 2, (coarse, square), ny, nx)
         arrays, scratch = (coarse, square, heights, out), (fy + 1) * nx * fx + 2 + fy * fx
-        self._run("refine", ny, scratch, arrays, *weights, stiffness, ny, nx, fy, fx)
+        self._run("refine", ny, scratch, arrays, *weights, stiffness, cap, ny, nx, fy, fx)
 
     def _run(self, name, rows, scratch, arrays, *numbers):
         """Run a pass over `rows` rows, shared among threads where its first array is large."""

@@ -118,6 +118,7 @@ class Kernels(Protocol):
         heights: Array,
         weights: Weights,
         stiffness: float,
+        cap: float,
         out: Array,
     ) -> None: ...
 

@@ -642,16 +642,39 @@ static void NAME(cut_to_load)(REAL *parts, int64_t count, REAL load)
         parts[k] = total > 0 ? parts[k] * (load / total) : load / (REAL)count;
 }
 
+/* Hold the `count` parts of a cell at the cap at most: the others carry what is missing in `load`. */
+static void NAME(hold)(REAL *parts, int64_t count, REAL load, REAL cap)
+{
+    for (int64_t beyond = 1; beyond > 0;) {
+        REAL rest = load, others = 0;
+        int64_t below = 0;
+        for (int64_t k = 0; k < count; k++)
+            if (parts[k] < cap) {
+                others += parts[k];
+                below++;
+            } else {
+                parts[k] = cap;
+                rest -= cap;
+            }
+        beyond = 0;
+        for (int64_t k = 0; k < count; k++)
+            if (parts[k] < cap) {
+                parts[k] = others > 0 ? parts[k] * (LARGER(rest, 0) / others) : LARGER(rest, 0) / (REAL)below;
+                beyond += parts[k] > cap;
+            }
+    }
+}
+
 PASS(refine, {
     const REAL *coarse, *square, *heights;
     REAL *out;
     struct Weights weights;
-    double stiffness;
+    double stiffness, cap;
     int64_t ny, nx, fy, fx;
 })
 {
     const int64_t ny = given->ny, nx = given->nx, fy = given->fy, fx = given->fx, width = nx * fx, rows = ny * fy;
-    const REAL stiffness = (REAL)given->stiffness;
+    const REAL stiffness = (REAL)given->stiffness, cap = (REAL)given->cap;
     REAL *detail = scratch, *row = detail + fy * width, *parts = row + width + 2;
     memset(given->out + first * fy * width, 0, (size_t)((last - first) * fy * width) * sizeof(REAL));
     for (int64_t i = first; i < last; i++) {
@@ -691,6 +714,10 @@ PASS(refine, {
                 for (int64_t kx = 0; kx < fx; kx++)
                     parts[ky * fx + kx] = share * parts[ky * fx + kx] + detail[ky * width + j * fx + kx];
             NAME(cut_to_load)(parts, fy * fx, load);
+            if (cap < INFINITY)
+                NAME(hold)(parts, fy * fx, load, cap);
+            for (int64_t k = 0; pressure >= cap && k < fy * fx; k++)
+                parts[k] = cap; /* to the last digit */
             for (int64_t ky = 0; ky < fy; ky++)
                 memcpy(given->out + (i * fy + ky) * width + j * fx, parts + ky * fx, (size_t)fx * sizeof(REAL));
         }
