@@ -127,7 +127,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folders", nargs="*", type=Path, help="folders of instrument files")
     parser.add_argument("--only", nargs="+", help="names of files; they are printed and not kept")
-    parser.add_argument("--seeds", nargs="*", type=int, default=[1, 2], help="of the made surfaces")
+    parser.add_argument("--seeds", nargs="*", type=int, default=[1], help="of the made surfaces")
     parser.add_argument("--work", type=Path, default=WORK, help="where the rows are kept")
     parser.add_argument("--page", type=Path, help="the page that is written")
     arguments = parser.parse_args()
