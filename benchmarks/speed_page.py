@@ -247,7 +247,7 @@ def maps_section(maps: list[dict]) -> list[str]:
         """*elements*: `influence: elements`. *Hardness*: the largest pressure allowed, over the mean
 pressure. Points at the hardness are a second set that the solver has to find, beside that of the
 points in contact, and the coarse grids foresee it less well. In single precision rounding can
-stop a solve above the tolerance; it then says so before its first iteration.""",
+stop a solve above the tolerance; by default it then says so before its first iteration.""",
         *bounds(maps),
     ]
 
