@@ -204,3 +204,20 @@ def test_hdf5_of_another_kind_is_named_with_its_arrays(tmp_path):
         match=r"neither netCDF nor .*it has /scan/a/heights \(16 x 16\), /scan/a/time \(1\); save",
     ):
         read_height_map(tmp_path / "map.h5")
+
+
+def test_a_heap_of_hdf5_without_an_end_is_refused(tmp_path):
+    path = tmp_path / "map.nc"
+    axes = {axis: (axis, 1e-6 * np.arange(5), {"units": "m"}) for axis in ("y", "x")}
+    heights = xr.DataArray(np.eye(5), coords=axes, dims=("y", "x"), name="z", attrs={"units": "um"})
+    heights.to_netcdf(path, engine="netcdf4")
+    assert read_height_map(path).shape == (5, 5)
+    whole = bytearray(path.read_bytes())
+    place = whole.find(b"GCOL") + 16
+    while int.from_bytes(whole[place : place + 2], "little"):  # the objects before the free space
+        size = int.from_bytes(whole[place + 8 : place + 16], "little")
+        place += 16 + size + -size % 8
+    whole[place + 8 : place + 16] = bytes(8)
+    path.write_bytes(whole)
+    with pytest.raises(InputFileError, match="a heap without an end"):
+        read_height_map(path)

@@ -1,5 +1,7 @@
 """HDF5 containers: opened without trust. What lies in other files is refused, and no number is read here."""
 
+import mmap
+import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,6 +14,9 @@ if TYPE_CHECKING:
     import h5py
 
 MARK = b"\x89HDF\r\n\x1a\n"
+_HEAP = b"GCOL\x01\0\0\0"
+_HEAP_HEAD = 16  # bytes, of a heap and of each of its objects
+_MOST_IN_HEAPS = 1_000_000
 _MOST_OBJECTS = 10_000
 _DEEPEST = 32  # groups within each other; the netCDF library goes down by recursion
 
@@ -62,8 +67,29 @@ def datasets(path: Path) -> dict[str, tuple[int, ...]]:
         For a link to another file, external storage or a virtual array (the heights would be bytes of other
         files of this computer), for more than 10 000 objects, and for a file that is damaged.
     """
+    _check_heaps(path)
     with opened(path) as file:
         return dict(_arrays(file, path))
+
+
+def _check_heaps(path: Path) -> None:
+    """Refuse a heap (of values of any length) with free space of no bytes: the library would never end.
+
+    A heap is its mark, a version, its size, then objects: a number (0 for the free space), a count, a size.
+    """
+    left = _MOST_IN_HEAPS
+    with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        start = data.find(_HEAP)
+        while start >= 0:
+            place = start + _HEAP_HEAD
+            end = start + int.from_bytes(data[start + len(_HEAP) : place], "little")
+            while place + _HEAP_HEAD <= min(end, len(data)):
+                number, size = struct.unpack_from("<H6xQ", data, place)
+                left -= 1
+                if left == 0 or (number == 0 and size == 0):
+                    raise InputFileError(f"{path}: damaged or cut off HDF5 file (a heap without an end)")
+                place += _HEAP_HEAD + size + -size % 8 if number else size
+            start = data.find(_HEAP, start + 1)
 
 
 def _arrays(file: "h5py.File", path: Path) -> Iterator[tuple[str, tuple[int, ...]]]:
