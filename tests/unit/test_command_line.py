@@ -1,5 +1,6 @@
 """The program: what it prints is what the verbs return, and bad input ends in one sentence."""
 
+import argparse
 import json
 import os
 import pty
@@ -13,7 +14,7 @@ import pytest
 from shared_data import DATA
 
 import roughcontact as rc
-from roughcontact.command_line.options import in_options
+from roughcontact.command_line.options import add_settings, chosen_settings, in_options
 from roughcontact.command_line.program import main
 from roughcontact.configuration.models import Contact, Level, Uncertainty, Window
 from roughcontact.configuration.resolve import resolve
@@ -187,6 +188,14 @@ def test_solve_says_how_far_the_numbers_may_be_off(capsys, small):
     code, _, err = said(capsys, *options, "--uncertainty-sources", "luck")
     assert code == 2
     assert "--uncertainty-sources" in err
+
+
+def test_an_empty_list_may_be_written_as_in_a_configuration():
+    parser = argparse.ArgumentParser()
+    add_settings(parser)
+    for words in (["--uncertainty-sources"], ["--uncertainty-sources", "[]"]):
+        settings = chosen_settings(parser.parse_args(["--contact-modulus", "1e9", *words]))
+        assert settings["uncertainty"]["sources"] == []
 
 
 def test_a_profile_is_solved(capsys):

@@ -113,7 +113,8 @@ def chosen_settings(options: Namespace) -> dict:
     for section, key, _, _ in _options():
         value = getattr(options, f"{section}.{key}")
         if value is not None:
-            config[section][key] = None if value == "null" else value
+            empty = [] if value == ["[]"] else value  # written as in a configuration
+            config[section][key] = None if value == "null" else empty
     if config["contact"].get("contact_modulus") is None and not options.body:
         raise SettingsError(
             "no elasticity given; give --contact-modulus (E* in Pa, or as 115GPa), or --body E NU twice"
