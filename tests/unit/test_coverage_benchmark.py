@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from roughcontact.contact.solve import solve_contact
 from roughcontact.levelling.level import level
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.results.storage import write_dataset
+from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.window.periodic_window import periodic_window
 
@@ -66,6 +68,19 @@ def test_files_that_are_no_maps_are_left_out(benchmark, tmp_path):
     small = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=3e-5, rms_gradient=0.1)
     write_dataset(small.to_dataset(name="height"), tmp_path / "small.nc")
     assert benchmark.real_map(tmp_path / "small.nc") is None
+
+
+def test_the_true_pressure_in_contact_is_the_load_over_the_area(benchmark):
+    """Of a map that is coarse for its contact, where the mean over whole pixels falls short of it by far."""
+    height = self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=4e-6, longest=3e-5, rms_gradient=0.1)
+    solved = solve_contact(
+        height, contact_modulus=1.0, mean_pressure=[0.002, 0.01], reduce=contact_statistics
+    )
+    truth = benchmark.truth_of(solved)
+    assert truth["mean_gap"] == solved["mean_gap"].values.tolist()
+    area = np.array(truth["relative_contact_area"])
+    np.testing.assert_allclose(np.array(truth["mean_contact_pressure"]) * area, [0.002, 0.01], rtol=1e-12)
+    assert (solved["mean_contact_pressure"] < 0.97 * np.array(truth["mean_contact_pressure"])).all()
 
 
 def test_a_part_is_measured_with_its_interval(benchmark):
