@@ -73,8 +73,7 @@ def page(results: dict, drawing: str) -> str:
         f"""**Machine.** {machine["processor"]}, {machine["cores"]} cores, {machine["memory_GiB"]} GiB;
         {machine["system"]}, Python {machine["python"]}. **Versions.** {versions}.""",
     ]
-    load = max(about.get("load", {}).values(), default=0.0)
-    if load > QUIET:
+    if load := busy(results):
         parts.append(
             f"""Other programs ran when the times were taken (load average {load:.0f} before the start): on a
             machine at rest they are shorter, and ratios may differ."""
@@ -89,9 +88,9 @@ def page(results: dict, drawing: str) -> str:
 
 
 def sentence(results: dict) -> str:
-    """Return what page and README say of the speed."""
+    """Return what page and README say of the speed; no times that were taken on a busy machine."""
     words = []
-    timed = list(results.get("race", {}).values())
+    timed = [] if busy(results) else list(results.get("race", {}).values())
     largest = max((case["size"] for case in timed if case["group"] == "made"), default=0)
     if shown := chosen(timed, threads=1, group="made", size=min(1024, largest)):
         own = statistics.median(case["codes"]["roughcontact"]["seconds"] for case in shown)
@@ -111,6 +110,12 @@ def sentence(results: dict) -> str:
             {np.quantile(pairs, 0.9):.1f}, all at most {max(pairs):.1f})."""
         )
     return wrapped(" ".join(words))
+
+
+def busy(results: dict) -> float:
+    """Return the load average before the times were taken, where it says that other programs ran; else 0."""
+    load = max(results["about"].get("load", {}).values(), default=0.0)
+    return load if load > QUIET else 0.0
 
 
 def wrapped(text: str, width: int = 110) -> str:
@@ -338,9 +343,10 @@ def growth_section(found: list[dict]) -> list[str]:
         "## Growth of the work",
         "Pairs to 1e-4 / 1e-8; the growth is that to 1e-4, from the smallest to the largest size.",
         table(("map", "p′", *(f"{size}²" for size in sizes), "growth"), rows),
-        """*measured* is the largest measured map, enlarged by its own spectrum at the same pitch. The number
-of pairs does not depend on the size, so that the time of a solve grows as that of a transform
-does. `--growth-sizes` takes other sizes, up to what the memory holds.""",
+        """*measured* is the largest measured map, enlarged by its own spectrum at the same pitch. The
+number of pairs does not depend on the size, a step of one iteration up or down aside, so that the
+time of a solve grows as that of a transform does. `--growth-sizes` takes other sizes, up to what
+the memory holds.""",
     ]
 
 

@@ -223,6 +223,7 @@ def test_the_page_says_when_the_machine_was_busy(script):
     assert "Other programs ran" not in script.speed_page.page(results, "benchmark.png")
     results["about"]["load"] = {"pair": 0.1, "race": 11.6}
     assert "(load average 12 before the start)" in script.speed_page.page(results, "benchmark.png")
+    assert script.speed_page.sentence(results).startswith("On 2 measured maps")
 
 
 def test_the_sentence_stands_on_the_page_and_between_its_marks(script, tmp_path):
