@@ -28,7 +28,9 @@ def dense_solution(heights, lengths, *, shift, hardness):
     return found.x.reshape(heights.shape)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize(
+    "seed", [*range(20), *(pytest.param(n, marks=pytest.mark.slow) for n in range(20, 260))]
+)
 def test_random_maps_equal_a_dense_solution(seed):
     generator = np.random.default_rng(seed)
     shape = tuple(generator.integers(2, 12, 2))
@@ -54,7 +56,8 @@ def test_random_maps_equal_a_dense_solution(seed):
     at_hardness = exact >= hardness * (1 - 1e-9)
     assert float(contact["yielded_area"][0]) == pytest.approx(at_hardness.mean(), abs=1e-12)
     assert (contact["gap"].values[0][pressure == hardness] == 0).all()
-    assert (contact["contact"].values[0] == (exact > 0)).mean() > 1 - 1.5 / exact.size
+    in_contact = exact > 1e-12 * hardness  # less is the rounding of the dense solution
+    assert (contact["contact"].values[0] == in_contact).mean() > 1 - 1.5 / exact.size
 
 
 def rough():
