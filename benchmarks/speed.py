@@ -109,9 +109,23 @@ class Study:
         for name, _, window in self.maps():
             if window is not None:
                 side = window.shape[1] * spacing(window)[1]
-                path = saved(self.surfaces / f"measured {name}.npy", window.values / side)
+                path = self.measured(name, window.values / side)
                 found.append((name, path, rms_gradient(window)))
         return found
+
+    def measured(self, name: str, heights: np.ndarray) -> Path:
+        """Return the file of a square window; where it has changed, what was known of it is dropped."""
+        path = self.surfaces / f"measured {name}.npy"
+        if path.exists() and np.array_equal(np.load(path), heights):
+            return path
+        for truth in self.surfaces.glob("truth *.npy"):
+            if truth.name.endswith(path.name):
+                truth.unlink()
+        for part in ("rungs", "race"):
+            kept = self.results.get(part, {})
+            for key in [key for key in kept if key.startswith(f"{name} ")]:
+                del kept[key]
+        return saved(path, heights)
 
     def worker(self, code: str, threads: int) -> Worker:
         """Return a new process that solves with a code."""

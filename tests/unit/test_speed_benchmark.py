@@ -280,6 +280,25 @@ def test_a_stopped_measurement_goes_on(script, tmp_path):
     del script.speed.PARTS["trial"]
 
 
+def test_a_window_that_has_changed_drops_what_is_known_of_it(script, tmp_path):
+    study = script.speed.Study(
+        script.speed.parse(["--work", str(tmp_path), "--rivals", str(tmp_path / "none")])
+    )
+    path = study.measured("a.sur", np.zeros((4, 4)))
+    truth = study.surfaces / f"truth 0.03 {path.name}"
+    other = study.surfaces / "truth 0.03 measured b.sur.npy"
+    for file in (truth, other):
+        file.touch()
+    study.results["rungs"] = {"a.sur 0.03 ASPHER": {}, "b.sur 0.03 ASPHER": {}}
+    study.measured("a.sur", np.zeros((4, 4)))
+    assert truth.exists()
+    assert len(study.results["rungs"]) == 2
+    study.measured("a.sur", np.ones((4, 4)))
+    assert not truth.exists()
+    assert other.exists()
+    assert list(study.results["rungs"]) == ["b.sur 0.03 ASPHER"]
+
+
 def test_a_case_of_the_race_from_end_to_end(script, tmp_path):
     """This solver alone, on one small map: the worker solves it to the true error that is asked for."""
     words = ["--work", str(tmp_path), "--rivals", str(tmp_path / "none"), "--sizes", "64", "--seeds", "0"]
