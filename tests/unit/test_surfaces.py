@@ -215,7 +215,10 @@ def test_the_pair_that_needs_a_name_is_named(table, name):
     with pytest.raises(SettingsError) as caught:
         read_surfaces(path, members_each=1)
     assert str(caught.value).splitlines()[1:] == [
-        "  line 2, dx = '-1': must be a number greater than 0 (decimal point, no unit)",
+        (
+            "  line 2, dx = '-1': must be a number greater than 0 (decimal point), in `unit` or with its own "
+            "unit behind it (1.5 um)"
+        ),
         f"  line 3, surface = {name}: the pair seal needs this name for one of its parts; rename one",
     ]
 
