@@ -47,10 +47,10 @@ def read_statistics(path: str | Path) -> xr.Dataset:
     >>> statistics.sel(surface="turned").sel(mean_pressure=4e6)["mean_gap"].item()
     1e-07
     """
-    return read_dataset(path).set_xindex("mean_pressure", MeanPressureIndex)
+    return read_dataset(path).set_xindex("mean_pressure", _MeanPressureIndex)
 
 
-class MeanPressureIndex(xr.Index):
+class _MeanPressureIndex(xr.Index):
     """Places of loads by their mean pressure, which may differ between surfaces and cases.
 
     Parameters
@@ -67,7 +67,7 @@ class MeanPressureIndex(xr.Index):
     @classmethod
     def from_variables(
         cls, variables: Mapping[Any, xr.Variable], *, options: Mapping[str, Any]
-    ) -> "MeanPressureIndex":
+    ) -> "_MeanPressureIndex":
         """Return the index of the one coordinate that is given."""
         ((name, pressures),) = variables.items()
         return cls(name, pressures)
@@ -76,10 +76,10 @@ class MeanPressureIndex(xr.Index):
         """Return the coordinate, or what is left of it."""
         return {self.name: self.pressures}
 
-    def isel(self, indexers: Mapping[Any, Any]) -> "MeanPressureIndex | None":
+    def isel(self, indexers: Mapping[Any, Any]) -> "_MeanPressureIndex | None":
         """Return the index of a part; None where a single load is left."""
         part = self.pressures.isel({dim: at for dim, at in indexers.items() if dim in self.pressures.dims})
-        return MeanPressureIndex(self.name, part) if "load" in part.dims else None
+        return _MeanPressureIndex(self.name, part) if "load" in part.dims else None
 
     def sel(
         self, labels: dict[Any, Any], method: str | None = None, tolerance: float | None = None
@@ -107,4 +107,4 @@ class MeanPressureIndex(xr.Index):
 
     def equals(self, other: xr.Index, **_: Any) -> bool:
         """Return whether another index holds the same pressures."""
-        return isinstance(other, MeanPressureIndex) and self.pressures.equals(other.pressures)
+        return isinstance(other, _MeanPressureIndex) and self.pressures.equals(other.pressures)
