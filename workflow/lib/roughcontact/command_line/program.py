@@ -93,7 +93,7 @@ def _parser(*, settings: bool) -> argparse.ArgumentParser:
     """Return the parser; the options of `solve` come from the settings, which take a moment to import."""
     parser = _Parser(prog="roughcontact", description=_DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
-    verbs = parser.add_subparsers(required=True, metavar="inspect | solve | init | run | compare")
+    verbs = parser.add_subparsers(required=True, metavar="inspect | solve | init | run | compare | crate")
 
     inspect = verbs.add_parser("inspect", help="say in plain words what is in a file")
     inspect.add_argument("files", nargs="+", metavar="FILE", help="measured height maps, any format")
@@ -131,6 +131,17 @@ def _parser(*, settings: bool) -> argparse.ArgumentParser:
     )
     _add_json(compare)
     compare.set_defaults(run=_compare)
+
+    crate = verbs.add_parser("crate", help="describe a finished run as an RO-Crate, for an archive")
+    crate.add_argument(
+        "folder", metavar="FOLDER", help="the results of the run; ro-crate-metadata.json goes there"
+    )
+    crate.add_argument(
+        "--license",
+        metavar="TEXT",
+        help="address of the licence under which others may use the results, or words",
+    )
+    crate.set_defaults(run=_crate)
     return parser
 
 
@@ -234,3 +245,11 @@ def _compare(options: argparse.Namespace) -> int:
     rows: list[dict[str, Any]] = [dict(row) for _, row in table.iterrows()]
     print(as_json(rows) if options.json else comparison(rows, share=options.share))
     return int(any(row["differs"] for row in rows))
+
+
+def _crate(options: argparse.Namespace) -> int:
+    """Write the description of a run, and say where it is."""
+    from roughcontact.results.crate import write_crate
+
+    print(write_crate(options.folder, **({"terms": options.license} if options.license else {})))
+    return 0

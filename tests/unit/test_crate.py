@@ -1,0 +1,99 @@
+"""A finished run described as an RO-Crate."""
+
+import json
+import os
+import sys
+
+import pytest
+import xarray as xr
+
+from roughcontact.command_line.program import main
+from roughcontact.results.crate import write_crate
+from roughcontact.results.storage import provenance, write_dataset, write_text
+
+NEWEST = 1_700_000_000  # 2023-11-14 22:13:20 UTC, as `date -u -d @1700000000` says
+SHA = "ab" * 32
+SETTINGS = {"contact": {"tolerance": 1e-4}}
+
+
+@pytest.fixture
+def results(tmp_path):
+    """Return the folder of a run of one surface, its newest file with a known time."""
+    folder = tmp_path / "results"
+    height = xr.DataArray([[0.0, 1e-6]], dims=("y", "x"), name="height")
+    height.attrs = {"source_file": "my ground.x3p", "source_sha256": SHA, "source_format": "X3P"}
+    made = provenance(SETTINGS, source_sha256=SHA, stage="height", of="ground")
+    write_dataset(height.to_dataset().assign_attrs(made), folder / "ground/height.nc")
+    statistics = xr.Dataset({"mean_gap": ("load", [2e-7])})
+    write_dataset(statistics.assign_attrs(provenance(SETTINGS, stage="statistics")), folder / "statistics.nc")
+    write_text("<!doctype html>", folder / "report.html")
+    write_text("", folder / ".hidden/scratch.csv")
+    for age, path in enumerate(sorted(folder.rglob("*.*"))):
+        os.utime(path, (NEWEST - age, NEWEST - age))
+    os.utime(folder / "report.html", (NEWEST, NEWEST))
+    return folder
+
+
+def described(folder, **options):
+    """Return what the crate says, by identifier."""
+    found = json.loads(write_crate(folder, **options).read_text(encoding="utf-8"))
+    return {entity["@id"]: entity for entity in found["@graph"]}
+
+
+def test_the_crate_names_files_sources_settings_and_program(results):
+    pytest.importorskip("rocrate")
+    found = described(results, terms="https://creativecommons.org/licenses/by/4.0/")
+    root, run = found["./"], found["#run"]
+    assert [part["@id"] for part in root["hasPart"]] == ["ground/height.nc", "report.html", "statistics.nc"]
+    assert [part["@id"] for part in run["result"]] == ["ground/height.nc", "report.html", "statistics.nc"]
+    assert found["ground/height.nc"]["name"] == "Heights as measured: ground"
+    assert found["report.html"]["encodingFormat"] == "text/html"
+    assert found["report.html"]["contentSize"] == "15"
+    assert root["license"] == "https://creativecommons.org/licenses/by/4.0/"
+    assert root["datePublished"] == run["endTime"] == "2023-11-14T22:13:20+00:00"
+    measured, settings = (found[entity["@id"]] for entity in run["object"])
+    assert (measured["name"], measured["sha256"]) == ("my ground.x3p", SHA)
+    assert json.loads(settings["value"]) == SETTINGS
+    (program,) = (found[entity["@id"]] for entity in run["instrument"])
+    made = provenance(SETTINGS)
+    version = json.loads(made["versions"])["roughcontact"]
+    commit = made.get("commit")
+    assert program["softwareVersion"] == (f"{version}, commit {commit}" if commit else version)
+    packages = {found[entity["@id"]]["name"] for entity in program["softwareRequirements"]}
+    assert {"numpy", "scipy", "netCDF4", "python"} <= packages
+    assert root["conformsTo"]["@id"] == "https://w3id.org/ro/wfrun/process/0.5"
+
+
+def test_a_second_crate_of_the_same_files_is_the_first_one(results):
+    rocrate = pytest.importorskip("rocrate.rocrate")
+    first = write_crate(results).read_bytes()
+    assert write_crate(results).read_bytes() == first
+    read = rocrate.ROCrate(results)  # by the library that others read it with
+    assert {entity.id for entity in read.data_entities} == {
+        "ground/height.nc",
+        "report.html",
+        "statistics.nc",
+    }
+
+
+def test_results_of_two_commits_have_two_programs(results):
+    pytest.importorskip("rocrate")
+    made = provenance(SETTINGS, stage="window", of="ground") | {"commit": "0" * 40}
+    write_dataset(xr.Dataset({"mean_gap": ("load", [2e-7])}).assign_attrs(made), results / "ground/window.nc")
+    programs = described(results)["#run"]["instrument"]
+    assert len(programs) == 2
+    assert any(program["@id"].endswith("0" * 40) for program in programs)
+
+
+def test_the_command_says_where_it_is_or_what_is_missing(results, tmp_path, monkeypatch, capsys):
+    assert main(["crate", str(tmp_path)]) == 2
+    assert capsys.readouterr().err == (
+        f"roughcontact: {tmp_path}: no statistics.nc is in it; name the folder of a finished run\n"
+    )
+    with monkeypatch.context() as patched:
+        patched.setitem(sys.modules, "rocrate", None)  # as if it were not installed
+        assert main(["crate", str(results)]) == 2
+    assert "pip install 'roughcontact[crate]'" in capsys.readouterr().err
+    pytest.importorskip("rocrate")
+    assert main(["crate", str(results), "--license", "CC0"]) == 0
+    assert capsys.readouterr().out == f"{results / 'ro-crate-metadata.json'}\n"

@@ -1,0 +1,167 @@
+"""A finished run as a research object: an RO-Crate that says what its files hold and how they came about.
+
+The crate follows RO-Crate 1.1 and the profile Process Run Crate 0.5: one action, this program as its
+instrument, the measured files and the settings as what it worked on, the files of the folder as its results.
+"""
+
+import json
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from roughcontact.errors import InputFileError, SettingsError
+from roughcontact.results.storage import opened_dataset, write_text
+
+if TYPE_CHECKING:
+    from rocrate.rocrate import ROCrate
+
+_NAME = "ro-crate-metadata.json"
+_PROFILE = "https://w3id.org/ro/wfrun/process/0.5"
+_NO_TERMS = "Not stated: ask whoever made this run."
+# not in the terms of RO-Crate 1.1
+_TERMS = {"sha256": "http://schema.org/sha256"}
+_MEDIA_TYPES = {
+    ".nc": "application/netcdf",
+    ".csv": "text/csv",
+    ".html": "text/html",
+    ".json": "application/json",
+}
+
+
+def write_crate(folder: str | Path, *, terms: str = _NO_TERMS) -> Path:
+    """Write `ro-crate-metadata.json` into the folder of a finished run.
+
+    It lists the files of the folder with their types and sizes, the measured files by name and checksum, the
+    settings, and the program with its version, its commit and the packages that computed. The run ended when
+    the newest file was written; no other clock is read, so that an unchanged folder gives an unchanged crate.
+
+    Parameters
+    ----------
+    folder : str or Path
+        the folder `results` of a run.
+    terms : str
+        what others may do with the results: the address of a licence, or words.
+
+    Returns
+    -------
+    Path
+        the file written.
+
+    Raises
+    ------
+    SettingsError
+        where the package rocrate is not installed.
+    InputFileError
+        where the folder holds no finished run, or a file in it cannot be read.
+
+    References
+    ----------
+    S. Leo et al., Recording provenance of workflow runs with RO-Crate. PLoS ONE 19 (2024) e0309210.
+
+    Examples
+    --------
+    >>> write_crate("nowhere")
+    Traceback (most recent call last):
+    roughcontact.errors.InputFileError: nowhere: no statistics.nc is in it; name the folder of a finished run
+    """
+    folder = Path(folder)
+    if not (folder / "statistics.nc").is_file():
+        raise InputFileError(f"{folder}: no statistics.nc is in it; name the folder of a finished run")
+    if find_spec("rocrate") is None:
+        raise SettingsError("the package rocrate is not installed: pip install 'roughcontact[crate]'")
+    from rocrate.rocrate import ROCrate
+
+    files = sorted(_files(folder))
+    ended = datetime.fromtimestamp(int(max(path.stat().st_mtime for path in files)), UTC).isoformat()
+    crate = ROCrate(version="1.1")
+    crate.metadata.extra_terms |= _TERMS
+    profile = {"@type": "CreativeWork", "name": "Process Run Crate", "version": "0.5"}
+    root = crate.root_dataset
+    root["name"] = "True contact area and contact pressures of measured surfaces"
+    root["description"] = (
+        "Results of roughcontact: maps and numbers of each surface, and those of all together."
+    )
+    root["license"] = terms
+    root["datePublished"] = ended
+    root["conformsTo"] = _add(crate, _PROFILE, profile)
+    results, measured, programs, settings = [], {}, {}, ""
+    for path in files:
+        about = {"name": path.name, "contentSize": str(path.stat().st_size)}
+        if media_type := _MEDIA_TYPES.get(path.suffix):
+            about["encodingFormat"] = media_type
+        if path.suffix == ".nc":
+            with opened_dataset(path) as dataset:
+                about["name"] = dataset.attrs.get("title", path.name)
+                if path.stem == "height":
+                    source = dataset["height"].attrs
+                    measured[source["source_sha256"]] = source
+                program = {name: dataset.attrs.get(name, "") for name in ("versions", "commit")}
+                programs[tuple(program.values())] = program
+                if path == folder / "statistics.nc":
+                    settings = dataset.attrs["settings"]
+        results.append(crate.add_file(dest_path=path.relative_to(folder).as_posix(), properties=about))
+    action = {
+        "@type": "CreateAction",
+        "name": "Run of roughcontact",
+        "description": "Height maps were read, levelled and made periodic, and their contact was solved.",
+        "endTime": ended,
+        "actionStatus": "http://schema.org/CompletedActionStatus",
+    }
+    run = _add(crate, "#run", action)
+    run["instrument"] = [_add_program(crate, **program) for program in programs.values()]
+    run["object"] = [
+        *(_add_measured(crate, source) for source in measured.values()),
+        _add(crate, "#settings", {"@type": "PropertyValue", "name": "settings", "value": settings}),
+    ]
+    run["result"] = results
+    root["mentions"] = run
+    write_text(json.dumps(crate.metadata.generate(), indent=2, sort_keys=True) + "\n", folder / _NAME)
+    return folder / _NAME
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    """Yield the files of a run, without those that are hidden and an earlier crate."""
+    for path in folder.rglob("*"):
+        inside = path.relative_to(folder)
+        if path.is_file() and inside != Path(_NAME) and not any(part[0] == "." for part in inside.parts):
+            yield path
+
+
+def _add(crate: "ROCrate", identifier: str, properties: dict[str, Any]) -> Any:
+    """Add to a crate what is no file of it."""
+    from rocrate.model.contextentity import ContextEntity
+
+    return crate.add(ContextEntity(crate, identifier, properties=properties))
+
+
+def _add_measured(crate: "ROCrate", source: dict[str, Any]) -> Any:
+    """Add a measured file, which lies elsewhere: its name, format and checksum."""
+    about = {
+        "@type": "CreativeWork",
+        "name": source["source_file"],
+        "description": f"Measured height map, {source['source_format']}",
+        "sha256": source["source_sha256"],
+    }
+    return _add(crate, f"#measured-{source['source_sha256']}", about)
+
+
+def _add_program(crate: "ROCrate", *, versions: str, commit: str) -> Any:
+    """Add this program at a version and a commit, with the packages that it computed with."""
+    packages = json.loads(versions or "{}")
+    own = packages.pop("roughcontact", "unknown")
+    about = {
+        "@type": "SoftwareApplication",
+        "name": "roughcontact",
+        "softwareVersion": f"{own}, commit {commit}" if commit else own,
+        "softwareRequirements": [
+            _add(
+                crate,
+                f"#{name}-{version}",
+                {"@type": "SoftwareApplication", "name": name, "softwareVersion": version},
+            )
+            for name, version in packages.items()
+        ],
+    }
+    return _add(crate, "#" + "-".join(filter(None, ["roughcontact", own, commit])), about)
