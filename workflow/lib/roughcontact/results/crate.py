@@ -83,7 +83,8 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS) -> Path:
     root["description"] = (
         "Results of roughcontact: maps and numbers of each surface, and those of all together."
     )
-    root["license"] = terms
+    licence = {"@type": "CreativeWork", "name": "Licence", "description": f"Licence of the results: {terms}"}
+    root["license"] = _add(crate, terms, licence) if terms.startswith("http") else terms
     root["datePublished"] = ended
     root["conformsTo"] = _add(crate, _PROFILE, profile)
     results, measured, programs, settings = [], {}, {}, ""
@@ -110,7 +111,8 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS) -> Path:
         "actionStatus": "http://schema.org/CompletedActionStatus",
     }
     run = _add(crate, "#run", action)
-    run["instrument"] = [_add_program(crate, **program) for program in programs.values()]
+    instruments = [_add_program(crate, **program) for program in programs.values()]
+    run["instrument"] = instruments if len(instruments) > 1 else instruments[0]
     run["object"] = [
         *(_add_measured(crate, source) for source in measured.values()),
         _add(crate, "#settings", {"@type": "PropertyValue", "name": "settings", "value": settings}),
