@@ -1,5 +1,7 @@
 """Charts: values lie where the axes say, and the colours are those they are named after."""
 
+import base64
+import io
 import re
 from urllib.parse import unquote
 from xml.etree import ElementTree
@@ -7,6 +9,7 @@ from xml.etree import ElementTree
 import matplotlib
 import numpy as np
 import pytest
+from PIL import Image
 
 from roughcontact.report.charts import Axis, Chart
 from roughcontact.report.colours import colour_scale, coloured
@@ -82,6 +85,32 @@ def test_scales_of_colours_are_those_they_are_named_after(name):
     anchors = np.array([[int(c[i : i + 2], 16) for i in (1, 3, 5)] for c in colour_scale(name)])
     own = np.column_stack([np.interp(np.arange(256), np.arange(0, 256, 15), c) for c in anchors.T])
     assert np.abs(own - given).max() <= 12  # of 255
+
+
+def test_every_point_of_a_large_map_is_in_its_picture():
+    values = np.random.default_rng(5).random((1000, 1300))
+    values[3:5, 7:100] = np.nan
+    source = coloured(values, (0.0, 1.0), "viridis", bad="#ff0000")[0]
+    picture = Image.open(io.BytesIO(base64.b64decode(source.partition(",")[2])))
+    picture.verify()  # the checksums
+    picture = Image.open(io.BytesIO(base64.b64decode(source.partition(",")[2])))
+    assert picture.size == (1300, 1000)
+    drawn = np.asarray(picture.convert("RGB"))
+    missing = np.isnan(values)
+    assert np.array_equal((drawn == (255, 0, 0)).all(axis=-1), missing)
+    expected = 255 * matplotlib.colormaps["viridis"](values)[..., :3]
+    assert np.abs(drawn - expected)[~missing].max() <= 14  # as the scale, and half a step of it
+
+
+@pytest.mark.parametrize("shape", [(1449, 1449), (2, 20000), (3000, 100)])
+def test_a_picture_is_no_larger_than_a_browser_draws(shape):
+    source = coloured(np.zeros(shape), (0, 1), "magma")[0]
+    width, height = Image.open(io.BytesIO(base64.b64decode(source.partition(",")[2]))).size
+    assert width * height <= 2**21
+    assert max(width, height) <= 8192
+    together = -(-shape[1] // width)
+    assert (height, width) == (-(-shape[0] // together), -(-shape[1] // together))
+    assert (together == 1) == (shape == (3000, 100))
 
 
 def test_few_points_are_told_from_many():

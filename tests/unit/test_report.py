@@ -32,6 +32,7 @@ from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.page import write_report
 from roughcontact.report.panel import write_panel
 from roughcontact.report.summary import embedded, summary_of
+from roughcontact.report.template import template
 from roughcontact.results.collect import collect_statistics, summary_table
 from roughcontact.results.storage import provenance, read_dataset, write_dataset
 from roughcontact.statistics import checks
@@ -450,10 +451,10 @@ def test_the_first_row_is_drawn_where_the_instrument_draws_it(first_row, top_is_
 
 
 def test_a_fine_map_keeps_its_share_of_contact_when_it_is_drawn_smaller():
-    pressure = (np.random.default_rng(0).random((900, 900)) < 0.3) * 1e9
+    pressure = (np.random.default_rng(0).random((1800, 1800)) < 0.3) * 1e9
     height = height_map(pressure * 1e-15, 1e-6)
     inside = picture_in(map_plots.gap_map(height, np.where(pressure > 0, 0, 1e-6), pressure))
-    assert inside.shape == (450, 450, 3)
+    assert inside.shape == (900, 900, 3)
     open_gap = 255 * np.array(matplotlib.colormaps["cividis"](1.0)[:3])
     assert np.allclose(inside.mean(axis=(0, 1)), 0.3 * 255 + 0.7 * open_gap, atol=3)
 
@@ -575,7 +576,12 @@ def said_in_a_frame(text, folder, *, width, rows, columns):
     """Show a page in a frame so many pixels wide; return what a script finds in it."""
     probe = FRAME_PROBE.replace("ROWS", str(rows)).replace("COLUMNS", str(columns))
     frame = f'<iframe style="width:{width}px;height:900px;border:0" srcdoc="{html.escape(text)}"></iframe>'
-    (folder / "frame.html").write_text(f"<!DOCTYPE html><body>{frame}{probe}</body>", encoding="utf-8")
+    return said_by(f"<!DOCTYPE html><body>{frame}{probe}</body>", folder)
+
+
+def said_by(text, folder):
+    """Return what the script of a page leaves in `data-said`."""
+    (folder / "frame.html").write_text(text, encoding="utf-8")
     browser = subprocess.run(
         [
             CHROMIUM,
@@ -631,6 +637,56 @@ def test_nothing_is_cut_off_and_maps_can_be_read(page, tmp_path, shown):
         assert abs(found - min(value, highest)) < 0.015 * highest
         read += 1
     assert read > 2
+
+
+ENLARGED_PROBE = """
+<script>
+addEventListener("load", async () => {
+  const wait = time => new Promise(done => setTimeout(done, time));
+  document.querySelector("button.enlarge").click();
+  await wait(500);
+  const dialog = document.querySelector("dialog"), words = dialog.querySelector("p");
+  const drawn = dialog.querySelector("svg image"), zoom = dialog.querySelectorAll("button")[1];
+  const state = () => [drawn.getBoundingClientRect().width, drawn.style.imageRendering, zoom.textContent];
+  const said = {words: words.textContent, zoom: zoom.checkVisibility(), states: [state()], values: []};
+  zoom.click();
+  said.states.push(state());
+  for (const [row, column] of POINTS) {
+    const on = drawn.getBoundingClientRect();
+    const clientX = on.left + (column + 0.5) / 900 * on.width;
+    const clientY = on.top + (row + 0.5) / 700 * on.height;
+    drawn.dispatchEvent(new PointerEvent("pointermove", {bubbles: true, clientX, clientY}));
+    said.values.push(words.textContent);
+  }
+  zoom.click();
+  said.states.push(state());
+  document.body.setAttribute("data-said", encodeURIComponent(JSON.stringify(said)));
+});
+</script>
+"""
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+def test_every_point_of_a_large_map_can_be_seen_and_read(tmp_path):
+    pressure = np.random.default_rng(4).uniform(0.1e6, 1e6, (700, 900))
+    source = map_plots.pressure_map(height_map(np.zeros((700, 900)), 1e-6), pressure, highest=1e6)
+    points = [[row, column] for row in range(0, 700, 77) for column in range(0, 900, 91)]
+    text = (
+        f'<!DOCTYPE html><style>{template("report.css").render()}</style><figure style="width:300px">'
+        f'<img src="{source}" alt="Pressure."></figure>{template("enlarge.html").render()}'
+    )
+    said = said_by(text + ENLARGED_PROBE.replace("POINTS", json.dumps(points)), tmp_path)
+    assert said["words"] == "Pressure. 900 × 700: every point is drawn. Point at the map to read values."
+    assert said["zoom"]
+    whole, every_point, again = said["states"]
+    assert 300 < whole[0] < 900
+    assert whole[1:] == ["auto", "Every point"]
+    assert every_point == [pytest.approx(900, abs=0.5), "pixelated", "Whole map"]
+    assert again == whole
+    for (row, column), words in zip(points, said["values"], strict=True):
+        found = float(re.search(r"pressure ≈ ([\d.e+-]+) MPa$", words)[1]) * 1e6
+        assert abs(found - pressure[699 - row, column]) < 0.01e6
 
 
 @pytest.mark.browser
