@@ -104,13 +104,15 @@ def loosest(run, first: float) -> dict:
     """Return the solve at the largest tolerance, by factors of 2 from `first`, that meets the true error.
 
     `run(tolerance)` returns a dict with `true_error`; so does this, with `tolerance`; it is empty where even
-    the smallest tolerance does not do.
+    the smallest tolerance does not do, or where a solve fails: a smaller tolerance would only take it longer.
     """
     tolerance, found = first, {first: run(first)}
     while tolerance < 0.25 and found[tolerance]["true_error"] <= TRUE_ERROR:
         tolerance *= 2
         found[tolerance] = run(tolerance)
     while found[tolerance]["true_error"] > TRUE_ERROR:
+        if math.isinf(found[tolerance]["true_error"]):
+            return {}
         tolerance /= 2
         if tolerance < LAST_RUNG:
             return {}
@@ -178,9 +180,10 @@ def times(study, case: Case, threads: int, known: dict, guesses: dict) -> dict:
     codes = codes_for(study, case, threads)
     for code in codes:
         if code not in known:
-            known[code] = kept.get(rung_key(case, code)) or rung(study, case, code, guesses)
+            key = rung_key(case, code)
+            known[code] = kept[key] if key in kept else rung(study, case, code, guesses)
             if code != "roughcontact":
-                kept[rung_key(case, code)] = known[code]
+                kept[key] = known[code]
     solves: dict = {code: [] for code in codes if known[code]}
     for repeat in range(study.repeats):
         for code, of_code in solves.items():

@@ -95,6 +95,17 @@ def test_no_tolerance_is_found_where_none_does(script):
     assert script.race.loosest(lambda tolerance: {"true_error": 1.0}, 2.0**-10) == {}
 
 
+def test_a_code_that_fails_is_not_asked_for_more(script):
+    asked = []
+
+    def run(tolerance):
+        asked.append(tolerance)
+        return {"true_error": np.inf, "seconds": np.inf}
+
+    assert script.race.loosest(run, 2.0**-10) == {}
+    assert asked == [2.0**-10]
+
+
 def test_long_solves_are_timed_less_often(script):
     assert script.race.most_repeats(20.0) == 1
     assert script.race.most_repeats(4.0) == 2
