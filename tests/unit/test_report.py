@@ -44,6 +44,7 @@ SETTINGS = {"contact": {"contact_modulus": 2e9}, "note": "<b>&"}
 INSTRUMENT = json.dumps(
     {"kind": "optical profiler", "acquisition_time": "2011-07-23", "numerical_aperture": 0.4}
 )
+SURFACES = ("holes", "profile", "flat", "sparse")
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome") or shutil.which("chrome")
 
 
@@ -113,14 +114,22 @@ def page(tmp_path_factory):
 
 def test_page_is_self_contained_and_complete(page):
     text = page.read_text(encoding="utf-8")
-    for surface in ("holes", "profile", "flat", "sparse"):
+    for surface in SURFACES:
         assert text.count(f'id="surface-{surface}"') == 1
         assert f'href="#surface-{surface}"' in text
     assert "<title>Four &lt;surfaces&gt;</title>" in text
     assert "&lt;b&gt;&amp;" in text
     sources = re.findall(r'(?:src|href)="([^"]*)"', text)
     beside = {source for source in sources if not source.startswith(("#", "data:"))}
-    assert beside == {"summary.csv", "statistics.nc"}  # links, which load nothing
+    files = {f"all/{surface}/{stage}.nc" for surface in SURFACES for stage in STAGES}
+    assert beside == {"summary.csv", "statistics.nc"} | files  # links, which load nothing
+    assert all((page.parent / file).is_file() for file in files)
+    for name in SURFACES:
+        part = text.partition(f'id="surface-{name}"')[2].partition("</section>")[0]
+        linked = dict(re.findall(r'([\w ]+) <a class="file" href="([^"]*)"', part))
+        held = "solution without maps" if name == "sparse" else "pressure and gap"
+        assert linked[f" {held}"] == f"all/{name}/contact.nc"
+        assert set(linked.values()) == {f"all/{name}/{stage}.nc" for stage in STAGES}
     assert not re.search(r'src="(?!data:)', text)
     assert not re.search(r"(?i)url\(|@import|https?://", re.sub(r'"data:[^"]*"', "", text))
     assert len(set(re.findall(r'\bid="([^"]*)"', text))) == len(re.findall(r'\bid="([^"]*)"', text))
@@ -139,17 +148,18 @@ def test_panels_are_small(page):
 
 def test_page_is_the_same_a_second_time(page, tmp_path):
     folder = page.parent / "all" / "holes"
-    again = tmp_path / "panel.html"
+    again = folder / "again.html"  # where the links to the files are the same
     files = {stage: folder / f"{stage}.nc" for stage in STAGES}
     write_panel(again, surface="holes", case=None, settings=SETTINGS, **files)
     assert again.read_bytes() == (folder / "panel.html").read_bytes()
-    panels = [page.parent / "all" / name / "panel.html" for name in ("holes", "profile", "flat", "sparse")]
+    panels = [page.parent / "all" / name / "panel.html" for name in SURFACES]
     write_report(
         tmp_path / "report.html",
         panels=panels,
         statistics=page.parent / "statistics.nc",
         title="Four <surfaces>",
         settings=SETTINGS,
+        folder=page.parent,
     )
     assert (tmp_path / "report.html").read_bytes() == page.read_bytes()
     assert not list(tmp_path.glob(".*"))
@@ -528,7 +538,7 @@ def test_page_in_a_browser(page, tmp_path, width):
     assert "CONSOLE" not in browser.stderr
     assert result["empty"] == 0
     assert result["images"] == text.count("<img ")
-    assert result["sections"] == [f"surface-{name}" for name in ("holes", "profile", "flat", "sparse")]
+    assert result["sections"] == [f"surface-{name}" for name in SURFACES]
     assert result["wide"] <= 0
     assert not Path(tmp_path / "page_files").exists()
 
@@ -734,6 +744,11 @@ def test_of_many_surfaces_there_is_an_index_and_a_page_each(study):
         page = (study.parent / name).read_text(encoding="utf-8")
         assert page.count(f'id="{anchor}"') == 1
         assert '<a href="../report.html">' in page
+        files = re.findall(r'<a class="file" href="([^"]*)"', page)
+        stem = name.removesuffix(".html").removeprefix("pages/")
+        wanted = {f"../{case}/{stem}/{stage}.nc" for case in ("soft", "hard") for stage in STAGES}
+        assert set(files) == wanted
+        assert all((pages / file).is_file() for file in files)
     assert "bad.txt: &lt;empty&gt;" in text
     for page in (text, *(path.read_text(encoding="utf-8") for path in pages.iterdir())):
         assert not re.search(r"(?i)url\(|@import|https?://", re.sub(r'"data:[^"]*"', "", page))

@@ -15,6 +15,7 @@ from roughcontact.quantities import number, percent, quantity
 from roughcontact.report import ONE_PAGE
 from roughcontact.report.captions import comparison_caption
 from roughcontact.report.cases import case_medians, case_table
+from roughcontact.report.files import from_page
 from roughcontact.report.glance import HEADINGS, glance_rows, main_reason
 from roughcontact.report.load_plots import compare_areas, spread_of_areas
 from roughcontact.report.summary import Summary, summary_of
@@ -37,6 +38,7 @@ def write_report(
     settings: dict,
     pairs: str | Path | None = None,
     failures: Sequence[Failure] = (),
+    folder: str | Path | None = None,
 ) -> None:
     """Write the page of a run: verdicts, comparison, and the part of every surface.
 
@@ -59,6 +61,8 @@ def write_report(
         the table of pairs of faces (`collect.pairs_table`), where there are any.
     failures : sequence of dict
         surfaces (and cases) without results, with the reason.
+    folder : path or None
+        where the page will be moved to; None where it stays. Its links to files are those from there.
 
     Raises
     ------
@@ -66,6 +70,7 @@ def write_report(
         for a file that is not readable, or is no panel.
     """
     many = len(panels) + len(failures) > ONE_PAGE
+    folder = Path(path).parent if folder is None else Path(folder)
     collected = read_dataset(statistics)
     series = _series(collected)
     by_surface: dict[str, dict[str, xr.Dataset]] = {}
@@ -86,7 +91,8 @@ def write_report(
         for summary in summaries
     ]
     if many:
-        _write_pages(Path(path).parent / "pages", rows, panels, by_surface, title=title)
+        shown_in = folder / "pages"
+        _write_pages(Path(path).parent / "pages", rows, panels, by_surface, title=title, folder=shown_in)
     html = template("report.html").render(
         title=title,
         rows=rows,
@@ -98,7 +104,7 @@ def write_report(
         many=many,
         comparisons=_comparisons(series, many=many),
         cases=_cases(by_surface, many=many),
-        parts=[] if many else [read(Path(panel)) for panel in panels],
+        parts=[] if many else [from_page(read(Path(panel)), panel, folder) for panel in panels],
         failures=[
             {"name": _name(failure["surface"], failure["case"]), "reason": failure["reason"]}
             for failure in failures
@@ -127,14 +133,15 @@ def write_report(
 
 
 def _write_pages(
-    folder: Path,
+    written_to: Path,
     summaries: Sequence[Mapping[str, Any]],
     panels: Sequence[str | Path],
     by_surface: Mapping[str, Mapping[str, xr.Dataset]],
     *,
     title: str,
+    folder: Path,
 ) -> None:
-    """Write the page of each surface, with all its cases."""
+    """Write the page of each surface, with all its cases; `folder` is where the pages come to lie."""
     names = list(dict.fromkeys(summary["surface"] for summary in summaries))
     for place, name in enumerate(names):
         own = [index for index, summary in enumerate(summaries) if summary["surface"] == name]
@@ -148,9 +155,12 @@ def _write_pages(
             asked=HEADINGS,
             words=checks.VERDICTS,
             failures=(),
-            parts=[Path(panels[index]).read_text(encoding="utf-8") for index in own],
+            parts=[
+                from_page(Path(panels[index]).read_text(encoding="utf-8"), panels[index], folder)
+                for index in own
+            ],
         )
-        write_text(html, folder / f"{name}.html")
+        write_text(html, written_to / f"{name}.html")
 
 
 def _glance(summary: Summary, numbers: xr.Dataset) -> dict[str, Any]:

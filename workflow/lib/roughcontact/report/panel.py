@@ -11,6 +11,7 @@ from roughcontact.maps import side_lengths
 from roughcontact.quantities import percent, quantity
 from roughcontact.report import captions, facts, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
+from roughcontact.report.files import beside
 from roughcontact.report.glance import shown_loads
 from roughcontact.report.summary import embedded
 from roughcontact.report.template import template
@@ -70,6 +71,7 @@ def write_panel(
     identifier = surface if case is None else f"{case}--{surface}"
     verdict = checks.verdict(outcome)
     reasons = [checks.reason(check) for check in checks.reasons(outcome)]
+    fields = _fields(contact, solved, order[shown])
     rough = float(numbers["rms_gradient"]) > 0  # a flat map has neither waves nor charts
     html = template("panel.html").render(
         identifier=identifier,
@@ -83,13 +85,23 @@ def write_panel(
         maps=_maps(measured, plane, solved, counter_face),
         scores=tables.score_table(solved),
         profile=1 in solved.shape,
-        fields=_fields(contact, solved, order[shown]),
+        fields=fields,
         waves=_waves(solved, numbers) if rough else [],
         charts=_charts(numbers, solved, shown) if rough else [],
         budget=shown_budget(numbers),
         tables=tables.number_tables(numbers, checks.load_flags(numbers, solved.size)),
         material=tables.material_table(numbers, shown),
         crosscheck=tables.crosscheck_table(crosscheck, numbers, order) if crosscheck else None,
+        files=beside(
+            path,
+            {
+                "measured heights": height,
+                "levelled": levelled,
+                "solved window": window,
+                "pressure and gap" if fields else "solution without maps": contact,
+                "all numbers": statistics,
+            },
+        ),
         summary=embedded(
             {
                 "identifier": identifier,

@@ -76,6 +76,7 @@ def write_rest(
         settings=settings,
         pairs=staging / "pairs.csv" if known else None,
         failures=failures,
+        folder=folder,
     )
     sources = [*(entry["statistics"] for entry in entries), *panels]
     before = min(Path(source).stat().st_mtime for source in sources) - 1
