@@ -552,6 +552,17 @@ frame.addEventListener("load", async () => {
   said.page = over(inside.documentElement);
   said.tables = Math.max(...[...inside.querySelectorAll(".scroll")].map(over));
   said.heads = [...inside.querySelectorAll("th")].filter(head => !head.scope).length;
+  said.broken = [];
+  for (const head of inside.querySelectorAll("th")) {
+    for (const walk = inside.createTreeWalker(head, NodeFilter.SHOW_TEXT); walk.nextNode();) {
+      for (const word of walk.currentNode.data.matchAll(/\\S+/g)) {
+        const range = inside.createRange();
+        range.setStart(walk.currentNode, word.index);
+        range.setEnd(walk.currentNode, word.index + word[0].length);
+        if (new Set([...range.getClientRects()].map(box => box.top)).size > 1) said.broken.push(word[0]);
+      }
+    }
+  }
   said.captions = [...inside.querySelectorAll("table")].filter(table => !table.caption).length;
   const seen = kind => [...inside.querySelectorAll(kind)].map(check => check.checkVisibility());
   said.doubts = seen(".checks .look, .checks .failed");
@@ -623,6 +634,7 @@ def test_nothing_is_cut_off_and_maps_can_be_read(page, tmp_path, shown):
     )
     assert said["page"] <= 0
     assert said["tables"] <= 0
+    assert said["broken"] == []
     assert said["heads"] == said["captions"] == 0
     assert all(said["doubts"])
     assert said["passed"]
