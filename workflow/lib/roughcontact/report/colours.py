@@ -24,7 +24,7 @@ _ANCHORS = {
         "c23b75 d9466b ec5860 f7725c fc8e64 feaa74 fec68a fde2a3 fcfdbf"
     ),
 }
-# Of a picture, 1448 x 1448: those of one surface take 3 MB at 1024 x 1024 points, and 6 MB at the most. Of
+# Of a picture, 1448 x 1448: those of one surface take 3 to 5 MB at 1024 x 1024 points, 8 MB at the most. Of
 # finer maps several points make one.
 _POINTS = 2**21
 _LONGEST = 8192  # points along a side, what every browser draws
