@@ -65,6 +65,9 @@ def test_a_broken_surface_stops_itself_alone(project):
     assert f"Not finished: {', '.join(BROKEN)}." in run.stderr
     # the report is made of the rest, and names what failed with the reason
     page = project.path("results/report.html").read_text()
+    files = re.findall(r'<a class="file" href="([^"]*)"', page)
+    assert "ground/contact.nc" in files
+    assert all(project.path(f"results/{file}").is_file() for file in files)
     with project.path("results/summary.csv").open(newline="") as file:
         rows = {row["surface"]: row for row in csv.DictReader(file)}
     assert list(rows) == ["ground", *BROKEN]

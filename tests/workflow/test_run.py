@@ -244,6 +244,11 @@ def test_the_folder_of_every_case_is_complete(study):
         read_dataset(study.path(f"results/{case}/ground/window.nc")) for case in ("base", "no-maps")
     )
     assert first.identical(second)
+    page = study.path("results/report.html").read_text(encoding="utf-8")
+    files = re.findall(r'<a class="file" href="([^"]*)"', page)
+    assert {f"{case}/ground/statistics.nc" for case in CASES} <= set(files)
+    assert {"base/ground/contact.nc", "no-maps/ground/contact.nc"} <= set(files)
+    assert all(study.path(f"results/{file}").is_file() for file in files)
 
 
 def test_without_fields_the_numbers_are_the_same(study):
