@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pytest
-from small_project import ROOT, SETTINGS, Project
+from small_project import ROOT, SETTINGS, Project, write_maps
 
 from roughcontact.references.synthetic import self_affine_surface
 
-STAGES = ("ingest", "level", "window", "uncertainty", "solve", "statistics", "panel", "report")
+STAGES = ("ingest", "level", "window", "uncertainty", "solve", "statistics", "panel", "collect", "report")
 LOADS = [0.02, 0.1, 0.3]
 
 
@@ -81,6 +81,16 @@ def on_the_page() -> dict[str, dict[int, int]]:
             size: int(cell.split(" / ")[0]) for size, cell in zip(sizes, cells, strict=True)
         }
     return found
+
+
+def test_memory_and_time_are_known_before_anything_ran(tmp_path):
+    project = Project(tmp_path, ROOT)
+    write_maps(project.path("measured"))
+    project.write()
+    run = project.run("--dry-run", "--groups", *(f"{stage}=one" for stage in STAGES[:-2]))
+    asked = re.findall(r"^ *resources: .*mem_mb=.*$", run.stderr, re.MULTILINE)
+    assert len(asked) == 2 * len(STAGES[:-2]) + len(STAGES[-2:])
+    assert [line for line in asked if "TBD" in line or "runtime=" not in line] == []
 
 
 @pytest.mark.slow

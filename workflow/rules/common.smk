@@ -13,6 +13,7 @@ from roughcontact.configuration.dependencies import source_digest
 from roughcontact.configuration.stages import SECTIONS, STEPS, owner, settings_of
 from roughcontact.configuration.study import read_study
 from roughcontact.configuration.surfaces import find, measured, members
+from roughcontact.io.size import estimate_points
 
 # Without --configfile: the configuration of the working directory, else the one that comes with the workflow.
 # One file only, never two laid over each other, so that what a file says is all that is set.
@@ -199,19 +200,15 @@ def code(script):
     return source_digest(ROOT / "workflow/scripts" / f"{script}.py")
 
 
-def points(path):
-    """Return the number of points of the map in a result file, from its header."""
-    # of a file that is not there yet Snakemake asks again when it is, and of one that waits at every step
-    return points_at(path, os.stat(path).st_mtime_ns)
+def points(wildcards):
+    """Return about how many points the measured map of a surface has, which is known before anything ran."""
+    return points_in(row(wildcards.surface).path)
 
 
 @cache
-def points_at(path, changed):
-    """Return the number of points of the map in a result file that was `changed` at this time."""
-    from netCDF4 import Dataset
-
-    with Dataset(path) as file:
-        return file.dimensions["y"].size * file.dimensions["x"].size
+def points_in(path):
+    """Return about how many points a measured file holds."""
+    return estimate_points(path)
 
 
 def loads(wildcards):
@@ -243,10 +240,10 @@ def memory(*, bytes_per_point, and_load=0, and_flow=0, up_to_a_million=0):
     `up_to_a_million` is for each of the first million points, of what does not grow with larger maps.
     """
 
-    def estimate(wildcards, input, attempt):
+    def estimate(wildcards, attempt):
         each = bytes_per_point + and_load * loads(wildcards)
         each += and_flow if flows(wildcards) else 0
-        millions = points(input[0]) / 1e6
+        millions = points(wildcards) / 1e6
         needed = each * millions + up_to_a_million * min(millions, 1)
         return round(attempt * (BASE_MEMORY + needed))
 
@@ -256,11 +253,21 @@ def memory(*, bytes_per_point, and_load=0, and_flow=0, up_to_a_million=0):
 def minutes(*, microseconds_per_point, and_load=0):
     """Return the resource function that estimates the run time (minutes): a start, and so much for every point."""
 
-    def estimate(wildcards, input, attempt):
+    def estimate(wildcards, attempt):
         each = microseconds_per_point + and_load * loads(wildcards)
-        return round(5 + attempt * each * points(input[0]) / 60e6)
+        return round(5 + attempt * each * points(wildcards) / 60e6)
 
     return estimate
+
+
+def memory_of_all(wildcards, attempt):
+    """Return the memory (MB) of a job on the results of all surfaces, each of which takes 0.15 to 0.25 MB."""
+    return round(attempt * (BASE_MEMORY + 0.5 * len(RUNS)))
+
+
+def minutes_of_all(wildcards, attempt):
+    """Return the run time (minutes) of a job on the results of all surfaces, each of which takes 0.04 s."""
+    return round(5 + attempt * len(RUNS) / 600)
 
 
 def measured_file(wildcards):

@@ -103,6 +103,9 @@ rule collect:
     localrule: True
     conda:
         "../envs/roughcontact.yaml"
+    resources:
+        mem_mb=memory_of_all,
+        runtime=minutes_of_all,
     params:
         entries=[{"case": None, **run} for run in RUNS],
         pairs={name: member.pair for name, member in MEMBERS.items()},
@@ -131,12 +134,8 @@ rule report:
     conda:
         "../envs/roughcontact.yaml"
     resources:
-        mem_mb=lambda wildcards, input, attempt: round(
-            attempt * (BASE_MEMORY + 4 * input.size_mb)
-        ),
-        runtime=lambda wildcards, input, attempt: round(
-            5 + attempt * input.size_mb / 10
-        ),
+        mem_mb=memory_of_all,
+        runtime=minutes_of_all,
     params:
         title=CASES[next(iter(CASES))]["report"]["title"],
         settings=run_settings(),

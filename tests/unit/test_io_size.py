@@ -1,0 +1,87 @@
+"""How many points a file holds, before it is read."""
+
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shared_data import DATA
+
+from roughcontact.errors import RoughContactError
+from roughcontact.io.guards import MAX_POINTS
+from roughcontact.io.registry import open_file
+from roughcontact.io.size import estimate_points
+
+SAMPLES = Path(__file__).parents[2] / "data_samples"
+HEIGHTS = np.random.default_rng(1).normal(size=(400, 300))
+
+
+def points_read(path):
+    """Return the points of the largest map in a file, by the reader of its format."""
+    return max(channel.shape[0] * channel.shape[1] for channel in open_file(path).channels)
+
+
+@pytest.mark.parametrize(
+    ("delimiter", "fmt", "encoding"),
+    [(" ", "%.6g", "utf-8"), ("\t", "%.3e", "utf-8"), (",", "%.4f", "utf-8"), (";", "%.4f", "utf-16")],
+)
+def test_a_matrix_of_text_is_counted_in_a_piece(tmp_path, delimiter, fmt, encoding):
+    path = tmp_path / "map.txt"
+    np.savetxt(path, HEIGHTS, fmt=fmt, delimiter=delimiter, encoding=encoding)
+    assert estimate_points(path) == pytest.approx(HEIGHTS.size, rel=0.02)
+    if delimiter == ";":  # a decimal comma separates nothing
+        path.write_text(path.read_text(encoding=encoding).replace(".", ","), encoding=encoding)
+        assert estimate_points(path) == pytest.approx(HEIGHTS.size, rel=0.02)
+
+
+def test_a_list_of_points_has_one_in_each_line(tmp_path):
+    rows, columns = np.indices(HEIGHTS.shape)
+    for name, delimiter in (("map.xyz", " "), ("map.csv", ",")):
+        np.savetxt(
+            tmp_path / name, np.c_[columns.ravel(), rows.ravel(), HEIGHTS.ravel()], delimiter=delimiter
+        )
+        assert estimate_points(tmp_path / name) == pytest.approx(HEIGHTS.size, rel=0.02)
+
+
+def test_a_damaged_file_has_as_many_as_its_size_lets_expect_and_a_missing_one_none(tmp_path):
+    path = tmp_path / "map.npy"
+    np.save(path, HEIGHTS)
+    path.write_bytes(path.read_bytes()[:4000])
+    assert estimate_points(path) == 1000
+    path.write_bytes(b"PK\3\4" + bytes(3996))
+    assert estimate_points(path) == 1000
+    path.write_bytes(bytes(4000))
+    assert estimate_points(path) == 1000
+    path.write_bytes(b"")
+    assert estimate_points(path) == estimate_points(tmp_path / "none") == estimate_points(tmp_path) == 0
+
+
+def test_no_header_asks_for_more_than_is_ever_read(tmp_path):
+    with zipfile.ZipFile(tmp_path / "map.x3p", "w") as archive:
+        archive.writestr("main.xml", "<SizeX>999999999</SizeX><SizeY>999999999</SizeY><SizeZ>1</SizeZ>")
+    assert estimate_points(tmp_path / "map.x3p") == MAX_POINTS
+
+
+@pytest.mark.parametrize(
+    "name", ["ground.txt", "sandblasted.x3p", "turned.sdf", "periodic.nc", "stylus-profile.csv"]
+)
+def test_samples_are_told_within_a_factor_of_two(name):
+    assert 0.5 <= estimate_points(SAMPLES / name) / points_read(SAMPLES / name) <= 2.1
+
+
+@pytest.mark.shared_data
+def test_real_files_are_told_within_a_factor_of_two_and_seldom_taken_for_larger():
+    """Several channels, or pictures beside the map, are taken for points: too many, never too few."""
+    shares = {}
+    for path in sorted(DATA.iterdir()):
+        if path.suffix in (".md", ".tsv", ".json") or path.stat().st_size < 1e5:
+            continue
+        try:
+            shares[path.name] = estimate_points(path) / points_read(path)
+        except RoughContactError:
+            continue
+    assert len(shares) > 25
+    assert {name: share for name, share in shares.items() if share < 0.5} == {}
+    exact = {name: share for name, share in shares.items() if name.endswith((".x3p", ".txt"))}
+    assert len(exact) >= 8
+    assert {name: share for name, share in exact.items() if not 0.9 <= share <= 1.1} == {}
