@@ -34,7 +34,7 @@ _SCREEN = os.environ.get(
 )  # how a run shows itself: snakemake_logger_plugin_roughcontact
 _ERASE = "\r\x1b[K" if _SCREEN == "bar" else ""
 
-_MEMORY = snakemake.resources.get("mem_mb")  # the jobs that gather ask for none
+_MEMORY = snakemake.resources.get("mem_mb")  # jobs that only link ask for none
 _ASKED = (f"it had asked for {_MEMORY} MB; " if _MEMORY else "") + (
     "run fewer jobs at once (--cores 1), cut the map or measure it coarser, and run again"
 )
