@@ -137,3 +137,14 @@ def test_distributions_have_an_area_of_one(maps, name):
         first = float(numbers["gap_density"][0, 0] * np.diff(numbers["gap_bin_bounds"][0])[0])
         assert below * per_pixel * per_unit == pytest.approx(1, abs=0.02 + (first if name == "gap" else 0.05))
     assert width > 0
+
+
+@pytest.mark.parametrize("scale", [1e-4, 1.0, 100.0])
+def test_the_axis_of_the_gap_spans_what_is_drawn(scale):
+    gaps = {"mean_pressure": ("load", [1e6, 2e6]), "mean_gap": ("load", scale * np.array([6e-7, 3e-7]))}
+    source = load_plots.gap_against_load(xr.Dataset(gaps).assign(rms_height=5e-7 * scale))
+    axes = ElementTree.fromstring(unquote(source.partition(",")[2])).find("{http://www.w3.org/2000/svg}svg")
+    line = next(path for path in axes if path.get("stroke") == COLOURS[2])
+    first, last = re.findall(r"(-?[\d.]+) (-?[\d.]+)", line.get("d"))
+    share = (float(last[1]) - float(first[1])) / float(axes.get("height"))
+    assert share == pytest.approx(np.log(2) / np.log(2 * 1.6**2), rel=0.01)

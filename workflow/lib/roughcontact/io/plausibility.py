@@ -266,7 +266,7 @@ def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -
     most = int(np.argmax(counts))
     beside = np.delete(counts[max(most - 10, 0) : most + 11], min(most, 10))
     share = counts[most] / counts.sum()
-    if 0 < most < levels.size - 1 and share > _PLATEAU and counts[most] > 10 * max(beside.max(), 1):
+    if 0 < most < levels.size - 1 and share > _PLATEAU and counts[most] > 10 * max(int(beside.max()), 1):
         found.append(
             f"{percent(share)} of the points have exactly the height {quantity(levels[most], 'm')}, far more "
             "than any other: a plateau that was filled in, or a marker for missing points"

@@ -233,7 +233,7 @@ def _record(
     steepness = np.sqrt(1 + a**2 + b**2)
     curvature = k / steepness / half
     height = reference + half * z0
-    quantity = {"mean": (form.mean(), "m")}
+    quantity: dict[str, tuple[float, str]] = {"mean": (form.mean(), "m")}
     if curvature:
         quantity["radius"] = (1 / abs(curvature), "m")
     quantity |= {

@@ -242,10 +242,11 @@ def gap_against_load(statistics: xr.Dataset) -> str:
     scale, unit = unit_of_column(gap, "m")
     drawn = np.concatenate([gap, *ends, [rms]]) * scale
     drawn = drawn[np.isfinite(drawn) & (drawn > 0)]
-    lowest = max(drawn.min(initial=1.0), drawn.max(initial=1.0) * 1e-5)
+    lowest, highest = (drawn.min(), drawn.max()) if drawn.size else (1.0, 1.0)
+    lowest = max(lowest, highest * 1e-5)
     chart = Chart(
         x,
-        Axis(f"mean gap ū ({unit})", lowest / 1.6, drawn.max(initial=1.0) * 1.6, log=True),
+        Axis(f"mean gap ū ({unit})", lowest / 1.6, highest * 1.6, log=True),
         top=_relative_axis(statistics),
     )
     chart.across(y=rms * scale, dash=DASHED, label="rms height")

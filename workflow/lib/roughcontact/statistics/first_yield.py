@@ -144,8 +144,8 @@ def with_first_yield(
     if "hardness" not in statistics:
         goals = statistics["hardness_over_modulus"].values * modulus
         loads, largest = _rising(loads, largest)
-        found = np.exp(np.interp(np.log(goals), np.log(largest), np.log(loads), left=np.nan, right=np.nan))
-        return statistics.assign(first_yield_pressure_by_ratio=("hardness_over_modulus", found))
+        at_goals = np.exp(np.interp(np.log(goals), np.log(largest), np.log(loads), left=np.nan, right=np.nan))
+        return statistics.assign(first_yield_pressure_by_ratio=("hardness_over_modulus", at_goals))
     hardness = float(statistics["hardness"])
     elastic = largest < hardness * (1 - _CLOSE)
     found = first_yield_pressure(
