@@ -1,9 +1,11 @@
 """The target `cost`: run time against error of the maps of a run, and nothing else of it."""
 
 import pandas as pd
+import pytest
 from small_project import SETTINGS, TABLE
 
 
+@pytest.mark.slow
 def test_the_target_measures_the_windows(project):
     project.write(SETTINGS, TABLE[:2])
     run = project.run("cost")

@@ -2,6 +2,7 @@
 
 import sys
 
+import pytest
 from small_project import ROOT, SETTINGS, TABLE, counted
 
 from roughcontact.results.storage import read_dataset
@@ -12,6 +13,7 @@ def checked_by(python):
     return SETTINGS | {"crosscheck": {"code": "tamaas", "python": str(python)}}
 
 
+@pytest.mark.slow
 def test_a_run_stops_where_the_code_is_missing_and_goes_on_where_it_is_there(project):
     project.write(checked_by(sys.executable), TABLE[:2])
     run = project.run("results/ground/crosscheck.nc")

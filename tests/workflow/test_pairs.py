@@ -56,6 +56,7 @@ def table(project, name):
         return list(csv.DictReader(file))
 
 
+@pytest.mark.slow
 def test_faces_are_measured_and_members_solved(paired):
     assert counted(paired.first) == FIRST
     assert "Nothing to be done" in paired.run().stderr
@@ -65,6 +66,7 @@ def test_faces_are_measured_and_members_solved(paired):
     assert [row["surface"] for row in summary] == [s for s in ("ground", *MEMBERS) for _ in range(2)]
 
 
+@pytest.mark.slow
 def test_members_are_the_composites_of_the_ensemble(paired):
     faces = [
         read_dataset(paired.path(f"results/{name}/levelled.nc"))["height"]
@@ -85,6 +87,7 @@ def test_members_are_the_composites_of_the_ensemble(paired):
         assert recorded["number"] == MEMBERS.index(member) + 1
 
 
+@pytest.mark.slow
 def test_mean_and_spread_over_the_members(paired):
     members = [row for row in table(paired, "summary.csv") if row["surface"] in MEMBERS]
     rows = table(paired, "pairs.csv")
@@ -101,6 +104,7 @@ def test_mean_and_spread_over_the_members(paired):
         assert part in page
 
 
+@pytest.mark.slow
 def test_more_shifts_leave_those_there_are(paired):
     paired.write(settings(shifts=2), PAIR)
     jobs = paired.jobs()
@@ -110,6 +114,7 @@ def test_more_shifts_leave_those_there_are(paired):
     assert not {"ingest", "level"} & set(jobs)
 
 
+@pytest.mark.slow
 def test_an_edited_counter_face_reruns_its_members_and_not_the_rest(paired):
     path = paired.path("measured/turned.txt")
     times, text = path.stat(), path.read_text()

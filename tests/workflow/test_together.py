@@ -28,6 +28,7 @@ def together(tmp_path_factory, checkout):
     return project
 
 
+@pytest.mark.slow
 def test_two_jobs_a_surface_leave_the_files_of_a_job_for_each_stage(together, finished):
     assert counted(together.first) == {"prepare": 2, "contact": 2, "collect": 1, "report": 1}
     for surface in ("ground", "turned"):
