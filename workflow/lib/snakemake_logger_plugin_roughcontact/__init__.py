@@ -25,6 +25,7 @@ class LogHandler(LogHandlerBase):
 
     def __post_init__(self) -> None:
         """Choose the stream, and tell the jobs who writes to the terminal."""
+        logging.Handler.__init__(self)  # which the first versions of the interface leave out
         stream = sys.stdout if self.common_settings.stdout else sys.stderr
         bar = stream.isatty()
         self.screen = Screen(stream, bar=bar, planned=self.common_settings.dryrun)
