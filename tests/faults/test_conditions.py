@@ -15,6 +15,7 @@ import study
 
 from roughcontact.command_line import running
 from roughcontact.command_line.program import main
+from roughcontact.results.storage import _commit
 
 LEVELLED = "results/surface-2/levelled.nc"
 
@@ -79,6 +80,8 @@ def test_a_read_only_installation_without_home_in_the_c_locale(tmp_path, disk, m
     for name in ("Snakefile", "config"):
         copy = shutil.copytree if (study.ROOT / name).is_dir() else shutil.copy
         copy(study.ROOT / name, installed / name)
+    noted = installed / "workflow/lib/roughcontact/_commit.txt"  # as in a wheel
+    noted.write_text(_commit(), encoding="ascii")
     disk("ro", installed)
     here, there = tmp_path / "here", tmp_path / "there"
     for folder in (here, there):

@@ -140,7 +140,7 @@ def last_words(record, how):
     if ended_by == "SIGKILL":
         asked = job.resources.get(
             "mem_mb"
-        )  # the jobs that gather have asked for nothing
+        )  # the target cost has asked for nothing
         asked = f": it had asked for {asked} MB" if asked else ""
         return (
             f"[{name}] ERROR: killed; probably out of memory{asked}. "
