@@ -228,7 +228,7 @@ def _differs(stated: str | None, factor: float) -> bool:
 def _positive(value: object, name: str, path: Path) -> float:
     """Return a step that the user gives as a number."""
     try:
-        number = float(value)  # type: ignore[arg-type]
+        number = float(value)  # type: ignore[arg-type]  # what is no number raises, and is refused below
     except (TypeError, ValueError):
         number = np.nan
     if not (np.isfinite(number) and number > 0) or isinstance(value, bool):
