@@ -138,9 +138,8 @@ def last_words(record, how):
     job = next(job for job in workflow.dag.jobs if job.jobid == record.jobid)
     name = " ".join([job.rule.name, *map(str, job.wildcards)])
     if ended_by == "SIGKILL":
-        asked = job.resources.get(
-            "mem_mb"
-        )  # the target cost has asked for nothing
+        # the target cost has asked for nothing
+        asked = job.resources.get("mem_mb")
         asked = f": it had asked for {asked} MB" if asked else ""
         return (
             f"[{name}] ERROR: killed; probably out of memory{asked}. "
