@@ -7,7 +7,7 @@ if CROSSCHECK["code"] != "none":
             window=stage_file("window"),
             contact=stage_file("contact"),
             statistics=stage_file("statistics"),
-            program=ROOT / "workflow/lib/roughcontact/crosscheck/outside.py",
+            program=PACKAGE / "crosscheck/outside.py",
         output:
             f"{FOLDER}/crosscheck.nc",
         log:

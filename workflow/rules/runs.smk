@@ -55,6 +55,11 @@ if workflow.local_exec and workflow.scheduling_settings is not None:
 
 
 KILLED = []  # what was said of jobs that could not say it themselves
+# the files of our rules, as Snakemake names them
+OURS = {
+    HERE.join(path.name).get_path_or_uri(secret_free=True)
+    for path in (ROOT / "workflow/rules").glob("*.smk")
+}
 
 
 class OneLine(logging.Filter):
@@ -72,7 +77,8 @@ class OneLine(logging.Filter):
         text = str(record.msg)
         if event == "run_info":  # for screens that show surfaces instead of jobs
             record.surfaces = surfaces_of_jobs()
-        if event == "error" and f'CalledProcessError in file "{ROOT}' in text:
+        failed = re.search('CalledProcessError in file "(.+?)", line', text)
+        if event == "error" and failed and failed[1] in OURS:
             self.ended.how = text
             return False
         if event == "job_error" and getattr(self.ended, "how", None):
