@@ -16,11 +16,8 @@ def installed():
 
     Snakemake fetches file by file, which a package cannot be: that which is installed must be of the same commit.
     """
-    source = ""
-    if hasattr(HERE, "repo"):
-        source = f" @ git+https://{HERE.host}/{HERE.repo}@{HERE.ref}"
-    elif hasattr(HERE, "repo_path"):
-        source = f" @ git+file://{os.path.abspath(HERE.repo_path)}@{HERE.ref}"
+    host = getattr(HERE, "host", None)
+    source = f" @ git+https://{host}/{HERE.repo}@{HERE.ref}" if host else ""
     command = f"pip install 'roughcontact[workflow]{source}'"
     try:
         from roughcontact import __version__
