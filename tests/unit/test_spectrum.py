@@ -4,6 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
+from scipy.ndimage import map_coordinates
 
 from roughcontact.maps import height_map, spacing
 from roughcontact.references.synthetic import self_affine_surface
@@ -19,6 +20,31 @@ def test_the_waves_make_up_the_mean_square_height(shape):
     height = height_map(np.random.default_rng(0).standard_normal(shape) + 5, (2e-6, 1e-6))
     _, _, power = areal_spectrum(height)
     assert power.sum() / area(height) == pytest.approx(height.values.var(), rel=1e-12)
+
+
+@pytest.mark.parametrize("shape", [(32, 48), (33, 40), (30, 41), (27, 35), (1, 64), (1, 9), (64, 1)])
+def test_the_half_plane_stands_for_all_waves(shape):
+    height = height_map(np.random.default_rng(1).standard_normal(shape) + 5, (2e-6, 1e-6))
+    amplitude = np.fft.fft2(height.values - height.values.mean()) / height.size
+    full = area(height) * np.abs(amplitude) ** 2
+    np.testing.assert_allclose(areal_spectrum(height)[2], full, rtol=1e-9, atol=1e-12 * full.max())
+
+
+@pytest.mark.parametrize("shape", [(32, 48), (33, 40), (30, 41), (27, 35)])
+def test_directions_are_those_of_the_whole_plane(shape):
+    """Against sums along rays through all waves, shifted so that the longest lie in the middle."""
+    height = height_map(np.random.default_rng(2).standard_normal(shape), (2e-6, 1e-6))
+    _, _, power = areal_spectrum(height)
+    dqy, dqx = (2 * np.pi / (n * d) for n, d in zip(shape, spacing(height), strict=True))
+    least, most = min(dqy, dqx), max(dqy, dqx)
+    radius = np.arange(1, np.pi / 2e-6 / least) * least
+    radius = radius[radius >= most * (1 - 1e-9)]
+    theta, found = angular_spectrum(height, step=7.5)
+    across = np.deg2rad(theta)[:, None]
+    places = [radius * np.sin(across) / dqy + shape[0] // 2, radius * np.cos(across) / dqx + shape[1] // 2]
+    rays = map_coordinates(np.fft.fftshift(power), places, order=1, mode="nearest")
+    expected = 2 * (rays * radius).sum(axis=1) * least / (2 * np.pi) ** 2
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
 
 
 def test_a_single_wave():

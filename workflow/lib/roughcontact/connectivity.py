@@ -2,6 +2,8 @@
 
 import numpy as np
 
+_BLOCK = 2**20  # points that are counted at a time
+
 
 def connected_regions(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the regions of a periodic map and along which axes each of them runs around the period.
@@ -59,7 +61,10 @@ def region_sizes(inside: np.ndarray) -> np.ndarray:
     array([1, 2])
     """
     labels, roots, _ = _joined_over_seams(inside)
-    sizes = np.bincount(labels.ravel(), minlength=roots.size)
+    sizes = np.zeros(roots.size, int)
+    for rows in np.array_split(labels, -(-labels.size // _BLOCK)):
+        found = np.bincount(rows.ravel())
+        sizes[: found.size] += found
     sizes[0] = 0
     total = np.bincount(roots, sizes).astype(int)
     return total[total > 0]

@@ -4,7 +4,6 @@ import json
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.statistics import checks
-from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
+from roughcontact.statistics.contact_statistics import statistics_of, with_uncertainty
 from roughcontact.statistics.first_yield import with_first_yield
 from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.statistics.targets import wanted_loads
@@ -79,7 +78,7 @@ def solve_file(
         statistics = solve_contact(
             window,
             **solver,
-            reduce=partial(contact_statistics, bodies=contact["bodies"], **settings["statistics"]),
+            reduce=statistics_of(window, **elastic, bodies=contact["bodies"], **settings["statistics"]),
             progress=show,
         )
         statistics = with_first_yield(statistics, window, contact, threads=threads)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from roughcontact.fourier import halfplane_weights, wavenumbers
+from roughcontact.kernels.waves import over_waves, wave_power
 
 
 def elastic_energy(pressure: np.ndarray, steps: tuple[float, float], *, contact_modulus: float) -> float:
@@ -35,16 +35,20 @@ def elastic_energy(pressure: np.ndarray, steps: tuple[float, float], *, contact_
     >>> print(f"{elastic_energy(wave, (1 / 16, 1 / 16), contact_modulus=1.0) * 2 * np.pi:.6f}")
     2.000000
     """
-    spectrum = np.fft.rfft2(pressure - pressure.mean())
-    spectrum /= pressure.size
-    power = spectrum.real**2 + spectrum.imag**2
-    del spectrum
-    wavenumber = wavenumbers(pressure.shape, steps)
-    wavenumber[0, 0] = np.inf
-    return float((halfplane_weights(pressure.shape) * power / wavenumber).sum() / contact_modulus)
+    total = 0.0
+    for squared, power in over_waves(wave_power(pressure), pressure.shape, steps):
+        squared[squared == 0] = np.inf  # of the mean, which has no power
+        total += float((power / np.sqrt(squared)).sum())
+    return total / contact_modulus
 
 
-def conforming_energy(height: np.ndarray, steps: tuple[float, float], *, contact_modulus: float) -> float:
+def conforming_energy(
+    height: np.ndarray,
+    steps: tuple[float, float],
+    *,
+    contact_modulus: float,
+    power: np.ndarray | None = None,
+) -> float:
     """Return the elastic energy per area of a map that is pressed flat, U = E*/4 sum |q| |h(q)|^2.
 
     Parameters
@@ -55,6 +59,8 @@ def conforming_energy(height: np.ndarray, steps: tuple[float, float], *, contact
         of the points.
     contact_modulus : float, Pa
         E*.
+    power : array (ny, nx // 2 + 1), m^2, optional
+        of its waves (`roughcontact.kernels.waves.wave_power`), where that is known already.
 
     Returns
     -------
@@ -73,7 +79,6 @@ def conforming_energy(height: np.ndarray, steps: tuple[float, float], *, contact
     >>> print(f"{conforming_energy(wave, (1 / 16, 1 / 16), contact_modulus=1.0) / np.pi:.6f}")
     1.000000
     """
-    spectrum = np.fft.rfft2(height - height.flat[0]) / height.size
-    power = spectrum.real**2 + spectrum.imag**2
-    weights = halfplane_weights(height.shape) * wavenumbers(height.shape, steps)
-    return float((weights * power).sum() * contact_modulus / 4)
+    power = wave_power(height) if power is None else power
+    total = sum(float((np.sqrt(q2) * both).sum()) for q2, both in over_waves(power, height.shape, steps))
+    return total * contact_modulus / 4

@@ -14,6 +14,7 @@ from roughcontact import fourier
 from roughcontact.kernels.arrays import DOUBLE, empty
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.fft import make_plan
+from roughcontact.kernels.waves import over_waves, wave_power
 from roughcontact.maps import spacing
 
 # The cut-off of a spectrum: beyond it lies at most this share of the mean square gradient ...
@@ -164,7 +165,7 @@ def rms_curvature(height: xr.DataArray) -> float:
     >>> round(rms_curvature(wave) ** 2, 6)  # of -cos(x) / 2
     0.125
     """
-    return math.sqrt(_moments(height, _power(height.values))[2]) / 2
+    return math.sqrt(_moments(height, wave_power(height.values))[2]) / 2
 
 
 def spectral_moments(height: xr.DataArray) -> tuple[float, float, float]:
@@ -197,7 +198,7 @@ def spectral_moments(height: xr.DataArray) -> tuple[float, float, float]:
     >>> [round(moment, 6) for moment in spectral_moments(wave)]
     [0.5, 0.5, 0.5]
     """
-    return _of_profiles(height, *_moments(height, _power(height.values)))
+    return _of_profiles(height, *_moments(height, wave_power(height.values)))
 
 
 def nayak_parameter(height: xr.DataArray) -> float:
@@ -255,7 +256,7 @@ def shortest_wavelength(height: xr.DataArray) -> float:
     >>> round(shortest_wavelength(height), 6)
     4.0
     """
-    return _cutoff_wavelength(height, _power(height.values), spacing(height))
+    return _cutoff_wavelength(height, wave_power(height.values), spacing(height))
 
 
 def points_per_shortest_wavelength(height: xr.DataArray) -> float:
@@ -281,16 +282,18 @@ def points_per_shortest_wavelength(height: xr.DataArray) -> float:
     >>> round(points_per_shortest_wavelength(height), 6)
     8.0
     """
-    return _cutoff_wavelength(height, _power(height.values), (1.0, 1.0))
+    return _cutoff_wavelength(height, wave_power(height.values), (1.0, 1.0))
 
 
-def roughness_parameters(height: xr.DataArray) -> dict[str, float]:
+def roughness_parameters(height: xr.DataArray, power: np.ndarray | None = None) -> dict[str, float]:
     """Return the parameters of a periodic map that its statistics name.
 
     Parameters
     ----------
     height : DataArray (y, x), m
         periodic.
+    power : array (ny, nx // 2 + 1), m^2, optional
+        of its waves (`roughcontact.kernels.waves.wave_power`), where that is known already.
 
     Returns
     -------
@@ -305,7 +308,7 @@ def roughness_parameters(height: xr.DataArray) -> dict[str, float]:
     >>> round(found["rms_height"], 6), round(found["points_per_shortest_wavelength"], 6)
     (0.707107, 16.0)
     """
-    power = _power(height.values)
+    power = wave_power(height.values) if power is None else power
     m0, gradient, laplacian = _moments(height, power)
     return {
         "rms_height": rms_height(height),
@@ -321,20 +324,15 @@ def _from_first_point(values: np.ndarray) -> np.ndarray:
     return values - values.flat[0]
 
 
-def _power(values: np.ndarray) -> np.ndarray:
-    """Return |h(q)|^2 of each wave, both half-planes counted, mean removed; their sum is the variance."""
-    values = _from_first_point(values)
-    values -= values.mean()
-    power = np.abs(np.fft.rfft2(values)) ** 2
-    power *= fourier.halfplane_weights(values.shape)
-    power /= values.size**2
-    return power
-
-
 def _moments(height: xr.DataArray, power: np.ndarray) -> tuple[float, float, float]:
     """Return sum |q|^(2k) |h(q)|^2 for k = 0, 1, 2."""
-    q2 = fourier.wavenumbers(height.shape, spacing(height)) ** 2
-    return float(power.sum()), float((q2 * power).sum()), float((q2 * q2 * power).sum())
+    m0, gradient, laplacian = 0.0, 0.0, 0.0
+    for q2, both in over_waves(power, height.shape, spacing(height)):
+        slope = q2 * both
+        m0 += float(both.sum())
+        gradient += float(slope.sum())
+        laplacian += float((q2 * slope).sum())
+    return m0, gradient, laplacian
 
 
 def _of_profiles(
@@ -353,16 +351,22 @@ def _bandwidth(m0: float, m2: float, m4: float) -> float:
 
 def _cutoff_wavelength(height: xr.DataArray, power: np.ndarray, unit: tuple[float, float]) -> float:
     """Return the shortest wavelength, lengths measured with the pitch `unit` = (dy, dx)."""
-    slope = power * fourier.wavenumbers(height.shape, spacing(height)) ** 2
-    total = slope.sum()
-    if not total > 0:
-        return math.nan
-    q = fourier.wavenumbers(height.shape, unit)
     # shells one fundamental wide, each named by its middle, so that a cut-off at a whole number of waves
     # comes out as just that
     fundamental = 2 * np.pi / max(n * d for n, d in zip(height.shape, unit, strict=True) if n > 1)
-    shell = np.rint(q / fundamental).astype(int)
-    share = np.bincount(shell.ravel(), weights=slope.ravel()) / total
+    qy, qx = fourier.wavevectors(height.shape, unit)
+    last = int(np.rint(np.sqrt((qy**2).max() + qx[0, -1] ** 2) / fundamental))
+    share = np.zeros(last + 1)
+    waves = zip(
+        over_waves(power, height.shape, spacing(height)), over_waves(power, height.shape, unit), strict=True
+    )
+    for (squared, both), (squared_in_unit, _) in waves:
+        shell = np.rint(np.sqrt(squared_in_unit) / fundamental).astype(int)
+        share += np.bincount(shell.ravel(), weights=(squared * both).ravel(), minlength=last + 1)
+    total = share.sum()
+    if not total > 0:
+        return math.nan
+    share /= total
     beyond = np.cumsum(share[::-1])[::-1]
     edge = int(np.nonzero(beyond > _SHARE_BEYOND_CUTOFF)[0][-1])
     before = share[int(np.ceil(edge / 2 ** (1 / 3))) : edge + 1].mean()

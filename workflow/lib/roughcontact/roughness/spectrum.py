@@ -1,8 +1,12 @@
 """Power spectra of a periodic map: areal and radially averaged."""
 
+import math
+
 import numpy as np
 import xarray as xr
 
+from roughcontact import fourier
+from roughcontact.kernels.waves import over_waves, wave_power
 from roughcontact.maps import spacing
 
 
@@ -36,13 +40,15 @@ def areal_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray, np.nda
     >>> print(np.round(power, 6), round(float(power.sum()) / 4.0, 6))  # the mean square height is 2
     [[0. 4. 0. 0. 0. 0. 0. 4.]] 2.0
     """
-    step = spacing(height)
-    values = height.values - height.values.flat[0]
-    values = values - values.mean()
-    amplitude = np.fft.fft2(values) / values.size
-    area = np.prod([n * d for n, d in zip(values.shape, step, strict=True) if n > 1])
-    qy, qx = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(values.shape, step, strict=True))
-    return qy, qx, area * (amplitude.real**2 + amplitude.imag**2)
+    (ny, nx), half = height.shape, wave_power(height.values)
+    half *= _area(height)
+    power = np.empty((ny, nx))
+    power[:, : half.shape[1]] = half
+    # C(-q) = C(q)
+    beyond = half[:, (nx - 1) // 2 : 0 : -1]
+    power[:1, half.shape[1] :], power[1:, half.shape[1] :] = beyond[:1], beyond[:0:-1]
+    qy, qx = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip((ny, nx), spacing(height), strict=True))
+    return qy, qx, power
 
 
 def isotropic_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
@@ -69,21 +75,32 @@ def isotropic_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
     >>> print(np.round(q * 4.0 / (2 * np.pi), 6), np.round(power, 6))
     [1. 2. 3. 4.] [4. 0. 0. 0.]
     """
-    qy, qx, power = areal_spectrum(height)
+    power = wave_power(height.values)
     lengths = [n * d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1]
     limits = [np.pi / d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1]
     fundamental = 2 * np.pi / max(lengths)
-    wavenumber = np.hypot(qy[:, None], qx[None, :]).ravel()
-    shell = np.rint(wavenumber / fundamental).astype(int)
     last = max(int(min(limits) / fundamental * (1 + 1e-9)), 1)
-    count = np.bincount(shell, minlength=last + 1)[1 : last + 1]
-    total = np.bincount(shell, weights=power.ravel(), minlength=last + 1)[1 : last + 1]
-    mean = np.bincount(shell, weights=wavenumber, minlength=last + 1)[1 : last + 1]
+    sides = fourier.halfplane_weights(height.shape)
+    count, total, mean = np.zeros((3, last + 1))
+    for squared, both in over_waves(power, height.shape, spacing(height)):
+        wavenumber = np.sqrt(squared)
+        shell = np.rint(wavenumber / fundamental).astype(int)
+        count += _in_shells(shell, np.broadcast_to(sides, shell.shape), last)
+        total += _in_shells(shell, both, last)
+        mean += _in_shells(shell, sides * wavenumber, last)
     some = count > 0
-    return mean[some] / count[some], total[some] / count[some]
+    some[0] = False
+    return mean[some] / count[some], _area(height) * total[some] / count[some]
 
 
-def angular_spectrum(height: xr.DataArray, *, step: float = 0.5) -> tuple[np.ndarray, np.ndarray]:
+def _in_shells(shell: np.ndarray, values: np.ndarray, last: int) -> np.ndarray:
+    """Return the sum of the values in each shell up to the last one."""
+    return np.bincount(shell.ravel(), weights=values.ravel(), minlength=last + 1)[: last + 1]
+
+
+def angular_spectrum(
+    height: xr.DataArray, power: np.ndarray | None = None, *, step: float = 0.5
+) -> tuple[np.ndarray, np.ndarray]:
     """Return how the power of a periodic map is spread over the directions of its waves.
 
     f(theta) = integral of C(q) q dq along the ray in the direction theta, from the first wave of the shorter
@@ -93,6 +110,8 @@ def angular_spectrum(height: xr.DataArray, *, step: float = 0.5) -> tuple[np.nda
     ----------
     height : DataArray (y, x), m
         periodic; not a profile.
+    power : array (ny, nx // 2 + 1), m^2, optional
+        of its waves (`roughcontact.kernels.waves.wave_power`), where that is known already.
     step : float, degree
         between the directions.
 
@@ -113,14 +132,21 @@ def angular_spectrum(height: xr.DataArray, *, step: float = 0.5) -> tuple[np.nda
     """
     from scipy.ndimage import map_coordinates
 
-    qy, qx, power = areal_spectrum(height)
+    power = wave_power(height.values) if power is None else power
+    ny, nx = height.shape
     dqy, dqx = (2 * np.pi / (n * d) for n, d in zip(height.shape, spacing(height), strict=True))
     theta = np.arange(0, 180, step)
     radius = np.arange(1, np.pi / max(spacing(height)) / min(dqy, dqx)) * min(dqy, dqx)
     radius = radius[radius >= max(dqy, dqx) * (1 - 1e-9)]
     across = np.deg2rad(theta)[:, None]
-    centred = np.fft.fftshift(power)
-    rows = radius * np.sin(across) / dqy + qy.size // 2
-    columns = radius * np.cos(across) / dqx + qx.size // 2
-    rays = map_coordinates(centred, [rows, columns], order=1, mode="nearest")
-    return theta, 2 * (rays * radius).sum(axis=1) * min(dqy, dqx) / (2 * np.pi) ** 2
+    rows = np.minimum(radius * np.sin(across) / dqy, (ny - 1) // 2)
+    columns = np.minimum(radius * np.cos(across) / dqx, (nx - 1) // 2)
+    # C(-q) = C(q): what lies on the other side of the half-plane
+    rows = np.where(columns < 0, -rows, rows) + ny // 2
+    rays = map_coordinates(np.fft.fftshift(power, axes=0), [rows, np.abs(columns)], order=1, mode="nearest")
+    return theta, 2 * _area(height) * (rays * radius).sum(axis=1) * min(dqy, dqx) / (2 * np.pi) ** 2
+
+
+def _area(height: xr.DataArray) -> float:
+    """Return the area of a map, of a profile its length."""
+    return math.prod(n * d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1)

@@ -6,7 +6,11 @@ import numpy as np
 import xarray as xr
 
 from roughcontact import fourier
+from roughcontact.kernels.arrays import DOUBLE
+from roughcontact.kernels.fft import make_plan
 from roughcontact.maps import spacing
+
+_BLOCK = 2**16  # points that are looked at a time: few enough to stay in the cache
 
 
 def summit_statistics(height: xr.DataArray) -> dict[str, float]:
@@ -48,23 +52,33 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
     dy, dx = spacing(height)
     result = dict.fromkeys(names, math.nan) | {"density": count / (values.size * dy * dx)}
     if count:
-        spectrum = np.fft.rfft2(values)
-        spectrum *= fourier.wavenumbers(values.shape, (dy, dx)) ** 2 / 2
-        curvature = np.fft.irfft2(spectrum, s=values.shape)[summit]
-        result["mean_radius"] = float(1 / curvature.mean())
-        result["height_std"] = float(values[summit].std())
-        result["mean_height"] = float(values[summit].mean())
+        heights = values[summit]
+        qy, qx = fourier.wavevectors(values.shape, (dy, dx))
+        plan = make_plan(values, DOUBLE)
+        spectrum = plan.forward(values)
+        for row, along_y in enumerate(qy[:, 0]):
+            spectrum[row] *= (along_y**2 + qx[0] ** 2) / 2
+        plan.inverse(spectrum, values)
+        result["mean_radius"] = float(1 / values[summit].mean())
+        result["height_std"] = float(heights.std())
+        result["mean_height"] = float(heights.mean())
     return result
 
 
 def _is_summit(values: np.ndarray) -> np.ndarray:
     """Return where a point is higher than its eight neighbours; of equal neighbours one counts."""
+    (ny, nx), step = values.shape, max(1, _BLOCK // values.shape[1])
     summit = np.ones(values.shape, dtype=bool)
-    for dy in (-1, 0, 1):
-        for dx in (-1, 0, 1):
-            neighbour = np.roll(values, (dy, dx), axis=(0, 1))
-            if (dy, dx) > (0, 0):
-                summit &= values > neighbour
-            elif (dy, dx) < (0, 0):
-                summit &= values >= neighbour
+    columns = np.arange(-1, nx + 1) % nx
+    for start in range(0, ny, step):
+        own = summit[start : start + step]
+        around = values[np.arange(start - 1, start + len(own) + 1) % ny][:, columns]
+        middle = around[1:-1, 1:-1]
+        for dy in (-1, 0, 1):
+            for dx in (-1, 0, 1):
+                neighbour = around[1 - dy : len(own) + 1 - dy, 1 - dx : nx + 1 - dx]
+                if (dy, dx) > (0, 0):
+                    own &= middle > neighbour
+                elif (dy, dx) < (0, 0):
+                    own &= middle >= neighbour
     return summit

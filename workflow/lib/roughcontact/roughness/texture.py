@@ -6,6 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from roughcontact.kernels.arrays import DOUBLE
+from roughcontact.kernels.fft import make_plan
+from roughcontact.kernels.waves import wave_power
 from roughcontact.maps import spacing
 from roughcontact.roughness.spectrum import angular_spectrum
 
@@ -14,7 +17,7 @@ _RAYS = 360  # directions over half a turn
 _PER_PIXEL = 4  # points along a ray
 
 
-def autocorrelation(height: xr.DataArray) -> np.ndarray:
+def autocorrelation(height: xr.DataArray, power: np.ndarray | None = None) -> np.ndarray:
     """Return the autocorrelation of a periodic map.
 
     R(t) = mean z(r) z(r + t) / mean z^2, z the height above the mean, over the periodic boundary.
@@ -23,6 +26,8 @@ def autocorrelation(height: xr.DataArray) -> np.ndarray:
     ----------
     height : DataArray (y, x), m
         periodic.
+    power : array (ny, nx // 2 + 1), m^2, optional
+        of its waves (`roughcontact.kernels.waves.wave_power`), where that is known already.
 
     Returns
     -------
@@ -36,16 +41,16 @@ def autocorrelation(height: xr.DataArray) -> np.ndarray:
     >>> print(np.abs(np.round(autocorrelation(wave), 6)))  # every fourth point alike
     [[1. 0. 1. 0. 1. 0. 1. 0.]]
     """
-    values = height.values - height.values.flat[0]
-    values = values - values.mean()
-    spectrum = np.fft.rfft2(values)
-    correlation = np.fft.irfft2(spectrum.real**2 + spectrum.imag**2, s=values.shape)
-    if not correlation[0, 0] > 0:
-        return np.full(values.shape, math.nan)
-    return np.fft.fftshift(correlation / correlation[0, 0])
+    power = wave_power(height.values) if power is None else power
+    if not power.any():
+        return np.full(height.shape, math.nan)
+    correlation = np.empty(height.shape)
+    make_plan(correlation, DOUBLE).inverse(power.astype(complex), correlation)
+    correlation /= float(correlation[0, 0])
+    return np.fft.fftshift(correlation)
 
 
-def texture_parameters(height: xr.DataArray) -> dict[str, float]:
+def texture_parameters(height: xr.DataArray, power: np.ndarray | None = None) -> dict[str, float]:
     """Return the spatial parameters of ISO 25178-2 [1]_ of a periodic map.
 
     * `Sal`, m: the shortest distance over which the autocorrelation falls to 0.2
@@ -61,6 +66,8 @@ def texture_parameters(height: xr.DataArray) -> dict[str, float]:
     ----------
     height : DataArray (y, x), m
         periodic.
+    power : array (ny, nx // 2 + 1), m^2, optional
+        of its waves (`roughcontact.kernels.waves.wave_power`), where that is known already.
 
     Returns
     -------
@@ -79,13 +86,15 @@ def texture_parameters(height: xr.DataArray) -> dict[str, float]:
     {'Sal': 3.49, 'Str': 0.11, 'Std': 0.0}
     """
     result = dict.fromkeys(("Sal", "Str", "Std"), math.nan)
-    correlation = autocorrelation(height)
+    power = wave_power(height.values) if power is None else power
+    correlation = autocorrelation(height, power)
     if np.isnan(correlation).any():
         return result
     shortest, longest = decay_lengths(correlation, spacing(height))
+    del correlation
     result["Sal"] = shortest
     if min(height.shape) > 1:
-        theta, power = angular_spectrum(height)
+        theta, power = angular_spectrum(height, power)
         result |= {"Str": shortest / longest, "Std": float(theta[np.argmax(power)])}
     return result
 

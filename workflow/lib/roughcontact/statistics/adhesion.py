@@ -1,5 +1,6 @@
 """Adhesion at a glance: what it costs to press the surfaces flat, beside what their adhesion pays."""
 
+import numpy as np
 import xarray as xr
 
 from roughcontact.elasticity.energy import conforming_energy
@@ -8,7 +9,11 @@ from roughcontact.quantities import quantity
 
 
 def adhesion_numbers(
-    height: xr.DataArray, *, contact_modulus: float, work_of_adhesion: float | None = None
+    height: xr.DataArray,
+    *,
+    contact_modulus: float,
+    work_of_adhesion: float | None = None,
+    power: np.ndarray | None = None,
 ) -> dict[str, float]:
     """Return the energy of full conformity, and what it leaves of the work of adhesion.
 
@@ -25,6 +30,8 @@ def adhesion_numbers(
         E*.
     work_of_adhesion : float, J/m2, optional
         w, of flat surfaces.
+    power : array (ny, nx // 2 + 1), m2, optional
+        of the waves of the map (`roughcontact.kernels.waves.wave_power`), where that is known already.
 
     Returns
     -------
@@ -47,7 +54,7 @@ def adhesion_numbers(
     >>> f"{found['conforming_energy']:.5f} {found['effective_work_of_adhesion']:.5f}"
     '0.00079 0.04921'
     """
-    energy = conforming_energy(height.values, spacing(height), contact_modulus=contact_modulus)
+    energy = conforming_energy(height.values, spacing(height), contact_modulus=contact_modulus, power=power)
     if work_of_adhesion is None:
         return {"conforming_energy": energy}
     return {"conforming_energy": energy, "effective_work_of_adhesion": work_of_adhesion - energy}

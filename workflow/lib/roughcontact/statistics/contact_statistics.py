@@ -1,6 +1,8 @@
 """Numbers of each load of a contact solution: areas, clusters, pressures, gaps, energy, stiffness, theory."""
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -11,6 +13,7 @@ from roughcontact.connectivity import region_sizes
 from roughcontact.contact.response import linear_response
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.errors import SettingsError
+from roughcontact.kernels.waves import wave_power
 from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import roughness_parameters
 from roughcontact.roughness.summits import summit_statistics
@@ -71,6 +74,7 @@ def contact_statistics(
     work_of_adhesion: float | None = None,
     seal: Mapping[str, float] | None = None,
     bodies: Bodies | None = None,
+    surface: "SurfaceNumbers | None" = None,
 ) -> xr.Dataset:
     """Return the statistics of each load of a contact solution.
 
@@ -99,6 +103,8 @@ def contact_statistics(
     bodies : sequence of two mappings, optional
         what the settings say of the two bodies beside their elasticity, `contact.bodies`: where both state
         it, the conductance of the contact is added; `poissons_ratio` and `yield_stress` for the stresses.
+    surface : SurfaceNumbers, optional
+        of the map, from `surface_numbers`, where they are known already: else they are computed.
 
     Returns
     -------
@@ -133,9 +139,10 @@ def contact_statistics(
     height, modulus = contact["height"], float(contact["contact_modulus"])
     steps = spacing(height)
     mean_pressure = np.asarray(contact["mean_pressure"].values, float)
-    surface = surface_statistics(height)
-    surface |= adhesion_numbers(height, contact_modulus=modulus, work_of_adhesion=work_of_adhesion)
-    gradient = float(surface["rms_gradient"])
+    if surface is None:
+        surface = surface_numbers(height, contact_modulus=modulus, work_of_adhesion=work_of_adhesion)
+    parameters = dict(surface.parameters)
+    gradient = parameters["rms_gradient"]
     # a flat map has neither gradient nor heights to set the scale of the bins
     edges = {
         "pressure": (modulus * gradient or modulus) * logarithmic_edges(PRESSURE_DECADES, pressure_bins),
@@ -164,10 +171,12 @@ def contact_statistics(
     columns |= conductance_columns(columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies)
     if seal is not None and with_flow:
         columns |= leak_columns(columns["mean_gap"], columns, **seal)
-    columns |= theory_columns(mean_pressure, height, contact_modulus=modulus, rms_gradient=gradient)
+    columns |= theory_columns(
+        mean_pressure, height, contact_modulus=modulus, rms_gradient=gradient, summits=surface.summits
+    )
     # a number of the map, listed with each load like everything that says how far to trust it
     columns["points_per_shortest_wavelength"] = np.full(
-        mean_pressure.shape, surface.pop("points_per_shortest_wavelength")
+        mean_pressure.shape, parameters.pop("points_per_shortest_wavelength")
     )
     coordinates = {"mean_pressure": ("load", mean_pressure)} | _bins(edges)
     if body is not None:
@@ -186,7 +195,7 @@ def contact_statistics(
     else:
         coordinates["hardness_over_modulus"] = ("hardness_over_modulus", np.array(HARDNESS_OVER_MODULUS))
     return xr.Dataset(
-        variables | surface | material,
+        variables | parameters | material,
         coords=coordinates,
         attrs=contact.attrs,
     )
@@ -249,13 +258,98 @@ def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
     }
 
 
-def surface_statistics(height: xr.DataArray) -> dict[str, float]:
+class SurfaceNumbers(NamedTuple):
+    """What belongs to a map, whatever presses on it.
+
+    Attributes
+    ----------
+    parameters : dict
+        those of `surface_statistics`, and of `adhesion_numbers`.
+    summits : dict
+        those of `summit_statistics`.
+    """
+
+    parameters: dict[str, float]
+    summits: dict[str, float]
+
+
+def surface_numbers(
+    height: xr.DataArray, *, contact_modulus: float, work_of_adhesion: float | None = None
+) -> SurfaceNumbers:
+    """Return the numbers of a map that the statistics of all its loads share.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        periodic.
+    contact_modulus : float, Pa
+        E*.
+    work_of_adhesion : float, J/m2, optional
+        of flat surfaces.
+
+    Returns
+    -------
+    SurfaceNumbers
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> found = surface_numbers(rough_reference_surface(64), contact_modulus=1.0)
+    >>> sorted(found.summits), "conforming_energy" in found.parameters
+    (['density', 'height_std', 'mean_height', 'mean_radius'], True)
+    """
+    power = wave_power(height.values)
+    parameters = surface_statistics(height, power) | adhesion_numbers(
+        height, contact_modulus=contact_modulus, work_of_adhesion=work_of_adhesion, power=power
+    )
+    del power
+    return SurfaceNumbers(parameters, summit_statistics(height))
+
+
+def statistics_of(
+    height: xr.DataArray, *, contact_modulus: float, **settings: Any
+) -> Callable[[xr.Dataset], xr.Dataset]:
+    """Return `contact_statistics` for solutions of one map, whose own numbers are computed once.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        the map that is solved.
+    contact_modulus : float, Pa
+        E*.
+    **settings
+        keyword arguments of `contact_statistics`.
+
+    Returns
+    -------
+    callable
+        to be given to `solve_contact` as `reduce`.
+
+    Examples
+    --------
+    >>> from roughcontact.contact.solve import solve_contact
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> height = rough_reference_surface(64)
+    >>> count = statistics_of(height, contact_modulus=1.0, flow="never")
+    >>> found = solve_contact(height, contact_modulus=1.0, mean_pressure=[0.1, 0.2], reduce=count)
+    >>> found["rms_gradient"].dims, found["mean_gap"].dims
+    ((), ('load',))
+    """
+    surface = surface_numbers(
+        height, contact_modulus=contact_modulus, work_of_adhesion=settings.get("work_of_adhesion")
+    )
+    return partial(contact_statistics, surface=surface, **settings)
+
+
+def surface_statistics(height: xr.DataArray, power: np.ndarray | None = None) -> dict[str, float]:
     """Return the numbers of the solved window: roughness, texture, height parameters, size and position.
 
     Parameters
     ----------
     height : DataArray (y, x), m
         periodic; its attributes hold the height parameters that levelling left, and where the window lies.
+    power : array (ny, nx // 2 + 1), m2, optional
+        of its waves (`roughcontact.kernels.waves.wave_power`), where that is known already.
 
     Returns
     -------
@@ -273,10 +367,9 @@ def surface_statistics(height: xr.DataArray) -> dict[str, float]:
     '7.07e-07 m in 6.4e-05 m'
     """
     (ny, nx), (dy, dx) = height.shape, spacing(height)
-    # the middle of the range first: then a constant map is exactly zero, and flat, whatever its offset
-    middle = (float(height.min()) + float(height.max())) / 2
+    power = wave_power(height.values) if power is None else power
     parameters = {name: float(height.attrs[name]) for name in _LEVELLING_COLUMNS if name in height.attrs}
-    parameters |= roughness_parameters(height - middle) | texture_parameters(height)
+    parameters |= roughness_parameters(height, power) | texture_parameters(height, power)
     return parameters | {
         "window_length_x": nx * dx,
         "window_length_y": ny * dy,
@@ -286,7 +379,12 @@ def surface_statistics(height: xr.DataArray) -> dict[str, float]:
 
 
 def theory_columns(
-    mean_pressure: np.ndarray, height: xr.DataArray, *, contact_modulus: float, rms_gradient: float
+    mean_pressure: np.ndarray,
+    height: xr.DataArray,
+    *,
+    contact_modulus: float,
+    rms_gradient: float,
+    summits: dict[str, float] | None = None,
 ) -> dict[str, np.ndarray]:
     """Return the relative pressure p' = p̄/(E* g) and the contact area of each theory at it.
 
@@ -298,6 +396,8 @@ def theory_columns(
     contact_modulus : float, Pa
     rms_gradient : float
         spectral, of the map.
+    summits : mapping, optional
+        of the map, from `summit_statistics`, where they are known already.
 
     Returns
     -------
@@ -319,7 +419,7 @@ def theory_columns(
     else:
         relative = np.full(mean_pressure.shape, np.inf)
     low_load = theory.bush_gibson_thomas_area(relative)
-    summits = summit_statistics(height)
+    summits = summit_statistics(height) if summits is None else summits
     return {
         "relative_pressure": relative,
         "area_persson": theory.persson_area(relative),

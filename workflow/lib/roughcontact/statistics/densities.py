@@ -6,6 +6,7 @@ PRESSURE_DECADES = (-3, 3)  # in units of E* g
 GAP_DECADES = (-4, 0)  # in units of the peak-to-valley height, which no gap exceeds
 PATCH_BINS = 5  # per factor of ten of the area of a patch, from one pixel on
 PATCH_DECADES = (0, 9)  # up to more points than a map can have, so that the bins of all maps are as many
+_BLOCK = 2**16  # values that are counted at a time: few enough to stay in the cache
 
 
 def logarithmic_edges(decades: tuple[int, int], per_decade: int) -> np.ndarray:
@@ -58,5 +59,7 @@ def density(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """
     if values.size == 0:
         return np.full(edges.size - 1, np.nan)
-    bins = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
-    return np.bincount(bins, minlength=edges.size - 1) / (values.size * np.diff(edges))
+    inner, counts = edges[1:-1], np.zeros(edges.size - 1, int)
+    for part in np.array_split(values.ravel(), -(-values.size // _BLOCK)):
+        counts += np.bincount(np.searchsorted(inner, part, side="right"), minlength=counts.size)
+    return counts / (values.size * np.diff(edges))
