@@ -127,6 +127,12 @@ def _tmd(path: Path) -> None:
     path.write_bytes(b"Binary TrueMap Data File v2.0\r\n\0comment\0" + header + data)
 
 
+def _gsf(path: Path) -> None:
+    header = b"Gwyddion Simple Field 1.0\nXRes = 24\nYRes = 24\nXReal = 2.4e-5\nYReal = 2.4e-5\n"
+    header += b"XYUnits = m\nZUnits = m\n"
+    path.write_bytes(header + bytes(4 - len(header) % 4) + heights().astype("<f4").tobytes())
+
+
 def _x3p(path: Path) -> None:
     x3pio.write(path, heights(), x_scale=1e-6, y_scale=1e-6)
 
@@ -141,6 +147,7 @@ SEEDS: dict[str, Callable[[Path], None]] = {
     "netcdf 5": lambda path: _netcdf(path, "NETCDF3_64BIT_DATA"),
     "jpk_hdf5": _jpk,
     "tmd": _tmd,
+    "gsf": _gsf,
     "matlab": lambda path: scipy.io.savemat(path, {"z": heights(), "name": "a"}),
     "matlab packed": lambda path: scipy.io.savemat(path, {"z": heights()}, do_compression=True),
     "text matrix": lambda path: _text(

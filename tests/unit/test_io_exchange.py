@@ -252,6 +252,69 @@ def test_foreign_netcdf_in_its_own_units_and_directions(tmp_path, netcdf):
     check(read_height_map(path))
 
 
+def test_foreign_netcdf_with_two_spellings_of_one_unit(tmp_path):
+    path = tmp_path / "map.nc"
+    axes = foreign()
+    axes["y"].attrs["units"] = "millimeter"
+    axes.to_netcdf(path)
+    check(read_height_map(path))
+    axes["y"].attrs["units"] = "um"
+    axes.to_netcdf(path)
+    with pytest.raises(InputFileError, match="axes x and y have different units"):
+        read_height_map(path)
+
+
+def gsf_bytes(**changed):
+    """A file by the published description: header, zeros to a multiple of four, 4-byte floats."""
+    said = {
+        "XRes": 4,
+        "YRes": 3,
+        "XReal": 4 * DX,
+        "YReal": 3 * DY,
+        "XYUnits": "m",
+        "ZUnits": "m",
+        "Title": "T",
+    }
+    lines = [f"{key} = {value}" for key, value in (said | changed).items() if value is not None]
+    header = "\n".join(["Gwyddion Simple Field 1.0", *lines, ""]).encode()
+    return header + bytes(4 - len(header) % 4) + HEIGHTS.astype("<f4").tobytes()
+
+
+@pytest.mark.parametrize("title", ["T", "Ti", "Tit", "Titl"])
+def test_gwyddion_simple_field(tmp_path, title):
+    height = read_height_map(saved(tmp_path, gsf_bytes(Title=title)))
+    check(height, first_row="top", rtol=1e-7)
+    assert height.attrs["channel"] == title
+
+
+def test_gwyddion_simple_field_that_leaves_things_out(tmp_path):
+    with pytest.raises(InputFileError, match="give height_unit"):
+        read_height_map(saved(tmp_path, gsf_bytes(ZUnits=None)))
+    with pytest.raises(InputFileError, match=r"does not say its size .*; give dx, dy, unit"):
+        read_height_map(saved(tmp_path, gsf_bytes(XReal=None, YReal=None, XYUnits=None)))
+    with pytest.raises(InputFileError, match=r"holds heights .*values in 'V', no length"):
+        read_height_map(saved(tmp_path, gsf_bytes(ZUnits="V")))
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (gsf_bytes()[:-5], "cut off"),
+        (gsf_bytes() + b"1234", "changed"),
+        (gsf_bytes(XRes=5), "needs 60"),
+        (gsf_bytes(XRes=None), "no size in its header"),
+        (gsf_bytes(YRes="many"), "no size in its header"),
+        (gsf_bytes(YRes=-3), "damaged"),
+        (gsf_bytes(YReal="nan"), "damaged"),
+        (gsf_bytes(XRes=10**9, YRes=10**9), "points"),
+        (gsf_bytes()[:40], "size in its header|damaged"),
+    ],
+)
+def test_gwyddion_simple_field_that_is_damaged(tmp_path, data, said):
+    with pytest.raises(InputFileError, match=said):
+        read_height_map(saved(tmp_path, data))
+
+
 def test_foreign_netcdf_without_units(tmp_path):
     path = tmp_path / "map.nc"
     foreign(lateral=None).to_netcdf(path)

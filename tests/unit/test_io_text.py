@@ -86,6 +86,79 @@ def test_missing_points_become_nan_and_are_counted(tmp_path):
     assert float(height.x[1] - height.x[0]) == pytest.approx(2e-3, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    "gap",
+    [
+        *("NaN", "-", "---", "***", "****", "?", "#N/A", "#NV", "#DIV/0!", "-1.#IND", "1.#QNAN", "nan(ind)"),
+        *("1.70141e+38", "1.701410009e38", "3.40282e38"),
+    ],
+)
+@pytest.mark.parametrize("place", [0, 5])
+def test_what_programs_write_for_a_missing_point(tmp_path, gap, place):
+    heights = HEIGHTS.astype(object)
+    heights.flat[place] = gap
+    text = "\n".join("\t".join(map(str, row)) for row in heights)
+    height = read_height_map(saved(tmp_path, text), dx=1, dy=1, unit="um")
+    expected = HEIGHTS * 1e-6
+    expected.flat[place] = np.nan
+    np.testing.assert_allclose(height.values, expected, rtol=1e-15)
+
+
+def test_a_line_drawn_below_headings_is_no_row_of_the_map(tmp_path):
+    text = "a      b      c     d\n------ ------ ----- -----\n" + matrix(separator=" ")
+    assert read_height_map(saved(tmp_path, text), dx=1, dy=1, unit="um").shape == HEIGHTS.shape
+
+
+def test_exponents_of_fortran(tmp_path):
+    text = "\n".join(" ".join(f"{v:.3E}".replace("E", "D") for v in row) for row in HEIGHTS)
+    height = read_height_map(saved(tmp_path, text), dx=1, dy=1, unit="um")
+    np.testing.assert_allclose(height.values, HEIGHTS * 1e-6, rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Pixel size: 0.5 µm x 0.75 µm\nUnit z: nm\n",
+        "Scan size: 2x2.25 µm\nResolution: 4 x 3\nZ unit: nm\n",
+        "Image size, 2 µm × 2.25 µm\nValue units: nm\n",
+    ],
+)
+def test_a_header_that_says_both_sizes_in_one_line(tmp_path, header):
+    height = read_height_map(saved(tmp_path, header + matrix(separator=",")))
+    np.testing.assert_allclose(height.values, HEIGHTS * 1e-9, rtol=1e-15)
+    assert float(height.x[1] - height.x[0]) == pytest.approx(0.5e-6, rel=1e-12)
+    assert float(height.y[1] - height.y[0]) == pytest.approx(0.75e-6, rel=1e-12)
+
+
+def headed_points(heading):
+    rows = [f"{i},{2 * j},{HEIGHTS[j, i]}" for j in range(3) for i in range(4)]
+    return heading + "\n" + "\n".join(rows) + "\n"
+
+
+def test_two_spellings_of_one_unit(tmp_path):
+    height = read_height_map(saved(tmp_path, headed_points("x (µm),y (micron),z (nm)")))
+    np.testing.assert_allclose(height.values, HEIGHTS * 1e-9, rtol=1e-15)
+    with pytest.raises(InputFileError, match="columns x and y have different units, 'µm' and 'mm'"):
+        read_height_map(saved(tmp_path, headed_points("x (µm),y (mm),z (nm)")))
+
+
+def test_a_column_of_depths_is_named(tmp_path):
+    height = read_height_map(saved(tmp_path, headed_points("x (µm),y (µm),Depth (nm)")))
+    np.testing.assert_allclose(height.values, HEIGHTS * 1e-9, rtol=1e-15)
+    assert any("'Depth'" in sentence and "change their sign" in sentence for sentence in warnings_of(height))
+    height = read_height_map(saved(tmp_path, headed_points("x (µm),y (µm),z (nm)")))
+    assert not any("change their sign" in sentence for sentence in warnings_of(height))
+
+
+def test_points_with_a_fourth_column_are_no_map(tmp_path):
+    rows = [f"{i} {j} {HEIGHTS[j, i]} {7 * i + j}" for j in range(3) for i in range(4)]
+    path = saved(tmp_path, "\n".join(rows))
+    with pytest.raises(InputFileError, match=r"positions on a grid of 4 x 3 points.*name the columns"):
+        read_height_map(path, dx=1, dy=1, unit="um")
+    height = read_height_map(saved(tmp_path, "x y z intensity\n" + "\n".join(rows)), unit="um")
+    np.testing.assert_allclose(height.values, HEIGHTS * 1e-6, rtol=1e-15)
+
+
 def test_bare_numbers_are_refused_with_what_to_give(tmp_path):
     path = saved(tmp_path, matrix())
     with pytest.raises(

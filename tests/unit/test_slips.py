@@ -111,6 +111,26 @@ def test_a_modulus_in_megapascal_is_asked_for_where_the_load_or_the_hardness_spe
     )
 
 
+def test_modulus_and_load_in_megapascal_are_asked_for_together():
+    (line,) = lines({"contact_modulus": 115_000, "mean_pressure": 2})
+    assert (
+        "2.00 Pa is next to no load on a contact modulus of 115 kPa (115 GPa, were it given in MPa)" in line
+    )
+    resolve({"contact": {"contact_modulus": 115_000, "mean_pressure": 20}})  # a laboratory may load a gel so
+    resolve({"contact": {"contact_modulus": "115 kPa", "mean_pressure": "2 Pa"}})
+
+
+def test_slips_are_named_beside_mistakes_of_other_kinds():
+    named = lines({"contact_modulus": 115, "mean_pressure": [1, 2], "tolerance": 2}, level={"from": "plane"})
+    assert [line.split(" = ")[0].split(":")[0].strip() for line in named] == [
+        "level.from",
+        "contact.tolerance",
+        "contact.contact_modulus",
+        "contact.mean_pressure[0]",
+        "contact.mean_pressure[1]",
+    ]
+
+
 def test_what_is_written_with_its_unit_is_meant():
     settings = resolve({"contact": {"contact_modulus": "115 Pa", "mean_pressure": ["1 mbar", "1e-3 Pa"]}})[""]
     assert settings["contact"]["contact_modulus"] == 115.0

@@ -209,6 +209,15 @@ def per_load(modulus, mean, largest, **others):
         (1e8, 0.05, 0.1, checks.LOOK, "At 1.00 MPa metals would flow"),
         (5e6, 0.9, 2.0, checks.NOT_MADE, "rubber-like solids (E* below 100 MPa) bear that"),
         (5e6, 1.1, 2.0, checks.LOOK, "More than rubber bears"),
+        # 115000, which is steel in MPa: nothing speaks against a gel but what a metal would do there
+        (
+            1.154e5,
+            0.02,
+            0.06,
+            checks.NOT_MADE,
+            "If it was given in MPa, it is 115 GPa, and metals flow there",
+        ),
+        (1.154e5, 0.005, 0.01, checks.NOT_MADE, "rubber-like solids (E* below 100 MPa) bear that"),
     ],
 )
 def test_without_a_hardness_the_pressure_is_judged_by_what_materials_bear(

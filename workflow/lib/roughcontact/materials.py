@@ -29,7 +29,9 @@ LEAST_HARDNESS = 1e-4  # that all exceed; pure indium and lead have about 0.001
 # a mean pressure of 100 Pa is the weight of a centimetre of water, or of a sheet of metal
 LEAST_LOAD = 100.0
 LEAST_RELATIVE_LOAD = 1e-8  # mean pressure over contact modulus: 1 kPa on steel
-SOFT_RELATIVE_LOAD = 1e-5  # the same, from which on a load of less than `LEAST_LOAD` is none too small
+# the same, from which on a load of less than `LEAST_LOAD` is none too small: on real surfaces a thousandth of
+# the area touches there
+SOFT_RELATIVE_LOAD = 1e-4
 
 _GIGA, _MEGA, _KILO = 1e9, 1e6, 1e3
 
@@ -193,8 +195,13 @@ def doubt_of_load(mean_pressure: float, contact_modulus: float) -> Doubt | None:
     --------
     >>> doubt_of_load(1.0, 1.15e11).question()
     '1.00 Pa is next to no load on a contact modulus of 115 GPa; did you mean 1.00 MPa?'
-    >>> doubt_of_load(1.0, 1e4) is None
+    >>> doubt_of_load(2.0, 1e4) is None
     True
+
+    Steel under 2 MPa, with both numbers in MPa.
+
+    >>> doubt_of_load(2.0, 1.15e5).reason
+    '2.00 Pa is next to no load on a contact modulus of 115 kPa (115 GPa, were it given in MPa)'
     """
     least = max(LEAST_RELATIVE_LOAD * contact_modulus, min(LEAST_LOAD, SOFT_RELATIVE_LOAD * contact_modulus))
     most = contact_modulus
@@ -207,6 +214,8 @@ def doubt_of_load(mean_pressure: float, contact_modulus: float) -> Doubt | None:
     else:
         return None
     reason += quantity(contact_modulus, "Pa")
+    if mean_pressure < least and SOFTEST <= contact_modulus < GEL:
+        reason += f" ({quantity(_MEGA * contact_modulus, 'Pa')}, were it given in MPa)"
     return Doubt(reason, _within(mean_pressure, factors, least, HARDEST * most))
 
 

@@ -72,7 +72,9 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     try:
         settings = Settings.model_validate(merged).model_dump(mode="json", exclude={"cases"})
     except ValidationError as error:
-        return {}, mistakes + [mistake(name, overrides, detail) for detail in error.errors()]
+        found = error.errors()
+        mistakes += [mistake(name, overrides, detail) for detail in found]
+        return {}, mistakes + _slips_of_the_rest(name, overrides, merged, [detail["loc"] for detail in found])
     mistakes += [questioned(name, overrides, *slip) for slip in slips(merged, settings)]
     crosscheck = settings["crosscheck"]
     if crosscheck["code"] != "none" and not crosscheck["python"]:
@@ -98,6 +100,23 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         text = f"{where}.target: first_yield needs the yield_stress of a body, or a hardness"
         mistakes.append(SettingsError(text, keys=["contact.target"]))
     return settings, mistakes
+
+
+def _slips_of_the_rest(
+    name: str, overrides: dict, merged: dict, locations: Sequence[Sequence[str | int]]
+) -> list[SettingsError]:
+    """Return the slips of unit in the settings beside those that are wrong as such."""
+    rest = deepcopy(merged)
+    for section, *keys in locations:
+        if keys and isinstance(rest.get(section), dict):
+            rest[section].pop(keys[0], None)
+        else:
+            rest.pop(section, None)
+    try:
+        settings = Settings.model_validate(rest).model_dump(mode="json", exclude={"cases"})
+    except ValidationError:  # what is left does not stand by itself
+        return []
+    return [questioned(name, overrides, *slip) for slip in slips(rest, settings)]
 
 
 def _mistakes_in_cases(cases: Any) -> list[str]:

@@ -56,3 +56,24 @@ def metres(unit: str, *, where: str = "unit", error: type[Exception] = InputFile
     if factor is None:
         raise error(f"{where}: {unknown_unit(unit, 'm')}")
     return factor
+
+
+def same_length(unit: str, other: str) -> bool:
+    """Return whether two spellings stand for the same unit of length.
+
+    Parameters
+    ----------
+    unit, other : str
+
+    Returns
+    -------
+    bool
+        Two words that are no units of length are the same where they are spelled alike.
+
+    Examples
+    --------
+    >>> same_length("um", "micrometre"), same_length("um", "mm"), same_length("lines", "lines")
+    (True, False, True)
+    """
+    value = value_of(unit, "m")
+    return unit == other or (value is not None and value == value_of(other, "m"))

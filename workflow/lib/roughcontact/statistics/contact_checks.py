@@ -209,6 +209,14 @@ def _without_hardness(statistics: xr.Dataset) -> Check:
         if mean.max() > 1:
             return Check("Plasticity", LOOK, f"More than rubber bears: {figures}.")
         text = f"{not_stated}: {figures}; rubber-like solids (E* below {_RUBBER}) bear that."
+        modulus = float(statistics["contact_modulus"])
+        if modulus < materials.GEL and (
+            mean.max() > materials.METALS[0] or largest.max() > materials.METALS[1]
+        ):
+            text = (
+                f"{not_stated}: {figures}; gels bear that, and E* = {quantity(modulus, 'Pa')} is that of "
+                f"one. If it was given in MPa, it is {quantity(1e6 * modulus, 'Pa')}, and metals flow there."
+            )
         return Check("Plasticity", NOT_MADE, text)
     beyond_all, flowing = mean > materials.HARDEST, beyond_metals(statistics).values
     if beyond_all.any():

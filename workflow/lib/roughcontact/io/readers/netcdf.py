@@ -27,7 +27,7 @@ from roughcontact.io.channels import (
 from roughcontact.io.guards import MAX_POINTS, brief, check_points
 from roughcontact.io.interface import Reader, ToldBy, head_of
 from roughcontact.io.metadata import instrument_words
-from roughcontact.io.units import is_length
+from roughcontact.io.units import is_length, same_length
 
 _CLASSIC = (b"CDF\x01", b"CDF\x02")  # the second one with offsets of 64 bits
 _MARKS = (*_CLASSIC, cdf5.MARK, hdf5.MARK)
@@ -183,7 +183,7 @@ def _variable(dataset: Any, name: Any, path: Path, opener: Callable[[], Any]) ->
     elif unit is not None and not is_length(unit):
         no_height = f"values in {unit!r}, no length"
     unit_x, unit_y = (_unit(dataset[axis]) if axis in dataset.coords else None for axis in (x, y))
-    if unit_x and unit_y and unit_x != unit_y:
+    if unit_x and unit_y and not same_length(unit_x, unit_y):
         raise InputFileError(f"{path}: the axes {x} and {y} have different units, {unit_x!r} and {unit_y!r}")
     words: dict[str, Any] = {"height_unit": unit, "lateral_unit": unit_x or unit_y, "no_height": no_height}
     if variable.dtype.kind not in "iuf":

@@ -34,11 +34,13 @@ from roughcontact.io.text.table import (
     split_header,
     unquoted,
 )
-from roughcontact.io.units import is_length, metres
+from roughcontact.io.units import is_length, metres, same_length
 
 _BYTES_PER_BYTE = 12  # memory for each byte of text: lines, their pieces, numbers
 _SIZES = {"length_x", "length_y", "dx", "dy", "step", "nx", "ny"}  # what a header says of a map's size
 _LONGEST_NARROW = 1000  # rows of two or three columns that may be a map
+_BLANKS = (1.70141e38, 3.40282e38)  # what Surfer and others write for missing points: no height in any unit
+_DEPTHS = ("depth", "tiefe", "profond", "profund")  # how a heading begins that may count downwards
 # word of `roughcontact.io.metadata` -> what the header calls it
 _INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquisition_time": "date"}
 
@@ -91,6 +93,8 @@ def read(path: Path) -> MeasuredFile:
     said = parse_header(header)
     if said.get("missing") is not None:
         table.values[table.values == float(said["missing"])] = np.nan
+    for blank in _BLANKS:
+        table.values[np.abs(np.abs(table.values) / blank - 1) < 1e-5] = np.nan
     file = _file(table, header, said, counts, delimiter, path)
     file.instrument = instrument_words({word: said.get(key) for word, key in _INSTRUMENT.items()})
     return file
@@ -125,6 +129,7 @@ def _file(
     if count == 1 and rows > 1 and not _SIZES & set(said):
         return _one_column(values, columns, said, path)
     if count not in (2, 3) or rows <= 2 or _is_stated_matrix(values, said):
+        _refuse_unnamed_points(values, said, path)
         return _matrix(values, said, path)
     columns = columns or [Column("", None, "")] * count
     return _listed(values, columns, list(range(count)), said, path, named=False)
@@ -161,7 +166,13 @@ def _listed(
     listed = listed[~np.isnan(listed).all(axis=1)]
     units = [columns[place].unit for place in chosen]
     kind = _points if len(chosen) == 3 else _profile
-    return kind(listed, units, said, path, None if named else values)
+    file = kind(listed, units, said, path, None if named else values)
+    if (name := columns[chosen[-1]].name).lower().startswith(_DEPTHS):
+        file.channels[0].notes.append(
+            f"the heights are those of the column {name!r}, as they are; if it counts downwards, change "
+            "their sign"
+        )
+    return file
 
 
 def _is_stated_matrix(values: np.ndarray, said: dict[str, Any]) -> bool:
@@ -185,6 +196,20 @@ def _is_stated_matrix(values: np.ndarray, said: dict[str, Any]) -> bool:
         return False
     lines = [np.unique(values[:, place]).size for place in (0, 1)]
     return min(lines) < 3 or lines[0] * lines[1] != rows
+
+
+def _refuse_unnamed_points(values: np.ndarray, said: dict[str, Any], path: Path) -> None:
+    """Refuse a table whose first two columns are the positions of a grid, with more than one column after."""
+    rows, count = values.shape
+    if not 3 < count < 10 or _SIZES & set(said) or not np.isfinite(values[:, :2]).all():
+        return
+    lines = [np.unique(values[:, place]).size for place in (0, 1)]
+    if min(lines) >= 3 and lines[0] * lines[1] == rows:
+        raise InputFileError(
+            f"{path}: the first two of {count} columns are positions on a grid of {lines[0]} x {lines[1]} "
+            "points, and nothing says which of the others are the heights; name the columns in a line above "
+            "them (x, y, z), or leave these three alone"
+        )
 
 
 def _axes_of_a_matrix(values: np.ndarray) -> dict[str, float] | None:
@@ -405,7 +430,7 @@ def _heights(
 def _units(columns: list[str | None], said: dict[str, Any], path: Path) -> tuple[str | None, str | None]:
     """Return lateral and height unit of a list with columns x (y) z."""
     lateral = [unit for unit in columns[:-1] if unit]
-    if len(set(lateral)) > 1:
+    if len(set(lateral)) > 1 and not same_length(*lateral):
         raise InputFileError(
             f"{path}: the columns x and y have different units, {lateral[0]!r} and {lateral[1]!r}"
         )

@@ -50,6 +50,7 @@ _HEADER_WORDS = {
         "xy calibration",
         "xy kalibrierung",
     ),
+    "size": ("size", "scan size", "image size", "field", "field size", "field of view", "measured area"),
     "dx": (
         "dx",
         "x step",
@@ -98,8 +99,17 @@ _HEADER_WORDS = {
             "vertical unit",
             "vertical units",
         ),
+        *("unit z", "units z", "unit of z", "z einheit", "einheit z", "unité z", "unité des valeurs"),
         *("exported image units", "image units", "image data unit", "heights in"),
-        *("werteinheit", "werteinheiten", "werte einheiten", "einheit der werte", "einheiten der werte"),
+        *(
+            "werteinheit",
+            "werteinheiten",
+            "werteeinheit",
+            "werteeinheiten",
+            "werte einheiten",
+            "einheit der werte",
+            "einheiten der werte",
+        ),
     ),
     "lateral_unit": (
         "lateral unit",
@@ -142,6 +152,7 @@ _WORDS = (
     "lens",
     "date",
 )
+_BOTH = {"size": ("width", "height"), "step": ("dx", "dy")}  # where one line says both: what it stands for
 _MEANING = {word: meaning for meaning, words in _HEADER_WORDS.items() for word in words}
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
@@ -238,8 +249,12 @@ def _note(said: dict[str, Any], key: str, unit: str, value: str) -> None:
         if value and (meaning != "unit" or is_length(value)):
             said[meaning] = value
         return
+    both = re.split(r" x |(?<=\d)x(?=\d)", value.replace("×", "x").replace("*", "x"))
+    if len(both) == 2 and meaning in _BOTH:
+        _note_both(said, _BOTH[meaning], *both)
+        return
     match = re.match(rf"({_NUMBER})\s*(.*)$", value)
-    if match:
+    if match and meaning != "size":
         said[meaning] = float(match[1])
         if meaning.startswith("length"):
             said[meaning + "_rounding"] = _rounding(match[1])
@@ -247,6 +262,14 @@ def _note(said: dict[str, Any], key: str, unit: str, value: str) -> None:
         unit = re.sub(r"\s*/\s*(pixel|px|point|pt|sample)s?$", "", unit, flags=re.IGNORECASE)
         if unit:
             said[meaning + "_unit"] = unit
+
+
+def _note_both(said: dict[str, Any], keys: tuple[str, str], along_x: str, along_y: str) -> None:
+    """Note lengths along x and along y, as of ``20 µm x 18 µm``; numbers without a unit count points."""
+    unit = re.sub(rf"^{_NUMBER}\s*", "", along_y.strip())
+    for key, value in zip(keys, (along_x, along_y), strict=True):
+        if is_length(unit):
+            _note(said, key, unit, value)
 
 
 def _rounding(number: str) -> float:

@@ -13,7 +13,13 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.guards import brief, check_points
 
-_MISSING = {"nan", "na", "n/a", "bad", "null", "none", "-", "--", "***", "void", "inf", "+inf", "-inf", ""}
+_MISSING = {
+    *("nan", "na", "n/a", "bad", "null", "none", "void", "nodata", "invalid", "inf", "+inf", "-inf", ""),
+    *("1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan", "nan(ind)", "-nan(ind)", "1.#inf", "-1.#inf"),  # of C
+    *("#n/a", "#nv", "#null!", "#num!", "#div/0!", "#value!", "#wert!"),  # of spreadsheets
+}
+_FILLED = re.compile(r"-+|\*\*+|\?+")  # signs that stand for a missing point
+_FORTRAN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)")  # double precision, 1.5D-03
 _MOST_LINES = 100_000  # of a header that are not empty
 _PIECE = 2**20  # characters of a line that are taken apart at once
 _HEAD_OF_LINE = 2**16  # characters by which a line is known as one of numbers
@@ -255,7 +261,7 @@ def _parse(
     corner, empty_rows = False, 0
     for number, line in enumerate(body, start=first):
         text = line.strip(" \r\f" if delimiter == "\t" else None)
-        if not text or text.isspace() or text.lstrip()[0] in "#%":
+        if not text or text.isspace() or (text.lstrip()[0] in "#%" and not _begins_with_a_gap(text)):
             continue
         if decimal_comma:
             text = text.replace(",", ".")
@@ -330,7 +336,7 @@ def _is_data(line: str) -> bool:
     """Return whether a line is a row of numbers."""
     if re.match(r";[-+.\d]", line) and ";" in line[1:]:  # an empty first cell, no comment
         line = line[1:]
-    if not line.strip() or line.lstrip()[0] in "#%;!\\*/":
+    if not line.strip() or (line.lstrip()[0] in "#%;!\\*/" and not _begins_with_a_gap(line)):
         return False
     tokens = re.split(r'[;\t,\s"]+', line[:_HEAD_OF_LINE].strip().strip(';,"'))
     if len(line) > _HEAD_OF_LINE:
@@ -339,14 +345,27 @@ def _is_data(line: str) -> bool:
         values = [_number(token) for token in tokens]
     except ValueError:
         return False
-    return bool(np.isfinite(values).any()) or len(values) > 1
+    ruled = "---" in line and not any(map(str.isalnum, line))  # a line drawn below headings
+    return bool(np.isfinite(values).any()) or (len(values) > 1 and not ruled)
+
+
+def _begins_with_a_gap(line: str) -> bool:
+    """Return whether a line begins with what stands for a missing point, as ``#N/A`` or ``***``."""
+    return _is_missing(re.split(r"[;\t,\s]", line[:_HEAD_OF_LINE].lstrip(), maxsplit=1)[0])
+
+
+def _is_missing(word: str) -> bool:
+    """Return whether a word without blanks around it stands for a missing point."""
+    return word.lower() in _MISSING or _FILLED.fullmatch(word) is not None
 
 
 def _number(token: str) -> float:
     """Return the value of a token, NaN for a word that stands for a missing point."""
     token = token.strip()
-    if token.lower() in _MISSING:
+    if _is_missing(token):
         return np.nan
     if "_" in token:  # Python would read 1_000
         raise ValueError(f"no number: {token!r}")
+    if double := _FORTRAN.fullmatch(token):
+        token = f"{double[1]}e{double[2]}"
     return float(token)

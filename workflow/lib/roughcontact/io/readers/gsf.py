@@ -1,0 +1,104 @@
+r"""Gwyddion Simple Field (GSF): a header of lines ``Name = value``, and one map of 4-byte floats.
+
+Its first line is the mark; then the numbers of columns and rows, the lengths along both and the units, zero
+bytes up to the next multiple of four (one at least), and the heights row by row, from the top, little-endian,
+NaN where not measured.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.channels import Channel, MeasuredFile, as_heights
+from roughcontact.io.guards import check_line_ends, check_points
+from roughcontact.io.interface import Reader, ToldBy
+from roughcontact.io.units import is_length
+
+_MARK = b"Gwyddion Simple Field 1.0\n"
+_LONGEST = 2**20  # bytes of the header
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    r"""Return whether a file begins with the mark.
+
+    Parameters
+    ----------
+    path : Path
+    head : bytes
+        its first bytes.
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> recognises(Path("map.dat"), b"Gwyddion Simple Field 1.0\nXRes = 2\n")
+    True
+    """
+    return head.startswith(_MARK.rstrip())
+
+
+def read(path: Path) -> MeasuredFile:
+    """Open a file of one map.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    MeasuredFile
+        One channel. Lengths and units that the header leaves out stay unsaid.
+
+    Raises
+    ------
+    InputFileError
+        For a file that is damaged or cut off.
+    """
+    check_line_ends(path)
+    with path.open("rb") as stream:
+        text, zero, _ = stream.read(_LONGEST).partition(b"\0")
+        lines = text.removeprefix(_MARK).decode("utf-8", "replace").splitlines()
+        said = {key.strip(): value.strip() for key, equals, value in (line.partition("=") for line in lines)}
+        try:
+            nx, ny = int(said["XRes"]), int(said["YRes"])
+            lengths = [float(said[key]) if key in said else None for key in ("XReal", "YReal")]
+        except (KeyError, ValueError) as error:
+            raise InputFileError(
+                f"{path}: looks like GSF, but is damaged: no size in its header ({error})"
+            ) from error
+        if (
+            not zero
+            or min(nx, ny) < 1
+            or not all(length is None or 0 < length < np.inf for length in lengths)
+        ):
+            raise InputFileError(f"{path}: looks like GSF, but its header is damaged or cut off")
+        check_points((ny, nx), path)
+        begin = len(text) + 4 - len(text) % 4
+        stored = path.stat().st_size - begin
+        if stored != 4 * nx * ny:
+            raise InputFileError(
+                f"{path}: {stored} bytes of heights where its header needs {4 * nx * ny}: it was cut off or "
+                "changed"
+            )
+        stream.seek(begin)
+        values = np.frombuffer(stream.read(stored), "<f4").reshape(ny, nx)
+    heights = as_heights(values, str(path))
+    length_x, length_y = lengths
+    unit = said.get("ZUnits") or None
+    channel = Channel(
+        said.get("Title") or "height",
+        (ny, nx),
+        heights.copy,
+        height_unit=unit,
+        dx=length_x / nx if length_x else None,
+        dy=length_y / ny if length_y else None,
+        lateral_unit=said.get("XYUnits") or None,
+        no_height=f"values in {unit!r}, no length" if unit and not is_length(unit) else "",
+    )
+    return MeasuredFile("Gwyddion Simple Field", [channel], first_row="top")
+
+
+READER = Reader(ToldBy.MARK, recognises, read)
