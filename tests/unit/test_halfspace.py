@@ -18,6 +18,7 @@ CELLS = [
     ((1, 16), (0.1, 10.0)),
     ((15, 1), (10.0, 0.1)),
     ((2, 10), (1.0, 1.0)),
+    ((18, 20), (1.0, 2.0)),
 ]
 PRECISIONS = [np.float32, np.float64]
 
@@ -38,12 +39,9 @@ def by_direct_sums(field, lengths, symbol):
     return result.real
 
 
-@pytest.fixture(params=["mkl", "scipy"])
+@pytest.fixture(params=["compiled", "scipy"])
 def transforms(request, monkeypatch):
-    if request.param == "scipy":
-        monkeypatch.setattr(fft, "mkl_is_installed", lambda: False)
-    elif not fft.mkl_is_installed():
-        pytest.skip("mkl_fft is not installed")
+    monkeypatch.setattr(fft, "FEWEST", {"compiled": 1, "scipy": math.inf}[request.param])
 
 
 @pytest.mark.parametrize("dtype", PRECISIONS)

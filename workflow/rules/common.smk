@@ -339,8 +339,8 @@ def place_in_table(wildcards, input):
 def solver_threads(wildcards):
     """Return the threads of the solver: one for small maps, where jobs run side by side instead.
 
-    Depends on the measured file alone: with a transform whose sums depend on the threads (MKL's do, SciPy's do
-    not) a run comes out the same wherever there are as many cores.
+    Depends on the measured file alone: sums over the grid are rounded by the number of threads, and so a run
+    comes out the same wherever there are as many cores.
     """
     return 1 if megabytes(row(wildcards.surface).path) < 4 else 4
 

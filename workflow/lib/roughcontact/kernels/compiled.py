@@ -56,6 +56,9 @@ _GIVEN = {
     "restrict_small": ("rrrrrrDr", "qq"),
     "continue_square": ("rr", "qq"),
     "refine": ("rrrr", "dddddqqqq"),
+    "rows_forward": ("rcr", "qq"),
+    "rows_backward": ("rcr", "dqq"),
+    "columns": ("cr", "qqq"),
 }
 _structs = {name: Struct("P" * len(arrays) + rest) for name, (arrays, rest) in _GIVEN.items()}
 _pack = {name: struct.pack for name, struct in _structs.items()}
@@ -240,7 +243,8 @@ class Compiled:
 
     def _run(self, name, rows, scratch, arrays, *numbers):
         """Run a pass over `rows` rows, shared among threads where its first array is large."""
-        return _run(name, rows, scratch, arrays, *numbers, threads=threads_for(arrays[0].size, self.threads))
+        threads = threads_for(arrays[0].size, self.threads)
+        return run_pass(name, rows, scratch, arrays, *numbers, threads=threads)
 
 
 class CompiledSmallGrids:
@@ -257,21 +261,44 @@ class CompiledSmallGrids:
         self._count, self._longest = len(table), max(row[1] for row in table)
 
     def weigh(self):
-        _run("weigh_small", 1, self._longest, self._arrays, self._count)
+        run_pass("weigh_small", 1, self._longest, self._arrays, self._count)
 
     def prolong(self, sweeps, work, other):
         arrays = work, other, *self._arrays
-        _run("prolong_small", 1, 2 * self._longest + 2, arrays, self._count, sweeps)
+        run_pass("prolong_small", 1, 2 * self._longest + 2, arrays, self._count, sweeps)
 
     def restrict(self, sweeps, work, other):
         arrays = work, other, *self._arrays
-        _run("restrict_small", 1, 4 * self._longest + 2, arrays, self._count, sweeps)
+        run_pass("restrict_small", 1, 4 * self._longest + 2, arrays, self._count, sweeps)
 
 
-def _run(name, rows, scratch, arrays, *numbers, threads=1):
-    """Run a pass over `rows` rows; return what it found.
+def run_pass(name, rows, scratch, arrays, *numbers, threads=1):
+    """Run a pass over some rows; return what it found.
 
-    `scratch`: how many numbers each thread needs to work with.
+    Parameters
+    ----------
+    name : str
+        of the pass.
+    rows : int
+        rows, as the pass counts them.
+    scratch : int
+        how many numbers each thread needs to work with.
+    arrays : sequence of array
+        what it works on.
+    *numbers : float or int
+        what else it is given.
+    threads : int
+        allowed.
+
+    Returns
+    -------
+    sequence of float
+        six sums, the least and the largest value.
+
+    Raises
+    ------
+    MemoryError
+        where there is no memory to work with.
     """
     given = _pack[name](*[_address(_view(array)) for array in arrays], *numbers)
     address = _find(name, tuple([array.itemsize for array in arrays]))

@@ -1,22 +1,25 @@
 """One interface to the real two-dimensional FFT, whoever computes it.
 
-`scipy.fft` always works. `mkl_fft` is used where it is installed: it takes a tenth less. Arrays of another
-library (CuPy, say) are transformed by that library.
+Fields of NumPy are transformed in C like all other passes (`kernels/c/transforms.h`), where the library was
+built and the sides of the grid have no other prime factors than 2, 3 and 5; by SciPy elsewhere. Arrays of
+another library (CuPy, say) are transformed by that library.
 """
 
-import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from functools import cache
-from importlib.util import find_spec
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import scipy.fft
 from numpy.typing import DTypeLike
 
 from roughcontact.kernels.arrays import Array, empty
+from roughcontact.kernels.choose import library_is_there
+from roughcontact.kernels.compiled import run_pass
 from roughcontact.kernels.memory import store
 from roughcontact.kernels.threads import threads_for
+
+FEWEST = 16  # points along a side that is transformed in C: below that most lanes of its vectors are empty
 
 
 class Plan:
@@ -95,6 +98,10 @@ class ScipyPlan(PlanInPlace):
     """
 
     BLOCK = 2**18  # bytes of a spectrum that are transformed along the rows at a time, for each thread
+    LARGE = 2**22  # points from which its threads, woken for every block, save time
+
+    def __init__(self, like: Array, precision: str, *, threads: int = 1, share: PlanInPlace | None = None):
+        super().__init__(like, precision, threads=threads if like.size >= self.LARGE else 1, share=share)
 
     def forward(self, field: Array) -> Array:
         for rows in self._blocks():
@@ -117,63 +124,44 @@ class ScipyPlan(PlanInPlace):
         return [slice(start, start + step) for start in range(0, self.shape[0], step)]
 
 
-class MklPlan(PlanInPlace):
-    """By MKL."""
-
-    def __init__(self, like: Array, precision: str, *, threads: int = 1, share: PlanInPlace | None = None):
-        _choose_mkl_threading()
-        super().__init__(like, precision, threads=threads, share=share)
+class CompiledPlan(PlanInPlace):
+    """By the passes in C, which take two rows, or one column, in each lane of a vector."""
 
     def forward(self, field: Array) -> Array:
-        import mkl_fft
-
-        with _mkl_threads(self.threads):
-            # one axis after the other: rfft2 is never faster, and slower on small grids
-            spectrum = mkl_fft.rfft(field, axis=1, out=self.spectrum)
-            return mkl_fft.fft(spectrum, axis=0, out=spectrum)
+        (ny, nx), roots = self.shape, _roots(self.shape[1], str(field.dtype))
+        self._run("rows_forward", ny * field.itemsize, nx, (field, self.spectrum, roots), ny, nx)
+        self._columns(self.spectrum, backward=False)
+        return self.spectrum
 
     def inverse(self, spectrum: Array, out: Array) -> None:
-        import mkl_fft
+        (ny, nx), roots = self.shape, _roots(self.shape[1], str(out.dtype))
+        self._columns(spectrum, backward=True)
+        self._run("rows_backward", ny * out.itemsize, nx, (out, spectrum, roots), 1 / out.size, ny, nx)
 
-        with _mkl_threads(self.threads):
-            mkl_fft.ifft(spectrum, axis=0, out=spectrum)  # in place, as irfft2 is not
-            mkl_fft.irfft(spectrum, n=self.shape[1], axis=1, out=out)
+    def _columns(self, spectrum: Array, *, backward: bool) -> None:
+        (ny, waves), roots = spectrum.shape, _roots(self.shape[0], str(spectrum.real.dtype))
+        self._run("columns", waves * spectrum.itemsize, ny, (spectrum, roots), ny, waves, backward)
 
-
-@contextmanager
-def _mkl_threads(threads: int) -> Iterator[None]:
-    """Let MKL use so many threads; left alone it takes all, and rounds differently with each number."""
-    import mkl
-
-    before = mkl.set_num_threads_local(threads)
-    try:
-        yield
-    finally:
-        mkl.set_num_threads_local(before)
+    def _run(self, name: str, breadth: int, length: int, *given: Any) -> None:
+        """Run a pass over lines of so many points, side by side over so many bytes: in blocks of 128."""
+        run_pass(name, -(-breadth // 128), 32 * length + 8, *given, threads=self.threads)
 
 
-@cache
-def _choose_mkl_threading() -> None:
-    """Before MKL is loaded, say how its threads wait, where the user has not said it in the environment.
+@lru_cache(maxsize=64)
+def _roots(n: int, precision: str) -> np.ndarray:
+    """Return real and imaginary parts of exp(-2 pi i k / n) for k from 0 to n - 1."""
+    turns = np.arange(n, dtype=np.longdouble) / n
+    angles = -2 * np.arccos(np.longdouble(-1)) * (turns - np.round(turns))
+    return np.stack([np.cos(angles), np.sin(angles)], axis=-1).astype(precision)
 
-    They would go on waiting busily after a transform, for 200 ms; this spans the gap between two.
-    """
-    os.environ.setdefault("KMP_BLOCKTIME", "1")
 
-
-@cache
-def mkl_is_installed() -> bool:
-    """Return whether `mkl_fft` can be imported here.
-
-    Returns
-    -------
-    bool
-    """
-    return find_spec("mkl_fft") is not None
+def _has_few_factors(n: int) -> bool:
+    """Return whether a number has no other prime factors than 2, 3 and 5."""
+    return scipy.fft.next_fast_len(n, real=True) == n
 
 
 def make_plan(like: Array, precision: str, *, threads: int = 1, share: Plan | None = None) -> Plan:
-    """Return the fastest plan for fields like the array `like`; a single row or column is left to SciPy.
+    """Return the fastest plan for fields like the array `like`.
 
     A plan that may lie in the memory of `share`, of the same shape and higher precision, does.
 
@@ -195,8 +183,8 @@ def make_plan(like: Array, precision: str, *, threads: int = 1, share: Plan | No
     if not isinstance(like, np.ndarray):
         return Plan(like, precision, threads=threads)
     shared = share if isinstance(share, PlanInPlace) else None
-    kind = MklPlan if mkl_is_installed() and min(like.shape) > 1 else ScipyPlan
-    return kind(like, precision, threads=threads, share=shared)
+    in_c = library_is_there() and min(like.shape) >= FEWEST and all(map(_has_few_factors, like.shape))
+    return (CompiledPlan if in_c else ScipyPlan)(like, precision, threads=threads, share=shared)
 
 
 def _within(memory: np.ndarray, shape: tuple[int, ...], dtype: DTypeLike) -> np.ndarray:

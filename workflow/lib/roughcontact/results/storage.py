@@ -48,7 +48,7 @@ _PACKAGES = [
     "SurfaceTopography",
     "x3pio",
 ]
-_PACKAGES += ["sdfio", "mkl-fft", "mkl", "matplotlib", "snakemake"]
+_PACKAGES += ["sdfio", "matplotlib", "snakemake"]
 # what each file of a surface holds
 _TITLES = {
     "height": "Heights as measured",

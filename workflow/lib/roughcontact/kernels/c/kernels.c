@@ -86,7 +86,9 @@ static inline int64_t wrap(int64_t i, int64_t n)
 }
 
 #define LEVEL plain
+#define LANE_BYTES 16
 #include "precisions.h"
+#undef LANE_BYTES
 #undef LEVEL
 
 /* The same once more for processors with wider vectors. */
@@ -100,7 +102,9 @@ static inline int64_t wrap(int64_t i, int64_t n)
 #pragma GCC target("avx2,fma,bmi,bmi2")
 #endif
 #define LEVEL wide
+#define LANE_BYTES 32
 #include "precisions.h"
+#undef LANE_BYTES
 #undef LEVEL
 #ifdef __clang__
 #pragma clang attribute pop
@@ -112,7 +116,9 @@ static inline int64_t wrap(int64_t i, int64_t n)
 #pragma GCC target("avx2,fma,bmi,bmi2,avx512f,avx512vl,avx512dq,avx512bw")
 #endif
 #define LEVEL widest
+#define LANE_BYTES 64
 #include "precisions.h"
+#undef LANE_BYTES
 #undef LEVEL
 #ifdef __clang__
 #pragma clang attribute pop

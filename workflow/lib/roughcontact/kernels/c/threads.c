@@ -1,7 +1,9 @@
-/* Threads that wait for passes.
+/* Threads that take shares of passes.
 
-   They are started when they are first wanted, and stay. One caller has them at a time; another one meanwhile
-   does all its shares itself. None is left in a process that was forked: callers there must ask for one share. */
+   They are started when they are first wanted, and stay. A pass is cut into shares, more than there are threads,
+   and whoever is free takes the next one: the caller itself never waits for a thread that has not yet woken up
+   or has no processor at present. One caller has the threads at a time; another one meanwhile does all its
+   shares itself. None is left in a process that was forked: callers there must ask for one thread. */
 
 #include "threads.h"
 
@@ -11,25 +13,31 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-#define MOST 64       /* shares */
-#define PATIENCE 2000 /* looks at what another thread does before this one lies down */
+#define MOST 64        /* threads */
+#define SHARES 4       /* of each thread */
+#define PATIENCE 20000 /* looks at what another thread does before this one lies down: about a millisecond */
 
 struct Job {
     Pass *pass;
     const void *given;
     int64_t rows, shares, scratch;
-    char *scratches;
-    struct Found parts[MOST];
+    char *scratches; /* of each thread */
+    struct Found parts[MOST * SHARES];
 };
 
 static pthread_mutex_t turn = PTHREAD_MUTEX_INITIALIZER; /* of callers */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of those who lie down and those who wake them */
 static pthread_cond_t wake = PTHREAD_COND_INITIALIZER, rest = PTHREAD_COND_INITIALIZER;
 static struct Job *job;
-static atomic_uint_fast64_t call;   /* MOST + 1 times the number of the job, plus the shares that it has */
-static atomic_int_fast64_t pending; /* shares of it that are not done, but for the caller's own */
+/* From the highest bits: number of the job, its threads, its shares, and the first of those that nobody has. */
+static atomic_uint_fast64_t offer;
+#define OFFER(number, threads, shares) ((uint_fast64_t)(number) << 36 | (uint_fast64_t)(threads) << 24 | \
+                                        (uint_fast64_t)(shares) << 12)
+#define NUMBER(offer) ((offer) >> 36)
+static atomic_int_fast64_t pending; /* shares that are not done */
+static atomic_int_fast64_t asleep;  /* threads that wait for `wake` */
+static atomic_int waits;            /* whether the caller waits for `rest` */
 static int64_t started;             /* threads, the caller not counted */
-static uint_fast64_t first_call[MOST];
 
 static inline void wait_a_little(void)
 {
@@ -40,96 +48,110 @@ static inline void wait_a_little(void)
 #endif
 }
 
-static void do_share(struct Job *of, int64_t share)
+static void do_share(struct Job *of, int64_t share, int64_t thread)
 {
     const int64_t first = of->rows * share / of->shares, last = of->rows * (share + 1) / of->shares;
     of->parts[share] = (struct Found){.least = INFINITY, .most = -INFINITY};
     if (first < last)
-        of->pass(of->given, first, last, of->scratches + share * of->scratch, &of->parts[share]);
+        of->pass(of->given, first, last, of->scratches + thread * of->scratch, &of->parts[share]);
 }
 
-static void *work(void *number)
+/* Return whether there is a share for a thread in what was `seen` on offer. */
+static inline int is_open(uint_fast64_t seen, int64_t thread)
 {
-    const uint_fast64_t own = (uint_fast64_t)(intptr_t)number;
-    uint_fast64_t heard = first_call[own];
-    for (;;) {
-        for (int looks = 0; looks < PATIENCE && atomic_load(&call) == heard; looks++)
-            wait_a_little();
-        if (atomic_load(&call) == heard) {
-            pthread_mutex_lock(&lock);
-            while (atomic_load(&call) == heard)
-                pthread_cond_wait(&wake, &lock);
-            pthread_mutex_unlock(&lock);
-        }
-        heard = atomic_load(&call);
-        if (own >= heard % (MOST + 1))
-            continue; /* not meant: the job may be over already */
-        do_share(job, (int64_t)own);
-        if (atomic_fetch_sub(&pending, 1) == 1) {
+    return (seen & 0xfff) < (seen >> 12 & 0xfff) && thread < (int64_t)(seen >> 24 & 0xfff);
+}
+
+/* Do shares as long as there are any; whoever has one keeps the job alive. */
+static void do_shares(int64_t thread)
+{
+    uint_fast64_t seen = atomic_load(&offer);
+    while (is_open(seen, thread)) {
+        if (!atomic_compare_exchange_weak(&offer, &seen, seen + 1))
+            continue;
+        do_share(job, (int64_t)(seen & 0xfff), thread);
+        if (atomic_fetch_sub(&pending, 1) == 1 && atomic_load(&waits)) {
             pthread_mutex_lock(&lock);
             pthread_cond_signal(&rest);
             pthread_mutex_unlock(&lock);
         }
+        seen = atomic_load(&offer);
+    }
+}
+
+static void *work(void *number)
+{
+    const int64_t thread = (int64_t)(intptr_t)number;
+    for (;;) {
+        for (int looks = 0; looks < PATIENCE && !is_open(atomic_load(&offer), thread); looks++)
+            wait_a_little();
+        if (!is_open(atomic_load(&offer), thread)) {
+            pthread_mutex_lock(&lock);
+            atomic_fetch_add(&asleep, 1);
+            while (!is_open(atomic_load(&offer), thread))
+                pthread_cond_wait(&wake, &lock);
+            atomic_fetch_sub(&asleep, 1);
+            pthread_mutex_unlock(&lock);
+        }
+        do_shares(thread);
     }
     return NULL;
 }
 
-/* Return whether there are threads for so many shares, the caller's own counted; start them where not. */
-static int enough_threads(int64_t shares)
+static void start_threads(int64_t threads)
 {
-    while (started < shares - 1) {
+    while (started < threads - 1) {
         pthread_t thread;
-        const int64_t number = started + 1;
-        first_call[number] = atomic_load(&call);
-        if (pthread_create(&thread, NULL, work, (void *)(intptr_t)number))
-            return 0;
+        if (pthread_create(&thread, NULL, work, (void *)(intptr_t)(started + 1)))
+            return; /* the others do its shares */
         pthread_detach(thread);
         started++;
     }
-    return 1;
 }
 
-static void do_together(struct Job *given)
+static void do_together(struct Job *given, int64_t threads)
 {
+    start_threads(threads);
     job = given;
-    atomic_store(&pending, given->shares - 1);
-    pthread_mutex_lock(&lock);
-    atomic_store(&call, (atomic_load(&call) / (MOST + 1) + 1) * (MOST + 1) + (uint_fast64_t)given->shares);
-    pthread_cond_broadcast(&wake);
-    pthread_mutex_unlock(&lock);
-    do_share(given, 0);
+    atomic_store(&pending, given->shares);
+    atomic_store(&offer, OFFER(NUMBER(atomic_load(&offer)) + 1, threads, given->shares));
+    if (atomic_load(&asleep)) {
+        pthread_mutex_lock(&lock);
+        pthread_cond_broadcast(&wake);
+        pthread_mutex_unlock(&lock);
+    }
+    do_shares(0);
     for (int looks = 0; looks < PATIENCE && atomic_load(&pending); looks++)
         wait_a_little();
     if (atomic_load(&pending)) {
         pthread_mutex_lock(&lock);
+        atomic_store(&waits, 1);
         while (atomic_load(&pending))
             pthread_cond_wait(&rest, &lock);
+        atomic_store(&waits, 0);
         pthread_mutex_unlock(&lock);
     }
 }
 
-EXPORT int run_pass(const void *pass, int64_t shares, int64_t rows, int64_t scratch, const void *given,
+EXPORT int run_pass(const void *pass, int64_t threads, int64_t rows, int64_t scratch, const void *given,
                     struct Found *found)
 {
     struct Job own;
+    threads = threads < 1 ? 1 : threads > MOST ? MOST : threads;
     own.pass = (Pass *)pass;
     own.given = given;
     own.rows = rows;
-    own.shares = shares < 1 ? 1 : shares > MOST ? MOST : shares;
+    own.shares = threads == 1 ? 1 : threads * SHARES;
     own.scratch = (scratch + 63) / 64 * 64;
     own.scratches = NULL;
-    if (scratch && !(own.scratches = malloc((size_t)(own.shares * own.scratch))))
+    if (scratch && !(own.scratches = malloc((size_t)(threads * own.scratch))))
         return 1;
-    if (own.shares > 1 && !pthread_mutex_trylock(&turn)) {
-        if (enough_threads(own.shares))
-            do_together(&own);
-        else
-            for (int64_t share = 0; share < own.shares; share++)
-                do_share(&own, share);
+    if (threads > 1 && !pthread_mutex_trylock(&turn)) {
+        do_together(&own, threads);
         pthread_mutex_unlock(&turn);
     } else
         for (int64_t share = 0; share < own.shares; share++)
-            do_share(&own, share);
+            do_share(&own, share, 0);
     free(own.scratches);
     *found = own.parts[0];
     for (int64_t share = 1; share < own.shares; share++) {

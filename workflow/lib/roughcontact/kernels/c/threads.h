@@ -19,9 +19,9 @@ struct Found {
 /* Work on the rows from `first` to `last`, with `scratch` to work in. */
 typedef void Pass(const void *given, int64_t first, int64_t last, void *scratch, struct Found *found);
 
-/* Run `pass` over `rows` rows in `shares` shares, each with `scratch` bytes to work in. What it finds comes into
-   `found`, which is the same however many threads there were for the shares. Returns 0, or 1 without memory. */
-EXPORT int run_pass(const void *pass, int64_t shares, int64_t rows, int64_t scratch, const void *given,
+/* Run `pass` over `rows` rows by up to `threads` threads, each with `scratch` bytes to work in. What it finds comes
+   into `found`, which is the same however many threads there were in the end. Returns 0, or 1 without memory. */
+EXPORT int run_pass(const void *pass, int64_t threads, int64_t rows, int64_t scratch, const void *given,
                     struct Found *found);
 
 #endif
