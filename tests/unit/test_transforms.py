@@ -1,4 +1,4 @@
-"""The transforms in C against NumPy's in double precision, and against themselves on other numbers of threads."""
+"""The transforms in C against those of NumPy in double precision, and on several threads against one."""
 
 import numpy as np
 import pytest
