@@ -48,10 +48,21 @@ def hold():
 
 RUNNING = hold()
 
-# Snakemake's limit of 100 jobs a second is for clusters. Where it is set, every job that ends starts a clock that looks
-# for work each second until the run ends: after some hundred jobs that takes longer than the jobs.
-if workflow.local_exec and workflow.scheduling_settings is not None:
-    workflow.scheduling_settings.max_jobs_per_timespan = None
+
+def without_limit(record):
+    """Lift Snakemake's limit of 100 jobs a second when a run begins, before which its settings are not known.
+
+    Under a limit every job that ends starts a clock that looks for work each second until nothing is left that can
+    begin: after some hundred jobs that takes longer than the jobs. A limit of the user's own stays.
+    """
+    if getattr(record, "event", None) == "workflow_started":
+        limit = workflow.scheduling_settings.max_jobs_per_timespan
+        if limit is not None and (limit.max_jobs, limit.timespan) == (100, 1):
+            workflow.scheduling_settings.max_jobs_per_timespan = None
+    return True
+
+
+logging.getLogger("snakemake.logging").addFilter(without_limit)
 
 
 KILLED = []  # what was said of jobs that could not say it themselves
