@@ -3,16 +3,25 @@
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.integrate import quad
+from scipy.special import ellipe
 
 import roughcontact as rc
 from roughcontact.connectivity import connected_regions, region_sizes
 from roughcontact.references.closed_forms import (
+    JGH_CONTACT_SHARE,
+    jgh_full_contact_pressure,
     westergaard_contact_share,
     westergaard_full_contact_pressure,
 )
-from roughcontact.references.synthetic import rough_reference_surface, westergaard_surface
+from roughcontact.references.synthetic import (
+    product_wave_surface,
+    rough_reference_surface,
+    westergaard_surface,
+)
 from roughcontact.results.collect import collect_statistics, summary_table
 from roughcontact.results.storage import write_dataset
+from roughcontact.roughness.heights import height_parameters
 from roughcontact.variables import describe
 
 
@@ -63,6 +72,25 @@ def test_ridges_touch_in_one_patch_each(ratio):
     sizes = region_sizes(contact["pressure"].values[0] > 0)
     assert sizes.size == 3
     np.testing.assert_allclose(sizes / 256, westergaard_contact_share(ratio), atol=2 / 256)
+
+
+def test_the_product_wave_touches_in_two_equal_patches():
+    wave = product_wave_surface((128, 128), 1 / 128, amplitude=0.01, wavelength=1.0)
+    load = 0.1 * jgh_full_contact_pressure(0.01, 1.0, 1.0)
+    contact = rc.solve_contact(wave, contact_modulus=1.0, mean_pressure=[load])
+    sizes = region_sizes(contact["pressure"].values[0] > 0)
+    assert sizes.size == 2
+    np.testing.assert_allclose(sizes / 128**2, JGH_CONTACT_SHARE[0.1] / 2, rtol=0.04)
+
+
+def test_developed_area_of_a_wave():
+    """The closed form of its length by quadrature, and what the parameter makes of fine steps."""
+    square = (2 * np.pi * 0.1) ** 2
+    known = 2 / np.pi * np.sqrt(1 + square) * ellipe(square / (1 + square)) - 1
+    length, _ = quad(lambda x: np.sqrt(1 + square * np.sin(2 * np.pi * x) ** 2), 0, 1)
+    assert known == pytest.approx(length - 1, rel=1e-10)
+    wave = westergaard_surface((3, 4097), 1 / 4096, amplitude=0.1, wavelength=1.0)
+    assert height_parameters(wave)["Sdr"] == pytest.approx(known, rel=1e-6)
 
 
 def test_they_reach_the_table_of_all_surfaces(statistics, tmp_path):

@@ -248,6 +248,24 @@ def test_near_the_percolation_threshold_against_a_direct_solution():
             assert known < 1e-12
 
 
+def test_tripps_factor_is_what_channels_along_and_across_let_through():
+    """Half the waves along and half across, to second order: σ² = ε²/2 of each."""
+    depth = 1e-3
+    along, across = closed_forms.channel_flow_factors(depth)
+    known = closed_forms.isotropic_flow_factor(depth / np.sqrt(2))
+    assert (along + across) / 2 - 1 == pytest.approx(known - 1, rel=1e-5)
+
+
+def test_effective_medium_of_two_phases():
+    """Half of each conducts their geometric mean (Dykhne 1970), whatever the contrast; and it closes."""
+    for high in (2.0, 1e4):
+        gap = np.cbrt(np.where(np.arange(100) % 2, 1.0, high))[:, None]
+        found = closed_forms.effective_medium_flow_factor(gap) * gap.mean() ** 3
+        assert found == pytest.approx(np.sqrt(high), rel=1e-9)
+    assert closed_forms.effective_medium_flow_factor(np.array([1.0, 0.0, 0.0])) == 0
+    assert closed_forms.effective_medium_flow_factor(np.ones(5)) == pytest.approx(1)
+
+
 def test_parallel_plates_and_nothing_at_all():
     plates = flow_columns(np.full((16, 12), 3e-7), (1e-6, 2e-6))
     assert plates["flow_factor_xx"] == pytest.approx(1, rel=1e-12)

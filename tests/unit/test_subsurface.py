@@ -43,6 +43,8 @@ def test_wave(ratio, along_x):
         stress = stress_at(depth)
         known = closed_forms.wave_von_mises(q * depth, ratio)
         assert von_mises(stress).max() == pytest.approx(known, rel=1e-12, abs=1e-14)
+        known = closed_forms.wave_tresca(q * depth, ratio)
+        assert tresca(stress).max() == pytest.approx(known, rel=1e-12, abs=1e-14)
     assert np.abs(stress_at(1 / q)[4 if along_x else 3]).max() == pytest.approx(np.exp(-1), rel=1e-12)
 
 
@@ -117,19 +119,36 @@ def test_hertz(ratio):
     np.testing.assert_allclose(found["von_mises_profile"][inside], known, atol=0.006)
 
 
-def test_volume_above_yield_of_a_wave():
+@pytest.mark.parametrize("limit", [0.1, 0.3, 0.5])
+def test_volume_above_yield_of_a_wave(limit):
     """Plane strain, ν = 0.5: √3 qz e^(-qz), the same along x, is above the limit between two depths."""
-    points = 512
-    wave = np.cos(2 * np.pi * np.arange(points) / points)[None, :]
-    limit = 0.5
-    q = 2 * np.pi / points
+    points, waves = 512, 8
+    wave = np.cos(2 * np.pi * waves * np.arange(points) / points)[None, :]
+    q = 2 * np.pi * waves / points
     found = stress_columns(wave, (1.0, 1.0), poissons_ratio=0.5, yield_stress=limit)
-    z = np.linspace(0, 6, 100001)
+    z = np.linspace(0, 8, 100001)
     between = z[np.sqrt(3) * z * np.exp(-z) > limit]
-    assert found["volume_above_yield"] == pytest.approx((between[-1] - between[0]) / q, rel=0.25)
+    known = closed_forms.wave_volume_above(limit)
+    assert known == pytest.approx(between[-1] - between[0], rel=1e-3)
+    assert found["volume_above_yield"] * q == pytest.approx(known, rel=0.05)
+
+
+def test_no_volume_above_a_yield_stress_that_is_not_reached():
+    wave = np.cos(2 * np.pi * np.arange(64) / 64)[None, :]
     none = stress_columns(wave, (1.0, 1.0), poissons_ratio=0.5, yield_stress=0.64)
     assert none["volume_above_yield"] == 0
+    assert closed_forms.wave_volume_above(0.64) == 0
     assert "volume_above_yield" not in stress_columns(wave, (1.0, 1.0), poissons_ratio=0.5)
+
+
+def test_stresses_in_layers_of_pressure_alone_fill_the_layers():
+    """A pressure without waves is above a lower limit all the way down, and nowhere above a higher one."""
+    flat = np.full((4, 32), 1.0)
+    depth = profile_depths(flat.shape, (1.0, 1.0))[-1]
+    stress = stress_columns(flat, (1.0, 1.0), poissons_ratio=0.3)["max_von_mises_stress"]
+    for limit, known in ((0.99 * stress, depth), (1.01 * stress, 0.0)):
+        found = stress_columns(flat, (1.0, 1.0), poissons_ratio=0.3, yield_stress=limit)
+        assert found["volume_above_yield"] == pytest.approx(known, rel=1e-12)
 
 
 def test_the_body_that_yields_first():

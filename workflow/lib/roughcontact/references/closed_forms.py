@@ -562,6 +562,70 @@ def wave_von_mises(depth: npt.ArrayLike, poissons_ratio: float) -> np.ndarray:
     return np.exp(-z) * np.sqrt((1 - 2 * poissons_ratio) ** 2 + 3 * z**2)
 
 
+def wave_tresca(depth: npt.ArrayLike, poissons_ratio: float) -> np.ndarray:
+    """Return the largest stress of Tresca below a pressure wave of amplitude 1 without a mean.
+
+    Of the principal stresses that `wave_von_mises` names, two differ by 2 qz e^(-qz) at every place along the
+    wave, and one of them from the third by (1 - 2ν + qz) e^(-qz) below crests and troughs.
+
+    Parameters
+    ----------
+    depth : array
+        qz.
+    poissons_ratio : float
+        ν.
+
+    Returns
+    -------
+    array, of the shape of `depth`
+        largest difference of principal stresses, over the amplitude of the pressure.
+
+    References
+    ----------
+    .. [1] Johnson (1985), Contact Mechanics, section 13.2.
+
+    Examples
+    --------
+    >>> print(f"{wave_tresca(1.0, 0.5):.4f}")  # 2/e
+    0.7358
+    """
+    z = np.asarray(depth, float)
+    return np.exp(-z) * np.maximum(2 * z, 1 - 2 * poissons_ratio + z)
+
+
+def wave_volume_above(limit: float) -> float:
+    """Return the volume below a pressure wave in which the stress of von Mises exceeds a limit, for ν = 1/2.
+
+    The stress is then √3 qz e^(-qz) along all of the wave, and above the limit k between the depths where qz
+    = -W(-k/√3) on the two branches of Lambert's function.
+
+    Parameters
+    ----------
+    limit : float
+        k, over the amplitude of the pressure; more than 0.
+
+    Returns
+    -------
+    float
+        volume by area times q; 0 from √3/e on, the largest stress there is.
+
+    References
+    ----------
+    .. [1] Johnson (1985), Contact Mechanics, section 13.2, for the stress.
+
+    Examples
+    --------
+    >>> print(f"{wave_volume_above(0.5):.4f} {wave_volume_above(0.7):.4f}")
+    1.4115 0.0000
+    """
+    from scipy.special import lambertw  # for this one function
+
+    reached = -limit / np.sqrt(3)
+    if reached <= -np.exp(-1):
+        return 0.0
+    return float((lambertw(reached, 0) - lambertw(reached, -1)).real)
+
+
 def hertz_von_mises(depth: npt.ArrayLike, poissons_ratio: float) -> np.ndarray:
     """Return the stress of von Mises on the axis of a Hertz contact, over its largest pressure.
 
@@ -622,6 +686,72 @@ def channel_flow_factors(depth: float) -> tuple[float, float]:
     [1.375, 0.433]
     """
     return 1 + 1.5 * depth**2, (1 - depth**2) ** 2.5 / (1 + 0.5 * depth**2)
+
+
+def isotropic_flow_factor(relative_roughness: float) -> float:
+    """Return the flow factor of a gap whose roughness is low and has no direction: 1 - (3/2) (σ/ū)².
+
+    Of any low roughness it is the mean of the factors along x and y. The next term is of third order.
+
+    Parameters
+    ----------
+    relative_roughness : float
+        σ/ū, rms height over mean gap.
+
+    Returns
+    -------
+    float
+
+    References
+    ----------
+    .. [1] Tripp (1983), Surface roughness effects in hydrodynamic lubrication: the flow factor method, ASME
+       J. Lubr. Technol. 105, 458.
+
+    Examples
+    --------
+    >>> print(isotropic_flow_factor(0.1))
+    0.985
+    """
+    return 1 - 1.5 * relative_roughness**2
+
+
+def effective_medium_flow_factor(gap: np.ndarray) -> float:
+    """Return the flow factor of Bruggeman's effective medium, which knows the heights of a gap alone.
+
+    In two dimensions the medium s lets through what leaves Σ (g³ - s)/(g³ + s) = 0 [1]_; it is closed from
+    half contact on.
+
+    Parameters
+    ----------
+    gap : array (ny, nx)
+        0 where the surfaces touch.
+
+    Returns
+    -------
+    float
+
+    References
+    ----------
+    .. [1] Dapp, Lücke, Persson and Müser (2012), Phys. Rev. Lett. 108, 244301.
+
+    Examples
+    --------
+    Two phases that conduct 4 and 1, half of each, conduct 2:
+
+    >>> gap = np.cbrt([[1.0, 4.0], [4.0, 1.0]])
+    >>> print(f"{effective_medium_flow_factor(gap) * gap.mean() ** 3:.6f}")
+    2.000000
+    """
+    from scipy.optimize import brentq  # for this one function
+
+    cubed = (np.asarray(gap, float) / np.mean(gap)) ** 3
+
+    def excess(logarithm: float) -> float:
+        medium = np.exp(logarithm)
+        return float(((cubed - medium) / (cubed + medium)).sum())
+
+    low, high = np.log(1e-12), np.log(cubed.max())
+    return float(np.exp(brentq(excess, low, high))) if excess(low) > 0 else 0.0
 
 
 # --- Full contact of any periodic map ----------------------------------------------------------------------

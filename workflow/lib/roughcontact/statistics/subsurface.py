@@ -110,12 +110,17 @@ def stress_columns(
     """
     stress_at = subsurface_stress(pressure, steps, poissons_ratio=poissons_ratio)
     depths = profile_depths(pressure.shape, steps)
-    profile, shear, above = np.zeros(depths.size), np.zeros(depths.size), np.zeros(depths.size)
+    profile, shear = np.zeros(depths.size), np.zeros(depths.size)
+    volume, higher_up = 0.0, None
     for index, depth in enumerate(depths):
         stress = stress_at(depth)
         equivalent = von_mises(stress)
         profile[index], shear[index] = equivalent.max(), _largest_tresca(stress, equivalent)
-        above[index] = (equivalent > (np.inf if yield_stress is None else yield_stress)).mean()
+        if yield_stress is not None:
+            if higher_up is not None:
+                thickness = depth - depths[index - 1]
+                volume += thickness * _share_above(higher_up, equivalent, yield_stress)
+            higher_up = equivalent
     best = int(profile.argmax())
     depth, stress = float(depths[best]), stress_at(float(depths[best]))
     if 0 < best < depths.size - 1:
@@ -140,7 +145,7 @@ def stress_columns(
         "von_mises_profile": profile,
     }
     if yield_stress is not None:
-        columns["volume_above_yield"] = float(np.trapezoid(above, depths))
+        columns["volume_above_yield"] = volume
     return columns
 
 
@@ -191,6 +196,14 @@ def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.D
         else math.nan
     )
     return statistics.assign(first_subsurface_yield_pressure=pressure)
+
+
+def _share_above(upper: np.ndarray, lower: np.ndarray, limit: float) -> float:
+    """Return the share of a layer above a limit, of stresses that change linearly between its two faces."""
+    least, most = np.minimum(upper, lower), np.maximum(upper, lower)
+    steep = most > least
+    share = np.divide(most - limit, most - least, out=(most > limit).astype(float), where=steep)
+    return float(np.clip(share, 0.0, 1.0).mean())
 
 
 def _largest_tresca(stress: np.ndarray, equivalent: np.ndarray) -> float:

@@ -22,5 +22,6 @@ PartName = Literal[
     "subsurface",
     "targets",
     "patches",
+    "adhesion",
 ]
 PARTS: tuple[PartName, ...] = get_args(PartName)

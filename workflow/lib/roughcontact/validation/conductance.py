@@ -12,11 +12,18 @@ from roughcontact.validation.lines import Evidence, Part, compare
 
 TITLE = "Conductance"
 _RESISTIVITIES = 1.7e-8, 2.0e-7  # copper and steel, Ohm m
+_CONDUCTIVITIES = 400.0, 50.0  # W m-1 K-1
 
 _TESTS = "tests/unit/test_conductance.py"
 SPOT = Evidence(
     "G = 4a/(ρ₁ + ρ₂)",
     "Holm (1967), Electric Contacts, § 3; Barber (2003), Proc. R. Soc. A 459, 53",
+    "statistics.conductance.conductance_columns",
+    f"{_TESTS}::test_a_single_spot_conducts_as_holm_has_it",
+)
+HEAT = Evidence(
+    "G = 4a k₁k₂/(k₁ + k₂)",
+    "Carslaw and Jaeger (1959), Conduction of Heat in Solids, § 8.2: 1/(4ka) on either side",
     "statistics.conductance.conductance_columns",
     f"{_TESTS}::test_a_single_spot_conducts_as_holm_has_it",
 )
@@ -50,7 +57,10 @@ def part(*, finest_grid: int) -> Part:
     found = conductance_columns(
         2 * modulus * radius / period**2,
         contact_modulus=modulus,
-        bodies=[{"electrical_resistivity": resistivity} for resistivity in _RESISTIVITIES],
+        bodies=[
+            {"electrical_resistivity": resistivity, "thermal_conductivity": conductivity}
+            for resistivity, conductivity in zip(_RESISTIVITIES, _CONDUCTIVITIES, strict=True)
+        ],
     )
     lines = [
         compare(
@@ -60,7 +70,15 @@ def part(*, finest_grid: int) -> Part:
             tolerance=1e-12,
             reason="rounding",
             evidence=SPOT,
-        )
+        ),
+        compare(
+            "One spot of 3 µm, 400 and 50 W/(m K): thermal conductance, W/K",
+            found["thermal_conductance"] * period**2,
+            4 * radius * np.prod(_CONDUCTIVITIES) / sum(_CONDUCTIVITIES),
+            tolerance=1e-12,
+            reason="rounding",
+            evidence=HEAT,
+        ),
     ]
     points = finest_grid // 2
     x = (np.arange(points) + 0.27) / points - 0.5
@@ -96,7 +114,8 @@ def part(*, finest_grid: int) -> Part:
             )
         )
     text = (
-        "What a contact conducts is its stiffness in other units. A round spot conducts as Holm's; spots in "
-        "a square period help one another; Westergaard's ridges touch in strips."
+        "What a contact conducts is its stiffness in other units. A round spot conducts a current as "
+        "Holm's, and heat as Carslaw and Jaeger's; spots in a square period help one another; Westergaard's "
+        "ridges touch in strips."
     )
     return Part("conductance", TITLE, text, lines)

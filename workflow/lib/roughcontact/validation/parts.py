@@ -6,6 +6,7 @@ from roughcontact.checking import check_choice
 from roughcontact.errors import SettingsError
 from roughcontact.validation import (
     PartName,
+    adhesion,
     conductance,
     consistency,
     convergence,
@@ -76,5 +77,6 @@ def validate(part: PartName, sample: str | Path | None = None, *, finest_grid: i
         "subsurface": subsurface,
         "targets": targets,
         "patches": patches,
+        "adhesion": adhesion,
     }
     return modules[part].part(finest_grid=finest_grid)

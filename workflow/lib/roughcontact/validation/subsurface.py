@@ -1,18 +1,22 @@
 """Stresses below the surface: a pressure wave, and a solved Hertz contact."""
 
 import numpy as np
+import xarray as xr
 from scipy.optimize import minimize_scalar
 
 from roughcontact.contact.solve import solve_contact
-from roughcontact.elasticity.subsurface import subsurface_stress, von_mises
+from roughcontact.elasticity.subsurface import subsurface_stress, tresca, von_mises
 from roughcontact.maps import height_map, spacing
 from roughcontact.references import closed_forms
-from roughcontact.statistics.subsurface import stress_columns
+from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.statistics.subsurface import stress_columns, with_subsurface_yield
+from roughcontact.statistics.targets import target_loads
 from roughcontact.validation import hertz
-from roughcontact.validation.lines import Evidence, Part, compare, compare_largest
+from roughcontact.validation.lines import Evidence, Line, Part, compare, compare_largest
 
 TITLE = "Stress below the surface"
 _POINTS = 64  # of the wave, for which the answer is exact
+_WAVES = 8  # beside one another, so that the depths that are looked at reach below them
 
 _TESTS = "tests/unit/test_subsurface.py"
 WAVE = Evidence(
@@ -20,6 +24,24 @@ WAVE = Evidence(
     "Johnson (1985), sec. 13.2, plane strain",
     "references.closed_forms.wave_von_mises",
     f"{_TESTS}::test_stresses_are_in_equilibrium",
+)
+SHEAR = Evidence(
+    "e^(−qz) max(2qz, 1 − 2ν + qz)",
+    "Johnson (1985), sec. 13.2, plane strain",
+    "references.closed_forms.wave_tresca",
+    f"{_TESTS}::test_wave",
+)
+VOLUME = Evidence(
+    "[W₀(−k/√3) − W₋₁(−k/√3)]/q, Lambert's W, ν = 0.5",
+    "√3 qz e^(−qz) of Johnson (1985), sec. 13.2, solved for the depth",
+    "references.closed_forms.wave_volume_above",
+    f"{_TESTS}::test_volume_above_yield_of_a_wave",
+)
+YIELD = Evidence(
+    "the load whose p₀ is Y/0.62, ν = 0.3",
+    "Johnson (1985), sec. 6.1: p₀ = 1.6 Y; lattice corrections as of the repeated sphere",
+    "references.closed_forms.hertz_von_mises, references.closed_forms.periodic_hertz",
+    f"{_TESTS}::test_closed_form_of_hertz_has_the_numbers_of_johnson",
 )
 SPHERE = Evidence(
     "|σr − σz|/p₀ on the axis; 0.62 at 0.48 a for ν = 0.3",
@@ -56,9 +78,31 @@ def part(*, finest_grid: int) -> Part:
                 evidence=WAVE,
             )
         )
+        lines.append(
+            compare_largest(
+                f"Pressure wave, ν = {ratio:g}: largest stress of Tresca, depths to 4/q",
+                [tresca(stress_at(z * _POINTS / (2 * np.pi))).max() for z in reduced],
+                closed_forms.wave_tresca(reduced, ratio),
+                tolerance=1e-12,
+                reason="rounding: exact for each wave",
+                evidence=SHEAR,
+            )
+        )
+    row = np.cos(2 * np.pi * _WAVES * np.arange(finest_grid) / finest_grid)[None, :]
+    for limit in (0.1, 0.3, 0.5):
+        found = stress_columns(row, (1.0, 1.0), poissons_ratio=0.5, yield_stress=limit)
+        lines.append(
+            compare(
+                f"Pressure wave: volume above {limit:g} of its amplitude × q",
+                found["volume_above_yield"] * 2 * np.pi * _WAVES / finest_grid,
+                closed_forms.wave_volume_above(limit),
+                tolerance=0.05,
+                reason="six depths per factor of ten, the stress between them taken as linear",
+                evidence=VOLUME,
+            )
+        )
     points = finest_grid // 4
-    x = (np.arange(points) + 0.27) / points - 0.5
-    sphere = height_map(-(x[None, :] ** 2 + x[:, None] ** 2) / (2 * hertz.RADIUS), 1 / points)
+    sphere = _sphere(points)
     known = closed_forms.periodic_hertz(hertz.FORCE, hertz.RADIUS, 1.0, 1.0)
     contact = solve_contact(sphere, contact_modulus=1.0, mean_pressure=hertz.FORCE, tolerance=1e-5)
     across = known["contact_radius"] * points
@@ -86,9 +130,57 @@ def part(*, finest_grid: int) -> Part:
                 reason="the search ends within 1 % of the place, where the stress is flat",
                 evidence=SPHERE,
             ),
+            compare(
+                f"Sphere, ν = {ratio:g}: largest stress of Tresca / p₀",
+                found["max_tresca_stress"] / known["max_pressure"],
+                -best.fun,
+                measure="absolute",
+                tolerance=beside + 0.1 * across**-2,
+                reason="as of von Mises: on the axis two principal stresses are equal",
+                evidence=SPHERE,
+            ),
         ]
     text = (
         "The stresses below each wave of the pressure have a closed form, and their sum is taken at depths "
-        "in equal ratios, refined around the largest stress. Below a sphere that is Hertz's."
+        "in equal ratios, refined around the largest stress. Below a sphere that is Hertz's, and so is the "
+        "load at which a body yields there."
     )
-    return Part("subsurface", TITLE, text, lines)
+    return Part("subsurface", TITLE, text, [*lines, *_first_yield(max(64, finest_grid // 8))])
+
+
+def _sphere(points: int) -> xr.DataArray:
+    """Return the sphere of the Hertz lines, with a summit that lies on no point."""
+    x = (np.arange(points) + 0.27) / points - 0.5
+    return height_map(-(x[None, :] ** 2 + x[:, None] ** 2) / (2 * hertz.RADIUS), 1 / points)
+
+
+def _first_yield(points: int) -> list[Line]:
+    """Return the lines of the load at which a body begins to yield below a sphere."""
+    ratio, sphere = 0.3, _sphere(points)
+    known = closed_forms.periodic_hertz(hertz.FORCE, hertz.RADIUS, 1.0, 1.0)
+    largest = -minimize_scalar(
+        lambda z: -closed_forms.hertz_von_mises(z, ratio), bounds=(0.1, 2), method="bounded"
+    ).fun
+    bodies = [{"poissons_ratio": ratio, "yield_stress": largest * known["max_pressure"]}, {}]
+    loads = [hertz.FORCE / 2, 2 * hertz.FORCE]
+    solved = solve_contact(sphere, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-5)
+    between = with_subsurface_yield(contact_statistics(solved, bodies=bodies, flow="never"), bodies)
+    (searched,) = target_loads(
+        sphere, contact_modulus=1.0, target="first_yield", bodies=bodies, tolerance=1e-5
+    )
+    beside = hertz.FORCE / known["max_pressure"]
+    across = known["contact_radius"] * points
+    return [
+        compare(
+            f"Sphere, ν = {ratio:g}: load of first yield below the surface, {word} / Johnson's",
+            load / hertz.FORCE,
+            1.0,
+            tolerance=3 * (beside + 0.1 * across**-2) / largest,
+            reason=f"three times that of the stress, whose third power the load is, n = {across:.2g}",
+            evidence=YIELD,
+        )
+        for word, load in (
+            ("between two loads", between["first_subsurface_yield_pressure"].item()),
+            ("searched for", searched),
+        )
+    ]
