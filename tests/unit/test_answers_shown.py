@@ -14,7 +14,7 @@ from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.report import load_plots
 from roughcontact.report.charts import COLOURS
 from roughcontact.report.facts import _closing, surface_facts
-from roughcontact.report.glance import NOT_JUDGED, _seals, _yields
+from roughcontact.report.glance import NOT_JUDGED, _seals, _yields, glance_rows, glance_units
 from roughcontact.report.tables import number_tables
 from roughcontact.statistics.subsurface import with_subsurface_yield
 
@@ -48,7 +48,8 @@ def test_answers_that_need_materials_and_a_seal(maps):
     units, cells, facts = shown(maps, bodies=BODIES, seal=seal, work_of_adhesion=0.05)
     assert units["thermal conductance"].endswith("W/(m² K)")
     assert units["largest von Mises stress"] in ("MPa", "GPa")
-    assert units["leak rate along x"] == "m²/s"
+    assert units["leak rate along x"].endswith("l/(h m)")
+    assert units["narrowest place along x"] == units["mean gap ū"]
     assert float(cells[0]["narrowest place along x"]) > float(cells[1]["narrowest place along x"])
     assert facts["Adhesion"].startswith("not sticky")
     assert facts["First yield below the surface"].endswith("mean pressure")
@@ -82,7 +83,8 @@ def test_where_a_gap_closes_and_whether_that_is_in_doubt():
             "Std": 0.0,
         }
     )
-    cells = [_seals(numbers, place) for place in range(3)]
+    units = glance_units([numbers])
+    cells = [_seals(numbers, units, place) for place in range(3)]
     assert cells[0] == (
         "leaks",
         "narrowest place 2.00 ± 0.20\N{NO-BREAK SPACE}µm (x), 1.00\N{NO-BREAK SPACE}µm (y)",
@@ -90,8 +92,41 @@ def test_where_a_gap_closes_and_whether_that_is_in_doubt():
     assert cells[1].text == "seals along y, leaks along x (in doubt)"
     assert cells[2] == ("seals", "gap closed along x and y")
     assert _closing(numbers) == "along x between 2.00 MPa and 5.00 MPa; along y between 1.00 MPa and 2.00 MPa"
-    assert _seals(numbers.assign(Std=float("nan")), 0).text == NOT_JUDGED
-    assert _seals(numbers.drop_vars("gap_percolates_x"), 0).text == NOT_JUDGED
+    assert _seals(numbers.assign(Std=float("nan")), units, 0).text == NOT_JUDGED
+    assert _seals(numbers.drop_vars("gap_percolates_x"), units, 0).text == NOT_JUDGED
+
+
+def test_the_leak_rate_of_a_seal_stands_beside_the_answer():
+    """1 mm²/s by length is 3.6 litres an hour for each metre."""
+    numbers = xr.Dataset(
+        {
+            "mean_pressure": ("load", [1e6]),
+            "rms_gradient": 0.1,
+            "gap_percolates_x": ("load", [1.0]),
+            "gap_percolates_y": ("load", [0.0]),
+            "critical_constriction_x": ("load", [2e-6]),
+            "critical_constriction_y": ("load", [0.0]),
+            "leak_rate_x": ("load", [1e-6]),
+            "leak_rate_y": ("load", [0.0]),
+        }
+    )
+    cell = _seals(numbers, glance_units([numbers]), 0)
+    assert cell.text == "seals along y, leaks along x"
+    assert cell.more.replace("\N{NO-BREAK SPACE}", " ") == (
+        "leak rate 3.60 l/(h m) (x); narrowest place 2.00 µm (x)"
+    )
+
+
+def test_all_surfaces_of_the_table_are_in_the_same_units(maps):
+    contacts = [
+        rc.solve_contact(maps[2] * factor, contact_modulus=4e9, mean_pressure=[1e6, 2e7])
+        for factor in (1.0, 1e-2)
+    ]
+    rough, smooth = (rc.contact_statistics(contact) for contact in contacts)
+    units = glance_units([rough, smooth])
+    columns = zip(*(row for data in (rough, smooth) for row in glance_rows(data, units)), strict=True)
+    for column in list(columns)[:4]:
+        assert len({cell.text.partition(" ")[2] for cell in column}) == 1
 
 
 def test_whether_a_body_yields_is_answered_where_it_can_be():

@@ -289,7 +289,7 @@ def test_each_check_can_ask_for_a_look(good):
     assert "−15.0 %" in found["Periodic window"].sentence
     assert "5.00 %" in found["Missing points"].sentence
     assert "by 10.0 % of the rms height (rms); they were aligned (jitter)" in found["Scan lines"].sentence
-    assert "138 points were rejected as no surface (138 spike)" in found["Outliers"].sentence
+    assert "138 points were rejected as no surface (138 in spikes)" in found["Outliers"].sentence
     assert "they would carry 11.0 % of the load at most" in found["Outliers"].sentence
     assert "level.form" in found["Form"].sentence
     assert "make up 70.0 % of the mean square gradient" in found["Steep places"].sentence

@@ -5,7 +5,14 @@ import math
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 _AS_FAR = 0.1  # by which the two sides of an interval may differ and still be called ±
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_PREFIXED = ("m", "Pa", "J", "W", "S")  # units that take a prefix; composed ones are given in powers of ten
+_PREFIXED = (
+    "m",
+    "Pa",
+    "J",
+    "W",
+    "S",
+    "l",
+)  # units that take a prefix; composed ones are given in powers of ten
 
 
 def prefix(value: float, unit: str) -> tuple[float, str]:
@@ -16,7 +23,7 @@ def prefix(value: float, unit: str) -> tuple[float, str]:
     value : float
         in `unit`; zero, infinity and NaN get no prefix.
     unit : str
-        m, Pa, J, W and S take a prefix; others are left as they are.
+        m, Pa, J, W, S and l take a prefix; others are left as they are.
 
     Returns
     -------
@@ -130,6 +137,8 @@ def plus_minus(value: float, half_width: float) -> str:
 def with_interval(value: float, lower: float, upper: float) -> str:
     """Return a value with its interval: ± where it reaches about as far to both sides, else − and +.
 
+    An end that is the value itself is left out: nothing is certain to ± 0.
+
     Parameters
     ----------
     value, lower, upper : float
@@ -143,14 +152,20 @@ def with_interval(value: float, lower: float, upper: float) -> str:
     --------
     >>> with_interval(0.412, 0.321, 0.502), with_interval(0.412, 0.321, 0.744)
     ('0.412 ± 0.091', '0.412 −0.091 +0.33')
+    >>> with_interval(300.0, 240.0, 300.0)
+    '300 −60'
     """
     down, up = value - lower, upper - value
     wider, narrower = max(down, up), min(down, up)
     if not math.isfinite(wider) or narrower < 0 or narrower >= (1 - _AS_FAR) * wider:
         return plus_minus(value, wider)
     shown = plus_minus(value, narrower if narrower > 0 else wider).partition(" ± ")[0]
-    ends = (number(float(f"{half_width:.1e}"), digits=2) for half_width in (down, up))
-    return " ".join([shown, *(f"{sign}{end}" for sign, end in zip("−+", ends, strict=True))])
+    ends = [
+        f"{sign}{number(float(f'{half_width:.1e}'), digits=2)}"
+        for sign, half_width in zip("−+", (down, up), strict=True)
+        if half_width > 0
+    ]
+    return " ".join([shown, *ends])
 
 
 def percent(share: float) -> str:

@@ -20,7 +20,7 @@ def removed_and_filled(levelled: Mapping[str, Any]) -> str:
     Examples
     --------
     >>> removed_and_filled({"filled_points": 9, "largest_hole": 4, "outlier_kinds": '{"dead_line": 3}'})
-    '9 points filled in (largest hole 4), 0 outliers rejected (3 dead line)'
+    '9 points filled in (largest hole 4), 0 outliers rejected (3 in dead lines)'
     """
     filled, rejected = levelled.get("filled_points", 0), levelled.get("outliers_rejected", 0)
     hole = f" (largest hole {levelled['largest_hole']})" if filled else ""
@@ -47,7 +47,7 @@ def kinds_in_words(levelled: Mapping[str, Any]) -> str:
     Examples
     --------
     >>> kinds_in_words({"outlier_kinds": '{"spike": 29, "dead_line": 128}'})
-    '29 spike, 128 dead line'
+    '29 in spikes, 128 in dead lines'
     """
     kinds = json.loads(levelled.get("outlier_kinds", "{}"))
-    return ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in kinds.items())
+    return ", ".join(f"{count} in {kind.replace('_', ' ')}s" for kind, count in kinds.items())

@@ -133,7 +133,7 @@ def levelled_caption(levelled: xr.DataArray) -> str:
     >>> import numpy as np
     >>> from roughcontact.maps import height_map
     >>> levelled_caption(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(outlier_kinds='{"scar": 3}'))
-    '0 points filled in, 0 outliers rejected (3 scar). The red frame is the solved window.'
+    '0 points filled in, 0 outliers rejected (3 in scars). The red frame is the solved window.'
     """
     frame = "" if 1 in levelled.shape else " The red frame is the solved window."
     return f"{removed_and_filled(levelled.attrs)}.{frame}"
@@ -164,7 +164,7 @@ def spectrum_caption(window: xr.DataArray) -> str:
     if removed := window.attrs["band_removed_rms_height"]:
         gradient = number(window.attrs["band_removed_rms_gradient"])
         band += f"; taken out: rms height {quantity(removed, 'm')}, rms gradient {gradient}"
-    return f"Mean over all directions. {band}."
+    return f"{band}." if 1 in window.shape else f"Mean over all directions. {band}."
 
 
 def lay_caption(numbers: xr.Dataset) -> str:

@@ -1,12 +1,12 @@
 """At a glance: of a surface, at two or three loads, what an engineer asks, each number with its interval."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, percent, prefix, with_interval
+from roughcontact.quantities import number, percent, with_interval
 from roughcontact.report.tables import unit_of_column
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 
@@ -22,6 +22,19 @@ HEADINGS = (
     "largest pressure",
     "conductance",
 )
+
+# the quantities of the table that share a unit, and what that is made from
+_SHARED = (
+    (("mean_pressure",), "Pa"),
+    (("relative_contact_area",), "%"),
+    (("mean_contact_pressure", "max_pressure"), "Pa"),
+    (("mean_gap", "critical_constriction_x", "critical_constriction_y"), "m"),
+    (("leak_rate_x", "leak_rate_y"), "m2 s-1"),
+    (("thermal_conductance",), "W m-2 K-1"),
+    (("electrical_conductance",), "S m-2"),
+    (("conductance_per_conductivity",), "m-1"),
+)
+Units = Mapping[str, tuple[float, str]]
 
 # what is wrong with the map comes first, what the material makes of the pressure after it
 _WEIGHT = (
@@ -82,29 +95,62 @@ def shown_loads(areas: np.ndarray) -> list[int]:
     return sorted(found)
 
 
-def glance_rows(numbers: xr.Dataset) -> list[list[Cell]]:
+def glance_units(results: Sequence[xr.Dataset]) -> dict[str, tuple[float, str]]:
+    """Return the unit of each quantity in the table, the same for all surfaces, so that they compare.
+
+    Parameters
+    ----------
+    results : sequence of Dataset
+        statistics of the surfaces.
+
+    Returns
+    -------
+    dict
+        name of a variable -> (factor from SI, unit).
+
+    Examples
+    --------
+    >>> loads = {"mean_pressure": ("load", [1e6, 5e6]), "mean_gap": ("load", [2e-6, 5e-7])}
+    >>> units = glance_units([xr.Dataset(loads)])
+    >>> units["mean_gap"] == units["critical_constriction_x"] == (1e6, "µm")
+    True
+    """
+    units: dict[str, tuple[float, str]] = {}
+    for names, unit in _SHARED:
+        known = [
+            data[name].values.astype(float).ravel() for data in results for name in names if name in data
+        ]
+        shared = unit_of_column(np.concatenate(known) if known else np.empty(0), unit)
+        units |= dict.fromkeys(names, shared)
+    return units
+
+
+def glance_rows(numbers: xr.Dataset, units: Units | None = None) -> list[list[Cell]]:
     """Return for two or three loads of a surface the cells below `HEADINGS`.
 
     Parameters
     ----------
     numbers : Dataset
         statistics of one surface, loads rising; a number that is not there, or NaN, was not asked for.
+    units : mapping, optional
+        as `glance_units` returns them for all surfaces of the table; else those that suit this one.
 
     Returns
     -------
     list (load) of lists of Cell
     """
+    units = glance_units([numbers]) if units is None else units
     places = shown_loads(numbers["relative_contact_area"].values)
     return [
         [
-            _with_interval(numbers, "mean_pressure", "Pa", place),
-            _with_interval(numbers, "relative_contact_area", "%", place),
-            _with_interval(numbers, "mean_contact_pressure", "Pa", place),
-            _with_interval(numbers, "mean_gap", "m", place),
-            _seals(numbers, place),
+            _with_interval(numbers, "mean_pressure", units, place),
+            _with_interval(numbers, "relative_contact_area", units, place),
+            _with_interval(numbers, "mean_contact_pressure", units, place),
+            _with_interval(numbers, "mean_gap", units, place),
+            _seals(numbers, units, place),
             _yields(numbers.isel(load=place)),
-            _largest(numbers, place),
-            _conducts(numbers, place),
+            _largest(numbers, units, place),
+            _conducts(numbers, units, place),
         ]
         for place in places
     ]
@@ -141,9 +187,9 @@ def _known(numbers: xr.Dataset, name: str) -> bool:
     return name in numbers and bool(np.isfinite(numbers[name].values.astype(float)).any())
 
 
-def _with_interval(numbers: xr.Dataset, name: str, unit: str, place: int) -> Cell:
-    """Return a number of a load and its interval, in the unit that suits those of all loads."""
-    factor, shown = unit_of_column(numbers[name].values, unit)
+def _with_interval(numbers: xr.Dataset, name: str, units: Units, place: int) -> Cell:
+    """Return a number of a load and its interval."""
+    factor, shown = units[name]
     value = float(numbers[name][place]) * factor
     if not _known(numbers, f"{name}_lower"):
         return Cell(f"{number(value)} {shown}")
@@ -152,8 +198,8 @@ def _with_interval(numbers: xr.Dataset, name: str, unit: str, place: int) -> Cel
     return Cell(f"{text} {shown}", " ".join(interval))
 
 
-def _seals(numbers: xr.Dataset, place: int) -> Cell:
-    """Return whether the gap is closed to a fluid, with the narrowest place on the way through."""
+def _seals(numbers: xr.Dataset, units: Units, place: int) -> Cell:
+    """Return whether the gap is closed to a fluid, with what leaks and the narrowest place on the way."""
     if not _known(numbers, "gap_percolates_x"):
         return Cell(NOT_JUDGED)
     if np.isnan(float(numbers.get("Std", 0.0))) and float(numbers["rms_gradient"]) > 0:
@@ -162,10 +208,14 @@ def _seals(numbers: xr.Dataset, place: int) -> Cell:
     doubt = " (in doubt)" if any(_in_doubt(numbers, axis, place) for axis in ("x", "y")) else ""
     if not is_open:
         return Cell(f"seals{doubt}", "gap closed along x and y")
-    narrowest = [f"{_narrowest(numbers, axis, place)} ({axis})" for axis in is_open]
+    more = []
+    for words, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
+        if _known(numbers, f"{name}_x"):
+            found = (f"{_unbroken(numbers, f'{name}_{axis}', units, place)} ({axis})" for axis in is_open)
+            more.append(f"{words} {', '.join(found)}")
     closed = {"x": "y", "y": "x"}[is_open[0]]
     answer = "leaks" if len(is_open) == 2 else f"seals along {closed}, leaks along {is_open[0]}"
-    return Cell(answer + doubt, f"narrowest place {', '.join(narrowest)}")
+    return Cell(answer + doubt, "; ".join(more))
 
 
 def _in_doubt(numbers: xr.Dataset, axis: str, place: int) -> bool:
@@ -178,13 +228,11 @@ def _in_doubt(numbers: xr.Dataset, axis: str, place: int) -> bool:
     return lower <= 0 < upper
 
 
-def _narrowest(numbers: xr.Dataset, axis: str, place: int) -> str:
-    """Return the narrowest place on the way along an axis, with its interval; not broken before its unit."""
-    name = f"critical_constriction_{axis}"
-    factor, unit = prefix(float(numbers[name][place]), "m")
-    ends = [f"{name}_lower", f"{name}_upper"] if _known(numbers, f"{name}_lower") else [name, name]
-    text = with_interval(*(float(numbers[key][place]) * factor for key in (name, *ends)))
-    return f"{text}\N{NO-BREAK SPACE}{unit}"
+def _unbroken(numbers: xr.Dataset, name: str, units: Units, place: int) -> str:
+    """Return a number of a load with its interval in front of its unit, from which it is not parted."""
+    text, interval = _with_interval(numbers, name, units, place)
+    value, _, unit = text.partition(" ")
+    return "\N{NO-BREAK SPACE}".join([" ".join(filter(None, (value, interval))), unit])
 
 
 def _yields(load: xr.Dataset) -> Cell:
@@ -204,25 +252,25 @@ def _yields(load: xr.Dataset) -> Cell:
     return Cell(NOT_JUDGED, "no hardness stated" + would.get(" ".join(flags), ""))
 
 
-def _largest(numbers: xr.Dataset, place: int) -> Cell:
+def _largest(numbers: xr.Dataset, units: Units, place: int) -> Cell:
     """Return the largest pressure of a load; a pressure that is limited has no interval of its own."""
     capped = _known(numbers, "hardness") and float(numbers["max_pressure"][place]) >= float(
         numbers["hardness"]
     ) * (1 - 1e-9)
     if capped:
-        factor, shown = unit_of_column(numbers["max_pressure"].values, "Pa")
+        factor, shown = units["max_pressure"]
         return Cell(f"{number(float(numbers['max_pressure'][place]) * factor)} {shown}", "the hardness")
-    return _with_interval(numbers, "max_pressure", "Pa", place)
+    return _with_interval(numbers, "max_pressure", units, place)
 
 
-def _conducts(numbers: xr.Dataset, place: int) -> Cell:
+def _conducts(numbers: xr.Dataset, units: Units, place: int) -> Cell:
     """Return the conductance of heat or of current, or what it is by conductivity."""
-    for name, unit, words in (
-        ("thermal_conductance", "W m-2 K-1", "heat"),
-        ("electrical_conductance", "S m-2", "current"),
-        ("conductance_per_conductivity", "m-1", "by conductivity"),
+    for name, words in (
+        ("thermal_conductance", "heat"),
+        ("electrical_conductance", "current"),
+        ("conductance_per_conductivity", "by conductivity"),
     ):
         if _known(numbers, name):
-            text, interval = _with_interval(numbers, name, unit, place)
+            text, interval = _with_interval(numbers, name, units, place)
             return Cell(text, f"{interval}, {words}" if interval else words)
     return Cell(NOT_JUDGED)

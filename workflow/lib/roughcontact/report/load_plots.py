@@ -46,18 +46,29 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray) -> str:
     .. [4] Greenwood and Williamson (1966), Proc. R. Soc. A 295, 300.
     """
     unit = float(statistics["contact_modulus"] * statistics["rms_gradient"])
-    load = statistics["relative_pressure"].values
+    factor, shown = unit_of_column(statistics["mean_pressure"].values, "Pa")
+    load = statistics["mean_pressure"].values * factor
     corrected = statistics["relative_contact_area"].values
     counted = statistics["relative_contact_area_pixels"].values
     ends = _ends(statistics, "relative_contact_area")
-    chart = _area_chart(load, np.concatenate([corrected, ends[0]]), top=_pascal_axis(statistics))
-    line = _theory_lines(chart, load)
+    chart = _area_chart(
+        load,
+        np.concatenate([corrected, ends[0]]),
+        label=f"mean pressure p̄ ({shown})",
+        top=_relative_axis(statistics),
+    )
+    line = _theory_lines(chart, statistics["relative_pressure"].values, unit=unit * factor)
     modulus = float(statistics["contact_modulus"])
     summits = summit_statistics(window)
     area = theory.greenwood_williamson_area(line * unit, summits, contact_modulus=modulus)
     if np.isfinite(area).any():
         chart.line(
-            line, 100 * area, colour="#8a5a00", dash=DASH_DOTTED, width=1.3, label="Greenwood-Williamson"
+            line * unit * factor,
+            100 * area,
+            colour="#8a5a00",
+            dash=DASH_DOTTED,
+            width=1.3,
+            label="Greenwood-Williamson",
         )
     chart.bars(load, *(100 * end for end in ends), colour=COLOURS[0])
     chart.marks(load, 100 * counted, colour=COLOURS[0], filled=False, label="solved, pixels counted")
@@ -156,15 +167,15 @@ def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]
     return chart.source("below")
 
 
-def _theory_lines(chart: Chart, loads: np.ndarray) -> np.ndarray:
-    """Draw the theories that depend on p' alone; return the loads at which they are drawn."""
+def _theory_lines(chart: Chart, loads: np.ndarray, unit: float = 1.0) -> np.ndarray:
+    """Draw the theories that depend on p' alone; return the p' at which they are drawn, an axis in `unit`."""
     line = np.geomspace(loads.min() / 1.5, loads.max() * 1.5, 100)
     for area, dash, label in (
         (theory.persson_area(line), DASHED, "Persson"),
         (theory.xu_area(line), "", "Xu et al."),
-        (theory.bush_gibson_thomas_area(line), DOTTED, "Bush-Gibson-Thomas, low load"),
+        (theory.bush_gibson_thomas_area(line), DOTTED, "Bush et al., low load"),
     ):
-        chart.line(line, 100 * area, dash=dash, label=label, colour=GREY, width=1.3)
+        chart.line(line * unit, 100 * area, dash=dash, label=label, colour=GREY, width=1.3)
     return line
 
 

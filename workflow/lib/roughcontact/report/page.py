@@ -16,7 +16,7 @@ from roughcontact.report import ONE_PAGE
 from roughcontact.report.captions import comparison_caption
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
-from roughcontact.report.glance import HEADINGS, glance_rows, main_reason
+from roughcontact.report.glance import HEADINGS, Units, glance_rows, glance_units, main_reason
 from roughcontact.report.load_plots import compare_areas, spread_of_areas
 from roughcontact.report.summary import Summary, summary_of
 from roughcontact.report.tables import pair_table
@@ -79,10 +79,11 @@ def write_report(
     known = {_name(*key): data for key, data in series.items()}
     read = partial(Path.read_text, encoding="utf-8")
     summaries = [summary_of(read(Path(panel)), panel) for panel in panels]
+    units = glance_units(list(known.values()))
     rows = [
         {
             **summary,
-            **_glance(summary, known[summary["name"]]),
+            **_glance(summary, known[summary["name"]], units),
             "numbers": _headline(known[summary["name"]]),
             "doubts": ", ".join(reason.partition(":")[0] for reason in summary["reasons"]),
             "sort_by": _sort_keys(known[summary["name"]]),
@@ -163,11 +164,11 @@ def _write_pages(
         write_text(html, written_to / f"{name}.html")
 
 
-def _glance(summary: Summary, numbers: xr.Dataset) -> dict[str, Any]:
+def _glance(summary: Summary, numbers: xr.Dataset, units: Units) -> dict[str, Any]:
     """Return the cells of a surface at two or three loads, the one reason that matters, how many others."""
     reasons = summary["reasons"]
     return {
-        "glance": glance_rows(numbers),
+        "glance": glance_rows(numbers, units),
         "loads": numbers.sizes["load"],
         "reason": main_reason(reasons),
         "others": max(len(reasons) - 1, 0),

@@ -64,7 +64,9 @@ _COLUMNS = (_LOAD, *(column for columns in _GROUPS.values() for column in column
 
 # units whose first letter takes the prefix, and how the rest of them is written
 _PER_AREA = {"J m-2": "/m²", "S m-2": "/m²", "W m-2 K-1": "/(m² K)"}
-_WRITTEN = {"1": "", "m-1": "m⁻¹", "m2 s-1": "m²/s"}  # units that take no prefix
+_WRITTEN = {"1": "", "m-1": "m⁻¹"}  # units that take no prefix
+
+_IN_UNIT_OF = {"critical_constriction_x": "mean_gap", "critical_constriction_y": "mean_gap"}
 
 # of these, those of the table of pairs
 _OF_PAIRS = ("mean_pressure", "relative_contact_area", "mean_contact_pressure", "max_pressure", "mean_gap")
@@ -122,7 +124,8 @@ def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[T
 def _column(numbers: xr.Dataset, name: str, title: str, unit: str) -> tuple[tuple[str, str, str], list[str]]:
     """Return the head of a column (title, unit, meaning) and its cells."""
     values = numbers[name].values.astype(float)
-    factor, shown = unit_of_column(values, unit)
+    like = _IN_UNIT_OF.get(name, name)
+    factor, shown = unit_of_column(numbers[like if like in numbers else name].values.astype(float), unit)
     head = title, shown, VARIABLES[name][1]
     if f"{name}_lower" in numbers:
         ends = (numbers[f"{name}_{end}"].values * factor for end in ("lower", "upper"))
@@ -160,6 +163,9 @@ def unit_of_column(values: np.ndarray, unit: str) -> tuple[float, str]:
     if unit == "Pa m-1":  # a stiffness reads best as pressure per micrometre
         factor, shown = prefix(middle * 1e-6, "Pa")
         return factor * 1e-6, f"{shown}/µm"
+    if unit == "m2 s-1":  # a leak by length of the seal, in litres an hour
+        factor, shown = prefix(middle * 3.6e6, "l")
+        return factor * 3.6e6, f"{shown}/(h m)"
     if unit in _PER_AREA:
         factor, shown = prefix(middle, unit.partition(" ")[0])
         return factor, f"{shown}{_PER_AREA[unit]}"

@@ -310,7 +310,7 @@ def _reason(names: list[str]) -> str:
         return (
             "The map is periodic, and nothing in it is in doubt: no choice of processing makes a difference."
         )
-    return f"One at a time, beside the own choice: {'; '.join(names)}."
+    return f"Tried one at a time in place of what is set: {'; '.join(names)}."
 
 
 def _flag(members: list[Member]) -> str:
