@@ -88,6 +88,13 @@ def test_what_is_no_height_map(verb, what):
         verb(given)
 
 
+@pytest.mark.parametrize("verb", [solved, level, periodic_window])
+def test_positions_in_words_are_refused(verb):
+    words = SURFACE.assign_coords(x=SURFACE.x.astype(str))
+    with pytest.raises(HeightMapError, match="coordinate 'x' of the map holds values of type <U"):
+        verb(words)
+
+
 def test_relative_loads_are_numbers_too():
     with pytest.raises(SettingsError, match="relative_pressure = True is not a number"):
         plan_loads(SURFACE, contact_modulus=MODULUS, relative_pressure=True)

@@ -31,7 +31,7 @@ def check_labelled(height: object) -> "xr.DataArray":
     ------
     HeightMapError
         for an array without labels, for text, complex numbers or true and false, for other dimensions, for
-        a map without coordinates, or for fewer than two points.
+        a map without coordinates or with others than numbers, or for fewer than two points.
 
     Examples
     --------
@@ -57,14 +57,19 @@ def check_labelled(height: object) -> "xr.DataArray":
         raise HeightMapError(f"{name} has the dimensions {height.dims}: transpose it to ('y', 'x')")
     if height.size < 2:
         raise HeightMapError(
-            f"{name} has {height.size} point, no more than one pixel: at least two are needed; check how the "
-            "file was cut or read"
+            f"{name} has {'a single point' if height.size else 'no points'}: at least two are needed; check "
+            "how the file was cut or read"
         )
     for axis in height.dims:
         if axis not in height.coords:
             raise HeightMapError(
                 f"{name} has no coordinate {axis!r}: its pixel size is unknown; label it by "
                 "roughcontact.maps.height_map(values, spacing)"
+            )
+        if height[axis].dtype.kind not in "fiu":
+            raise HeightMapError(
+                f"coordinate {axis!r} of {name} holds values of type {height[axis].dtype}: positions are "
+                "real numbers, in metres"
             )
     return height
 
