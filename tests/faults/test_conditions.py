@@ -123,3 +123,19 @@ def test_who_stops_reading_ends_the_program_quietly():
     assert inspect.wait() == 141
     assert "Broken" not in said
     assert "Traceback" not in said
+
+
+def test_who_stops_reading_what_a_run_shows_sees_no_traceback(tmp_path):
+    study.write_study(tmp_path, cases=False)
+    planned = subprocess.Popen(
+        study.command(tmp_path, "--dry-run"),
+        env=study.environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    planned.stdout.close()  # before the first line
+    said = planned.stderr.read()
+    assert planned.wait() == 0
+    assert "Broken" not in said
+    assert "Traceback" not in said

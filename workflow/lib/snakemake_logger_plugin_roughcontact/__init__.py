@@ -28,6 +28,7 @@ class LogHandler(LogHandlerBase):
         logging.Handler.__init__(self)  # which the first versions of the interface leave out
         stream = sys.stdout if self.common_settings.stdout else sys.stderr
         bar = stream.isatty()
+        self.stream = stream
         self.screen = Screen(stream, bar=bar, planned=self.common_settings.dryrun)
         os.environ[VARIABLE] = "bar" if bar else "lines"
 
@@ -35,6 +36,9 @@ class LogHandler(LogHandlerBase):
         """Show what is worth a line."""
         try:
             self.screen.show(record, self.format(record))
+        except BrokenPipeError:  # who reads has seen enough, as `head` does: the run goes on without a screen
+            with open(os.devnull, "w", encoding="utf-8") as nowhere:
+                os.dup2(nowhere.fileno(), self.stream.fileno())
         except Exception:
             self.handleError(record)
 

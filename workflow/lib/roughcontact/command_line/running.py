@@ -196,6 +196,8 @@ def _check_yaml(file: Path) -> None:
         raise SettingsError(f"{file}: is nested without end; write out what is meant") from None
     if root is None:
         raise SettingsError(f"{file}: is empty; `roughcontact init` writes one to change")
+    if not isinstance(root, yaml.MappingNode):
+        raise SettingsError(f"{file}: has no keys at its top level, such as `contact:`")
     waiting, seen = [root], set()
     while waiting:
         node = waiting.pop()
