@@ -8,6 +8,7 @@ checkout brings its own.
 import logging
 import os
 import sys
+from pathlib import Path
 
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 
@@ -37,7 +38,7 @@ class LogHandler(LogHandlerBase):
         try:
             self.screen.show(record, self.format(record))
         except BrokenPipeError:  # who reads has seen enough, as `head` does: the run goes on without a screen
-            with open(os.devnull, "w", encoding="utf-8") as nowhere:
+            with Path(os.devnull).open("w") as nowhere:
                 os.dup2(nowhere.fileno(), self.stream.fileno())
         except Exception:
             self.handleError(record)
