@@ -35,7 +35,7 @@ from roughcontact.report.summary import embedded, summary_of
 from roughcontact.report.template import template
 from roughcontact.results.collect import collect_statistics, summary_table
 from roughcontact.results.storage import provenance, read_dataset, write_dataset
-from roughcontact.statistics import checks
+from roughcontact.statistics import checks, map_checks
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.window.periodic_window import periodic_window
 
@@ -295,6 +295,15 @@ def test_each_check_can_ask_for_a_look(good):
     assert "make up 70.0 % of the mean square gradient" in found["Steep places"].sentence
     assert found["Reading the file"].sentence == "The unit was guessed."
     assert found["Sample"].sentence == "The heights grow with the length of the map."
+
+
+def test_a_single_rejected_point_is_spoken_of_in_the_singular():
+    shares = xr.Dataset({"rejected_load_share": ("load", [0.11])})
+    said = map_checks.outliers(shares, {"outliers_rejected": 1, "outlier_kinds": '{"spike": 1}'}).sentence
+    assert said.startswith(
+        "1 point was rejected as no surface (1 spike). If it were kept, it would carry 11.0 %"
+    )
+    assert "its being a fault of the measurement. See where it lies" in said
 
 
 def test_slopes_that_no_surface_has_are_not_to_be_trusted(good):

@@ -186,3 +186,24 @@ def percent(share: float) -> str:
     ('12.3 %', '0.0123 %')
     """
     return f"{number(100 * share)} %"
+
+
+def several(count: int, noun: str) -> str:
+    """Return a number of things in words that agree with it.
+
+    Parameters
+    ----------
+    count : int
+    noun : str
+        in the singular; its plural ends in s.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> several(0, "point"), several(1, "point"), several(2, "point")
+    ('0 points', '1 point', '2 points')
+    """
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

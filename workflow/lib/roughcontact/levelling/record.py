@@ -4,6 +4,8 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+from roughcontact.quantities import several
+
 
 def removed_and_filled(levelled: Mapping[str, Any]) -> str:
     """Return what levelling filled in and rejected.
@@ -25,10 +27,10 @@ def removed_and_filled(levelled: Mapping[str, Any]) -> str:
     filled, rejected = levelled.get("filled_points", 0), levelled.get("outliers_rejected", 0)
     hole = f" (largest hole {levelled['largest_hole']})" if filled else ""
     named = kinds_in_words(levelled)
-    rejections = f"{rejected} outliers rejected" + (f" ({named})" if named else "")
+    rejections = f"{several(rejected, 'outlier')} rejected" + (f" ({named})" if named else "")
     aligned = levelled.get("line_alignment", "none")
     rows = f", rows aligned ({aligned})" if aligned != "none" else ""
-    return f"{filled} points filled in{hole}, {rejections}{rows}"
+    return f"{several(filled, 'point')} filled in{hole}, {rejections}{rows}"
 
 
 def kinds_in_words(levelled: Mapping[str, Any]) -> str:

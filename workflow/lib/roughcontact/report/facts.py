@@ -11,7 +11,7 @@ import xarray as xr
 from roughcontact.io.metadata import labelled
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.maps import side_lengths, spacing
-from roughcontact.quantities import number, percent, quantity
+from roughcontact.quantities import number, percent, quantity, several
 from roughcontact.statistics.adhesion import adhesion_in_words
 
 _NO_LAY = 0.5  # texture aspect ratio from which on a surface has no lay
@@ -110,10 +110,10 @@ def measured_caption(measured: xr.DataArray) -> str:
     >>> import numpy as np
     >>> from roughcontact.maps import height_map
     >>> measured_caption(height_map(np.array([[0.0, np.nan]]), 1e-6))
-    '1 points not measured (pink).'
+    '1 point not measured (pink).'
     """
     missing = measured.attrs.get("missing_points", 0)
-    return f"{missing} points not measured (pink)." if missing else "Every point was measured."
+    return f"{several(missing, 'point')} not measured (pink)." if missing else "Every point was measured."
 
 
 def levelled_caption(levelled: xr.DataArray) -> str:

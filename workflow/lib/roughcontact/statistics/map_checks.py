@@ -9,7 +9,7 @@ import xarray as xr
 
 from roughcontact.io.plausibility import SPIKES_ADVICE
 from roughcontact.levelling.record import kinds_in_words
-from roughcontact.quantities import number, percent, quantity
+from roughcontact.quantities import number, percent, quantity, several
 from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, PASSED, Check
 
 FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points that were not measured: look, fail
@@ -90,17 +90,20 @@ def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
     if not rejected:
         return Check("Outliers", PASSED, "No point was rejected.")
     named = kinds_in_words(levelled)
-    text = f"{rejected} points were rejected as no surface" + (f" ({named})" if named else "")
+    they, was = ("it", "was") if rejected == 1 else ("they", "were")
+    text = f"{several(rejected, 'point')} {was} rejected as no surface" + (f" ({named})" if named else "")
     shares = statistics["rejected_load_share"].values if "rejected_load_share" in statistics else np.nan
     if np.isnan(shares).all():
-        return Check("Outliers", LOOK, f"{text}. What load they would carry if they were kept is not known.")
+        unknown = f"What load {they} would carry if {they} were kept is not known."
+        return Check("Outliers", LOOK, f"{text}. {unknown}")
     share = float(np.nanmax(shares))
-    text += f". If they were kept, they would carry {percent(share)} of the load"
+    text += f". If {they} were kept, {they} would carry {percent(share)} of the load"
     text += " at most" if statistics.sizes["load"] > 1 else ""
     if share <= REJECTED_LOAD:
         return Check("Outliers", PASSED, f"{text}.")
+    faults, lie = ("its being a fault", "it lies") if rejected == 1 else ("their being faults", "they lie")
     text += (
-        ": the result rests on their being faults of the measurement. See where they lie; "
+        f": the result rests on {faults} of the measurement. See where {lie}; "
         "level.outlier_threshold: null keeps every point."
     )
     return Check("Outliers", LOOK, text)
