@@ -207,7 +207,7 @@ def slowest_ratio(timed: list[dict]) -> str:
     return f"""The ratio grows with the map and the load: the number of iterations of the others does, this
 solver's does not. It is least on small maps ({small}²), where setting up the grids and labelling
 the result weigh as much as the transforms, and at low loads, where the others need few
-iterations. Maps of fewer than 65 536 points take one thread, whatever is allowed."""
+iterations. Grids of fewer than 32 768 points take one thread, whatever is allowed."""
 
 
 def default_solves(maps: Iterable[dict], tolerance: float) -> list[dict]:

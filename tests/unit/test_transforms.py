@@ -1,5 +1,8 @@
 """The transforms in C against those of NumPy in double precision, and on several threads against one."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -81,3 +84,18 @@ def test_both_precisions_lie_in_the_memory_of_the_higher_one(precision):
     assert np.shares_memory(lower.spectrum, higher.spectrum)
     values = field.astype(precision)
     np.testing.assert_allclose(lower.forward(values), np.fft.rfft2(field), atol=1e-3)
+
+
+def test_a_solve_of_a_usual_map_imports_nothing_of_scipy():
+    """It takes a fifth of the time to a first solution."""
+    program = """
+import sys
+import roughcontact as rc
+from roughcontact.maps import height_map
+import numpy as np
+heights = np.random.default_rng(0).standard_normal((48, 64))
+rc.solve_contact(height_map(heights, 1.0), contact_modulus=1.0, mean_pressure=0.1)
+print([name for name in sys.modules if name.partition(".")[0] == "scipy"])
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"

@@ -2,7 +2,7 @@
 
 import os
 
-SMALL = 256 * 256  # points; below that starting threads costs more than they save
+SMALL = 2**15  # points; below that handing out shares costs more than it saves
 _here = {"forked": False}
 
 
