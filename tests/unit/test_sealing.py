@@ -15,6 +15,7 @@ from roughcontact.connectivity import connected_regions, region_sizes, runs_arou
 from roughcontact.maps import height_map
 from roughcontact.references import closed_forms
 from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.sealing import percolation
 from roughcontact.sealing.flow import flow_columns, leak_columns
 from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.variables import describe
@@ -100,6 +101,18 @@ def test_the_constriction_is_the_highest_level_that_is_open(seed):
         levels = [level for level in np.unique(gap[gap > 0]) if directions_of_loops(gap >= level)[axis]]
         assert found[f"critical_constriction_{name}"] == max(levels, default=0.0)
         assert found[f"gap_percolates_{name}"] == bool(levels)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_points_taken_up_and_bisection_find_the_same_constriction(seed):
+    """Also of equal heights, of single rows and columns, and where nothing or everything is open."""
+    generator = np.random.default_rng(seed)
+    for precision, levels in itertools.product((np.float32, np.float64), (3, 100, None)):
+        gap = generator.random(generator.integers(1, 40, 2))
+        gap = np.round(gap * levels) / levels if levels else gap
+        gap[generator.random(gap.shape) < generator.uniform(0, 0.6)] = 0
+        gap = gap.astype(precision)
+        assert percolation._levels(gap) == percolation._levels_by_bisection(gap)
 
 
 def test_random_points_percolate_at_the_published_threshold():

@@ -108,6 +108,8 @@ def error_budget(
     if not sources:
         return xr.Dataset({rejected.name: rejected}, coords=coordinates)
     solved = solve_contact(window, **contact, reduce=_count)
+    # a map that is its own window has no record of how it became one
+    chosen = window if "periodisation" in window.attrs else None
     found: dict[UncertaintySource, xr.Dataset] = {
         "solver": solved[[_uncertainty(name) for name in QUANTITIES]]
     }
@@ -122,10 +124,16 @@ def error_budget(
             solved=solved,
             number=windows,
             extent=extent,
+            chosen=chosen,
         )
     if "processing" in sources:
         found["processing"] = processing_uncertainty(
-            levelled, level=settings["level"], window=settings["window"], contact=lenient, solved=solved
+            levelled,
+            level=settings["level"],
+            window=settings["window"],
+            contact=lenient,
+            solved=solved,
+            chosen=chosen,
         )
     found = {source: found[source] for source in SOURCES if source in sources}
     budget = (

@@ -41,6 +41,7 @@ def processing_uncertainty(
     window: Mapping[str, Any],
     contact: Mapping[str, Any],
     solved: xr.Dataset,
+    chosen: xr.DataArray | None = None,
 ) -> xr.Dataset:
     """Return the expanded uncertainty that the choices of processing leave in the result of a map.
 
@@ -69,6 +70,8 @@ def processing_uncertainty(
         result.
     solved : Dataset
         the result: `QUANTITIES` along `load`.
+    chosen : DataArray (y, x), m, optional
+        what `periodic_window` makes of the map, where it is known already.
 
     Returns
     -------
@@ -103,11 +106,15 @@ def processing_uncertainty(
     >>> found.attrs["reason"]
     'The map is periodic, and nothing in it is in doubt: no choice of processing makes a difference.'
     """
-    choices = _choices(levelled, level, window)
+    count = headline_and_answers if answers_in(solved) else headline
+    chosen = periodic_window(levelled, **window) if chosen is None else chosen
+    choices, members = [], []
+    for choice, other in _choices(levelled, chosen, level, window):
+        choices.append(choice)
+        members.append(solve_member(other, contact, tolerance=_TOLERANCE, count=count))
+        del other  # before the next one is made: large maps leave no room for two
     groups = np.array([choice.group for choice in choices])
     on_coarse_grid = np.isin(groups, ("own", "form"))
-    count = headline_and_answers if answers_in(solved) else headline
-    members = [solve_member(choice.window, contact, tolerance=_TOLERANCE, count=count) for choice in choices]
     result: dict[str, tuple] = {}
     for name in (*QUANTITIES, *answers_in(solved)):
         main = solved[name].values
@@ -175,38 +182,37 @@ def rough_filling(levelled: xr.DataArray) -> xr.DataArray:
 
 
 class _Choice(NamedTuple):
-    """A way to process the map: the group it belongs to, its name in words, the periodic window it gives."""
+    """A way to process the map: the group it belongs to, and its name in words."""
 
     group: str
     name: str
-    window: xr.DataArray
 
 
-def _choices(levelled: xr.DataArray, level: Mapping[str, Any], window: Mapping[str, Any]) -> list[_Choice]:
-    """Return the user's own choice, and each other one that makes a difference to this map."""
-    chosen = periodic_window(levelled, **window)
-    choices = [_Choice("own", "as chosen", periodic_window(_coarsened(levelled), **window))]
+def _choices(
+    levelled: xr.DataArray, chosen: xr.DataArray, level: Mapping[str, Any], window: Mapping[str, Any]
+) -> Iterator[tuple[_Choice, xr.DataArray]]:
+    """Yield the user's own choice, and each other one that makes a difference to this map, with its window.
+
+    One window after the other: what has been yielded is not kept here.
+    """
+    yield _Choice("own", "as chosen"), periodic_window(_coarsened(levelled), **window)
     if chosen.attrs["periodisation"] != "none":
-        choices += [
-            _Choice("form", name, periodic_window(_coarsened(other), **window))
-            for name, other in _other_forms(levelled, level)
-        ]
-        choices += [
-            _Choice(
-                "periodisation", f"made periodic by {method}", _by_method(levelled, chosen, window, method)
-            )
-            for method in _FAIR_METHODS
-            if method != chosen.attrs["periodisation"]
-        ]
+        for name, other in _other_forms(levelled, level):
+            yield _Choice("form", name), periodic_window(other, **window)
+        for method in _FAIR_METHODS:
+            if method != chosen.attrs["periodisation"]:
+                made = _Choice("periodisation", f"made periodic by {method}")
+                yield made, _by_method(levelled, chosen, window, method)
     if chosen["filled"].any():
-        refilled = periodic_window(rough_filling(levelled), **window)
-        choices.append(_Choice("filling", "holes filled with roughness", refilled))
+        choice = _Choice("filling", "holes filled with roughness")
+        yield choice, periodic_window(rough_filling(levelled), **window)
     for group, others in (("outliers", _other_outliers(levelled, level)), ("rows", _other_rows(levelled))):
         for name, other in others:
-            solved = periodic_window(other, **window)
-            if not np.array_equal(solved.values, chosen.values):  # the points may lie outside the window
-                choices.append(_Choice(group, name, solved))
-    return choices
+            # an own place for each window, which is gone with it
+            solved = [periodic_window(other, **window)]
+            del other
+            if not np.array_equal(solved[0].values, chosen.values):  # the points may lie outside the window
+                yield _Choice(group, name), solved.pop()
 
 
 def _other_rows(levelled: xr.DataArray) -> Iterator[tuple[str, xr.DataArray]]:
@@ -274,18 +280,17 @@ def _coarsened(levelled: xr.DataArray) -> xr.DataArray:
     return xr.DataArray(heights, dims=("y", "x"), coords=coords, name=levelled.name, attrs=levelled.attrs)
 
 
-def _other_forms(levelled: xr.DataArray, level: Mapping[str, Any]) -> list[tuple[str, xr.DataArray]]:
-    """Return (name, levelled map) of the neighbouring orders of the form."""
+def _other_forms(levelled: xr.DataArray, level: Mapping[str, Any]) -> Iterator[tuple[str, xr.DataArray]]:
+    """Yield (name, levelled map) of the neighbouring orders of the form, coarsened."""
     order = {"none": 0, "mean": 0, "plane": 1}.get(levelled.attrs["form"], level.get("order", 2))
     if levelled.attrs["form"] in ("sphere", "cylinder"):
         order = 1  # the polynomial next to it is the second-order one
     robust = level.get("robust", False)
-    found = [(f"form of order {order + 1}", _with_order(levelled, order + 1, robust))]
+    yield f"form of order {order + 1}", _coarsened(_with_order(levelled, order + 1, robust))
     if order > 1:
         lower = _with_order(levelled, order - 1, robust)
         if share_of_form(lower.fillna(lower.mean()).values, _coordinates(lower)) <= FORM:
-            found.append((f"form of order {order - 1}", lower))
-    return found
+            yield f"form of order {order - 1}", _coarsened(lower)
 
 
 def _with_order(levelled: xr.DataArray, order: int, robust: bool) -> xr.DataArray:

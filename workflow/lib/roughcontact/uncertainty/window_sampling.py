@@ -80,6 +80,7 @@ def window_uncertainty(
     solved: xr.Dataset,
     number: int = 9,
     extent: float = _EXTENT,
+    chosen: xr.DataArray | None = None,
 ) -> xr.Dataset:
     """Return the expanded uncertainty of the result of a window as a sample of its surface.
 
@@ -100,6 +101,8 @@ def window_uncertainty(
         parts at most, 4 or more; 9 cut a map into 3 x 3 and a profile into 9.
     extent : float
         length of the surface that the interval is for, over that of the map; 1 or more.
+    chosen : DataArray (y, x), m, optional
+        what `periodic_window` makes of the map, where it is known already.
 
     Returns
     -------
@@ -142,7 +145,7 @@ def window_uncertainty(
         raise SettingsError(f"windows = {number!r}: give a whole number of 4 or more")
     if not extent >= 1:
         raise SettingsError(f"extent = {extent!r}: give a number of 1 or more")
-    chosen = periodic_window(levelled, **window)
+    chosen = periodic_window(levelled, **window) if chosen is None else chosen
     whole = shown_part(levelled, chosen)
     parts = _cut(whole, spacing(levelled), int(number), window.get("shortest_wavelength") or 0.0)
     own = {**window, "placement": "largest", "min_share": 0.0}

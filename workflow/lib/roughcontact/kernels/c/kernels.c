@@ -85,6 +85,32 @@ static inline int64_t wrap(int64_t i, int64_t n)
     return i;
 }
 
+struct Copy {
+    int32_t y, x;
+};
+
+/* Return the root of a point, and in which copy of the map the point lies, seen from there: see take_up. */
+static int64_t root_of(int64_t point, int64_t *parent, struct Copy *copies, struct Copy *seen)
+{
+    int64_t root = point;
+    struct Copy whole = {0, 0};
+    for (; parent[root] > 0; root = parent[root] - 1) {
+        whole.y += copies[root].y;
+        whole.x += copies[root].x;
+    }
+    *seen = whole;
+    while (parent[point] > 0) { /* the way is short the next time */
+        const int64_t next = parent[point] - 1;
+        const struct Copy step = copies[point];
+        parent[point] = root + 1;
+        copies[point] = whole;
+        whole.y -= step.y;
+        whole.x -= step.x;
+        point = next;
+    }
+    return root;
+}
+
 #define LEVEL plain
 #define LANE_BYTES 16
 #include "precisions.h"
