@@ -14,7 +14,11 @@ from roughcontact.references import closed_forms
 from roughcontact.references.synthetic import product_wave_surface, rough_reference_surface
 from roughcontact.results.storage import opened_dataset, read_dataset, write_dataset
 from roughcontact.statistics import contact_geometry
-from roughcontact.statistics.contact_statistics import contact_statistics, statistics_of
+from roughcontact.statistics.contact_statistics import (
+    contact_statistics,
+    statistics_of,
+    with_uncertainty,
+)
 from roughcontact.variables import describe
 
 C = (np.pi - 1 + np.log(2)) / 24
@@ -475,3 +479,48 @@ def test_an_open_file_is_counted_load_by_load(tmp_path):
         for name in ("pressure", "gap"):  # never all loads at once
             assert not file[name].variable._in_memory
         xr.testing.assert_identical(counted.load(), contact_statistics(read_dataset(tmp_path / "contact.nc")))
+
+
+# --- what is asked for, and in which unit -------------------------------------------------------------------
+
+
+def test_patches_of_oblong_pixels_are_counted_by_their_area():
+    touching = np.zeros((8, 9), bool)
+    touching[1:3, 1:4] = touching[5, 5] = True
+    pressure, steps = np.where(touching, 2e6, 0.0)[None], (2e-6, 5e-6)
+    gap = np.where(touching, 0.0, 1e-7)[None]
+    found = contact_statistics(solution(pressure, gap, -gap[0], steps), flow="never")
+    assert found["contact_clusters"].item() == 2
+    assert found["largest_patch_area"].item() == pytest.approx(6e-11)
+    assert np.unique(found["patch_bin_bounds"])[1] == pytest.approx(1e-11)
+
+
+@pytest.mark.parametrize(
+    ("flow", "most", "seal", "there"),
+    [
+        ("auto", 72, None, True),
+        ("auto", 71, None, False),
+        ("auto", 71, {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 0.01}, True),
+        ("always", 71, None, True),
+        ("never", 72, None, False),
+    ],
+)
+def test_the_flow_is_solved_on_small_maps_and_for_seals(monkeypatch, flow, most, seal, there):
+    monkeypatch.setattr("roughcontact.statistics.contact_statistics.FLOW_POINTS", most)
+    pressure = np.zeros((1, 8, 9))
+    pressure[0, 3, 4] = 1e6
+    gap = np.where(pressure > 0, 0.0, 1e-7)
+    found = contact_statistics(solution(pressure, gap, -gap[0], (1e-6, 1e-6)), flow=flow, seal=seal)
+    assert ("flow_factor_xx" in found) is there
+
+
+def test_an_interval_of_the_conductance_needs_that_of_the_stiffness():
+    loads = {"mean_pressure": ("load", [1e6])}
+    numbers = {"conductance_per_conductivity": ("load", [2e5]), "thermal_conductance": ("load", [6e6])}
+    statistics = xr.Dataset(numbers, coords=loads)
+    without = with_uncertainty(statistics, xr.Dataset(coords=loads))
+    assert set(without.data_vars) == set(numbers)
+    end = {"conductance_per_conductivity_upper": ("load", [2.5e5])}
+    found = with_uncertainty(statistics, xr.Dataset(end, coords=loads))
+    assert set(found.data_vars) == {*numbers, *end, "thermal_conductance_upper"}
+    assert found["thermal_conductance_upper"].item() == pytest.approx(7.5e6)

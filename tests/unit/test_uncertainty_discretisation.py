@@ -8,6 +8,7 @@ from roughcontact.contact.solve import solve_contact
 from roughcontact.maps import height_map, refined
 from roughcontact.references import closed_forms, synthetic
 from roughcontact.uncertainty import discretisation
+from roughcontact.uncertainty.answers import answers_in, headline_and_answers
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, grid_marks
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.uncertainty.solver import solver_uncertainty
@@ -74,6 +75,7 @@ def test_the_peak_stands_out_from_its_neighbours():
     pressure[0, 0], pressure[3, 0], pressure[1, 0], pressure[0, 4], pressure[0, 1] = 8, 4, 2, 1, 1
     assert discretisation._beside_the_peak(pressure) == 6
     assert discretisation._beside_the_peak(pressure[:1]) == 7
+    assert discretisation._beside_the_peak(pressure[[0, 3]]) == 5.5  # both neighbours along y are the same
 
 
 def test_what_is_flat_has_no_error_of_the_pixel_size():
@@ -109,6 +111,22 @@ def test_the_formulas_of_the_half_widths():
     assert set(found) == set(expected)
     for name, values in expected.items():
         np.testing.assert_allclose(found[name], values, rtol=1e-9, err_msg=name)
+
+
+def test_the_half_widths_of_answers_are_twice_what_the_finer_grid_changes():
+    window, loads = synthetic.rough_reference_surface(64), [0.05, 0.4]
+    contact = PROBLEM | {"mean_pressure": loads, "tolerance": 1e-6}
+
+    def marks_and_answers(solution):
+        return grid_marks(solution).merge(headline_and_answers(solution), compat="override")
+
+    solved = solve_contact(window, **contact, reduce=marks_and_answers)
+    finer = solve_contact(refined(window, 2), **contact, reduce=headline_and_answers)
+    found = discretisation_uncertainty(window, contact=contact, solved=solved)
+    assert answers_in(solved)
+    for name in answers_in(solved):
+        np.testing.assert_allclose(found[name], 2 * abs(solved[name] - finer[name]), rtol=1e-9, err_msg=name)
+        assert (found[name] > 0).any()
 
 
 @pytest.mark.parametrize(
