@@ -79,7 +79,7 @@ def work(*arguments):
 
 
 def lint():
-    """Check format, style, docstrings, types and the order of the rooms; return 1 where one fails."""
+    """Check format, style, docstrings, types and the order of the folders; return 1 where one fails."""
     checks = [
         [BIN / "ruff", "format", "--check", "."],
         [BIN / "ruff", "check", "."],

@@ -1,4 +1,4 @@
-"""What stands in the documentation is what stands in the code: rooms, settings, variables, columns, lines."""
+"""What stands in the documentation is what stands in the code: folders, settings, variables, columns, lines."""
 
 import csv
 import importlib
@@ -33,22 +33,22 @@ def architecture():
 
 
 @pytest.fixture(scope="module")
-def rooms():
+def folders():
     """The folders of the package, and the modules that lie in none."""
     folders = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
     return folders | {path.stem for path in PACKAGE.glob("*.py")} - {"__init__"}
 
 
 def in_picture(architecture):
-    """Return the rows of the picture, top first, each a set of rooms."""
+    """Return the rows of the picture, top first, each a set of folders and modules."""
     picture = re.search(r"```text\n(.*?)```", architecture, re.DOTALL).group(1)
     return [set(line.strip("│ ").split(" | ")) for line in picture.splitlines() if line.startswith("│")]
 
 
-def test_the_picture_of_the_layout_has_exactly_the_rooms_there_are(architecture, rooms):
+def test_the_picture_of_the_layout_has_exactly_the_folders_there_are(architecture, folders):
     rows = in_picture(architecture)
-    assert set.union(*rows) == rooms
-    assert sum(map(len, rows)) == len(rooms)
+    assert set.union(*rows) == folders
+    assert sum(map(len, rows)) == len(folders)
 
 
 def test_the_picture_of_the_layout_is_the_order_that_the_linter_holds(architecture):
@@ -57,10 +57,10 @@ def test_the_picture_of_the_layout_is_the_order_that_the_linter_holds(architectu
     assert in_picture(architecture) == [set(layer.split(" | ")) for layer in layers]
 
 
-def test_the_table_of_the_layout_explains_every_room_once(architecture, rooms):
-    table = architecture.partition("| room | what is in it |")[2].partition("\n\n")[0]
+def test_the_table_of_the_layout_explains_every_folder_once(architecture, folders):
+    table = architecture.partition("| folder or module | what is in it |")[2].partition("\n\n")[0]
     named = [name for row in table.splitlines() for name in re.findall(r"`(\w+)`", row.split(" | ")[0])]
-    assert sorted(named) == sorted(rooms)
+    assert sorted(named) == sorted(folders)
 
 
 def test_every_setting_has_a_row(generated):
@@ -84,8 +84,8 @@ def test_every_public_function_is_on_a_page_of_the_interface(generated):
         names = generated.public_names(path)
         if path == PACKAGE / "__init__.py" or not names:
             continue
-        room = "base" if path.parent == PACKAGE else path.relative_to(PACKAGE).parts[0]
-        assert f":members: {', '.join(names)}\n" in pages[room]
+        folder = "base" if path.parent == PACKAGE else path.relative_to(PACKAGE).parts[0]
+        assert f":members: {', '.join(names)}\n" in pages[folder]
     for name in roughcontact.__all__:
         assert name.startswith("_") or f".{name}\n" in pages["index"]
 

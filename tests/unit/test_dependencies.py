@@ -16,6 +16,7 @@ KERNELS = {
     *SOLVERS,
     "crosscheck",
     "panel",
+    "report",
     "statistics",
     "validate",
     "window",

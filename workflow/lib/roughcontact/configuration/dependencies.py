@@ -13,7 +13,7 @@ def source_digest(script: str | Path) -> str:
 
     Only the modules of this package count, and those beside the script whose names start with _. Imports are
     found in the source, also inside functions, without running anything. The files of a folder beside a
-    module that names it ("templates") count as well, and so do all modules of a room of the package that a
+    module that names it ("templates") count as well, and so do all modules of a folder of the package that a
     module names in a string ("roughcontact.io.readers"), because they are found at run time.
 
     Parameters
@@ -74,19 +74,19 @@ def _imported(path: Path) -> tuple[Path, ...]:
 
 
 def _named(text: str, beside: Path) -> list[Path]:
-    """Return the files of what a string names: a data folder beside its module, or a room of the package.
+    """Return the files of what a string names: a data folder beside its module, or a folder of the package.
 
-    A room is named by a string where its modules are found at run time, so that all of them are imported.
+    A folder is named by a string where its modules are found at run time, so that all of them are imported.
     """
     parts = text.split(".")
     if not all(part.isidentifier() for part in parts):
         return []
     if len(parts) == 1:
         return [file for file in (beside / text).glob("*.*") if file.suffix != ".py"]
-    room = PACKAGE.joinpath(*parts[1:])
-    if parts[0] != PACKAGE.name or not (room / "__init__.py").is_file():
+    folder = PACKAGE.joinpath(*parts[1:])
+    if parts[0] != PACKAGE.name or not (folder / "__init__.py").is_file():
         return []
-    return [*_files(text, beside), *room.glob("*.py")]
+    return [*_files(text, beside), *folder.glob("*.py")]
 
 
 def _files(name: str, beside: Path) -> list[Path]:

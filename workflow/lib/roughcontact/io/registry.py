@@ -26,8 +26,8 @@ def readers() -> list[tuple[str, Reader]]:
     >>> readers()[-1][0]  # takes what no other knows
     'unmarked'
     """
-    room = import_module(_READERS)
-    names = sorted(module.name for module in iter_modules(room.__path__))
+    package = import_module(_READERS)
+    names = sorted(module.name for module in iter_modules(package.__path__))
     found = [(name, import_module(f"{_READERS}.{name}").READER) for name in names]
     return sorted(found, key=lambda named: named[1].told_by)
 
