@@ -1,4 +1,4 @@
-"""What stands in the documentation is what stands in the code: folders, settings, variables, columns, lines."""
+"""What the documentation says is what the code has: folders, settings, variables, columns, lines."""
 
 import csv
 import importlib
