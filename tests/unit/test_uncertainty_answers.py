@@ -11,6 +11,7 @@ from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.statistics.contact_statistics import with_uncertainty
 from roughcontact.uncertainty.answers import ANSWERS, headline_and_answers, of_other_places
 from roughcontact.uncertainty.budget import error_budget
+from roughcontact.uncertainty.window_sampling import window_uncertainty
 
 PITCH = 1e-6
 CONTACT = {"contact_modulus": 2e9, "mean_pressure": [2e6, 2e7]}
@@ -109,9 +110,34 @@ def test_growth_of_the_heights_widens_gaps_and_takes_conductance_away():
     down, up = of_other_places(ANSWERS[0], parts, result, factor=1.0, growth=0.1)
     assert down[0] == pytest.approx(2 * (1 - np.exp(-0.15)))
     assert up[0] == 0
-    down, up = of_other_places(ANSWERS[1], parts, result, factor=1.0, growth=0.1)
-    assert up[0] == pytest.approx(2 * (np.exp(0.15) - 1))
+    down, up = of_other_places(ANSWERS[1], parts, result, factor=1.0, growth=0.1, added=np.array([0.3]))
+    assert up[0] == pytest.approx(0.3)
     assert down[0] == 0
+
+
+def test_what_changed_from_the_parts_to_the_window_may_go_on_either_way():
+    parts, result = np.full((9, 1), 1.0), np.array([2.0])
+    down, up = of_other_places(ANSWERS[0], parts, result, factor=1.0, growth=0.0, going_on=0.5)
+    assert up[0] == pytest.approx(2 * (np.sqrt(2) - 1))
+    assert down[0] == pytest.approx(2 * (1 - np.sqrt(0.5)))
+    down, up = of_other_places(ANSWERS[1], parts, result, factor=1.0, growth=0.0, going_on=0.5)
+    assert down[0] == up[0] == pytest.approx(0.5)
+    down, _ = of_other_places(ANSWERS[1], parts, result, factor=1.0, growth=0.0, going_on=5.0)
+    assert down[0] == 2.0  # no narrower than closed
+
+
+def test_a_gap_that_higher_heights_open_is_known_to_be_open_elsewhere():
+    """A closed gap has nothing to scale; the window with higher heights is solved, and its gap counted."""
+    levelled, window = cut(surface(288, seed=4, longest=288e-6), 96)
+    problem = {"contact_modulus": 2e9, "mean_pressure": [3e7, 4e7]}
+    solved = solve_contact(window, **problem, reduce=headline_and_answers)
+    found = window_uncertainty(levelled, window={}, contact=problem, solved=solved)
+    higher = window * found.attrs["growth"]
+    grown = solve_contact(higher, **problem, tolerance=1e-2, reduce=headline_and_answers)
+    for name in ANSWERS[1:]:
+        assert (solved[name] == 0).all()
+        assert (grown[name] > 1e-7).all()
+        assert (found[f"{name}_up"] >= 1.25 * grown[name] * (1 - 1e-9)).all()
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ from roughcontact.uncertainty.headline import fields_of, headline
 ANSWERS = ("conductance_per_conductivity", "critical_constriction_x", "critical_constriction_y")
 _TOLERANCE = 3e-2  # of the response: the conductance is good to about its square
 _NEXT_TO_NOTHING = 1e-2  # of the window's result: less has no logarithm that says anything
-_GROWTH_REACH = 1.5  # of the growth of the heights that is expected: how far it may go
+_GROWTH_REACH = 1.5  # of the growth of the heights that is expected: how far conductance may fall
 
 
 def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
@@ -43,13 +43,37 @@ def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
     (0.0, True)
     """
     steps = spacing(contact["pressure"])
-    rows = []
-    for pressure, gap in fields_of(contact):
-        touching = pressure > 0
-        compliance = linear_response(touching, steps, 1.0, _TOLERANCE)
-        narrowest = percolation_columns(np.where(touching, 0.0, gap))
-        rows.append({ANSWERS[0]: 1 / compliance if compliance > 0 else np.nan} | narrowest)
-    return headline(contact).assign({name: ("load", [row[name] for row in rows]) for name in ANSWERS})
+    compliances = [
+        linear_response(pressure > 0, steps, 1.0, _TOLERANCE) for pressure, _ in fields_of(contact)
+    ]
+    conductances = [1 / compliance if compliance > 0 else np.nan for compliance in compliances]
+    return headline_and_narrowest(contact).assign({ANSWERS[0]: ("load", conductances)})
+
+
+def headline_and_narrowest(contact: xr.Dataset) -> xr.Dataset:
+    """Return the four quantities of each load, and the narrowest places on the way through the gap.
+
+    Parameters
+    ----------
+    contact : Dataset
+        as `solve_contact` returns it, with its fields.
+
+    Returns
+    -------
+    Dataset
+        dim load: those of `headline`, `critical_constriction_x` and `critical_constriction_y` (m).
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> fields = {"pressure": [[[0.0, 3.0], [0.0, 0.0]]], "gap": [[[0.5, 0.0], [0.2, 0.3]]]}
+    >>> contact = xr.Dataset({name: (("load", "y", "x"), values) for name, values in fields.items()})
+    >>> found = headline_and_narrowest(contact)
+    >>> found["critical_constriction_x"].item(), found["critical_constriction_y"].item()
+    (0.2, 0.2)
+    """
+    rows = [percolation_columns(np.where(pressure > 0, 0.0, gap)) for pressure, gap in fields_of(contact)]
+    return headline(contact).assign({name: ("load", [row[name] for row in rows]) for name in ANSWERS[1:]})
 
 
 def answers_in(found: xr.Dataset) -> list[str]:
@@ -73,13 +97,21 @@ def answers_in(found: xr.Dataset) -> list[str]:
 
 
 def of_other_places(
-    name: str, values: np.ndarray, result: np.ndarray, *, factor: float, growth: float
+    name: str,
+    values: np.ndarray,
+    result: np.ndarray,
+    *,
+    factor: float,
+    growth: float,
+    going_on: float = 0.0,
+    added: np.ndarray | float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how far below and above an answer it lies elsewhere, from the scatter of parts and from growth.
 
     Of the conductance the logarithm scatters; it is K(p) at n times the heights what it was at the n-th part
     of the load, and K about proportional to it, so that higher heights conduct less. Of a narrowest place,
-    which may be closed, the height itself scatters, and grows with the others.
+    which may be closed, the height itself scatters, and grows with the others. As the answer changed from the
+    parts to the window it may go on to change, in a direction that is not known.
 
     Parameters
     ----------
@@ -91,7 +123,11 @@ def of_other_places(
     factor : float
         from one standard deviation of the parts to the half-width.
     growth : float
-        logarithm of the growth of the heights.
+        logarithm of the growth of the heights, which takes conductance away.
+    going_on : float
+        how much of its change from the parts to the window an answer may change from there to the surface.
+    added : array (load,)
+        what a narrowest place may grow by with the heights.
 
     Returns
     -------
@@ -107,9 +143,13 @@ def of_other_places(
     """
     if len(values) < 2:
         return np.full(result.shape, np.nan), np.full(result.shape, np.nan)
-    reach = _GROWTH_REACH * max(growth, 0.0)
-    if name == ANSWERS[0]:
-        half_width = factor * np.log(np.maximum(values, _NEXT_TO_NOTHING * result)).std(axis=0, ddof=1)
-        return -result * np.expm1(-np.hypot(half_width, reach)), result * np.expm1(half_width)
-    half_width = factor * values.std(axis=0, ddof=1)
-    return np.minimum(half_width, result), np.hypot(half_width, result * np.expm1(reach))
+    logarithmic = name == ANSWERS[0]
+    whole, parts = result, values
+    if logarithmic:
+        whole, parts = np.log(result), np.log(np.maximum(values, _NEXT_TO_NOTHING * result))
+    change = np.abs(whole - parts.mean(axis=0))
+    half_width = np.hypot(factor * parts.std(axis=0, ddof=1), going_on * change)
+    if logarithmic:
+        lost = _GROWTH_REACH * max(growth, 0.0)
+        return -result * np.expm1(-np.hypot(half_width, lost)), result * np.expm1(half_width)
+    return np.minimum(half_width, result), np.hypot(half_width, added)

@@ -49,7 +49,12 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import spacing
 from roughcontact.quantities import number, percent
 from roughcontact.roughness.texture import texture_parameters
-from roughcontact.uncertainty.answers import answers_in, headline_and_answers, of_other_places
+from roughcontact.uncertainty.answers import (
+    answers_in,
+    headline_and_answers,
+    headline_and_narrowest,
+    of_other_places,
+)
 from roughcontact.uncertainty.ensemble import shown_part, solve_member
 from roughcontact.uncertainty.growth import form_order, growth_exponent
 from roughcontact.uncertainty.headline import QUANTITIES, headline
@@ -157,12 +162,18 @@ def window_uncertainty(
     step = _step(chosen, levelled.isel(whole), parts=len(parts), extent=extent)
     values = {name: np.array([member.values[name] for member in members]) for name in QUANTITIES}
     widths, work = _half_widths(values, solved, step), sum(member.work for member in members)
+    added: dict[str, np.ndarray] = {}
     if step.growth > 0 and len(parts) > 1:
         higher = chosen.copy(data=chosen.values * math.exp(step.growth))
-        grown = solve_member(higher, contact, tolerance=_TOLERANCE)
+        also = headline_and_narrowest if count is headline_and_answers else headline
+        grown = solve_member(higher, contact, tolerance=_TOLERANCE, count=also)
+        added = {
+            name: _GROWTH_REACH * np.maximum(found - solved[name].values, 0.0)
+            for name, found in grown.values.items()
+            if name not in QUANTITIES or name == "mean_gap"
+        }
         down, up = widths["mean_gap"]
-        added = _GROWTH_REACH * (grown.values["mean_gap"] - solved["mean_gap"].values)
-        widths["mean_gap"] = down, np.hypot(up, np.maximum(added, 0.0))
+        widths["mean_gap"] = down, np.hypot(up, added["mean_gap"])
         work += grown.work
     result: dict[str, tuple] = {}
     for name in QUANTITIES:
@@ -176,7 +187,13 @@ def window_uncertainty(
     for name in answers_in(solved):
         of_parts = np.array([member.values[name] for member in members])
         down, up = of_other_places(
-            name, of_parts, solved[name].values, factor=step.scatter, growth=step.growth
+            name,
+            of_parts,
+            solved[name].values,
+            factor=step.scatter,
+            growth=step.growth,
+            going_on=step.going_on,
+            added=added.get(name, 0.0),
         )
         result |= {
             name: ("load", np.maximum(down, up)),
@@ -235,6 +252,11 @@ class _Step(NamedTuple):
         each = (1 - self.exponent) * self.dimensions
         return self.factor * self.ratio ** (-each / 2) * math.sqrt(1 + self.extent**-each)
 
+    @property
+    def going_on(self) -> float:
+        """How much of a change from the parts to the window goes on to the surface; 0 for a single part."""
+        return self.exponent * math.log(self.extent) / math.log(self.ratio) if self.ratio > 1 else 0.0
+
 
 def _step(chosen: xr.DataArray, measured: xr.DataArray, *, parts: int, extent: float) -> _Step:
     """Return the step from a window, `chosen`, of the points `measured`, to the surface."""
@@ -284,8 +306,7 @@ def _of_the_area(values: np.ndarray, result: np.ndarray, step: _Step) -> Widths:
     base = np.where(result > 0, result, 1.0)
     whole, parts = (_effort(np.maximum(v, _NEXT_TO_NOTHING * base)) for v in (base, values))
     change = np.abs(whole - parts.mean(axis=0))
-    going_on = step.exponent * change * math.log(step.extent) / math.log(step.ratio)
-    half_width = np.hypot(step.scatter * parts.std(axis=0, ddof=1), going_on)
+    half_width = np.hypot(step.scatter * parts.std(axis=0, ddof=1), step.going_on * change)
     ends = (erf(np.exp(whole + side * half_width)) for side in (-1, 1))
     down, up = (np.abs(end / erf(np.exp(whole)) - 1) for end in ends)
     return result * down, result * up
