@@ -1,6 +1,6 @@
 """At a glance: of a surface, at two or three loads, what an engineer asks, each number with its interval."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +9,7 @@ import xarray as xr
 from roughcontact.quantities import number, percent, with_interval
 from roughcontact.report.tables import unit_of_column
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
+from roughcontact.statistics.outcome import FAILED, Check
 
 AREAS = (0.01, 0.1, 0.3)  # contact areas whose nearest loads are shown
 NOT_JUDGED = "not judged"
@@ -156,30 +157,31 @@ def glance_rows(numbers: xr.Dataset, units: Units | None = None) -> list[list[Ce
     ]
 
 
-def main_reason(reasons: Sequence[str]) -> str:
-    """Return the one reason that matters most: a doubt of the map before one of the material.
+def by_weight(doubts: Iterable[Check]) -> list[Check]:
+    """Return the checks that speak against a result, the one that matters most first.
 
     Parameters
     ----------
-    reasons : sequence of str
-        name of a check, colon, sentence.
+    doubts : iterable of Check
+        those that failed and those that ask for a look.
 
     Returns
     -------
-    str
-        empty where there is none.
+    list of Check
+        what failed before the others, and a doubt of the map before one of the material.
 
     Examples
     --------
-    >>> main_reason(["Plasticity: it flows", "Outliers: they carry the load"])
-    'Outliers: they carry the load'
+    >>> flows, rejected = Check("Plasticity", "look", "It flows."), Check("Outliers", "look", "They carry it.")
+    >>> [check.name for check in by_weight([flows, rejected, Check("Window", "failed", "A step.")])]
+    ['Window', 'Outliers', 'Plasticity']
     """
 
-    def weight(reason: str) -> int:
-        name = reason.partition(":")[0]
-        return _WEIGHT.index(name) if name in _WEIGHT else len(_WEIGHT)
+    def weight(check: Check) -> tuple[bool, int]:
+        known = _WEIGHT.index(check.name) if check.name in _WEIGHT else len(_WEIGHT)
+        return check.outcome != FAILED, known
 
-    return min(reasons, key=weight, default="")
+    return sorted(doubts, key=weight)
 
 
 def _known(numbers: xr.Dataset, name: str) -> bool:

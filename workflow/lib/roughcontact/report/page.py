@@ -16,7 +16,7 @@ from roughcontact.report import ONE_PAGE
 from roughcontact.report.captions import comparison_caption
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
-from roughcontact.report.glance import HEADINGS, Units, glance_rows, glance_units, main_reason
+from roughcontact.report.glance import HEADINGS, Units, glance_rows, glance_units
 from roughcontact.report.load_plots import compare_areas, spread_of_areas
 from roughcontact.report.summary import Summary, summary_of
 from roughcontact.report.tables import pair_table
@@ -170,7 +170,7 @@ def _glance(summary: Summary, numbers: xr.Dataset, units: Units) -> dict[str, An
     return {
         "glance": glance_rows(numbers, units),
         "loads": numbers.sizes["load"],
-        "reason": main_reason(reasons),
+        "reason": next(iter(reasons), ""),
         "others": max(len(reasons) - 1, 0),
     }
 
@@ -183,14 +183,15 @@ def _as_download(text: str) -> str:
 def _comparisons(series: Mapping[tuple[str, str | None], xr.Dataset], *, many: bool) -> list[tuple[str, str]]:
     """Return (image, caption) of area against load of all surfaces: in pascals, and relative to E* g.
 
-    Of very many there is the latter alone, of flat surfaces nothing.
+    Of very many there is the latter alone, of flat surfaces nothing, and of one surface neither: its own part
+    has the same.
     """
     rough = {
         key: data.sortby("mean_pressure")
         for key, data in series.items()
         if np.isfinite(data["relative_pressure"]).all()
     }
-    if not rough:
+    if len(rough) < 2:
         return []
     relative = {
         key: (data["relative_pressure"].values, data["relative_contact_area"].values)

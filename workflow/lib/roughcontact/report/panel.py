@@ -12,7 +12,7 @@ from roughcontact.quantities import percent, quantity
 from roughcontact.report import captions, facts, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.files import beside
-from roughcontact.report.glance import shown_loads
+from roughcontact.report.glance import by_weight, shown_loads
 from roughcontact.report.summary import embedded
 from roughcontact.report.template import template
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
@@ -70,7 +70,7 @@ def write_panel(
     name = surface if case is None else f"{surface} · {case}"
     identifier = surface if case is None else f"{case}--{surface}"
     verdict = checks.verdict(outcome)
-    reasons = [checks.reason(check) for check in checks.reasons(outcome)]
+    doubts = by_weight(checks.reasons(outcome))
     fields = _fields(contact, solved, order[shown])
     rough = float(numbers["rms_gradient"]) > 0  # a flat map has neither waves nor charts
     html = template("panel.html").render(
@@ -78,7 +78,7 @@ def write_panel(
         name=name,
         verdict=verdict,
         verdict_words=checks.VERDICTS[verdict],
-        doubts=checks.reasons(outcome),
+        doubts=doubts,
         not_judged=[check for check in outcome if check.outcome == checks.NOT_MADE],
         sound=[check for check in outcome if check.outcome == checks.PASSED],
         facts=facts.surface_facts(measured, plane, solved, numbers),
@@ -108,7 +108,7 @@ def write_panel(
                 "name": name,
                 "surface": surface,
                 "verdict": verdict,
-                "reasons": reasons,
+                "reasons": [checks.reason(check) for check in doubts],
                 "not_judged": [check.name for check in outcome if check.outcome == checks.NOT_MADE],
             }
         ),

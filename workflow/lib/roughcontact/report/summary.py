@@ -21,7 +21,7 @@ class Summary(TypedDict):
     name: str  # of the surface, with that of the case
     surface: str
     verdict: str  # a key of `checks.VERDICTS`
-    reasons: list[str]  # a sentence for each check that did not pass
+    reasons: list[str]  # a sentence for each check that did not pass, the weightiest first
     not_judged: list[str]  # names of the checks that could not be made
 
 
