@@ -172,7 +172,7 @@ def by_weight(doubts: Iterable[Check]) -> list[Check]:
 
     Examples
     --------
-    >>> flows, rejected = Check("Plasticity", "look", "It flows."), Check("Outliers", "look", "They carry it.")
+    >>> flows, rejected = Check("Plasticity", "look", "It flows."), Check("Outliers", "look", "They carry.")
     >>> [check.name for check in by_weight([flows, rejected, Check("Window", "failed", "A step.")])]
     ['Window', 'Outliers', 'Plasticity']
     """
