@@ -57,6 +57,18 @@ def test_what_is_imaginary_in_real_waves_is_left_out_as_numpy_does(precision):
     np.testing.assert_allclose(field, expected, rtol=0, atol=20 * np.finfo(precision).eps)
 
 
+def test_arrays_may_lie_in_memory_in_any_order_and_be_read_only():
+    field = shown((32, 40))
+    plan, kept = plan_of(field, DOUBLE), field.copy()
+    expected = plan.forward(field).copy()
+    field.flags.writeable = False
+    np.testing.assert_array_equal(plan.forward(field), expected)
+    np.testing.assert_array_equal(plan.forward(np.asfortranarray(field)), expected)
+    back = np.full((40, 32), np.nan).T
+    plan.inverse(np.asfortranarray(expected), back)
+    np.testing.assert_allclose(back, kept, rtol=0, atol=1e-14)
+
+
 @pytest.mark.parametrize("precision", [SINGLE, DOUBLE])
 def test_no_digit_depends_on_the_threads(precision):
     field = shown((250, 384)).astype(precision)
