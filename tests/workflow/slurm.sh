@@ -104,3 +104,10 @@ run --set-resources "contact:mem_mb=700 if 'stylus' in str(input) else 100 * att
 grep "^\[contact periodic\] ERROR: killed, took more memory than the 100 MB .*; it is tried again with more" "$folder/said"
 grep -q "mem_mb=800" "$folder/said"
 [ "$(killed)" != 0 ]
+
+# many small maps as a single job, by the command of the page, with the cores and the memory that are there
+rm -r results
+single=$(sed -n '/^sbatch/p' "$checkout/docs/how-to/cluster.md" | sed "s/=32 /=$(nproc) /; s/--cores 32/--cores $(nproc)/; s/=16G/=4G/")
+echo "$single"
+SBATCH_WAIT=1 bash -eu -c "$single" || { cat slurm-*.out; exit 1; }
+[ -s results/report.html ] || { cat slurm-*.out; echo "no report"; exit 1; }

@@ -1,5 +1,6 @@
 # Small maps: the stages of a surface in two jobs, up to the window and from there. A job that fails takes its own part
 # of its own surface (under its own case) along, nothing else; the window stays where the contact has failed.
+# A case that reads nothing and prepares for itself alone, as one with a window of its own, does it in the second job.
 PARTS = {
     "prepare": {
         "": ["ingest", "level", "window"],
@@ -13,8 +14,8 @@ PARTS = {
 }
 
 
-def own_steps(case, part, kind):
-    """Return the scripts of one part that a case runs itself."""
+def scripts_of(case, part, kind):
+    """Return the scripts of one part that a case runs itself, in whichever job."""
     left_out = (
         {"solve_statistics"}
         if CASES[case]["contact"]["keep_fields"]
@@ -22,7 +23,7 @@ def own_steps(case, part, kind):
     ) | ({"panel"} if CROSSCHECK["code"] != "none" else set())
     return [
         step
-        for step in PARTS[part][kind]
+        for step in PARTS[part].get(kind, [])
         if step not in left_out
         and all(
             OWNERS[stage][case] == case
@@ -30,6 +31,16 @@ def own_steps(case, part, kind):
             if stage in SECTIONS
         )
     ]
+
+
+def own_steps(case, part, kind):
+    """Return the scripts that the job of one part of a case runs."""
+    prepare = scripts_of(case, "prepare", kind)
+    written = {name for step in prepare for name in STEPS[step].outputs}
+    others = {SHARED[other].get(stage) for other in CASES for stage in written}
+    if {"ingest", "composite"} & {*prepare} or case in others or kind == "_faces":
+        return scripts_of(case, part, kind)
+    return prepare + scripts_of(case, part, kind) if part == "contact" else []
 
 
 def linked_stages(case, part, kind):
@@ -119,11 +130,14 @@ for case in CASES:
                         mem_mb=small_memory,
                         runtime=small_minutes,
                     params:
+                        **(
+                            {"file": place_in_table, "future": from_the_future}
+                            if "ingest" in steps
+                            else {}
+                        ),
                         steps=steps,
                         links=links,
                         settings=settings_of_steps(steps),
-                        file=place_in_table,
-                        future=from_the_future,
                         code={step: code(step) for step in [*steps, "together"]},
                     script:
                         "../scripts/together.py"

@@ -1,11 +1,16 @@
 """Which source files a script depends on: so that an edit reruns what it concerns and nothing else."""
 
-import ast
 import hashlib
+import re
 from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
+# statements of the source, wherever they stand: parsing it takes five times as long
+_FROM = re.compile(r"^[ \t]*from[ \t]+([\w.]+)[ \t]+import[ \t]*(\([^)]*\)|[^\n]*)", re.MULTILINE)
+_IMPORT = re.compile(r"^[ \t]*import[ \t]+([^\n]*)", re.MULTILINE)
+_STRING = re.compile(r"""(["'])([A-Za-z_][\w.]*)\1""")
+_COMMENT = re.compile(r"#[^\n]*")
 
 
 def source_digest(script: str | Path) -> str:
@@ -59,18 +64,20 @@ def _closure(script: Path) -> set[Path]:
 @cache
 def _imported(path: Path) -> tuple[Path, ...]:
     """Return the files of the modules that `path` imports itself, and those of the folders it names."""
-    files: list[Path] = []
-    for node in ast.walk(ast.parse(path.read_bytes())):
-        names = []
-        if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-        for name in names:
-            files += _files(name, path.parent)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str):
-            files += _named(node.value, path.parent)
+    text = path.read_text(encoding="utf-8")
+    names = [name for listed in _IMPORT.findall(text) for name in _listed(listed)]
+    for module, listed in _FROM.findall(text):
+        names += [module, *(f"{module}.{name}" for name in _listed(listed))]
+    files = [file for name in dict.fromkeys(names) for file in _files(name, path.parent)]
+    for string in dict.fromkeys(string for _, string in _STRING.findall(text)):
+        files += _named(string, path.parent)
     return tuple(files)
+
+
+def _listed(text: str) -> list[str]:
+    """Return the names in the list of an import, without what they are called here."""
+    entries = _COMMENT.sub("", text).strip().strip("()").split(",")
+    return [words[0] for entry in entries if (words := entry.split())]
 
 
 def _named(text: str, beside: Path) -> list[Path]:
