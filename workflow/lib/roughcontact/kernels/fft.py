@@ -18,7 +18,6 @@ from roughcontact.kernels.compiled import run_pass
 from roughcontact.kernels.memory import store
 from roughcontact.kernels.threads import threads_for
 
-_IN_PLACE = ("C", "A", "W")  # what the passes in C ask of an array
 FEWEST = 16  # points along a side that is transformed in C: below that most lanes of its vectors are empty
 
 
@@ -132,7 +131,7 @@ class CompiledPlan(PlanInPlace):
     """By the passes in C, which take two rows, or one column, in each lane of a vector."""
 
     def forward(self, field: Array) -> Array:
-        field = np.require(field, self.scratch.dtype, _IN_PLACE)
+        field = np.require(field, self.scratch.dtype, ["C", "A", "W"])
         (ny, nx), roots = self.shape, _roots(self.shape[1], str(field.dtype))
         self._run("rows_forward", ny * field.itemsize, nx, (field, self.spectrum, roots), ny, nx)
         self._columns(self.spectrum, backward=False)
@@ -140,7 +139,7 @@ class CompiledPlan(PlanInPlace):
 
     def inverse(self, spectrum: Array, out: Array) -> None:
         (ny, nx), roots = self.shape, _roots(self.shape[1], str(out.dtype))
-        spectrum, found = (np.require(array, requirements=_IN_PLACE) for array in (spectrum, out))
+        spectrum, found = (np.require(array, requirements=["C", "A", "W"]) for array in (spectrum, out))
         self._columns(spectrum, backward=True)
         self._run("rows_backward", ny * out.itemsize, nx, (found, spectrum, roots), 1 / out.size, ny, nx)
         if found is not out:
