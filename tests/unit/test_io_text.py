@@ -76,6 +76,12 @@ def test_conversion_factor_and_counts_in_the_header(tmp_path):
     assert float(height.y[1] - height.y[0]) == pytest.approx(3.5e-7, rel=1e-12)
 
 
+def test_counts_with_their_value_in_nanometres(tmp_path):
+    header = "# x-pixels = 4\n# y-pixels = 3\n# x-length = 2000\n# y-length = 1500\n# Bit2nm = 0.01\n"
+    height = read_height_map(saved(tmp_path, header + matrix()), unit="nm")
+    np.testing.assert_allclose(height.values, HEIGHTS * 1e-11, rtol=1e-15)
+
+
 def test_missing_points_become_nan_and_are_counted(tmp_path):
     text = "ncols 4\nnrows 2\ncellsize 2\nNODATA_value -9999\n1 2 -9999 4\nBAD 6 nan 8.5\n"
     height = read_height_map(saved(tmp_path, text), unit="mm", height_unit="um")

@@ -123,7 +123,7 @@ _HEADER_WORDS = {
     ),
     "unit": ("unit", "units", "einheit", "einheiten", "unité", "unidad", "unità"),
     "count": ("number of points", "points", "num points", "numpoints", "data points", "number of samples"),
-    "z_factor": ("height conversion factor", "z factor", "zfactor"),
+    "z_factor": ("bit2nm", "height conversion factor", "z factor", "zfactor"),
     "missing": ("nodata value", "nodata", "missing value", "no data value"),
     "channel": (
         "channel",
@@ -152,6 +152,7 @@ _WORDS = (
     "lens",
     "date",
 )
+_UNIT_IN_NAME = {"bit2nm": "nm"}  # words that name the unit of their number: counts to nanometres
 _BOTH = {"size": ("width", "height"), "step": ("dx", "dy")}  # where one line says both: what it stands for
 _MEANING = {word: meaning for meaning, words in _HEADER_WORDS.items() for word in words}
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -258,7 +259,7 @@ def _note(said: dict[str, Any], key: str, unit: str, value: str) -> None:
         said[meaning] = float(match[1])
         if meaning.startswith("length"):
             said[meaning + "_rounding"] = _rounding(match[1])
-        unit = match[2].strip().strip("()[]") or unit
+        unit = match[2].strip().strip("()[]") or unit or _UNIT_IN_NAME.get(key.strip().lower(), "")
         unit = re.sub(r"\s*/\s*(pixel|px|point|pt|sample)s?$", "", unit, flags=re.IGNORECASE)
         if unit:
             said[meaning + "_unit"] = unit

@@ -18,7 +18,7 @@ _MISSING = {
     *("1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan", "nan(ind)", "-nan(ind)", "1.#inf", "-1.#inf"),  # of C
     *("#n/a", "#nv", "#null!", "#num!", "#div/0!", "#value!", "#wert!"),  # of spreadsheets
 }
-_FILLED = re.compile(r"-+|\*\*+|\?+")  # signs that stand for a missing point
+_FILLING = "-*?"  # signs that stand for a missing point, as many as there may be
 _FORTRAN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)")  # double precision, 1.5D-03
 _MOST_LINES = 100_000  # of a header that are not empty
 _PIECE = 2**20  # characters of a line that are taken apart at once
@@ -356,7 +356,7 @@ def _begins_with_a_gap(line: str) -> bool:
 
 def _is_missing(word: str) -> bool:
     """Return whether a word without blanks around it stands for a missing point."""
-    return word.lower() in _MISSING or _FILLED.fullmatch(word) is not None
+    return word.lower() in _MISSING or not word.strip(_FILLING)
 
 
 def _number(token: str) -> float:
