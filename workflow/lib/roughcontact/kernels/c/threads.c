@@ -15,7 +15,7 @@
 
 #define MOST 64        /* threads */
 #define SHARES 4       /* of each thread */
-#define PATIENCE 20000 /* looks at what another thread does before this one lies down: about a millisecond */
+#define PATIENCE 20000 /* looks at what another thread does before this one lies down: up to a millisecond */
 
 struct Job {
     Pass *pass;
