@@ -18,7 +18,6 @@ from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import roughness_parameters
 from roughcontact.roughness.summits import summit_statistics
 from roughcontact.roughness.texture import texture_parameters
-from roughcontact.sealing.flow import flow_columns, leak_columns
 from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.statistics import theory
 from roughcontact.statistics.adhesion import adhesion_numbers
@@ -170,6 +169,8 @@ def contact_statistics(
     columns |= {name: contact[name].values for name in SOLVER_COLUMNS if name in contact}
     columns |= conductance_columns(columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies)
     if seal is not None and with_flow:
+        from roughcontact.sealing.flow import leak_columns
+
         columns |= leak_columns(columns["mean_gap"], columns, **seal)
     columns |= theory_columns(
         mean_pressure, height, contact_modulus=modulus, rms_gradient=gradient, summits=surface.summits
@@ -465,7 +466,11 @@ def _one_load(
     open_gap = np.where(touching, 0.0, gap)
     del gap
     mean_gap = open_gap.mean()
-    passage = percolation_columns(open_gap) | (flow_columns(open_gap, steps) if with_flow else {})
+    passage: dict[str, float] = percolation_columns(open_gap)
+    if with_flow:  # it brings sparse matrices along, which take as long to import as everything else here
+        from roughcontact.sealing.flow import flow_columns
+
+        passage |= flow_columns(open_gap, steps)
     del open_gap
     patches = region_sizes(touching) * (steps[0] * steps[1])
     compliance = linear_response(touching, steps, contact_modulus)

@@ -5,6 +5,8 @@ root mean square gradient. They are estimates from a few numbers of the surface;
 them.
 """
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -140,10 +142,9 @@ def greenwood_williamson_curve(
     ['2.3e+09 Pa at 1e+03 Pa', '2.9e+09 Pa at 2e+06 Pa']
     """
     density, radius, spread = (summits[name] for name in ("density", "mean_radius", "height_std"))
-    separation = _SEPARATIONS[::-1]
-    area = np.pi * density * radius * spread * _gaussian_moment(1.0, separation)
+    area = np.pi * density * radius * spread * _gaussian_moments(1.0)
     pressure = 4 / 3 * contact_modulus * density * np.sqrt(radius) * spread**1.5
-    return pressure * _gaussian_moment(1.5, separation), area
+    return pressure * _gaussian_moments(1.5), area
 
 
 def greenwood_williamson_area(
@@ -184,16 +185,20 @@ def greenwood_williamson_area(
     return np.where(found <= 1, found, np.nan)
 
 
-def _gaussian_moment(order: float, separation: np.ndarray) -> np.ndarray:
-    """Return F_n(t) = ∫_0^∞ uⁿ φ(t + u) du for an array of t, by Gauss-Legendre over the part that matters.
+@cache
+def _gaussian_moments(order: float) -> np.ndarray:
+    """Return F_n(t) = ∫_0^∞ uⁿ φ(t + u) du for all separations, the largest first, once for all surfaces.
 
-    With u = v² the integrand is smooth at 0 for half-integer n as well.
+    By Gauss-Legendre over the part that matters. With u = v² the integrand is smooth at 0 for half-integer n
+    as well.
     """
     nodes, weights = np.polynomial.legendre.leggauss(200)
     # for t >= 0 the integrand falls like exp(-t u - u²/2); beyond `reach` it is below exp(-72) of its value
     # at 0
-    t = np.asarray(separation, float)[:, None]
+    t = _SEPARATIONS[::-1, None]
     reach = np.sqrt(-t + np.sqrt(t**2 + 144.0))
     v = reach / 2 * (nodes + 1)
     integrand = 2 * v ** (2 * order + 1) * np.exp(-((t + v**2) ** 2) / 2) / np.sqrt(2 * np.pi)
-    return (reach[:, 0] / 2) * (integrand @ weights)
+    moments = (reach[:, 0] / 2) * (integrand @ weights)
+    moments.setflags(write=False)
+    return moments
