@@ -221,7 +221,7 @@ def test_a_profile_is_solved(capsys):
             ["solve", PERIODIC, "--contact-modulus", "1e9", "--window-method", "hann"],
             "--window-method = 'hann'",
         ),
-        (["solve", PERIODIC, "--body", "1e9", "0.3"], "--body is given 1 times; give it twice"),
+        (["solve", PERIODIC, "--body", "1e9", "0.3"], "--body is given once; give it twice"),
         (
             ["solve", PERIODIC, "--contact-modulus", "1e9", "--colour", "red"],
             "unrecognized arguments: --colour",

@@ -1,6 +1,7 @@
 """Two runs side by side."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import xarray as xr
 
 from roughcontact.command_line.program import main
 from roughcontact.errors import InputFileError
+from roughcontact.maps import height_map
 from roughcontact.results.collect import collect_statistics
 from roughcontact.results.comparison import compare_statistics
 from roughcontact.results.storage import write_dataset
@@ -117,3 +119,22 @@ def test_the_verb(tmp_path, capsys):
     assert "nowhere.nc" in capsys.readouterr().err
     assert main(["compare", *files, "--share", "5"]) == 2
     assert "--share 5" in capsys.readouterr().err
+
+
+def test_what_is_no_statistics_is_refused_in_one_sentence(tmp_path, capsys):
+    good, absent, other, damaged = (str(tmp_path / name) for name in ("a.nc", "b.nc", "summary.csv", "c.nc"))
+    write_dataset(statistics(), good)
+    Path(other).write_text("surface,mean_gap_m\n")
+    Path(damaged).write_bytes(Path(good).read_bytes()[:3000])
+    heights = str(tmp_path / "height.nc")
+    write_dataset(height_map([[1e-6, 2e-6], [3e-6, 1e-6]], 1e-6), heights)
+    for path, why in (
+        (absent, "no such file"),
+        (other, "is damaged, or no file of a run"),
+        (damaged, "is damaged, or no file of a run"),
+        (heights, "holds no statistics of contacts"),
+    ):
+        assert main(["compare", good, path]) == 2
+        assert capsys.readouterr().err.startswith(
+            f"roughcontact: {path}: {why}; name the statistics.nc of a run"
+        )

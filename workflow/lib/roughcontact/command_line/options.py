@@ -121,9 +121,8 @@ def chosen_settings(options: Namespace) -> dict:
         )
     if options.body:
         if len(options.body) != 2:
-            raise SettingsError(
-                f"--body is given {len(options.body)} times; give it twice, one for each body"
-            )
+            given = "once" if len(options.body) == 1 else f"{len(options.body)} times"
+            raise SettingsError(f"--body is given {given}; give it twice, one for each body")
         if wrong := [body for body in options.body if len(body) not in (2, 3)]:
             raise SettingsError(
                 f"--body {' '.join(wrong[0])}: has {len(wrong[0])} values; give Young's modulus, Poisson's "

@@ -7,10 +7,14 @@ error says what), 130 interrupted, 141 nobody reads the output any more.
 import argparse
 import os
 import sys
-from typing import Any, NoReturn
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from roughcontact import __version__
-from roughcontact.errors import ConvergenceError, RoughContactError, SettingsError
+from roughcontact.errors import ConvergenceError, InputFileError, RoughContactError, SettingsError
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _BROKEN_PIPE = 141  # what a shell reports of a program that SIGPIPE has ended
 _DESCRIPTION = (
@@ -236,15 +240,30 @@ def _compare(options: argparse.Namespace) -> int:
     """Print which numbers of two runs differ; return 1 where any does."""
     from roughcontact.command_line.describe import as_json, comparison
     from roughcontact.results.comparison import compare_statistics
-    from roughcontact.results.storage import read_dataset
 
     if options.share is not None and not 0 <= options.share < 1:
         raise SettingsError(f"--share {options.share:g}: a share is between 0 and 1; 0.01 is 1 %")
-    files = read_dataset(options.before), read_dataset(options.after)
+    files = _statistics_of(options.before), _statistics_of(options.after)
     table = compare_statistics(*files, share=options.share)
     rows: list[dict[str, Any]] = [dict(row) for _, row in table.iterrows()]
     print(as_json(rows) if options.json else comparison(rows, share=options.share))
     return int(any(row["differs"] for row in rows))
+
+
+def _statistics_of(path: str) -> "xr.Dataset":
+    """Return the statistics of a run; what is no such file is refused in these words."""
+    from roughcontact.results.storage import read_dataset
+
+    way_out = "name the statistics.nc of a run, of all surfaces or of one"
+    if not Path(path).is_file():
+        raise InputFileError(f"{path}: no such file; {way_out}")
+    try:
+        statistics = read_dataset(path)
+    except InputFileError as error:
+        raise InputFileError(f"{path}: is damaged, or no file of a run; {way_out}") from error
+    if "mean_pressure" not in statistics or "y" in statistics.dims:
+        raise InputFileError(f"{path}: holds no statistics of contacts; {way_out}")
+    return statistics
 
 
 def _crate(options: argparse.Namespace) -> int:
