@@ -52,4 +52,5 @@ def kinds_in_words(levelled: Mapping[str, Any]) -> str:
     '29 in spikes, 128 in dead lines'
     """
     kinds = json.loads(levelled.get("outlier_kinds", "{}"))
-    return ", ".join(f"{count} in {kind.replace('_', ' ')}s" for kind, count in kinds.items())
+    words = ((count, kind.replace("_", " ")) for kind, count in kinds.items())
+    return ", ".join(f"1 {kind}" if count == 1 else f"{count} in {kind}s" for count, kind in words)

@@ -295,4 +295,5 @@ def _profile(height: xr.DataArray, lines: list[tuple[np.ndarray, str, str]], *, 
         chart.line(
             position * factor, values * scale, colour=colour, width=1.1, label=name if len(lines) > 1 else ""
         )
-    return chart.source()
+    # a legend inside would hide crests
+    return chart.source("below") if len(lines) > 1 else chart.source()
