@@ -28,7 +28,7 @@ for case, owners_of in SHARED.items():
                 log:
                     f"logs/{case}/{{surface}}/share.log",
                 wildcard_constraints:
-                    surface="|".join(surfaces),
+                    surface=one_of(surfaces),
                 localrule: True
                 conda:
                     "../envs/roughcontact.yaml"
@@ -54,9 +54,7 @@ rule panel:
     log:
         f"{LOGS}/panel.log",
     wildcard_constraints:
-        surface=(
-            stagewise(SOLVED) if CROSSCHECK["code"] == "none" else "|".join(SOLVED)
-        ),
+        surface=(stagewise(SOLVED) if CROSSCHECK["code"] == "none" else one_of(SOLVED)),
     conda:
         "../envs/roughcontact.yaml"
     resources:

@@ -120,7 +120,7 @@ for case in CASES:
                     log:
                         **{step: f"{LOGS}/{step}.log" for step in steps or ["share"]},
                     wildcard_constraints:
-                        surface="|".join(small),
+                        surface=one_of(small),
                         case=case,
                     # before all others, so that every file that cannot be read is known soon
                     priority: int(part == "prepare")
