@@ -136,7 +136,7 @@ def test_maps_that_cannot_be_solved_are_refused():
         (holes, "2 of 3072"),
         (uneven, "not evenly spaced"),
         (backwards, "increase"),
-        (window[:1, :1], "one pixel"),
+        (window[:1, :1], "single point"),
         (window.rename(x="u"), "dimensions"),
         (window.drop_vars("x"), "pixel size"),
     ]
