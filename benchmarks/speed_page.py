@@ -14,6 +14,7 @@ BEGIN, END = "<!-- speed: written by benchmarks/speed.py -->", "<!-- end of spee
 COMMAND = "python benchmarks/speed.py FOLDER ... --page docs/explanation/benchmark.md --readme README.md"
 HARDEST = 5
 QUIET = 2.5  # load average: more than an earlier part of the measurement leaves behind
+TRIED = Path(__file__).with_name("tried.md")  # written by hand: trials leave no records
 AS_IT_IS = ("#", "|", "- ", "![")  # paragraphs that are not prose
 
 RACE = """\
@@ -84,6 +85,10 @@ def page(results: dict, drawing: str) -> str:
         if results.get(name):
             parts += section(list(results[name].values()))
     parts += ["## On a GPU", GPU]
+    parts += [
+        "## What is not met, and what was tried",
+        *TRIED.read_text(encoding="utf-8").strip().split("\n\n"),
+    ]
     return "\n\n".join(part if part.startswith(AS_IT_IS) else wrapped(part) for part in parts) + "\n"
 
 

@@ -224,6 +224,8 @@ def test_the_page_shows_every_row(script):
         "| 512² | 1 | 1 ms | 8 ms | 6.5 | **8.0** |",
         "| 512² | 1 | 1 s | 2 s | 50% | 90% |",
         "| roughcontact | 44 |",
+        "| aim | trial | what it gave |",
+        "## What is not met, and what was tried",
     ):
         assert row in text
     assert max(len(line) for line in text.splitlines() if not line.startswith(("|", "-"))) <= 110
