@@ -68,7 +68,7 @@ if owners("contact", keep_fields=True) or (
             "../envs/roughcontact.yaml"
         threads: solver_threads
         resources:
-            mem_mb=memory(bytes_per_point=160, and_load=25, and_flow=1600),
+            mem_mb=memory(bytes_per_point=110, and_flow=1600),
             runtime=minutes(microseconds_per_point=100, and_load=10),
         params:
             settings=stage_settings("statistics"),

@@ -50,12 +50,16 @@ def conjugate_gradients(
     .. [1] Hestenes and Stiefel (1952), J. Res. Natl. Bur. Stand. 49, 409.
     """
     xp = residual.__array_namespace__()
-    zero = xp.zeros_like(residual[:1, :1])
+    outside = ~active
 
     def centred(field: Array) -> Array:
-        return xp.where(active, field - mean(field[active]), zero)
+        """Take the mean off the active points, in place, and everything off the others."""
+        field -= mean(field[active])
+        field[outside] = 0.0
+        return field
 
-    left, z = centred(residual), centred(preconditioned)
+    left, z = centred(xp.asarray(residual, copy=True)), centred(xp.asarray(preconditioned, copy=True))
+    del residual, preconditioned
     direction, solution = z, xp.zeros_like(left)
     rz = mean_product(left, z)
     while True:
@@ -65,15 +69,15 @@ def conjugate_gradients(
         if not (curvature > 0 and rz > 0):
             return
         length = rz / curvature
-        solution += length * direction
         displaced *= length
         left -= displaced
-        del displaced  # the maps that are large are no more than there have to be
+        del displaced, z  # the maps that are large are no more than there have to be
+        solution += length * direction
         left = centred(left)
         z = centred(grid.precondition_on_last_set(left))
         before, rz = rz, mean_product(left, z)
-        direction = z + rz / before * direction
-        del z
+        direction *= rz / before
+        direction += z
 
 
 def corrected_accurately(grid: Grid, correction: PreconditionedResidual) -> PreconditionedResidual:
