@@ -82,6 +82,14 @@ def test_fields_are_optional_and_reduce_replaces_them():
         np.testing.assert_array_equal(reduced[name], whole[name], err_msg=name)
 
 
+def test_a_reduce_that_cannot_reduce_is_named():
+    kwargs = {"contact_modulus": MODULUS, "mean_pressure": [1e7]}
+    with pytest.raises(rc.SettingsError, match="reduce = 'area': give a function of a Dataset"):
+        rc.solve_contact(rough(), reduce="area", **kwargs)
+    with pytest.raises(rc.RoughContactError, match="given as reduce returned NoneType: let it return a Data"):
+        rc.solve_contact(rough(), reduce=lambda contact: None, **kwargs)
+
+
 def test_progress_is_told_after_every_load():
     calls = []
     rc.solve_contact(

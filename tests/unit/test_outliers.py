@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from roughcontact.errors import SettingsError
 from roughcontact.levelling.level import level
 from roughcontact.levelling.outliers import find_outliers
 from roughcontact.maps import height_map
@@ -339,3 +340,11 @@ def test_islands_on_a_slope_are_kept():
     missing[100:128:9, 100:128:9] = False
     values[missing] = np.nan
     assert find_outliers(values, threshold=THRESHOLD)[1] == {}
+
+
+@pytest.mark.parametrize("threshold", [True, "six", 0, -1, np.inf, np.nan, 1j])
+def test_a_threshold_that_is_no_positive_number_is_named(threshold):
+    with pytest.raises(
+        SettingsError, match=r"level\.outlier_threshold = .*: give a positive number, or null"
+    ):
+        level(height_map(np.eye(8), 1.0), outlier_threshold=threshold)

@@ -12,7 +12,7 @@ from roughcontact.contact.loads import check_loads
 from roughcontact.contact.problem import on_host, pose
 from roughcontact.contact.sweep import Solution, sweep
 from roughcontact.elasticity.halfspace import zero_frequency_compliance
-from roughcontact.errors import ConvergenceError, SettingsError
+from roughcontact.errors import ConvergenceError, RoughContactError, SettingsError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 from roughcontact.variables import describe
 
@@ -92,9 +92,10 @@ def solve_contact(
     HeightMapError
         for a map with missing points, uneven spacing or a single pixel.
     SettingsError
-        for a modulus, load, tolerance or rule that has no meaning, or that rounding leaves nothing of.
+        for a modulus, load, tolerance or rule that has no meaning, or that rounding leaves nothing of; for
+        a `reduce` that cannot be called.
     RoughContactError
-        where `reduce` returns a variable that `roughcontact.variables` does not have.
+        where `reduce` returns a variable that `roughcontact.variables` does not have, or no Dataset.
     ConvergenceError
         where a load does not reach the tolerance and `on_failure` is ``raise``.
 
@@ -130,6 +131,10 @@ def solve_contact(
     check_choice("on_failure", on_failure, OnFailure)
     check_choice("influence", influence, Influence)
     check_choice("precision", precision, Precision)
+    if reduce is not None and not callable(reduce):
+        raise SettingsError(
+            f"reduce = {reduce!r}: give a function of a Dataset, such as roughcontact.contact_statistics"
+        )
     cap = np.inf if hardness is None else check_positive("hardness", hardness, unit="Pa")
     if max(loads) >= cap:
         raise SettingsError(
@@ -183,7 +188,7 @@ def solve_contact(
             threads=threads,
         )
         if reduce is not None:
-            reduced = describe(reduce(piece))
+            reduced = _reduced(piece, reduce)
             piece = piece.drop_dims(["y", "x"]).merge(reduced, compat="override", combine_attrs="override")
         elif not fields:
             piece = piece.drop_dims(["y", "x"])
@@ -192,6 +197,16 @@ def solve_contact(
             progress(done, len(loads), f"mean pressure {load:.4g} Pa")
     del solutions  # and with them their workspace
     return describe(joined([pieces[index] for index in range(len(loads))]))
+
+
+def _reduced(piece: xr.Dataset, reduce: Callable[[xr.Dataset], xr.Dataset]) -> xr.Dataset:
+    """Return what a caller's function makes of a load, or say that it makes nothing to keep."""
+    reduced = reduce(piece)
+    if not isinstance(reduced, xr.Dataset):
+        raise RoughContactError(
+            f"the function given as reduce returned {type(reduced).__name__}: let it return a Dataset"
+        )
+    return describe(reduced)
 
 
 def _missed(load: float, solution: Solution, *, tolerance: float, precision: Precision) -> str:

@@ -199,7 +199,10 @@ def _check_positive(**options: float | None) -> None:
         "l_filter": "null to keep the long waves",
     }
     for name, value in options.items():
-        if value is not None and not 0 < value < np.inf:
+        if value is None:
+            continue
+        # True is a number to Python
+        if isinstance(value, bool) or not (np.isreal(value) and 0 < value < np.inf):
             raise SettingsError(f"level.{name} = {value!r}: give a positive number, or {instead[name]}")
 
 
