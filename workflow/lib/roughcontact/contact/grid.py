@@ -24,8 +24,10 @@ from roughcontact.kernels.protocol import Factors
 
 # What the projection takes away is redistributed to the contact around, in several passes: at most so many,
 # until the rest, as a share of the load, is so small that all of the contact may share it. Under a profile
-# that is dear, because the displacement beside a line contact does not decay.
+# that is dear, because the displacement beside a line contact does not decay; in a cell so much longer than
+# wide it hardly does so either.
 MOST_PASSES, SMALL_REST = 12, 0.01
+LONG, MOST_PASSES_OF_LONG, SMALL_REST_OF_LONG = 8.0, 50, 1e-3
 MOST_PASSES_OF_PROFILES, SMALL_REST_OF_PROFILES = 100, 1e-5
 MOST_SCALED = 2.0  # factor up to which the points below the cap make up for what is missing in the load
 SMALL_CHANGE = 0.1  # of the residual's norm, that is simply added to it
@@ -111,11 +113,11 @@ class Grid:
         self._line_axis: int | None = None  # of the lines that are contacts of their own
         if has_separate_lines(hierarchy(heights.shape, lengths)):
             self._line_axis = 0 if lengths[0] / heights.shape[0] < lengths[1] / heights.shape[1] else 1
-        self._passes = (
-            (MOST_PASSES_OF_PROFILES, SMALL_REST_OF_PROFILES)
-            if min(self.shape) == 1
-            else (MOST_PASSES, SMALL_REST)
-        )
+        self._passes = MOST_PASSES, SMALL_REST
+        if min(self.shape) == 1:
+            self._passes = MOST_PASSES_OF_PROFILES, SMALL_REST_OF_PROFILES
+        elif max(lengths) >= LONG * min(lengths):
+            self._passes = MOST_PASSES_OF_LONG, SMALL_REST_OF_LONG
         single = self.heights_in(SINGLE)
         self._height_size = norm(single, single)
 
