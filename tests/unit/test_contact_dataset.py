@@ -334,6 +334,18 @@ def test_elongated_pixels_need_no_more_than_a_few_times_the_work(aspect, relativ
     assert float(contact["operator_applications"][0]) < 30
 
 
+@pytest.mark.parametrize(("rows", "seed", "relative"), [(16, 0, 0.3), (16, 3, 0.1), (32, 0, 0.3)])
+def test_a_cell_much_longer_than_wide_takes_no_more_work_than_a_square_one(rows, seed, relative):
+    """A spectrum down to the pixel, whose load the projection moves far along the cell."""
+    waves = np.hypot(np.fft.fftfreq(rows)[:, None], np.fft.rfftfreq(4096))
+    waves[0, 0] = np.inf
+    noise = np.random.default_rng(seed).standard_normal((rows, 4096))
+    window = height_map(np.fft.irfft2(waves**-1.8 * np.fft.rfft2(noise), s=noise.shape), 1.0)
+    loads = plan_loads(window, contact_modulus=1.0, relative_pressure=relative)
+    contact = rc.solve_contact(window, contact_modulus=1.0, mean_pressure=loads, fields=False)
+    assert float(contact["operator_applications"][0]) <= 14
+
+
 AWKWARD = {
     "prime sides": synthetic.self_affine_surface(
         (61, 53), 1.0, hurst=0.8, shortest=6.0, longest=50.0, rms_gradient=0.1, seed=1
