@@ -241,7 +241,7 @@ def test_flat_map_is_periodic():
 
 
 def test_maps_without_a_window():
-    with pytest.raises(HeightMapError, match="1 point"):
+    with pytest.raises(HeightMapError, match="a single point"):
         periodic_window(height_map([[1.0]], 1.0))
     with pytest.raises(HeightMapError, match="missing"):
         periodic_window(height_map(np.full((5, 5), np.nan), 1.0))

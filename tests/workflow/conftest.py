@@ -5,6 +5,8 @@ import shutil
 import pytest
 from small_project import ROOT, Project, write_maps
 
+collect_ignore = ["conda_environment.py"]  # a program that needs conda's parser: .ci/run installs it
+
 
 @pytest.fixture(scope="session")
 def checkout(tmp_path_factory):

@@ -361,7 +361,8 @@ def _cutoff_wavelength(height: xr.DataArray, power: np.ndarray, unit: tuple[floa
         over_waves(power, height.shape, spacing(height)), over_waves(power, height.shape, unit), strict=True
     )
     for (squared, both), (squared_in_unit, _) in waves:
-        shell = np.rint(np.sqrt(squared_in_unit) / fundamental).astype(int)
+        # half-way between two shells is in the lower one, however it is rounded
+        shell = np.ceil(np.sqrt(squared_in_unit) / fundamental - (0.5 + 1e-9)).astype(int)
         share += np.bincount(shell.ravel(), weights=(squared * both).ravel(), minlength=last + 1)
     total = share.sum()
     if not total > 0:
