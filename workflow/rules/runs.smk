@@ -66,9 +66,19 @@ logging.getLogger("snakemake.logging").addFilter(without_limit)
 
 
 KILLED = []  # what was said of jobs that could not say it themselves
-# the files of our rules, as Snakemake names them
+
+
+def named_by_snakemake(file):
+    """Return what Snakemake calls a file of the workflow in its messages."""
+    try:
+        return file.get_path_or_uri(secret_free=True)
+    except TypeError:  # the first versions hide no tokens
+        return file.get_path_or_uri()
+
+
+# the files of our rules
 OURS = {
-    HERE.join(path.name).get_path_or_uri(secret_free=True)
+    named_by_snakemake(HERE.join(path.name))
     for path in (ROOT / "workflow/rules").glob("*.smk")
 }
 
