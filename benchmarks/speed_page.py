@@ -181,7 +181,7 @@ def race_section(timed: list[dict]) -> list[str]:
             table(("map", "points", "p′", *codes, *(f"{code} ratio" for code in rivals)), rows),
             "\n".join(line for rival in rivals for line in comparison(here, rival, threads)),
         ]
-    return [*parts, slowest_ratio(timed), *limits_of_threads(timed)]
+    return [*parts, slowest_ratio(timed)]
 
 
 def comparison(timed: list[dict], rival: str, threads: int) -> list[str]:
@@ -213,19 +213,6 @@ def slowest_ratio(timed: list[dict]) -> str:
 solver's does not. It is least on small maps ({small}²), where setting up the grids and labelling
 the result weigh as much as the transforms, and at low loads, where the others need few
 iterations. Grids of fewer than 32 768 points take one thread, whatever is allowed."""
-
-
-def limits_of_threads(timed: list[dict]) -> list[str]:
-    """Return what was tried on several threads, where there are such times."""
-    if all(case["threads"] == 1 for case in timed):
-        return []
-    return [
-        """What more threads gain ends where one must do: checks, set-up and labels in Python are half of a
-solve of 256². Passes and transforms are cut into shares that whoever is free takes, so that nobody waits
-for a thread that is not yet awake. Tried before and given up: the threads of SciPy's transforms, woken
-anew for every block of rows, which gained nothing below 1500² and took time below 400²; one share for
-each thread, for which the caller had to wait."""
-    ]
 
 
 def default_solves(maps: Iterable[dict], tolerance: float) -> list[dict]:
