@@ -5,14 +5,8 @@ import math
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 _AS_FAR = 0.1  # by which the two sides of an interval may differ and still be called ±
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_PREFIXED = (
-    "m",
-    "Pa",
-    "J",
-    "W",
-    "S",
-    "l",
-)  # units that take a prefix; composed ones are given in powers of ten
+# units that take a prefix; composed ones are given in powers of ten
+_PREFIXED = ("m", "Pa", "J", "W", "S", "l")
 
 
 def prefix(value: float, unit: str) -> tuple[float, str]:

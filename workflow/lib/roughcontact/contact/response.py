@@ -82,9 +82,13 @@ def linear_response(
     del increment
     residual *= contact
     energy = float(residual[contact].mean(dtype=float))  # <x, G x> of the even increment x
-    # handed over, so that the maps are no more than there have to be
-    preconditioned = [grid.precondition_on(contact, residual - contact * residual.dtype.type(energy))]
-    steps = conjugate_gradients(grid, residual, preconditioned.pop(), contact)
+    steps = conjugate_gradients(
+        grid,
+        residual,
+        # without a name here, so that the maps are no more than there have to be
+        grid.precondition_on(contact, residual - contact * residual.dtype.type(energy)),
+        contact,
+    )
     for step, (correction, rz) in enumerate(steps):
         least = energy - mean_product(residual, correction)  # <x - d, G (x - d)>
         if rz <= tolerance**2 * least or step == MOST_STEPS:

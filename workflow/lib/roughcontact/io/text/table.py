@@ -12,6 +12,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.guards import brief, check_points
+from roughcontact.quantities import several
 
 _MISSING = {
     *("nan", "na", "n/a", "bad", "null", "none", "void", "nodata", "invalid", "inf", "+inf", "-inf", ""),
@@ -289,7 +290,7 @@ def _parse(
         width = widths.most_common(1)[0][0]
         bad = next(index for index, count in enumerate(counts) if count != width)
         cut = "; the last line is not whole: the file was cut off" if bad == len(counts) - 1 else ""
-        what = f"{counts[bad]} number{'s' if counts[bad] > 1 else ''}"
+        what = several(counts[bad], "number")
         raise _UnequalRowsError(f"{path}: row {bad + 1} has {what} where the others have {width}{cut}")
     shape = len(counts), counts[0]
     check_points(shape, path)
