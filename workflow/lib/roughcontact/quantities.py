@@ -1,12 +1,38 @@
 """Numbers as people read them: SI prefixes, few digits, no long exponents."""
 
 import math
+from typing import NamedTuple
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 _AS_FAR = 0.1  # by which the two sides of an interval may differ and still be called ±
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # units that take a prefix; composed ones are given in powers of ten
 _PREFIXED = ("m", "Pa", "J", "W", "S", "l")
+
+
+class Unit(NamedTuple):
+    """A unit in which numbers are shown: what values in SI are multiplied with, and its name."""
+
+    factor: float
+    shown: str
+
+    def text(self, value: float) -> str:
+        """Return a value (SI) with this unit, three significant digits.
+
+        Parameters
+        ----------
+        value : float
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> Unit(1e-6, "MPa").text(1.43e10)
+        '14300 MPa'
+        """
+        return f"{number(value * self.factor)} {self.shown}"
 
 
 def prefix(value: float, unit: str) -> tuple[float, str]:
@@ -67,6 +93,57 @@ def quantity(value: float, unit: str = "1", *, digits: int = 3) -> str:
     factor, shown = prefix(value, unit)
     text = number(value * factor, digits=digits)
     return text if unit == "1" else f"{text} {shown}"
+
+
+def pressure_unit(contact_modulus: float) -> Unit:
+    """Return the unit of all pressures between bodies of a contact modulus, whatever their size.
+
+    Loads, pressures and hardness of one contact so have the same unit, as have those of other surfaces of the
+    same bodies: what stands side by side compares.
+
+    Parameters
+    ----------
+    contact_modulus : float, Pa
+        E*; NaN where it is not known.
+
+    Returns
+    -------
+    Unit
+        MPa, below 100 MPa (rubber) kPa, below 100 kPa (gels) Pa.
+
+    Examples
+    --------
+    >>> pressure_unit(115e9).shown, pressure_unit(2e6).shown, pressure_unit(1e3).shown
+    ('MPa', 'kPa', 'Pa')
+    """
+    if contact_modulus < 1e5:
+        return Unit(1.0, "Pa")
+    return Unit(1e-3, "kPa") if contact_modulus < 1e8 else Unit(1e-6, "MPa")
+
+
+def height_unit(rms_height: float) -> Unit:
+    """Return the unit of all heights and gaps of a surface, whatever their size.
+
+    Parameters
+    ----------
+    rms_height : float, m
+        of the solved window; zero or NaN where there is none.
+
+    Returns
+    -------
+    Unit
+        µm, as roughness is specified; nm, mm and m far from that.
+
+    Examples
+    --------
+    >>> height_unit(3e-8).shown, height_unit(1.2e-9).shown, height_unit(0.04).shown
+    ('µm', 'nm', 'mm')
+    """
+    if 0 < rms_height < 2e-8:
+        return Unit(1e9, "nm")
+    if rms_height >= 2e-3:
+        return Unit(1e3, "mm") if rms_height < 2 else Unit(1.0, "m")
+    return Unit(1e6, "µm")
 
 
 def number(value: float, *, digits: int = 3) -> str:

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, prefix, quantity, with_interval
+from roughcontact.quantities import number, with_interval
 from roughcontact.report.charts import COLOURS, MARKERS, Axis, Chart
+from roughcontact.report.units import unit_of
 
 # what each quantity is called on the page
 _SHOWN = {
@@ -57,7 +58,7 @@ def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
         parts = {s: float(budget.sel(source=s)[index]) for s in present}
         rows.append(
             [
-                quantity(float(numbers["mean_pressure"][index]), "Pa"),
+                unit_of(numbers, "Pa").text(float(numbers["mean_pressure"][index])),
                 with_interval(*(100 * float(of[index]) for of in shown)),
                 *(_part(100 * part) for part in parts.values()),
                 _largest(parts),
@@ -100,7 +101,7 @@ def _images(numbers: xr.Dataset, present: Sequence[str]) -> list[tuple[str, str]
     All sources together are a solid line upwards and a dashed one downwards.
     """
     load = numbers["mean_pressure"].values
-    factor, unit = prefix(float(np.median(load)), "Pa")
+    factor, unit = unit_of(numbers, "Pa")
     images = []
     for name, title in _SHOWN.items():
         chart = Chart(

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, percent, quantity
-from roughcontact.report.tables import unit_of_column
+from roughcontact.quantities import Unit, number, percent
+from roughcontact.report.units import unit_of
 
 _BARS = "Bars: the ±."
 
@@ -55,8 +55,7 @@ def gap_caption(numbers: xr.Dataset) -> str:
     'The mean gap is 2.00 µm at 1.00 MPa, 0.500 µm at 5.00 MPa: 2.00 and 0.500 of the rms height.'
     """
     gaps, rms = numbers["mean_gap"].values, float(numbers["rms_height"])
-    factor, unit = unit_of_column(gaps, "m")
-    first, last = (f"{number(float(gap) * factor)} {unit}" for gap in (gaps[0], gaps[-1]))
+    first, last = (unit_of(numbers, "m").text(float(gap)) for gap in (gaps[0], gaps[-1]))
     text = _from_to(numbers, [f"The mean gap is {first}", last])
     shares = " and ".join(dict.fromkeys(number(float(gap) / rms) for gap in (gaps[0], gaps[-1])))
     return f"{text}: {shares} of the rms height."
@@ -81,12 +80,11 @@ def pressure_caption(numbers: xr.Dataset) -> str:
     'Mean pressure in contact 100 MPa at 1.00 MPa, 200 MPa at 5.00 MPa; largest 400 MPa at 5.00 MPa.'
     """
     means, largest = (numbers[name].values for name in ("mean_contact_pressure", "max_pressure"))
-    factor, unit = unit_of_column(means, "Pa")
-    first, last = (f"{number(float(mean) * factor)} {unit}" for mean in (means[0], means[-1]))
+    pressure = unit_of(numbers, "Pa").text
+    first, last = (pressure(float(mean)) for mean in (means[0], means[-1]))
     text = _from_to(numbers, [f"Mean pressure in contact {first}", last])
     peak = int(largest.argmax())
-    load = quantity(float(numbers["mean_pressure"][peak]), "Pa")
-    words = f"{number(float(largest[peak]) * factor)} {unit}"
+    load, words = (pressure(float(of[peak])) for of in (numbers["mean_pressure"].values, largest))
     if _at_hardness(numbers, peak):
         return f"{text}; largest {words}, the hardness, from {load} on."
     return f"{text}; largest {words} at {load}."
@@ -111,7 +109,7 @@ def distribution_caption(numbers: xr.Dataset) -> str:
     'At 5.00 MPa the pressure scatters by 25.0 % of its mean over the contact.'
     """
     last = numbers.isel(load=-1)
-    load = quantity(float(last["mean_pressure"]), "Pa")
+    load = _load(last)
     if _at_hardness(numbers, -1) and float(last["area_share_above_hardness"]) > 0:
         share = percent(float(last["area_share_above_hardness"]))
         return f"At {load} {share} of the contact carry the hardness."
@@ -144,7 +142,7 @@ def patch_caption(numbers: xr.Dataset) -> str:
     largest = float(last["largest_patch_area"])
     share = percent(largest / (float(last["relative_contact_area_pixels"]) * window))
     count = int(last["contact_clusters"])
-    load, area = quantity(float(last["mean_pressure"]), "Pa"), f"{number(largest * 1e12)} µm²"
+    load, area = _load(last), unit_of(numbers, "m2").text(largest)
     if count == 1:
         return f"At {load} a single patch of {area} touches."
     return f"At {load} {count} patches touch; the largest, {area}, has {share} of the contact."
@@ -166,16 +164,13 @@ def open_caption(numbers: xr.Dataset) -> str:
     --------
     >>> found = {"mean_pressure": ("load", [5e6]), "mean_gap": ("load", [1e-7])}
     >>> open_caption(xr.Dataset(found | {"relative_contact_area_pixels": ("load", [0.5])}))
-    'At 5.00 MPa 50.0 % of the area are apart, by 200 nm on average.'
+    'At 5.00 MPa 50.0 % of the area are apart, by 0.200 µm on average.'
     """
     last = numbers.isel(load=-1)
-    load, apart = (
-        quantity(float(last["mean_pressure"]), "Pa"),
-        1 - float(last["relative_contact_area_pixels"]),
-    )
+    load, apart = _load(last), 1 - float(last["relative_contact_area_pixels"])
     if apart <= 0:
         return f"At {load} nothing is apart."
-    mean = quantity(float(last["mean_gap"]) / apart, "m")
+    mean = unit_of(numbers, "m").text(float(last["mean_gap"]) / apart)
     return f"At {load} {percent(apart)} of the area are apart, by {mean} on average."
 
 
@@ -199,15 +194,17 @@ def reading_of(numbers: xr.Dataset) -> str:
     return _BARS if any(str(name).endswith("_lower") for name in numbers) else ""
 
 
-def comparison_caption(series: Sequence[tuple[str, np.ndarray, np.ndarray]], unit: str) -> str:
+def comparison_caption(
+    series: Sequence[tuple[str, np.ndarray, np.ndarray]], pressure: Unit | None = None
+) -> str:
     """Return which surface has the least and which the most contact at the highest load that all have.
 
     Parameters
     ----------
     series : sequence of (name, loads, relative contact areas)
         loads rising.
-    unit : str
-        of the loads: "Pa", or "1" for relative pressures.
+    pressure : Unit, optional
+        in which loads are shown that are mean pressures (Pa); without, they are relative pressures.
 
     Returns
     -------
@@ -218,7 +215,7 @@ def comparison_caption(series: Sequence[tuple[str, np.ndarray, np.ndarray]], uni
     --------
     >>> loads = np.array([1e6, 5e7])
     >>> series = [("ground", loads, np.array([0.1, 0.3])), ("turned", loads, np.array([0.1, 0.5]))]
-    >>> comparison_caption(series, "Pa")
+    >>> comparison_caption(series, Unit(1e-6, "MPa"))
     'At p̄ = 50.0 MPa 30.0 % (ground) to 50.0 % (turned) of the area touch.'
     """
     if len(series) < 2:
@@ -229,8 +226,8 @@ def comparison_caption(series: Sequence[tuple[str, np.ndarray, np.ndarray]], uni
         f"{percent(areas[place])} ({series[place][0]})"
         for place in (int(np.argmin(areas)), int(np.argmax(areas)))
     )
-    symbol = "p̄" if unit == "Pa" else "p′"
-    return f"At {symbol} = {quantity(highest, unit)} {least} to {most} of the area touch."
+    load = f"p̄ = {pressure.text(highest)}" if pressure else f"p′ = {number(highest)}"
+    return f"At {load} {least} to {most} of the area touch."
 
 
 def _at_hardness(numbers: xr.Dataset, place: int) -> bool:
@@ -240,9 +237,14 @@ def _at_hardness(numbers: xr.Dataset, place: int) -> bool:
     return float(numbers["max_pressure"][place]) >= float(numbers["hardness"]) * (1 - 1e-9)
 
 
+def _load(numbers: xr.Dataset) -> str:
+    """Return the mean pressure of a single load."""
+    return unit_of(numbers, "Pa").text(float(numbers["mean_pressure"]))
+
+
 def _from_to(numbers: xr.Dataset, said: list[str]) -> str:
     """Return what is said of the lowest and of the highest load, with these; once where there is one."""
     loads = numbers["mean_pressure"].values
-    ends = [quantity(float(load), "Pa") for load in (loads[0], loads[-1])]
+    ends = [unit_of(numbers, "Pa").text(float(load)) for load in (loads[0], loads[-1])]
     pairs = [f"{words} at {load}" for words, load in zip(said, ends, strict=True)]
     return ", ".join(pairs if loads.size > 1 else pairs[:1])

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, percent, plus_minus, prefix, quantity
+from roughcontact.quantities import Unit, number, plus_minus
+from roughcontact.report.units import middle_of, unit_of
 
 # quantity, its name, its unit (a share is given in percent)
 _COMPARED = (
@@ -15,6 +16,7 @@ _COMPARED = (
     ("max_pressure", "largest pressure", "Pa"),
     ("mean_gap", "mean gap ū", "m"),
 )
+_PERCENT = Unit(1.0, "%")  # of what is in percent already
 _SPREAD = (0.1, 0.9)  # quantiles over the surfaces
 
 _DUST = 1e-9  # percent: a difference that small is rounding
@@ -51,7 +53,7 @@ def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
     """
     if len(cases) < 2:
         return None
-    loads = min(data.sizes["load"] for data in cases.values())
+    loads, first = min(data.sizes["load"] for data in cases.values()), next(iter(cases.values()))
     names_of_loads = [_load([[data] for data in cases.values()], load) for load in range(loads)]
     groups = []
     for name, title, unit in _COMPARED:
@@ -62,7 +64,7 @@ def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
             rows.append(
                 [
                     names_of_loads[load],
-                    *(_shown(*pair, unit) for pair in zip(values, halves, strict=True)),
+                    *(_shown(*pair, unit_of(first, unit)) for pair in zip(values, halves, strict=True)),
                     *(
                         _difference(values[0], halves[0], *pair)
                         for pair in zip(values[1:], halves[1:], strict=True)
@@ -94,6 +96,7 @@ def case_medians(surfaces: Sequence[Mapping[str, xr.Dataset]]) -> dict[str, Any]
     loads = min(data.sizes["load"] for surface in complete for data in surface.values())
     by_case = [[surface[name] for surface in complete] for name in names]
     names_of_loads = [_load(by_case, load) for load in range(loads)]
+    middle = middle_of(by_case[0])
     groups = []
     for quantity_name, title, unit in _COMPARED:
         values = np.array(
@@ -104,8 +107,11 @@ def case_medians(surfaces: Sequence[Mapping[str, xr.Dataset]]) -> dict[str, Any]
         rows = [
             [
                 names_of_loads[load],
-                *(_quantiles(column, unit) for column in values[:, :, load].T),
-                *(_quantiles(column, "±%") for column in changes[:, :, load].T),
+                *(_quantiles(column, unit_of(middle, unit)) for column in values[:, :, load].T),
+                *(
+                    _quantiles(np.where(np.abs(column) < _DUST, 0.0, column), _PERCENT)
+                    for column in changes[:, :, load].T
+                ),
             ]
             for load in range(loads)
         ]
@@ -117,12 +123,13 @@ def _load(cases: Sequence[Sequence[xr.Dataset]], load: int) -> str:
     """Return what all surfaces have in common at a load under all cases, else the median pressure of each."""
     pressures = np.array([[float(data["mean_pressure"][load]) for data in case] for case in cases])
     if np.allclose(pressures, pressures[0, 0], rtol=1e-6):
-        return quantity(float(pressures[0, 0]), "Pa")
+        return unit_of(cases[0][0], "Pa").text(float(pressures[0, 0]))
     if all("relative_pressure" in data for case in cases for data in case):
         relative = np.array([[float(data["relative_pressure"][load]) for data in case] for case in cases])
         if np.allclose(relative, relative[0, 0], rtol=1e-6):
             return f"{number(float(relative[0, 0]))} E* g"
-    return " / ".join(quantity(float(median), "Pa") for median in np.median(pressures, axis=1))
+    show = unit_of(cases[0][0], "Pa").text
+    return " / ".join(show(float(median)) for median in np.median(pressures, axis=1))
 
 
 def _half_width(data: xr.Dataset, name: str, load: int) -> float:
@@ -132,9 +139,9 @@ def _half_width(data: xr.Dataset, name: str, load: int) -> float:
     return float(data[f"{name}_uncertainty"].sel(source="combined")[load])
 
 
-def _shown(value: float, half: float, unit: str) -> str:
-    """Return a number with its ± in a unit that suits it."""
-    factor, shown = (100.0, "%") if unit == "%" else prefix(value, unit)
+def _shown(value: float, half: float, unit: Unit) -> str:
+    """Return a number with its ±."""
+    factor, shown = unit
     text = plus_minus(value * factor, half * factor)
     return f"({text}) {shown}" if "±" in text else f"{text} {shown}"
 
@@ -150,16 +157,10 @@ def _difference(first: float, half_of_first: float, other: float, half: float) -
     return f"({text}) %" if "±" in text else f"{text} %"
 
 
-def _quantiles(values: np.ndarray, unit: str) -> str:
+def _quantiles(values: np.ndarray, unit: Unit) -> str:
     """Return the median of some numbers and where most of them lie."""
-    known = values[np.isfinite(values)]
+    known = values[np.isfinite(values)] * unit.factor
     if not known.size:
         return "–"
-    low, middle, high = np.quantile(known, [_SPREAD[0], 0.5, _SPREAD[1]])
-    if unit == "%":
-        return f"{percent(middle)} ({number(100 * low)} to {number(100 * high)})"
-    if unit == "±%":
-        low, middle, high = (0.0 if abs(value) < _DUST else value for value in (low, middle, high))
-        return f"{number(middle)} % ({number(low)} to {number(high)})"
-    factor, shown = prefix(float(middle), unit)
-    return f"{number(middle * factor)} {shown} ({number(low * factor)} to {number(high * factor)})"
+    low, middle, high = (number(float(end)) for end in np.quantile(known, [_SPREAD[0], 0.5, _SPREAD[1]]))
+    return f"{middle} {unit.shown} ({low} to {high})"

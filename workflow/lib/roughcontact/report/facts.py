@@ -2,7 +2,7 @@
 
 import json
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from roughcontact.io.metadata import labelled
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.quantities import number, percent, quantity, several
+from roughcontact.report.units import unit_of
 from roughcontact.statistics.adhesion import adhesion_in_words
 
 _NO_LAY = 0.5  # texture aspect ratio from which on a surface has no lay
@@ -46,16 +47,16 @@ def surface_facts(
         ("Map", f"{_size(measured)} of {pitch}"),
         ("Missing points", percent(measured.attrs.get("missing_share", 0.0))),
         ("Counter-face", _counter_face(levelled)),
-        ("Removed form", _removed(levelled)),
-        ("Scan lines", _lines(levelled)),
-        ("Filters", _filters(levelled)),
-        ("Sa, Sq, Sz", _parameters(levelled, ("Sa", "Sq", "Sz"), "m")),
-        ("Ssk, Sku, Sdq", _parameters(levelled, ("Ssk", "Sku", "Sdq"), "1")),
-        ("Sk, Spk, Svk", _parameters(levelled, ("Sk", "Spk", "Svk"), "m")),
+        ("Removed form", _removed(levelled, numbers)),
+        ("Scan lines", _lines(levelled, numbers)),
+        ("Filters", _filters(levelled, numbers)),
+        ("Sa, Sq, Sz", _parameters(levelled, ("Sa", "Sq", "Sz"), unit_of(numbers, "m").text)),
+        ("Ssk, Sku, Sdq", _parameters(levelled, ("Ssk", "Sku", "Sdq"), number)),
+        ("Sk, Spk, Svk", _parameters(levelled, ("Sk", "Spk", "Svk"), unit_of(numbers, "m").text)),
         ("Window", _size(window)),
         ("Periodisation", str(window.attrs.get("periodisation", "none"))),
         ("Sal, Str, lay", _texture(numbers)),
-        ("rms height", quantity(float(numbers["rms_height"]), "m")),
+        ("rms height", unit_of(numbers, "m").text(float(numbers["rms_height"]))),
         ("rms gradient g", number(float(numbers["rms_gradient"]))),
         ("rms curvature", f"{number(float(numbers['rms_curvature']) * 1e-3)} mm⁻¹"),
         ("Nayak parameter", number(float(numbers["nayak_parameter"]))),
@@ -139,13 +140,15 @@ def levelled_caption(levelled: xr.DataArray) -> str:
     return f"{removed_and_filled(levelled.attrs)}.{frame}"
 
 
-def spectrum_caption(window: xr.DataArray) -> str:
+def spectrum_caption(window: xr.DataArray, numbers: xr.Dataset) -> str:
     """Return which waves of a window are solved, and what the others were.
 
     Parameters
     ----------
     window : DataArray (y, x)
         with the attributes that `periodic_window` leaves.
+    numbers : Dataset
+        statistics of the surface.
 
     Returns
     -------
@@ -156,14 +159,14 @@ def spectrum_caption(window: xr.DataArray) -> str:
     >>> import numpy as np
     >>> from roughcontact.maps import height_map
     >>> band = {"band_shortest": 2e-6, "band_longest": 1e-4, "band_removed_rms_height": 0.0}
-    >>> spectrum_caption(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(band))
+    >>> spectrum_caption(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(band), xr.Dataset())
     'Mean over all directions. Waves from 2.00 µm to 100 µm are solved.'
     """
     shortest, longest = (quantity(window.attrs[f"band_{end}"], "m") for end in ("shortest", "longest"))
     band = f"Waves from {shortest} to {longest} are solved"
     if removed := window.attrs["band_removed_rms_height"]:
         gradient = number(window.attrs["band_removed_rms_gradient"])
-        band += f"; taken out: rms height {quantity(removed, 'm')}, rms gradient {gradient}"
+        band += f"; taken out: rms height {unit_of(numbers, 'm').text(removed)}, rms gradient {gradient}"
     return f"{band}." if 1 in window.shape else f"Mean over all directions. {band}."
 
 
@@ -234,7 +237,7 @@ def _lay(numbers: xr.Dataset) -> str:
 
 def _of_softer_body(numbers: xr.Dataset, name: str) -> str:
     """Return a pressure that belongs to the softer body, nothing where no hardness is stated."""
-    return quantity(float(numbers[name]), "Pa") if name in numbers else ""
+    return unit_of(numbers, "Pa").text(float(numbers[name])) if name in numbers else ""
 
 
 def _first_yield(numbers: xr.Dataset) -> str:
@@ -243,14 +246,16 @@ def _first_yield(numbers: xr.Dataset) -> str:
     if name not in numbers:
         return ""
     load = float(numbers[name])
-    return "not between the loads solved" if np.isnan(load) else f"at {quantity(load, 'Pa')} mean pressure"
+    if np.isnan(load):
+        return "not between the loads solved"
+    return f"at {unit_of(numbers, 'Pa').text(load)} mean pressure"
 
 
 def _closing(numbers: xr.Dataset) -> str:
     """Return between which loads the gap closes along each axis, nothing for a profile and for a flat map."""
     if "gap_percolates_x" not in numbers or not np.isfinite(numbers.get("Std", np.nan)):
         return ""
-    loads = [quantity(float(load), "Pa") for load in numbers["mean_pressure"]]
+    loads = [unit_of(numbers, "Pa").text(float(load)) for load in numbers["mean_pressure"]]
     found = {}
     for axis in ("x", "y"):
         closed = np.flatnonzero(numbers[f"gap_percolates_{axis}"].values == 0)
@@ -285,48 +290,51 @@ def _counter_face(levelled: xr.DataArray) -> str:
     )
 
 
-def _removed(levelled: xr.DataArray) -> str:
+def _removed(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
     """Return which form levelling removed."""
     removed = json.loads(levelled.attrs.get("form_removed", "{}"))
     parts = [
-        f"{name.replace('_', ' ')} {_removed_part(entry, levelled)}"
+        f"{name.replace('_', ' ')} {_removed_part(name, entry, levelled, numbers)}"
         for name, entry in removed.items()
         if name.startswith(("mean", "slope", "curvature", "radius", "axis"))  # the rest are coefficients
     ]
     return f"{levelled.attrs.get('form', 'none')}" + (f": {', '.join(parts)}" if parts else "")
 
 
-def _removed_part(entry: Mapping[str, Any], levelled: xr.DataArray) -> str:
+def _removed_part(name: str, entry: Mapping[str, Any], levelled: xr.DataArray, numbers: xr.Dataset) -> str:
     """Return a mean, slope or curvature: 0 where over the whole map it makes no difference."""
     if entry["units"] == "degree":
         return f"{entry['value']:.2f}°".replace("-", "−")
     power = {"m": 0, "1": 1, "m-1": 2}[entry["units"]]
     over_the_map = abs(entry["value"]) * max(side_lengths(levelled)) ** power
     nothing = over_the_map < 1e-6 * float(np.nanstd(levelled.values))
-    return quantity(0.0 if nothing else entry["value"], entry["units"].replace("m-1", "m⁻¹"))
+    value = 0.0 if nothing else entry["value"]
+    if name.startswith("mean"):
+        return unit_of(numbers, "m").text(value)
+    return quantity(value, entry["units"].replace("m-1", "m⁻¹"))
 
 
-def _lines(levelled: xr.DataArray) -> str:
+def _lines(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
     """Return how the scan lines were aligned, nothing where they were not."""
     method = levelled.attrs.get("line_alignment", "none")
     if method == "none":
         return ""
-    return f"aligned ({method}), shifts of {quantity(levelled.attrs['line_shift_rms'], 'm')} rms"
+    return f"aligned ({method}), shifts of {unit_of(numbers, 'm').text(levelled.attrs['line_shift_rms'])} rms"
 
 
-def _filters(levelled: xr.DataArray) -> str:
+def _filters(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
     """Return which waves levelling took off, nothing where it took none."""
     names = {"s_filter": "S-filter", "l_filter": "L-filter"}
     return "; ".join(
         f"{names[name]} {quantity(entry['nesting_index']['value'], 'm')}, "
-        f"{quantity(entry['rms_removed']['value'], 'm')} rms taken off"
+        f"{unit_of(numbers, 'm').text(entry['rms_removed']['value'])} rms taken off"
         for name, entry in json.loads(levelled.attrs.get("filters_removed", "{}")).items()
     )
 
 
-def _parameters(levelled: xr.DataArray, names: Sequence[str], unit: str) -> str:
+def _parameters(levelled: xr.DataArray, names: Sequence[str], show: Callable[[float], str]) -> str:
     """Return some height parameters of the levelled map; they are those of the measured points."""
-    return ", ".join(quantity(levelled.attrs[name], unit) for name in names if name in levelled.attrs)
+    return ", ".join(show(levelled.attrs[name]) for name in names if name in levelled.attrs)
 
 
 def _texture(numbers: xr.Dataset) -> str:

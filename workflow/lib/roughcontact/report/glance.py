@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, percent, with_interval
-from roughcontact.report.tables import unit_of_column
+from roughcontact.quantities import Unit, number, percent, with_interval
+from roughcontact.report.units import middle_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 from roughcontact.statistics.outcome import FAILED, Check
 
@@ -24,18 +24,21 @@ HEADINGS = (
     "conductance",
 )
 
-# the quantities of the table that share a unit, and what that is made from
-_SHARED = (
-    (("mean_pressure",), "Pa"),
-    (("relative_contact_area",), "%"),
-    (("mean_contact_pressure", "max_pressure"), "Pa"),
-    (("mean_gap", "critical_constriction_x", "critical_constriction_y"), "m"),
-    (("leak_rate_x", "leak_rate_y"), "m2 s-1"),
-    (("thermal_conductance",), "W m-2 K-1"),
-    (("electrical_conductance",), "S m-2"),
-    (("conductance_per_conductivity",), "m-1"),
-)
-Units = Mapping[str, tuple[float, str]]
+# the units of the numbers in the table, as `unit_of` knows them
+_UNITS = {
+    "mean_pressure": "Pa",
+    "relative_contact_area": "%",
+    "mean_contact_pressure": "Pa",
+    "max_pressure": "Pa",
+    "mean_gap": "m",
+    "critical_constriction_x": "m",
+    "critical_constriction_y": "m",
+    "leak_rate_x": "m2 s-1",
+    "leak_rate_y": "m2 s-1",
+    "thermal_conductance": "W m-2 K-1",
+    "electrical_conductance": "S m-2",
+    "conductance_per_conductivity": "m-1",
+}
 
 # what is wrong with the map comes first, what the material makes of the pressure after it
 _WEIGHT = (
@@ -96,7 +99,7 @@ def shown_loads(areas: np.ndarray) -> list[int]:
     return sorted(found)
 
 
-def glance_units(results: Sequence[xr.Dataset]) -> dict[str, tuple[float, str]]:
+def glance_units(results: Sequence[xr.Dataset]) -> dict[str, Unit]:
     """Return the unit of each quantity in the table, the same for all surfaces, so that they compare.
 
     Parameters
@@ -107,26 +110,19 @@ def glance_units(results: Sequence[xr.Dataset]) -> dict[str, tuple[float, str]]:
     Returns
     -------
     dict
-        name of a variable -> (factor from SI, unit).
+        name of a variable -> its unit.
 
     Examples
     --------
-    >>> loads = {"mean_pressure": ("load", [1e6, 5e6]), "mean_gap": ("load", [2e-6, 5e-7])}
-    >>> units = glance_units([xr.Dataset(loads)])
+    >>> units = glance_units([xr.Dataset({"rms_height": rms}) for rms in (1e-8, 1e-6, 2e-6)])
     >>> units["mean_gap"] == units["critical_constriction_x"] == (1e6, "µm")
     True
     """
-    units: dict[str, tuple[float, str]] = {}
-    for names, unit in _SHARED:
-        known = [
-            data[name].values.astype(float).ravel() for data in results for name in names if name in data
-        ]
-        shared = unit_of_column(np.concatenate(known) if known else np.empty(0), unit)
-        units |= dict.fromkeys(names, shared)
-    return units
+    of_all = middle_of(results)
+    return {name: unit_of(of_all, unit) for name, unit in _UNITS.items()}
 
 
-def glance_rows(numbers: xr.Dataset, units: Units | None = None) -> list[list[Cell]]:
+def glance_rows(numbers: xr.Dataset, units: Mapping[str, Unit] | None = None) -> list[list[Cell]]:
     """Return for two or three loads of a surface the cells below `HEADINGS`.
 
     Parameters
@@ -134,7 +130,7 @@ def glance_rows(numbers: xr.Dataset, units: Units | None = None) -> list[list[Ce
     numbers : Dataset
         statistics of one surface, loads rising; a number that is not there, or NaN, was not asked for.
     units : mapping, optional
-        as `glance_units` returns them for all surfaces of the table; else those that suit this one.
+        as `glance_units` returns them for all surfaces of the table; else those of this one.
 
     Returns
     -------
@@ -189,7 +185,7 @@ def _known(numbers: xr.Dataset, name: str) -> bool:
     return name in numbers and bool(np.isfinite(numbers[name].values.astype(float)).any())
 
 
-def _with_interval(numbers: xr.Dataset, name: str, units: Units, place: int) -> Cell:
+def _with_interval(numbers: xr.Dataset, name: str, units: Mapping[str, Unit], place: int) -> Cell:
     """Return a number of a load and its interval."""
     factor, shown = units[name]
     value = float(numbers[name][place]) * factor
@@ -200,7 +196,7 @@ def _with_interval(numbers: xr.Dataset, name: str, units: Units, place: int) -> 
     return Cell(f"{text} {shown}", " ".join(interval))
 
 
-def _seals(numbers: xr.Dataset, units: Units, place: int) -> Cell:
+def _seals(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell:
     """Return whether the gap is closed to a fluid, with what leaks and the narrowest place on the way."""
     if not _known(numbers, "gap_percolates_x"):
         return Cell(NOT_JUDGED)
@@ -230,7 +226,7 @@ def _in_doubt(numbers: xr.Dataset, axis: str, place: int) -> bool:
     return lower <= 0 < upper
 
 
-def _unbroken(numbers: xr.Dataset, name: str, units: Units, place: int) -> str:
+def _unbroken(numbers: xr.Dataset, name: str, units: Mapping[str, Unit], place: int) -> str:
     """Return a number of a load with its interval in front of its unit, from which it is not parted."""
     text, interval = _with_interval(numbers, name, units, place)
     value, _, unit = text.partition(" ")
@@ -254,18 +250,18 @@ def _yields(load: xr.Dataset) -> Cell:
     return Cell(NOT_JUDGED, "no hardness stated" + would.get(" ".join(flags), ""))
 
 
-def _largest(numbers: xr.Dataset, units: Units, place: int) -> Cell:
+def _largest(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell:
     """Return the largest pressure of a load; a pressure that is limited has no interval of its own."""
     capped = _known(numbers, "hardness") and float(numbers["max_pressure"][place]) >= float(
         numbers["hardness"]
     ) * (1 - 1e-9)
     if capped:
-        factor, shown = units["max_pressure"]
-        return Cell(f"{number(float(numbers['max_pressure'][place]) * factor)} {shown}", "the hardness")
+        largest = float(numbers["max_pressure"][place])
+        return Cell(units["max_pressure"].text(largest), "the hardness")
     return _with_interval(numbers, "max_pressure", units, place)
 
 
-def _conducts(numbers: xr.Dataset, units: Units, place: int) -> Cell:
+def _conducts(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell:
     """Return the conductance of heat or of current, or what it is by conductivity."""
     for name, words in (
         ("thermal_conductance", "heat"),

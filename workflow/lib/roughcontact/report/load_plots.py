@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import prefix, quantity
+from roughcontact.quantities import Unit
 from roughcontact.report.charts import (
     COLOURS,
     DASH_DOTTED,
@@ -16,7 +16,7 @@ from roughcontact.report.charts import (
     Axis,
     Chart,
 )
-from roughcontact.report.tables import unit_of_column
+from roughcontact.report.units import unit_of
 from roughcontact.roughness.summits import summit_statistics
 from roughcontact.statistics import theory
 
@@ -46,7 +46,7 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray) -> str:
     .. [4] Greenwood and Williamson (1966), Proc. R. Soc. A 295, 300.
     """
     unit = float(statistics["contact_modulus"] * statistics["rms_gradient"])
-    factor, shown = unit_of_column(statistics["mean_pressure"].values, "Pa")
+    factor, shown = unit_of(statistics, "Pa")
     load = statistics["mean_pressure"].values * factor
     corrected = statistics["relative_contact_area"].values
     counted = statistics["relative_contact_area_pixels"].values
@@ -80,7 +80,7 @@ def compare_areas(
     series: Sequence[tuple[str, np.ndarray, np.ndarray]],
     *,
     ends: Sequence[tuple[np.ndarray, np.ndarray]] = (),
-    pascal: bool = False,
+    pressure: Unit | None = None,
 ) -> str:
     """Draw the contact area against the load of several surfaces or cases, with the theories that fit all.
 
@@ -90,8 +90,9 @@ def compare_areas(
         one entry for each surface under each case.
     ends : sequence of (lower, upper)
         of the interval of each area, as many as `series`; no error bars where empty.
-    pascal : bool
-        loads are mean pressures (Pa), for which there are no theories that fit all; else they are relative.
+    pressure : Unit, optional
+        in which loads are shown that are mean pressures (Pa); there are no theories that fit all. Without,
+        loads are relative pressures.
 
     Returns
     -------
@@ -106,10 +107,10 @@ def compare_areas(
     """
     loads = np.concatenate([load for _, load, _ in series])
     areas = np.concatenate([*(area for _, _, area in series), *(low for low, _ in ends)])
-    factor, unit = prefix(float(np.median(loads)), "Pa") if pascal else (1.0, "")
-    label = f"mean pressure p̄ ({unit})" if pascal else _RELATIVE
+    factor = pressure.factor if pressure else 1.0
+    label = f"mean pressure p̄ ({pressure.shown})" if pressure else _RELATIVE
     chart = _area_chart(loads * factor, areas, size=(560.0, 430.0), label=label)
-    if not pascal:
+    if pressure is None:
         _theory_lines(chart, loads)
     for index, (name, load, area) in enumerate(series):
         order = np.argsort(load)
@@ -205,7 +206,7 @@ def _load_axis(statistics: xr.Dataset, name: str, label: str, factor: float) -> 
 
 def _pascal_axis(statistics: xr.Dataset) -> Axis:
     """Return the axis of the mean pressure."""
-    factor, unit = unit_of_column(statistics["mean_pressure"].values, "Pa")
+    factor, unit = unit_of(statistics, "Pa")
     return _load_axis(statistics, "mean_pressure", f"mean pressure p̄ ({unit})", factor)
 
 
@@ -247,10 +248,10 @@ def gap_against_load(statistics: xr.Dataset) -> str:
     'data:image/svg+xml'
     """
     x = _pascal_axis(statistics)
-    load = statistics["mean_pressure"].values * unit_of_column(statistics["mean_pressure"].values, "Pa")[0]
+    load = statistics["mean_pressure"].values * unit_of(statistics, "Pa").factor
     gap, rms = statistics["mean_gap"].values, float(statistics["rms_height"])
     ends = _ends(statistics, "mean_gap")
-    scale, unit = unit_of_column(gap, "m")
+    scale, unit = unit_of(statistics, "m")
     drawn = np.concatenate([gap, *ends, [rms]]) * scale
     drawn = drawn[np.isfinite(drawn) & (drawn > 0)]
     lowest, highest = (drawn.min(), drawn.max()) if drawn.size else (1.0, 1.0)
@@ -287,13 +288,12 @@ def pressure_against_load(statistics: xr.Dataset) -> str:
     >>> pressure_against_load(numbers).partition(",")[0]
     'data:image/svg+xml'
     """
-    factor = unit_of_column(statistics["mean_pressure"].values, "Pa")[0]
-    load = statistics["mean_pressure"].values * factor
+    scale, unit = unit_of(statistics, "Pa")
+    load = statistics["mean_pressure"].values * scale
     lines = [
         ("max_pressure", "largest", COLOURS[1], "^"),
         ("mean_contact_pressure", "mean over the contact", COLOURS[0], "o"),
     ]
-    scale, unit = unit_of_column(statistics["mean_contact_pressure"].values, "Pa")
     hardness = float(statistics["hardness"]) if "hardness" in statistics else np.nan
     values = [statistics[name].values for name, *_ in lines]
     ends = [_ends(statistics, name) for name, *_ in lines]
@@ -420,7 +420,7 @@ def _distribution(
     carrying = np.nonzero((shares[loads, 1:] > 1e-4).any(axis=0))[0]
     first, last = (carrying[0], carrying[-1]) if carrying.size else (0, len(widths) - 1)
     low, high = bounds[1 + first, 0], bounds[1 + last, 1]
-    factor, shown = (1e12, "µm²") if unit == "m2" else prefix(float(high), unit)
+    factor, shown = unit_of(statistics, unit)
     highest = 1.35 * float((shares[loads, 1:] / widths).max()) or 1.0  # room for the legend
     chart = Chart(
         Axis(f"{labels[0]} ({shown})", low * factor, high * factor * 1.15, log=True),
@@ -429,7 +429,7 @@ def _distribution(
     for index, load in enumerate(loads):
         edges = np.repeat(np.append(bounds[1:, 0], bounds[-1, 1]) * factor, 2)
         steps = np.concatenate([[0.0], np.repeat(shares[load, 1:] / widths, 2), [0.0]])
-        label = f"p̄ = {quantity(float(statistics['mean_pressure'][load]), 'Pa')}"
+        label = f"p̄ = {unit_of(statistics, 'Pa').text(float(statistics['mean_pressure'][load]))}"
         chart.line(edges, steps, colour=COLOURS[index], label=label)
         words = means[0] if load == loads[-1] else ""
         chart.across(x=float(means[1][load]) * factor, colour=COLOURS[index], dash=DOTTED, label=words)

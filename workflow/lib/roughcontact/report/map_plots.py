@@ -4,10 +4,11 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.maps import side_lengths
-from roughcontact.quantities import prefix
+from roughcontact.quantities import Unit, prefix
 from roughcontact.report.charts import COLOURS, Axis, Chart
 from roughcontact.report.colours import colour_scale, coloured
 
+_MICROMETRES, _MEGAPASCALS = Unit(1e6, "µm"), Unit(1e-6, "MPa")
 _NOT_MEASURED = "#ff4fa3"
 _NO_CONTACT = "#e4e4e4"
 _CONTACT = "#ffffff"
@@ -18,7 +19,7 @@ _LONGEST_ASPECT = 4.0  # longer pictures are drawn out of scale
 Frame = tuple[float, float, float, float]  # x, y, length x, length y
 
 
-def height_map(height: xr.DataArray, *, rectangle: Frame | None = None) -> str:
+def height_map(height: xr.DataArray, *, rectangle: Frame | None = None, unit: Unit = _MICROMETRES) -> str:
     """Draw a height map, points that were not measured in pink; a profile is drawn as a line.
 
     Parameters
@@ -27,6 +28,8 @@ def height_map(height: xr.DataArray, *, rectangle: Frame | None = None) -> str:
         NaN where not measured.
     rectangle : (x, y, length x, length y), m, or None
         outline of the window on the map, from the map's first corner.
+    unit : Unit
+        of the heights.
 
     Returns
     -------
@@ -41,14 +44,14 @@ def height_map(height: xr.DataArray, *, rectangle: Frame | None = None) -> str:
     'data:image/svg+xml'
     """
     if 1 in height.shape:
-        return _profile(height, [(height.values.ravel(), "height", COLOURS[0])], label="height", unit="m")
+        return _profile(height, [(height.values.ravel(), "height", COLOURS[0])], label="height", unit=unit)
     values = height.values - np.nanmean(height.values)
     lowest, highest = np.nanpercentile(values, [0.1, 99.9])  # spikes must not take all the colours
     return _map(
         height,
         values,
         label="height",
-        unit="m",
+        unit=unit,
         colours="viridis",
         bad=_NOT_MEASURED,
         limits=(lowest, highest),
@@ -82,7 +85,13 @@ def common_limits(pressures: np.ndarray, gaps: np.ndarray) -> tuple[float, float
     return highest, max(float(g[p == 0].max(initial=0.0)) for p, g in zip(pressures, gaps, strict=True))
 
 
-def pressure_map(height: xr.DataArray, pressure: np.ndarray, *, highest: float | None = None) -> str:
+def pressure_map(
+    height: xr.DataArray,
+    pressure: np.ndarray,
+    *,
+    highest: float | None = None,
+    unit: Unit = _MEGAPASCALS,
+) -> str:
     """Draw the contact pressure over the window, no contact in grey; a profile is drawn as a line.
 
     Parameters
@@ -92,6 +101,8 @@ def pressure_map(height: xr.DataArray, pressure: np.ndarray, *, highest: float |
     pressure : array (ny, nx), Pa
     highest : float, Pa, optional
         of the last colour; else that of `common_limits` for this load alone.
+    unit : Unit
+        of the pressure.
 
     Returns
     -------
@@ -107,13 +118,13 @@ def pressure_map(height: xr.DataArray, pressure: np.ndarray, *, highest: float |
     'data:image/svg+xml'
     """
     if 1 in pressure.shape:
-        return _profile(height, [(pressure.ravel(), "pressure", COLOURS[1])], label="pressure", unit="Pa")
+        return _profile(height, [(pressure.ravel(), "pressure", COLOURS[1])], label="pressure", unit=unit)
     highest = common_limits(pressure[None], pressure[None])[0] if highest is None else highest
     return _map(
         height,
         np.where(pressure > 0, pressure, np.nan),
         label="pressure",
-        unit="Pa",
+        unit=unit,
         colours="viridis",
         bad=_NO_CONTACT,
         limits=(0, highest),
@@ -123,7 +134,12 @@ def pressure_map(height: xr.DataArray, pressure: np.ndarray, *, highest: float |
 
 
 def gap_map(
-    height: xr.DataArray, gap: np.ndarray, pressure: np.ndarray, *, widest: float | None = None
+    height: xr.DataArray,
+    gap: np.ndarray,
+    pressure: np.ndarray,
+    *,
+    widest: float | None = None,
+    unit: Unit = _MICROMETRES,
 ) -> str:
     """Draw the gap over the window with the contact in white; a profile shows both faces as lines.
 
@@ -136,6 +152,8 @@ def gap_map(
         positive where the surfaces touch.
     widest : float, m, optional
         of the last colour; else the widest gap of this load.
+    unit : Unit
+        of gap and heights.
 
     Returns
     -------
@@ -147,14 +165,14 @@ def gap_map(
             (height.values.ravel(), "rough surface", COLOURS[0]),
             ((height.values + gap).ravel(), "deformed surface", COLOURS[1]),
         ]
-        return _profile(height, faces, label="height", unit="m")
+        return _profile(height, faces, label="height", unit=unit)
     # full contact leaves no gap to scale by
     widest = widest or gap[pressure == 0].max(initial=0.0) or float(np.ptp(height.values))
     return _map(
         height,
         np.where(pressure > 0, np.nan, gap),
         label="gap",
-        unit="m",
+        unit=unit,
         colours="cividis",
         bad=_CONTACT,
         limits=(0, widest),
@@ -245,7 +263,7 @@ def _map(
     values: np.ndarray,
     *,
     label: str,
-    unit: str,
+    unit: Unit,
     colours: str,
     bad: str,
     bad_word: str,
@@ -257,13 +275,12 @@ def _map(
     lengths = side_lengths(height)
     factor, length_unit = prefix(max(lengths), "m")
     ly, lx = (length * factor for length in lengths)
-    scale, value_unit = prefix(max(abs(limits[0]), abs(limits[1])), unit)
-    low, high = (limit * scale for limit in limits)
+    low, high = (limit * unit.factor for limit in limits)
     chart = framed(
         Axis(f"x ({length_unit})", 0.0, lx),
         upright(height, f"y ({length_unit})", 0.0, ly),
-        values * scale,
-        bar=Axis(f"{label} ({value_unit})", low, high if high > low else low + 1),
+        values * unit.factor,
+        bar=Axis(f"{label} ({unit.shown})", low, high if high > low else low + 1),
         colours=colours,
         bad=bad,
         bad_word=bad_word,
@@ -277,23 +294,28 @@ def _map(
     return chart.source()
 
 
-def _profile(height: xr.DataArray, lines: list[tuple[np.ndarray, str, str]], *, label: str, unit: str) -> str:
+def _profile(
+    height: xr.DataArray, lines: list[tuple[np.ndarray, str, str]], *, label: str, unit: Unit
+) -> str:
     """Draw one or more lines (values, name, colour) along a profile, gaps where values are missing."""
     along = "x" if height.sizes["x"] > 1 else "y"
     position = height[along].values - height[along].values[0]
     factor, length_unit = prefix(float(position[-1]), "m")
     everything = np.concatenate([values for values, *_ in lines])
-    scale, value_unit = prefix(float(np.nanmax(np.abs(everything))), unit)
-    low, high = (float(end) * scale for end in (np.nanmin(everything), np.nanmax(everything)))
+    low, high = (float(end) * unit.factor for end in (np.nanmin(everything), np.nanmax(everything)))
     room = (high - low) * 0.06 or 1.0
     chart = Chart(
         Axis(f"{along} ({length_unit})", 0.0, float(position[-1]) * factor),
-        Axis(f"{label} ({value_unit})", low - room, high + room),
+        Axis(f"{label} ({unit.shown})", low - room, high + room),
         size=(450.0, 290.0),
     )
     for values, name, colour in lines:
         chart.line(
-            position * factor, values * scale, colour=colour, width=1.1, label=name if len(lines) > 1 else ""
+            position * factor,
+            values * unit.factor,
+            colour=colour,
+            width=1.1,
+            label=name if len(lines) > 1 else "",
         )
     # a legend inside would hide crests
     return chart.source("below") if len(lines) > 1 else chart.source()

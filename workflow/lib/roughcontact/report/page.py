@@ -11,16 +11,17 @@ import numpy as np
 import xarray as xr
 
 from roughcontact import materials
-from roughcontact.quantities import number, percent, quantity
+from roughcontact.quantities import Unit, number, percent
 from roughcontact.report import ONE_PAGE
 from roughcontact.report.captions import comparison_caption
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
-from roughcontact.report.glance import HEADINGS, Units, glance_rows, glance_units
+from roughcontact.report.glance import HEADINGS, glance_rows, glance_units
 from roughcontact.report.load_plots import compare_areas, spread_of_areas
 from roughcontact.report.summary import Summary, summary_of
 from roughcontact.report.tables import pair_table
 from roughcontact.report.template import template
+from roughcontact.report.units import unit_of
 from roughcontact.results.collect import Failure, summary_table
 from roughcontact.results.storage import read_dataset, write_text
 from roughcontact.statistics import checks
@@ -164,7 +165,7 @@ def _write_pages(
         write_text(html, written_to / f"{name}.html")
 
 
-def _glance(summary: Summary, numbers: xr.Dataset, units: Units) -> dict[str, Any]:
+def _glance(summary: Summary, numbers: xr.Dataset, units: Mapping[str, Unit]) -> dict[str, Any]:
     """Return the cells of a surface at two or three loads, the one reason that matters, how many others."""
     reasons = summary["reasons"]
     return {
@@ -218,10 +219,15 @@ def _comparisons(series: Mapping[tuple[str, str | None], xr.Dataset], *, many: b
         for data in rough.values()
         if known
     ]
+    # that of the stiffest, where the cases differ in it
+    pressure = min((unit_of(data, "Pa") for data in rough.values()), key=lambda unit: unit.factor)
     bars = "Bars: the ±." if known else ""
     return [
-        (compare_areas(pascal, ends=ends, pascal=True), f"{comparison_caption(pascal, 'Pa')} {bars}".strip()),
-        (compare_areas(lines, ends=ends), f"{comparison_caption(lines, '1')} {in_these_units}".strip()),
+        (
+            compare_areas(pascal, ends=ends, pressure=pressure),
+            f"{comparison_caption(pascal, pressure)} {bars}".strip(),
+        ),
+        (compare_areas(lines, ends=ends), f"{comparison_caption(lines)} {in_these_units}".strip()),
     ]
 
 
@@ -270,9 +276,9 @@ def _name(surface: str, case: str | None) -> str:
 def _headline(data: xr.Dataset) -> list[str]:
     """Return the few numbers of a surface that stand at the top of the page."""
     return [
-        quantity(float(data["rms_height"]), "m"),
+        unit_of(data, "m").text(float(data["rms_height"])),
         number(float(data["rms_gradient"])),
-        _span(data["mean_pressure"].values, lambda value: quantity(value, "Pa")),
+        _span(data["mean_pressure"].values, unit_of(data, "Pa").text),
         _span(data["relative_contact_area"].values, percent),
         _largest_pressure(data),
     ]
@@ -282,7 +288,8 @@ def _largest_pressure(data: xr.Dataset) -> str:
     """Return the largest pressure and the lowest load at which it acts."""
     place = int(data["max_pressure"].values.argmax())
     peak, load = (float(data[name][place]) for name in ("max_pressure", "mean_pressure"))
-    return f"{quantity(peak, 'Pa')} at {quantity(load, 'Pa')}"
+    show = unit_of(data, "Pa").text
+    return f"{show(peak)} at {show(load)}"
 
 
 def _span(values: np.ndarray, show: Callable[[float], str]) -> str:

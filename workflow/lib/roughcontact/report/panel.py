@@ -8,13 +8,14 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.maps import side_lengths
-from roughcontact.quantities import percent, quantity
+from roughcontact.quantities import percent
 from roughcontact.report import captions, facts, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.files import beside
 from roughcontact.report.glance import by_weight, shown_loads
 from roughcontact.report.summary import embedded
 from roughcontact.report.template import template
+from roughcontact.report.units import unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
 from roughcontact.statistics import checks
 
@@ -71,7 +72,7 @@ def write_panel(
     identifier = surface if case is None else f"{case}--{surface}"
     verdict = checks.verdict(outcome)
     doubts = by_weight(checks.reasons(outcome))
-    fields = _fields(contact, solved, order[shown])
+    fields = _fields(contact, solved, numbers, order[shown])
     rough = float(numbers["rms_gradient"]) > 0  # a flat map has neither waves nor charts
     html = template("panel.html").render(
         identifier=identifier,
@@ -82,7 +83,7 @@ def write_panel(
         not_judged=[check for check in outcome if check.outcome == checks.NOT_MADE],
         sound=[check for check in outcome if check.outcome == checks.PASSED],
         facts=facts.surface_facts(measured, plane, solved, numbers),
-        maps=_maps(measured, plane, solved, counter_face),
+        maps=_maps(measured, plane, solved, numbers, counter_face),
         scores=tables.score_table(solved),
         profile=1 in solved.shape,
         fields=fields,
@@ -137,6 +138,7 @@ def _maps(
     measured: xr.DataArray,
     levelled: xr.DataArray,
     window: xr.DataArray,
+    numbers: xr.Dataset,
     counter_face: str | Path | None,
 ) -> list[tuple[str, str, str]]:
     """Return (title, image, caption) of the heights after each stage; of a pair, what was measured twice."""
@@ -144,18 +146,24 @@ def _maps(
         faces = [("Face, as measured", measured), ("Counter-face, as measured", _read_map(counter_face))]
     else:
         faces = [("As measured", measured)]
+    unit = unit_of(numbers, "m")
     return [
-        *((title, map_plots.height_map(face), facts.measured_caption(face)) for title, face in faces),
+        *(
+            (title, map_plots.height_map(face, unit=unit), facts.measured_caption(face))
+            for title, face in faces
+        ),
         (
             "Sum of both, levelled" if counter_face else "Levelled",
-            map_plots.height_map(levelled, rectangle=_frame(window)),
+            map_plots.height_map(levelled, rectangle=_frame(window), unit=unit),
             facts.levelled_caption(levelled),
         ),
-        ("Solved window", map_plots.height_map(window), window.attrs.get("window_reason", "")),
+        ("Solved window", map_plots.height_map(window, unit=unit), window.attrs.get("window_reason", "")),
     ]
 
 
-def _fields(path: str | Path, window: xr.DataArray, loads: np.ndarray) -> list[tuple[str, str, str]]:
+def _fields(
+    path: str | Path, window: xr.DataArray, numbers: xr.Dataset, loads: np.ndarray
+) -> list[tuple[str, str, str]]:
     """Return (caption, pressure map, gap map) of a few loads, an empty list where no maps were kept.
 
     The maps of all loads have the colours of one scale.
@@ -166,21 +174,22 @@ def _fields(path: str | Path, window: xr.DataArray, loads: np.ndarray) -> list[t
         chosen = contact[["pressure", "gap", "mean_pressure"]].isel(load=loads).load()
     pressures, gaps = chosen["pressure"].values, chosen["gap"].values
     highest, widest = map_plots.common_limits(pressures, gaps)
+    of_pressure, of_gap = unit_of(numbers, "Pa"), unit_of(numbers, "m")
     fields = []
     for load, pressure, gap in zip(chosen["mean_pressure"].values, pressures, gaps, strict=True):
         area = percent(np.count_nonzero(pressure > 0) / pressure.size)
         pictures = (
-            map_plots.pressure_map(window, pressure, highest=highest),
-            map_plots.gap_map(window, gap, pressure, widest=widest),
+            map_plots.pressure_map(window, pressure, highest=highest, unit=of_pressure),
+            map_plots.gap_map(window, gap, pressure, widest=widest, unit=of_gap),
         )
-        fields.append((f"p̄ = {quantity(float(load), 'Pa')}: {area} of the pixels touch", *pictures))
+        fields.append((f"p̄ = {of_pressure.text(float(load))}: {area} of the pixels touch", *pictures))
     return fields
 
 
 def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, str]]:
     """Return (title, image, caption) of the pictures of the waves of a window that is not flat."""
     profile = 1 in window.shape
-    pictures = [("Power spectrum", texture_plots.spectrum(window), facts.spectrum_caption(window))]
+    pictures = [("Power spectrum", texture_plots.spectrum(window), facts.spectrum_caption(window, numbers))]
     if not profile:
         directions = texture_plots.directional_spectrum(window)
         pictures.append(("Waves by direction", directions, facts.lay_caption(numbers)))

@@ -1,15 +1,15 @@
 """The tables of the report, as text: numbers against load, scores of windows, cross-check, pairs of faces."""
 
 import json
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, percent, prefix, quantity, with_interval
+from roughcontact.quantities import number, percent, quantity, with_interval
+from roughcontact.report.units import unit_of
 from roughcontact.results.storage import read_dataset, read_table
 from roughcontact.statistics.contact_checks import rubber_like
 from roughcontact.variables import VARIABLES
@@ -25,7 +25,7 @@ _GROUPS = {
         ("relative_contact_area_pixels", "pixels in contact", "%"),
         ("contact_clusters", "contact patches", "1"),
         ("largest_patch_area", "largest patch", "m2"),
-        ("contact_perimeter", "contact perimeter", "m"),
+        ("contact_perimeter", "contact perimeter", "m along"),
     ),
     "Pressure": (
         ("mean_contact_pressure", "pressure in contact", "Pa"),
@@ -37,7 +37,7 @@ _GROUPS = {
     ),
     "Stress below the surface": (
         ("max_von_mises_stress", "largest von Mises stress", "Pa"),
-        ("max_von_mises_depth", "its depth", "m"),
+        ("max_von_mises_depth", "its depth", "m along"),
     ),
     "Gap and conductance": (
         ("mean_gap", "mean gap ū", "m"),
@@ -62,11 +62,8 @@ _GROUPS = {
 }
 _COLUMNS = (_LOAD, *(column for columns in _GROUPS.values() for column in columns))
 
-# units whose first letter takes the prefix, and how the rest of them is written
-_PER_AREA = {"J m-2": "/m²", "S m-2": "/m²", "W m-2 K-1": "/(m² K)"}
-_WRITTEN = {"1": "", "m-1": "m⁻¹"}  # units that take no prefix
-
-_IN_UNIT_OF = {"critical_constriction_x": "mean_gap", "critical_constriction_y": "mean_gap"}
+# what the units of a surface depend on, with its own
+_SETS_UNITS = {"contact_modulus": "Pa", "rms_height": "m"}
 
 # of these, those of the table of pairs
 _OF_PAIRS = ("mean_pressure", "relative_contact_area", "mean_contact_pressure", "max_pressure", "mean_gap")
@@ -93,7 +90,7 @@ Table = dict[str, Any]
 
 
 def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[Table]:
-    """Return the tables of numbers against load, each column in one unit that suits all its values.
+    """Return the tables of numbers against load, each quantity in the unit that it has everywhere.
 
     Parameters
     ----------
@@ -124,8 +121,7 @@ def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[T
 def _column(numbers: xr.Dataset, name: str, title: str, unit: str) -> tuple[tuple[str, str, str], list[str]]:
     """Return the head of a column (title, unit, meaning) and its cells."""
     values = numbers[name].values.astype(float)
-    like = _IN_UNIT_OF.get(name, name)
-    factor, shown = unit_of_column(numbers[like if like in numbers else name].values.astype(float), unit)
+    factor, shown = unit_of(numbers, unit)
     head = title, shown, VARIABLES[name][1]
     if f"{name}_lower" in numbers:
         ends = (numbers[f"{name}_{end}"].values * factor for end in ("lower", "upper"))
@@ -133,45 +129,6 @@ def _column(numbers: xr.Dataset, name: str, title: str, unit: str) -> tuple[tupl
     if name == "contact_clusters":  # a whole number
         return head, [f"{value:.0f}" for value in values]
     return head, [number(value * factor) for value in values]
-
-
-def unit_of_column(values: np.ndarray, unit: str) -> tuple[float, str]:
-    """Return the factor and the name of the unit that suits the middle of some values.
-
-    Parameters
-    ----------
-    values : array
-        in `unit`; zeros, infinity and NaN do not count.
-    unit : str
-        "%" for a share.
-
-    Returns
-    -------
-    factor : float
-        what the values are to be multiplied with.
-    shown : str
-
-    Examples
-    --------
-    >>> unit_of_column(np.array([2e6, 3e8, 0.0]), "Pa")
-    (1e-06, 'MPa')
-    """
-    finite = np.abs(values[np.isfinite(values) & (values != 0)])
-    middle = float(np.exp(np.log(finite).mean())) if finite.size else 0.0
-    if unit == "%":
-        return 100.0, "%"
-    if unit == "Pa m-1":  # a stiffness reads best as pressure per micrometre
-        factor, shown = prefix(middle * 1e-6, "Pa")
-        return factor * 1e-6, f"{shown}/µm"
-    if unit == "m2 s-1":  # a leak by length of the seal, in litres an hour
-        factor, shown = prefix(middle * 3.6e6, "l")
-        return factor * 3.6e6, f"{shown}/(h m)"
-    if unit in _PER_AREA:
-        factor, shown = prefix(middle, unit.partition(" ")[0])
-        return factor, f"{shown}{_PER_AREA[unit]}"
-    if unit == "m2":
-        return 1e12, "µm²"
-    return (1.0, _WRITTEN[unit]) if unit in _WRITTEN else prefix(middle, unit)
 
 
 def material_table(numbers: xr.Dataset, shown: Sequence[int]) -> Table | None:
@@ -193,25 +150,26 @@ def material_table(numbers: xr.Dataset, shown: Sequence[int]) -> Table | None:
     if "first_yield_pressure_by_ratio" not in numbers or rubber_like(numbers):
         return None
     modulus, loads = float(numbers["contact_modulus"]), numbers["mean_pressure"].values
+    pressure = unit_of(numbers, "Pa").text
     header = ["H/E*", "hardness H", "as of", "first yield at p̄"]
-    header += [f"load, area above H at {quantity(float(loads[place]), 'Pa')}" for place in shown]
+    header += [f"load, area above H at {pressure(float(loads[place]))}" for place in shown]
     rows = []
     for ratio, words in zip(numbers["hardness_over_modulus"].values, _MATERIALS, strict=True):
         of_class = numbers.sel(hardness_over_modulus=ratio)
         first = float(of_class["first_yield_pressure_by_ratio"])
         if np.isfinite(first):
-            yields = quantity(first, "Pa")
+            yields = pressure(first)
         elif float(numbers["max_pressure_over_modulus"].max()) < ratio:
-            yields = f"above {quantity(float(loads[-1]), 'Pa')}"
+            yields = f"above {pressure(float(loads[-1]))}"
         else:
-            yields = f"below {quantity(float(loads[0]), 'Pa')}"
+            yields = f"below {pressure(float(loads[0]))}"
         shares = [
             ", ".join(
                 percent(float(of_class[f"{part}_share_above_ratio"][place])) for part in ("load", "area")
             )
             for place in shown
         ]
-        rows.append([number(float(ratio), digits=1), quantity(ratio * modulus, "Pa"), words, yields, *shares])
+        rows.append([number(float(ratio), digits=1), pressure(ratio * modulus), words, yields, *shares])
     return {"header": header, "rows": rows}
 
 
@@ -291,7 +249,7 @@ def crosscheck_table(path: str | Path, numbers: xr.Dataset, order: np.ndarray) -
         points = float(theirs["contact_difference"])
         rows.append(
             [
-                quantity(float(own["mean_pressure"]), "Pa"),
+                unit_of(numbers, "Pa").text(float(own["mean_pressure"])),
                 f"{100 * float(own['relative_contact_area_pixels']):.4f} %",
                 f"{100 * float(theirs['other_contact_area_pixels']):.4f} %",
                 "–" if np.isnan(points) else f"{points:.0f}",
@@ -317,7 +275,7 @@ def pair_table(path: str | Path) -> Table:
     """
     table = read_table(path)
     columns = [
-        (title, _in_words(unit), f"{name}_{unit}" if unit in ("m", "Pa") else name)
+        (title, unit, f"{name}_{unit}" if unit in ("m", "Pa") else name)
         for name, title, unit in _COLUMNS
         if name in _OF_PAIRS
     ]
@@ -325,13 +283,12 @@ def pair_table(path: str | Path) -> Table:
     for _, row in table.iterrows():
         name = " · ".join(str(row[key]) for key in ("surface", "case") if key in table)
         cells = [name, str(row["members"])]
-        for _, show, column in columns:
+        own = {
+            name: float(row[f"{name}_{si}"]) for name, si in _SETS_UNITS.items() if f"{name}_{si}" in table
+        }
+        for _, unit, column in columns:
+            show = unit_of(own, unit).text
             mean, spread = float(row[column]), float(row[f"spread_{column}"])
             cells.append(show(mean) if np.isnan(spread) else f"{show(mean)} ± {show(spread)}")
         rows.append(cells)
     return {"header": ["pair", "members", *(title for title, _, _ in columns)], "rows": rows}
-
-
-def _in_words(unit: str) -> Callable[[float], str]:
-    """Return what makes text of a value in this unit."""
-    return percent if unit == "%" else partial(quantity, unit=unit)

@@ -4,13 +4,14 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.maps import spacing
-from roughcontact.quantities import prefix
+from roughcontact.quantities import Unit, prefix
 from roughcontact.report.charts import COLOURS, DASHED, DOTTED, Axis, Chart
 from roughcontact.report.map_plots import framed, upright
 from roughcontact.roughness import parameters
 from roughcontact.roughness.spectrum import areal_spectrum, isotropic_spectrum
 from roughcontact.roughness.texture import DECAY, autocorrelation, decay_lengths
 
+_HEIGHT = Unit(1e9, "nm")  # of spectra, which are in nm² by the square of a length
 _DECADES = 6  # of power below the strongest wave that the colours show
 _SHELLS = 120  # points of the drawn curve per factor of ten in q
 _LENGTHS = 3  # longest decay lengths of the autocorrelation that are shown to each side
@@ -37,9 +38,8 @@ def spectrum(window: xr.DataArray) -> str:
     q, power = _thinned(*isotropic_spectrum(window))
     profile = 1 in window.shape
     unit_q, length = _inverse_length(q)
-    scale, height_unit = _height_unit(window)
     # C is height^2 times area (of a profile times length)
-    power = power * (scale**2 * unit_q ** -(1 if profile else 2))
+    power = power * (_HEIGHT.factor**2 * unit_q ** -(1 if profile else 2))
     inside = power > 1e-20 * power.max()  # below lies the rounding of waves that were taken out
     seen = power[inside]
     step = min(d for n, d in zip(window.shape, spacing(window), strict=True) if n > 1)
@@ -47,7 +47,7 @@ def spectrum(window: xr.DataArray) -> str:
     chart = Chart(
         Axis(f"wavenumber q (rad/{length})", *ends, log=True),
         Axis(
-            f"C(q) ({height_unit}² {length}{'' if profile else '²'})",
+            f"C(q) ({_HEIGHT.shown}² {length}{'' if profile else '²'})",
             seen.min() / 30,
             seen.max() * 5,
             log=True,
@@ -108,14 +108,13 @@ def directional_spectrum(window: xr.DataArray) -> str:
     reach = max(2 * np.pi / shortest, _FEWEST * (qy[1] - qy[0]), _FEWEST * (qx[1] - qx[0]))
     rows, columns = np.abs(qy) <= reach, np.abs(qx) <= reach
     unit_q, length = _inverse_length(qx[columns])
-    scale, height_unit = _height_unit(window)
-    shown = np.log10(np.maximum(power[np.ix_(rows, columns)] * scale**2 * unit_q**-2, 1e-300))
+    shown = np.log10(np.maximum(power[np.ix_(rows, columns)] * _HEIGHT.factor**2 * unit_q**-2, 1e-300))
     return _picture(
         window,
         shown,
         (qx[columns] * unit_q, qy[rows] * unit_q),
         axes_label=f"q along {{}} (rad/{length})",
-        bar=Axis(f"log₁₀ C ({height_unit}² {length}²)", shown.max() - _DECADES, shown.max()),
+        bar=Axis(f"log₁₀ C ({_HEIGHT.shown}² {length}²)", shown.max() - _DECADES, shown.max()),
         colours="magma",
     ).source()
 
@@ -233,8 +232,3 @@ def _inverse_length(q: np.ndarray) -> tuple[float, str]:
     """Return the factor that brings wavenumbers into a handy unit, and the name of its length."""
     factor, length = prefix(2 * np.pi / np.median(np.abs(q[q != 0])), "m")
     return 1 / factor, length
-
-
-def _height_unit(window: xr.DataArray) -> tuple[float, str]:
-    """Return the factor and the name of the unit that suits the heights."""
-    return prefix(float(np.std(window.values)), "m")

@@ -5,7 +5,9 @@ import xarray as xr
 
 from roughcontact.elasticity.energy import conforming_energy
 from roughcontact.maps import spacing
-from roughcontact.quantities import quantity
+from roughcontact.quantities import Unit
+
+_ENERGY = Unit(1e3, "mJ/m²")
 
 
 def adhesion_numbers(
@@ -77,19 +79,19 @@ def adhesion_in_words(statistics: xr.Dataset) -> str:
     --------
     >>> numbers = {"conforming_energy": 2.0, "effective_work_of_adhesion": -1.95}
     >>> adhesion_in_words(xr.Dataset(numbers))
-    'not sticky: pressing the surfaces flat costs 2.00 J/m², 40 times the work of adhesion (50.0 mJ/m²)'
+    'not sticky: pressing the surfaces flat costs 2000 mJ/m², 40 times the work of adhesion (50.0 mJ/m²)'
     """
     if "effective_work_of_adhesion" not in statistics:
         return ""
     energy, left = (float(statistics[name]) for name in ("conforming_energy", "effective_work_of_adhesion"))
     work = energy + left
-    paid = f"{quantity(work, 'J')}/m²"
+    paid = _ENERGY.text(work)
     if left > 0:
         return (
-            f"sticky: of the work of adhesion ({paid}) {quantity(left, 'J')}/m² is left when the surfaces "
+            f"sticky: of the work of adhesion ({paid}) {_ENERGY.text(left)} is left when the surfaces "
             "are pressed flat"
         )
     return (
-        f"not sticky: pressing the surfaces flat costs {quantity(energy, 'J')}/m², {energy / work:.2g} times "
+        f"not sticky: pressing the surfaces flat costs {_ENERGY.text(energy)}, {energy / work:.2g} times "
         f"the work of adhesion ({paid})"
     )

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact import materials
-from roughcontact.quantities import number, percent, quantity
+from roughcontact.quantities import number, percent, pressure_unit, quantity
 from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, PASSED, Check
 
 CONTACT_POINTS = 100  # fewer: the contact is a handful of pixels
@@ -170,12 +170,11 @@ def _against_hardness(statistics: xr.Dataset) -> Check:
     """Return the check of the pressure against the hardness that it was limited to."""
     hardness, modulus = (float(statistics[name]) for name in ("hardness", "contact_modulus"))
     load_share, area_share = (statistics[f"{part}_share_above_hardness"].values for part in ("load", "area"))
-    pressures = statistics["mean_pressure"].values
     first = ""
     if "first_yield_pressure" in statistics:
-        first_yield = quantity(float(statistics["first_yield_pressure"]), "Pa")
+        first_yield = pressure_unit(modulus).text(float(statistics["first_yield_pressure"]))
         first = f" First yield at a mean pressure of {first_yield}."
-    bears = f"the hardness of {quantity(hardness, 'Pa')}"
+    bears = f"the hardness of {pressure_unit(modulus).text(hardness)}"
     yielded = area_share > 0
     if not yielded.any():
         largest = percent(float(statistics["max_pressure"].max()) / hardness)
@@ -183,7 +182,7 @@ def _against_hardness(statistics: xr.Dataset) -> Check:
     worst = int(np.argmax(load_share))
     index = modulus * float(statistics["rms_gradient"]) / hardness
     text = (
-        f"{_loads(yielded, pressures)} points carry {bears} and flow: up to {percent(load_share[worst])} of "
+        f"{_loads(yielded, statistics)} points carry {bears} and flow: up to {percent(load_share[worst])} of "
         f"the load on {percent(area_share[worst])} of the contact area. The pressure is limited there, the "
         f"shape after it is not known.{first} Plasticity index E* g / H = {number(index, digits=2)} (mostly "
         "elastic below 0.3, mostly plastic above 3)."
@@ -197,7 +196,6 @@ def _without_hardness(statistics: xr.Dataset) -> Check:
         statistics[name].values / float(statistics["contact_modulus"])
         for name in ("mean_contact_pressure", "max_pressure")
     )
-    pressures = statistics["mean_pressure"].values
     figures = (
         f"the mean pressure in contact reaches {number(mean.max(), digits=2)} E*, the largest "
         f"{number(largest.max(), digits=2)} E*"
@@ -221,13 +219,13 @@ def _without_hardness(statistics: xr.Dataset) -> Check:
     beyond_all, flowing = mean > materials.HARDEST, beyond_metals(statistics).values
     if beyond_all.any():
         text = (
-            f"{_loads(beyond_all, pressures)} the contact is beyond what any material bears, "
+            f"{_loads(beyond_all, statistics)} the contact is beyond what any material bears, "
             f"{materials.HARDEST:g} E*: {figures}. An elastic result means nothing there. {state}"
         )
         return Check("Plasticity", FAILED, text)
     if flowing.any():
         text = (
-            f"{_loads(flowing, pressures)} metals would flow, which they do at {limits}: {figures}. No "
+            f"{_loads(flowing, statistics)} metals would flow, which they do at {limits}: {figures}. No "
             f"hardness is stated, and the result is elastic whatever the pressure. {state}"
         )
         return Check("Plasticity", LOOK, text)
@@ -342,20 +340,21 @@ def units(statistics: xr.Dataset) -> Check:
     if doubts:
         text = f"At {len(doubts)} of {loads.size} loads the mean pressure is hardly meant: "
         return Check("Units", LOOK, text + doubts[0].question())
-    low, high = (quantity(float(f(loads)), "Pa") for f in (np.min, np.max))
+    low, high = (pressure_unit(modulus).text(float(f(loads))) for f in (np.min, np.max))
     span = low if low == high else f"{low} to {high}"
     text = f"A contact modulus of {quantity(modulus, 'Pa')} and loads of {span} are those of real materials."
     return Check("Units", PASSED, text)
 
 
-def _loads(concerned: np.ndarray | xr.DataArray, pressures: np.ndarray) -> str:
+def _loads(concerned: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:
     """Return at which loads something is so, as the beginning of a sentence."""
+    pressures, unit = statistics["mean_pressure"].values, pressure_unit(float(statistics["contact_modulus"]))
     chosen = pressures[np.asarray(concerned)]
     if pressures.size == 1:
-        return f"At {quantity(float(chosen[0]), 'Pa')}"
+        return f"At {unit.text(float(chosen[0]))}"
     if chosen.size == pressures.size:
         return "At every load"
-    return f"At {chosen.size} of {pressures.size} loads, from {quantity(float(chosen.min()), 'Pa')} on,"
+    return f"At {chosen.size} of {pressures.size} loads, from {unit.text(float(chosen.min()))} on,"
 
 
 def load_range(statistics: xr.Dataset) -> Check:
