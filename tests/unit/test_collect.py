@@ -15,6 +15,7 @@ from roughcontact.results.collect import collect_statistics, pairs_table, summar
 from roughcontact.results.selection import read_statistics
 from roughcontact.results.storage import read_dataset, write_dataset, write_table
 from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.variables import VARIABLES
 
 
 def write_statistics(path, loads, *, bins=3, scale=1.0):
@@ -106,6 +107,27 @@ def test_cases_come_first_and_may_lack_a_surface(tmp_path):
         ("hard", "a", 5e5),
         ("hard", "a", 6e5),
     ]
+
+
+def test_a_table_of_many_columns_is_made_without_a_word():
+    """Pandas warns of a table that was put together column by column from the hundredth on."""
+    names = [name for name, (unit, _) in VARIABLES.items() if unit in ("1", "m", "Pa")]
+    assert len(names) > 40
+    columns = {f"{name}_from_{source}": name for name in names for source in ("solver", "window", "all")}
+    values = np.arange(2.0 * len(columns)).reshape(-1, 1, 2)
+    statistics = xr.Dataset(
+        {name: (("surface", "load"), value) for name, value in zip(columns, values, strict=True)},
+        coords={
+            "surface_name": ("surface", np.array(["a"], object)),
+            "mean_pressure": (("surface", "load"), [[1e5, 2e5]]),
+        },
+        attrs={"verdicts": json.dumps({"": {"a": [["trust", []], ["trust", []]]}})},
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        table = summary_table(statistics)
+    assert table.shape == (2, 2 + len(columns) + 2)
+    np.testing.assert_array_equal(table.iloc[:, 2:-2].to_numpy(float).T, values[:, 0])
 
 
 def test_missing_file_is_named(tmp_path):

@@ -47,6 +47,7 @@ def test_generated_files_are_in_step(name, generate):
     assert (ROOT / name).read_text(encoding="utf-8") == generate(), (
         f"{name} is old: run `PYTHONPATH=workflow/lib python -m roughcontact.configuration .`"
     )
+    assert generate().endswith("}\n")  # a file of lines: `cat` and `printf >>` go on below
 
 
 def test_default_configuration_says_nothing_but_the_defaults():

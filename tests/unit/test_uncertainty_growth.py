@@ -65,3 +65,10 @@ def test_a_profile_and_a_flat_map():
     profile = turned_surface((1, 900), 1.0, feed=30.0, nose_radius=100.0)
     assert growth_exponent(level(profile)) < 0.05
     assert growth_exponent(level(height_map(np.zeros((64, 64)), 1.0))) == 0.0
+
+
+@pytest.mark.parametrize("shape", [(2, 300), (3, 3), (300, 3), (1, 3)])
+def test_maps_of_few_rows_have_parts_of_one_row(shape):
+    heights = np.random.default_rng(5).normal(size=shape)
+    assert 0 <= growth_exponent(level(height_map(heights, 1.0), outlier_threshold=None)) <= 2
+    assert growth_exponent(height_map(np.ones(shape), 1.0).assign_attrs(form="plane")) == 0.0

@@ -40,7 +40,7 @@ def default_yaml(*, head: str = _HEAD) -> str:
     >>> "  max_missing: 0.4" in default_yaml().splitlines()
     True
     """
-    return head + "\n".join(_yaml(Settings, ""))
+    return head + "\n".join(_yaml(Settings, "")) + "\n"
 
 
 def json_schema() -> str:

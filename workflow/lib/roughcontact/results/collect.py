@@ -168,9 +168,9 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     table = statistics[names].reset_coords().to_dataframe(dim_order=order).reset_index()
     labels = [dim for dim in ("case", "surface") if f"{dim}_name" in statistics.coords]
     frame = pd.DataFrame({dim: statistics[f"{dim}_name"].values[table[dim]] for dim in labels})
-    for name in names:
-        unit, _ = VARIABLES[name.partition("_from_")[0]]
-        frame[name + _SUFFIX[unit]] = table[name].to_numpy()
+    units = {name: VARIABLES[name.partition("_from_")[0]][0] for name in names}
+    numbers = {name + _SUFFIX[unit]: table[name].to_numpy() for name, unit in units.items()}
+    frame = pd.concat([frame, pd.DataFrame(numbers)], axis="columns")
     real = np.isfinite(table["mean_pressure"].to_numpy())
     frame = frame[real].reset_index(drop=True)
     if "verdicts" in statistics.attrs:

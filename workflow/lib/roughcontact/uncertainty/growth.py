@@ -95,7 +95,7 @@ def _mean_deviation(values: np.ndarray, cuts: int, order: int) -> float:
     """Return the mean deviation (rms over the parts) of parts 1/cuts long that overlap by half."""
     starts, sides = [], []
     for n in values.shape:
-        side = n // cuts if n > 1 else 1
+        side = max(1, n // cuts)
         sides.append(side)
         starts.append(np.linspace(0, n - side, 2 * cuts - 1 if n > 1 else 1).round().astype(int))
     coordinates = tuple(np.arange(side, dtype=float) for side in sides)
