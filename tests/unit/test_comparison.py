@@ -70,6 +70,24 @@ def test_missing_numbers_are_equal_to_missing_ones_only():
     assert different(nothing, statistics(), share=0.01) == [("relative_contact_area", 1e6)]
 
 
+def test_a_number_that_got_lost_or_has_no_end_differs(tmp_path, capsys):
+    before = statistics()
+    lost = before.drop_vars(["mean_gap", "mean_gap_uncertainty", "rms_height"])
+    assert different(before, lost) == [("mean_gap", load) for load in LOADS]
+    assert len(different(before, lost, share=0.01)) == 4
+    assert different(lost, before, share=0.01) == []
+    endless = statistics(gaps=(np.inf, 1e-7))
+    assert different(before, endless) == [("mean_gap", 1e6)]
+    assert different(endless, endless) == []
+    files = [str(tmp_path / name) for name in ("before.nc", "lost.nc", "endless.nc")]
+    for dataset, file in zip((before, lost, endless), files, strict=True):
+        write_dataset(dataset, file)
+    assert main(["compare", *files[:2]]) == 1
+    assert capsys.readouterr().out.splitlines()[0] == "at 1.00 MPa  mean_gap  200 nm → nothing"
+    assert main(["compare", files[0], files[2], "--share", "0.1"]) == 1
+    assert capsys.readouterr().out.splitlines()[0] == "at 1.00 MPa  mean_gap  200 nm → ∞ m"
+
+
 def test_a_load_of_one_run_alone_differs():
     after = statistics(gaps=(2e-7,), area=(0.1,), loads=[1e6 * (1 + 5e-4)])
     assert different(statistics(), after) == [("mean_pressure", 5e6)]
@@ -106,7 +124,7 @@ def test_the_verb(tmp_path, capsys):
     write_dataset(statistics(), files[0])
     write_dataset(statistics(gaps=(2e-7, 1.1e-7)), files[1])
     assert main(["compare", files[0], files[0]]) == 0
-    assert capsys.readouterr().out == "0 of 2 numbers differ by more than its ±\n"
+    assert capsys.readouterr().out == "0 of 2 numbers differ by more than their ±\n"
     assert main(["compare", *files]) == 1
     said = capsys.readouterr().out.splitlines()
     assert said[0] == "at 5.00 MPa  mean_gap  100 nm → 110 nm  +10 %, 4.24 nm allowed"

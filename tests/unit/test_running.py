@@ -72,7 +72,8 @@ def test_a_dry_run_is_short_and_snakemake_has_its_own_screen_where_asked(folder,
     np.save(folder / "a.npy", np.ones((4, 4)))
     assert main(["init", "a.npy"]) == 0
     assert main(["run", "-n"]) == 0
-    short = capfd.readouterr().out
+    short, beside = capfd.readouterr()
+    assert not beside
     assert "1 surface, 5 jobs" in short
     assert "rule prepare" not in short
     assert main(["run", "-n", "--quiet", "host"]) == 0

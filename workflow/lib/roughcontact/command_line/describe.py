@@ -250,8 +250,8 @@ def comparison(rows: Sequence[Mapping[str, Any]], *, share: float | None = None)
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
         for row in cells
     ]
-    allowed = "its ±" if share is None else percent(share)
-    verb = "differs" if len(cells) == 1 else "differ"
+    verb, whose = ("differs", "its") if len(cells) == 1 else ("differ", "their")
+    allowed = f"{whose} ±" if share is None else percent(share)
     return "\n".join([*lines, f"{len(cells)} of {len(rows)} numbers {verb} by more than {allowed}"])
 
 
@@ -262,7 +262,11 @@ def _difference(row: Mapping[str, Any]) -> list[str]:
     unit = row["unit"] or "1"
     if row["quantity"] == "mean_pressure":
         return [where, "", "", "only in the first" if math.isnan(row["after"]) else "only in the second"]
-    values = [quantity(row[side], unit) for side in ("before", "after")]
-    change = row["after"] - row["before"]
-    relative = f"{100 * change / abs(row['before']):+.2g} %, " if row["before"] else ""
-    return [where, row["quantity"], " → ".join(values), f"{relative}{quantity(row['allowed'], unit)} allowed"]
+    sides = [row[side] for side in ("before", "after")]
+    values = " → ".join("nothing" if math.isnan(value) else quantity(value, unit) for value in sides)
+    change = sides[1] - sides[0]
+    if not math.isfinite(change):
+        return [where, row["quantity"], values, ""]
+    sign = "+" if change > 0 else "−"
+    relative = f"{sign}{number(100 * abs(change / sides[0]), digits=2)} %, " if sides[0] else ""
+    return [where, row["quantity"], values, f"{relative}{quantity(row['allowed'], unit)} allowed"]

@@ -14,7 +14,8 @@ from pathlib import Path
 from roughcontact.errors import SettingsError
 
 PACKAGE = Path(__file__).parents[1]
-_CORES = ("--cores", "-c", "--jobs", "-j", "--profile", "--workflow-profile", "--executor", "-e")
+_PROFILES = ("--profile", "--workflow-profile", "--executor", "-e")
+_CORES = ("--cores", "-c", "--jobs", "-j", *_PROFILES)
 _TRIES = 10
 # with one of these the screen is Snakemake's own
 _SHOW = ("--logger", "--quiet", "-q", "--verbose", "--printshellcmds", "-p", "--debug-dag")
@@ -128,7 +129,10 @@ def run_workflow(arguments: Sequence[str]) -> int:
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(workflow_file())]
     if not any(word.split("=")[0] in _SHOW for word in arguments):
         command += ["--logger", "roughcontact"]
+    # the profile of a run on this machine says no more than this, but Snakemake announces it each time
     command += ["--rerun-incomplete", "--keep-going"]
+    if not any(word.split("=")[0] in _PROFILES for word in arguments):
+        command += ["--workflow-profile", "none"]
     if _left_locked(given.directory):
         print("The last run in this folder was killed: going on where it ended.", file=sys.stderr, flush=True)
         _wait([*command, "--unlock", *arguments, "--quiet"], given.directory)

@@ -51,7 +51,8 @@ def compare_statistics(before: xr.Dataset, after: xr.Dataset, *, share: float | 
     DataFrame
         a row for each number judged: `case` and `surface` where the files have them, `mean_pressure` (Pa, of
         the load before), `quantity`, `unit`, `before`, `after`, `allowed` (largest change) and `differs`. A
-        load that only one of the files has is a row of its `mean_pressure`, NaN in the other.
+        load that only one of the files has is a row of its `mean_pressure`, NaN in the other. A number that
+        the second file lacks has differed; one that only the second file has is not judged.
 
     Raises
     ------
@@ -88,7 +89,8 @@ def compare_statistics(before: xr.Dataset, after: xr.Dataset, *, share: float | 
             rows += [label | row for row in _judged(old, new, share)]
     if not rows:
         raise InputFileError(
-            "nothing to compare: the files hold no ± (uncertainty: null in the settings); try --share 0.01"
+            "nothing to compare: one of the files holds no ± (uncertainty: {sources: []} in its settings); "
+            "try --share 0.01"
         )
     columns = [*labels, "mean_pressure", "quantity", "unit", "before", "after", "allowed", "differs"]
     return pd.DataFrame(rows)[columns]
@@ -131,22 +133,23 @@ def _judged(old: xr.Dataset, new: xr.Dataset, share: float | None) -> Iterator[d
     if np.isnan(pressures).any():
         yield _row(np.nanmax(pressures), "mean_pressure", *pressures, allowed=0.0)
         return
-    for name in _numbers(old, new):
-        values = float(old[name]), float(new[name])
+    for name in _numbers(old):
+        values = float(old[name]), float(new.get(name, np.nan))
         if share is not None:
             yield _row(pressures[0], name, *values, allowed=share * max(map(abs, values)))
+        elif f"{name}_uncertainty" in old and name not in new:
+            yield _row(pressures[0], name, *values, allowed=_half_width(old, name, values[0]))
         elif f"{name}_uncertainty" in old and f"{name}_uncertainty" in new:
             allowed = float(np.hypot(_half_width(old, name, values[1]), _half_width(new, name, values[0])))
             yield _row(pressures[0], name, *values, allowed=allowed)
 
 
-def _numbers(old: xr.Dataset, new: xr.Dataset) -> list[str]:
-    """Return the names of the numbers that both have and that say something of the surface."""
+def _numbers(old: xr.Dataset) -> list[str]:
+    """Return the names of the numbers that say something of the surface."""
     return [
         name
         for name in map(str, old.data_vars)
-        if name in new
-        and not old[name].dims
+        if not old[name].dims
         and old[name].dtype.kind in "fiu"
         and name not in _WORK
         and not name.endswith(_BUDGET)
@@ -163,7 +166,8 @@ def _half_width(side: xr.Dataset, name: str, other: float) -> float:
 
 def _row(pressure: float, name: str, before: float, after: float, *, allowed: float) -> dict[str, Any]:
     """Return one row of the table."""
-    both_missing = np.isnan(before) and np.isnan(after)
+    same = before == after or (np.isnan(before) and np.isnan(after))
+    change = abs(after - before)
     return {
         "mean_pressure": pressure,
         "quantity": name,
@@ -171,5 +175,5 @@ def _row(pressure: float, name: str, before: float, after: float, *, allowed: fl
         "before": before,
         "after": after,
         "allowed": allowed,
-        "differs": not both_missing and not abs(after - before) <= allowed,
+        "differs": bool(not same and not (change <= allowed and np.isfinite(change))),
     }
