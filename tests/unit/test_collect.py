@@ -194,11 +194,12 @@ def test_files_of_surfaces_are_concatenated_without_a_word(tmp_path):
     files = [xr.open_dataset(path) for path in paths]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        together = xr.concat(files, dim="surface")
+        together = xr.concat(files, dim=pd.Index(["a", "b"], name="surface"))
     sizes = {dim: together.sizes[dim] for dim in ("surface", "load", "pressure_bin", "gap_bin", "patch_bin")}
     assert sizes == {"surface": 2, "load": 2, **{dim: files[0].sizes[dim] for dim in list(sizes)[2:]}}
     widths = together["pressure_bin_bounds"].diff("bounds").squeeze("bounds")
     np.testing.assert_allclose((together["pressure_density"] * widths).sum("pressure_bin"), 1, rtol=1e-12)
+    np.testing.assert_allclose(together.sel(surface="b")["mean_pressure"], [1e5, 6e4])
 
 
 @pytest.fixture
