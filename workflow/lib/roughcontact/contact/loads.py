@@ -34,7 +34,7 @@ def plan_loads(
     relative_pressure : float or list of float, optional
         p' = p / (E* g); with neither, the plan `DEFAULT_PLAN`.
     hardness : float, Pa, optional
-        of the softer body: planned loads that no contact carries are left out.
+        of the softer body: planned loads that no contact carries are left out, given ones refused.
 
     Returns
     -------
@@ -44,7 +44,8 @@ def plan_loads(
     Raises
     ------
     SettingsError
-        for both at once, an empty list, a load that is not positive, or a hardness below all planned loads.
+        for both at once, an empty list, a load that is not positive, a relative one that the hardness does
+        not allow, or a hardness below all planned loads.
     HeightMapError
         where relative pressures are asked for on a flat map, which has no gradient to relate them to.
 
@@ -70,7 +71,16 @@ def plan_loads(
             "the map is flat: loads relative to its rms gradient mean nothing; give mean_pressure in Pa"
         )
     loads = [value * modulus * gradient for value in relative]
-    if relative_pressure is not None or hardness is None:
+    if hardness is None:
+        return loads
+    if relative_pressure is not None:
+        if max(loads) >= hardness:
+            raise SettingsError(
+                f"relative_pressure = {max(relative):g} is a mean pressure of {max(loads):.3g} Pa here, "
+                f"not below the hardness {hardness:g} Pa: no contact carries it; stay below "
+                f"{hardness / (modulus * gradient):.2g}, or leave relative_pressure out: planned loads do",
+                keys=["relative_pressure", "hardness"],
+            )
         return loads
     carried = [load for load in loads if load < hardness]
     if not carried:
