@@ -65,6 +65,18 @@ def test_the_crate_names_files_sources_settings_and_program(results):
     assert root["conformsTo"]["@id"] == "https://w3id.org/ro/wfrun/process/0.5"
 
 
+def test_the_crate_says_whose_it_is(results):
+    pytest.importorskip("rocrate")
+    address = "https://orcid.org/0000-0002-1825-0097"
+    found = described(results, author=f"Ada Example <{address}>", publisher="Institute of Examples")
+    assert found["./"]["author"] == found["#run"]["agent"] == {"@id": address}
+    assert found[address] == {"@id": address, "@type": "Person", "name": "Ada Example"}
+    organisation = found[found["./"]["publisher"]["@id"]]
+    assert (organisation["@type"], organisation["name"]) == ("Organization", "Institute of Examples")
+    assert organisation["@id"] == "#Institute-of-Examples"
+    assert not {"author", "publisher"} & set(described(results)["./"])
+
+
 def test_a_second_crate_of_the_same_files_is_the_first_one(results):
     rocrate = pytest.importorskip("rocrate.rocrate")
     first = write_crate(results).read_bytes()
@@ -96,5 +108,6 @@ def test_the_command_says_where_it_is_or_what_is_missing(results, tmp_path, monk
         assert main(["crate", str(results)]) == 2
     assert "pip install 'roughcontact[crate]'" in capsys.readouterr().err
     pytest.importorskip("rocrate")
-    assert main(["crate", str(results), "--license", "CC0"]) == 0
+    assert main(["crate", str(results), "--license", "CC0", "--author", "Ada Example"]) == 0
     assert capsys.readouterr().out == f"{results / 'ro-crate-metadata.json'}\n"
+    assert '"name": "Ada Example"' in (results / "ro-crate-metadata.json").read_text(encoding="utf-8")

@@ -145,6 +145,10 @@ def _parser(*, settings: bool) -> argparse.ArgumentParser:
         metavar="TEXT",
         help="address of the licence under which others may use the results, or words",
     )
+    crate.add_argument("--author", metavar="TEXT", help='who made the run: "Name <address of the ORCID>"')
+    crate.add_argument(
+        "--publisher", metavar="TEXT", help='the organisation that publishes it: "Name <address of the ROR>"'
+    )
     crate.set_defaults(run=_crate)
     return parser
 
@@ -270,5 +274,6 @@ def _crate(options: argparse.Namespace) -> int:
     """Write the description of a run, and say where it is."""
     from roughcontact.results.crate import write_crate
 
-    print(write_crate(options.folder, **({"terms": options.license} if options.license else {})))
+    stated = {"terms": options.license, "author": options.author, "publisher": options.publisher}
+    print(write_crate(options.folder, **{name: text for name, text in stated.items() if text}))
     return 0

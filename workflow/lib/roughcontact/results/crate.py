@@ -5,6 +5,7 @@ instrument, the measured files and the settings as what it worked on, the files 
 """
 
 import json
+import re
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from importlib.util import find_spec
@@ -30,7 +31,7 @@ _MEDIA_TYPES = {
 }
 
 
-def write_crate(folder: str | Path, *, terms: str = _NO_TERMS) -> Path:
+def write_crate(folder: str | Path, *, terms: str = _NO_TERMS, author: str = "", publisher: str = "") -> Path:
     """Write `ro-crate-metadata.json` into the folder of a finished run.
 
     It lists the files of the folder with their types and sizes, the measured files by name and checksum, the
@@ -43,6 +44,9 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS) -> Path:
         the folder `results` of a run.
     terms : str
         what others may do with the results: the address of a licence, or words.
+    author, publisher : str
+        the person who made the run, and the organisation that publishes it: a name, and where there is one
+        the address of an ORCID or ROR in angle brackets after it. An empty text says nothing of them.
 
     Returns
     -------
@@ -89,12 +93,13 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS) -> Path:
     root["conformsTo"] = _add(crate, _PROFILE, profile)
     results, measured, programs, settings = [], {}, {}, ""
     for path in files:
-        about = {"name": path.name, "contentSize": str(path.stat().st_size)}
+        name = path.relative_to(folder).as_posix()
+        about = {"name": name, "contentSize": str(path.stat().st_size)}
         if media_type := _MEDIA_TYPES.get(path.suffix):
             about["encodingFormat"] = media_type
         if path.suffix == ".nc":
             with opened_dataset(path) as dataset:
-                about["name"] = dataset.attrs.get("title", path.name)
+                about["name"] = dataset.attrs.get("title", name)
                 if path.stem == "height":
                     source = dataset["height"].attrs
                     measured[source["source_sha256"]] = source
@@ -102,7 +107,7 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS) -> Path:
                 programs[tuple(program.values())] = program
                 if path == folder / "statistics.nc":
                     settings = dataset.attrs["settings"]
-        results.append(crate.add_file(dest_path=path.relative_to(folder).as_posix(), properties=about))
+        results.append(crate.add_file(dest_path=name, properties=about))
     action = {
         "@type": "CreateAction",
         "name": "Run of roughcontact",
@@ -119,6 +124,10 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS) -> Path:
     ]
     run["result"] = results
     root["mentions"] = run
+    if author:
+        root["author"] = run["agent"] = _add_named(crate, "Person", author)
+    if publisher:
+        root["publisher"] = _add_named(crate, "Organization", publisher)
     write_text(json.dumps(crate.metadata.generate(), indent=2, sort_keys=True) + "\n", folder / _NAME)
     return folder / _NAME
 
@@ -136,6 +145,13 @@ def _add(crate: "ROCrate", identifier: str, properties: dict[str, Any]) -> Any:
     from rocrate.model.contextentity import ContextEntity
 
     return crate.add(ContextEntity(crate, identifier, properties=properties))
+
+
+def _add_named(crate: "ROCrate", kind: str, text: str) -> Any:
+    """Add a person or an organisation, ``Name`` or ``Name <address>``."""
+    name, address = (part.strip(" >") for part in (*text.split("<", 1), "")[:2])
+    identifier = address if address.startswith("http") else "#" + re.sub(r"\W+", "-", name)
+    return _add(crate, identifier, {"@type": kind, "name": name or address})
 
 
 def _add_measured(crate: "ROCrate", source: dict[str, Any]) -> Any:
