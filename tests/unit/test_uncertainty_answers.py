@@ -2,14 +2,17 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.special import stdtrit
 
 import roughcontact as rc
 from roughcontact.contact.solve import solve_contact
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.report.glance import _seals, glance_units
+from roughcontact.results.comparison import _half_width
 from roughcontact.statistics.contact_statistics import with_uncertainty
-from roughcontact.uncertainty.answers import ANSWERS, headline_and_answers, of_other_places
+from roughcontact.uncertainty.answers import ANSWERS, grooved, headline_and_answers, of_other_places
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.window_sampling import window_uncertainty
 
@@ -100,29 +103,54 @@ def test_numbers_drawn_from_a_law_are_held_as_often_as_is_said():
     factor = float(stdtrit(8, 0.975)) * np.sqrt(1 + 1 / 9)
     for name, law in ((ANSWERS[0], np.exp(0.2 * draws)), (ANSWERS[1], 10 + draws)):
         middle = np.exp(np.log(law[:9]).mean(axis=0)) if name == ANSWERS[0] else law[:9].mean(axis=0)
-        down, up = of_other_places(name, law[:9], middle, factor=factor, growth=0.0)
+        down, up = of_other_places(name, law[:9], middle, factor=factor)
         held = (middle - down <= law[9]) & (law[9] <= middle + up)
         assert held.mean() == pytest.approx(0.95, abs=0.015)
 
 
 def test_growth_of_the_heights_widens_gaps_and_takes_conductance_away():
-    parts, result = np.full((9, 1), 2.0), np.array([2.0])
-    down, up = of_other_places(ANSWERS[0], parts, result, factor=1.0, growth=0.1)
-    assert down[0] == pytest.approx(2 * (1 - np.exp(-0.15)))
+    """What higher heights change is added to the scatter as it is, and may be off by a quarter."""
+    parts, result, less = np.full((9, 1), 2.0), np.array([2.0]), 2 * np.exp([-0.1])
+    down, up = of_other_places(ANSWERS[0], parts, result, factor=1.0, grown=less)
+    assert down[0] == pytest.approx(2 * (1 - np.exp(-0.125)))
     assert up[0] == 0
-    down, up = of_other_places(ANSWERS[1], parts, result, factor=1.0, growth=0.1, added=np.array([0.3]))
-    assert up[0] == pytest.approx(0.3)
+    down, up = of_other_places(ANSWERS[1], parts, result, factor=1.0, grown=result + 0.4)
+    assert up[0] == pytest.approx(0.5)
     assert down[0] == 0
+    scattered = np.array([[1.0], [2.0], [3.0]])
+    _, up = of_other_places(ANSWERS[1], scattered, result, factor=0.3, grown=result + 1.6)
+    assert up[0] == pytest.approx(1.6 + 0.5)
+
+
+def test_higher_heights_that_change_nothing_or_the_wrong_way_add_nothing():
+    parts, result = np.full((9, 1), 2.0), np.array([2.0])
+    for name, grown in ((ANSWERS[0], 2 * result), (ANSWERS[1], result / 2)):
+        assert of_other_places(name, parts, result, factor=1.0, grown=grown) == (0, 0)
+
+
+def test_a_part_in_full_contact_leaves_conductance_without_a_bound():
+    parts, result = np.array([[1.0], [np.nan], [3.0]]), np.array([2.0])
+    down, up = of_other_places(ANSWERS[0], parts, result, factor=1.0)
+    assert np.isinf(up[0])
+    assert 0 < down[0] < 2
+
+
+def test_ways_that_cross_half_of_the_map_reach_as_far_up_as_they_are_wide():
+    parts, result = np.array([[1.0], [2.0], [3.0]]), np.array([2.0])
+    _, up = of_other_places(ANSWERS[1], parts, result, factor=0.3, half_way=np.array([2.4]))
+    assert up[0] == pytest.approx(0.5)
+    _, up = of_other_places(ANSWERS[1], parts, result, factor=0.3, half_way=np.array([1.0]))
+    assert up[0] == pytest.approx(0.3)
 
 
 def test_what_changed_from_the_parts_to_the_window_may_go_on_either_way():
     parts, result = np.full((9, 1), 1.0), np.array([2.0])
-    down, up = of_other_places(ANSWERS[0], parts, result, factor=1.0, growth=0.0, going_on=0.5)
+    down, up = of_other_places(ANSWERS[0], parts, result, factor=1.0, going_on=0.5)
     assert up[0] == pytest.approx(2 * (np.sqrt(2) - 1))
     assert down[0] == pytest.approx(2 * (1 - np.sqrt(0.5)))
-    down, up = of_other_places(ANSWERS[1], parts, result, factor=1.0, growth=0.0, going_on=0.5)
+    down, up = of_other_places(ANSWERS[1], parts, result, factor=1.0, going_on=0.5)
     assert down[0] == up[0] == pytest.approx(0.5)
-    down, _ = of_other_places(ANSWERS[1], parts, result, factor=1.0, growth=0.0, going_on=5.0)
+    down, _ = of_other_places(ANSWERS[1], parts, result, factor=1.0, going_on=5.0)
     assert down[0] == 2.0  # no narrower than closed
 
 
@@ -138,6 +166,78 @@ def test_a_gap_that_higher_heights_open_is_known_to_be_open_elsewhere():
         assert (solved[name] == 0).all()
         assert (grown[name] > 1e-7).all()
         assert (found[f"{name}_up"] >= 1.25 * grown[name] * (1 - 1e-9)).all()
+
+
+def groove(points, slope):
+    """Return a rough plane with one groove that climbs by `slope` rows a column, and is not periodic."""
+    rows, columns = np.mgrid[:points, :points]
+    heights = surface(points, seed=2).values
+    return heights - 4e-6 * np.exp(
+        -((((rows - slope * columns) + 3 * points) % points - points / 2) ** 2) / 8
+    )
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.4])
+def test_a_groove_that_leaves_the_map_has_no_bound_upwards(slope):
+    """At 0 it matches itself at the seam, at 0.4 it does not; along y there is none."""
+    levelled = rc.level(height_map(groove(96, slope), PITCH))
+    window = rc.periodic_window(levelled)
+    assert grooved(window) == [ANSWERS[1]]
+    settings = {"level": {}, "window": {}, "contact": CONTACT}
+    found = error_budget(levelled, window, settings, sources=["solver", "window"])
+    along, across = ANSWERS[1:]
+    assert np.isnan(found[f"{along}_upper"]).all()
+    assert np.isnan(found[f"{along}_uncertainty"].sel(source="combined")).all()
+    assert np.isfinite(found[f"{along}_lower"]).all()
+    assert np.isfinite(found[f"{across}_upper"]).all()
+    assert "lead out of the map along x:" in found.attrs["window_reason"]
+
+
+def test_the_table_says_or_more_where_there_is_no_bound_and_doubts_a_closed_gap():
+    found = {"gap_percolates_x": [1.0, 0.0], "gap_percolates_y": [0.0, 0.0], "mean_gap": [2e-6, 1e-6]}
+    found |= {"critical_constriction_x": [1e-6, 0.0], "critical_constriction_y": [0.0, 0.0]}
+    found |= {
+        "critical_constriction_x_lower": [0.8e-6, 0.0],
+        "critical_constriction_x_upper": [np.nan, np.nan],
+    }
+    numbers = xr.Dataset({name: ("load", values) for name, values in found.items()})
+    leaks, seals = (_seals(numbers, glance_units([numbers]), place) for place in (0, 1))
+    assert leaks.text == "seals along y, leaks along x"
+    assert leaks.more.replace("\N{NO-BREAK SPACE}", " ") == "narrowest place 1.00 −0.20 µm or more (x)"
+    assert seals.text == "seals (in doubt)"
+
+
+def test_two_runs_do_not_differ_where_one_of_them_has_no_bound():
+    """The narrowest place of the new run is above that of the old one, whose grooves leave the map."""
+    name = ANSWERS[1]
+
+    def run(value, lower, upper):
+        known = {name: value, f"{name}_lower": lower, f"{name}_upper": upper, "mean_pressure": 1e6}
+        half_widths = ("source", [upper - value])
+        return xr.Dataset(known | {f"{name}_uncertainty": half_widths}, coords={"source": ["combined"]})
+
+    old, new = run(1e-6, 0.8e-6, np.nan), run(5e-6, 4.9e-6, 5.1e-6)
+    assert _half_width(old, name, 5e-6) == np.inf
+    assert _half_width(old, name, 0.5e-6) == pytest.approx(0.2e-6)
+    assert _half_width(new, name, 1e-6) == pytest.approx(0.1e-6)
+
+
+def test_the_leak_rate_goes_as_the_cube_of_the_narrowest_place_and_a_closed_one_as_plates():
+    levelled, window = cut(surface(96, seed=1), 90)
+    seal = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 1e-3}
+    problem = {"contact_modulus": 2e9, "mean_pressure": [2e6, 1e8]}
+    numbers = rc.contact_statistics(solve_contact(window, **problem), seal=seal)
+    found = error_budget(levelled, window, {"level": {}, "window": {}, "contact": problem})
+    complete = with_uncertainty(numbers, found)
+    narrowest, leak = numbers["critical_constriction_x"].values, numbers["leak_rate_x"].values
+    assert narrowest[0] > 0 == narrowest[1] == leak[1]
+    for end in ("lower", "upper"):
+        height, of_leak = (
+            complete[f"{name}_{end}"].values for name in ("critical_constriction_x", "leak_rate_x")
+        )
+        assert of_leak[0] ** (1 / 3) / height[0] == pytest.approx(leak[0] ** (1 / 3) / narrowest[0])
+        assert of_leak[1] == pytest.approx(height[1] ** 3 * 1e5 / (12 * 1e-3 * 1e-3))
+    assert complete["leak_rate_x_lower"][0] < leak[0] < complete["leak_rate_x_upper"][0]
 
 
 @pytest.mark.slow

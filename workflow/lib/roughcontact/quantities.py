@@ -208,7 +208,8 @@ def plus_minus(value: float, half_width: float) -> str:
 def with_interval(value: float, lower: float, upper: float) -> str:
     """Return a value with its interval: ± where it reaches about as far to both sides, else − and +.
 
-    An end that is the value itself is left out: nothing is certain to ± 0.
+    An end that is the value itself is left out: nothing is certain to ± 0. An upper end that is not known
+    beside a lower one that is reads "or more".
 
     Parameters
     ----------
@@ -225,8 +226,12 @@ def with_interval(value: float, lower: float, upper: float) -> str:
     ('0.412 ± 0.091', '0.412 −0.091 +0.33')
     >>> with_interval(300.0, 240.0, 300.0)
     '300 −60'
+    >>> with_interval(1.7, 1.2, math.nan)
+    '1.70 −0.50 or more'
     """
     down, up = value - lower, upper - value
+    if math.isnan(up) and math.isfinite(down):
+        return f"{with_interval(value, lower, value)} or more"
     wider, narrower = max(down, up), min(down, up)
     if not math.isfinite(wider) or narrower < 0 or narrower >= (1 - _AS_FAR) * wider:
         return plus_minus(value, wider)

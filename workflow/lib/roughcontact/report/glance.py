@@ -217,20 +217,24 @@ def _seals(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell:
 
 
 def _in_doubt(numbers: xr.Dataset, axis: str, place: int) -> bool:
-    """Return whether the interval of the narrowest place has both an open and a closed gap in it."""
+    """Return whether the interval of the narrowest place has both an open and a closed gap in it.
+
+    One without an upper end has an open one.
+    """
     if not _known(numbers, f"critical_constriction_{axis}_lower"):
         return False
     lower, upper = (
         float(numbers[f"critical_constriction_{axis}_{end}"][place]) for end in ("lower", "upper")
     )
-    return lower <= 0 < upper
+    return lower <= 0 and (upper > 0 or np.isnan(upper))
 
 
 def _unbroken(numbers: xr.Dataset, name: str, units: Mapping[str, Unit], place: int) -> str:
     """Return a number of a load with its interval in front of its unit, from which it is not parted."""
     text, interval = _with_interval(numbers, name, units, place)
     value, _, unit = text.partition(" ")
-    return "\N{NO-BREAK SPACE}".join([" ".join(filter(None, (value, interval))), unit])
+    known, more, _ = " ".join(filter(None, (value, interval))).partition(" or more")
+    return f"{known}\N{NO-BREAK SPACE}{unit}{more}"
 
 
 def _yields(load: xr.Dataset) -> Cell:

@@ -160,7 +160,9 @@ def _half_width(side: xr.Dataset, name: str, other: float) -> float:
     """Return the half-width of a number's interval on the side where the other run's number lies."""
     end = f"{name}_upper" if other > float(side[name]) else f"{name}_lower"
     if end in side:
-        return abs(float(side[end]) - float(side[name]))
+        reach = abs(float(side[end]) - float(side[name]))
+        # an interval that the map does not bound upwards holds all that is more
+        return np.inf if np.isnan(reach) and np.isfinite(side[f"{name}_lower"]) else reach
     return float(side[f"{name}_uncertainty"].sel(source="combined"))
 
 

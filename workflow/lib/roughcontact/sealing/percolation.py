@@ -52,6 +52,57 @@ def percolation_columns(gap: np.ndarray) -> dict[str, float]:
     }
 
 
+def half_way_levels(gap: np.ndarray) -> dict[str, float]:
+    """Return the largest heights that ways keep which are half as long as a map and lie within it.
+
+    A way around the period has to match at its seam, where a groove that leaves the map is cut. One that
+    crosses half of the map, anywhere in it, does not.
+
+    Parameters
+    ----------
+    gap : array (ny, nx), m
+        zero or less where the surfaces touch.
+
+    Returns
+    -------
+    dict
+        `critical_constriction_x`, `critical_constriction_y` (m; 0 where there is no such way): of three
+        halves of the map that overlap, cut across the axis, that with the best way from edge to edge.
+
+    Examples
+    --------
+    A groove that leaves at another place than it enters, and so ends at the seam:
+
+    >>> import numpy as np
+    >>> gap = np.zeros((4, 8))
+    >>> gap[[0, 0, 1, 1, 2, 2, 3, 3], range(8)] = gap[[0, 1, 2], [2, 4, 6]] = 2.0
+    >>> half_way_levels(gap)["critical_constriction_x"], percolation_columns(gap)["critical_constriction_x"]
+    (2.0, 0.0)
+    """
+    return {
+        f"critical_constriction_{axis}": max(
+            _from_edge_to_edge(half) for half in _halves(gap if axis == "y" else gap.T)
+        )
+        for axis in "xy"
+    }
+
+
+def _halves(gap: np.ndarray) -> list[np.ndarray]:
+    """Return three halves of a map along its first axis, which overlap; a single point is no less."""
+    points = gap.shape[0]
+    half = max(points // 2, 1)
+    return [gap[start : start + half] for start in sorted({0, (points - half) // 2, points - half})]
+
+
+def _from_edge_to_edge(gap: np.ndarray) -> float:
+    """Return the largest height that a way keeps from the first row to the last, within the map."""
+    # an open row joins both ends, a closed column parts both sides
+    closed = np.zeros((gap.shape[0] + 1, gap.shape[1] + 1))
+    closed[:-1, :-1] = gap
+    closed[-1, :-1] = gap.max()
+    return percolation_columns(closed)["critical_constriction_y"]
+
+
 def _levels(gap: np.ndarray) -> tuple[float, float]:
     """Return the critical constriction along y and along x.
 

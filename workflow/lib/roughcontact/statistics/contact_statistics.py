@@ -172,6 +172,8 @@ def contact_statistics(
         from roughcontact.sealing.flow import leak_columns
 
         columns |= leak_columns(columns["mean_gap"], columns, **seal)
+        plates = leak_columns(1.0, {"flow_factor_xx": 1.0, "flow_factor_yy": 1.0}, **seal)
+        parameters["leak_rate_by_cube"] = float(plates["leak_rate_x"])
     columns |= theory_columns(
         mean_pressure, height, contact_modulus=modulus, rms_gradient=gradient, summits=surface.summits
     )
@@ -245,7 +247,7 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
         if key in budget.attrs
     }
     complete = statistics.merge(budget[found], compat="override", join="override").assign_attrs(words)
-    return complete.assign(_ends_in_other_units(complete))
+    return complete.assign(_ends_in_other_units(complete) | _ends_of_the_leak(complete))
 
 
 def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
@@ -257,6 +259,24 @@ def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
         for end in ("lower", "upper")
         if name in statistics and f"{base}_{end}" in statistics
     }
+
+
+def _ends_of_the_leak(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Return the ends of the intervals of the leak rates, which go as the cube of the narrowest place.
+
+    One place carries most of the drop of the pressure (Persson and Yang 2008). Of a gap that is closed the
+    upper end is that of plates as far apart as the narrowest place may be.
+    """
+    ends: dict[str, xr.DataArray] = {}
+    for axis in "xy":
+        name, narrowest = f"leak_rate_{axis}", f"critical_constriction_{axis}"
+        if name in statistics and f"{narrowest}_lower" in statistics:
+            leak, height = statistics[name], statistics[narrowest]
+            by_cube = (leak / height**3).where(height > 0, statistics["leak_rate_by_cube"])
+            ends |= {
+                f"{name}_{end}": by_cube * statistics[f"{narrowest}_{end}"] ** 3 for end in ("lower", "upper")
+            }
+    return ends
 
 
 class SurfaceNumbers(NamedTuple):

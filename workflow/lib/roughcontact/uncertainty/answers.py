@@ -9,14 +9,15 @@ import xarray as xr
 
 from roughcontact.contact.response import linear_response
 from roughcontact.maps import spacing
-from roughcontact.sealing.percolation import percolation_columns
+from roughcontact.sealing.percolation import half_way_levels, percolation_columns
 from roughcontact.uncertainty.headline import fields_of, headline
 
 # names of `roughcontact.variables`
 ANSWERS = ("conductance_per_conductivity", "critical_constriction_x", "critical_constriction_y")
 _TOLERANCE = 3e-2  # of the response: the conductance is good to about its square
 _NEXT_TO_NOTHING = 1e-2  # of the window's result: less has no logarithm that says anything
-_GROWTH_REACH = 1.5  # of the growth of the heights that is expected: how far conductance may fall
+_OF_THE_GROWTH = 0.25  # of what growth of the heights is expected to change: how far that may be off
+_GROOVE = 0.2  # of the window: valleys at random, of waves up to a third of the map, take up more
 
 
 def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
@@ -47,33 +48,9 @@ def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
         linear_response(pressure > 0, steps, 1.0, _TOLERANCE) for pressure, _ in fields_of(contact)
     ]
     conductances = [1 / compliance if compliance > 0 else np.nan for compliance in compliances]
-    return headline_and_narrowest(contact).assign({ANSWERS[0]: ("load", conductances)})
-
-
-def headline_and_narrowest(contact: xr.Dataset) -> xr.Dataset:
-    """Return the four quantities of each load, and the narrowest places on the way through the gap.
-
-    Parameters
-    ----------
-    contact : Dataset
-        as `solve_contact` returns it, with its fields.
-
-    Returns
-    -------
-    Dataset
-        dim load: those of `headline`, `critical_constriction_x` and `critical_constriction_y` (m).
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> fields = {"pressure": [[[0.0, 3.0], [0.0, 0.0]]], "gap": [[[0.5, 0.0], [0.2, 0.3]]]}
-    >>> contact = xr.Dataset({name: (("load", "y", "x"), values) for name, values in fields.items()})
-    >>> found = headline_and_narrowest(contact)
-    >>> found["critical_constriction_x"].item(), found["critical_constriction_y"].item()
-    (0.2, 0.2)
-    """
     rows = [percolation_columns(np.where(pressure > 0, 0.0, gap)) for pressure, gap in fields_of(contact)]
-    return headline(contact).assign({name: ("load", [row[name] for row in rows]) for name in ANSWERS[1:]})
+    narrowest = {name: ("load", [row[name] for row in rows]) for name in ANSWERS[1:]}
+    return headline(contact).assign({ANSWERS[0]: ("load", conductances)} | narrowest)
 
 
 def answers_in(found: xr.Dataset) -> list[str]:
@@ -96,60 +73,134 @@ def answers_in(found: xr.Dataset) -> list[str]:
     return [name for name in ANSWERS if name in found]
 
 
+def half_ways(contact: xr.Dataset) -> xr.Dataset:
+    """Return how narrow the best ways through the gap are that are half as long as the map, at each load.
+
+    Parameters
+    ----------
+    contact : Dataset
+        as `solve_contact` returns it, with its fields.
+
+    Returns
+    -------
+    Dataset
+        dim load: for the narrowest places in `ANSWERS` `{name}_half_way` (m), as
+        `roughcontact.sealing.percolation.half_way_levels` defines them.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> fields = {"pressure": [[[0.0, 3.0], [0.0, 0.0]]], "gap": [[[0.5, 0.0], [0.2, 0.3]]]}
+    >>> contact = xr.Dataset({name: (("load", "y", "x"), values) for name, values in fields.items()})
+    >>> half_ways(contact)["critical_constriction_y_half_way"].item()
+    0.5
+    """
+    rows = [half_way_levels(np.where(pressure > 0, 0.0, gap)) for pressure, gap in fields_of(contact)]
+    return xr.Dataset({f"{name}_half_way": ("load", [row[name] for row in rows]) for name in ANSWERS[1:]})
+
+
+def grooved(window: xr.DataArray) -> list[str]:
+    """Return which of the narrowest places lie in grooves, or valleys, that run out of the map.
+
+    The best ways through the valleys that are half as long as the map are looked for. Where heights are
+    scattered at random they take up about half of its area, since that much has to be open before anything
+    percolates [1]_; a groove leads there with little of it.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+
+    Returns
+    -------
+    list of str
+        of the names in `ANSWERS`.
+
+    References
+    ----------
+    .. [1] Dapp, Lücke, Persson and Müser (2012), Self-affine elastic contacts: percolation and leakage, Phys.
+       Rev. Lett. 108, 244301.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface, westergaard_surface
+    >>> grooved(westergaard_surface((64, 64), 1e-6, amplitude=1e-6, wavelength=32e-6))
+    ['critical_constriction_y']
+    >>> grooved(rough_reference_surface(64))
+    []
+    """
+    depth = window.values.max() - window.values
+    levels = half_way_levels(depth)
+    return [name for name in ANSWERS[1:] if np.mean(depth >= levels[name]) < _GROOVE]
+
+
 def of_other_places(
     name: str,
     values: np.ndarray,
     result: np.ndarray,
     *,
     factor: float,
-    growth: float,
     going_on: float = 0.0,
-    added: np.ndarray | float = 0.0,
+    grown: np.ndarray | None = None,
+    half_way: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how far below and above an answer it lies elsewhere, from the scatter of parts and from growth.
 
-    Of the conductance the logarithm scatters; it is K(p) at n times the heights what it was at the n-th part
-    of the load, and K about proportional to it, so that higher heights conduct less. Of a narrowest place,
-    which may be closed, the height itself scatters, and grows with the others. As the answer changed from the
-    parts to the window it may go on to change, in a direction that is not known.
+    Of the conductance the logarithm scatters, of a narrowest place, which may be closed, the height itself.
+    As the answer changed from the parts to the window it may go on to change, in a direction that is not
+    known. What higher heights are expected to change has a direction (they conduct less and leave wider
+    gaps), so that it is added as it is and not as a square ([1]_, F.2.4.5), and may be off by a quarter.
+    Ways that are half as long as the map, which nothing outside it and no seam of the period ends, may go on.
 
     Parameters
     ----------
     name : str
         one of `ANSWERS`.
     values : array (member, load)
-        of the parts.
+        of the parts; NaN for a part in full contact, which conducts without end.
     result : array (load,)
     factor : float
         from one standard deviation of the parts to the half-width.
-    growth : float
-        logarithm of the growth of the heights, which takes conductance away.
     going_on : float
         how much of its change from the parts to the window an answer may change from there to the surface.
-    added : array (load,)
-        what a narrowest place may grow by with the heights.
+    grown : array (load,), optional
+        the answer of the window with its heights as high as they are expected to be.
+    half_way : array (load,), optional
+        how narrow ways half as long as the map are.
 
     Returns
     -------
     down, up : arrays (load,)
-        NaN for less than two parts.
+        NaN for less than two parts; up infinite where a part conducts without end.
+
+    References
+    ----------
+    .. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement.
 
     Examples
     --------
     >>> parts, result = np.array([[1.0], [np.e]]), np.array([2.0])
-    >>> down, up = of_other_places(ANSWERS[0], parts, result, factor=np.sqrt(2), growth=0.0)
+    >>> down, up = of_other_places(ANSWERS[0], parts, result, factor=np.sqrt(2))
     >>> f"{down[0]:.3f} {up[0]:.3f}"
     '1.264 3.437'
     """
     if len(values) < 2:
         return np.full(result.shape, np.nan), np.full(result.shape, np.nan)
-    logarithmic = name == ANSWERS[0]
-    whole, parts = result, values
-    if logarithmic:
-        whole, parts = np.log(result), np.log(np.maximum(values, _NEXT_TO_NOTHING * result))
-    change = np.abs(whole - parts.mean(axis=0))
-    half_width = np.hypot(factor * parts.std(axis=0, ddof=1), going_on * change)
-    if logarithmic:
-        lost = _GROWTH_REACH * max(growth, 0.0)
-        return -result * np.expm1(-np.hypot(half_width, lost)), result * np.expm1(half_width)
-    return np.minimum(half_width, result), np.hypot(half_width, added)
+    conducts = name == ANSWERS[0]
+    whole, parts, higher = result, values, result if grown is None else grown
+    if conducts:
+        whole, parts, higher = (
+            np.log(np.maximum(v, _NEXT_TO_NOTHING * result)) for v in (whole, parts, higher)
+        )
+    shift = np.nan_to_num(np.maximum(whole - higher if conducts else higher - whole, 0.0))
+    without_end = np.isnan(parts).any(axis=0) if conducts else np.zeros(result.shape, bool)
+    # what conducts without end says nothing of how much less it may be
+    known = np.where(np.isnan(parts), whole, parts) if conducts else parts
+    change = np.abs(whole - known.mean(axis=0))
+    half_width = np.hypot(factor * known.std(axis=0, ddof=1), going_on * change)
+    doubt = _OF_THE_GROWTH * shift
+    if conducts:
+        up = np.where(without_end, np.inf, result * np.expm1(half_width))
+        return -result * np.expm1(-shift - np.hypot(half_width, doubt)), up
+    beyond = 0.0 if half_way is None else np.maximum(half_way - result, 0.0)
+    return np.minimum(half_width, result), shift + np.hypot(np.hypot(half_width, doubt), beyond)

@@ -9,7 +9,7 @@ import xarray as xr
 from roughcontact.checking import check_choice
 from roughcontact.choices import UncertaintySource
 from roughcontact.contact.solve import solve_contact
-from roughcontact.uncertainty.answers import ANSWERS, answers_in, headline_and_answers
+from roughcontact.uncertainty.answers import ANSWERS, answers_in, half_ways, headline_and_answers
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, grid_marks
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.uncertainty.processing import processing_uncertainty
@@ -24,12 +24,12 @@ _ENSEMBLES: dict[UncertaintySource, str] = {"window": "parts", "processing": "ch
 _COMMENT = (
     "half-widths of 95 % intervals, in the unit of the quantity, the larger where the interval reaches "
     "farther to one side; combined: root of the sum of squares of the sources that are given (of the "
-    "pressure in contact, what whole pixels are known to be off is added to it); NaN: not asked for, or not "
-    "to be had from this map"
+    "pressure in contact, what whole pixels are known to be off is added to it); NaN: not asked for, not to "
+    "be had from this map, or not bounded by it upwards"
 )
 _ENDS = {
     "lower": "lower end of the 95 % interval, all sources together",
-    "upper": "upper end of the 95 % interval, all sources together",
+    "upper": "upper end of the 95 % interval, all sources together; NaN beside a lower end: the map has none",
 }
 
 
@@ -179,7 +179,8 @@ def combine(
     -------
     Dataset
         dims (load, source), `source` being the four and `combined`: the larger half-width; NaN where none is
-        known. Along `load` the ends of the combined interval, `{name}_lower` and `{name}_upper`.
+        known or where one side has no bound (infinite). Along `load` the ends of the combined interval,
+        `{name}_lower` and `{name}_upper`, NaN for an end without a bound.
 
     References
     ----------
@@ -226,11 +227,11 @@ def combine(
         upper = np.minimum(value + up, np.maximum(value, most.get(name, np.inf)))
         columns[_uncertainty(name)] = (
             ("load", "source"),
-            np.column_stack([shown, np.maximum(down, up)]),
+            _bounded(np.column_stack([shown, np.maximum(down, up)])),
             {"comment": _COMMENT},
         )
         for end, values in (("lower", lower), ("upper", upper)):
-            columns[f"{name}_{end}"] = ("load", values, {"comment": _ENDS[end]})
+            columns[f"{name}_{end}"] = ("load", _bounded(values), {"comment": _ENDS[end]})
     return xr.Dataset(columns, coords={"source": [*SOURCES, COMBINED]})
 
 
@@ -238,7 +239,14 @@ def _count(contact: xr.Dataset) -> xr.Dataset:
     """Return the numbers of a load, the marks of its grid, and what the solver leaves open."""
     open_by_solver = solver_uncertainty(contact)
     counted = grid_marks(contact).merge(headline_and_answers(contact)[list(ANSWERS)])
-    return counted.merge(open_by_solver.rename({name: _uncertainty(name) for name in QUANTITIES}))
+    return counted.merge(half_ways(contact)).merge(
+        open_by_solver.rename({name: _uncertainty(name) for name in QUANTITIES})
+    )
+
+
+def _bounded(values: np.ndarray) -> np.ndarray:
+    """Return the values, NaN for those without a bound."""
+    return np.where(np.isinf(values), np.nan, values)
 
 
 def _uncertainty(name: str) -> str:

@@ -49,12 +49,7 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import spacing
 from roughcontact.quantities import number, percent
 from roughcontact.roughness.texture import texture_parameters
-from roughcontact.uncertainty.answers import (
-    answers_in,
-    headline_and_answers,
-    headline_and_narrowest,
-    of_other_places,
-)
+from roughcontact.uncertainty.answers import answers_in, grooved, headline_and_answers, of_other_places
 from roughcontact.uncertainty.ensemble import shown_part, solve_member
 from roughcontact.uncertainty.growth import form_order, growth_exponent
 from roughcontact.uncertainty.headline import QUANTITIES, headline
@@ -114,6 +109,7 @@ def window_uncertainty(
     Dataset
         along `load`, for each of the four quantities the expanded uncertainty `{name}_down` and `{name}_up`
         below and above the result, `{name}` the larger of them; NaN where the window is too small to be cut.
+        The same for the answers that `solved` has, infinite above where nothing in the map bounds them.
         Along (member, load) the results of the parts as they are, `{name}_members`; along `member` the
         parts' `member_offset_y`, `member_offset_x`, `member_length_y`, `member_length_x` (m, in the map, with
         the band that making them periodic takes). Attributes: `extent`, `coverage_factor` (t),
@@ -162,19 +158,14 @@ def window_uncertainty(
     step = _step(chosen, levelled.isel(whole), parts=len(parts), extent=extent)
     values = {name: np.array([member.values[name] for member in members]) for name in QUANTITIES}
     widths, work = _half_widths(values, solved, step), sum(member.work for member in members)
-    added: dict[str, np.ndarray] = {}
+    grown: dict[str, np.ndarray] = {}
     if step.growth > 0 and len(parts) > 1:
         higher = chosen.copy(data=chosen.values * math.exp(step.growth))
-        also = headline_and_narrowest if count is headline_and_answers else headline
-        grown = solve_member(higher, contact, tolerance=_TOLERANCE, count=also)
-        added = {
-            name: _GROWTH_REACH * np.maximum(found - solved[name].values, 0.0)
-            for name, found in grown.values.items()
-            if name not in QUANTITIES or name == "mean_gap"
-        }
+        member = solve_member(higher, contact, tolerance=_TOLERANCE, count=count)
+        grown, work = member.values, work + member.work
         down, up = widths["mean_gap"]
-        widths["mean_gap"] = down, np.hypot(up, added["mean_gap"])
-        work += grown.work
+        added = np.maximum(grown["mean_gap"] - solved["mean_gap"].values, 0.0)
+        widths["mean_gap"] = down, np.hypot(up, _GROWTH_REACH * added)
     result: dict[str, tuple] = {}
     for name in QUANTITIES:
         down, up = widths[name]
@@ -184,17 +175,21 @@ def window_uncertainty(
             f"{name}_up": ("load", up),
             f"{name}_members": (("member", "load"), values[name]),
         }
+    into_the_open = grooved(chosen) if answers_in(solved) else []
     for name in answers_in(solved):
         of_parts = np.array([member.values[name] for member in members])
+        half_way = solved[f"{name}_half_way"].values if f"{name}_half_way" in solved else None
         down, up = of_other_places(
             name,
             of_parts,
             solved[name].values,
             factor=step.scatter,
-            growth=step.growth,
             going_on=step.going_on,
-            added=added.get(name, 0.0),
+            grown=grown.get(name),
+            half_way=half_way,
         )
+        if name in into_the_open and half_way is not None:
+            up = np.where(half_way > 0, np.inf, up)
         result |= {
             name: ("load", np.maximum(down, up)),
             f"{name}_down": ("load", down),
@@ -212,7 +207,7 @@ def window_uncertainty(
             "degrees_of_freedom": step.freedom,
             "growth": math.exp(step.growth),
             "map_share": covered,
-            "reason": _reason(levelled, parts, covered, step),
+            "reason": _reason(levelled, parts, covered, step) + _open_ways(into_the_open),
             "flag": _flag(levelled, parts, incomplete, step),
             "work": work,
         },
@@ -393,6 +388,17 @@ def _reason(levelled: xr.DataArray, parts: list[Part], covered: float, step: _St
         f"mean pressure: {len(parts)} parts of about {nx} x {ny} points, {percent(covered)} of the map, each "
         "levelled, made periodic and solved by itself, tell how results scatter; from how the heights grow "
         f"with the length they are expected to be {number(math.exp(step.growth))} times as large there."
+    )
+
+
+def _open_ways(names: list[str]) -> str:
+    """Return which narrowest places lie in grooves that leave the map, in words."""
+    if not names:
+        return ""
+    axes = " and ".join(name[-1] for name in names)
+    return (
+        f" Grooves or valleys lead out of the map along {axes}: how wide the narrowest place on them may be "
+        "elsewhere is not judged."
     )
 
 
