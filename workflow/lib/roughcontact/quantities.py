@@ -32,7 +32,33 @@ class Unit(NamedTuple):
         >>> Unit(1e-6, "MPa").text(1.43e10)
         '14300 MPa'
         """
-        return f"{number(value * self.factor)} {self.shown}"
+        return f"{self.number(value)} {self.shown}"
+
+    def number(self, value: float) -> str:
+        """Return a value (SI) in this unit, three significant digits.
+
+        Parameters
+        ----------
+        value : float
+
+        Returns
+        -------
+        str
+        """
+        return number(value * self.factor)
+
+    def interval(self, value: float, lower: float, upper: float) -> str:
+        """Return a value (SI) with its interval in this unit, as `with_interval` writes it.
+
+        Parameters
+        ----------
+        value, lower, upper : float
+
+        Returns
+        -------
+        str
+        """
+        return with_interval(value * self.factor, lower * self.factor, upper * self.factor)
 
 
 def prefix(value: float, unit: str) -> tuple[float, str]:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import Unit, number, plus_minus
+from roughcontact.quantities import Unit, number, with_interval
 from roughcontact.report.units import middle_of, unit_of
 
 # quantity, its name, its unit (a share is given in percent)
@@ -22,6 +22,7 @@ _SPREAD = (0.1, 0.9)  # quantiles over the surfaces
 _DUST = 1e-9  # percent: a difference that small is rounding
 
 Group = dict[str, Any]
+Ways = tuple[float, float]  # how far an interval reaches down, and up
 
 
 def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
@@ -38,9 +39,9 @@ def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
     Returns
     -------
     dict or None
-        `cases`, their names; `groups`, for each quantity its `title` and `rows` of cells: mean pressure (in
-        E* g, or that of each case, where the cases differ in it), the value under each, the difference of
-        each other one in percent. None for a single case.
+        `cases`, their names; `differences`, those of the columns beside them; `groups`, for each quantity its
+        `title` and `rows` of cells: mean pressure (in E* g, or that of each case, where the cases differ in
+        it), the value under each, the difference of each other one in percent. None for a single case.
 
     Examples
     --------
@@ -60,19 +61,19 @@ def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
         rows = []
         for load in range(loads):
             values = [float(data[name][load]) for data in cases.values()]
-            halves = [_half_width(data, name, load) for data in cases.values()]
+            ways = [_ways(data, name, load) for data in cases.values()]
             rows.append(
                 [
                     names_of_loads[load],
-                    *(_shown(*pair, unit_of(first, unit)) for pair in zip(values, halves, strict=True)),
+                    *(_shown(*pair, unit_of(first, unit)) for pair in zip(values, ways, strict=True)),
                     *(
-                        _difference(values[0], halves[0], *pair)
-                        for pair in zip(values[1:], halves[1:], strict=True)
+                        _difference(values[0], ways[0], *pair)
+                        for pair in zip(values[1:], ways[1:], strict=True)
                     ),
                 ]
             )
         groups.append({"title": title, "rows": rows})
-    return {"cases": list(cases), "groups": groups}
+    return _table(list(cases), groups)
 
 
 def case_medians(surfaces: Sequence[Mapping[str, xr.Dataset]]) -> dict[str, Any] | None:
@@ -116,7 +117,16 @@ def case_medians(surfaces: Sequence[Mapping[str, xr.Dataset]]) -> dict[str, Any]
             for load in range(loads)
         ]
         groups.append({"title": title, "rows": rows})
-    return {"cases": names, "groups": groups, "surfaces": len(complete)}
+    return _table(names, groups) | {"surfaces": len(complete)}
+
+
+def _table(names: list[str], groups: list[Group]) -> dict[str, Any]:
+    """Return a table of cases: their names, those of the differences from the first, and what it holds."""
+    return {
+        "cases": names,
+        "differences": [f"{name} against {names[0]}" for name in names[1:]],
+        "groups": groups,
+    }
 
 
 def _load(cases: Sequence[Sequence[xr.Dataset]], load: int) -> str:
@@ -132,29 +142,42 @@ def _load(cases: Sequence[Sequence[xr.Dataset]], load: int) -> str:
     return " / ".join(show(float(median)) for median in np.median(pressures, axis=1))
 
 
-def _half_width(data: xr.Dataset, name: str, load: int) -> float:
-    """Return the combined ± of a number, NaN where there is none."""
+def _ways(data: xr.Dataset, name: str, load: int) -> Ways:
+    """Return how far the interval of a number reaches down and up, NaN where there is none."""
+    if f"{name}_lower" in data:
+        value = float(data[name][load])
+        return value - float(data[f"{name}_lower"][load]), float(data[f"{name}_upper"][load]) - value
     if f"{name}_uncertainty" not in data:
-        return np.nan
-    return float(data[f"{name}_uncertainty"].sel(source="combined")[load])
+        return np.nan, np.nan
+    half = float(data[f"{name}_uncertainty"].sel(source="combined")[load])
+    return half, half
 
 
-def _shown(value: float, half: float, unit: Unit) -> str:
-    """Return a number with its ±."""
-    factor, shown = unit
-    text = plus_minus(value * factor, half * factor)
-    return f"({text}) {shown}" if "±" in text else f"{text} {shown}"
+def _shown(value: float, ways: Ways, unit: Unit) -> str:
+    """Return a number with its interval."""
+    return _in_brackets(value * unit.factor, *(way * unit.factor for way in ways), unit.shown)
 
 
-def _difference(first: float, half_of_first: float, other: float, half: float) -> str:
-    """Return by how many percent a number differs from that of the first case, with its ±."""
+def _in_brackets(value: float, down: float, up: float, unit: str) -> str:
+    """Return a number with its interval, in brackets where there is one, before its unit."""
+    text = with_interval(value, value - down, value + up)
+    return f"({text}) {unit}" if " " in text else f"{text} {unit}"
+
+
+def _difference(first: float, of_first: Ways, other: float, ways: Ways) -> str:
+    """Return by how many percent a number differs from that of the first case, with its interval.
+
+    It is larger where the other number is, and where the first is smaller.
+    """
     if not first > 0:
         return "–"
     ratio = other / first
-    spread = np.hypot(half, ratio * half_of_first) / first
+    down, up = (
+        100 * float(np.hypot(way, ratio * opposite)) / first
+        for way, opposite in zip(ways, of_first[::-1], strict=True)
+    )
     change = 100 * (ratio - 1)
-    text = plus_minus(0.0 if abs(change) < _DUST else change, 100 * spread)
-    return f"({text}) %" if "±" in text else f"{text} %"
+    return _in_brackets(0.0 if abs(change) < _DUST else change, down, up, "%")
 
 
 def _quantiles(values: np.ndarray, unit: Unit) -> str:

@@ -99,6 +99,36 @@ def shown_loads(areas: np.ndarray) -> list[int]:
     return sorted(found)
 
 
+def loads_to_compare(results: Sequence[xr.Dataset], area: float = 0.1) -> list[int]:
+    """Return the place of the load at which each of many surfaces stands in a table with the others.
+
+    Parameters
+    ----------
+    results : sequence of Dataset
+        statistics of the surfaces, loads rising.
+    area : float
+        contact area that is looked for.
+
+    Returns
+    -------
+    list of int
+        where all have as many loads, the same one for all: that with the median nearest to `area`, by ratio;
+        else that of each surface which is nearest.
+
+    Examples
+    --------
+    >>> areas = [0.01, 0.04, 0.3], [0.02, 0.09, 0.5]
+    >>> surfaces = [xr.Dataset({"relative_contact_area": ("load", list(one))}) for one in areas]
+    >>> loads_to_compare(surfaces), loads_to_compare([surfaces[0], surfaces[1].isel(load=[1, 2])])
+    ([1, 1], [1, 0])
+    """
+    areas = [one["relative_contact_area"].values for one in results]
+    if len({one.size for one in areas}) == 1:
+        areas = [np.median(areas, axis=0)] * len(areas)
+    off = [np.abs(np.log(np.maximum(one, 1e-300)) - np.log(area)) for one in areas]
+    return [int(one.argmin()) for one in off]
+
+
 def glance_units(results: Sequence[xr.Dataset]) -> dict[str, Unit]:
     """Return the unit of each quantity in the table, the same for all surfaces, so that they compare.
 
@@ -122,7 +152,9 @@ def glance_units(results: Sequence[xr.Dataset]) -> dict[str, Unit]:
     return {name: unit_of(of_all, unit) for name, unit in _UNITS.items()}
 
 
-def glance_rows(numbers: xr.Dataset, units: Mapping[str, Unit] | None = None) -> list[list[Cell]]:
+def glance_rows(
+    numbers: xr.Dataset, units: Mapping[str, Unit] | None = None, places: Sequence[int] | None = None
+) -> list[list[Cell]]:
     """Return for two or three loads of a surface the cells below `HEADINGS`.
 
     Parameters
@@ -131,13 +163,15 @@ def glance_rows(numbers: xr.Dataset, units: Mapping[str, Unit] | None = None) ->
         statistics of one surface, loads rising; a number that is not there, or NaN, was not asked for.
     units : mapping, optional
         as `glance_units` returns them for all surfaces of the table; else those of this one.
+    places : sequence of int, optional
+        of the loads; else those of `shown_loads`.
 
     Returns
     -------
     list (load) of lists of Cell
     """
     units = glance_units([numbers]) if units is None else units
-    places = shown_loads(numbers["relative_contact_area"].values)
+    places = shown_loads(numbers["relative_contact_area"].values) if places is None else places
     return [
         [
             _with_interval(numbers, "mean_pressure", units, place),

@@ -228,9 +228,9 @@ def framed(
     source, coarse = coloured(upright, (bar.low, bar.high), colours, bad=bad)
     chart.picture(source, smooth=not coarse)
     chart.reading = {
-        "x": [x.label, x.low, x.high],
-        "y": [y.label, y.low, y.high],
-        "value": [bar.label, bar.low, bar.high],
+        "x": x.reading(),
+        "y": y.reading(),
+        "value": bar.reading(),
         "colours": colour_scale(colours),
         "bad": [bad, bad_word],
         "points": list(values.shape[::-1]),
@@ -280,7 +280,7 @@ def _map(
         Axis(f"x ({length_unit})", 0.0, lx),
         upright(height, f"y ({length_unit})", 0.0, ly),
         values * unit.factor,
-        bar=Axis(f"{label} ({unit.shown})", low, high if high > low else low + 1),
+        bar=Axis(f"{label} ({unit.shown})", low, high if high > low else low + 1e-6 * unit.factor),
         colours=colours,
         bad=bad,
         bad_word=bad_word,
@@ -303,7 +303,7 @@ def _profile(
     factor, length_unit = prefix(float(position[-1]), "m")
     everything = np.concatenate([values for values, *_ in lines])
     low, high = (float(end) * unit.factor for end in (np.nanmin(everything), np.nanmax(everything)))
-    room = (high - low) * 0.06 or 1.0
+    room = (high - low) * 0.06 or 1e-6 * unit.factor
     chart = Chart(
         Axis(f"{along} ({length_unit})", 0.0, float(position[-1]) * factor),
         Axis(f"{label} ({unit.shown})", low - room, high + room),

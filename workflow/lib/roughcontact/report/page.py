@@ -2,7 +2,7 @@
 
 import base64
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,23 +11,32 @@ import numpy as np
 import xarray as xr
 
 from roughcontact import materials
-from roughcontact.quantities import Unit, number, percent
+from roughcontact.quantities import Unit, number
 from roughcontact.report import ONE_PAGE
 from roughcontact.report.captions import comparison_caption
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
-from roughcontact.report.glance import HEADINGS, glance_rows, glance_units
+from roughcontact.report.glance import HEADINGS, glance_rows, glance_units, loads_to_compare
 from roughcontact.report.load_plots import compare_areas, spread_of_areas
 from roughcontact.report.summary import Summary, summary_of
 from roughcontact.report.tables import pair_table
 from roughcontact.report.template import template
-from roughcontact.report.units import unit_of
+from roughcontact.report.units import filled, middle_of, unit_of
 from roughcontact.results.collect import Failure, summary_table
 from roughcontact.results.storage import read_dataset, write_text
 from roughcontact.statistics import checks
 
-# the numbers of a surface in the index of many, as `_headline` gives them
-_HEADINGS = ("rms height", "rms gradient g", "mean pressure p̄", "contact area A/A₀", "largest pressure")
+# what the index of many has of each surface: of `HEADINGS` all but the last, and what it is sorted by
+_HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g", *HEADINGS[:-1])
+_SORTED_BY = (
+    "mean_pressure",
+    "relative_contact_area",
+    "mean_contact_pressure",
+    "mean_gap",
+    "",
+    "",
+    "max_pressure",
+)
 
 
 def write_report(
@@ -81,13 +90,13 @@ def write_report(
     read = partial(Path.read_text, encoding="utf-8")
     summaries = [summary_of(read(Path(panel)), panel) for panel in panels]
     units = glance_units(list(known.values()))
+    places = dict(zip(known, loads_to_compare(list(known.values())), strict=True))
     rows = [
         {
             **summary,
             **_glance(summary, known[summary["name"]], units),
-            "numbers": _headline(known[summary["name"]]),
+            "numbers": _compared(known[summary["name"]], units, places[summary["name"]]) if many else [],
             "doubts": ", ".join(reason.partition(":")[0] for reason in summary["reasons"]),
-            "sort_by": _sort_keys(known[summary["name"]]),
             "link": f"pages/{summary['surface']}.html#surface-{summary['identifier']}",
         }
         for summary in summaries
@@ -104,9 +113,10 @@ def write_report(
         words=checks.VERDICTS,
         counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in checks.VERDICTS},
         many=many,
+        which_load=_which_load(list(places.values()), list(known.values())),
         comparisons=_comparisons(series, many=many),
         cases=_cases(by_surface, many=many),
-        parts=[] if many else [from_page(read(Path(panel)), panel, folder) for panel in panels],
+        parts=[] if many else [_part(panel, folder, units["mean_gap"]) for panel in panels],
         failures=[
             {"name": _name(failure["surface"], failure["case"]), "reason": failure["reason"]}
             for failure in failures
@@ -146,6 +156,7 @@ def _write_pages(
     """Write the page of each surface, with all its cases; `folder` is where the pages come to lie."""
     names = list(dict.fromkeys(summary["surface"] for summary in summaries))
     for place, name in enumerate(names):
+        unit = unit_of(middle_of(list(by_surface[name].values())), "m")
         own = [index for index, summary in enumerate(summaries) if summary["surface"] == name]
         html = template("surface.html").render(
             title=title,
@@ -157,12 +168,14 @@ def _write_pages(
             asked=HEADINGS,
             words=checks.VERDICTS,
             failures=(),
-            parts=[
-                from_page(Path(panels[index]).read_text(encoding="utf-8"), panels[index], folder)
-                for index in own
-            ],
+            parts=[_part(panels[index], folder, unit) for index in own],
         )
         write_text(html, written_to / f"{name}.html")
+
+
+def _part(panel: str | Path, folder: Path, unit: Unit) -> str:
+    """Return the part of a surface as it stands on a page of `folder`, heights in its unit."""
+    return filled(from_page(Path(panel).read_text(encoding="utf-8"), panel, folder), unit)
 
 
 def _glance(summary: Summary, numbers: xr.Dataset, units: Mapping[str, Unit]) -> dict[str, Any]:
@@ -257,42 +270,29 @@ def _series(statistics: xr.Dataset) -> dict[tuple[str, str | None], xr.Dataset]:
     return series
 
 
-def _sort_keys(data: xr.Dataset) -> list[float]:
-    """Return the numbers by which the rows of the index are sorted, for each of the headings."""
-    return [
-        float(data["rms_height"]),
-        float(data["rms_gradient"]),
-        float(data["mean_pressure"].max()),
-        float(data["relative_contact_area"].max()),
-        float(data["max_pressure"].max()),
-    ]
-
-
 def _name(surface: str, case: str | None) -> str:
     """Return what a surface, under a case, is called on the page."""
     return str(surface) if case is None else f"{surface} · {case}"
 
 
-def _headline(data: xr.Dataset) -> list[str]:
-    """Return the few numbers of a surface that stand at the top of the page."""
+def _compared(data: xr.Dataset, units: Mapping[str, Unit], place: int) -> list[dict[str, Any]]:
+    """Return the cells of a surface in the index, below `_HEADINGS`, and by what number each is sorted."""
+    answers = glance_rows(data, units, [place])[0]
+    keys = [float(data[name][place]) if name else None for name in _SORTED_BY]
     return [
-        unit_of(data, "m").text(float(data["rms_height"])),
-        number(float(data["rms_gradient"])),
-        _span(data["mean_pressure"].values, unit_of(data, "Pa").text),
-        _span(data["relative_contact_area"].values, percent),
-        _largest_pressure(data),
+        {"text": units["mean_gap"].text(rms := float(data["rms_height"])), "more": "", "key": rms},
+        {"text": number(slope := float(data["rms_gradient"])), "more": "", "key": slope},
+        *(
+            {"text": cell.text, "more": "" if key is None else cell.more, "key": key}
+            for cell, key in zip(answers[: len(keys)], keys, strict=True)
+        ),
     ]
 
 
-def _largest_pressure(data: xr.Dataset) -> str:
-    """Return the largest pressure and the lowest load at which it acts."""
-    place = int(data["max_pressure"].values.argmax())
-    peak, load = (float(data[name][place]) for name in ("max_pressure", "mean_pressure"))
-    show = unit_of(data, "Pa").text
-    return f"{show(peak)} at {show(load)}"
-
-
-def _span(values: np.ndarray, show: Callable[[float], str]) -> str:
-    """Return the least and the largest of some values in words."""
-    low, high = (show(float(f(values))) for f in (np.min, np.max))
-    return low if low == high else f"{low} to {high}"
+def _which_load(places: Sequence[int], results: Sequence[xr.Dataset]) -> str:
+    """Return at which load the surfaces of the index are compared."""
+    if len({(place, data.sizes["load"]) for place, data in zip(places, results, strict=True)}) == 1:
+        return (
+            f"at load {places[0] + 1} of {results[0].sizes['load']}, at which the contact of most is nearest"
+        )
+    return "at that load at which its contact is nearest"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, percent, quantity, with_interval
+from roughcontact.quantities import number, percent, quantity
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import read_dataset, read_table
 from roughcontact.statistics.contact_checks import rubber_like
@@ -121,14 +121,14 @@ def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[T
 def _column(numbers: xr.Dataset, name: str, title: str, unit: str) -> tuple[tuple[str, str, str], list[str]]:
     """Return the head of a column (title, unit, meaning) and its cells."""
     values = numbers[name].values.astype(float)
-    factor, shown = unit_of(numbers, unit)
-    head = title, shown, VARIABLES[name][1]
+    own = unit_of(numbers, unit)
+    head = title, own.shown, VARIABLES[name][1]
     if f"{name}_lower" in numbers:
-        ends = (numbers[f"{name}_{end}"].values * factor for end in ("lower", "upper"))
-        return head, [with_interval(*each) for each in zip(values * factor, *ends, strict=True)]
+        ends = (numbers[f"{name}_{end}"].values for end in ("lower", "upper"))
+        return head, [own.interval(*each) for each in zip(values, *ends, strict=True)]
     if name == "contact_clusters":  # a whole number
         return head, [f"{value:.0f}" for value in values]
-    return head, [number(value * factor) for value in values]
+    return head, [own.number(value) for value in values]
 
 
 def material_table(numbers: xr.Dataset, shown: Sequence[int]) -> Table | None:
