@@ -28,6 +28,7 @@ from roughcontact.maps import height_map
 from roughcontact.quantities import number, percent, prefix, quantity
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.report import map_plots
+from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.page import write_report
 from roughcontact.report.panel import write_panel
@@ -738,6 +739,58 @@ def test_the_page_is_printed(page, tmp_path):
     assert 5 <= max(pages) <= 40
 
 
+# --- units -------------------------------------------------------------------------------------------------
+
+
+def test_a_quantity_has_one_unit_on_the_whole_page(tmp_path):
+    """Also where a polished surface, for itself in nm, stands beside rough ones."""
+    maps = {"ground": rough(1), "lapped": rough(2), "polished": rough(3) * 1e-2}
+    page = assemble(tmp_path, [run_surface(tmp_path, name, height) for name, height in maps.items()])
+    text = unquote(page.read_text(encoding="utf-8"))
+    heights = r"(?:mean gap ū|gap u|gap|height|narrowest place along [xy])"
+    assert set(re.findall(rf"{heights} \((\w+)\)", text)) == {"µm"}
+    assert set(re.findall(r"(?:The mean gap is|rms height</dt><dd>) ?[^ ]+ (\w+)", text)) == {"µm"}
+    of_pressures = re.sub(r"(modulus of|modulus E\*</dt><dd>) ?[\d.]+ GPa", "", text)
+    assert set(re.findall(r"[\d.] ([kMG]?Pa)\b", of_pressures)) == {"MPa"}
+    assert "~height" not in text
+    for name in maps:
+        numbers = read_dataset(tmp_path / "all" / name / "statistics.nc").sortby("mean_pressure")
+        part = text.partition(f'id="surface-{name}"')[2].partition("</section>")[0]
+        for label, values in (
+            ("mean pressure p̄ (MPa)", numbers["mean_pressure"] * 1e-6),
+            ("mean gap ū (µm)", numbers["mean_gap"] * 1e6),
+            ("largest pressure (MPa)", numbers["max_pressure"] * 1e-6),
+        ):
+            cells = re.findall(rf'data-label="{re.escape(label)}">([^<]*)<', part)
+            assert cells[: values.size] == [number(float(value)) for value in values]
+
+
+def test_a_page_of_polished_surfaces_is_in_nanometres(tmp_path):
+    page = assemble(tmp_path, [run_surface(tmp_path, "polished", rough(3) * 1e-2)])
+    text = unquote(page.read_text(encoding="utf-8"))
+    assert set(re.findall(r"(?:mean gap ū|gap|height) \((\w+)\)", text)) == {"nm"}
+    solved = read_dataset(tmp_path / "all/polished/window.nc")["height"].values
+    reading = r'"height \(nm\)", "([^"]*)", "([^"]*)"'
+    ends = [float(end) for end in re.findall(reading, html.unescape(html.unescape(text)))[-1]]
+    assert ends == pytest.approx(1e9 * np.percentile(solved - solved.mean(), [0.1, 99.9]), rel=1e-6)
+
+
+def test_parts_of_an_interval_that_are_larger_than_the_value_are_drawn():
+    value = np.array([1e-9, 2e-9])
+    sources = ["solver", "discretisation", "window", "processing", "combined"]
+    numbers = xr.Dataset({"mean_pressure": ("load", [1e6, 2e6])}, coords={"source": sources})
+    for name in ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure"):
+        numbers[name] = ("load", value)
+        numbers[f"{name}_uncertainty"] = (("load", "source"), np.column_stack([30 * value] * 5))
+        numbers[f"{name}_lower"], numbers[f"{name}_upper"] = ("load", 0.1 * value), ("load", 31 * value)
+    for _, image in shown_budget(numbers)["images"]:
+        axes = ElementTree.fromstring(unquote(image.partition(",")[2])).find("{*}svg")
+        lines = [path.get("d") for path in axes if path.get("fill") == "none"]
+        heights = [float(y) for line in lines for _, y in re.findall(r"(-?[\d.]+) (-?[\d.]+)", line)]
+        assert heights
+        assert 0 < min(heights) < max(heights) < float(axes.get("height"))
+
+
 # --- many surfaces -----------------------------------------------------------------------------------------
 
 
@@ -776,6 +829,27 @@ def test_of_many_surfaces_there_is_an_index_and_a_page_each(study):
     assert len(text) < 200_000
 
 
+def test_the_index_answers_for_all_surfaces_at_one_load(study):
+    text = study.read_text(encoding="utf-8")
+    assert "at load 2 of 3" in text
+    rows = re.findall(r'<tr data-verdict="[^n]\w*">(.*?)</tr>', text)
+    collected = read_dataset(study.parent / "statistics.nc")
+    assert len(rows) == 14
+    for row in rows:
+        surface, case = re.search(r"html#[^>]*>([^<]*)<", row)[1].split(" · ")
+        place = (
+            list(collected["surface_name"].values).index(surface),
+            list(collected["case_name"].values).index(case),
+        )
+        numbers = collected.isel(surface=place[0], case=place[1]).sortby("mean_pressure").isel(load=1)
+        cells = dict(re.findall(r'data-label="([^"]*)"[^>]*>([^<]*)<', row))
+        cells = {label.replace("\N{NO-BREAK SPACE}", " "): cell for label, cell in cells.items()}
+        assert cells["mean pressure p̄"] == f"{number(float(numbers['mean_pressure']) * 1e-6)} MPa"
+        assert cells["contact area A/A₀"] == percent(float(numbers["relative_contact_area"]))
+        assert cells["largest pressure"] == f"{number(float(numbers['max_pressure']) * 1e-6)} MPa"
+        assert {cells["seals?"], cells["yields?"]} <= {"leaks", "seals", "not judged", "no", "yes"}
+
+
 def test_cases_are_compared_with_their_difference():
     first = xr.Dataset(
         {
@@ -796,6 +870,24 @@ def test_cases_are_compared_with_their_difference():
     assert areas["rows"][1] == ["2.00 MPa / 4.00 MPa", "20.0 %", "40.0 %", "100 %"]
     assert gaps["rows"][1][-1] == "–"
     assert case_table({"one": first}) is None
+
+
+def test_differences_of_cases_reach_as_far_as_the_ends_of_both_intervals():
+    def case(area, lower, upper):
+        ones = {name: ("load", [1.0]) for name in ("mean_contact_pressure", "max_pressure", "mean_gap")}
+        ends = {
+            "relative_contact_area_lower": ("load", [lower]),
+            "relative_contact_area_upper": ("load", [upper]),
+        }
+        return xr.Dataset(
+            {"mean_pressure": ("load", [1e6]), "relative_contact_area": ("load", [area])} | ones | ends
+        )
+
+    table = case_table({"one": case(0.1, 0.08, 0.101), "two": case(0.2, 0.199, 0.24)})
+    # up: hypot(0.04, 2 * 0.02)/0.1 = 57 %, down: hypot(0.001, 2 * 0.001)/0.1 = 2.2 %
+    shown = ["1.00 MPa", "(10.00 −2.0 +0.10) %", "(20.00 −0.10 +4.0) %", "(100.0 −2.2 +57) %"]
+    assert table["groups"][0]["rows"][0] == shown
+    assert table["differences"] == ["two against one"]
 
 
 def test_loads_of_cases_are_named_by_what_they_have_in_common():

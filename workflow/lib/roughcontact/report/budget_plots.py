@@ -104,23 +104,25 @@ def _images(numbers: xr.Dataset, present: Sequence[str]) -> list[tuple[str, str]
     factor, unit = unit_of(numbers, "Pa")
     images = []
     for name, title in _SHOWN.items():
+        value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
+        down, up = value - numbers[f"{name}_lower"].values, numbers[f"{name}_upper"].values - value
+        parts = [budget.sel(source=source).values for source in present]
+        highest = np.nanmax([_in_percent(part, value) for part in (*parts, down, up)], initial=100.0)
         chart = Chart(
             Axis(f"mean pressure p̄ ({unit})", load.min() * factor / 1.5, load.max() * factor * 1.5, log=True),
-            Axis("± in percent of the value", _LEAST, 200.0, log=True),
+            Axis("± in percent of the value", _LEAST, 2 * highest, log=True),
             title=title,
             size=(330.0, 290.0),
         )
-        value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
-        for place, source in enumerate(present):
+        for place, (source, part) in enumerate(zip(present, parts, strict=True)):
             chart.marks(
                 load * factor,
-                _in_percent(budget.sel(source=source).values, value),
+                _in_percent(part, value),
                 colour=COLOURS[place],
                 marker=MARKERS[place],
                 joined=1.5,
                 label=_WORDS[source],
             )
-        down, up = value - numbers[f"{name}_lower"].values, numbers[f"{name}_upper"].values - value
         for half, dash, words in ((up, "", f"{_WORDS['combined']}, up"), (down, "5 3", "down")):
             share = _in_percent(half, value)
             chart.line(load * factor, share, colour="#000000", width=2.2, dash=dash, label=words)

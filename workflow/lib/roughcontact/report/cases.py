@@ -155,7 +155,8 @@ def _ways(data: xr.Dataset, name: str, load: int) -> Ways:
 
 def _shown(value: float, ways: Ways, unit: Unit) -> str:
     """Return a number with its interval."""
-    return _in_brackets(value * unit.factor, *(way * unit.factor for way in ways), unit.shown)
+    down, up = ways
+    return _in_brackets(value * unit.factor, down * unit.factor, up * unit.factor, unit.shown)
 
 
 def _in_brackets(value: float, down: float, up: float, unit: str) -> str:

@@ -194,7 +194,7 @@ def tick_text(value: float) -> str:
     >>> tick_text(-0.5), tick_text(0.001), tick_text(1e-5), tick_text(2e-7)
     ('−0.5', '0.001', '10⁻⁵', '2×10⁻⁷')
     """
-    if value == 0 or 1e-4 < abs(value) < 1e6:
+    if value == 0 or 1e-4 < abs(value) < 1e5:
         return f"{value:g}".replace("-", "−")
     return number(value, digits=1).removeprefix("1×")
 
@@ -237,7 +237,7 @@ class Chart:
     def area(self) -> Rectangle:
         """The rectangle (left, top, width, height) between the axes."""
         above = 16.0 + 36 * (self.top is not None) + 16 * bool(self.title)
-        left, top, right, bottom = self.margins or (72.0, above, 14.0, 46.0)
+        left, top, right, bottom = self.margins or (72.0, above, 18.0, 46.0)
         return left, top, self.size[0] - left - right, self.size[1] - top - bottom
 
     def line(
@@ -593,7 +593,9 @@ def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool) -> list[str]:
     ]
     longest = max(map(axis.width, written), default=1) * _WIDE * _SIZE
     label = edge - 18 - longest if side == "left" else edge + 22 + longest
-    return [*parts, _text(max(label, 12.0), top + height / 2, axis.label, anchor="middle", turned=True)]
+    half = len(axis.label) * _WIDE * _SIZE / 2  # beside a low picture nothing of it may be cut off above
+    middle = max(top + height / 2, half)
+    return [*parts, _text(max(label, 12.0), middle, axis.label, anchor="middle", turned=True)]
 
 
 def _extremes(values: np.ndarray) -> np.ndarray:

@@ -51,13 +51,14 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray) -> str:
     corrected = statistics["relative_contact_area"].values
     counted = statistics["relative_contact_area_pixels"].values
     ends = _ends(statistics, "relative_contact_area")
+    relative = statistics["relative_pressure"].values
     chart = _area_chart(
         load,
-        np.concatenate([corrected, ends[0]]),
+        np.concatenate([corrected, ends[0], theory.persson_area(relative)]),
         label=f"mean pressure p̄ ({shown})",
         top=_relative_axis(statistics),
     )
-    line = _theory_lines(chart, statistics["relative_pressure"].values, unit=unit * factor)
+    line = _theory_lines(chart, relative, unit=unit * factor)
     modulus = float(statistics["contact_modulus"])
     summits = summit_statistics(window)
     area = theory.greenwood_williamson_area(line * unit, summits, contact_modulus=modulus)

@@ -24,7 +24,7 @@ _FIXED = {
     "m2": Unit(1e12, "µm²"),
     "J m-2": Unit(1.0, "J/m²"),
     "W m-2 K-1": Unit(1e-3, "kW/(m² K)"),
-    "S m-2": Unit(1e-6, "MS/m²"),
+    "S m-2": Unit(1e-9, "GS/m²"),
     "m2 s-1": Unit(3.6e9, "ml/(h m)"),
     "m along": Unit(1e6, "µm"),
 }

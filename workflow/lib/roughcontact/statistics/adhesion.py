@@ -5,7 +5,7 @@ import xarray as xr
 
 from roughcontact.elasticity.energy import conforming_energy
 from roughcontact.maps import spacing
-from roughcontact.quantities import Unit
+from roughcontact.quantities import Unit, number
 
 _ENERGY = Unit(1e3, "mJ/m²")
 
@@ -92,6 +92,6 @@ def adhesion_in_words(statistics: xr.Dataset) -> str:
             "are pressed flat"
         )
     return (
-        f"not sticky: pressing the surfaces flat costs {_ENERGY.text(energy)}, {energy / work:.2g} times "
-        f"the work of adhesion ({paid})"
+        f"not sticky: pressing the surfaces flat costs {_ENERGY.text(energy)}, "
+        f"{number(energy / work, digits=2)} times the work of adhesion ({paid})"
     )
