@@ -63,6 +63,15 @@ def test_a_surface_has_one_line_when_its_last_job_has_ended(tmp_path):
     assert run.lines[2:] == ["turned: done (2 of 2, about 20 s left)", "done in 2 min: results/report.html"]
 
 
+def test_a_job_for_all_surfaces_is_none_of_them():
+    """Such a job may end before the last one of a surface, as with a cross-check."""
+    run = Run()
+    run.begin()
+    for number in (1, 3, 5, 2, 4):
+        run.job(number, 10 * number, 10 * number + 10)
+    assert [line.partition(" (")[2][:6] for line in run.lines[1:]] == ["1 of 2", "2 of 2"]
+
+
 def test_jobs_that_run_side_by_side_leave_half_the_time():
     run = Run()
     run.begin()

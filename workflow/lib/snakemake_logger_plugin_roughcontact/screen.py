@@ -130,8 +130,10 @@ class Screen:
 
     def _finished(self, name: str, now: float) -> None:
         """Show the line of a surface whose last job has ended."""
+        if not name:  # a job for all surfaces
+            return
         self.waiting[name] -= 1
-        if not name or self.waiting[name]:
+        if self.waiting[name]:
             return
         del self.waiting[name]
         said = sum(_warnings(path) for path in self.logs.pop(name, []))
