@@ -27,6 +27,8 @@ from roughcontact.errors import RoughContactError
 if TYPE_CHECKING:
     import xarray as xr
 
+    from roughcontact.results.storage import LoadByLoad
+
 _log: int
 _name: str
 _SCREEN = os.environ.get(
@@ -111,7 +113,14 @@ def progress(done: int, total: int, text: str) -> None:
     say(f"load {done} of {total}: {text}")
 
 
-def save(result: "xr.DataArray | xr.Dataset", path: str, settings: dict, *, source: dict) -> None:
+def save(
+    result: "xr.DataArray | xr.Dataset",
+    path: str,
+    settings: dict,
+    *,
+    source: dict,
+    into: "LoadByLoad | None" = None,
+) -> None:
     """Write a result with the settings behind it, the versions, and the checksum of the measured file.
 
     Parameters
@@ -124,6 +133,8 @@ def save(result: "xr.DataArray | xr.Dataset", path: str, settings: dict, *, sour
         those that had a part in the result.
     source : dict
         attributes of the height map it was computed from, with `source_sha256`.
+    into : LoadByLoad, optional
+        the file of that name, where it is being written already.
     """
     from roughcontact.results.storage import provenance, write_dataset
 
@@ -137,7 +148,11 @@ def save(result: "xr.DataArray | xr.Dataset", path: str, settings: dict, *, sour
         of=", ".join(filter(None, map(wildcards.get, ("surface", "case")))),
         history=source.get("history", ""),
     )
-    write_dataset(result.assign_attrs(origin), path)
+    result = result.assign_attrs(origin)
+    if into is not None:
+        into.complete(result)
+    else:
+        write_dataset(result, path)
 
 
 def _report_error(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:

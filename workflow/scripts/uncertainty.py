@@ -3,12 +3,13 @@
 from _job import save, snakemake
 from _solver import solver_arguments
 
-from roughcontact.results.storage import read_dataset
+from roughcontact.results.storage import opened_dataset, read_dataset
 from roughcontact.uncertainty.budget import error_budget
 
 settings = snakemake.params.settings
-levelled, window = (read_dataset(snakemake.input[name])["height"] for name in ("levelled", "window"))
+window = read_dataset(snakemake.input.window)["height"]
 contact = solver_arguments(window, settings["contact"]) | {"progress": None}
 verbs = {"level": settings["level"], "window": settings["window"], "contact": contact}
-budget = error_budget(levelled, window, verbs, **settings["uncertainty"])
+with opened_dataset(snakemake.input.levelled) as levelled:  # read when it is wanted, not beside the first solve
+    budget = error_budget(levelled["height"], window, verbs, **settings["uncertainty"])
 save(budget, snakemake.output[0], settings, source=window.attrs)

@@ -406,6 +406,15 @@ class Grid:
             self._single = heights
         return heights
 
+    def release(self) -> None:
+        """Give the memory of all workspaces back; what is wanted again is made anew.
+
+        The last residual and all arrays that were lent end with it.
+        """
+        self._single = None
+        self._workspaces.clear()
+        self.halfspace.release()
+
     def _restrict(self, workspace: "Workspace") -> float:
         """Put P^T of the workspace's field, zero at the inactive points, into it; return its sum."""
         field = workspace.field

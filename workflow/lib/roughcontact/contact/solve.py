@@ -172,8 +172,9 @@ def solve_contact(
         threads=threads,
     )
     pieces: dict[int, xr.Dataset] = {}
-    for done, (index, solution) in enumerate(zip(order, solutions, strict=True), start=1):
-        load = loads[index]
+    for done, index in enumerate(order, start=1):
+        # no other name holds on to the fields of a load while the next one is solved
+        solution, load = next(solutions), loads[index]
         if solution.error_bound > tolerance and on_failure == "raise":
             raise ConvergenceError(_missed(load, solution, tolerance=tolerance, precision=precision))
         piece = as_dataset(
@@ -193,6 +194,7 @@ def solve_contact(
         elif not fields:
             piece = piece.drop_dims(["y", "x"])
         pieces[int(index)] = piece
+        del solution, piece
         if progress is not None:
             progress(done, len(loads), f"mean pressure {load:.4g} Pa")
     del solutions  # and with them their workspace

@@ -15,6 +15,9 @@ from roughcontact.contact.problem import Problem
 from roughcontact.contact.state import State, scale_to_load
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, in_precision
 
+# Points of a map up to which the workspace waits for the next load: of a larger one it is half of the memory that
+# counting takes, and making it anew is a small part of the time.
+MOST_KEPT = 2**22
 OFTEN_FULL = 1.0  # load in units of E* g; the full-contact pressure has a standard deviation of half that
 
 
@@ -112,13 +115,21 @@ def sweep(
                 finest, start.pop(), load, tolerance=tolerance, finish=precision, give_up=give_up
             )
             state, bound, steps = solution.state, solution.error_bound, steps + solution.steps
-        yield Solution(
-            state=state,
-            error_bound=bound,
-            steps=steps,
-            applications=work + _applications(grids),
-            floor=rounding_floor(finest.halfspace, state),
-        )
+            del solution
+        if np.prod(finest.shape) > MOST_KEPT:
+            for grid in grids:
+                grid.release()
+        found = [
+            Solution(
+                state=state,
+                error_bound=bound,
+                steps=steps,
+                applications=work + _applications(grids),
+                floor=rounding_floor(finest.halfspace, state),
+            )
+        ]
+        del state  # what is made of a solution, and the next one, have the memory for themselves
+        yield found.pop()
 
 
 def _full_contact(grids: Sequence[Grid], load: float) -> tuple[Array | None, float]:

@@ -176,6 +176,12 @@ class HalfSpace:
         """
         return self._plan(precision).scratch
 
+    def release(self) -> None:
+        """Give the memory of symbols and transforms back; what is wanted again is made anew."""
+        self._symbols.clear()
+        self._counts.clear()
+        self._plans.clear()
+
     def _transform(self, field: Array) -> Array:
         self.applications += 0.5
         return self._plan(precision_of(field)).forward(field)

@@ -6,12 +6,12 @@ import os
 import platform
 import shutil
 import subprocess
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -33,7 +33,9 @@ class Array(NamedTuple):
 
 
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
-_PIECE = (1, 512, 1024)  # points that are compressed together in a map for each load
+_COMPRESSION: dict[str, Any] = {"zlib": True, "complevel": 1, "shuffle": True}
+_PIECE = (1, 512, 1024)  # points that are compressed together in a map for each load, which is read alone
+_BYTES_OF_MAPS = 17  # at most, of a point under one load: pressure, gap and contact
 
 
 # what may have had a part in a number, as far as it is installed; Snakemake started the jobs
@@ -167,18 +169,144 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
     if isinstance(dataset, xr.DataArray):
         dataset = dataset.to_dataset(name=dataset.name or "height", promote_attrs=True)
     dataset = describe(dataset)
+    with _whole(path, size=dataset.nbytes) as partial:
+        _write(dataset, partial)
+
+
+def _write(dataset: xr.Dataset, path: Path, *, mode: Literal["w", "a"] = "w") -> None:
+    """Write a described dataset to a file, or beside what it holds."""
     encoding: dict[Hashable, dict[str, Any]] = {}
     for name, variable in dataset.variables.items():
         encoding[name] = {"_FillValue": None}
         if name in dataset.data_vars and np.issubdtype(variable.dtype, np.floating):
             encoding[name] = {"_FillValue": np.nan}
         if variable.size >= _COMPRESSED_FROM and variable.dtype.kind in "fiub":
-            encoding[name] |= {"zlib": True, "complevel": 1, "shuffle": True}
-            if variable.dims[1:] == ("y", "x"):  # in pieces of one load, each of which is read alone
-                pieces = zip(_PIECE, variable.shape, strict=True)
-                encoding[name]["chunksizes"] = tuple(min(pair) for pair in pieces)
-    with _whole(path, size=dataset.nbytes) as partial:
-        dataset.to_netcdf(partial, engine="netcdf4", encoding=encoding)
+            encoding[name] |= _COMPRESSION
+    dataset.to_netcdf(path, engine="netcdf4", mode=mode, encoding=encoding)
+
+
+class LoadByLoad:
+    """A solution that is written as it is found: the maps of a few loads are larger than the memory.
+
+    Parameters
+    ----------
+    path : Path
+        of the file, which is made.
+    loads : sequence of float, Pa
+        that will be solved, in the order of the file.
+
+    Attributes
+    ----------
+    path : Path
+        of the file.
+    """
+
+    def __init__(self, path: Path, loads: Sequence[float]):
+        from netCDF4 import Dataset
+
+        self.path, self._size = path, len(loads)
+        self._open = list(enumerate(map(float, loads)))  # places of loads whose maps are not there yet
+        self._file = Dataset(path, "w")
+
+    def keep(self, solution: xr.Dataset) -> xr.Dataset:
+        """Write the maps of a load; to be given to `solve_contact` as `reduce`.
+
+        Parameters
+        ----------
+        solution : Dataset
+            of one load, with its maps over (load, y, x).
+
+        Returns
+        -------
+        Dataset
+            empty: no map is kept in memory.
+        """
+        maps = describe(solution[[name for name in solution.data_vars if solution[name].ndim == 3]])
+        found = next(entry for entry in self._open if entry[1] == maps["mean_pressure"].values[0])
+        self._open.remove(found)
+        for name, field in maps.data_vars.items():
+            if name not in self._file.variables:
+                self._define(str(name), field)
+            self._file.variables[name][found[0]] = field.values[0]
+        return xr.Dataset()
+
+    def _define(self, name: str, field: xr.DataArray) -> None:
+        """Define the variable for the maps of all loads."""
+        for dimension, size in zip(field.dims, (self._size, *field.shape[1:]), strict=True):
+            if dimension not in self._file.dimensions:
+                self._file.createDimension(dimension, size)
+        made = self._file.createVariable(
+            name,
+            field.dtype,
+            field.dims,
+            chunksizes=tuple(map(min, _PIECE, field.shape)),
+            fill_value=np.nan if field.dtype.kind == "f" else None,
+            **_COMPRESSION,
+        )
+        beside = sorted(str(coordinate) for coordinate in field.coords if coordinate not in field.dims)
+        made.setncatts(field.attrs | {"coordinates": " ".join(beside)})
+
+    def complete(self, dataset: xr.Dataset) -> None:
+        """Write all the rest, and close the file.
+
+        Parameters
+        ----------
+        dataset : Dataset
+            what belongs beside the maps, attributes of the file included.
+        """
+        self._file.close()
+        _write(describe(dataset), self.path, mode="a")
+
+    def close(self) -> None:
+        """Close the file, unless it is."""
+        if self._file.isopen():
+            self._file.close()
+
+
+@contextmanager
+def written_load_by_load(
+    path: str | Path, loads: Sequence[float], window: xr.DataArray
+) -> Iterator[LoadByLoad]:
+    """Open a file for the maps of many loads; it is there under its name at the end, if nothing fails.
+
+    Parameters
+    ----------
+    path : str or Path
+        its folder is made where it is missing.
+    loads : sequence of float, Pa
+        that will be solved.
+    window : DataArray (y, x), m
+        the map that is solved.
+
+    Yields
+    ------
+    LoadByLoad
+
+    Raises
+    ------
+    OutputFileError
+        where the disk is full or the folder may not be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from roughcontact.contact.solve import solve_contact
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> height, problem = rough_reference_surface(64), {"contact_modulus": 1.0, "mean_pressure": [0.2, 0.1]}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with written_load_by_load(f"{folder}/contact.nc", problem["mean_pressure"], height) as file:
+    ...         solved = solve_contact(height, **problem, reduce=file.keep)
+    ...         file.complete(solved.assign(height=height))
+    ...     found = read_dataset(f"{folder}/contact.nc")
+    >>> found.equals(solve_contact(height, **problem))
+    True
+    """
+    with _whole(path, size=len(loads) * window.size * _BYTES_OF_MAPS) as partial:
+        file = LoadByLoad(partial, loads)
+        try:
+            yield file
+        finally:
+            file.close()
 
 
 def read_dataset(path: str | Path) -> xr.Dataset:
