@@ -26,7 +26,7 @@ _ANCHORS = {
 }
 # Of a picture, 1448 x 1448: those of one surface take 3 to 5 MB at 1024 x 1024 points, 8 MB at the most. Of
 # finer maps several points make one.
-_POINTS = 2**21
+POINTS = 2**21
 _LONGEST = 8192  # points along a side, what every browser draws
 _FEW = 256  # along the longer side: fewer are shown as rectangles
 _SHARES = 11  # steps of the share of bad points among those that make one
@@ -86,7 +86,7 @@ def coloured(
     span = limits[1] - limits[0]
     level = np.clip((values - limits[0]) / (span if span > 0 else 1.0), 0.0, 1.0)
     level[missing] = 0.0
-    together = max(math.ceil(math.sqrt(values.size / _POINTS)), math.ceil(max(values.shape) / _LONGEST))
+    together = max(math.ceil(math.sqrt(values.size / POINTS)), math.ceil(max(values.shape) / _LONGEST))
     share = missing
     if together > 1:
         level, share = _averaged(level, missing, together)

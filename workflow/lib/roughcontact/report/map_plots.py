@@ -1,5 +1,7 @@
 """The figures of the report that show maps: heights, contact pressure, gap; those of profiles are lines."""
 
+from collections.abc import Iterable
+
 import numpy as np
 import xarray as xr
 
@@ -61,13 +63,13 @@ def height_map(height: xr.DataArray, *, rectangle: Frame | None = None, unit: Un
     )
 
 
-def common_limits(pressures: np.ndarray, gaps: np.ndarray) -> tuple[float, float]:
+def common_limits(loads: Iterable[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
     """Return the highest pressure and the widest gap that maps of several loads have a colour for.
 
     Parameters
     ----------
-    pressures : array (load, ny, nx), Pa
-    gaps : array (load, ny, nx), m
+    loads : iterable of (array (ny, nx), array (ny, nx))
+        pressure (Pa) and gap (m) of each load; one at a time is looked at.
 
     Returns
     -------
@@ -78,11 +80,18 @@ def common_limits(pressures: np.ndarray, gaps: np.ndarray) -> tuple[float, float
 
     Examples
     --------
-    >>> common_limits(np.array([[[0.0, 2e6]], [[0.0, 5e6]]]), np.array([[[1e-6, 0.0]], [[5e-7, 0.0]]]))
+    >>> first = np.array([[0.0, 2e6]]), np.array([[1e-6, 0.0]])
+    >>> second = np.array([[0.0, 5e6]]), np.array([[5e-7, 0.0]])
+    >>> common_limits([first, second])
     (5000000.0, 1e-06)
     """
-    highest = max((float(np.percentile(p[p > 0], 99.5)) for p in pressures if (p > 0).any()), default=1.0)
-    return highest, max(float(g[p == 0].max(initial=0.0)) for p, g in zip(pressures, gaps, strict=True))
+    highest, widest = [], []
+    for pressure, gap in loads:
+        if (pressure > 0).any():
+            highest.append(float(np.percentile(pressure[pressure > 0], 99.5)))
+        widest.append(float(gap[pressure == 0].max(initial=0.0)))
+        del pressure, gap  # before the next ones are made
+    return max(highest, default=1.0), max(widest)
 
 
 def pressure_map(
@@ -119,7 +128,7 @@ def pressure_map(
     """
     if 1 in pressure.shape:
         return _profile(height, [(pressure.ravel(), "pressure", COLOURS[1])], label="pressure", unit=unit)
-    highest = common_limits(pressure[None], pressure[None])[0] if highest is None else highest
+    highest = common_limits([(pressure, pressure)])[0] if highest is None else highest
     return _map(
         height,
         np.where(pressure > 0, pressure, np.nan),

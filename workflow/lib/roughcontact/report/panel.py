@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from roughcontact.maps import side_lengths
 from roughcontact.quantities import percent
 from roughcontact.report import captions, facts, load_plots, map_plots, tables, texture_plots
 from roughcontact.report.budget_plots import shown_budget
+from roughcontact.report.colours import POINTS
 from roughcontact.report.files import beside
 from roughcontact.report.glance import by_weight, shown_loads
 from roughcontact.report.summary import embedded
@@ -171,18 +173,26 @@ def _fields(
     with opened_dataset(path) as contact:
         if "pressure" not in contact or "gap" not in contact:
             return []
-        chosen = contact[["pressure", "gap", "mean_pressure"]].isel(load=loads).load()
-    pressures, gaps = chosen["pressure"].values, chosen["gap"].values
-    highest, widest = map_plots.common_limits(pressures, gaps)
-    of_pressure, of_gap = unit_of(numbers, "Pa"), unit_of(numbers, "m")
-    fields = []
-    for load, pressure, gap in zip(chosen["mean_pressure"].values, pressures, gaps, strict=True):
-        area = percent(np.count_nonzero(pressure > 0) / pressure.size)
-        pictures = (
-            map_plots.pressure_map(window, pressure, highest=highest, unit=of_pressure),
-            map_plots.gap_map(window, gap, pressure, widest=widest, unit=of_gap),
-        )
-        fields.append((f"p̄ = {of_pressure.text(float(load))}: {area} of the pixels touch", *pictures))
+
+        # maps of which every point is drawn are read once, finer ones twice: a load at a time is in memory
+        @lru_cache(loads.size if window.size <= POINTS else 0)
+        def maps(load: int) -> tuple[np.ndarray, np.ndarray]:
+            one = contact[["pressure", "gap"]].isel(load=load)
+            return one["pressure"].values, one["gap"].values
+
+        highest, widest = map_plots.common_limits(map(maps, loads))
+        of_pressure, of_gap = unit_of(numbers, "Pa"), unit_of(numbers, "m")
+        fields = []
+        for load in loads:
+            pressure, gap = maps(load)
+            area = percent(np.count_nonzero(pressure > 0) / pressure.size)
+            pictures = (
+                map_plots.pressure_map(window, pressure, highest=highest, unit=of_pressure),
+                map_plots.gap_map(window, gap, pressure, widest=widest, unit=of_gap),
+            )
+            mean = of_pressure.text(float(contact["mean_pressure"][load]))
+            fields.append((f"p̄ = {mean}: {area} of the pixels touch", *pictures))
+            del pressure, gap  # before the next ones are read
     return fields
 
 

@@ -202,9 +202,15 @@ def _contour(x: np.ndarray, y: np.ndarray, values: np.ndarray, level: float) -> 
     Every square of four points is cut in two triangles; in each, the values being linear, the line is
     straight from side to side.
     """
-    corners = np.stack([*np.meshgrid(x, y), values - level])
-    a, b, c, d = corners[:, :-1, :-1], corners[:, :-1, 1:], corners[:, 1:, :-1], corners[:, 1:, 1:]
-    halves = np.stack([np.stack([a, b, c]), np.stack([d, c, b])]).reshape(2, 3, 3, -1)
+    above = values > level
+    corners_above = sum(above[i : len(y) - 1 + i, j : len(x) - 1 + j].astype(np.int8) for i in (0, 1) for j in (0, 1))
+    rows, columns = np.nonzero((corners_above > 0) & (corners_above < 4))  # the line goes through few squares
+    a, b, c, d = (
+        np.stack([x[columns + j], y[rows + i], values[rows + i, columns + j] - level])
+        for i in (0, 1)
+        for j in (0, 1)
+    )
+    halves = np.stack([np.stack([a, b, c]), np.stack([d, c, b])])
     triangles = np.moveaxis(halves, 3, 1).reshape(-1, 3, 3)  # triangle, corner, (x, y, value)
     above = triangles[:, :, 2] > 0
     cut = triangles[above.any(axis=1) & ~above.all(axis=1)]
