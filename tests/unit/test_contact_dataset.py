@@ -402,3 +402,10 @@ def test_the_solve_runs_in_the_array_library_of_the_heights(mean_pressure, hardn
     size = np.sqrt((expected["pressure"] ** 2).mean())
     assert np.sqrt(((found["pressure"] - expected["pressure"]) ** 2).mean()) < 1e-7 * size
     assert float(found["error_bound"].max()) <= 1e-8
+
+
+def test_a_large_map_without_its_workspace_between_the_loads_has_the_same_solutions(monkeypatch):
+    height, loads = synthetic.rough_reference_surface(128), [0.01, 0.05, 2.0]  # the last one closes the gap
+    kept = rc.solve_contact(height, contact_modulus=1.0, mean_pressure=loads)
+    monkeypatch.setattr("roughcontact.contact.sweep.MOST_KEPT", 0)
+    xr.testing.assert_identical(rc.solve_contact(height, contact_modulus=1.0, mean_pressure=loads), kept)

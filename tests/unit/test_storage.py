@@ -13,15 +13,18 @@ import pytest
 import xarray as xr
 
 import roughcontact
-from roughcontact.errors import InputFileError, OutputFileError, RoughContactError
+from roughcontact.contact.solve import solve_contact
+from roughcontact.errors import ConvergenceError, InputFileError, OutputFileError, RoughContactError
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.results.storage import (
+    opened_dataset,
     provenance,
     read_dataset,
     read_table,
     write_dataset,
     write_table,
     write_text,
+    written_load_by_load,
 )
 
 
@@ -166,3 +169,32 @@ def test_axes_are_named_and_bounds_are_described_by_their_bins(tmp_path):
     assert [read[name].attrs["axis"] for name in "xy"] == ["X", "Y"]
     assert "long_name" not in read["pressure_bin_bounds"].attrs
     assert read["pressure_bin_centre"].attrs["bounds"] == "pressure_bin_bounds"
+
+
+def test_loads_come_in_any_order_and_may_be_alike(tmp_path):
+    problem = {"contact_modulus": 1.0, "mean_pressure": [0.2, 0.05, 0.2]}
+    height = rough_reference_surface(96)
+    path = tmp_path / "contact.nc"
+    with written_load_by_load(path, problem["mean_pressure"], height) as file:
+        solved = solve_contact(height, **problem, reduce=file.keep)
+        assert not path.exists()
+        file.complete(solved.assign(height=height))
+    at_once = solve_contact(height, **problem)
+    write_dataset(at_once, tmp_path / "at_once.nc")
+    with opened_dataset(path) as found:
+        assert found["pressure"].encoding["chunksizes"] == (1, 96, 96)
+        xr.testing.assert_identical(found.load(), read_dataset(tmp_path / "at_once.nc"))
+
+
+def test_a_solution_that_fails_half_way_leaves_no_file(tmp_path):
+    loads, height = [0.05, 0.2], rough_reference_surface(64)
+    with pytest.raises(ConvergenceError), written_load_by_load(tmp_path / "a.nc", loads, height) as file:
+        solve_contact(
+            height,
+            contact_modulus=1.0,
+            mean_pressure=loads,
+            tolerance=1e-7,
+            precision="single",
+            reduce=file.keep,
+        )
+    assert list(tmp_path.iterdir()) == []

@@ -44,7 +44,7 @@ if owners("contact", keep_fields=True) or (
             "../envs/roughcontact.yaml"
         threads: solver_threads
         resources:
-            mem_mb=memory(bytes_per_point=100, and_load=20),
+            mem_mb=memory(bytes_per_point=100),
             runtime=minutes(microseconds_per_point=20, and_load=30),
         params:
             settings=stage_settings("contact"),
@@ -68,7 +68,7 @@ if owners("contact", keep_fields=True) or (
             "../envs/roughcontact.yaml"
         threads: solver_threads
         resources:
-            mem_mb=memory(bytes_per_point=110, and_flow=1600),
+            mem_mb=memory(bytes_per_point=80, and_flow=1600),
             runtime=minutes(microseconds_per_point=100, and_load=10),
         params:
             settings=stage_settings("statistics"),

@@ -58,7 +58,7 @@ rule panel:
     conda:
         "../envs/roughcontact.yaml"
     resources:
-        mem_mb=memory(bytes_per_point=100, and_load=15),
+        mem_mb=memory(bytes_per_point=100),
         runtime=minutes(microseconds_per_point=20),
     params:
         settings=stage_settings("statistics"),

@@ -15,8 +15,8 @@ from roughcontact.contact.problem import Problem
 from roughcontact.contact.state import State, scale_to_load
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, in_precision
 
-# Points of a map up to which the workspace waits for the next load: of a larger one it is half of the memory that
-# counting takes, and making it anew is a small part of the time.
+# Points of a map up to which the workspace waits for the next load: of a larger one it is half of the memory
+# that counting takes, and making it anew is a small part of the time.
 MOST_KEPT = 2**22
 OFTEN_FULL = 1.0  # load in units of E* g; the full-contact pressure has a standard deviation of half that
 
@@ -96,6 +96,7 @@ def sweep(
     grids = [finest, *(make_grid(heights) for _, heights in nested)]
     factors = [factors for factors, _ in nested]
     del nested
+    large = np.prod(finest.shape) > MOST_KEPT
     # Full contact: p = mean + G^-1 H, wherever that is nowhere negative (Johnson 1985, section 13.2).
     fluctuation, full_contact_from = _full_contact(grids, max(loads))
     for number, load in enumerate(loads, start=1):
@@ -106,6 +107,9 @@ def sweep(
             bound, steps = bound_without_transform(finest, state), 0
         else:
             guess, steps = first_guess(grids, factors, load)
+            if large:
+                for grid in grids[1:]:
+                    grid.release()
             if number == len(loads):  # the coarse grids are needed no more: give their memory back
                 work += _applications(grids)
                 del grids[1:]
@@ -116,7 +120,7 @@ def sweep(
             )
             state, bound, steps = solution.state, solution.error_bound, steps + solution.steps
             del solution
-        if np.prod(finest.shape) > MOST_KEPT:
+        if large:
             for grid in grids:
                 grid.release()
         found = [

@@ -203,8 +203,10 @@ def _contour(x: np.ndarray, y: np.ndarray, values: np.ndarray, level: float) -> 
     straight from side to side.
     """
     above = values > level
-    corners_above = sum(above[i : len(y) - 1 + i, j : len(x) - 1 + j].astype(np.int8) for i in (0, 1) for j in (0, 1))
-    rows, columns = np.nonzero((corners_above > 0) & (corners_above < 4))  # the line goes through few squares
+    beside = above[:, 1:] != above[:, :-1]
+    below = above[1:] != above[:-1]
+    # the line goes through few squares: those that have two unlike corners along a side
+    rows, columns = np.nonzero(beside[1:] | beside[:-1] | below[:, 1:] | below[:, :-1])
     a, b, c, d = (
         np.stack([x[columns + j], y[rows + i], values[rows + i, columns + j] - level])
         for i in (0, 1)

@@ -35,6 +35,7 @@ class Array(NamedTuple):
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
 _COMPRESSION: dict[str, Any] = {"zlib": True, "complevel": 1, "shuffle": True}
 _PIECE = (1, 512, 1024)  # points that are compressed together in a map for each load, which is read alone
+_CACHE = 2**20  # bytes of a variable that are kept in memory: less than a piece
 _BYTES_OF_MAPS = 17  # at most, of a point under one load: pressure, gap and contact
 
 
@@ -181,8 +182,16 @@ def _write(dataset: xr.Dataset, path: Path, *, mode: Literal["w", "a"] = "w") ->
         if name in dataset.data_vars and np.issubdtype(variable.dtype, np.floating):
             encoding[name] = {"_FillValue": np.nan}
         if variable.size >= _COMPRESSED_FROM and variable.dtype.kind in "fiub":
-            encoding[name] |= _COMPRESSION
-    dataset.to_netcdf(path, engine="netcdf4", mode=mode, encoding=encoding)
+            encoding[name] |= _packed(variable)
+    with _uncached():
+        dataset.to_netcdf(path, engine="netcdf4", mode=mode, encoding=encoding)
+
+
+def _packed(variable: xr.Variable | xr.DataArray) -> dict[str, Any]:
+    """Return how a large variable is compressed; maps of loads in pieces of one, which is read alone."""
+    if variable.dims[1:] != ("y", "x"):
+        return _COMPRESSION
+    return _COMPRESSION | {"chunksizes": tuple(map(min, _PIECE, variable.shape))}
 
 
 class LoadByLoad:
@@ -227,21 +236,23 @@ class LoadByLoad:
         for name, field in maps.data_vars.items():
             if name not in self._file.variables:
                 self._define(str(name), field)
-            self._file.variables[name][found[0]] = field.values[0]
+            self._file.variables[str(name)][found[0]] = field.values[0]
         return xr.Dataset()
 
     def _define(self, name: str, field: xr.DataArray) -> None:
         """Define the variable for the maps of all loads."""
-        for dimension, size in zip(field.dims, (self._size, *field.shape[1:]), strict=True):
+        for dimension, size in zip(
+            dims := [*map(str, field.dims)], (self._size, *field.shape[1:]), strict=True
+        ):
             if dimension not in self._file.dimensions:
                 self._file.createDimension(dimension, size)
         made = self._file.createVariable(
             name,
             field.dtype,
-            field.dims,
-            chunksizes=tuple(map(min, _PIECE, field.shape)),
+            dims,
+            chunk_cache=_CACHE,
             fill_value=np.nan if field.dtype.kind == "f" else None,
-            **_COMPRESSION,
+            **_packed(field),
         )
         beside = sorted(str(coordinate) for coordinate in field.coords if coordinate not in field.dims)
         made.setncatts(field.attrs | {"coordinates": " ".join(beside)})
@@ -346,8 +357,27 @@ def opened_dataset(path: str | Path) -> Iterator[xr.Dataset]:
     InputFileError
         where the file is missing, damaged or no netCDF file, also if that shows only within the block.
     """
-    with _readable(path), xr.open_dataset(path, engine="netcdf4") as dataset:
-        yield dataset
+    with _readable(path):
+        with _uncached():
+            dataset = xr.open_dataset(path, engine="netcdf4")
+        with dataset:
+            yield dataset
+
+
+@contextmanager
+def _uncached() -> Iterator[None]:
+    """Let files that are opened keep no pieces of maps in memory: of each variable they would keep 64 MB.
+
+    All of a map is read or written at once, so that no piece is wanted again.
+    """
+    from netCDF4 import get_chunk_cache, set_chunk_cache
+
+    before = get_chunk_cache()
+    set_chunk_cache(_CACHE)
+    try:
+        yield
+    finally:
+        set_chunk_cache(*before)
 
 
 @contextmanager

@@ -83,7 +83,7 @@ def contact_statistics(
         as `solve_contact` returns it: `pressure` (load, y, x) Pa, `gap` (load, y, x) m, `height` (y, x) m
         with the optional coordinate `filled`, `contact_modulus` Pa, `hardness` Pa where the pressure was
         limited to one, coordinate `mean_pressure` (load) Pa. Of an open file (`opened_dataset`) the maps of
-        one load at a time are read.
+        one load at a time are read, and no heights where `surface` is given.
     pressure_bins, gap_bins : int
         bins per factor of ten. Pressures: [0, 1e-3], then logarithmic to 1e3, in units of E* g. Gaps: [0,
         1e-4], then logarithmic to 1, in units of the peak-to-valley height. The bounds depend on the
@@ -145,7 +145,7 @@ def contact_statistics(
     # a flat map has neither gradient nor heights to set the scale of the bins
     edges = {
         "pressure": (modulus * gradient or modulus) * logarithmic_edges(PRESSURE_DECADES, pressure_bins),
-        "gap": (float(np.ptp(height.values)) or steps[1]) * logarithmic_edges(GAP_DECADES, gap_bins),
+        "gap": (surface.peak_to_valley or steps[1]) * logarithmic_edges(GAP_DECADES, gap_bins),
         "patch": steps[0] * steps[1] * logarithmic_edges(PATCH_DECADES, PATCH_BINS),
     }
     filled = height["filled"].values != 0 if "filled" in height.coords else None
@@ -288,10 +288,13 @@ class SurfaceNumbers(NamedTuple):
         those of `surface_statistics`, and of `adhesion_numbers`.
     summits : dict
         those of `summit_statistics`.
+    peak_to_valley : float, m
+        from the lowest to the highest point.
     """
 
     parameters: dict[str, float]
     summits: dict[str, float]
+    peak_to_valley: float
 
 
 def surface_numbers(
@@ -324,7 +327,7 @@ def surface_numbers(
         height, contact_modulus=contact_modulus, work_of_adhesion=work_of_adhesion, power=power
     )
     del power
-    return SurfaceNumbers(parameters, summit_statistics(height))
+    return SurfaceNumbers(parameters, summit_statistics(height), float(np.ptp(height.values)))
 
 
 def statistics_of(
