@@ -10,6 +10,8 @@ rule uncertainty:
     wildcard_constraints:
         surface=stagewise(SOLVED),
         case=owners("uncertainty"),
+    group:
+        "surface"
     conda:
         "../envs/roughcontact.yaml"
     threads: solver_threads
@@ -40,6 +42,8 @@ if owners("contact", keep_fields=True) or (
         wildcard_constraints:
             surface=stagewise(SOLVED),
             case=owners("contact", keep_fields=True),
+        group:
+            "surface"
         conda:
             "../envs/roughcontact.yaml"
         threads: solver_threads
@@ -64,6 +68,8 @@ if owners("contact", keep_fields=True) or (
         wildcard_constraints:
             surface=stagewise(SOLVED),
             case=owners("statistics", keep_fields=True),
+        group:
+            "surface"
         conda:
             "../envs/roughcontact.yaml"
         threads: solver_threads
@@ -94,6 +100,8 @@ if owners("contact", keep_fields=False) or (
         wildcard_constraints:
             surface=stagewise(SOLVED),
             case=owners("contact", keep_fields=False),
+        group:
+            "surface"
         conda:
             "../envs/roughcontact.yaml"
         threads: solver_threads

@@ -12,6 +12,8 @@ if CROSSCHECK["code"] != "none":
             f"{FOLDER}/crosscheck.nc",
         log:
             f"{LOGS}/crosscheck.log",
+        group:
+            "surface"
         conda:
             "../envs/roughcontact.yaml"
         resources:

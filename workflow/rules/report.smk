@@ -55,6 +55,8 @@ rule panel:
         f"{LOGS}/panel.log",
     wildcard_constraints:
         surface=(stagewise(SOLVED) if CROSSCHECK["code"] == "none" else one_of(SOLVED)),
+    group:
+        "surface"
     conda:
         "../envs/roughcontact.yaml"
     resources:

@@ -108,9 +108,15 @@ class OneLine(logging.Filter):
                 return False
             record.event, record.msg = "error", line
             KILLED.append(line)
+        elif event == "group_error" and of_ours(record.job_error_info[0]["jobid"]):
+            return last_words_of_a_group(record)
+        elif event == "job_error" and record.indent and of_ours(record.jobid):
+            return False  # one of a group, which has said it
         elif event == "job_error" and (line := last_words_on_a_cluster(record)):
             record.event, record.msg = "error", line
             KILLED.append(line)
+        elif text.startswith("--keep-incomplete") and keeps_files():
+            return False  # nothing that is kept is incomplete
         return True
 
 
@@ -130,25 +136,72 @@ def surfaces_of_jobs():
 
 def last_words_on_a_cluster(record):
     """Return what to say about a job of SLURM, from the log that SLURM keeps of it; None where it tells nothing."""
-    kept = [path for path in map(str, record.log) if "/slurm_logs/" in path]
+    text = kept_by_slurm(record.log)
+    job = job_of(record.jobid)
+    if why := why_killed(text, job):
+        return f"[{job_name(job)}] ERROR: {why}"
+    said = said_in(text)
+    return said[-1] if said else None
+
+
+def last_words_of_a_group(record):
+    """Say what the jobs of a group have said that failed, or why the group was killed; return whether to say it."""
+    text = kept_by_slurm(record.aux_logs)
+    jobs = [job_of(info["jobid"]) for info in record.job_error_info]
+    left = [job for job in jobs if not is_done(job)]
+    lines = [line for line in said_in(text) if line not in KILLED]
+    if left and (why := why_killed(text, workflow.dag.get_job_group(left[0]))):
+        found = {job.wildcards.surface for job in left}
+        names = [name for name in (*MEASURED, *MEMBERS) if name in found]
+        more = f" and {len(names) - 3} more" * (len(names) > 3)
+        lines.append(f"[{', '.join(names[:3])}{more}] ERROR: {why}")
+        KILLED.extend(f"[{job_name(job)}] ERROR: {why}" for job in left)
+    KILLED.extend(lines)
+    record.event, record.msg = "error", "\n".join(lines)
+    return bool(lines)
+
+
+def kept_by_slurm(logs):
+    """Return the log that SLURM keeps of a job, empty where there is none."""
+    kept = [path for path in map(str, logs) if "/slurm_logs/" in path]
     try:
         with open(kept[-1], encoding="utf-8", errors="replace") as file:
-            text = file.read()
+            return file.read()
     except (IndexError, OSError):
-        return None
-    job = next(job for job in workflow.dag.jobs if job.jobid == record.jobid)
-    name = " ".join([job.rule.name, *map(str, job.wildcards)])
+        return ""
+
+
+def said_in(text):
+    """Return the lines by which scripts have said why they failed."""
+    return list(dict.fromkeys(re.findall(r"^\[.*?\] ERROR: .+$", text, re.M)))
+
+
+def why_killed(text, job):
+    """Return why SLURM has killed a job or a group, by its log; None where it has not."""
+    asked = job.resources
     if re.search("exceeded .*memory limit|oom.kill", text, re.I):
-        why = f"took more memory than the {job.resources.get('mem_mb')} MB it had asked for"
+        why = f"took more memory than the {asked.get('mem_mb')} MB it had asked for"
     elif "DUE TO TIME LIMIT" in text:
-        why = f"took longer than the {job.resources.get('runtime')} minutes it had asked for"
+        why = f"took longer than the {asked.get('runtime')} minutes it had asked for"
     else:
-        said = re.findall(r"^\[.*?\] ERROR: .+$", text, re.M)
-        return said[-1] if said else None
+        return None
     again = job.attempt <= (job.restart_times or 0)
-    return f"[{name}] ERROR: killed, {why}" + (
-        "; it is tried again with more" if again else ""
-    )
+    return f"killed, {why}" + ("; it is tried again with more" if again else "")
+
+
+def job_of(number):
+    """Return the job of a number, by which records of Snakemake's logger name it."""
+    return next(job for job in workflow.dag.jobs if job.jobid == number)
+
+
+def of_ours(number):
+    """Return whether a job is of this workflow, by its number."""
+    return ours(job_of(number).rule)
+
+
+def job_name(job):
+    """Return rule and wildcards of a job."""
+    return " ".join([job.rule.name, *map(str, job.wildcards)])
 
 
 def last_words(record, how):
@@ -162,8 +215,8 @@ def last_words(record, how):
     except ValueError:
         ended_by = None
     ended_by = ended_by or f"status {code}"
-    job = next(job for job in workflow.dag.jobs if job.jobid == record.jobid)
-    name = " ".join([job.rule.name, *map(str, job.wildcards)])
+    job = job_of(record.jobid)
+    name = job_name(job)
     if ended_by == "SIGKILL":
         # the target cost has asked for nothing
         asked = job.resources.get("mem_mb")
@@ -221,7 +274,7 @@ def report_of_the_rest():
     asked = any(job.rule.name == "report" for job in waiting)
     if not (asked and workflow.execution_settings.keep_going):
         return False
-    missing = {str(file) for job in waiting for file in job.output}
+    missing = {str(file) for job in waiting if not is_done(job) for file in job.output}
     entries, panels, failures = [], [], []
     for run in RUNS:
         run = {"case": None, **run}

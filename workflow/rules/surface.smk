@@ -10,6 +10,8 @@ rule ingest:
         surface=stagewise(MEASURED),
         case=owners("height"),
     priority: 1  # before all others, so that every file that cannot be read is known soon
+    group:
+        "surface"
     conda:
         "../envs/roughcontact.yaml"
     resources:
@@ -39,6 +41,8 @@ rule level:
     wildcard_constraints:
         surface=stagewise(MEASURED),
         case=owners("levelled"),
+    group:
+        "surface"
     conda:
         "../envs/roughcontact.yaml"
     resources:
@@ -64,6 +68,8 @@ if MEMBERS:
         wildcard_constraints:
             surface=stagewise(MEMBERS),
             case=owners("levelled"),
+        group:
+            "surface"
         conda:
             "../envs/roughcontact.yaml"
         resources:
@@ -87,6 +93,8 @@ rule window:
     wildcard_constraints:
         surface=stagewise([*MEASURED, *MEMBERS]),
         case=owners("window"),
+    group:
+        "surface"
     conda:
         "../envs/roughcontact.yaml"
     resources:

@@ -91,7 +91,7 @@ def small_memory(wildcards, attempt):
 
 def small_minutes(wildcards, attempt):
     """Return the run time (minutes) of a job with several stages of a small map."""
-    return round(5 + attempt * 10 * megabytes(row(wildcards.surface).path))
+    return round(attempt * (1 + 4 * megabytes(row(wildcards.surface).path)))
 
 
 for case in CASES:
@@ -124,11 +124,15 @@ for case in CASES:
                         case=case,
                     # before all others, so that every file that cannot be read is known soon
                     priority: int(part == "prepare")
+                    group:
+                        "small"
                     conda:
                         "../envs/roughcontact.yaml"
                     resources:
                         mem_mb=small_memory,
                         runtime=small_minutes,
+                        # of a batch on a cluster one at a time, which has the memory of one
+                        small=1,
                     params:
                         **(
                             {"file": place_in_table, "future": from_the_future}
