@@ -14,6 +14,7 @@ import pytest
 from shared_data import DATA
 
 import roughcontact as rc
+from roughcontact.command_line.describe import _cell
 from roughcontact.command_line.options import add_settings, chosen_settings, in_options
 from roughcontact.command_line.program import main
 from roughcontact.configuration.models import Contact, Level, Uncertainty, Window
@@ -142,6 +143,12 @@ def test_solve_prints_a_table(capsys):
     for heading in ("mean pressure", "A/A0", "counted", "in contact", "largest", "mean gap", "error bound"):
         assert heading in out
     assert "verdict" in out
+
+
+def test_an_interval_above_nothing_has_a_unit_that_suits_it():
+    load = {"mean_gap": 0.0, "mean_gap_lower": 0.0, "mean_gap_upper": 2.2e-8}
+    assert _cell(load, "mean_gap", "m") == "0 +22 nm"
+    assert _cell(load | {"mean_gap_upper": 0.0}, "mean_gap", "m") == "0 m"
 
 
 def test_numbers_may_carry_their_unit(capsys, small):

@@ -90,6 +90,10 @@ def test_plus_minus(value, half_width, text):
         (0.0, 0.0, 0.02, "0.000 +0.020"),  # no gap: nothing below it
         (0.5, np.nan, np.nan, "0.500"),
         (0.5, 0.5, 0.5, "0.500"),
+        (238.3, 238.3, 238.3 * (1 + 1e-15), "238"),  # an end that rounding has moved
+        (300.0, 291.7, 300.0 * (1 + 1e-15), "300.0 −8.3"),
+        (np.inf, np.nan, np.nan, "∞"),
+        (np.inf, 5.0, np.nan, "∞"),
     ],
 )
 def test_with_interval(value, lower, upper, text):

@@ -78,6 +78,22 @@ def test_the_peak_stands_out_from_its_neighbours():
     assert discretisation._beside_the_peak(pressure[[0, 3]]) == 5.5  # both neighbours along y are the same
 
 
+def test_full_contact_that_a_finer_grid_does_not_have_keeps_its_gap():
+    """Between the points of the map the heights lie lower: there a gap opens on the finer grid."""
+    window = synthetic.self_affine_surface(
+        (1, 200), 1.0, hurst=0.8, shortest=2.0, longest=50.0, rms_height=1.0, seed=4
+    )
+    wavenumbers = 2 * np.pi * np.abs(np.fft.fftfreq(window.size))
+    load = -1.001 * np.fft.ifft(0.5 * wavenumbers * np.fft.fft(window.values[0])).real.min()
+    problem = {"contact_modulus": 1.0, "mean_pressure": [load]}
+    assert solve_contact(window, **problem)["contact"].all()
+    finer = solve_contact(refined(window, 2), **problem, reduce=grid_marks)
+    assert finer["mean_gap"] > 0
+    found = discretisation_uncertainty(window, contact=problem)
+    assert found["mean_gap"].item() >= finer["mean_gap"].item()
+    assert found["relative_contact_area"].item() >= 1 - finer["relative_contact_area"].item() > 0
+
+
 def test_what_is_flat_has_no_error_of_the_pixel_size():
     flat = height_map(np.zeros((32, 32)), 1.0)
     found = discretisation_uncertainty(flat, contact=PROBLEM | {"mean_pressure": [1.0]})

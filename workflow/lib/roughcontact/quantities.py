@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+_ROUNDING = 1e-12
 _AS_FAR = 0.1  # by which the two sides of an interval may differ and still be called ±
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # units that take a prefix; composed ones are given in powers of ten
@@ -234,8 +235,8 @@ def plus_minus(value: float, half_width: float) -> str:
 def with_interval(value: float, lower: float, upper: float) -> str:
     """Return a value with its interval: ± where it reaches about as far to both sides, else − and +.
 
-    An end that is the value itself is left out: nothing is certain to ± 0. An upper end that is not known
-    beside a lower one that is reads "or more".
+    An end that is the value itself, up to rounding, is left out: nothing is certain to ± 0. An upper end that
+    is not known beside a lower one that is reads "or more".
 
     Parameters
     ----------
@@ -250,12 +251,13 @@ def with_interval(value: float, lower: float, upper: float) -> str:
     --------
     >>> with_interval(0.412, 0.321, 0.502), with_interval(0.412, 0.321, 0.744)
     ('0.412 ± 0.091', '0.412 −0.091 +0.33')
-    >>> with_interval(300.0, 240.0, 300.0)
+    >>> with_interval(300.0, 240.0, 300.0 + 1e-13)
     '300 −60'
     >>> with_interval(1.7, 1.2, math.nan)
     '1.70 −0.50 or more'
     """
-    down, up = value - lower, upper - value
+    down = 0.0 if math.isclose(lower, value, rel_tol=_ROUNDING) else value - lower
+    up = 0.0 if math.isclose(upper, value, rel_tol=_ROUNDING) else upper - value
     if math.isnan(up) and math.isfinite(down):
         return f"{with_interval(value, lower, value)} or more"
     wider, narrower = max(down, up), min(down, up)

@@ -205,7 +205,7 @@ def _cell(load: Mapping[str, Any], name: str, unit: str) -> str:
     value, *ends = (load.get(f"{name}{end}", math.nan) for end in ("", "_lower", "_upper"))
     if not ends[1] > ends[0]:
         return percent(value) if unit == "%" else quantity(value, unit, digits=4 if unit == "Pa" else 3)
-    factor, shown = (100.0, "%") if unit == "%" else prefix(value, unit)
+    factor, shown = (100.0, "%") if unit == "%" else prefix(value or ends[1], unit)
     return f"{with_interval(value * factor, *(end * factor for end in ends))} {shown}"
 
 

@@ -33,7 +33,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike
 
 from roughcontact.contact.solve import solve_contact
 from roughcontact.maps import refined, spacing
@@ -91,12 +90,8 @@ def discretisation_uncertainty(
     names = [*QUANTITIES, *answers_in(solved)]
     coarse = solved if part is window else _solve(part, contact, names)
     fine = _solve(refined(part, 2), contact, names)
-    change = {
-        name: _FIRST_ORDER
-        * np.abs(solved[name].values * _ratio(coarse[name].values - fine[name].values, coarse[name].values))
-        for name in QUANTITIES
-    }
-    for name in answers_in(solved):  # a narrowest place that is closed is no base of a ratio
+    change = {}
+    for name in names:  # no gap that is left, or a narrowest place that is closed, is no base of a ratio
         own, other = coarse[name].values, fine[name].values
         scale = np.divide(solved[name].values, own, out=np.ones(own.shape), where=own > 0)
         change[name] = _FIRST_ORDER * np.abs(scale * (own - other))
@@ -107,12 +102,12 @@ def discretisation_uncertainty(
         _CORRECTION * switches,
         _EDGE_NOISE * np.sqrt(switches / window.size),
     )
-    overcount = load * _ratio(1.0, share) - solved["mean_contact_pressure"].values
+    overcount = load / share - solved["mean_contact_pressure"].values
     uncertainty = {
         "relative_contact_area": area,
         "mean_gap": np.hypot(change["mean_gap"], fine["mean_gap_uncertainty"].values),
         "max_pressure": np.hypot(change["max_pressure"], _BESIDE_THE_PEAK * solved["beside_the_peak"].values),
-        "mean_contact_pressure": np.abs(overcount) + load * _ratio(area, share**2),
+        "mean_contact_pressure": np.abs(overcount) + load * area / share**2,
         "mean_contact_pressure_bias": np.abs(overcount),
         **{name: change[name] for name in answers_in(solved)},
     }
@@ -186,12 +181,6 @@ def _beside_the_peak(pressure: np.ndarray) -> float:
         for step in (-1, 1)
     ]
     return float(pressure[place] - np.mean(neighbours))
-
-
-def _ratio(value: ArrayLike, base: ArrayLike) -> np.ndarray:
-    """Return value / base, zero where the value is (no gap is left in full contact)."""
-    value, base = np.broadcast_arrays(np.asarray(value, float), np.asarray(base, float))
-    return np.divide(value, base, out=np.zeros(base.shape), where=value != 0)
 
 
 def _root_of_squares(*parts: np.ndarray) -> np.ndarray:
