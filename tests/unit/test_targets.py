@@ -95,6 +95,11 @@ def test_units_do_not_matter():
         ({"target_area": 1e-5}, "a single point of the map, 1/4096 of it, is more"),
         ({"target_area": -0.1}, "target_area = -0.1 must be a positive"),
         ({"target": "first_yield"}, "needs the yield_stress of a body, or a hardness"),
+        (
+            {"target": "first_yield", "bodies": [{"yield_stress": 1e8}, {}]},
+            "the body its poissons_ratio, too",
+        ),
+        ({"target_area": 0}, "target_area = 0 must be a positive finite number in shares of the area"),
         ({"target": "percolate"}, "did you mean 'percolation'"),
     ],
 )

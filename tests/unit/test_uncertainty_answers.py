@@ -240,6 +240,10 @@ def test_the_leak_rate_goes_as_the_cube_of_the_narrowest_place_and_a_closed_one_
     assert complete["leak_rate_x_lower"][0] < leak[0] < complete["leak_rate_x_upper"][0]
 
 
+def test_a_profile_has_no_grooves_that_leave_it():
+    assert grooved(height_map(np.cos(np.arange(64) / 9)[None, :], PITCH)) == []
+
+
 @pytest.mark.slow
 def test_intervals_hold_the_answers_of_the_surface_three_times_as_long():
     held = {name: [] for name in ANSWERS}

@@ -117,7 +117,9 @@ def target_loads(
         return -1.0 if runs_around((pressure == 0) & (gap > 0))[axis] else 1.0
 
     loads = []
-    for wanted in [] if target_area is None else check_loads("target_area", target_area, unit="of the area"):
+    for wanted in (
+        [] if target_area is None else check_loads("target_area", target_area, unit="shares of the area")
+    ):
         if wanted >= 1:
             raise SettingsError(
                 f"target_area = {wanted:g}: must be less than 1, all of the area", keys=["target_area"]
@@ -215,7 +217,9 @@ def _first_yield(
     if limit is None or ratio is None:
         if hardness is None:
             raise SettingsError(
-                "target = 'first_yield' needs the yield_stress of a body, or a hardness", keys=["target"]
+                "target = 'first_yield' needs the yield_stress of a body, or a hardness; the body its "
+                "poissons_ratio, too",
+                keys=["target"],
             )
         return first_yield_pressure(window, contact_modulus=modulus, hardness=hardness, **solver)
     steps = spacing(window)

@@ -114,7 +114,7 @@ def grooved(window: xr.DataArray) -> list[str]:
     Returns
     -------
     list of str
-        of the names in `ANSWERS`.
+        of the names in `ANSWERS`; none of a profile, which shows no ways.
 
     References
     ----------
@@ -129,6 +129,8 @@ def grooved(window: xr.DataArray) -> list[str]:
     >>> grooved(rough_reference_surface(64))
     []
     """
+    if 1 in window.shape:
+        return []
     depth = window.values.max() - window.values
     levels = half_way_levels(depth)
     return [name for name in ANSWERS[1:] if np.mean(depth >= levels[name]) < _GROOVE]

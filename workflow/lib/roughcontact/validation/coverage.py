@@ -12,8 +12,10 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import refined
 from roughcontact.quantities import number
 from roughcontact.references import synthetic
+from roughcontact.uncertainty.answers import answers_in, headline_and_answers
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, grid_marks
+from roughcontact.uncertainty.ensemble import Count
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.validation.lines import Evidence, Line, Part, Table, compare
 from roughcontact.validation.masters import FAULTS, KINDS, cut_out, master_surface
@@ -31,6 +33,9 @@ _WORDS = {
     "mean_gap": "mean gap",
     "max_pressure": "largest pressure",
     "mean_contact_pressure": "pressure in contact",
+    "conductance_per_conductivity": "conductance",
+    "critical_constriction_x": "narrowest place along x",
+    "critical_constriction_y": "narrowest place along y",
 }
 
 FINE = Evidence(
@@ -85,10 +90,11 @@ def part(*, finest_grid: int) -> Part:
         "An interval of 95 % of a normal distribution is 2.9 times as wide as the median error.",
     )
     text = (
-        "The main numbers in the report have a ±. Here it is held against surfaces whose numbers are known: "
-        "first the part for the pixel size alone, on maps of known fine solution; then all parts, on "
-        "maps cut from large surfaces (random, worn, eroded, honed, dimpled, ground, turned, grainy), "
-        "tilted, with missing points, a bow or spikes, and processed like measured ones."
+        "The main numbers and the answers in the report have a ±. Here it is held against surfaces whose "
+        "numbers are known: first the part for the pixel size alone, on maps of known fine solution; then all "
+        "parts, on maps cut from large surfaces (random, worn, eroded, honed, dimpled, ground, turned, "
+        "grainy), tilted, with missing points, a bow or spikes, and processed like measured ones. An interval "
+        "without an upper end, where grooves leave the map, holds what is not below it."
     )
     return Part("coverage", TITLE, text, lines, (), [table])
 
@@ -105,13 +111,14 @@ class _Cases:
     """Half-widths and errors of each quantity, map after map."""
 
     def __init__(self) -> None:
-        self._pairs: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {name: [] for name in QUANTITIES}
+        self._pairs: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
 
     def add(self, half_widths: xr.Dataset, result: xr.Dataset, truth: xr.Dataset) -> None:
-        """Take in the loads of one map."""
-        for name, pairs in self._pairs.items():
+        """Take in the loads of one map; what conducts without end is no number."""
+        for name in map(str, half_widths.data_vars):
             error = np.abs(result[name].values - truth[name].values)
-            pairs.append((half_widths[name].values, error))
+            known = np.isfinite(error)
+            self._pairs.setdefault(name, []).append((half_widths[name].values[known], error[known]))
 
     def joined(self) -> Cases:
         """Return all half-widths and all errors of each quantity."""
@@ -159,7 +166,8 @@ def pixel_size_cases(maps: int, *, seed: int = 2024) -> Cases:
         contact = _problem(loads)
         solved = solve_contact(window, **contact, reduce=grid_marks)
         half_widths = discretisation_uncertainty(window, contact=contact, solved=solved)
-        found.add(half_widths, solved, _truth(refined(window, 8), loads))
+        truth = _truth(refined(window, 8), loads, count=headline)
+        found.add(half_widths[list(QUANTITIES)], solved, truth)
     return found.joined()
 
 
@@ -185,8 +193,9 @@ def measured_cases(maps: int, *, master_points: int, seed: int = 7) -> Cases:
     Returns
     -------
     dict
-        quantity -> (half-widths, errors), arrays over all maps and loads, in the unit of the quantity; the
-        half-widths are those to the side on which the truth lies.
+        quantity -> (half-widths, errors), arrays over all maps and loads, in the unit of the quantity, the
+        answers that have an interval among them; the half-widths are those to the side on which the truth
+        lies, infinite where an interval has no end there.
     """
     generator = np.random.default_rng(seed)
     found = _Cases()
@@ -204,16 +213,15 @@ def measured_cases(maps: int, *, master_points: int, seed: int = 7) -> Cases:
         window = periodic_window(levelled)
         contact = _problem(loads)
         budget = error_budget(levelled, window, {"level": {}, "window": {}, "contact": contact})
-        result = solve_contact(window, **contact, reduce=headline)
-        truth = _truth(refined(master, 2), loads, box=2 * window.shape[0])
-        half_widths = {
-            name: xr.where(
-                truth[name] > result[name],
-                budget[f"{name}_upper"] - result[name],
-                result[name] - budget[f"{name}_lower"],
+        result = solve_contact(window, **contact, reduce=headline_and_answers)
+        truth = _truth(refined(master, 2), loads, count=headline_and_answers, box=2 * window.shape[0])
+        half_widths = {}
+        for name in (*QUANTITIES, *answers_in(result)):
+            lower, upper = (budget[f"{name}_{end}"] for end in ("lower", "upper"))
+            upper = upper.where(np.isfinite(upper) | np.isnan(lower), np.inf)
+            half_widths[name] = xr.where(
+                truth[name] > result[name], upper - result[name], result[name] - lower
             )
-            for name in QUANTITIES
-        }
         found.add(xr.Dataset(half_widths), result, truth)
     return found.joined()
 
@@ -223,20 +231,20 @@ def _problem(loads: Sequence[float] | np.ndarray) -> _Problem:
     return {"contact_modulus": 1.0, "mean_pressure": list(loads), "tolerance": 1e-4}
 
 
-def _truth(surface: xr.DataArray, loads: np.ndarray, *, box: int = 0) -> xr.Dataset:
-    """Return the four quantities of a surface; the pressure in contact is the load over the corrected area.
+def _truth(surface: xr.DataArray, loads: np.ndarray, *, count: Count, box: int = 0) -> xr.Dataset:
+    """Return what is counted of a surface; the pressure in contact is the load over the corrected area.
 
     The largest pressure is the median over all squares with sides of `box` points, where one is given.
     """
 
-    def count(contact: xr.Dataset) -> xr.Dataset:
-        found = headline(contact)
+    def counted(contact: xr.Dataset) -> xr.Dataset:
+        found = count(contact)
         if box:
             largest = maximum_filter(contact["pressure"].values[0], box, mode="wrap")
             found["max_pressure"] = ("load", [np.median(largest)])
         return found
 
-    solved = solve_contact(surface, **_problem(loads), reduce=count)
+    solved = solve_contact(surface, **_problem(loads), reduce=counted)
     pressure = solved["mean_pressure"].values / solved["relative_contact_area"].values
     return solved.assign(mean_contact_pressure=("load", pressure))
 
