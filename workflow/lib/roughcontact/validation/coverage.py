@@ -91,10 +91,10 @@ def part(*, finest_grid: int) -> Part:
     )
     text = (
         "The main numbers and the answers in the report have a ±. Here it is held against surfaces whose "
-        "numbers are known: first the part for the pixel size alone, on maps of known fine solution; then all "
-        "parts, on maps cut from large surfaces (random, worn, eroded, honed, dimpled, ground, turned, "
-        "grainy), tilted, with missing points, a bow or spikes, and processed like measured ones. An interval "
-        "without an upper end, where grooves leave the map, holds what is not below it."
+        "numbers are known: first the part for the pixel size alone, on maps of known fine solution; then "
+        "all parts, on maps cut from large surfaces (random, worn, eroded, honed, dimpled, ground, turned, "
+        "grainy), tilted, with missing points, a bow or spikes, and processed like measured ones. An "
+        "interval without an upper end, where grooves leave the map, holds what is not below it."
     )
     return Part("coverage", TITLE, text, lines, (), [table])
 
