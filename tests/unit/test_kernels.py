@@ -106,15 +106,10 @@ CALLS = {
     ),
     "active_share": lambda k, f, factors, cap: k.active_share(f["active"], factors, f["coarse_out"]),
     "advance": lambda k, f, factors, cap: k.advance(
-        f["pressure"],
-        f["separation"],
-        f["correction"],
-        OFFSET,
-        0.2,
-        0.87,
-        cap,
-        f["outer_out"],
-        f["inner_out"],
+        f["pressure"], f["correction"], 0.2, 0.87, cap, f["outer_out"], f["active"]
+    ),
+    "predict_active": lambda k, f, factors, cap: k.predict_active(
+        f["pressure"], f["passed"], WEIGHTS, 0.3, cap, f["active"]
     ),
     "redistribute": lambda k, f, factors, cap: k.redistribute(
         f["pressure"], f["passed"], f["coarse"], factors, f["active"], cap
@@ -161,6 +156,7 @@ CALLS = {
 BOUNDED = (
     "measure",
     "masked_residual",
+    "predict_active",
     "advance",
     "redistribute",
     "project",
@@ -264,7 +260,7 @@ def test_arrays_that_do_not_suit_are_refused():
         Compiled().block_mean(field.astype(np.float32), (2, 2), out)
     single = np.zeros((8, 12), np.float32)
     with pytest.raises(TypeError, match="advance: there is no pass for precisions dff"):
-        Compiled().advance(field, field, single, 0.0, 0.0, 1.0, np.inf, single, single)
+        Compiled().advance(field, single, 0.0, 1.0, np.inf, single, single)
 
 
 def test_the_same_bits_whatever_else_runs():
@@ -293,10 +289,9 @@ def test_the_active_set_is_where_the_gap_should_vanish(engine):
     values = np.empty((3, 3))
     assert engine.masked_residual(pressure, separation, 0.25, 1.0, values) == 5
     np.testing.assert_array_equal(values, [[-1, -1, 0], [0, array_api.CLOSED, 0], [0, 2, 2]])
-    moved, free = np.empty((3, 3)), np.empty((3, 3))
+    moved, free = np.empty((3, 3)), values.copy()
     correction = np.array([[-2.0, -0.2, 9], [9, 0.1, 9], [9, 2, 0.3]])
-    scalars = {"offset": 0.25, "mean": 0.1, "length": 0.5, "cap": 1.0}
-    engine.advance(pressure, separation, correction, **scalars, out=moved, free=free)
+    engine.advance(pressure, correction, mean=0.1, length=0.5, cap=1.0, out=moved, values=free)
     # before holding: [1.05, 0.65, 1], [0, 0.5, 1], [0, -0.45, 0.9]
     np.testing.assert_allclose(moved, [[1, 0.65, 1], [0, 0.5, 1], [0, 0, 0.9]])
     np.testing.assert_allclose(correction, [[0.05, 0, 0], [0, 0, 0], [0, -0.45, 0]], atol=1e-15)
@@ -321,15 +316,31 @@ def test_the_active_set_is_where_the_gap_should_vanish(engine):
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+def test_points_that_are_foreseen_to_carry_nothing_leave_the_active_set(engine):
+    """And give their load away in the next step; a point at the cap stays whatever is foreseen."""
+    pressure = np.array([[0.0, 0.0, 0.1, 0.1, 0.5, 1.0]])
+    residual = np.array([[-2.0, -1.0, 3.0, 0.0, 0.0, 9.0]])
+    values = np.array([[-2.0, -1.0, 3.0, 0.0, 0.5, 9.0]])  # the fourth is inactive as it is
+    # less the mean of both neighbours: -6, -1.5, 3.5, -1.5, -4.5, 10
+    assert engine.predict_active(pressure, residual, (0.0, 0.5, 0.0), 0.1, 1.0, values) == 4
+    np.testing.assert_array_equal(values, [[-2, -1, 0, 0, 0.5, 9]])
+    moved, taken = np.empty((1, 6)), np.zeros((1, 6))
+    engine.advance(pressure, taken, mean=0.0, length=1.0, cap=1.0, out=moved, values=values)
+    np.testing.assert_array_equal(moved, [[0, 0, 0, 0, 0.5, 1]])
+    np.testing.assert_array_equal(taken, [[0, 0, 0.1, 0.1, 0, 0]])
+    np.testing.assert_array_equal(values, [[0, 0, 0, 0, 1, 0]])
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
 @pytest.mark.parametrize("inner", [SINGLE, DOUBLE])
 @pytest.mark.parametrize("cap", [0.3, 0.9])
 def test_points_at_the_cap_are_there_in_the_precision_of_the_next_pressure(engine, inner, cap):
     assert float(np.float32(0.3)) > 0.3
     assert float(np.float32(0.9)) < 0.9
     pressure = np.array([[0.0, 0.1, cap, cap]], SINGLE)
-    separation = np.array([[1.0, 0.0, -1.0, 0.5]], SINGLE)  # the last one leaves the cap
-    moved, free, correction = np.empty((1, 4)), np.empty((1, 4), inner), np.full((1, 4), 0.05, inner)
-    engine.advance(pressure, separation, correction, 0.0, 0.0, 1.0, cap, moved, free)
+    free = np.array([[0.0, 0.1, 0.0, 0.5]], inner)  # the last one leaves the cap
+    moved, correction = np.empty((1, 4)), np.full((1, 4), 0.05, inner)
+    engine.advance(pressure, correction, 0.0, 1.0, cap, moved, free)
     np.testing.assert_allclose(moved, [[0, 0.05, cap, cap - 0.05]], rtol=1e-6)
     assert moved[0, 2] == cap
     np.testing.assert_array_equal(correction, 0)

@@ -399,11 +399,45 @@ def test_a_stalled_iteration_is_noticed():
     assert iterate.has_stalled(21)
 
 
+def test_a_residual_that_leaves_points_out_certifies_nothing():
+    """Its energy is no bound; what `certify` says of the state is that of all of its contact."""
+    grid = Grid(rough(64), LENGTHS)
+    start = np.random.default_rng(0).random(grid.shape)
+    iterate = Iterate(grid, start, 0.1, tolerance=1.0, finish=SINGLE)
+    plain = grid.residual(iterate.state, precision=SINGLE)
+    whole = error_bound(grid, iterate.state, plain)
+    iterate.measure(0)
+    assert not iterate.residual.certifies
+    assert iterate.residual.active < plain.active
+    assert iterate.bound < 0.98 * whole
+    assert not iterate.has_stalled(0)
+    iterate.certify()
+    assert iterate.bound == pytest.approx(whole, rel=1e-6)
+    long_pixels = Grid(rough(64), (8.0, 0.125))
+    state, _ = long_pixels.evaluate(start)
+    assert long_pixels.residual(state, precision=DOUBLE, predict=True).certifies
+
+
+def test_the_contact_that_is_predicted_is_nearer_to_the_true_one():
+    """Of a first guess from a coarser grid: fewer of its points are out of contact in the end."""
+    heights = rough(128)
+    grid = Grid(heights, LENGTHS)
+    (factors, coarse), *_ = nested_heights(heights.astype(np.float32), LENGTHS)
+    guess, _ = first_guess([grid, Grid(coarse, LENGTHS)], [factors], 0.05)
+    state, _ = grid.evaluate(guess)
+    contact = solved(grid, 0.05).pressure > 0
+    wrong = []
+    for predict in (False, True):
+        grid.residual(state, precision=DOUBLE, predict=predict)
+        wrong.append(np.count_nonzero(grid.last_residual(DOUBLE)[1] != contact))
+    assert wrong[1] < 0.75 * wrong[0]
+
+
 def test_a_first_guess_is_as_good_as_it_is_said_to_be():
     heights = rough(256)
     fine = Grid(heights, LENGTHS)
     nested = nested_heights(heights.astype(np.float32), LENGTHS)
-    assert [coarse.shape for _, coarse in nested] == [(128, 128), (64, 64)]
+    assert [coarse.shape for _, coarse in nested] == [(128, 128), (32, 32)]
     np.testing.assert_allclose(nested[0][1], heights.reshape(128, 2, 128, 2).mean((1, 3)), atol=1e-6)
     grids = [fine, *(Grid(coarse, LENGTHS) for _, coarse in nested)]
     guess, steps = first_guess(grids, [factors for factors, _ in nested], 0.1)

@@ -58,7 +58,9 @@ def pitches_of(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[fl
     return lengths[0] / shape[0], lengths[1] / shape[1]
 
 
-def whole_factors(pitches: tuple[float, float], shape: tuple[int, int], *, smallest: int) -> Factors:
+def whole_factors(
+    pitches: tuple[float, float], shape: tuple[int, int], *, divisors: tuple[int, ...], smallest: int
+) -> Factors:
     """Return the factors (fy, fx) to a coarser grid of whole cells; (1, 1) where there is none.
 
     An axis is divided while it keeps at least `smallest` cells. One whose pitch is finer is coarsened alone,
@@ -70,6 +72,8 @@ def whole_factors(pitches: tuple[float, float], shape: tuple[int, int], *, small
         dy and dx of the cells.
     shape : (int, int)
         cells along y and x.
+    divisors : tuple of int
+        of an axis, the preferred one first.
     smallest : int
         cells that an axis keeps at least.
 
@@ -80,7 +84,7 @@ def whole_factors(pitches: tuple[float, float], shape: tuple[int, int], *, small
     finest = min(p for p, n in zip(pitches, shape, strict=True) if n > 1)
     factors = []
     for n, p in zip(shape, pitches, strict=True):
-        divisor = next((f for f in (2, 3, 5) if n % f == 0 and n // f >= smallest), 1)
+        divisor = next((f for f in divisors if n % f == 0 and n // f >= smallest), 1)
         factors.append(divisor if p <= _SQUARE * finest else 1)
     return factors[0], factors[1]
 

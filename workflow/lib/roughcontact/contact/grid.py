@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from roughcontact.choices import Influence
-from roughcontact.contact.coarsening import has_separate_lines, hierarchy, pitches_of, stencil
+from roughcontact.contact.coarsening import ELONGATED, has_separate_lines, hierarchy, pitches_of, stencil
 from roughcontact.contact.interpolation import Interpolation
 from roughcontact.contact.line_search import LineSearch
 from roughcontact.contact.state import (
@@ -20,7 +20,7 @@ from roughcontact.contact.state import (
 from roughcontact.elasticity.halfspace import HalfSpace
 from roughcontact.kernels.arrays import SINGLE, Array, empty, in_precision, precision_of
 from roughcontact.kernels.choose import kernels_for
-from roughcontact.kernels.protocol import Factors
+from roughcontact.kernels.protocol import Factors, Weights
 
 # What the projection takes away is redistributed to the contact around, in several passes: at most so many,
 # until the rest, as a share of the load, is so small that all of the contact may share it. Under a profile
@@ -30,6 +30,8 @@ MOST_PASSES, SMALL_REST = 12, 0.01
 LONG, MOST_PASSES_OF_LONG, SMALL_REST_OF_LONG = 8.0, 50, 1e-3
 MOST_PASSES_OF_PROFILES, SMALL_REST_OF_PROFILES = 100, 1e-5
 MOST_SCALED = 2.0  # factor up to which the points below the cap make up for what is missing in the load
+# Of the local stiffness, where it is foreseen which points lose their contact: those around give way, too.
+YIELDING = 0.25
 SMALL_CHANGE = 0.1  # of the residual's norm, that is simply added to it
 
 
@@ -47,12 +49,15 @@ class Residual:
         <r, M r>, a mean over the grid.
     active : int
         number of points in the active set, where r may differ from zero.
+    certifies : bool
+        whether r is the gap on all of the contact, so that its energy bounds the error.
     """
 
     spectrum: Array
     precision: str
     energy: float
     active: int
+    certifies: bool
 
 
 @dataclass(frozen=True)
@@ -113,6 +118,8 @@ class Grid:
         self._line_axis: int | None = None  # of the lines that are contacts of their own
         if has_separate_lines(hierarchy(heights.shape, lengths)):
             self._line_axis = 0 if lengths[0] / heights.shape[0] < lengths[1] / heights.shape[1] else 1
+        pitches = [d for d, n in zip(pitches_of(self.shape, lengths), self.shape, strict=True) if n > 1]
+        self._elongated = max(pitches) > ELONGATED * min(pitches)
         self._passes = MOST_PASSES, SMALL_REST
         if min(self.shape) == 1:
             self._passes = MOST_PASSES_OF_PROFILES, SMALL_REST_OF_PROFILES
@@ -167,7 +174,7 @@ class Grid:
         )
         return state, LineSearch(slope / size, slope_after / size)
 
-    def residual(self, state: State, *, precision: str) -> Residual:
+    def residual(self, state: State, *, precision: str, predict: bool = False) -> Residual:
         """Return the residual of `state` in a precision: half of an application of G^-1.
 
         Parameters
@@ -176,6 +183,10 @@ class Grid:
             a feasible pressure and its separation.
         precision : str
             `SINGLE` or `DOUBLE`.
+        predict : bool
+            leave those points out of the active set that are foreseen to lose their contact: for a first
+            guess, whose contact is too large. Not where pixels are far longer than wide, which a stencil of
+            neighbours tells too little of.
 
         Returns
         -------
@@ -186,10 +197,16 @@ class Grid:
         active = self.kernels.masked_residual(
             state.pressure, state.separation, state.offset, self.cap, workspace.values
         )
-        workspace.interpolation.set_active(workspace.values)
-        workspace.interpolation.prolong(workspace.values, workspace.field)
+        self._interpolate(workspace)
+        predict = predict and not self._elongated
+        if predict:
+            weights, stiffness = self._local_stiffness()
+            active = self.kernels.predict_active(
+                state.pressure, workspace.field, weights, YIELDING * stiffness, self.cap, workspace.values
+            )
+            self._interpolate(workspace)
         spectrum, energy = self.halfspace.pressure_spectrum(workspace.field)
-        return Residual(spectrum, precision, energy, active)
+        return Residual(spectrum, precision, energy, active, certifies=not predict)
 
     def precondition(self, residual: Residual) -> PreconditionedResidual:
         """Return M r for the last `residual`: the other half of the application.
@@ -242,14 +259,13 @@ class Grid:
         """
         kernels, cap = self.kernels, self.cap
         workspace = self._workspace_in(precision_of(correction.field))
-        interpolation, taken, free = workspace.interpolation, correction.field, workspace.values
+        interpolation, taken, values = workspace.interpolation, correction.field, workspace.values
         safe = 0.0
         if cap < np.inf:  # half the stiffness of the residual, <r, M r> / <r, r>, while both are there
-            square = mean_product(free, free)
-            safe = 0.5 * mean_product(free, taken) / square if square > 0 else 0.0
-        kernels.advance(
-            state.pressure, state.separation, taken, state.offset, correction.mean, length, cap, out, free
-        )
+            square = mean_product(values, values)
+            safe = 0.5 * mean_product(values, taken) / square if square > 0 else 0.0
+        kernels.advance(state.pressure, taken, correction.mean, length, cap, out, values)
+        free = values
         line_loads = None if self._line_axis is None else self._line_sums(out) + self._line_sums(taken)
         total = 0.0
         most, small = self._passes
@@ -363,8 +379,7 @@ class Grid:
     def refine(self, coarse: Array, factors: Factors, out: Array) -> None:
         """Put the pressure `coarse` of the next coarser grid onto this one, in single precision, into `out`.
 
-        Detail of the heights takes the pressure that it would take in full contact: exactly so for the
-        shortest wave along the finer axis, which has the wavenumber pi/pitch.
+        Detail of the heights takes the pressure that it would take in full contact.
 
         Parameters
         ----------
@@ -375,12 +390,7 @@ class Grid:
         out : array (ny, nx)
             is written.
         """
-        pitches = pitches_of(self.shape, self.halfspace.lengths)
-        weights = across_y, across_x, diagonal = stencil(pitches, self.shape)
-        pitch, across = min(
-            (d, w) for d, w, n in zip(pitches, (across_y, across_x), self.shape, strict=True) if n > 1
-        )
-        stiffness = 0.5 * np.pi / pitch / (4 * across + 8 * diagonal)
+        weights, stiffness = self._local_stiffness()
         self.kernels.refine(coarse, factors, self.heights_in(SINGLE), weights, stiffness, self.cap, out)
 
     def heights_in(self, precision: str) -> Array:
@@ -414,6 +424,23 @@ class Grid:
         self._single = None
         self._workspaces.clear()
         self.halfspace.release()
+
+    def _local_stiffness(self) -> tuple[Weights, float]:
+        """Return the stencil of neighbours, and the pressure over what a point stands out from their mean.
+
+        Exactly so in full contact, for the shortest wave along the finer axis, whose wavenumber is pi/pitch.
+        """
+        pitches = pitches_of(self.shape, self.halfspace.lengths)
+        weights = across_y, across_x, diagonal = stencil(pitches, self.shape)
+        pitch, across = min(
+            (d, w) for d, w, n in zip(pitches, (across_y, across_x), self.shape, strict=True) if n > 1
+        )
+        return weights, 0.5 * np.pi / pitch / (4 * across + 8 * diagonal)
+
+    def _interpolate(self, workspace: "Workspace") -> None:
+        """Put P of the workspace's values, zero at the inactive points, into its field."""
+        workspace.interpolation.set_active(workspace.values)
+        workspace.interpolation.prolong(workspace.values, workspace.field)
 
     def _restrict(self, workspace: "Workspace") -> float:
         """Put P^T of the workspace's field, zero at the inactive points, into it; return its sum."""

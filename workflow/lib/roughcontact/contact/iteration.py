@@ -13,7 +13,8 @@ projection onto p >= 0 in the norm of the energy. That projection is imitated: t
 load that they lose to the contact around them, as charges at grounded conductors do, by P^T for the points
 that stay. The active set so moves with every step, and two transform pairs cut the error by twenty. It is a
 primal-dual active-set method [1]_ whose linear systems are solved by one application of a nearly exact
-inverse.
+inverse. The contact of a first guess is mostly too large: in the first step those points are left out of the
+active set that are foreseen to lose their contact (`Grid.residual`), and give their load away at once.
 
 The step length t follows from the energy along the last step, which is quadratic and known. Nothing is proved
 for steps of this kind: so every one must lower the elastic energy. One that does not is cut short where the
@@ -127,7 +128,8 @@ class Iterate:
     residual : Residual
         of the state; gone while a step is taken, because its spectrum need not lie beside another.
     bound : float
-        of the relative error of the state; rigorous after `certify`.
+        of the relative error of the state; rigorous after `certify`, an estimate where the residual leaves
+        out points of the contact.
     precision : str
         of the next pressure.
     residual_precision : str
@@ -161,14 +163,21 @@ class Iterate:
         self._single_floor = rounding_floor(self.grid.halfspace, self.state, SINGLE)
         if self._single_floor > TOO_STIFF:
             self.residual_precision = self.precision = self.finish = DOUBLE
-        self.measure_residual()
+        # the contact of a first guess is too large
+        self.measure_residual(predict=step == 0)
         self.bound = _bound_by(self.grid, self.state, self.residual)
-        if self.bound < 0.99 * self._lowest:
+        if self.residual.certifies and self.bound < 0.99 * self._lowest:
             self._lowest, self._lowest_step = self.bound, step
 
-    def measure_residual(self) -> None:
-        """Find the residual of the state afresh."""
-        self.residual = self.grid.residual(self.state, precision=self.residual_precision)
+    def measure_residual(self, *, predict: bool = False) -> None:
+        """Find the residual of the state afresh.
+
+        Parameters
+        ----------
+        predict : bool
+            for a step that leaves out what is foreseen to lose its contact.
+        """
+        self.residual = self.grid.residual(self.state, precision=self.residual_precision, predict=predict)
 
     def is_in_final_precision(self) -> bool:
         """Return whether the state has the precision of the result.
@@ -202,7 +211,7 @@ class Iterate:
         """
         if step - self._lowest_step > PATIENCE:
             return True
-        if not self.is_in_final_precision():
+        if not (self.is_in_final_precision() and self.residual.certifies):
             return False
         # the floor is part of the bound: in single precision the tolerance may lie just above it
         at_floor = 2.0 if self.finish == DOUBLE or self.is_hopeless() else 1.005
@@ -223,6 +232,8 @@ class Iterate:
             self.precision = self.finish
             self.state = self._state_in(self.precision, self.state.pressure)
             self.measure_residual()
+        elif not self.residual.certifies:
+            self.measure_residual()
         self.bound = error_bound(self.grid, self.state, self.residual)
 
     def choose_precision(self) -> None:
@@ -239,11 +250,11 @@ class Iterate:
             self._spare = None
         out = empty(self.state.pressure, precision) if self._spare is None else self._spare.pressure
         correction = grid.precondition(self.residual)
-        del self.residual
         accurate = gains_little(self.bound, self._bound_before)
         if accurate:
             correction = corrected_accurately(grid, correction)
-        self._bound_before = self.bound
+        self._bound_before = self.bound if self.residual.certifies else np.inf
+        del self.residual
         length = 1.0 if accurate else self.length
         moved = grid.advance(self.state, correction, length, self.mean_pressure, out)
         if rises:

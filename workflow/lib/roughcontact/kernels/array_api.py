@@ -227,32 +227,62 @@ def masked_residual(pressure: Array, separation: Array, offset: float, cap: floa
     return int(xp.count_nonzero(active))
 
 
-def advance(
-    pressure: Array,
-    separation: Array,
-    correction: Array,
-    offset: float,
-    mean: float,
-    length: float,
-    cap: float,
-    out: Array,
-    free: Array,
-) -> None:
-    """Put p - length (correction - mean), projected onto [0, `cap`], into `out`.
+def predict_active(
+    pressure: Array, residual: Array, weights: Weights, stiffness: float, cap: float, values: Array
+) -> int:
+    """Make `values` zero where a point is foreseen to lose its contact; return how many are left.
 
-    What the projection took away comes into `correction`. Inactive points keep the pressure they have: at
-    the cap in one precision is at the cap in that of `out`. `free` becomes 1 between the bounds, 0 elsewhere.
+    What is foreseen is the pressure p - `stiffness` (residual - mean of its eight neighbours), as in a
+    primal-dual active-set method [1]_, with a stiffness for what one point has more than those around it.
+    Points at the cap stay.
 
     Parameters
     ----------
     pressure : array (ny, nx)
         dimensionless.
-    separation : array (ny, nx)
-        displacement less height.
+    residual : array (ny, nx)
+        interpolated to all points.
+    weights : (float, float, float)
+        of a neighbour across y, across x, and diagonal.
+    stiffness : float
+        pressure over the gap by which a point stands out.
+    cap : float
+        largest pressure allowed.
+    values : array (ny, nx)
+        zero at inactive points; is written.
+
+    Returns
+    -------
+    int
+
+    References
+    ----------
+    .. [1] Hintermueller, Ito and Kunisch (2002), SIAM J. Optim. 13, 865.
+    """
+    xp = pressure.__array_namespace__()
+    mean_around = xp.empty_like(residual)
+    neighbours(residual, weights, mean_around)
+    foreseen = pressure - stiffness * (residual - mean_around)
+    active = (values != 0) & ((foreseen > 0) | (pressure >= cap))
+    values[...] = xp.where(active, values, xp.zeros_like(values))
+    return int(xp.count_nonzero(active))
+
+
+def advance(
+    pressure: Array, correction: Array, mean: float, length: float, cap: float, out: Array, values: Array
+) -> None:
+    """Put p - length (correction - mean), projected onto [0, `cap`], into `out`.
+
+    Of the inactive points, those at the cap keep their pressure, in the precision of `out`; the others have
+    none afterwards. What all that took away comes into `correction`. `values` become 1 between the bounds, 0
+    elsewhere.
+
+    Parameters
+    ----------
+    pressure : array (ny, nx)
+        dimensionless.
     correction : array (ny, nx)
         of the pressure; written over.
-    offset : float
-        separation that counts as closed.
     mean : float
         of the correction over the active set.
     length : float
@@ -261,17 +291,18 @@ def advance(
         largest pressure allowed.
     out : array
         is written.
-    free : array (ny, nx)
-        is written.
+    values : array (ny, nx)
+        zero at inactive points; is written.
     """
     xp = pressure.__array_namespace__()
-    active = active_set(pressure, separation - offset, cap)
+    active, full = values != 0, pressure >= cap
     moved = xp.astype(pressure, out.dtype)
-    moved[pressure >= cap] = cap
+    moved[full] = cap
     moved -= xp.where(active, length * (correction - mean), xp.zeros_like(correction))
     projected = xp.clip(moved, 0, None if cap == float("inf") else cap)
+    projected = xp.where(active | full, projected, xp.zeros_like(projected))
     out[...] = projected
-    free[...] = xp.astype((projected > 0) & (projected < cap), free.dtype)
+    values[...] = xp.astype((projected > 0) & (projected < cap), values.dtype)
     correction[...] = xp.astype(moved - projected, correction.dtype)
 
 

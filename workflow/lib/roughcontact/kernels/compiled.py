@@ -32,7 +32,8 @@ _GIVEN = {
     "make_dimensionless": ("oi", "ddq"),
     "measure": ("oiooo", "ddddq"),
     "masked_residual": ("ooi", "ddq"),
-    "advance": ("ssiti", "ddddq"),
+    "predict_active": ("oii", "dddddqq"),
+    "advance": ("siti", "dddq"),
     "redistribute": ("oiii", "dqqqq"),
     "project": ("oii", "dq"),
     "rescale": ("r", "ddq"),
@@ -150,10 +151,13 @@ class Compiled:
         rows, nx = pressure.shape
         return int(self._run("masked_residual", rows, 0, (pressure, separation, values), offset, cap, nx)[0])
 
-    def advance(self, pressure, separation, correction, offset, mean, length, cap, out, free):
+    def predict_active(self, pressure, residual, weights, stiffness, cap, values):
+        (ny, nx), arrays = pressure.shape, (pressure, residual, values)
+        return int(self._run("predict_active", ny, 2 * nx + 2, arrays, *weights, stiffness, cap, ny, nx)[0])
+
+    def advance(self, pressure, correction, mean, length, cap, out, values):
         rows, nx = pressure.shape
-        arrays = pressure, separation, correction, out, free
-        self._run("advance", rows, 0, arrays, offset, mean, length, cap, nx)
+        self._run("advance", rows, 0, (pressure, correction, out, values), mean, length, cap, nx)
 
     def redistribute(self, field, passed, coarse, factors, free, cap):
         (ny, nx), arrays = field.shape, (field, passed, coarse, free)

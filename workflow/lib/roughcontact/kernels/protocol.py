@@ -65,17 +65,24 @@ class Kernels(Protocol):
     def project_residual(
         self, pressure: Array, separation: Array, offset: float, cap: float, values: Array
     ) -> float: ...
+    def predict_active(
+        self,
+        pressure: Array,
+        residual: Array,
+        weights: Weights,
+        stiffness: float,
+        cap: float,
+        values: Array,
+    ) -> int: ...
     def advance(
         self,
         pressure: Array,
-        separation: Array,
         correction: Array,
-        offset: float,
         mean: float,
         length: float,
         cap: float,
         out: Array,
-        free: Array,
+        values: Array,
     ) -> None: ...
     def redistribute(
         self, field: Array, passed: Array, coarse: Array, factors: Factors, free: Array, cap: float

@@ -76,6 +76,39 @@ PASS(masked_residual, {
     found->sums[0] = (double)active_points;
 }
 
+PASS(predict_active, {
+    const OUTER *pressure;
+    const INNER *residual;
+    INNER *values;
+    struct Weights weights;
+    double stiffness, cap;
+    int64_t ny, nx;
+})
+{
+    const OUTER cap = (OUTER)given->cap;
+    const INNER stiffness = (INNER)given->stiffness;
+    const int64_t ny = given->ny, nx = given->nx;
+    INNER *row = scratch, *mean = row + nx + 2;
+    int64_t active_points = 0;
+    for (int64_t i = first; i < last; i++) {
+        const OUTER *pressure = given->pressure + i * nx;
+        const INNER *residual = given->residual + i * nx;
+        const INNER *up = given->residual + before(i, ny) * nx, *down = given->residual + after(i, ny) * nx;
+        INNER *values = given->values + i * nx;
+        INNER_NAME(around)(up, residual, down, &given->weights, row, mean, nx);
+        int32_t count = 0;
+        SUM(count)
+        for (int64_t j = 0; j < nx; j++) {
+            const OUTER p = pressure[j], foreseen = p - stiffness * (residual[j] - mean[j]);
+            const int active = (values[j] != 0) & ((foreseen > 0) | (p >= cap));
+            values[j] = active ? values[j] : (INNER)0;
+            count += active;
+        }
+        active_points += count;
+    }
+    found->sums[0] = (double)active_points;
+}
+
 PASS(redistribute, {
     OUTER *field;
     const INNER *passed, *coarse, *free;

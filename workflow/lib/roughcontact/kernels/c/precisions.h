@@ -91,7 +91,8 @@ static const struct Entry JOIN(table, of, LEVEL)[] = {
     OF_ONE(finish_restriction) OF_ONE(weigh_small) OF_ONE(prolong_small) OF_ONE(restrict_small)
     OF_ONE(continue_square) OF_ONE(refine) OF_ONE(rows_forward) OF_ONE(rows_backward) OF_ONE(columns)
     OF_ONE(take_up)
-    OF_TWO(make_dimensionless) OF_TWO(measure) OF_TWO(masked_residual) OF_TWO(redistribute) OF_TWO(project) OF_TWO(project_residual)
+    OF_TWO(make_dimensionless) OF_TWO(measure) OF_TWO(masked_residual) OF_TWO(predict_active)
+    OF_TWO(redistribute) OF_TWO(project) OF_TWO(project_residual)
     ENTRY(advance, fff) ENTRY(advance, ffd) ENTRY(advance, fdd) ENTRY(advance, dfd) ENTRY(advance, ddd)
     {NULL, NULL, 0}
 #undef OF_TWO
