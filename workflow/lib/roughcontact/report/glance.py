@@ -278,7 +278,11 @@ def _yields(load: xr.Dataset) -> Cell:
         share = float(load["load_share_above_hardness"])
         if share > 0:
             return Cell("yes", f"{percent(share)} of the load flows")
-        return Cell("yes", "below the surface") if below else Cell("no", "hardness nowhere reached")
+        if below:
+            return Cell("yes", "below the surface")
+        # the interval of the largest pressure ends at the hardness, which limits it
+        reached = float(load.get("max_pressure_upper", 0.0)) >= float(load["hardness"]) * (1 - 1e-9)
+        return Cell("no (in doubt)" if reached else "no", "hardness nowhere reached")
     if _known(load, "volume_above_yield"):
         return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")
     if rubber_like(load):
