@@ -178,7 +178,8 @@ def _difference(first: float, of_first: Ways, other: float, ways: Ways) -> str:
         for way, opposite in zip(ways, of_first[::-1], strict=True)
     )
     change = 100 * (ratio - 1)
-    return _in_brackets(0.0 if abs(change) < _DUST else change, down, up, "%")
+    # nothing falls by more than all of it; min() keeps what is not known
+    return _in_brackets(0.0 if abs(change) < _DUST else change, min(down, 100 * ratio), up, "%")
 
 
 def _quantiles(values: np.ndarray, unit: Unit) -> str:

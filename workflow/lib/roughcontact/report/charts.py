@@ -194,7 +194,7 @@ def tick_text(value: float) -> str:
     >>> tick_text(-0.5), tick_text(0.001), tick_text(1e-5), tick_text(2e-7)
     ('−0.5', '0.001', '10⁻⁵', '2×10⁻⁷')
     """
-    if value == 0 or 1e-4 < abs(value) < 1e5:
+    if value == 0 or 1e-4 < abs(value) < 1e6:
         return f"{value:g}".replace("-", "−")
     return number(value, digits=1).removeprefix("1×")
 
