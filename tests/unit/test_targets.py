@@ -126,6 +126,18 @@ def test_loads_of_the_settings():
     assert not runs_around(np.zeros((2, 2), bool))[0]
 
 
+def test_a_gap_that_is_closed_at_any_load_is_said_to_be_so():
+    """A plateau with a pit: no path leads around the period from the first touch on."""
+    heights = np.zeros((16, 16))
+    heights[4:7, 5:9] = -1e-6
+    settings = {"contact_modulus": 1e9, "target": "percolation"}
+    with pytest.raises(
+        rc.SettingsError, match=r"^target: .* as soon as the surfaces touch.* give mean_pressure"
+    ):
+        wanted_loads(height_map(heights, 1e-6), settings)
+    assert wanted_loads(height_map(heights, 1e-6), settings | {"mean_pressure": [1e5]}) == [1e5]
+
+
 def test_first_yield_in_the_settings_needs_a_limit():
     with pytest.raises(rc.SettingsError, match="first_yield needs the yield_stress of a body"):
         resolve({"contact": {"contact_modulus": 1e9, "target": "first_yield"}})

@@ -171,7 +171,7 @@ def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: i
     Raises
     ------
     SettingsError
-        for an area or a gap that no load gives.
+        for an area or a gap that no load gives, and for targets that any load meets where no load is given.
     HeightMapError
         for relative loads or targets on a flat map.
 
@@ -194,6 +194,13 @@ def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: i
             window, **material, **targets, bodies=contact.get("bodies"), threads=threads, **solver
         )
         loads += [load for load in found if load not in loads]
+    if not loads:
+        asked = [key for key, value in targets.items() if value is not None]
+        raise SettingsError(
+            f"{' and '.join(asked)}: what is asked for is there as soon as the surfaces touch, at any "
+            "load; give mean_pressure",
+            keys=asked,
+        )
     return loads
 
 
