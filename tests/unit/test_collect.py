@@ -11,10 +11,10 @@ import xarray as xr
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import InputFileError
 from roughcontact.maps import height_map
-from roughcontact.results.collect import collect_statistics, pairs_table, summary_table
+from roughcontact.results.collect import _SUFFIX, collect_statistics, pairs_table, summary_table
 from roughcontact.results.selection import read_statistics
 from roughcontact.results.storage import read_dataset, write_dataset, write_table
-from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
 from roughcontact.variables import VARIABLES
 
 
@@ -243,3 +243,25 @@ def test_another_way_of_selecting_is_refused(two_surfaces):
         read_statistics(two_surfaces).sel(mean_pressure=2e5, method="pad")
     with pytest.raises(ValueError, match="give a pressure or a list of them"):
         read_statistics(two_surfaces).sel(mean_pressure=[[2e5]])
+
+
+def test_every_unit_of_a_number_by_load_has_its_place_in_the_head_of_the_table():
+    """Only densities stay out of the table, and names have no unit."""
+    units = {unit for name, (unit, _) in VARIABLES.items() if unit and not name.endswith("_density")}
+    assert units <= set(_SUFFIX)
+
+
+def test_a_seal_and_the_ends_of_its_leak_rate_stand_in_the_table(tmp_path):
+    height = height_map(1e-6 * np.random.default_rng(1).standard_normal((16, 16)), 1e-6)
+    seal = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 1e-3}
+    numbers = contact_statistics(solve_contact(height, contact_modulus=1e9, mean_pressure=1e7), seal=seal)
+    ends = {
+        f"critical_constriction_x_{end}": ("load", [height])
+        for end, height in (("lower", 0.0), ("upper", 1e-6))
+    }
+    write_dataset(with_uncertainty(numbers, xr.Dataset(ends, coords=numbers.coords)), tmp_path / "one.nc")
+    entry = {"surface": "one", "case": None, "statistics": tmp_path / "one.nc"}
+    table = summary_table(collect_statistics([entry]))
+    assert table["leak_rate_by_cube_per_m_s"].item() == pytest.approx(1e5 / (12 * 1e-3 * 1e-3))
+    assert table["leak_rate_x_lower_m2_per_s"].item() == 0
+    assert table["leak_rate_x_upper_m2_per_s"].item() > 0

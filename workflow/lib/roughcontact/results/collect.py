@@ -24,6 +24,7 @@ _SUFFIX: dict[str | None, str] = {
     "S m-2": "_S_per_m2",
     "m2": "_m2",
     "m2 s-1": "_m2_per_s",
+    "m-1 s-1": "_per_m_s",
     "degree": "_degree",
 }
 
