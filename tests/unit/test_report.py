@@ -34,8 +34,8 @@ from roughcontact.report.page import write_report
 from roughcontact.report.panel import write_panel
 from roughcontact.report.summary import embedded, summary_of
 from roughcontact.report.template import template
-from roughcontact.results.collect import collect_statistics, summary_table
-from roughcontact.results.storage import provenance, read_dataset, write_dataset
+from roughcontact.results.collect import collect_statistics, summary_table, with_failures
+from roughcontact.results.storage import provenance, read_dataset, table_text, write_dataset, write_table
 from roughcontact.statistics import checks, map_checks
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.window.periodic_window import periodic_window
@@ -140,6 +140,18 @@ def test_page_is_self_contained_and_complete(page):
     assert len(alternatives) == text.count("<img ")
     assert all(re.search(r"\d", words) for words in alternatives if words.startswith("Contact"))
     assert text.count("kept no maps of pressure and gap") == 1
+
+
+@pytest.mark.parametrize("failures", [[], [{"surface": "bad", "case": None, "reason": "bad.txt: =empty"}]])
+def test_the_table_inside_the_page_is_that_beside_it(page, tmp_path, failures):
+    statistics = page.parent / "statistics.nc"
+    panels = [page.parent / "all" / name / "panel.html" for name in SURFACES]
+    written = tmp_path / "report.html"
+    write_report(written, panels=panels, statistics=statistics, title="", settings={}, failures=failures)
+    link = re.search(r'href="data:text/csv;charset=utf-8;base64,([^"]*)"', written.read_text("utf-8"))[1]
+    summary = summary_table(read_dataset(statistics))
+    write_table(with_failures(summary, failures), tmp_path / "summary.csv")
+    assert base64.b64decode(html.unescape(link)) == (tmp_path / "summary.csv").read_bytes()
 
 
 def test_panels_are_small(page):
@@ -653,7 +665,7 @@ def test_nothing_is_cut_off_and_maps_can_be_read(page, tmp_path, shown):
     assert said["closed"]
     table = base64.b64decode(said["table"].partition(",")[2]).decode()
     known = summary_table(read_dataset(page.parent / "statistics.nc"))
-    assert table == known.to_csv(index=False)
+    assert table == table_text(known)
     if shown == "print":
         return
     assert said["larger"] > 1.4
@@ -805,6 +817,15 @@ def study(tmp_path_factory):
     ]
     failures = [{"surface": "bad", "case": "soft", "reason": "bad.txt: <empty>"}]
     return assemble(folder, runs, failures=failures)
+
+
+def test_a_profile_has_no_answer_on_sealing_anywhere(page):
+    text = page.read_text(encoding="utf-8")
+    part = text.partition('id="surface-profile"')[2].partition("</section>")[0]
+    assert "a profile does not tell" in text
+    assert "narrowest place" not in part
+    assert "flow factor" not in part
+    assert "narrowest place along x" in text.partition('id="surface-holes"')[2].partition("</section>")[0]
 
 
 def test_of_many_surfaces_there_is_an_index_and_a_page_each(study):

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import Unit, number, percent, with_interval
+from roughcontact.report.tables import is_profile
 from roughcontact.report.units import middle_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 from roughcontact.statistics.outcome import FAILED, Check
@@ -234,7 +235,7 @@ def _seals(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell:
     """Return whether the gap is closed to a fluid, with what leaks and the narrowest place on the way."""
     if not _known(numbers, "gap_percolates_x"):
         return Cell(NOT_JUDGED)
-    if np.isnan(float(numbers.get("Std", 0.0))) and float(numbers["rms_gradient"]) > 0:
+    if is_profile(numbers):
         return Cell(NOT_JUDGED, "a profile does not tell")
     is_open = [axis for axis in ("x", "y") if float(numbers[f"gap_percolates_{axis}"][place])]
     doubt = " (in doubt)" if any(_in_doubt(numbers, axis, place) for axis in ("x", "y")) else ""

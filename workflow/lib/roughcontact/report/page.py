@@ -22,8 +22,8 @@ from roughcontact.report.summary import Summary, summary_of
 from roughcontact.report.tables import pair_table
 from roughcontact.report.template import template
 from roughcontact.report.units import filled, middle_of, unit_of
-from roughcontact.results.collect import Failure, summary_table
-from roughcontact.results.storage import read_dataset, write_text
+from roughcontact.results.collect import Failure, summary_table, with_failures
+from roughcontact.results.storage import read_dataset, table_text, write_text
 from roughcontact.statistics import checks
 
 # what the index of many has of each surface: of `HEADINGS` all but the last, and what it is sorted by
@@ -109,7 +109,7 @@ def write_report(
         rows=rows,
         headings=_HEADINGS,
         asked=HEADINGS,
-        download=None if many else _as_download(summary_table(collected).to_csv(index=False)),
+        download=None if many else _as_download(collected, failures),
         words=checks.VERDICTS,
         counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in checks.VERDICTS},
         many=many,
@@ -189,8 +189,9 @@ def _glance(summary: Summary, numbers: xr.Dataset, units: Mapping[str, Unit]) ->
     }
 
 
-def _as_download(text: str) -> str:
-    """Return a table as a link to itself, so that the page needs no other file to hand it out."""
+def _as_download(collected: xr.Dataset, failures: Sequence[Failure]) -> str:
+    """Return summary.csv as a link to itself, so that the page needs no other file to hand it out."""
+    text = table_text(with_failures(summary_table(collected), failures))
     return "data:text/csv;charset=utf-8;base64," + base64.b64encode(text.encode()).decode()
 
 

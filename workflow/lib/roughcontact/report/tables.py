@@ -108,6 +108,8 @@ def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[T
     tables = []
     for title, group in _GROUPS.items():
         known = [column for column in group if column[0] in numbers]
+        if title == "Sealing" and is_profile(numbers):
+            continue
         if not known:
             continue
         header, columns = zip(*(_column(numbers, *column) for column in (_LOAD, *known)), strict=True)
@@ -116,6 +118,22 @@ def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[T
         ]
         tables.append({"title": title, "header": header, "rows": rows})
     return tables
+
+
+def is_profile(numbers: xr.Dataset) -> bool:
+    """Return whether a surface is a profile, which does not tell how a fluid gets around its contacts.
+
+    Parameters
+    ----------
+    numbers : Dataset
+        statistics of one surface.
+
+    Returns
+    -------
+    bool
+        a profile has a slope, yet no direction of its texture.
+    """
+    return bool(np.isnan(float(numbers.get("Std", 0.0)))) and float(numbers["rms_gradient"]) > 0
 
 
 def _column(numbers: xr.Dataset, name: str, title: str, unit: str) -> tuple[tuple[str, str, str], list[str]]:

@@ -428,10 +428,7 @@ def read_arrays(path: str | Path) -> tuple[dict[str, Array], dict[str, Any]]:
 
 
 def write_table(frame: pd.DataFrame, path: str | Path) -> None:
-    """Write a table as CSV (UTF-8, ten digits), whole or not at all.
-
-    A text that a spreadsheet would take for a formula, one that begins with = + - @, gets an apostrophe
-    before it, by which spreadsheets know a text.
+    """Write a table as CSV (UTF-8), as `table_text` gives it, whole or not at all.
 
     Parameters
     ----------
@@ -449,8 +446,32 @@ def write_table(frame: pd.DataFrame, path: str | Path) -> None:
     ...     Path(folder, "a.csv").read_text().splitlines()
     ['surface,load', "'-1,-1", 'ground,2']
     """
+    write_text(table_text(frame), path)
+
+
+def table_text(frame: pd.DataFrame) -> str:
+    r"""Return a table as CSV with ten digits.
+
+    A text that a spreadsheet would take for a formula, one that begins with = + - @, gets an apostrophe
+    before it, by which spreadsheets know a text.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        given without its index.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> table_text(pd.DataFrame({"surface": ["=1"], "load": [1 / 3]}))
+    "surface,load\n'=1,0.3333333333\n"
+    """
     frame = frame.map(lambda cell: f"'{cell}" if isinstance(cell, str) and cell[:1] in _FORMULA else cell)
-    write_text(frame.to_csv(index=False, float_format="%.10g", lineterminator="\n"), path)
+    return str(frame.to_csv(index=False, float_format="%.10g", lineterminator="\n"))
 
 
 def read_table(path: str | Path) -> pd.DataFrame:
