@@ -312,3 +312,18 @@ def test_interval_covers_the_surface_that_the_map_was_taken_from():
     assert ((errors <= intervals).mean(axis=0) >= 0.9).all()
     width = np.median(intervals, axis=0) / np.quantile(errors, 0.95, axis=0)
     assert ((width > 0.7) & (width < 2)).all(), width
+
+
+def test_a_part_of_a_map_that_is_flat_up_to_rounding_is_flat():
+    """A part that has no roughness is levelled to rounding, and touches everywhere; a step does not."""
+    heights = np.zeros((1, 210))
+    heights[0, 100:] = 1e-6
+    parts = [
+        height_map(1e-22 * np.random.default_rng(1).normal(size=(1, 64)), 1e-6),
+        height_map(heights, 1e-6),
+    ]
+    problem = {"contact_modulus": 1e9, "mean_pressure": [1e3, 1e5]}
+    flat, rough = (solve_member(part, problem, tolerance=1e-3).values for part in parts)
+    assert flat["relative_contact_area"].tolist() == [1, 1]
+    assert flat["mean_gap"].tolist() == [0, 0]
+    assert (rough["relative_contact_area"] < 1).all()

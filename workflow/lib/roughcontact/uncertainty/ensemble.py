@@ -1,12 +1,13 @@
 """One member of an ensemble: a quick solve of a window, and the four numbers that the error budget is for."""
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact.solve import solve_contact
+from roughcontact.contact.solve import MOST_LOAD, solve_contact
 from roughcontact.maps import spacing
 from roughcontact.uncertainty.answers import answers_in
 from roughcontact.uncertainty.headline import QUANTITIES, headline
@@ -39,7 +40,7 @@ def solve_member(
     Parameters
     ----------
     window : DataArray (y, x), m
-        periodic.
+        periodic. Where levelling has left nothing but rounding of it, it is flat.
     contact : dict
         keyword arguments of `solve_contact`. A load that misses the tolerance raises or, with `on_failure` =
         "flag", is NaN.
@@ -65,12 +66,24 @@ def solve_member(
     >>> found.values["relative_contact_area"].round(2)
     array([0.34])
     """
+    if np.max(contact["mean_pressure"]) > 0.5 * MOST_LOAD * contact["contact_modulus"] * _gradient(window):
+        window = xr.zeros_like(window)
     found = solve_contact(window, **solver_arguments(contact, tolerance=tolerance), reduce=count)
     converged = found["converged"].values == 1
     return Member(
         {name: np.where(converged, found[name].values, np.nan) for name in (*QUANTITIES, *answers_in(found))},
         float(found["operator_applications"].sum()) * window.size,
     )
+
+
+def _gradient(window: xr.DataArray) -> float:
+    """Return the rms gradient by differences of neighbours, which is at most the spectral one."""
+    heights = window.values
+    steps = (
+        np.diff(heights, axis=axis, append=heights.take([0], axis)) / pitch
+        for axis, pitch in enumerate(spacing(window))
+    )
+    return math.sqrt(sum(float(np.mean(step**2)) for step in steps))
 
 
 def solver_arguments(contact: Mapping[str, Any], *, tolerance: float) -> dict[str, Any]:

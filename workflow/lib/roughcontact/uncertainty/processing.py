@@ -32,7 +32,6 @@ _FAIR_METHODS = ("smooth-cross-fade", "periodic-plus-smooth")
 _LEAST_POINTS = 64  # along the shorter side of a map that was coarsened
 _SURE = 2.0  # thresholds; what stands off by more is no surface, whatever else is doubtful
 _TOLERANCE = 1e-3  # of the pressure: choices may differ by less than a percent
-_ROUNDING = 1e-9  # of the heights: what a form that fits them leaves
 
 
 def processing_uncertainty(
@@ -302,10 +301,7 @@ def _with_order(levelled: xr.DataArray, order: int, robust: bool) -> xr.DataArra
     measured = np.where(levelled["filled"].values == 0, values, np.nan)
     form, removed = fit_polynomial(measured, coordinates, order=order, robust=robust)
     other = {"form": "polynomial", "form_removed": json.dumps(removed)}
-    left = values - form
-    if np.nanmax(np.abs(left)) <= _ROUNDING * np.nanmax(np.abs(values)):  # all of the map was its form
-        left *= 0
-    return levelled.copy(data=left).assign_attrs(other)
+    return levelled.copy(data=values - form).assign_attrs(other)
 
 
 def _coordinates(levelled: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
