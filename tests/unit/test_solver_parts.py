@@ -438,6 +438,8 @@ def test_a_first_guess_is_as_good_as_it_is_said_to_be():
     fine = Grid(heights, LENGTHS)
     nested = nested_heights(heights.astype(np.float32), LENGTHS)
     assert [coarse.shape for _, coarse in nested] == [(128, 128), (32, 32)]
+    by_two = [coarse.shape for _, coarse in nested_heights(np.zeros((256, 256), np.float32), (4.0, 0.25))]
+    assert by_two == [(256, 128), (256, 64), (256, 32)]
     np.testing.assert_allclose(nested[0][1], heights.reshape(128, 2, 128, 2).mean((1, 3)), atol=1e-6)
     grids = [fine, *(Grid(coarse, LENGTHS) for _, coarse in nested)]
     guess, steps = first_guess(grids, [factors for factors, _ in nested], 0.1)

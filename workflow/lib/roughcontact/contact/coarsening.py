@@ -58,6 +58,23 @@ def pitches_of(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[fl
     return lengths[0] / shape[0], lengths[1] / shape[1]
 
 
+def has_square_cells(pitches: tuple[float, float], shape: tuple[int, int]) -> bool:
+    """Return whether the cells of a grid are about square, and no profile.
+
+    Parameters
+    ----------
+    pitches : (float, float)
+        dy and dx of the cells.
+    shape : (int, int)
+        cells along y and x.
+
+    Returns
+    -------
+    bool
+    """
+    return min(shape) > 1 and max(pitches) <= _SQUARE * min(pitches)
+
+
 def whole_factors(
     pitches: tuple[float, float], shape: tuple[int, int], *, divisors: tuple[int, ...], smallest: int
 ) -> Factors:

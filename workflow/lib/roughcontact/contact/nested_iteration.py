@@ -10,7 +10,7 @@ References
 
 from collections.abc import Sequence
 
-from roughcontact.contact.coarsening import pitches_of, whole_factors
+from roughcontact.contact.coarsening import has_square_cells, pitches_of, whole_factors
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import first_guess_on_grid
 from roughcontact.kernels.arrays import SINGLE, Array, empty, in_precision
@@ -18,7 +18,8 @@ from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.protocol import Factors
 
 COARSEST = 64  # cells along an axis: below that a grid costs more overhead than it saves
-# Half of the cells are a far better start for the finest grid than a quarter; for others it matters little.
+# Half of the cells are a far better start for the finest grid than a quarter. For the other grids it matters
+# little, where cells are square.
 FINEST_DIVISORS, DIVISORS = (2, 3, 5), (4, 2, 3, 5)
 COARSE_TOLERANCE = 0.03  # of all grids but the finest: a tighter one chases points the next grid moves anyway
 
@@ -42,7 +43,7 @@ def nested_heights(heights: Array, lengths: tuple[float, float]) -> list[tuple[F
     nested: list[tuple[Factors, Array]] = []
     while max(heights.shape) > COARSEST:
         pitches = pitches_of(heights.shape, lengths)
-        divisors = DIVISORS if nested else FINEST_DIVISORS
+        divisors = DIVISORS if nested and has_square_cells(pitches, heights.shape) else FINEST_DIVISORS
         factors = whole_factors(pitches, heights.shape, divisors=divisors, smallest=COARSEST // 2)
         if factors == (1, 1):
             break
