@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pandas as pd
 import pytest
@@ -15,6 +16,7 @@ import xarray as xr
 import roughcontact
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import ConvergenceError, InputFileError, OutputFileError, RoughContactError
+from roughcontact.maps import height_map
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.results.storage import (
     opened_dataset,
@@ -184,6 +186,31 @@ def test_loads_come_in_any_order_and_may_be_alike(tmp_path):
     with opened_dataset(path) as found:
         assert found["pressure"].encoding["chunksizes"] == (1, 96, 96)
         xr.testing.assert_identical(found.load(), read_dataset(tmp_path / "at_once.nc"))
+
+
+@pytest.mark.parametrize("shape", [(520, 1030), (512, 1024), (1, 5000), (3, 2)])
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_maps_are_read_as_they_were_whoever_reads_them(tmp_path, shape, dtype):
+    """Noise, zeros, what repeats, missing points; pieces that reach beyond the edge of the map."""
+    rng = np.random.default_rng(1)
+    gap = rng.standard_normal(shape).astype(dtype)
+    pressure = np.where(rng.random(shape) < 0.1, np.abs(gap), 0).astype(dtype)
+    gap[0, 0], pressure[-1] = np.nan, 1.5
+    maps = {"pressure": pressure, "gap": gap, "contact": (pressure > 0).astype(np.int8)}
+    height = height_map(np.zeros(shape), 1e-6)
+    with written_load_by_load(tmp_path / "contact.nc", [2.0, 1.0], height) as file:
+        for load, sign in ((1.0, 1), (2.0, -1)):
+            fields = {name: (("load", "y", "x"), sign * values[None]) for name, values in maps.items()}
+            file.keep(xr.Dataset(fields, coords={"mean_pressure": ("load", [load])} | dict(height.coords)))
+        rest = xr.Dataset(coords={"mean_pressure": ("load", [2.0, 1.0])})
+        file.complete(rest.assign(height=height))
+    found = read_dataset(tmp_path / "contact.nc")
+    with h5py.File(tmp_path / "contact.nc") as other:
+        for name, values in maps.items():
+            for load, sign in ((1, 1), (0, -1)):
+                assert found[name].dtype == values.dtype
+                np.testing.assert_array_equal(found[name][load], sign * values)
+                np.testing.assert_array_equal(other[name][load], sign * values)
 
 
 def test_a_solution_that_fails_half_way_leaves_no_file(tmp_path):

@@ -1,17 +1,19 @@
 """Result files: netCDF, written whole or not at all, byte-identical for identical content."""
 
 import errno
+import itertools
 import json
 import os
 import platform
 import shutil
 import subprocess
+import zlib
 from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -21,6 +23,9 @@ from roughcontact import __version__
 from roughcontact.errors import InputFileError, OutputFileError
 from roughcontact.io.guards import brief
 from roughcontact.variables import describe
+
+if TYPE_CHECKING:
+    import h5py
 
 _FORMULA = tuple("=+-@\t\r")  # what a spreadsheet takes for the beginning of one
 
@@ -36,6 +41,7 @@ _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more th
 _COMPRESSION: dict[str, Any] = {"zlib": True, "complevel": 1, "shuffle": True}
 _PIECE = (1, 512, 1024)  # points that are compressed together in a map for each load, which is read alone
 _CACHE = 2**20  # bytes of a variable that are kept in memory: less than a piece
+_NOISE = 7.0  # bits of information in a byte from which it is not worth while to compress it
 _BYTES_OF_MAPS = 17  # at most, of a point under one load: pressure, gap and contact
 
 
@@ -211,11 +217,9 @@ class LoadByLoad:
     """
 
     def __init__(self, path: Path, loads: Sequence[float]):
-        from netCDF4 import Dataset
-
         self.path, self._size = path, len(loads)
         self._open = list(enumerate(map(float, loads)))  # places of loads whose maps are not there yet
-        self._file = Dataset(path, "w")
+        self._file: h5py.File | None = None
 
     def keep(self, solution: xr.Dataset) -> xr.Dataset:
         """Write the maps of a load; to be given to `solve_contact` as `reduce`.
@@ -233,29 +237,33 @@ class LoadByLoad:
         maps = describe(solution[[name for name in solution.data_vars if solution[name].ndim == 3]])
         found = next(entry for entry in self._open if entry[1] == maps["mean_pressure"].values[0])
         self._open.remove(found)
+        if self._file is None:
+            self._file = self._made_for(maps)
         for name, field in maps.data_vars.items():
-            if name not in self._file.variables:
-                self._define(str(name), field)
-            self._file.variables[str(name)][found[0]] = field.values[0]
+            _write_map(self._file[str(name)], found[0], field.values[0])
         return xr.Dataset()
 
-    def _define(self, name: str, field: xr.DataArray) -> None:
-        """Define the variable for the maps of all loads."""
-        for dimension, size in zip(
-            dims := [*map(str, field.dims)], (self._size, *field.shape[1:]), strict=True
-        ):
-            if dimension not in self._file.dimensions:
-                self._file.createDimension(dimension, size)
-        made = self._file.createVariable(
-            name,
-            field.dtype,
-            dims,
-            chunk_cache=_CACHE,
-            fill_value=np.nan if field.dtype.kind == "f" else None,
-            **_packed(field),
-        )
-        beside = sorted(str(coordinate) for coordinate in field.coords if coordinate not in field.dims)
-        made.setncatts(field.attrs | {"coordinates": " ".join(beside)})
+    def _made_for(self, maps: xr.Dataset) -> "h5py.File":
+        """Make the file, with room for the maps of all loads, and open it for pieces that are compressed."""
+        import h5py
+        from netCDF4 import Dataset
+
+        with Dataset(self.path, "w") as file:
+            for dimension, size in {**maps.sizes, "load": self._size}.items():
+                file.createDimension(str(dimension), size)
+            for name, field in maps.data_vars.items():
+                made = file.createVariable(
+                    str(name),
+                    field.dtype,
+                    [*map(str, field.dims)],
+                    fill_value=np.nan if field.dtype.kind == "f" else None,
+                    **_packed(field),
+                )
+                beside = sorted(
+                    str(coordinate) for coordinate in field.coords if coordinate not in field.dims
+                )
+                made.setncatts(field.attrs | {"coordinates": " ".join(beside)})
+        return h5py.File(self.path, "r+")
 
     def complete(self, dataset: xr.Dataset) -> None:
         """Write all the rest, and close the file.
@@ -265,13 +273,43 @@ class LoadByLoad:
         dataset : Dataset
             what belongs beside the maps, attributes of the file included.
         """
-        self._file.close()
+        self.close()
         _write(describe(dataset), self.path, mode="a")
 
     def close(self) -> None:
         """Close the file, unless it is."""
-        if self._file.isopen():
+        if self._file is not None:
             self._file.close()
+
+
+def _write_map(variable: "h5py.Dataset", place: int, values: np.ndarray) -> None:
+    """Write the map of one load into a variable, piece by piece."""
+    _, *sides = variable.chunks
+    for row, column in itertools.product(
+        *(range(0, n, side) for n, side in zip(values.shape, sides, strict=True))
+    ):
+        part = values[row : row + sides[0], column : column + sides[1]]
+        piece = np.full(sides, variable.fillvalue, values.dtype)  # pieces reach beyond the edge of the map
+        piece[: part.shape[0], : part.shape[1]] = part
+        variable.id.write_direct_chunk((place, row, column), _deflated(piece))
+
+
+def _deflated(piece: np.ndarray) -> bytes:
+    """Return what the filters of HDF5, byte shuffle and deflate, have to be given to read an array.
+
+    The first bytes of all numbers follow one another, then the second ones and so on. Where they are as good
+    as noise, as the lower digits of heights are, they are stored: looking for what repeats there takes six
+    times as long as all the rest, and finds nothing.
+    """
+    planes = np.ascontiguousarray(piece.reshape(-1, 1).view(np.uint8).T)
+    parts = [b"\x78\x01"]  # of a stream of zlib
+    for plane in planes:
+        counts = np.bincount(plane[:: max(1, plane.size // 4096)], minlength=256)
+        shares = counts[counts > 0] / counts.sum()
+        noise = -np.sum(shares * np.log2(shares)) > _NOISE
+        packer = zlib.compressobj(0 if noise else 1, zlib.DEFLATED, -zlib.MAX_WBITS)
+        parts += [packer.compress(plane), packer.flush(zlib.Z_FULL_FLUSH)]
+    return b"".join([*parts, b"\x03\x00", zlib.adler32(planes.data).to_bytes(4, "big")])
 
 
 @contextmanager
