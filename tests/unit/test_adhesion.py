@@ -38,7 +38,7 @@ def test_it_is_the_energy_of_the_solved_contact_when_all_of_it_touches():
 
 def test_words():
     numbers = adhesion_numbers(ROUGH, contact_modulus=1.0, work_of_adhesion=1.0)
-    assert adhesion_in_words(xr.Dataset(numbers)).startswith("sticky: of the work of adhesion (1.00 J/m²)")
+    assert adhesion_in_words(xr.Dataset(numbers)).startswith("sticky: of the work of adhesion (1000 mJ/m²)")
     numbers = adhesion_numbers(ROUGH, contact_modulus=1e6, work_of_adhesion=0.05)
     assert adhesion_in_words(xr.Dataset(numbers)).startswith("not sticky: pressing the surfaces flat costs")
     assert adhesion_in_words(xr.Dataset(adhesion_numbers(ROUGH, contact_modulus=1.0))) == ""

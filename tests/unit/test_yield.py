@@ -161,9 +161,9 @@ def test_the_report_shows_what_some_hardnesses_would_mean():
     table = material_table(found, [0, 2])
     assert [row[:2] for row in table["rows"]] == [
         ["0.003", "300 MPa"],
-        ["0.01", "1.00 GPa"],
-        ["0.03", "3.00 GPa"],
-        ["0.1", "10.0 GPa"],
+        ["0.01", "1000 MPa"],
+        ["0.03", "3000 MPa"],
+        ["0.1", "10000 MPa"],
     ]
     below, above = "below 3.00 MPa", "above 300 MPa"
     first = quantity(float(found["first_yield_pressure_by_ratio"][2]), "Pa")
@@ -270,7 +270,7 @@ def test_the_verdict_on_a_load_is_that_of_its_own_checks():
         reduce=contact_statistics,
     )
     above, below = checks.load_verdicts(solved, window)
-    assert [reason for reason in above[1] if "carry the hardness of 1.20 GPa" in reason]
+    assert [reason for reason in above[1] if "carry the hardness of 1200 MPa" in reason]
     assert above[0] == "look at"
     assert not [reason for reason in below[1] if reason.startswith("Plasticity")]
     worst = checks.surface_checks(solved, height={}, levelled={}, window=window.attrs, points=window.size)
