@@ -793,9 +793,11 @@ def test_parts_of_an_interval_that_are_larger_than_the_value_are_drawn():
     numbers = xr.Dataset({"mean_pressure": ("load", [1e6, 2e6])}, coords={"source": sources})
     for name in ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure"):
         numbers[name] = ("load", value)
-        numbers[f"{name}_uncertainty"] = (("load", "source"), np.column_stack([30 * value] * 5))
+        numbers[f"{name}_uncertainty"] = (("load", "source"), np.outer(value, [0.0, 0.0, 30.0, 30.0, 30.0]))
         numbers[f"{name}_lower"], numbers[f"{name}_upper"] = ("load", 0.1 * value), ("load", 31 * value)
-    for _, image in shown_budget(numbers)["images"]:
+    budget = shown_budget(numbers)
+    assert budget["rows"][0][2:] == ["no pixel in doubt", "no difference", *["± 3.0×10⁻⁶"] * 2, "window"]
+    for _, image in budget["images"]:
         axes = ElementTree.fromstring(unquote(image.partition(",")[2])).find("{*}svg")
         lines = [path.get("d") for path in axes if path.get("fill") == "none"]
         heights = [float(y) for line in lines for _, y in re.findall(r"(-?[\d.]+) (-?[\d.]+)", line)]

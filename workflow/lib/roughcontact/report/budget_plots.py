@@ -60,7 +60,7 @@ def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
             [
                 unit_of(numbers, "Pa").text(float(numbers["mean_pressure"][index])),
                 with_interval(*(100 * float(of[index]) for of in shown)),
-                *(_part(100 * part) for part in parts.values()),
+                *(_part(100 * part, source) for source, part in parts.items()),
                 _largest(parts),
             ]
         )
@@ -82,11 +82,13 @@ def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
     }
 
 
-def _part(half_width: float) -> str:
+def _part(half_width: float, source: str) -> str:
     """Return what a source adds; a source that could change nothing is not written as ± 0."""
     if np.isnan(half_width):
         return "–"
-    return f"± {number(half_width, digits=2)}" if half_width > 0 else "no pixel in doubt"
+    if half_width > 0:
+        return f"± {number(half_width, digits=2)}"
+    return "no pixel in doubt" if source == "solver" else "no difference"
 
 
 def _largest(parts: Mapping[str, float]) -> str:
