@@ -146,9 +146,9 @@ def test_the_half_widths_of_answers_are_twice_what_the_finer_grid_changes():
 
 
 @pytest.mark.parametrize(
-    ("given", "used"), [({"tolerance": 1e-1}, 1e-3), ({"tolerance": 1e-6}, 1e-6), ({}, 1e-3)]
+    ("given", "used"), [({"tolerance": 1e-1}, 3e-4), ({"tolerance": 1e-6}, 1e-6), ({}, 3e-4)]
 )
-def test_the_finer_grid_is_solved_to_a_thousandth_or_better(monkeypatch, given, used):
+def test_the_finer_grid_is_solved_to_a_small_tolerance_of_its_own_at_most(monkeypatch, given, used):
     window = synthetic.rough_reference_surface(36)
     asked = []
 
