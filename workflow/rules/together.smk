@@ -62,6 +62,7 @@ def files_of_steps(steps, links):
     written = {name for step in steps for name in STEPS[step].outputs}
     read = {name for step in steps for name in STEPS[step].inputs} - written
 
+    @called_often
     def files(wildcards):
         special = {
             "measured": measured_file,
@@ -79,16 +80,21 @@ def files_of_steps(steps, links):
 
 def settings_of_steps(steps):
     """Return the parameter function that gives the settings of each script."""
-    return lambda wildcards: {
-        step: stage_settings(STEPS[step].stage)(wildcards) for step in steps
-    }
+    of_each = {step: stage_settings(STEPS[step].stage) for step in steps}
+    return called_often(
+        lambda wildcards: {
+            step: of_step(wildcards) for step, of_step in of_each.items()
+        }
+    )
 
 
+@called_often
 def small_memory(wildcards, attempt):
     """Return the memory (MB) of a job with several stages of a small map, by the size of its file."""
     return round(attempt * (BASE_MEMORY + 300 * megabytes(row(wildcards.surface).path)))
 
 
+@called_often
 def small_minutes(wildcards, attempt):
     """Return the run time (minutes) of a job with several stages of a small map."""
     return round(attempt * (1 + 4 * megabytes(row(wildcards.surface).path)))
