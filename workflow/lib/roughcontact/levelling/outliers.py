@@ -18,6 +18,7 @@ _LINE = 8  # points that a line must have to be called dead
 _BELL = 0.35  # mean of 4 f (1 - f) over a bump and its neighbours: see `_without_bumps`
 _LEAST_RING = 0.25  # share of the ring that must be measured to be the surroundings of a point
 _MOST_ROUNDS = 10  # what is disturbed through and through has no end
+_COUNTED = 2**20  # points that are counted at a time
 _AT_ONCE = 20_000  # neighbourhoods gathered at a time
 _PLANE_POINTS = 250_000  # enough to find the tilt of a map
 
@@ -160,18 +161,23 @@ def _spikes(values: np.ndarray, threshold: float, *, bumps: bool) -> np.ndarray:
     far = [min(_FAR_PROFILE if profile else _FAR, n - 1) for n in values.shape]
     residual = _without_tilt(values)
     missing = np.isnan(residual)
+    heights = residual[~missing]
+    floor = 1e-12 * np.ptp(heights)
+    heights -= np.median(heights)
+    everywhere = robust_scale(heights)
+    del heights  # of a large map there is no room for what is needed no more
     lending = _lending(missing)
     padded = _beyond_the_border(_stand_ins(residual, lending, near), near, far)
+    del residual
     surrounded = np.pad(lending, [(f, f) for f in far], mode="reflect")
+    del lending
     size = [2 * n + 1 for n in near]
     inner = tuple(slice(f, f + n) for f, n in zip(far, values.shape, strict=True))
-    signed = (padded - ndimage.median_filter(padded, size=size))[inner]
+    medians = ndimage.median_filter(padded, size=size)
+    signed = np.subtract(padded, medians, out=medians)[inner]
     off = np.abs(signed)
     off[missing] = 0
     scale = robust_scale(off[~missing])
-    heights = residual[~missing]
-    floor = 1e-12 * np.ptp(heights)
-    everywhere = robust_scale(heights - np.median(heights))
     # far spikes stand out of patches that are disturbed as a whole, and too large for a group
     for limit in (threshold, _FAR_SPIKE * threshold):
         candidates = off > max(limit * scale, floor)
@@ -210,6 +216,7 @@ def _stand_ins(residual: np.ndarray, lending: np.ndarray, near: list[int]) -> np
         return residual
     nearest = ndimage.distance_transform_edt(~lending, return_distances=False, return_indices=True)
     lenders, which = np.unique(np.ravel_multi_index(nearest[:, missing], residual.shape), return_inverse=True)
+    del nearest
     steps = np.meshgrid(*(np.arange(-n, n + 1) for n in near), indexing="ij")
     offsets = np.stack(steps, axis=-1).reshape(-1, 2)
     bordered = np.pad(np.where(lending, residual, np.nan), [(n, n) for n in near], constant_values=np.nan)
@@ -248,7 +255,11 @@ def _small_groups(candidates: np.ndarray) -> np.ndarray:
     from scipy import ndimage
 
     groups, count = ndimage.label(candidates, structure=np.ones((3, 3)))
-    small = np.bincount(groups.ravel(), minlength=count + 1) <= _SPIKE_SIZE
+    sizes = np.zeros(count + 1, int)
+    for rows in np.array_split(groups, -(-groups.size // _COUNTED), axis=0):
+        found = np.bincount(rows.ravel())
+        sizes[: found.size] += found
+    small = sizes <= _SPIKE_SIZE
     small[0] = False
     return np.where(small[groups], groups, 0)
 

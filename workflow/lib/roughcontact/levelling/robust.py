@@ -30,7 +30,7 @@ def robust_scale(residual: np.ndarray) -> float:
     >>> robust_scale(np.array([-1.0, 0.5, 1.0, 100.0]))
     1.4826
     """
-    return 1.4826 * float(np.median(np.abs(residual)))
+    return 1.4826 * float(np.median(np.abs(residual), overwrite_input=True))
 
 
 def biweight(residual: np.ndarray, scale: float) -> np.ndarray:
