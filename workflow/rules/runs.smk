@@ -217,6 +217,8 @@ def last_words(record, how):
     ended_by = ended_by or f"status {code}"
     job = job_of(record.jobid)
     name = job_name(job)
+    for file in job.output:  # what it was writing, load by load say, goes with it
+        Path(file).with_name(f".{Path(file).name}.partial").unlink(missing_ok=True)
     if ended_by == "SIGKILL":
         # the target cost has asked for nothing
         asked = job.resources.get("mem_mb")
