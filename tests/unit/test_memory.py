@@ -159,8 +159,9 @@ def test_the_next_solve_takes_up_the_memory_of_the_last_and_leaves_its_result_al
     store.clear()
     assert (solve(3e6).pressure.values == pressure).all()
     before = store.lent()
-    places = [solve(load).pressure.values.ctypes.data for load in (5e6, 5e6, 4e6)]
-    assert len(set(places)) == 1
+    # a solve works on two pressures in turn: the last one may be either
+    places = [solve(load).pressure.values.ctypes.data for load in 3 * (5e6, 5e6, 4e6)]
+    assert len(set(places)) <= 2
     assert store.lent() == before
     assert (first.pressure.values == pressure).all()
     assert (first.gap.values == gap).all()

@@ -14,9 +14,8 @@ bodies = settings["contact"]["bodies"]
 with opened_dataset(snakemake.input.contact) as contact:  # which keeps what has been read
     modulus = float(contact["contact_modulus"])
     count = statistics_of(contact["height"], contact_modulus=modulus, bodies=bodies, **settings["statistics"])
-with opened_dataset(
-    snakemake.input.contact
-) as contact:  # load by load, without the heights: the maps are large
+# load by load, without the heights: the maps are large
+with opened_dataset(snakemake.input.contact) as contact:
     counted = count(contact).load()
     height = contact["height"]
     yielding = with_first_yield(counted, height, settings["contact"], threads=snakemake.threads)
