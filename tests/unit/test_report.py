@@ -803,6 +803,11 @@ def test_parts_of_an_interval_that_are_larger_than_the_value_are_drawn():
         heights = [float(y) for line in lines for _, y in re.findall(r"(-?[\d.]+) (-?[\d.]+)", line)]
         assert heights
         assert 0 < min(heights) < max(heights) < float(axes.get("height"))
+    # an interval that was not found at all leaves its axes, and no marks
+    ends = [f"mean_gap_{end}" for end in ("uncertainty", "lower", "upper")]
+    _, (_, image), *_ = shown_budget(numbers.assign({end: numbers[end] * np.nan for end in ends}))["images"]
+    axes = ElementTree.fromstring(unquote(image.partition(",")[2])).find("{*}svg")
+    assert not [path for path in axes if path.get("fill") != "none"]
 
 
 # --- many surfaces -----------------------------------------------------------------------------------------

@@ -109,7 +109,8 @@ def _images(numbers: xr.Dataset, present: Sequence[str]) -> list[tuple[str, str]
         value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
         down, up = value - numbers[f"{name}_lower"].values, numbers[f"{name}_upper"].values - value
         parts = [budget.sel(source=source).values for source in present]
-        highest = np.nanmax([_in_percent(part, value) for part in (*parts, down, up)], initial=100.0)
+        shares = np.array([_in_percent(part, value) for part in (*parts, down, up)])
+        highest = np.max(shares, initial=100.0, where=np.isfinite(shares))
         chart = Chart(
             Axis(f"mean pressure p̄ ({unit})", load.min() * factor / 1.5, load.max() * factor * 1.5, log=True),
             Axis("± in percent of the value", _LEAST, 2 * highest, log=True),
