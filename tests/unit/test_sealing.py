@@ -6,18 +6,19 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from scipy.integrate import quad
+from scipy.ndimage import label
 from scipy.optimize import brentq
 from scipy.sparse.linalg import splu
 
 import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
 from roughcontact.connectivity import connected_regions, region_sizes, runs_around
+from roughcontact.kernels.compiled import Regions
 from roughcontact.maps import height_map
 from roughcontact.references import closed_forms
 from roughcontact.references.synthetic import self_affine_surface
-from roughcontact.sealing import percolation
 from roughcontact.sealing.flow import flow_columns, leak_columns
-from roughcontact.sealing.percolation import percolation_columns
+from roughcontact.sealing.percolation import half_way_levels, percolation_columns
 from roughcontact.variables import describe
 
 SQUARE = (1e-6, 1e-6)
@@ -104,15 +105,31 @@ def test_the_constriction_is_the_highest_level_that_is_open(seed):
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_points_taken_up_and_bisection_find_the_same_constriction(seed):
+def test_runs_and_labels_tell_the_same_of_every_level(seed):
     """Also of equal heights, of single rows and columns, and where nothing or everything is open."""
     generator = np.random.default_rng(seed)
     for precision, levels in itertools.product((np.float32, np.float64), (3, 100, None)):
         gap = generator.random(generator.integers(1, 40, 2))
         gap = np.round(gap * levels) / levels if levels else gap
         gap[generator.random(gap.shape) < generator.uniform(0, 0.6)] = 0
-        gap = gap.astype(precision)
-        assert percolation._levels(gap) == percolation._levels_by_bisection(gap)
+        regions = Regions(gap.astype(precision))
+        for level in np.unique(gap.astype(precision))[:50]:
+            assert regions.run_around(float(level)) == runs_around(gap.astype(precision) >= level)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_half_ways_lead_from_edge_to_edge(seed):
+    """Against every level in turn, by labels of a half that is not periodic."""
+    gap = np.maximum(np.random.default_rng(seed).random((12, 9)) - 0.1, 0)
+    for axis, across in (("y", gap), ("x", gap.T)):
+        half = len(across) // 2
+        open_from_edge_to_edge = []
+        for start in (0, (len(across) - half) // 2, len(across) - half):
+            for level in np.unique(across[across > 0]):
+                labels, _ = label(across[start : start + half] >= level)
+                if np.intersect1d(labels[0][labels[0] > 0], labels[-1]).size:
+                    open_from_edge_to_edge.append(level)
+        assert half_way_levels(gap)[f"critical_constriction_{axis}"] == max(open_from_edge_to_edge)
 
 
 def test_random_points_percolate_at_the_published_threshold():

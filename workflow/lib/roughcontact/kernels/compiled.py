@@ -60,7 +60,7 @@ _GIVEN = {
     "rows_forward": ("rcr", "qq"),
     "rows_backward": ("rcr", "dqq"),
     "columns": ("cr", "qqq"),
-    "take_up": ("rDDD", "qqqq"),
+    "run_around": ("rDD", "dqq"),
 }
 _structs = {name: Struct("P" * len(arrays) + rest) for name, (arrays, rest) in _GIVEN.items()}
 _pack = {name: struct.pack for name, struct in _structs.items()}
@@ -253,40 +253,34 @@ class Compiled:
 
 
 class Regions:
-    """The regions of a periodic map that grow as its points are taken up.
+    """The regions of a periodic map that is cut off at a level.
 
     Parameters
     ----------
     field : array (ny, nx)
-        heights, above zero where points are taken up.
+        heights.
     """
 
     def __init__(self, field: np.ndarray):
         self._field = np.require(field, requirements=["C", "A", "W"])
-        self._parent, self._copies = np.zeros((2, field.size), np.int64)
+        ny, nx = field.shape
+        self._trees = np.empty((2, ny * (nx // 2 + 1)), np.int64)
 
-    def take_up(self, order: np.ndarray, known: tuple[bool, bool] = (False, False)) -> tuple[float, float]:
-        """Take more points up, and return by which of them a region first runs around the period.
+    def run_around(self, level: float) -> tuple[bool, bool]:
+        """Return whether any region of the points at least so high runs around the period.
 
         Parameters
         ----------
-        order : int array
-            their numbers in the map, row after row; the highest first where the heights are to be narrowest
-            places.
-        known : (bool, bool)
-            of which axis, y and x, that need not be found. Where both are known the rest is left out.
+        level : float
 
         Returns
         -------
-        along_y, along_x : float
-            height of that point; 0 where none of them is one, and for an axis that is known.
+        along_y, along_x : bool
         """
-        if not order.size:
-            return 0.0, 0.0
-        arrays = self._field, np.require(order, np.int64, ["C", "A", "W"]), self._parent, self._copies
-        along_y, along_x = known
-        found = run_pass("take_up", 1, 0, arrays, order.size, along_y + 2 * along_x, *self._field.shape)
-        return found[0], found[1]
+        ny, nx = self._field.shape
+        arrays = self._field, *self._trees
+        found = run_pass("run_around", 1, 6 * (nx // 2 + 1), arrays, level, ny, nx)
+        return bool(found[0]), bool(found[1])
 
 
 class CompiledSmallGrids:

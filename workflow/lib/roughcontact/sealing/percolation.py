@@ -6,8 +6,7 @@ from roughcontact.connectivity import runs_around
 from roughcontact.kernels.choose import library_is_there
 from roughcontact.kernels.compiled import Regions
 
-_PIECES = 16  # of the points, the highest first
-_SAMPLE = 4096  # points by which the pieces are cut
+_SAMPLE = 4096  # points, by which the levels are narrowed down before all that lie between are sorted
 
 
 def percolation_columns(gap: np.ndarray) -> dict[str, float]:
@@ -16,8 +15,7 @@ def percolation_columns(gap: np.ndarray) -> dict[str, float]:
     A gap percolates along x where some connected region of it runs around the period along x, whatever it
     does along y; then a fluid that is pressed along x comes through. The critical constriction is the largest
     height that such a path keeps everywhere: the largest level at which what is at least as high still runs
-    around [1]_. It is a height of one point of the map, found exactly: points are taken up, the highest
-    first, until their regions run around.
+    around [1]_. It is a height of one point of the map, found exactly, by bisection.
 
     Parameters
     ----------
@@ -43,7 +41,7 @@ def percolation_columns(gap: np.ndarray) -> dict[str, float]:
     >>> percolation_columns(gap)["critical_constriction_x"], percolation_columns(gap)["gap_percolates_y"]
     (2.0, 0)
     """
-    y, x = _levels(gap) if library_is_there() else _levels_by_bisection(gap)
+    y, x = _levels(gap)
     return {
         "gap_percolates_x": int(x > 0),
         "gap_percolates_y": int(y > 0),
@@ -79,80 +77,49 @@ def half_way_levels(gap: np.ndarray) -> dict[str, float]:
     >>> half_way_levels(gap)["critical_constriction_x"], percolation_columns(gap)["critical_constriction_x"]
     (2.0, 0.0)
     """
-    return {
-        f"critical_constriction_{axis}": max(
-            _from_edge_to_edge(half) for half in _halves(gap if axis == "y" else gap.T)
-        )
-        for axis in "xy"
-    }
+    return {f"critical_constriction_{axis}": _best_half(gap if axis == "y" else gap.T) for axis in "xy"}
 
 
-def _halves(gap: np.ndarray) -> list[np.ndarray]:
-    """Return three halves of a map along its first axis, which overlap; a single point is no less."""
+def _best_half(gap: np.ndarray) -> float:
+    """Return the largest height that a way keeps from end to end of a half, of three along the first axis."""
     points = gap.shape[0]
-    half = max(points // 2, 1)
-    return [gap[start : start + half] for start in sorted({0, (points - half) // 2, points - half})]
+    half = max(points // 2, 1)  # a single point is no less
+    level = 0.0
+    for start in sorted({0, (points - half) // 2, points - half}):
+        # an open row joins both ends, a closed column parts both sides
+        closed = np.zeros((half + 1, gap.shape[1] + 1))
+        closed[:-1, :-1] = gap[start : start + half]
+        closed[-1, :-1] = closed.max()
+        (level,) = _levels(closed, axes=(0,), above=level)
+    return level
 
 
-def _from_edge_to_edge(gap: np.ndarray) -> float:
-    """Return the largest height that a way keeps from the first row to the last, within the map."""
-    # an open row joins both ends, a closed column parts both sides
-    closed = np.zeros((gap.shape[0] + 1, gap.shape[1] + 1))
-    closed[:-1, :-1] = gap
-    closed[-1, :-1] = gap.max()
-    return percolation_columns(closed)["critical_constriction_y"]
+def _levels(gap: np.ndarray, *, axes: tuple[int, ...] = (0, 1), above: float = 0.0) -> list[float]:
+    """Return the critical constriction along y and along x; `above` where it is no larger."""
+    compiled = Regions(gap) if library_is_there() else None
 
+    def run_around(level: float) -> tuple[bool, bool]:
+        """Return whether what is at least so high runs around along y, and along x."""
+        return compiled.run_around(level) if compiled else runs_around(gap >= level)
 
-def _levels(gap: np.ndarray) -> tuple[float, float]:
-    """Return the critical constriction along y and along x.
-
-    The points of a piece are taken up row by row, which is quick; only that by which a region runs around is
-    taken up once more in order.
-    """
     heights = gap.ravel()
-    is_open = runs_around(gap > 0)
-    found = [0.0, 0.0]
-    if not any(is_open):
-        return 0.0, 0.0
+    # of each axis: a level at which it is open, or `above`, and one at which it is closed
+    is_open, closed = [above, above], [np.inf, np.inf]
+    least_of_all = run_around(np.nextafter(heights.dtype.type(above), heights.dtype.type(np.inf)))
     sample = heights[:: max(1, heights.size // _SAMPLE)]
-    cuts = np.quantile(sample[sample > 0], np.arange(_PIECES - 1, 0, -1) / _PIECES) if sample.any() else []
-    regions, above = Regions(gap), np.inf
-    for least in (*cuts, np.nextafter(0.0, 1.0)):
-        # an axis that is closed need not be looked for
-        known = bool(found[0]) or not is_open[0], bool(found[1]) or not is_open[1]
-        if all(known):
-            break
-        points = np.flatnonzero((heights >= least) & (heights < above))
-        if any(regions.take_up(points, known)):
-            regions = Regions(gap)
-            regions.take_up(np.flatnonzero(heights >= above), known)
-            here = regions.take_up(points[np.argsort(-heights[points])], known)
-            found = [max(pair) for pair in zip(found, here, strict=True)]
-        above = least
-    return found[0], found[1]
-
-
-def _levels_by_bisection(gap: np.ndarray) -> tuple[float, float]:
-    """Return the same without compiled kernels, in several times the time."""
-    heights = gap[gap > 0]
-    # of each axis, y and x: a level at which it is open, one at which it is not
-    is_open, closed = [0.0, 0.0], [np.inf, np.inf]
-    if heights.size:
-        _narrow(gap, float(heights.min()), is_open, closed)
-    percolates = [level > 0 for level in is_open]
-    for axis in (0, 1):
-        between = heights[heights > is_open[axis]] if percolates[axis] else heights[:0]
-        while between.size:
-            _narrow(gap, float(np.partition(between, between.size // 2)[between.size // 2]), is_open, closed)
-            between = between[(between > is_open[axis]) & (between < closed[axis])]
-    return is_open[0], is_open[1]
-
-
-def _narrow(gap: np.ndarray, level: float, is_open: list[float], closed: list[float]) -> None:
-    """Move the levels of both axes to what is found of `level`, where it lies between them."""
-    around = runs_around(gap >= level)
-    for axis in (0, 1):
-        if around[axis]:
-            is_open[axis] = max(is_open[axis], level)
-        else:
-            closed[axis] = min(closed[axis], level)
+    for axis in axes:
+        if not least_of_all[axis]:
+            continue
+        for some in (sample, heights):
+            levels = np.sort(some[(some > is_open[axis]) & (some < closed[axis])])
+            low, high = 0, levels.size
+            while low < high:
+                middle = (low + high) // 2
+                level = float(levels[middle])
+                for side, around in enumerate(run_around(level)):
+                    if around:
+                        is_open[side] = max(is_open[side], level)
+                    else:
+                        closed[side] = min(closed[side], level)
+                low, high = (middle + 1, high) if is_open[axis] >= level else (low, middle)
+    return [is_open[axis] for axis in axes]

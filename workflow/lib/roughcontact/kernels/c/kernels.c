@@ -85,30 +85,86 @@ static inline int64_t wrap(int64_t i, int64_t n)
     return i;
 }
 
+/* Regions of a periodic map, put together from runs: stretches of a row without a gap. They are trees: `parent` of a run
+   is 1 more than the number of its parent, or for a root less the number of its runs. `copies` says in which copy of
+   the map, along y and x, a run lies, seen from its parent. */
 struct Copy {
     int32_t y, x;
 };
 
-/* Return the root of a point, and in which copy of the map the point lies, seen from there: see take_up. */
-static int64_t root_of(int64_t point, int64_t *parent, struct Copy *copies, struct Copy *seen)
+struct Regions {
+    int64_t *parent;
+    struct Copy *copies;
+    double *around; /* whether one of them runs around along y, and along x */
+};
+
+struct Run {
+    int64_t start, end;
+};
+
+struct Row {
+    struct Run *runs;
+    int64_t begin, count; /* number of its first run among all, and of its runs */
+};
+
+/* Return the root of a run, and in which copy of the map the run lies, seen from there. */
+static int64_t root_of(int64_t run, int64_t *parent, struct Copy *copies, struct Copy *seen)
 {
-    int64_t root = point;
+    int64_t root = run;
     struct Copy whole = {0, 0};
     for (; parent[root] > 0; root = parent[root] - 1) {
         whole.y += copies[root].y;
         whole.x += copies[root].x;
     }
     *seen = whole;
-    while (parent[point] > 0) { /* the way is short the next time */
-        const int64_t next = parent[point] - 1;
-        const struct Copy step = copies[point];
-        parent[point] = root + 1;
-        copies[point] = whole;
+    while (parent[run] > 0) { /* the way is short the next time */
+        const int64_t next = parent[run] - 1;
+        const struct Copy step = copies[run];
+        parent[run] = root + 1;
+        copies[run] = whole;
         whole.y -= step.y;
         whole.x -= step.x;
-        point = next;
+        run = next;
     }
     return root;
+}
+
+/* Join the regions of two runs, of which the other lies `step` copies of the map away. A region that so meets itself
+   in another copy runs around. */
+static void join(const struct Regions *regions, int64_t run, int64_t neighbour, struct Copy step)
+{
+    int64_t *parent = regions->parent;
+    struct Copy own, other;
+    const int64_t root = root_of(run, parent, regions->copies, &own);
+    const int64_t beside = root_of(neighbour, parent, regions->copies, &other);
+    /* in which copy the other root lies, seen from this one */
+    const struct Copy apart = {own.y + step.y - other.y, own.x + step.x - other.x};
+    if (root != beside) {
+        const int larger = parent[root] <= parent[beside]; /* both less a number of runs */
+        const int64_t over = larger ? root : beside, under = larger ? beside : root;
+        parent[over] += parent[under];
+        parent[under] = over + 1;
+        regions->copies[under] = larger ? apart : (struct Copy){-apart.y, -apart.x};
+        return;
+    }
+    if (apart.y)
+        regions->around[0] = 1;
+    if (apart.x)
+        regions->around[1] = 1;
+}
+
+/* Join the runs of a row to those of the next that they touch. */
+static void join_rows(const struct Regions *regions, const struct Row *row, const struct Row *next, struct Copy step)
+{
+    for (int64_t a = 0, b = 0; a < row->count && b < next->count;) {
+        const struct Run here = row->runs[a], there = next->runs[b];
+        if (here.start < there.end && there.start < here.end)
+            join(regions, row->begin + a, next->begin + b, step);
+        if (here.end < there.end)
+            a++;
+        else
+            b++;
+    }
 }
 
 #define LEVEL plain

@@ -130,48 +130,35 @@ PASS(slope_power, { const REAL *spectrum; const double *weights, *along_y, *alon
 
 /* ---- regions ---- */
 
-/* Take points of a periodic map up, the highest first, until their regions run around the period along both axes:
-   the height of the point by which they first do so along y, and along x, is the first and the second sum, 0 where
-   none of these points does. `known` has the bit 1 where that of y is known, 2 where that of x is.
-
-   Regions are trees: `parent` of a point is 0 where it was not taken up, 1 more than the number of its parent, or for
-   a root less the number of its points. `copies` says in which copy of the map, along y and x, a point lies, seen
-   from its parent: a region that meets itself in another copy runs around. */
-PASS(take_up, { const REAL *field; const int64_t *order, *parent, *copies; int64_t count, known, ny, nx; })
+/* Whether a region of those points of a periodic map that are at least as high as `level` runs around the period along
+   y and along x: the first and the second sum. Regions are made of runs, stretches of a row: see `join`. */
+PASS(run_around, { const REAL *field; const int64_t *parent, *copies; double level; int64_t ny, nx; })
 {
     const int64_t ny = given->ny, nx = given->nx;
-    int64_t *parent = (int64_t *)given->parent, known = given->known;
-    struct Copy *copies = (struct Copy *)given->copies;
-    (void)first, (void)last, (void)scratch;
-    for (int64_t t = 0; t < given->count && known != 3; t++) {
-        const int64_t point = given->order[t], i = point / nx, j = point % nx;
-        const int64_t neighbours[4] = {before(i, ny) * nx + j, after(i, ny) * nx + j, i * nx + before(j, nx),
-                                       i * nx + after(j, nx)};
-        const struct Copy steps[4] = {{-(i == 0), 0}, {i == ny - 1, 0}, {0, -(j == 0)}, {0, j == nx - 1}};
-        parent[point] = -1;
-        for (int side = 0; side < 4; side++) {
-            if (!parent[neighbours[side]])
+    const struct Regions regions = {(int64_t *)given->parent, (struct Copy *)given->copies, found->sums};
+    struct Row top = {0}, above = {0};
+    (void)first, (void)last;
+    for (int64_t i = 0; i < ny; i++) {
+        const REAL *field = given->field + i * nx;
+        /* the first row is kept for the last one, each of the others for the next */
+        struct Row row = {(struct Run *)scratch + (i ? 1 + i % 2 : 0) * (nx / 2 + 1), above.begin + above.count, 0};
+        for (int64_t j = 0; j < nx; j++) {
+            if (!(field[j] >= given->level))
                 continue;
-            struct Copy own, other;
-            const int64_t root = root_of(point, parent, copies, &own);
-            const int64_t beside = root_of(neighbours[side], parent, copies, &other);
-            /* in which copy the other root lies, seen from this one */
-            const struct Copy apart = {own.y + steps[side].y - other.y, own.x + steps[side].x - other.x};
-            if (root != beside) {
-                const int larger = parent[root] <= parent[beside]; /* both less a number of points */
-                const int64_t over = larger ? root : beside, under = larger ? beside : root;
-                parent[over] += parent[under];
-                parent[under] = over + 1;
-                copies[under] = larger ? apart : (struct Copy){-apart.y, -apart.x};
-                continue;
-            }
-            if (apart.y && !(known & 1))
-                found->sums[0] = given->field[point];
-            if (apart.x && !(known & 2))
-                found->sums[1] = given->field[point];
-            known |= (apart.y != 0) | (apart.x != 0) << 1;
+            const int64_t start = j++;
+            while (j < nx && field[j] >= given->level)
+                j++;
+            regions.parent[row.begin + row.count] = -1;
+            row.runs[row.count++] = (struct Run){start, j};
         }
+        if (row.count && row.runs[0].start == 0 && row.runs[row.count - 1].end == nx)
+            join(&regions, row.begin + row.count - 1, row.begin, (struct Copy){0, 1});
+        join_rows(&regions, &above, &row, (struct Copy){0, 0});
+        above = row;
+        if (i == 0)
+            top = row;
     }
+    join_rows(&regions, &above, &top, (struct Copy){1, 0});
 }
 
 /* ---- fields ---- */
