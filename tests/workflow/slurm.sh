@@ -103,7 +103,7 @@ echo "the samples ran through SLURM: $(squeue --version), $(submitted) jobs, $(k
 rm -r results
 sed -n '/^surface/p;/^periodic/p;/^stylus/p' config/surfaces.tsv >"$folder/two" && mv "$folder/two" config/surfaces.tsv
 little="700 if 'stylus' in str(output) else 100 * attempt ** 3"
-run --group-components small=1 --set-resources "prepare:mem_mb=$little" "contact:mem_mb=$little" || show
+run --group-components small_surfaces=1 --set-resources "prepare:mem_mb=$little" "contact:mem_mb=$little" || show
 [ -s results/report.html ] || show
 grep "^\[periodic\] ERROR: killed, took more memory than the 100 MB .*; it is tried again with more" "$folder/said"
 grep -q "mem_mb=800" "$folder/said"

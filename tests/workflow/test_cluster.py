@@ -40,7 +40,7 @@ def test_a_surface_is_one_job_and_so_are_ten_small_ones(project):
     run = project.run("--dry-run", *PROFILE)
     assert run.returncode == 0, run.stderr
     found = groups(run.stderr)
-    assert sorted(len(names) for name, names in found if name == "small") == [4, 10, 10]
+    assert sorted(len(names) for name, names in found if name == "small_surfaces") == [4, 10, 10]
     assert sorted(names for name, names in found if name == "surface") == [["s24"], ["s25"]]
     assert sorted(each for _, names in found for each in names) == sorted(f"s{n}" for n in range(26))
 

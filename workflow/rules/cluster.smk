@@ -1,7 +1,7 @@
-# On a cluster all jobs of a surface are one job (group "surface"), and several small surfaces are one (group "small",
-# as many as --group-components says). Snakemake would give up the whole group with its first job that fails, and take
-# away what the others have written. Here those go on (--keep-going inside the group), what they have written stays
-# (--keep-incomplete: every file is whole or is not there), and the next attempt has only the rest to do.
+# On a cluster all jobs of a surface are one job (group "surface"), and several small surfaces are one (group
+# "small_surfaces", as many as --group-components says). Snakemake would give up the whole group with its first job that
+# fails, and take away what the others have written. Here those go on (--keep-going inside the group), what they have
+# written stays (--keep-incomplete: every file is whole or is not there), and the next attempt has only the rest to do.
 import logging
 import os
 
@@ -41,7 +41,7 @@ def in_a_group():
         return
     workflow.execution_settings.keep_going = True
     # all that were handed over together, whatever their number
-    workflow.group_settings.group_components = {"small": 10**6}
+    workflow.group_settings.group_components = {"small_surfaces": 10**6}
     # no more at once than were asked for: not every cluster keeps a job from the other cores of its node
     if cores := os.environ.get("SLURM_CPUS_PER_TASK"):
         workflow.global_resources["_cores"] = int(cores)

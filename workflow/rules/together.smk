@@ -131,14 +131,14 @@ for case in CASES:
                     # before all others, so that every file that cannot be read is known soon
                     priority: int(part == "prepare")
                     group:
-                        "small"
+                        "small_surfaces"
                     conda:
                         "../envs/roughcontact.yaml"
                     resources:
                         mem_mb=small_memory,
                         runtime=small_minutes,
                         # of a batch on a cluster one at a time, which has the memory of one
-                        small=1,
+                        small_surfaces=1,
                     params:
                         **(
                             {"file": place_in_table, "future": from_the_future}
