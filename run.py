@@ -66,7 +66,9 @@ def install(group):
     if group:
         steps.append([*pip, "pip>=25.1"])  # the first that knows groups
         wanted += ["--group", f"{ROOT / 'pyproject.toml'}:{group}"]
-    for step in [*steps, [*pip, *wanted]]:
+    # an editable package is compiled by nobody else where the environment says PYTHONDONTWRITEBYTECODE
+    compiled = [BIN / "python", "-m", "compileall", "-qq", PACKAGE.parent]
+    for step in [*steps, [*pip, *wanted], compiled]:
         if run(step):
             sys.exit(f"failed: {' '.join(map(str, step))}")
     for stamp in stamps.values():

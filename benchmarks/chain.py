@@ -21,6 +21,10 @@ import numpy as np
 from cases import relative_error, surface
 from speed import machine
 
+import roughcontact as rc
+from roughcontact.maps import spacing
+from roughcontact.roughness.parameters import rms_gradient
+
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 LIBRARY = ROOT / "workflow/lib"
@@ -50,6 +54,7 @@ the tolerance of the examples of each code; they give contact areas alone. This 
 error budget counts, labels and compares as well; the whole chain adds error budget, files and
 report. Area: how far the eight areas (share of points in contact) are off those of this program,
 L2."""
+JOBS = "The jobs of the surface take {jobs:.3g} CPU s of the whole chain; all else goes for any number once."
 
 
 def heights(folder: Path, size: int, seed: int = 0) -> Path:
@@ -60,17 +65,15 @@ def heights(folder: Path, size: int, seed: int = 0) -> Path:
     return path
 
 
-def study(folder: Path, *, number: int, size: int, settings: dict) -> Path:
+def study(folder: Path, *, files: list[Path], settings: dict) -> Path:
     """Write settings and table of a study of so many maps into an empty folder, and return it."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     rows = ["surface\tpath\tunit\tdx\tdy"]
-    rows += [f"s{i}\t{heights(folder.parent, size, i)}\tum\t1\t1" for i in range(number)]
+    rows += [f"s{i}\t{file}\tum\t1\t1" for i, file in enumerate(files)]
     (folder / "surfaces.tsv").write_text("\n".join(rows) + "\n")
-    contact = {"contact_modulus": MODULUS, "relative_pressure": FEW}
-    (folder / "settings.json").write_text(
-        json.dumps({"surfaces": "surfaces.tsv", "contact": contact} | settings)
-    )
+    contact = {"contact": {"contact_modulus": MODULUS, "relative_pressure": FEW}}
+    (folder / "settings.json").write_text(json.dumps({"surfaces": "surfaces.tsv"} | contact | settings))
     return folder
 
 
@@ -110,7 +113,7 @@ def stage_of(process: dict) -> str:
 
 def measure_stages(work: Path, size: int) -> dict:
     """Return CPU time and peak memory of every stage of one map, three loads, a job for each."""
-    folder = study(work / "stages", number=1, size=size, settings={"together": 0})
+    folder = study(work / "stages", files=[heights(work, size)], settings={"together": 0})
     taken = workflow(folder)
     stages = {
         stage: {"cpu": process["cpu"], "peak_MB": process["peak_MB"]}
@@ -122,7 +125,8 @@ def measure_stages(work: Path, size: int) -> dict:
 
 def measure_study(work: Path, *, number: int, size: int, cores: int) -> dict:
     """Return what a study of three cases takes, its second run, and the size of its pages."""
-    folder = study(work / "study", number=number, size=size, settings={"cases": CASES})
+    files = [heights(work, size, seed) for seed in range(number)]
+    folder = study(work / "study", files=files, settings={"cases": CASES})
     first = workflow(folder, cores=cores)
     second = workflow(folder, cores=cores)
     pages = [folder / "results/report.html", *folder.glob("results/pages/*")]
@@ -143,10 +147,7 @@ def measure_study(work: Path, *, number: int, size: int, cores: int) -> dict:
 
 def measure_plan(work: Path, *, number: int) -> dict:
     """Return what the dry run of a study of three cases takes."""
-    folder = study(work / "plan", number=1, size=64, settings={"cases": CASES})
-    table = (folder / "surfaces.tsv").read_text().splitlines()
-    rows = [table[1].replace("s0", f"s{i}", 1) for i in range(number)]
-    (folder / "surfaces.tsv").write_text("\n".join([table[0], *rows]) + "\n")
+    folder = study(work / "plan", files=[heights(work, 64)] * number, settings={"cases": CASES})
     taken = workflow(folder, "-n")
     return {
         "number": number,
@@ -156,20 +157,26 @@ def measure_plan(work: Path, *, number: int) -> dict:
     }
 
 
-def measure_scripts(work: Path, size: int, *, python: Path, codes: list[str]) -> dict:
+def measured(folder: Path, path: Path) -> tuple[Path, float]:
+    """Return the file of a measured map, all steps 1 um, and the rms gradient of its window."""
+    height = rc.read_height_map(path)
+    file = folder / f"{path.stem}.npy"
+    np.save(file, height.values / min(spacing(height)))
+    return file, rms_gradient(rc.periodic_window(rc.level(height)))
+
+
+def measure_scripts(work: Path, file: Path, gradient: float, *, python: Path, codes: list[str]) -> dict:
     """Return what one map with eight loads takes, file to numbers, by this program and by plain scripts."""
-    file = heights(work, size)
-    loads = [MODULUS * SLOPE * load for load in MANY]
+    loads = [MODULUS * gradient * load for load in MANY]
     own = [sys.executable, "-m", "roughcontact.command_line", "solve", file, "--json", "--threads", "1"]
     own += ["--dx", "1", "--dy", "1", "--unit", "um", "--contact-modulus", MODULUS, "--mean-pressure", *loads]
     plain = ["--level-form", "plane", "--window-method", "raw", "--uncertainty-sources"]
     take([*own, *plain], work)  # loads what is loaded once
     bare, budget = take([*own, *plain], work), take(own, work)
-    folder = study(work / "chain", number=1, size=size, settings={})
-    settings = json.loads((folder / "settings.json").read_text())
-    settings["contact"] = {"contact_modulus": MODULUS, "mean_pressure": loads}
-    (folder / "settings.json").write_text(json.dumps(settings))
-    found = {"without error budget": bare, "with error budget": budget, "whole chain": workflow(folder)}
+    contact = {"contact_modulus": MODULUS, "mean_pressure": loads}
+    chain = workflow(study(work / "chain", files=[file], settings={"contact": contact}))
+    jobs = sum(process["cpu"] for process in chain["processes"] if stage_of(process) == "together")
+    found = {"without error budget": bare, "with error budget": budget, "whole chain": chain}
     areas = [load["relative_contact_area_pixels"] for load in json.loads(bare["output"])["loads"]]
     rows = [{"name": name, **_times(taken)} for name, taken in found.items()]
     for code in codes:
@@ -177,7 +184,8 @@ def measure_scripts(work: Path, size: int, *, python: Path, codes: list[str]) ->
         others = json.loads(taken["output"].splitlines()[-1])
         off = relative_error(np.array(others), np.array(areas))
         rows.append({"name": code, **_times(taken), "area_off": off})
-    return {"size": size, "rows": rows}
+    shape = " × ".join(map(str, np.load(file, mmap_mode="r").shape))
+    return {"shape": shape, "jobs": jobs, "rows": rows}
 
 
 def _times(taken: dict) -> dict:
@@ -242,13 +250,12 @@ def page(results: dict) -> str:
     plans = sorted(results["plans"].values(), key=lambda entry: entry["number"])
     if plans:
         parts.append("\n".join(PLAN.format(cases=len(CASES), **entry) for entry in plans))
-    scripts = sorted(results["scripts"].values(), key=lambda entry: entry["size"])
-    if scripts:
+    if results["scripts"]:
         parts += [
             "## Against a plain script",
             SCRIPTS_SAY,
         ]
-        for entry in scripts:
+        for name, entry in results["scripts"].items():
             own = {row["name"]: row["cpu"] for row in entry["rows"] if "area_off" not in row}
             rows = [
                 (
@@ -260,8 +267,14 @@ def page(results: dict) -> str:
                 )
                 for row in entry["rows"]
             ]
-            header = (f"{entry['size']}²", "CPU s", "wall s", *(f"times {name}" for name in own), "area")
-            parts.append(table(header, rows))
+            header = (
+                f"{name}, {entry['shape']}",
+                "CPU s",
+                "wall s",
+                *(f"times {row}" for row in own),
+                "area",
+            )
+            parts += [table(header, rows), JOBS.format(**entry)]
     return "\n\n".join(parts) + "\n"
 
 
@@ -277,7 +290,10 @@ def main() -> None:
     add("--studies", type=int, nargs="*", default=[12, 60], help="numbers of surfaces")
     add("--study-size", type=int, default=128, help="points per side of the maps of studies")
     add("--plans", type=int, nargs="*", default=[60, 600], help="numbers of surfaces of dry runs")
-    add("--script-sizes", type=int, nargs="*", default=[512], help="of maps that plain scripts solve too")
+    add(
+        "--script-sizes", type=int, nargs="*", default=[512], help="of made maps that plain scripts solve too"
+    )
+    add("--script-files", type=Path, nargs="*", default=[], help="measured maps that plain scripts solve too")
     add("--codes", nargs="*", choices=list(RIVALS), default=list(RIVALS), help="plain scripts")
     add("--rivals", type=Path, default=HERE / ".rivals", help="environment made by setup_rivals.sh")
     add("--cores", type=int, default=len(os.sched_getaffinity(0)), help="of studies")
@@ -294,19 +310,21 @@ def main() -> None:
     results["busy"] = options.busy
     results["machine"] = machine() | {"python": platform.python_version()}
 
-    def keep(part: str, key: int, found: dict) -> None:
+    def keep(part: str, key: int | str, found: dict) -> None:
         results[part][str(key)] = found
         kept.write_text(json.dumps(results, indent=1))
         print(part, key, json.dumps({k: v for k, v in found.items() if not isinstance(v, dict)}), flush=True)
 
     python = options.rivals.absolute() / "bin/python"
     codes = options.codes if python.exists() else []
-    if options.codes and options.script_sizes and not codes:
+    scripts = {f"made-{size}": (heights(work, size), SLOPE) for size in options.script_sizes}
+    scripts |= {path.name: measured(work, path) for path in options.script_files}
+    if options.codes and scripts and not codes:
         print(
             f"no plain scripts: no environment in {options.rivals}; setup_rivals.sh makes it", file=sys.stderr
         )
-    for size in options.script_sizes:
-        keep("scripts", size, measure_scripts(work, size, python=python, codes=codes))
+    for name, (file, gradient) in scripts.items():
+        keep("scripts", name, measure_scripts(work, file, gradient, python=python, codes=codes))
     for size in options.sizes:
         keep("stages", size, measure_stages(work, size))
     for number in options.plans:

@@ -1,4 +1,3 @@
-import gc
 import inspect
 import os
 import re
@@ -54,11 +53,11 @@ from roughcontact.configuration.dependencies import PACKAGE, source_digest
 from roughcontact.configuration.stages import SECTIONS, STEPS, owner, settings_of
 from roughcontact.configuration.study import read_study
 from roughcontact.configuration.surfaces import find, measured, members
+from roughcontact.garbage import collect_rarely
 from roughcontact.io.size import estimate_points
 
-# A plan of thousands of jobs is millions of objects that stay: looking through them for what might be let go, as often
-# as Python does by itself, is a sixth of the time of a dry run.
-gc.set_threshold(200_000, 50, 100)
+# a plan of thousands of jobs is millions of objects that stay
+collect_rarely()
 
 # Without --configfile: the configuration of the working directory, else the one that comes with the workflow.
 # One file only, never two laid over each other, so that what a file says is all that is set.

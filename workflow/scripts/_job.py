@@ -23,6 +23,7 @@ from __main__ import snakemake  # the global of the script; `snakemake.script` h
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
 
 from roughcontact.errors import RoughContactError
+from roughcontact.garbage import collect_rarely
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -217,6 +218,7 @@ def _end_with_the_run() -> None:
 
 
 begin(snakemake)
+collect_rarely()
 _end_with_the_run()
 sys.excepthook = _report_error
 warnings.showwarning = _log_warning

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from roughcontact import __version__
 from roughcontact.errors import ConvergenceError, InputFileError, RoughContactError, SettingsError
+from roughcontact.garbage import collect_rarely
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -66,7 +67,9 @@ def main(arguments: list[str] | None = None) -> int:
     []
     2
     """
-    arguments = sys.argv[1:] if arguments is None else list(arguments)
+    if arguments is None:  # the process is this program's own
+        collect_rarely()
+        arguments = sys.argv[1:]
     try:
         parser = _parser(settings=arguments[:1] == ["solve"])
         if arguments[:1] == ["run"] and not {"-h", "--help"} & set(arguments):
