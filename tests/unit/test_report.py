@@ -864,7 +864,7 @@ def test_the_index_answers_for_all_surfaces_at_one_load(study):
     collected = read_dataset(study.parent / "statistics.nc")
     assert len(rows) == 14
     for row in rows:
-        surface, case = re.search(r"html#[^>]*>([^<]*)<", row)[1].split(" · ")
+        surface, case = re.search(r'html#[^>]*>([^<]*)</a></td><td class="text">([^<]*)<', row).groups()
         place = (
             list(collected["surface_name"].values).index(surface),
             list(collected["case_name"].values).index(case),
@@ -960,18 +960,43 @@ def test_the_index_is_sorted_and_filtered(study, tmp_path):
 <script>
 window.addEventListener("load", () => {
   const rows = () => [...document.querySelectorAll("#many tbody tr")].filter(row => !row.hidden);
-  const names = () => rows().map(row => row.cells[0].textContent);
-  const find = document.getElementById("find"), said = {all: rows().length};
-  document.querySelectorAll("#many thead button")[3].click();
-  said.gradients = rows().map(row => parseFloat(row.cells[3].dataset.key));
-  find.value = "s-3"; find.dispatchEvent(new Event("input"));
+  const names = () => rows().map(row => `${row.cells[0].textContent} · ${row.cells[1].textContent}`);
+  const key = column => rows().map(row => row.cells[column]?.dataset.key ?? null);
+  const button = column => document.querySelectorAll("#many thead button")[column];
+  const set = (name, value) => {
+    const control = document.getElementById(name);
+    control.value = value; control.dispatchEvent(new Event(name === "find" ? "input" : "change"));
+  };
+  const state = () => [names(), document.getElementById("find").value, document.getElementById("case").value];
+  if (history.state) {  // back again
+    document.body.setAttribute("data-said", JSON.stringify(JSON.parse(sessionStorage.said).concat([state()])));
+    return;
+  }
+  const said = {all: rows().length, columns: [], clear: document.getElementById("clear").checkVisibility()};
+  for (let column = 0; column < 13; column++) {
+    button(column).click();
+    const up = [names(), key(column)];
+    button(column).click();
+    said.columns.push([button(column).textContent, ...up, names(), key(column)]);
+  }
+  set("find", "s-3");
   said.found = names();
-  find.value = ""; find.dispatchEvent(new Event("input"));
-  const verdict = document.getElementById("verdict");
-  verdict.value = "none"; verdict.dispatchEvent(new Event("change"));
+  set("case", "hard");
+  said.both = names();
+  document.getElementById("clear").click();
+  said.cleared = rows().length;
+  set("verdict", "none");
   said.failed = names();
+  set("verdict", "");
+  said.reasons = [...document.getElementById("reason").options].slice(1).map(option => {
+    set("reason", option.value);
+    return [option.textContent, rows().length];
+  });
+  set("reason", "");
   said.wide = document.documentElement.scrollWidth - window.innerWidth;
-  document.body.setAttribute("data-said", JSON.stringify(said));
+  button(5).click(); button(6).click(); set("case", "soft"); set("find", "look");
+  sessionStorage.said = JSON.stringify([said, state()]);
+  location.reload();
 });
 </script>
 """
@@ -988,14 +1013,32 @@ window.addEventListener("load", () => {
         ],
         capture_output=True,
         text=True,
-        timeout=180,
+        timeout=60,
         check=True,
     )
-    said = json.loads(re.search(r'data-said="([^"]*)"', browser.stdout)[1].replace("&quot;", '"'))
+    said, left, back = json.loads(html.unescape(re.search(r'data-said="([^"]*)"', browser.stdout)[1]))
     assert said["all"] == 15
-    gradients = [value for value in said["gradients"] if value is not None]
-    assert len(gradients) == 14
-    assert gradients == sorted(gradients)
-    assert said["found"] == ["s-3 · soft", "s-3 · hard"] or said["found"] == ["s-3 · hard", "s-3 · soft"]
+    assert not said["clear"]
+    for title, up, keys, down, downwards in said["columns"]:
+        assert sorted(up) == sorted(down)
+        assert len(up) == 15
+        if title not in ("surface", "case", "verdict", "reasons"):
+            assert up[-1] == down[-1] == "bad · soft"  # without numbers
+        if title.endswith("?") or title in ("surface", "case", "reasons"):
+            continue
+        for found, sign in ((keys, 1), (downwards, -1)):
+            numbers = [sign * float(key) for key in found if key is not None]
+            assert len(numbers) == (15 if title == "verdict" else 14)
+            assert numbers == sorted(numbers)
+    assert said["columns"][0][1][0] == "bad · soft"
+    assert {name.partition(" · ")[2] for name in said["columns"][1][1][:7]} == {"hard"}
+    assert sorted(said["found"]) == ["s-3 · hard", "s-3 · soft"]
+    assert said["both"] == ["s-3 · hard"]
+    assert said["cleared"] == 15
     assert said["failed"] == ["bad · soft"]
+    for words, count in said["reasons"]:
+        assert words.endswith(f" ({count})")
+    assert said["reasons"]
     assert said["wide"] <= 0
+    assert len(back[0]) == 7
+    assert back == left

@@ -2,6 +2,7 @@
 
 import base64
 import json
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -87,6 +88,7 @@ def write_report(
     for (surface, case), data in series.items():
         by_surface.setdefault(surface, {})[case or ""] = data
     known = {_name(*key): data for key, data in series.items()}
+    case_of = {_name(*key): key[1] for key in series}
     read = partial(Path.read_text, encoding="utf-8")
     summaries = [summary_of(read(Path(panel)), panel) for panel in panels]
     units = glance_units(list(known.values()))
@@ -96,7 +98,9 @@ def write_report(
             **summary,
             **_glance(summary, known[summary["name"]], units),
             "numbers": _compared(known[summary["name"]], units, places[summary["name"]]) if many else [],
-            "doubts": ", ".join(reason.partition(":")[0] for reason in summary["reasons"]),
+            "case": case_of[summary["name"]],
+            "rank": len(checks.VERDICTS) - list(checks.VERDICTS).index(summary["verdict"]),
+            "doubts": ", ".join(_doubts(summary)),
             "link": f"pages/{summary['surface']}.html#surface-{summary['identifier']}",
         }
         for summary in summaries
@@ -113,12 +117,15 @@ def write_report(
         words=checks.VERDICTS,
         counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in checks.VERDICTS},
         many=many,
+        doubts=Counter(doubt for summary in summaries for doubt in _doubts(summary)).most_common(),
+        surfaces=len(by_surface),
+        cases_of_run=[str(case) for case in collected["case_name"].values] if "case" in collected.dims else [],
         which_load=_which_load(list(places.values()), list(known.values())),
         comparisons=_comparisons(series, many=many),
         cases=_cases(by_surface, many=many),
         parts=[] if many else [_part(panel, folder, units["mean_gap"]) for panel in panels],
         failures=[
-            {"name": _name(failure["surface"], failure["case"]), "reason": failure["reason"]}
+            {**failure, "name": _name(failure["surface"], failure["case"])}
             for failure in failures
         ],
         pairs=pair_table(pairs) if pairs else None,
@@ -279,15 +286,25 @@ def _name(surface: str, case: str | None) -> str:
 def _compared(data: xr.Dataset, units: Mapping[str, Unit], place: int) -> list[dict[str, Any]]:
     """Return the cells of a surface in the index, below `_HEADINGS`, and by what number each is sorted."""
     answers = glance_rows(data, units, [place])[0]
-    keys = [float(data[name][place]) if name else None for name in _SORTED_BY]
+    keys = [_sorted(float(data[name][place])) if name else None for name in _SORTED_BY]
     return [
-        {"text": units["mean_gap"].text(rms := float(data["rms_height"])), "more": "", "key": rms},
-        {"text": number(slope := float(data["rms_gradient"])), "more": "", "key": slope},
+        {"text": units["mean_gap"].text(rms := float(data["rms_height"])), "more": "", "key": _sorted(rms)},
+        {"text": number(slope := float(data["rms_gradient"])), "more": "", "key": _sorted(slope)},
         *(
             {"text": cell.text, "more": "" if key is None else cell.more, "key": key}
             for cell, key in zip(answers[: len(keys)], keys, strict=True)
         ),
     ]
+
+
+def _sorted(value: float) -> float | str:
+    """Return by what a cell is sorted: its number; nothing where there is none."""
+    return value if np.isfinite(value) else ""
+
+
+def _doubts(summary: Summary) -> list[str]:
+    """Return the names of the checks that speak against a result, the weightiest first."""
+    return [reason.partition(":")[0] for reason in summary["reasons"]]
 
 
 def _which_load(places: Sequence[int], results: Sequence[xr.Dataset]) -> str:
