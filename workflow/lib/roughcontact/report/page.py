@@ -119,15 +119,14 @@ def write_report(
         many=many,
         doubts=Counter(doubt for summary in summaries for doubt in _doubts(summary)).most_common(),
         surfaces=len(by_surface),
-        cases_of_run=[str(case) for case in collected["case_name"].values] if "case" in collected.dims else [],
+        cases_of_run=[str(case) for case in collected["case_name"].values]
+        if "case" in collected.dims
+        else [],
         which_load=_which_load(list(places.values()), list(known.values())),
         comparisons=_comparisons(series, many=many),
         cases=_cases(by_surface, many=many),
         parts=[] if many else [_part(panel, folder, units["mean_gap"]) for panel in panels],
-        failures=[
-            {**failure, "name": _name(failure["surface"], failure["case"])}
-            for failure in failures
-        ],
+        failures=[{**failure, "name": _name(failure["surface"], failure["case"])} for failure in failures],
         pairs=pair_table(pairs) if pairs else None,
         settings=json.dumps(settings, indent=1, sort_keys=True),
         limits={
