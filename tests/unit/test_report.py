@@ -969,7 +969,8 @@ window.addEventListener("load", () => {
   };
   const state = () => [names(), document.getElementById("find").value, document.getElementById("case").value];
   if (history.state) {  // back again
-    document.body.setAttribute("data-said", JSON.stringify(JSON.parse(sessionStorage.said).concat([state()])));
+    const before = JSON.parse(sessionStorage.said);
+    document.body.setAttribute("data-said", JSON.stringify([...before, state()]));
     return;
   }
   const said = {all: rows().length, columns: [], clear: document.getElementById("clear").checkVisibility()};
