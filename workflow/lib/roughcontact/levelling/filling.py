@@ -46,8 +46,7 @@ def find_holes(missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if missing.shape[1] > 1:
         open_to_border[labels[:, [0, -1]]] = True
     open_to_border[0] = True
-    number = np.where(open_to_border, 0, np.cumsum(~open_to_border))
-    labels = number[labels]
+    labels = np.where(open_to_border, 0, np.cumsum(~open_to_border)).astype(labels.dtype)[labels]
     return labels, np.bincount(labels.ravel(), minlength=1)[1:]
 
 
@@ -163,6 +162,7 @@ def _solve_narrow(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]
     first = np.concatenate([number[:-1, :][below], number[:, :-1][right]])
     second = np.concatenate([number[1:, :][below], number[:, 1:][right]])
     weight = np.concatenate([np.full(int(below.sum()), -wy), np.full(int(right.sum()), -wx)])
+    del number, below, right  # of a large map there is no room for what is needed no more
     upper = sparse.coo_array((weight, (first, second)), shape=(count, count)).tocsr()
     matrix = (upper + upper.T + sparse.diags_array(np.full(count, 2 * (wy + wx)))).tocsr()
     rhs = _right_hand_side(values, mask, weights)

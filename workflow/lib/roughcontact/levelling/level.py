@@ -114,8 +114,7 @@ def level(
             keys=("level.s_filter", "level.l_filter"),
         )
     values = check_map(height)
-    measured, step = ~np.isnan(values), spacing(height)
-    kept = values
+    step = spacing(height)
     _check_reach(height, s_filter=s_filter, l_filter=l_filter)
 
     kinds: dict[str, int] = {}
@@ -123,7 +122,7 @@ def level(
         values = _without_outliers(values, outlier_threshold, kinds)
     jitter, done, offsets = _alignment(values, height, line_alignment)
     if done != "none":
-        values, kept = values - offsets[:, None], kept - offsets[:, None]
+        values = values - offsets[:, None]
         if outlier_threshold is not None:  # what the shifts of the lines had hidden
             values = _without_outliers(values, outlier_threshold, kinds)
     if scar_threshold is not None:
@@ -133,17 +132,19 @@ def level(
             values = np.where(scars, np.nan, values)
     missing = np.isnan(values)
     _check_missing(missing, height, kinds, max_missing)
+    # where points were rejected, and their heights: of a large map there is no room for more
+    rejected = missing & np.isfinite(height.values)
+    kept = height.values[rejected].astype(float)
+    kept -= np.broadcast_to(offsets[:, None], values.shape)[rejected]
 
     removed: dict[str, dict] = {}
     if form != "none":
         surface, removed = _fit(values, height, form, order, robust)
-        values, kept = values - surface, kept - surface
-        # a plane, or a map that never varied, is flat: what the subtraction leaves is rounding
-        if np.nanmax(np.abs(values)) <= _ROUNDING * np.nanmax(np.abs(surface)):
-            values = np.where(missing, np.nan, 0.0)
-    rejected = missing & measured
-    if rejected.any():
-        kept, _ = _filter(np.where(rejected, kept, values), step, s_filter, l_filter)
+        kept -= surface[rejected]
+        values = _less(values, surface)
+        del surface
+    if kept.size and (s_filter or l_filter):
+        kept = _filter(_put(values.copy(), rejected, kept), step, s_filter, l_filter)[0][rejected]
     values, filters = _filter(values, step, s_filter, l_filter)
     parameters = height_parameters(height.copy(data=values))
 
@@ -174,8 +175,8 @@ def level(
     coords = {"y": height["y"], "x": height["x"], "filled": (("y", "x"), filled)}
     if done != "none":
         coords["line_offset"] = ("y", offsets)
-    if rejected.any():
-        coords["rejected_height"] = (("y", "x"), np.where(rejected, kept, np.nan))
+    if kept.size:
+        coords["rejected_height"] = (("y", "x"), _put(np.full(values.shape, np.nan), rejected, kept))
     return xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs | parameters)
 
 
@@ -242,11 +243,12 @@ def _over_roughness(jitter: float, rms_height: float, *, aligned: bool) -> float
 
 
 def _without_outliers(values: np.ndarray, threshold: float, kinds: dict[str, int]) -> np.ndarray:
-    """Return the heights with outliers missing; what was found is added to `kinds`."""
+    """Return the heights with outliers missing, in place; what was found is added to `kinds`."""
     outliers, found = find_outliers(values, threshold=threshold)
     for kind, count in found.items():
         kinds[kind] = kinds.get(kind, 0) + count
-    return np.where(outliers, np.nan, values)
+    values[outliers] = np.nan
+    return values
 
 
 def _fit(
@@ -261,6 +263,22 @@ def _fit(
         return fit_curved_form(values, coordinates, shape=form, robust=robust)
     except HeightMapError as error:
         raise HeightMapError(f"{height.attrs.get('source_file') or 'the map'}: {error}") from error
+
+
+def _less(values: np.ndarray, form: np.ndarray) -> np.ndarray:
+    """Return the heights less the form, in its place."""
+    rounding = _ROUNDING * max(np.nanmax(form), -np.nanmin(form))
+    left = np.subtract(values, form, out=form)
+    # a plane, or a map that never varied, is flat: what the subtraction leaves is rounding
+    if max(np.nanmax(left), -np.nanmin(left)) <= rounding:
+        left[~np.isnan(values)] = 0.0
+    return left
+
+
+def _put(whole: np.ndarray, where: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Return a map with the heights of some points put into it, in place."""
+    whole[where] = points
+    return whole
 
 
 def _filter(

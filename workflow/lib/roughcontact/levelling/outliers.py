@@ -79,17 +79,22 @@ def find_outliers(
     for _ in range(_MOST_ROUNDS):
         before = found.copy()
         for kind, finder in (
-            ("spike", lambda v: _spikes(v, threshold, bumps=bumps)),
-            ("sentinel", _sentinels),
-            ("dead_line", _dead_lines),
+            ("spike", lambda v, gone: _spikes(v, gone, threshold, bumps=bumps)),
+            ("sentinel", lambda v, gone: _sentinels(_left(v, gone))),
+            ("dead_line", lambda v, gone: _dead_lines(_left(v, gone))),
         ):
-            new = finder(np.where(outliers, np.nan, values))
+            new = finder(values, outliers)
             if new.any():
                 found[kind] = found.get(kind, 0) + int(new.sum())
                 outliers |= new
         if found == before:
             break
     return outliers, found
+
+
+def _left(values: np.ndarray, gone: np.ndarray) -> np.ndarray:
+    """Return the heights without those that are gone; the same array where none is."""
+    return np.where(gone, np.nan, values) if gone.any() else values
 
 
 def _sentinels(values: np.ndarray) -> np.ndarray:
@@ -149,23 +154,24 @@ def _step(lines: np.ndarray, others: np.ndarray) -> np.ndarray:
     return result
 
 
-def _spikes(values: np.ndarray, threshold: float, *, bumps: bool) -> np.ndarray:
-    """Return the points that stand off their surroundings, alone or in small groups."""
+def _spikes(values: np.ndarray, gone: np.ndarray, threshold: float, *, bumps: bool) -> np.ndarray:
+    """Return the points that stand off their surroundings, alone or in small groups, of those not gone."""
     from scipy import ndimage
 
     result = np.zeros(values.shape, dtype=bool)
     profile = min(values.shape) == 1
-    if max(values.shape) <= 2 * _NEAR or np.isnan(values).all():
+    if max(values.shape) <= 2 * _NEAR or (gone | np.isnan(values)).all():
         return result
     near = [min(_NEAR, n - 1) for n in values.shape]
     far = [min(_FAR_PROFILE if profile else _FAR, n - 1) for n in values.shape]
-    residual = _without_tilt(values)
+    # of a large map there is no room for what is needed no more, nor for what another array tells as well
+    residual = _without_tilt(_left(values, gone))
     missing = np.isnan(residual)
     heights = residual[~missing]
     floor = 1e-12 * np.ptp(heights)
     heights -= np.median(heights)
-    everywhere = robust_scale(heights)
-    del heights  # of a large map there is no room for what is needed no more
+    everywhere = robust_scale(heights, overwrite=True)
+    del heights
     lending = _lending(missing)
     padded = _beyond_the_border(_stand_ins(residual, lending, near), near, far)
     del residual
@@ -175,21 +181,25 @@ def _spikes(values: np.ndarray, threshold: float, *, bumps: bool) -> np.ndarray:
     inner = tuple(slice(f, f + n) for f, n in zip(far, values.shape, strict=True))
     medians = ndimage.median_filter(padded, size=size)
     signed = np.subtract(padded, medians, out=medians)[inner]
-    off = np.abs(signed)
-    off[missing] = 0
-    scale = robust_scale(off[~missing])
+    del medians
+    signed[missing] = 0
+    scale = robust_scale(signed[~missing], overwrite=True)
     # far spikes stand out of patches that are disturbed as a whole, and too large for a group
     for limit in (threshold, _FAR_SPIKE * threshold):
-        candidates = off > max(limit * scale, floor)
-        high, low = (_small_groups(candidates & (side > 0)) for side in (signed, -signed))
+        least = max(limit * scale, floor)
+        groups = _small_groups(signed > least)
         if not bumps:
-            high = _without_bumps(high, signed, padded, missing, far)
-        where = np.argwhere((high > 0) | (low > 0))
+            groups = _without_bumps(groups, signed, padded, missing, far)
+        found = groups > 0
+        groups = _small_groups(signed < -least)
+        found |= groups > 0
+        del groups
+        where = np.argwhere(found)
         if where.size:
             spread, measured = _ring(padded, surrounded, where, near, far)
             # what has no surroundings is held against the whole map
             spread = np.where(measured < _LEAST_RING, np.maximum(spread, everywhere), spread)
-            worst = off[tuple(where.T)] > limit * spread
+            worst = np.abs(signed[tuple(where.T)]) > limit * spread
             result[tuple(where[worst & (spread > floor)].T)] = True
     return result
 
@@ -219,7 +229,10 @@ def _stand_ins(residual: np.ndarray, lending: np.ndarray, near: list[int]) -> np
     del nearest
     steps = np.meshgrid(*(np.arange(-n, n + 1) for n in near), indexing="ij")
     offsets = np.stack(steps, axis=-1).reshape(-1, 2)
-    bordered = np.pad(np.where(lending, residual, np.nan), [(n, n) for n in near], constant_values=np.nan)
+    bordered = np.pad(residual, [(n, n) for n in near], constant_values=np.nan)
+    bordered[tuple(slice(n, n + side) for n, side in zip(near, residual.shape, strict=True))][~lending] = (
+        np.nan
+    )
     medians = np.empty(lenders.size)
     for start in range(0, lenders.size, _AT_ONCE):
         part = slice(start, start + _AT_ONCE)
@@ -261,7 +274,8 @@ def _small_groups(candidates: np.ndarray) -> np.ndarray:
         sizes[: found.size] += found
     small = sizes <= _SPIKE_SIZE
     small[0] = False
-    return np.where(small[groups], groups, 0)
+    groups[~small[groups]] = 0
+    return groups
 
 
 def _without_bumps(
@@ -276,10 +290,14 @@ def _without_bumps(
     """
     from scipy import ndimage
 
-    numbers = np.unique(groups[groups > 0])
-    if not numbers.size:
+    where = np.argwhere(groups)
+    if not where.size:
         return groups
-    peaks = np.array(ndimage.maximum_position(signed, groups, numbers))
+    of_point = groups[tuple(where.T)]
+    numbers, counts = np.unique(of_point, return_counts=True)
+    # each group from its lowest to its highest point, of equals the last one
+    order = np.lexsort((signed[tuple(where.T)], of_point))
+    peaks = where[order[np.cumsum(counts) - 1]]
     reach = [min(2 * _NEAR, f) for f in far]
     steps = np.stack(np.meshgrid(*(np.arange(-r, r + 1) for r in reach), indexing="ij"))
     ring = np.abs(steps).max(axis=0) > _NEAR
@@ -300,7 +318,8 @@ def _without_bumps(
         share = np.maximum(share, 0)  # a moat around it is no fault of a bump
         between = np.sum(4 * share * (1 - share) * around, axis=(1, 2))
         is_bump[part] = between >= _BELL * np.maximum(around.sum(axis=(1, 2)), 1)
-    return np.where(np.isin(groups, numbers[is_bump]), 0, groups)
+    groups[tuple(where[np.isin(of_point, numbers[is_bump])].T)] = 0
+    return groups
 
 
 def _ring(
@@ -330,4 +349,5 @@ def _without_tilt(values: np.ndarray) -> np.ndarray:
         return values
     _, tilt = fit_polynomial(thin, [c[::every] for c in coordinates], order=1, robust=True)
     y, x = coordinates
-    return values - (tilt["slope_y"]["value"] * y[:, None] + tilt["slope_x"]["value"] * x[None, :])
+    tilted = tilt["slope_y"]["value"] * y[:, None] + tilt["slope_x"]["value"] * x[None, :]
+    return np.subtract(values, tilted, out=tilted)

@@ -58,8 +58,9 @@ def fit_polynomial(
     {'mean': 8.0, 'slope_x': 2.0, 'slope_y': 0.0}
     """
     measured = ~np.isnan(values)
-    reference = float(np.median(values[measured]))
-    heights = np.where(measured, values - reference, 0.0)
+    reference = float(np.median(values[measured], overwrite_input=True))
+    heights = values - reference
+    heights[~measured] = 0.0
     axes = [_Axis(c, min(order, n - 1)) for c, n in zip(coordinates, values.shape, strict=True)]
     terms = [(j, i) for j in range(axes[0].order + 1) for i in range(axes[1].order + 1) if i + j <= order]
     if order == 0 and not robust:
@@ -68,7 +69,9 @@ def fit_polynomial(
         coefficients = _fit_robust(heights, measured, axes, terms)
     else:
         coefficients = _fit_weighted(heights, measured.astype(float), axes, terms)
-    form = _evaluate(coefficients, axes) + reference
+    del heights  # of a large map there is no room for what is needed no more
+    form = _evaluate(coefficients, axes)
+    form += reference
     coefficients = coefficients.copy()
     coefficients[0, 0] += reference
     return form, _record(coefficients, axes, order)
@@ -183,11 +186,13 @@ def _fit_weighted(
     index_y, index_x = (np.array(index) for index in zip(*terms, strict=True))
     matrix = moments[index_y[:, None], index_y[None, :], index_x[:, None], index_x[None, :]]
     coefficients = np.zeros((ky, kx))
-    residual = heights
-    for _ in range(2):
-        rhs = (y.basis.T @ (weights * residual) @ x.basis)[index_y, index_x]
+    weighted = weights * heights
+    for again in (False, True):
+        if again:
+            np.subtract(heights, _evaluate(coefficients, axes), out=weighted)
+            weighted *= weights
+        rhs = (y.basis.T @ weighted @ x.basis)[index_y, index_x]
         coefficients[index_y, index_x] += np.linalg.lstsq(matrix, rhs, rcond=1e-13)[0]
-        residual = heights - _evaluate(coefficients, axes)
     return coefficients
 
 
@@ -218,15 +223,18 @@ def _reweight(
     least_absolute: bool,
 ) -> np.ndarray:
     """Return the coefficients after fits whose weights follow the residuals, until they stand still."""
+    negligible = 1e-12 * np.ptp(heights[measured])
     for iteration in range(_ITERATIONS):
-        residual = heights - _evaluate(coefficients, axes)
-        scale = robust_scale(residual[measured])
-        if not scale > 1e-12 * np.ptp(heights[measured]):
+        residual = _evaluate(coefficients, axes)
+        np.subtract(heights, residual, out=residual)
+        scale = robust_scale(residual[measured], overwrite=True)
+        if not scale > negligible:
             return coefficients  # more than half of the points lie on the form
         if least_absolute:
             weights = 1 / np.maximum(np.abs(residual), 1e-3 * scale)
         else:
             weights = biweight(residual, scale)
+        del residual
         weights[~measured] = 0
         previous, coefficients = coefficients, _fit_weighted(heights, weights, axes, terms)
         change = np.abs(coefficients - previous).max()

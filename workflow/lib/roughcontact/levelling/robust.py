@@ -7,13 +7,15 @@ import numpy as np
 _BIWEIGHT = 4.685
 
 
-def robust_scale(residual: np.ndarray) -> float:
+def robust_scale(residual: np.ndarray, *, overwrite: bool = False) -> float:
     """Return the standard deviation of normal residuals, from the median of their absolute values.
 
     Parameters
     ----------
     residual : array
         counted from zero.
+    overwrite : bool
+        may work in `residual`, whose values are lost.
 
     Returns
     -------
@@ -30,7 +32,8 @@ def robust_scale(residual: np.ndarray) -> float:
     >>> robust_scale(np.array([-1.0, 0.5, 1.0, 100.0]))
     1.4826
     """
-    return 1.4826 * float(np.median(np.abs(residual), overwrite_input=True))
+    sizes = np.abs(residual, out=residual if overwrite else None)
+    return 1.4826 * float(np.median(sizes, overwrite_input=True))
 
 
 def biweight(residual: np.ndarray, scale: float) -> np.ndarray:
@@ -57,4 +60,8 @@ def biweight(residual: np.ndarray, scale: float) -> np.ndarray:
     >>> print(np.round(biweight(np.array([0.0, 1.0, 4.685, 9.0]), 1.0), 3))
     [1.    0.911 0.    0.   ]
     """
-    return np.maximum(1 - (residual / (_BIWEIGHT * scale)) ** 2, 0) ** 2
+    weights = np.asarray(residual / (_BIWEIGHT * scale))
+    np.square(weights, out=weights)
+    np.subtract(1, weights, out=weights)
+    np.maximum(weights, 0, out=weights)
+    return np.square(weights, out=weights)

@@ -97,13 +97,13 @@ def find_row_jitter(values: np.ndarray, *, scanned: bool = False) -> RowJitter:
     if not measured.size or not np.ptp(measured) > 0:
         return nothing
     middle = float(np.median(measured))
-    limit = _CLIP * (robust_scale(measured - middle) or float(measured.std()))
-    bends = np.clip(bends, middle - limit, middle + limit)
+    limit = _CLIP * (robust_scale(measured - middle, overwrite=True) or float(measured.std()))
+    del measured  # of a large map there is no room for what is needed no more
+    np.clip(bends, middle - limit, middle + limit, out=bends)
     pieces = np.stack([_row_means(part) for part in np.array_split(bends, _BLOCKS, axis=1)], axis=1)
     variance, evidence = _shared(pieces, scanned=scanned)
     rms = float(np.sqrt(variance))
-    heights = values[~np.isnan(values)]
-    if evidence == "none" or rms <= _SMALLEST * float(heights.std()):
+    if evidence == "none" or rms <= _SMALLEST * float(values[~np.isnan(values)].std()):
         return nothing
     means = _row_means(bends)
     # the steps at both ends, less the tilt of the map: the row heights that the bends add up to have none

@@ -43,20 +43,29 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     >>> print(f"Sk {found['Sk']:.3g} m, Spk {found['Spk']:.3f} m, Vvv {found['Vvv']:.3g} m")
     Sk 1e-06 m, Spk 0.000 m, Vvv 2e-08 m
     """
-    curve = np.sort(heights)[::-1]
+    curve = np.negative(heights)
+    curve.sort()
+    np.negative(curve, out=curve)  # in the order of memory, from the highest on
     curve -= curve[-1]
     if curve[0] == 0:
         nothing = dict.fromkeys(("Sk", "Spk", "Svk", "Vmc", "Vvv"), 0.0)
         return nothing | {"Smr1": math.nan, "Smr2": math.nan}
     ratio = np.linspace(0, 1, curve.size)
     # as far as the window still fits in; rounding must not push the last one over the end
-    starts = ratio[ratio <= 1 - _CENTRAL + 1e-12]
-    fall = curve[: starts.size] - np.interp(starts + _CENTRAL, ratio, curve)
-    start = starts[int(fall.argmin())]
-    central = (ratio >= start) & (ratio <= start + _CENTRAL + 1e-12)
-    x, y = ratio[central] - ratio[central].mean(), curve[central]
+    count = int(np.searchsorted(ratio, 1 - _CENTRAL + 1e-12, side="right"))
+    fall = np.interp(ratio[:count] + _CENTRAL, ratio, curve)
+    np.subtract(curve[:count], fall, out=fall)
+    start = ratio[int(fall.argmin())]
+    del fall  # of a large map there is no room for what is needed no more
+    begin, end = (
+        int(np.searchsorted(ratio, at, side=side))
+        for at, side in ((start, "left"), (start + _CENTRAL + 1e-12, "right"))
+    )
+    middle, y = ratio[begin:end].mean(), curve[begin:end]
+    x = ratio[begin:end] - middle
     slope = float(x @ y / (x @ x)) if x.size > 1 else 0.0
-    upper = float(y.mean() - slope * ratio[central].mean())
+    del x
+    upper = float(y.mean() - slope * middle)
     lower = upper + slope
     enters, leaves = (_ratio_of(height, ratio, curve) for height in (upper, lower))
     peaks = _material(enters, ratio, curve)
@@ -80,12 +89,16 @@ def _ratio_of(height: float, ratio: np.ndarray, curve: np.ndarray) -> float:
 def _material(at: float, ratio: np.ndarray, curve: np.ndarray) -> float:
     """Return the area between the curve and its height at a material ratio, left of it."""
     height = float(np.interp(at, ratio, curve))
-    left = ratio < at
-    return float(np.trapezoid(np.append(curve[left], height) - height, np.append(ratio[left], at)))
+    left = int(np.searchsorted(ratio, at))
+    above = np.append(curve[:left], height)
+    above -= height
+    return float(np.trapezoid(above, np.append(ratio[:left], at)))
 
 
 def _void(at: float, ratio: np.ndarray, curve: np.ndarray) -> float:
     """Return the area between the curve and its height at a material ratio, right of it."""
     height = float(np.interp(at, ratio, curve))
-    right = ratio > at
-    return float(np.trapezoid(height - np.insert(curve[right], 0, height), np.insert(ratio[right], 0, at)))
+    right = int(np.searchsorted(ratio, at, side="right"))
+    below = np.insert(curve[right:], 0, height)
+    np.subtract(height, below, out=below)
+    return float(np.trapezoid(below, np.insert(ratio[right:], 0, at)))

@@ -8,6 +8,8 @@ import xarray as xr
 from roughcontact.maps import spacing
 from roughcontact.roughness.bearing import bearing_parameters
 
+_ROWS = 128  # that are worked on at a time
+
 
 def height_parameters(height: xr.DataArray) -> dict[str, float]:
     """Return the height parameters of ISO 25178-2, and Sdq, of a levelled map that need not be periodic.
@@ -54,8 +56,10 @@ def height_parameters(height: xr.DataArray) -> dict[str, float]:
     for axis, pitch in enumerate(spacing(height)):
         steps = np.diff(values, axis=axis)
         steps = steps[~np.isnan(steps)]
+        steps /= pitch
         if steps.size:
-            slopes += float(np.mean((steps / pitch) ** 2))
+            slopes += float(np.mean(np.square(steps, out=steps)))
+    del steps  # of a large map there is no room for what is needed no more
     return {
         "Sa": float(np.mean(np.abs(z))),
         "Sq": sq,
@@ -71,16 +75,20 @@ def height_parameters(height: xr.DataArray) -> dict[str, float]:
 
 def _developed_excess(values: np.ndarray, steps: tuple[float, float]) -> float:
     """Return the area of a surface over its projection, less 1, of its cells without missing points."""
-    slope_y, slope_x = (np.diff(values, axis=axis) / steps[axis] for axis in (0, 1))
     if 1 in values.shape:  # a profile: its length
-        slopes = slope_x if values.shape[0] == 1 else slope_y
+        axis = int(np.argmax(values.shape))
+        slopes = np.diff(values, axis=axis) / steps[axis]
         return float(np.nanmean(_excess(slopes**2))) if not np.isnan(slopes).all() else 0.0
-    # each corner of a cell is half a triangle of either division, with one edge along x and one along y
-    corners = sum(
-        _excess(along_x**2 + along_y**2)
-        for along_x in (slope_x[:-1], slope_x[1:])
-        for along_y in (slope_y[:, :-1], slope_y[:, 1:])
-    )
+    corners = np.empty((values.shape[0] - 1, values.shape[1] - 1))
+    for first in range(0, len(corners), _ROWS):  # a large map has no room for so many arrays as large as it
+        rows = values[first : first + _ROWS + 1]
+        slope_y, slope_x = (np.diff(rows, axis=axis) / steps[axis] for axis in (0, 1))
+        # each corner of a cell is half a triangle of either division, with one edge along x and one along y
+        corners[first : first + _ROWS] = sum(
+            _excess(along_x**2 + along_y**2)
+            for along_x in (slope_x[:-1], slope_x[1:])
+            for along_y in (slope_y[:, :-1], slope_y[:, 1:])
+        )
     return float(np.nanmean(corners)) / 4 if not np.isnan(corners).all() else 0.0
 
 
