@@ -852,6 +852,13 @@ def test_of_many_surfaces_there_is_an_index_and_a_page_each(study):
         assert set(files) == wanted
         assert all((pages / file).is_file() for file in files)
     assert "bad.txt: &lt;empty&gt;" in text
+    # a picture for each case, in its own colour, with the same axes
+    pictures = [unquote(picture) for picture in re.findall(r'<img src="(data:[^"]*)"', text)]
+    assert len(pictures) == 2
+    for picture, case, colour in zip(pictures, ("soft", "hard"), ("#0072B2", "#D55E00"), strict=True):
+        assert f">{case}</text>" in picture
+        assert picture.count(f'"{colour}38"') == 7
+        assert "median of 7 surfaces" in picture
     for page in (text, *(path.read_text(encoding="utf-8") for path in pages.iterdir())):
         assert not re.search(r"(?i)url\(|@import|https?://", re.sub(r'"data:[^"]*"', "", page))
     assert len(text) < 200_000
@@ -951,6 +958,27 @@ def test_medians_of_many_surfaces_and_where_most_of_them_lie():
     assert table["surfaces"] == 11
     areas = table["groups"][0]["rows"][0]
     assert areas == ["1.00 MPa", "5.00 % (1.00 to 9.00)", "10.0 % (2.00 to 18.0)", "100 % (100 to 100)"]
+
+
+def test_of_many_surfaces_it_is_counted_how_many_differ_by_more_than_their_interval():
+    def surface(area, half):
+        ones = {n: ("load", [1.0]) for n in ("mean_contact_pressure", "max_pressure", "mean_gap")}
+        ends = {f"relative_contact_area_{end}": ("load", [area + way]) for end, way in half.items()}
+        return xr.Dataset(
+            {"mean_pressure": ("load", [1e6]), "relative_contact_area": ("load", [area])} | ones | ends
+        )
+
+    narrow, wide = {"lower": -0.01, "upper": 0.01}, {"lower": -0.01, "upper": 0.09}
+    # 0.2 against 0.1 is clear; not so, where 0.1 may be 0.19: hypot(0.01, 2 * 0.09)/0.1 = 180 %
+    surfaces = [
+        *({"one": surface(0.1, narrow), "two": surface(0.2, narrow)} for _ in range(3)),
+        {"one": surface(0.1, wide), "two": surface(0.2, narrow)},
+        {"one": surface(0.2, narrow), "two": surface(0.1, narrow)},
+        {"one": surface(0.1, {}), "two": surface(0.2, narrow)},
+    ]
+    areas, *_, gaps = case_medians(surfaces)["groups"]
+    assert areas["rows"][0][-1] == "100 % (25.0 to 100); beyond ± 4 of 5"
+    assert gaps["rows"][0][-1] == "0 % (0 to 0)"
 
 
 @pytest.mark.browser

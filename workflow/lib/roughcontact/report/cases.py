@@ -87,7 +87,8 @@ def case_medians(surfaces: Sequence[Mapping[str, xr.Dataset]]) -> dict[str, Any]
     Returns
     -------
     dict or None
-        as `case_table` returns it, each cell with the 10th and 90th percentile; `surfaces` is how many were
+        as `case_table` returns it, each cell with the 10th and 90th percentile, a difference also with the
+        number of surfaces of which it is larger than its ±, where that is known; `surfaces` is how many were
         compared. None where there is a single case, or no surface under all of them.
     """
     names = list(dict.fromkeys(name for surface in surfaces for name in surface))
@@ -111,7 +112,10 @@ def case_medians(surfaces: Sequence[Mapping[str, xr.Dataset]]) -> dict[str, Any]
                 *(_quantiles(column, unit_of(middle, unit)) for column in values[:, :, load].T),
                 *(
                     _quantiles(np.where(np.abs(column) < _DUST, 0.0, column), _PERCENT)
-                    for column in changes[:, :, load].T
+                    + _clear(
+                        [(surface[names[0]], surface[name]) for surface in complete], quantity_name, load
+                    )
+                    for name, column in zip(names[1:], changes[:, :, load].T, strict=True)
                 ),
             ]
             for load in range(loads)
@@ -172,14 +176,33 @@ def _difference(first: float, of_first: Ways, other: float, ways: Ways) -> str:
     """
     if not first > 0:
         return "–"
+    change, (down, up) = _change(first, of_first, other, ways)
+    # nothing falls by more than all of it; min() keeps what is not known
+    return _in_brackets(change, min(down, 100 + change), up, "%")
+
+
+def _change(first: float, of_first: Ways, other: float, ways: Ways) -> tuple[float, Ways]:
+    """Return by how many percent a number differs from another one, and how far its interval reaches."""
     ratio = other / first
     down, up = (
         100 * float(np.hypot(way, ratio * opposite)) / first
         for way, opposite in zip(ways, of_first[::-1], strict=True)
     )
     change = 100 * (ratio - 1)
-    # nothing falls by more than all of it; min() keeps what is not known
-    return _in_brackets(0.0 if abs(change) < _DUST else change, min(down, 100 * ratio), up, "%")
+    return (0.0 if abs(change) < _DUST else change), (down, up)
+
+
+def _clear(pairs: Sequence[tuple[xr.Dataset, xr.Dataset]], name: str, load: int) -> str:
+    """Return of how many surfaces the difference between two cases is larger than its interval."""
+    known = clear = 0
+    for first, other in pairs:
+        values = [float(data[name][load]) for data in (first, other)]
+        ways = [_ways(data, name, load) for data in (first, other)]
+        if values[0] > 0 and np.isfinite([*values, *ways[0], *ways[1]]).all():
+            change, (down, up) = _change(values[0], ways[0], values[1], ways[1])
+            known += 1
+            clear += change - down > 0 or change + up < 0
+    return f"; beyond ± {clear} of {known}" if known else ""
 
 
 def _quantiles(values: np.ndarray, unit: Unit) -> str:

@@ -405,7 +405,7 @@ class Chart:
             f'<linearGradient id="c" x1="0" y1="1" x2="0" y2="0">{stops}</linearGradient>',
             f'<path d="M{x:.1f} {top:.1f}H{x_end:.1f}v{height:.1f}H{x:.1f}z" fill="url(#c)"/>',
             *tips,
-            *_ticks(axis, "right", bar, grid=False),
+            *_ticks(axis, "right", bar, grid=False, within=self.size[0]),
         ]
 
     def source(self, legend: Corner = "upper right", *, columns: int = 3) -> str:
@@ -552,8 +552,8 @@ def _text(
     return f"<text {where}{kind}>{html.escape(text, quote=False)}</text>"
 
 
-def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool) -> list[str]:
-    """Return an axis at a side of an area: its line, ticks, values and label."""
+def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float = math.inf) -> list[str]:
+    """Return an axis at a side of an area: its line, ticks, values and label, which ends within a width."""
     left, top, width, height = area
     flat = side in ("bottom", "top")
     edge = {"bottom": top + height, "top": top, "left": left, "right": left + width}[side]
@@ -595,7 +595,8 @@ def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool) -> list[str]:
     label = edge - 18 - longest if side == "left" else edge + 22 + longest
     half = len(axis.label) * _WIDE * _SIZE / 2  # beside a low picture nothing of it may be cut off above
     middle = max(top + height / 2, half)
-    return [*parts, _text(max(label, 12.0), middle, axis.label, anchor="middle", turned=True)]
+    label = min(max(label, 12.0), within - 4)
+    return [*parts, _text(label, middle, axis.label, anchor="middle", turned=True)]
 
 
 def _extremes(values: np.ndarray) -> np.ndarray:

@@ -125,8 +125,10 @@ def compare_areas(
     return chart.source("below")
 
 
-def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]]) -> str:
-    """Draw the contact area against the load of very many surfaces: each as a faint line, medians in colour.
+def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]]) -> dict[str, str]:
+    """Draw the contact area against the load of very many surfaces, under each case for itself.
+
+    Each surface is a faint line, their median a strong one; the axes are the same for all cases.
 
     Parameters
     ----------
@@ -136,21 +138,21 @@ def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]
 
     Returns
     -------
-    str
-        source of the image, a data URI.
+    dict
+        name of a case -> source of its image, a data URI.
 
     Examples
     --------
     >>> import numpy as np
     >>> one = np.array([0.01, 0.1]), np.array([0.02, 0.2])
-    >>> spread_of_areas({"": [one] * 3}).partition(",")[0]
+    >>> spread_of_areas({"": [one] * 3})[""].partition(",")[0]
     'data:image/svg+xml'
     """
     loads = np.concatenate([load for group in groups.values() for load, _ in group])
     areas = np.concatenate([area for group in groups.values() for _, area in group])
-    chart = _area_chart(loads, areas, size=(660.0, 430.0))
-    medians = []
+    images = {}
     for index, (name, group) in enumerate(groups.items()):
+        chart = _area_chart(loads, areas, title=name)
         colour = COLOURS[index % len(COLOURS)]
         line = np.geomspace(min(load.min() for load, _ in group), max(load.max() for load, _ in group), 60)
         curves = []
@@ -162,11 +164,10 @@ def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]
         known = np.isfinite(curves).sum(axis=0) >= max(len(group) / 2, 1)
         median = np.full(line.size, np.nan)
         median[known] = np.nanmedian(np.array(curves)[:, known], axis=0)
-        medians.append((line, median, colour, f"median, {name}" if name else "median of the surfaces"))
-    _theory_lines(chart, loads)
-    for line, median, colour, label in medians:
-        chart.line(line, 100 * median, colour=colour, width=2.6, label=label)
-    return chart.source("below")
+        _theory_lines(chart, loads)
+        chart.line(line, 100 * median, colour=colour, width=2.6, label=f"median of {len(group)} surfaces")
+        images[name] = chart.source("below", columns=2)
+    return images
 
 
 def _theory_lines(chart: Chart, loads: np.ndarray, unit: float = 1.0) -> np.ndarray:
@@ -188,6 +189,7 @@ def _area_chart(
     size: tuple[float, float] = (430.0, 360.0),
     label: str = _RELATIVE,
     top: Axis | None = None,
+    title: str = "",
 ) -> Chart:
     """Return the log-log axes of area (percent) against load that hold these shares."""
     least = max(np.min(areas[areas > 0], initial=1.0) / 2, 1e-8)
@@ -196,6 +198,7 @@ def _area_chart(
         Axis("contact area A/A₀ (%)", 100 * least, 140.0, log=True),
         top=top,
         size=size,
+        title=title,
     )
 
 

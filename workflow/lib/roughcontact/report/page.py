@@ -226,7 +226,11 @@ def _comparisons(series: Mapping[tuple[str, str | None], xr.Dataset], *, many: b
         groups: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
         for (_, case), line in relative.items():
             groups.setdefault(case or "", []).append(line)
-        return [(spread_of_areas(groups), f"Each surface is a faint line. {in_these_units}")]
+        said = f"Each surface is a faint line. {in_these_units}"
+        return [
+            (image, f"The same under {case}." if place else said)
+            for place, (case, image) in enumerate(spread_of_areas(groups).items())
+        ]
     names = [_name(*key) for key in rough]
     lines = [(name, *relative[key]) for name, key in zip(names, rough, strict=True)]
     pascal = [
