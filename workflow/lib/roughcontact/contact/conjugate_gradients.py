@@ -50,12 +50,12 @@ def conjugate_gradients(
     .. [1] Hestenes and Stiefel (1952), J. Res. Natl. Bur. Stand. 49, 409.
     """
     xp = residual.__array_namespace__()
-    outside = ~active
+    inside, places = xp.astype(active, residual.dtype), xp.nonzero(xp.reshape(active, (-1,)))[0]
 
     def centred(field: Array) -> Array:
         """Take the mean off the active points, in place, and everything off the others."""
-        field -= mean(field[active])
-        field[outside] = 0.0
+        field -= mean(xp.take(xp.reshape(field, (-1,)), places))
+        field *= inside
         return field
 
     left, z = centred(xp.asarray(residual, copy=True)), centred(xp.asarray(preconditioned, copy=True))

@@ -11,6 +11,7 @@ References
 """
 
 import math
+from functools import cached_property
 
 import numpy as np
 
@@ -46,8 +47,6 @@ class HalfSpace:
     ----------
     applications : float
         forward and inverse transform pairs so far.
-    mean_stiffness, largest_stiffness : float
-        of the symbol |q|/2 of G^-1, over the half plane.
 
     Examples
     --------
@@ -76,11 +75,18 @@ class HalfSpace:
         self._symbols: dict[str, Array] = {}
         self._counts: dict[str, Array] = {}
         self._plans: dict[str, Plan] = {}
+
+    @cached_property
+    def mean_stiffness(self) -> float:
+        """The mean of the symbol |q|/2 of G^-1 over the half plane, for estimates of rounding."""
         symbol = self._symbol(SINGLE)
-        # of the inverse operator, over the half plane: for estimates of rounding, and for a coarse bound
-        xp, stiffness = symbol.__array_namespace__(), 1 / symbol
-        self.mean_stiffness = float(xp.mean(stiffness))
-        self.largest_stiffness = float(xp.max(stiffness))
+        return float(symbol.__array_namespace__().mean(1 / symbol))
+
+    @cached_property
+    def largest_stiffness(self) -> float:
+        """The largest value of the symbol |q|/2 of G^-1, for a coarse bound."""
+        symbol = self._symbol(SINGLE)
+        return float(symbol.__array_namespace__().max(1 / symbol))
 
     def displacement(self, pressure: Array, *, out: Array | None = None) -> Array:
         """Return u = G p, shape (ny, nx), mean zero, in the precision of `pressure`, in the array `out`.

@@ -43,14 +43,13 @@ def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
     >>> found["critical_constriction_x"].item(), found["critical_constriction_y"].item() > 0
     (0.0, True)
     """
-    steps = spacing(contact["pressure"])
-    compliances = [
-        linear_response(pressure > 0, steps, 1.0, _TOLERANCE) for pressure, _ in fields_of(contact)
-    ]
-    conductances = [1 / compliance if compliance > 0 else np.nan for compliance in compliances]
-    rows = [percolation_columns(np.where(pressure > 0, 0.0, gap)) for pressure, gap in fields_of(contact)]
-    narrowest = {name: ("load", [row[name] for row in rows]) for name in ANSWERS[1:]}
-    return headline(contact).assign({ANSWERS[0]: ("load", conductances)} | narrowest)
+    steps, rows = spacing(contact["pressure"]), []
+    for pressure, gap in fields_of(contact):
+        touching = pressure > 0
+        compliance = linear_response(touching, steps, 1.0, _TOLERANCE)
+        narrowest = percolation_columns(np.where(touching, 0.0, gap))
+        rows.append({ANSWERS[0]: 1 / compliance if compliance > 0 else np.nan, **narrowest})
+    return headline(contact).assign({name: ("load", [row[name] for row in rows]) for name in ANSWERS})
 
 
 def answers_in(found: xr.Dataset) -> list[str]:

@@ -40,7 +40,7 @@ from roughcontact.statistics.contact_geometry import count_switches
 from roughcontact.uncertainty.answers import answers_in, headline_and_answers
 from roughcontact.uncertainty.ensemble import Count
 from roughcontact.uncertainty.headline import QUANTITIES, fields_of, headline
-from roughcontact.uncertainty.solver import solver_uncertainty
+from roughcontact.uncertainty.solver import open_mean_gap
 from roughcontact.window.periodisation import periodic_plus_smooth
 
 _FIRST_ORDER = 2.0  # error over change, for an error of the first order
@@ -154,7 +154,7 @@ def _solve(window: xr.DataArray, contact: Mapping[str, Any], names: list[str]) -
 
 def _with_open_gap(count: Count, contact: xr.Dataset) -> xr.Dataset:
     """Return what is counted of a load and what the solver leaves open of the mean gap."""
-    return count(contact).assign(mean_gap_uncertainty=solver_uncertainty(contact)["mean_gap"])
+    return count(contact).assign(mean_gap_uncertainty=("load", open_mean_gap(contact)))
 
 
 def _part(window: xr.DataArray) -> xr.DataArray:

@@ -72,22 +72,54 @@ def solver_uncertainty(contact: xr.Dataset) -> xr.Dataset:
     >>> bool(half_width[0] <= 2e-3 * peak)
     True
     """
-    modulus, steps = float(contact["contact_modulus"]), spacing(contact["height"])
-    bounds, loads = contact["error_bound"].values, contact["mean_pressure"].values
+    bounds, gaps = contact["error_bound"].values, open_mean_gap(contact)
     rows = []
-    for (pressure, gap), bound, load in zip(fields_of(contact), bounds, loads, strict=True):
+    for (pressure, gap), bound, open_gap in zip(fields_of(contact), bounds, gaps, strict=True):
         changing = points_within_reach(pressure, gap, bound)
         in_contact = np.count_nonzero(pressure)
-        energy = elastic_energy(pressure, steps, contact_modulus=modulus)
         rows.append(
             {
                 "relative_contact_area": changing / pressure.size,
-                "mean_gap": _GAP_SHARE * 4 * bound * energy / load,
+                "mean_gap": open_gap,
                 "max_pressure": _PEAK * bound * pressure.max(),
                 "mean_contact_pressure": pressure.sum() / in_contact * changing / in_contact,
             }
         )
     return xr.Dataset({name: ("load", [row[name] for row in rows]) for name in rows[0]})
+
+
+def open_mean_gap(contact: xr.Dataset) -> list[float]:
+    """Return what the error of the solver makes uncertain in the mean gap alone, eps U / p̄, m.
+
+    Parameters
+    ----------
+    contact : Dataset
+        as `solve_contact` returns it, with its fields.
+
+    Returns
+    -------
+    list of float
+        the half-width of the 95 % interval at each load.
+
+    Examples
+    --------
+    >>> from roughcontact.contact.solve import solve_contact
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> contact = solve_contact(rough_reference_surface(64), contact_modulus=1.0, mean_pressure=0.1)
+    >>> open_mean_gap(contact) == solver_uncertainty(contact)["mean_gap"].values.tolist()
+    True
+    """
+    modulus, steps = float(contact["contact_modulus"]), spacing(contact["height"])
+    solved = zip(
+        contact["pressure"].values,
+        contact["error_bound"].values,
+        contact["mean_pressure"].values,
+        strict=True,
+    )
+    return [
+        _GAP_SHARE * 4 * bound * elastic_energy(pressure, steps, contact_modulus=modulus) / load
+        for pressure, bound, load in solved
+    ]
 
 
 def points_within_reach(pressure: np.ndarray, gap: np.ndarray, bound: float) -> float:
