@@ -2,10 +2,11 @@
 
 from _job import save, snakemake
 
-from roughcontact.results.storage import read_dataset
+from roughcontact.results.storage import opened_dataset
 from roughcontact.window.periodic_window import periodic_window
 
 settings = snakemake.params.settings
-levelled = read_dataset(snakemake.input[0])["height"]
+with opened_dataset(snakemake.input[0]) as file:  # without what levelling has rejected, which is as large
+    levelled = file["height"].drop_vars("rejected_height", errors="ignore").load()
 window = periodic_window(levelled, **settings["window"])
 save(window, snakemake.output[0], settings, source=levelled.attrs)

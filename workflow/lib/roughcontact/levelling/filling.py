@@ -99,7 +99,8 @@ def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[floa
     # a common scale for heights and weights keeps the sums away from underflow
     offset, scale = np.nanmin(values), np.ptp(values[~np.isnan(values)]) or 1.0
     wy, wx = (min(spacing) / np.asarray(spacing)) ** 2
-    filled = (values - offset) / scale
+    filled = values - offset
+    filled /= scale
     wide = _wide_holes(inside, labels)
     is_wide = np.zeros(labels.max() + 1, dtype=bool)
     is_wide[wide] = True
@@ -117,7 +118,8 @@ def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[floa
             part[mask] = _solve_wide(part, mask, (wy, wx))
     filled *= scale
     filled += offset
-    return np.where(inside, filled, values)
+    np.copyto(filled, values, where=~inside)
+    return filled
 
 
 def _fill_profile(values: np.ndarray, inside: np.ndarray) -> np.ndarray:

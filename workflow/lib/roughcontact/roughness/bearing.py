@@ -57,10 +57,8 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     np.subtract(curve[:count], fall, out=fall)
     start = ratio[int(fall.argmin())]
     del fall  # of a large map there is no room for what is needed no more
-    begin, end = (
-        int(np.searchsorted(ratio, at, side=side))
-        for at, side in ((start, "left"), (start + _CENTRAL + 1e-12, "right"))
-    )
+    begin = int(np.searchsorted(ratio, start))
+    end = int(np.searchsorted(ratio, start + _CENTRAL + 1e-12, side="right"))
     middle, y = ratio[begin:end].mean(), curve[begin:end]
     x = ratio[begin:end] - middle
     slope = float(x @ y / (x @ x)) if x.size > 1 else 0.0

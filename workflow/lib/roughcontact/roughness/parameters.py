@@ -21,6 +21,7 @@ from roughcontact.maps import spacing
 _SHARE_BEYOND_CUTOFF = 1e-2
 # ... and it ends where the gradient per wavenumber falls below this share of that just before.
 _CLIFF = 0.1
+_LINES = 128  # that are transformed together
 
 
 def rms_height(height: xr.DataArray) -> float:
@@ -103,10 +104,17 @@ def interior_rms_gradient(height: xr.DataArray) -> float:
     total = 0.0
     for axis, pitch in enumerate(spacing(height)):
         lines = np.moveaxis(values, axis, -1)
-        mirrored = np.concatenate([lines, lines[..., ::-1]], axis=-1)
-        power = np.abs(np.fft.rfft(mirrored)) ** 2 * fourier.halfplane_weights(mirrored.shape)
-        q = 2 * np.pi * np.fft.rfftfreq(mirrored.shape[-1], pitch)
-        total += float((power @ q**2).mean()) / mirrored.shape[-1] ** 2
+        count, points = len(lines), 2 * lines.shape[-1]
+        q = 2 * np.pi * np.fft.rfftfreq(points, pitch)
+        weights = fourier.halfplane_weights((1, points))
+        of_lines = np.empty(count)
+        for first in range(
+            0, count, _LINES
+        ):  # a large map has no room for the transforms of all of its lines
+            part = slice(first, first + _LINES)
+            mirrored = np.concatenate([lines[part], lines[part, ::-1]], axis=-1)
+            of_lines[part] = np.abs(np.fft.rfft(mirrored)) ** 2 * weights @ q**2
+        total += float(of_lines.mean()) / points**2
     return math.sqrt(total)
 
 
@@ -138,12 +146,18 @@ def steepest_share(height: xr.DataArray, *, share: float = 0.01) -> float:
     """
     squares = np.zeros(height.shape)
     for axis, pitch in enumerate(spacing(height)):
-        squares += ((np.roll(height.values, -1, axis) - height.values) / pitch) ** 2
+        steps = np.roll(np.asarray(height.values, dtype=float), -1, axis)
+        steps -= height.values
+        steps /= pitch
+        squares += np.square(steps, out=steps)
+    del steps  # of a large map there is no room for what is needed no more
     total = squares.sum()
     if total == 0:
         return 0.0
     count = max(1, round(share * squares.size))
-    return float(np.partition(squares, -count, axis=None)[-count:].sum() / total)
+    steepest = squares.ravel()
+    steepest.partition(-count)
+    return float(steepest[-count:].sum() / total)
 
 
 def rms_curvature(height: xr.DataArray) -> float:

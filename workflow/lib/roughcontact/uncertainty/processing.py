@@ -175,10 +175,13 @@ def rough_filling(levelled: xr.DataArray) -> xr.DataArray:
     other = np.flip(values, axes)
     labels, _ = find_holes(filled)
     # a hole whose rim is missing in the other map has no harmonic filling there
-    lost = np.isin(labels, labels[ndimage.binary_dilation(np.isnan(other))])
-    labels[lost] = 0
+    lost = np.zeros(labels.max() + 1, dtype=bool)
+    lost[labels[ndimage.binary_dilation(np.isnan(other))]] = True
+    labels[lost[labels]] = 0
     smooth = fill_harmonic(np.where(labels > 0, np.nan, other), labels, spacing(levelled))
-    return levelled.copy(data=np.where(labels > 0, values + other - smooth, values))
+    rough, holes = values.copy(), labels > 0
+    rough[holes] = values[holes] + other[holes] - smooth[holes]
+    return levelled.copy(data=rough)
 
 
 class _Choice(NamedTuple):

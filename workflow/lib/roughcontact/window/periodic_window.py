@@ -108,6 +108,7 @@ def periodic_window(
 
     fade = width if method in _FADES else 0.0
     start, sides = _largest(levelled, values, fade, min_share)
+    missing = bool(np.isnan(values).any())
     scores = None
     if placement == "search":
         found = search_window(values, _flags(levelled), (start, sides), fade=fade)
@@ -115,6 +116,7 @@ def periodic_window(
         found = [c for c in found if used_points(c.sides, fade) >= least]
         scores = _scores(found, (start, sides), fade, spacing(levelled))
         start, sides = found[0].start, found[0].sides
+    del values  # of a large map there is no room for what is needed no more
     band = [band_points(side, fade) for side in sides]
     used = [side + b for side, b in zip(sides, band, strict=True)]
     cut = levelled.isel({d: slice(s, s + u) for d, s, u in zip("yx", start, used, strict=True)})
@@ -128,18 +130,20 @@ def periodic_window(
         d: xr.Variable(d, before[d].values[0] + s * np.arange(n), cut[d].attrs)
         for d, s, n in zip("yx", step, after.shape, strict=True)
     }
-    change = after[: before.shape[0], : before.shape[1]] - before.values
+    change = _rms_difference(after[: before.shape[0], : before.shape[1]], before.values)
     window = _record(
         after,
         coords | {"filled": (("y", "x"), flags)},
         levelled.attrs,
         waves=waves,
         method=method,
-        change=float(np.sqrt(np.mean(change**2))),
+        change=change,
         gradient_before=interior_rms_gradient(before),
         offset=[(s + k.start) * d for s, k, d in zip(start, kept, step, strict=True)],
-        share=used[0] * used[1] / values.size,
-        reason=_reason(values, used, after.shape, method, searched=scores is not None),
+        share=used[0] * used[1] / levelled.size,
+        reason=_reason(
+            levelled.shape, used, after.shape, method, missing=missing, searched=scores is not None
+        ),
     )
     return window if scores is None else window.assign_attrs(window_scores=scores)
 
@@ -177,8 +181,10 @@ def _made_periodic(
         return periodisation.periodic_plus_smooth(heights, step), flags
     if method == "raw":
         return heights, flags
-    # a blended point rests on a filled one where that one has a weight
-    flags = (periodisation.cross_fade(flags.astype(float), band) > 1e-9).astype(np.int8)
+    if flags.any():  # a blended point rests on a filled one where that one has a weight
+        flags = (periodisation.cross_fade(flags.astype(float), band) > 1e-9).astype(np.int8)
+    else:
+        flags = np.zeros([n - b for n, b in zip(flags.shape, band, strict=True)], dtype=np.int8)
     if method == "cross-fade":
         return periodisation.cross_fade(heights, band), flags
     return periodisation.smooth_cross_fade(heights, band, step), flags
@@ -285,15 +291,26 @@ def _check_window(levelled: xr.DataArray, used: Sequence[int], share: float, min
         )
 
 
+def _rms_difference(one: np.ndarray, other: np.ndarray) -> float:
+    """Return the root mean square difference of two maps."""
+    difference = one - other
+    return float(np.sqrt(np.mean(np.square(difference, out=difference))))
+
+
 def _reason(
-    values: np.ndarray, used: Sequence[int], solved: Sequence[int], method: str, *, searched: bool
+    shape: Sequence[int],
+    used: Sequence[int],
+    solved: Sequence[int],
+    method: str,
+    *,
+    missing: bool,
+    searched: bool,
 ) -> str:
     """Return in words which part of the map is used, why, and how it was made periodic."""
-    ny, nx = values.shape
+    ny, nx = shape
     if (ny, nx) == tuple(used):
         text = f"The whole map of {nx} x {ny} points is used"
     else:
-        missing = np.isnan(values).any()
         if searched:
             why = "the best score of the search"
         elif missing:

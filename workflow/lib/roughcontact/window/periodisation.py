@@ -6,6 +6,7 @@ import numpy as np
 
 _LONG = 1 / 2  # of the band: standard deviation of the Gaussian mean that long waves pass
 _CLOSED = 0.55  # share of their smooth component that is taken off
+_ROWS = 128  # that are looked at together
 
 
 def is_periodic(values: np.ndarray) -> bool:
@@ -76,10 +77,13 @@ def _closes(values: np.ndarray) -> bool:
     columns = values.shape[1]
     if columns < 3:
         return True
-    around = np.concatenate([values, values[:, :2]], axis=1)
-    step = np.diff(around, axis=1)
-    bend = np.diff(step, axis=1)
-    step, bend = (np.sqrt(np.mean(d**2, axis=0)) for d in (step[:, :columns], bend))
+    step, bend = np.zeros((2, columns))
+    for first in range(0, len(values), _ROWS):  # a large map has no room for the steps of all of its rows
+        rows = values[first : first + _ROWS]
+        steps = np.diff(np.concatenate([rows, rows[:, :2]], axis=1), axis=1)
+        step += np.sum(steps[:, :columns] ** 2, axis=0)
+        bend += np.sum(np.diff(steps, axis=1) ** 2, axis=0)
+    step, bend = (np.sqrt(squares / len(values)) for squares in (step, bend))
     # interior pairs first; the seam is the last step, and the last two changes of slope
     rms_step = np.sqrt(np.mean(step[:-1] ** 2))
     if rms_step > 1.2 * np.std(values):
@@ -134,9 +138,12 @@ def periodic_plus_smooth(values: np.ndarray, spacing: Sequence[float]) -> np.nda
     qx = 2 * np.pi * np.fft.rfftfreq(nx)[None, :]
     laplacian = -4 * (wy * np.sin(qy / 2) ** 2 + wx * np.sin(qx / 2) ** 2)
     laplacian[0, 0] = 1.0
-    smooth = np.fft.rfft2(source) / laplacian
-    smooth[0, 0] = 0.0
-    return values - np.fft.irfft2(smooth, s=values.shape)
+    spectrum = np.fft.rfft2(source)
+    del source  # of a large map there is no room for what is needed no more
+    spectrum /= laplacian
+    spectrum[0, 0] = 0.0
+    smooth = np.fft.irfft2(spectrum, s=values.shape)
+    return np.subtract(values, smooth, out=smooth)
 
 
 def mirror(values: np.ndarray) -> np.ndarray:
@@ -208,9 +215,11 @@ def cross_fade(values: np.ndarray, band: Sequence[int], *, keep_variance: bool =
             if keep_variance:
                 both = weight * (1 - weight)
                 blended /= np.sqrt(1 - 2 * both * (1 - _correlation(first, last)))
-            circle = np.concatenate([blended, values[..., points:length]], axis=-1)
-            values = np.moveaxis(np.roll(circle, -(points // 2), axis=-1), -1, axis)
-    return values + mean
+            values = np.concatenate([blended, values[..., points:length]], axis=-1)
+            del first, last, blended
+            values = np.moveaxis(np.roll(values, -(points // 2), axis=-1), -1, axis)
+    values += mean
+    return values
 
 
 def _correlation(first: np.ndarray, last: np.ndarray) -> float:
@@ -255,8 +264,12 @@ def smooth_cross_fade(values: np.ndarray, band: Sequence[int], spacing: Sequence
     inner = tuple(slice(b // 2, n - (b - b // 2)) for b, n in zip(band, values.shape, strict=True))
     smooth = long_waves[inner] - periodic_plus_smooth(long_waves[inner], spacing)
     smooth = np.pad(smooth, [(b // 2, b - b // 2) for b in band], mode="edge")
-    closed = cross_fade(long_waves - _CLOSED * smooth, band)
-    return closed + cross_fade(values - long_waves, band, keep_variance=True)
+    smooth *= _CLOSED
+    closed = cross_fade(np.subtract(long_waves, smooth, out=smooth), band)
+    del smooth
+    short_waves = np.subtract(values, long_waves, out=long_waves)
+    closed += cross_fade(short_waves, band, keep_variance=True)
+    return closed
 
 
 def _gaussian_mean(values: np.ndarray, deviations: Sequence[float]) -> np.ndarray:
@@ -271,7 +284,7 @@ def _gaussian_mean(values: np.ndarray, deviations: Sequence[float]) -> np.ndarra
     for axis, (points, deviation) in enumerate(zip(values.shape, deviations, strict=True)):
         passed = np.exp(-((np.pi * np.arange(points) * deviation / points) ** 2) / 2)
         series *= np.expand_dims(passed, 1 - axis)
-    return idctn(series)
+    return idctn(series, overwrite_x=True)
 
 
 def taper(values: np.ndarray, width: float) -> np.ndarray:
