@@ -84,7 +84,9 @@ def coloured(
     """
     missing = np.isnan(values)
     span = limits[1] - limits[0]
-    level = np.clip((values - limits[0]) / (span if span > 0 else 1.0), 0.0, 1.0)
+    level = values - limits[0]
+    level /= span if span > 0 else 1.0  # in place: large maps leave no room for more
+    np.clip(level, 0.0, 1.0, out=level)
     level[missing] = 0.0
     together = max(math.ceil(math.sqrt(values.size / POINTS)), math.ceil(max(values.shape) / _LONGEST))
     share = missing
@@ -120,8 +122,8 @@ def _averaged(level: np.ndarray, missing: np.ndarray, together: int) -> tuple[np
     """Return the mean of the good ones of so many points along either side, and the share of the bad ones."""
     rows, columns = (np.arange(0, n, together) for n in level.shape)
     sums = [
-        np.add.reduceat(np.add.reduceat(of, rows, axis=0), columns, axis=1)
-        for of in (level, missing.astype(float))
+        np.add.reduceat(np.add.reduceat(of, rows, axis=0, dtype=float), columns, axis=1)
+        for of in (level, missing)
     ]
     height, width = (np.diff([*starts, n]) for starts, n in zip((rows, columns), level.shape, strict=True))
     points = height[:, None] * width

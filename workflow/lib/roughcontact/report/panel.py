@@ -74,6 +74,10 @@ def write_panel(
     identifier = surface if case is None else f"{case}--{surface}"
     verdict = checks.verdict(outcome)
     doubts = by_weight(checks.reasons(outcome))
+    told = facts.surface_facts(measured, plane, solved, numbers)
+    maps = _maps(measured, plane, solved, numbers, counter_face)
+    source = measured.attrs.get("source_sha256", "")
+    del measured, plane  # large maps leave no room for them beside the solution
     fields = _fields(contact, solved, numbers, order[shown])
     rough = float(numbers["rms_gradient"]) > 0  # a flat map has neither waves nor charts
     html = template("panel.html").render(
@@ -84,8 +88,8 @@ def write_panel(
         doubts=doubts,
         not_judged=[check for check in outcome if check.outcome == checks.NOT_MADE],
         sound=[check for check in outcome if check.outcome == checks.PASSED],
-        facts=facts.surface_facts(measured, plane, solved, numbers),
-        maps=_maps(measured, plane, solved, numbers, counter_face),
+        facts=told,
+        maps=maps,
         scores=tables.score_table(solved),
         profile=1 in solved.shape,
         fields=fields,
@@ -117,15 +121,16 @@ def write_panel(
         ),
         settings=json.dumps(settings, indent=1, sort_keys=True),
         versions=facts.versions(numbers),
-        source_sha256=measured.attrs.get("source_sha256", ""),
+        source_sha256=source,
     )
     write_text(html, path)
 
 
 def _read_map(path: str | Path) -> xr.DataArray:
     """Return the height map of a result file, attributes of the file included."""
-    dataset = read_dataset(path)
-    return dataset["height"].assign_attrs(dataset.attrs | dataset["height"].attrs)
+    with opened_dataset(path) as dataset:  # without what levelling has rejected, which is as large
+        height = dataset["height"].drop_vars("rejected_height", errors="ignore").load()
+        return height.assign_attrs(dataset.attrs | height.attrs)
 
 
 def _frame(window: xr.DataArray) -> map_plots.Frame:
