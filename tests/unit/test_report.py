@@ -777,6 +777,22 @@ def test_a_quantity_has_one_unit_on_the_whole_page(tmp_path):
             assert cells[: values.size] == [number(float(value)) for value in values]
 
 
+@pytest.mark.parametrize(("step", "unit"), [(2e-4, "mm"), (1e-4, "µm"), (1e-9, "nm")])
+def test_lengths_along_a_surface_have_one_unit_on_its_page(tmp_path, step, unit):
+    """Maps of 16 mm, of 8 mm with waves and texture far below a millimetre, and of 80 nm."""
+    height = height_map(rough(1).values * step / 1.5e-6, step)
+    text = assemble(tmp_path, [run_surface(tmp_path, "one", height)]).read_text(encoding="utf-8")
+    pictures = " ".join(unquote(picture) for picture in re.findall(r'src="(data:image/svg[^"]*)"', text))
+    names = "x|y|shift along [xy]|wavelength|wavenumber q|q along [xy]"
+    labels = set(re.findall(rf">((?:{names}) \([^<]*\))<", pictures))
+    assert labels == {
+        *(f"{axis} ({unit})" for axis in ("x", "y", "shift along x", "shift along y", "wavelength")),
+        *(f"{axis} (rad/{unit})" for axis in ("wavenumber q", "q along x", "q along y")),
+    }
+    heads = re.findall(r'(contact perimeter|its depth)<br><span class="unit">([^<]*)<', text)
+    assert {shown for _, shown in heads} == {unit}
+
+
 def test_a_page_of_polished_surfaces_is_in_nanometres(tmp_path):
     page = assemble(tmp_path, [run_surface(tmp_path, "polished", rough(3) * 1e-2)])
     text = unquote(page.read_text(encoding="utf-8"))

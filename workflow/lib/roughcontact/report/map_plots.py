@@ -6,9 +6,10 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.maps import side_lengths
-from roughcontact.quantities import Unit, prefix
+from roughcontact.quantities import Unit
 from roughcontact.report.charts import COLOURS, Axis, Chart
 from roughcontact.report.colours import colour_scale, coloured
+from roughcontact.report.units import length_unit
 
 _MICROMETRES, _MEGAPASCALS = Unit(1e6, "µm"), Unit(1e-6, "MPa")
 _NOT_MEASURED = "#ff4fa3"
@@ -21,7 +22,13 @@ _LONGEST_ASPECT = 4.0  # longer pictures are drawn out of scale
 Frame = tuple[float, float, float, float]  # x, y, length x, length y
 
 
-def height_map(height: xr.DataArray, *, rectangle: Frame | None = None, unit: Unit = _MICROMETRES) -> str:
+def height_map(
+    height: xr.DataArray,
+    *,
+    rectangle: Frame | None = None,
+    unit: Unit = _MICROMETRES,
+    along: Unit | None = None,
+) -> str:
     """Draw a height map, points that were not measured in pink; a profile is drawn as a line.
 
     Parameters
@@ -32,6 +39,8 @@ def height_map(height: xr.DataArray, *, rectangle: Frame | None = None, unit: Un
         outline of the window on the map, from the map's first corner.
     unit : Unit
         of the heights.
+    along : Unit, optional
+        of the lengths along the surface; else that of this map alone.
 
     Returns
     -------
@@ -46,7 +55,9 @@ def height_map(height: xr.DataArray, *, rectangle: Frame | None = None, unit: Un
     'data:image/svg+xml'
     """
     if 1 in height.shape:
-        return _profile(height, [(height.values.ravel(), "height", COLOURS[0])], label="height", unit=unit)
+        return _profile(
+            height, [(height.values.ravel(), "height", COLOURS[0])], label="height", unit=unit, along=along
+        )
     values = height.values - np.nanmean(height.values)
     lowest, highest = np.nanpercentile(values, [0.1, 99.9])  # spikes must not take all the colours
     return _map(
@@ -60,6 +71,7 @@ def height_map(height: xr.DataArray, *, rectangle: Frame | None = None, unit: Un
         extend=(True, True),
         bad_word="not measured",
         frame=rectangle,
+        along=along,
     )
 
 
@@ -279,15 +291,16 @@ def _map(
     limits: tuple[float, float],
     extend: tuple[bool, bool] = (False, False),
     frame: Frame | None = None,
+    along: Unit | None = None,
 ) -> str:
     """Draw values over the extent of `height`; NaN in the colour `bad`, an arrow where colours end early."""
     lengths = side_lengths(height)
-    factor, length_unit = prefix(max(lengths), "m")
+    factor, of_lengths = along or length_unit(max(lengths))
     ly, lx = (length * factor for length in lengths)
     low, high = (limit * unit.factor for limit in limits)
     chart = framed(
-        Axis(f"x ({length_unit})", 0.0, lx),
-        upright(height, f"y ({length_unit})", 0.0, ly),
+        Axis(f"x ({of_lengths})", 0.0, lx),
+        upright(height, f"y ({of_lengths})", 0.0, ly),
         values * unit.factor,
         bar=Axis(f"{label} ({unit.shown})", low, high if high > low else low + 1e-6 * unit.factor),
         colours=colours,
@@ -304,17 +317,22 @@ def _map(
 
 
 def _profile(
-    height: xr.DataArray, lines: list[tuple[np.ndarray, str, str]], *, label: str, unit: Unit
+    height: xr.DataArray,
+    lines: list[tuple[np.ndarray, str, str]],
+    *,
+    label: str,
+    unit: Unit,
+    along: Unit | None = None,
 ) -> str:
     """Draw one or more lines (values, name, colour) along a profile, gaps where values are missing."""
-    along = "x" if height.sizes["x"] > 1 else "y"
-    position = height[along].values - height[along].values[0]
-    factor, length_unit = prefix(float(position[-1]), "m")
+    axis = "x" if height.sizes["x"] > 1 else "y"
+    position = height[axis].values - height[axis].values[0]
+    factor, of_lengths = along or length_unit(max(side_lengths(height)))
     everything = np.concatenate([values for values, *_ in lines])
     low, high = (float(end) * unit.factor for end in (np.nanmin(everything), np.nanmax(everything)))
     room = (high - low) * 0.06 or 1e-6 * unit.factor
     chart = Chart(
-        Axis(f"{along} ({length_unit})", 0.0, float(position[-1]) * factor),
+        Axis(f"{axis} ({of_lengths})", 0.0, float(position[-1]) * factor),
         Axis(f"{label} ({unit.shown})", low - room, high + room),
         size=(450.0, 290.0),
     )

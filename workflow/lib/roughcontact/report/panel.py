@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -153,18 +153,15 @@ def _maps(
         faces = [("Face, as measured", measured), ("Counter-face, as measured", _read_map(counter_face))]
     else:
         faces = [("As measured", measured)]
-    unit = unit_of(numbers, "m")
+    drawn = partial(map_plots.height_map, unit=unit_of(numbers, "m"), along=unit_of(numbers, "m along"))
     return [
-        *(
-            (title, map_plots.height_map(face, unit=unit), facts.measured_caption(face))
-            for title, face in faces
-        ),
+        *((title, drawn(face), facts.measured_caption(face)) for title, face in faces),
         (
             "Sum of both, levelled" if counter_face else "Levelled",
-            map_plots.height_map(levelled, rectangle=_frame(window), unit=unit),
+            drawn(levelled, rectangle=_frame(window)),
             facts.levelled_caption(levelled),
         ),
-        ("Solved window", map_plots.height_map(window, unit=unit), window.attrs.get("window_reason", "")),
+        ("Solved window", drawn(window), window.attrs.get("window_reason", "")),
     ]
 
 

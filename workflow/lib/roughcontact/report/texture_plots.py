@@ -3,10 +3,11 @@
 import numpy as np
 import xarray as xr
 
-from roughcontact.maps import spacing
-from roughcontact.quantities import Unit, prefix
+from roughcontact.maps import side_lengths, spacing
+from roughcontact.quantities import Unit
 from roughcontact.report.charts import COLOURS, DASHED, DOTTED, Axis, Chart
 from roughcontact.report.map_plots import framed, upright
+from roughcontact.report.units import length_unit
 from roughcontact.roughness import parameters
 from roughcontact.roughness.spectrum import areal_spectrum, isotropic_spectrum
 from roughcontact.roughness.texture import DECAY, autocorrelation, decay_lengths
@@ -37,7 +38,7 @@ def spectrum(window: xr.DataArray) -> str:
     """
     q, power = _thinned(*isotropic_spectrum(window))
     profile = 1 in window.shape
-    unit_q, length = _inverse_length(q)
+    unit_q, length = _inverse_length(window)
     # C is height^2 times area (of a profile times length)
     power = power * (_HEIGHT.factor**2 * unit_q ** -(1 if profile else 2))
     inside = power > 1e-20 * power.max()  # below lies the rounding of waves that were taken out
@@ -107,7 +108,7 @@ def directional_spectrum(window: xr.DataArray) -> str:
     shortest = parameters.shortest_wavelength(window)
     reach = max(2 * np.pi / shortest, _FEWEST * (qy[1] - qy[0]), _FEWEST * (qx[1] - qx[0]))
     rows, columns = np.abs(qy) <= reach, np.abs(qx) <= reach
-    unit_q, length = _inverse_length(qx[columns])
+    unit_q, length = _inverse_length(window)
     shown = np.log10(np.maximum(power[np.ix_(rows, columns)] * _HEIGHT.factor**2 * unit_q**-2, 1e-300))
     return _picture(
         window,
@@ -150,7 +151,7 @@ def autocorrelation_map(window: xr.DataArray) -> str:
     reach = max(_LENGTHS * longest, *(_FEWEST * d for d in steps))
     rows, columns = (np.abs(shift) <= reach for shift in shifts)
     shown = correlation[np.ix_(rows, columns)]
-    factor, unit = prefix(max(np.abs(shifts[0][rows]).max(), np.abs(shifts[1][columns]).max()), "m")
+    factor, unit = length_unit(max(side_lengths(window)))
     y, x = shifts[0][rows] * factor, shifts[1][columns] * factor
     if 1 in window.shape:
         shift = x if x.size > 1 else y
@@ -236,7 +237,7 @@ def _thinned(q: np.ndarray, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.bincount(bins, weights=q) / count, np.bincount(bins, weights=power) / count
 
 
-def _inverse_length(q: np.ndarray) -> tuple[float, str]:
-    """Return the factor that brings wavenumbers into a handy unit, and the name of its length."""
-    factor, length = prefix(2 * np.pi / np.median(np.abs(q[q != 0])), "m")
+def _inverse_length(window: xr.DataArray) -> tuple[float, str]:
+    """Return the factor that brings wavenumbers into the unit of a window, and the name of its length."""
+    factor, length = length_unit(max(side_lengths(window)))
     return 1 / factor, length

@@ -1,7 +1,8 @@
 """The units of the report: one for each quantity, in tables, figures and sentences.
 
-All but that of heights and gaps follow from the material or are fixed. That one suits all surfaces of a page
-together: it is left open in the part of a single surface, and filled in by the page.
+All but that of heights and gaps follow from the material and the size of the window or are fixed. That one
+suits all surfaces of a page together: it is left open in the part of a single surface, and filled in by the
+page.
 """
 
 import html
@@ -26,7 +27,6 @@ _FIXED = {
     "W m-2 K-1": Unit(1e-3, "kW/(m² K)"),
     "S m-2": Unit(1e-9, "GS/m²"),
     "m2 s-1": Unit(3.6e9, "ml/(h m)"),
-    "m along": Unit(1e6, "µm"),
 }
 
 _OPEN = "open_heights"  # attribute of the statistics of a surface whose heights await their unit
@@ -113,7 +113,8 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
     Parameters
     ----------
     numbers : Dataset or mapping
-        statistics of the surface, with its contact modulus and its rms height; MPa and µm without.
+        statistics of the surface, with its contact modulus, its rms height and the size of its window; MPa
+        and µm without.
     unit : str
         "m" for heights and gaps, "m along" for lengths along the surface and into the depth, "%" for a share;
         else an SI unit.
@@ -135,11 +136,38 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
         return pressure
     if unit == "Pa m-1":
         return Unit(pressure.factor * 1e-6, f"{pressure.shown}/µm")
+    if unit == "m along":
+        return length_unit(max(float(numbers.get(f"window_length_{axis}", 0.0)) for axis in ("x", "y")))
     if unit == "m":
         if isinstance(numbers, xr.Dataset) and _OPEN in numbers.attrs:
             return _HEIGHTS
         return height_unit(float(numbers.get("rms_height", np.nan)))
     raise ValueError(f"no unit of the report is known for {unit}")
+
+
+def length_unit(longest: float) -> Unit:
+    """Return the unit of all lengths along a surface.
+
+    Parameters
+    ----------
+    longest : float, m
+        the longer side of its window; zero where it is not known.
+
+    Returns
+    -------
+    Unit
+        µm; nm for windows below 1 µm, mm from 10 mm on, m from 10 m on.
+
+    Examples
+    --------
+    >>> [length_unit(longest).shown for longest in (5e-7, 9e-5, 4e-3, 12.5e-3, 20.0)]
+    ['nm', 'µm', 'µm', 'mm', 'm']
+    """
+    if 0 < longest < 1e-6:
+        return Unit(1e9, "nm")
+    if longest >= 1e-2:
+        return Unit(1e3, "mm") if longest < 10 else Unit(1.0, "m")
+    return Unit(1e6, "µm")
 
 
 def middle_of(results: Sequence[xr.Dataset]) -> dict[str, float]:
