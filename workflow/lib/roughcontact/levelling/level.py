@@ -13,13 +13,12 @@ from roughcontact.levelling.curved import fit_curved_form
 from roughcontact.levelling.filling import fill_harmonic, find_holes
 from roughcontact.levelling.filters import gaussian_mean_surface
 from roughcontact.levelling.outliers import find_outliers
-from roughcontact.levelling.polynomial import fit_polynomial
+from roughcontact.levelling.polynomial import fit_polynomial, without_form
 from roughcontact.levelling.row_jitter import RowJitter, find_row_jitter
 from roughcontact.levelling.scan_lines import find_scars, line_offsets
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.roughness.heights import height_parameters
 
-_ROUNDING = 16 * np.finfo(float).eps  # of a height less its form, relative to the form
 _FAR = 1e4  # times shorter than a pixel, or longer than a side: no nesting index that anybody means
 
 
@@ -141,7 +140,7 @@ def level(
     if form != "none":
         surface, removed = _fit(values, height, form, order, robust)
         kept -= surface[rejected]
-        values = _less(values, surface)
+        values = without_form(values, surface)
         del surface
     if kept.size and (s_filter or l_filter):
         kept = _filter(_put(values.copy(), rejected, kept), step, s_filter, l_filter)[0][rejected]
@@ -263,16 +262,6 @@ def _fit(
         return fit_curved_form(values, coordinates, shape=form, robust=robust)
     except HeightMapError as error:
         raise HeightMapError(f"{height.attrs.get('source_file') or 'the map'}: {error}") from error
-
-
-def _less(values: np.ndarray, form: np.ndarray) -> np.ndarray:
-    """Return the heights less the form, in its place."""
-    rounding = _ROUNDING * max(np.nanmax(form), -np.nanmin(form))
-    left = np.subtract(values, form, out=form)
-    # a plane, or a map that never varied, is flat: what the subtraction leaves is rounding
-    if max(np.nanmax(left), -np.nanmin(left)) <= rounding:
-        left[~np.isnan(values)] = 0.0
-    return left
 
 
 def _put(whole: np.ndarray, where: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ from roughcontact.levelling.robust import biweight, robust_scale
 
 _ITERATIONS = 100
 _START_POINTS = 250_000  # enough points for a good start
+_ROUNDING = 16 * np.finfo(float).eps  # of a height less its form, relative to the form
 _CONVERGED = 1e-6  # change of the form between iterations, in standard deviations of the residual
 
 
@@ -75,6 +76,35 @@ def fit_polynomial(
     coefficients = coefficients.copy()
     coefficients[0, 0] += reference
     return form, _record(coefficients, axes, order)
+
+
+def without_form(values: np.ndarray, form: np.ndarray) -> np.ndarray:
+    """Return the heights less a form, in the memory of the form.
+
+    Parameters
+    ----------
+    values : array (ny, nx), m
+        NaN where missing.
+    form : array (ny, nx), m
+        is lost.
+
+    Returns
+    -------
+    array (ny, nx), m
+        zero where nothing is left but rounding: a plane, or a map that never varied, is flat.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> form = np.linspace(0.0, 1.0, 5)
+    >>> without_form(np.nextafter(form, 2.0), form)
+    array([0., 0., 0., 0., 0.])
+    """
+    rounding = _ROUNDING * max(np.nanmax(form), -np.nanmin(form))
+    left = np.subtract(values, form, out=form)
+    if max(np.nanmax(left), -np.nanmin(left)) <= rounding:
+        left[~np.isnan(values)] = 0.0
+    return left
 
 
 def share_of_form(values: np.ndarray, coordinates: Sequence[np.ndarray], *, order: int = 2) -> float:

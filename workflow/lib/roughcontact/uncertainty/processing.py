@@ -108,16 +108,19 @@ def processing_uncertainty(
     """
     count = headline_and_answers if answers_in(solved) else headline
     chosen = periodic_window(levelled, **window) if chosen is None else chosen
+    known = {name: solved[name].values for name in (*QUANTITIES, *answers_in(solved))}
     choices, members = [], []
     for choice, other in _choices(levelled, chosen, level, window):
         choices.append(choice)
+        if other is None:
+            members.append(Member(known, 0.0))
+            continue
         members.append(solve_member(other, contact, tolerance=_TOLERANCE, count=count))
         del other  # before the next one is made: large maps leave no room for two
     groups = np.array([choice.group for choice in choices])
     on_coarse_grid = np.isin(groups, ("own", "form"))
     result: dict[str, tuple] = {}
-    for name in (*QUANTITIES, *answers_in(solved)):
-        main = solved[name].values
+    for name, main in known.items():
         values = np.array([member.values[name] for member in members])
         values[on_coarse_grid] = scale_to(main, values[on_coarse_grid], base=values[0])
         farthest = [np.abs(values[groups == group] - main).max(axis=0) for group in np.unique(groups)]
@@ -193,13 +196,15 @@ class _Choice(NamedTuple):
 
 def _choices(
     levelled: xr.DataArray, chosen: xr.DataArray, level: Mapping[str, Any], window: Mapping[str, Any]
-) -> Iterator[tuple[_Choice, xr.DataArray]]:
+) -> Iterator[tuple[_Choice, xr.DataArray | None]]:
     """Yield the user's own choice, and each other one that makes a difference to this map, with its window.
 
-    One window after the other: what has been yielded is not kept here.
+    One window after the other: what has been yielded is not kept here. The user's own has a window only where
+    forms are compared with it: else its result is known.
     """
-    yield _Choice("own", "as chosen"), periodic_window(_coarsened(levelled), **window)
-    if chosen.attrs["periodisation"] != "none":
+    with_forms = chosen.attrs["periodisation"] != "none"
+    yield _Choice("own", "as chosen"), periodic_window(_coarsened(levelled), **window) if with_forms else None
+    if with_forms:
         for name, other in _other_forms(levelled, level):
             yield _Choice("form", name), periodic_window(other, **window)
         for method in _FAIR_METHODS:

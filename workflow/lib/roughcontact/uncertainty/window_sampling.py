@@ -36,6 +36,7 @@ the number of maps.
 All constants are measured on real surfaces and made ones (docs/explanation/coverage.md).
 """
 
+import json
 import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -44,8 +45,9 @@ import numpy as np
 import xarray as xr
 from scipy.special import erf, erfinv, stdtrit
 
+from roughcontact.checking import check_map
 from roughcontact.errors import SettingsError
-from roughcontact.levelling.level import level
+from roughcontact.levelling.polynomial import fit_polynomial, without_form
 from roughcontact.maps import spacing
 from roughcontact.quantities import number, percent
 from roughcontact.roughness.texture import texture_parameters
@@ -133,6 +135,7 @@ def window_uncertainty(
     Examples
     --------
     >>> from roughcontact.contact.solve import solve_contact
+    >>> from roughcontact.levelling.level import level
     >>> from roughcontact.references.synthetic import rough_reference_surface
     >>> from roughcontact.uncertainty.headline import headline
     >>> levelled = level(rough_reference_surface(64))
@@ -332,10 +335,12 @@ def _of_the_peak(values: np.ndarray, result: np.ndarray, step: _Step) -> Widths:
 
 def _levelled_again(part: xr.DataArray, order: int) -> xr.DataArray:
     """Return a part of a levelled map, levelled by itself like the map; nothing else is done to it."""
-    plain: dict[str, Any] = {"outlier_threshold": None, "line_alignment": "none", "fill": "none"}
-    return (
-        level(part, form="polynomial", order=order, **plain) if order else level(part, form="none", **plain)
-    )
+    if not order:
+        return part.assign_attrs(form="none", form_removed="{}")
+    heights = check_map(part)
+    form, removed = fit_polynomial(heights, (part["y"].values, part["x"].values), order=order)
+    record = {"form": "polynomial", "form_removed": json.dumps(removed)}
+    return part.copy(data=without_form(heights, form)).assign_attrs(record)
 
 
 def _sides(part: Part) -> list[int]:

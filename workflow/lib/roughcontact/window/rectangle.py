@@ -34,6 +34,12 @@ def largest_rectangle(good: np.ndarray, sides: np.ndarray) -> tuple[int, int, in
     (1, 1, 2, 3)
     """
     ny, nx = good.shape
+    if good.all():  # as many rows as its side needs
+        return (
+            (0, 0, int(np.argmax(sides[: ny + 1] == sides[ny])), nx)
+            if sides[ny] * sides[nx]
+            else (0, 0, 0, 0)
+        )
     columns = np.arange(nx)
     tall = np.zeros(nx, dtype=int)
     left = np.zeros(nx, dtype=int)
