@@ -37,7 +37,7 @@ def with_rejected(levelled: xr.DataArray, which: np.ndarray | None = None) -> xr
         back &= which
     if not back.any():
         return levelled
-    values = np.where(back, levelled["rejected_height"].values, levelled.values)
+    values = np.where(back, _heights(levelled), levelled.values)
     filled = np.where(back, 0, levelled["filled"].values).astype(np.int8)
     return levelled.copy(data=values).assign_coords(filled=(("y", "x"), filled))
 
@@ -63,7 +63,7 @@ def rejected_points(levelled: xr.DataArray) -> np.ndarray:
     """
     if "rejected_height" not in levelled.coords:
         return np.zeros(levelled.shape, dtype=bool)
-    rejected = ~np.isnan(levelled["rejected_height"].values)
+    rejected = ~np.isnan(_heights(levelled))
     closed = levelled.attrs.get("fill_method") == "none" or ~np.isnan(levelled.values)
     return np.asarray(rejected & closed)
 
@@ -89,3 +89,8 @@ def with_rejected_marked(levelled: xr.DataArray) -> xr.DataArray:
     """
     marks = rejected_points(levelled).astype(np.int8)
     return with_rejected(levelled).assign_coords(filled=(("y", "x"), marks))
+
+
+def _heights(levelled: xr.DataArray) -> np.ndarray:
+    """Return the heights that rejected points would have; those of a file are read anew and not kept."""
+    return levelled["rejected_height"].copy(deep=False).values

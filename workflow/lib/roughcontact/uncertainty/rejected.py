@@ -56,9 +56,11 @@ def rejected_load_share(
     loads = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
     unknown = "rejected_height" not in levelled.coords and levelled.attrs.get("outliers_rejected", 0)
     share = np.full(loads.shape, np.nan if unknown else 0.0)
-    if rejected_points(levelled).any():
+    own = levelled.copy(deep=False)  # what is read of a file into it goes before the solve
+    if rejected_points(own).any():
         # the marks follow the points into the window, blended edges included
-        kept = periodic_window(with_rejected_marked(levelled), **window)
+        kept = periodic_window(with_rejected_marked(own), **window)
+        del own
         on_rejected = kept["filled"].values != 0
         if on_rejected.any():
 
