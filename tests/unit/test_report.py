@@ -842,6 +842,18 @@ def study(tmp_path_factory):
     return assemble(folder, runs, failures=failures)
 
 
+def test_the_page_of_a_surface_names_the_cases_that_failed(tmp_path):
+    runs = [run_surface(tmp_path, f"s-{seed}", rough(1, shape=(24, 24)), case="soft") for seed in range(12)]
+    failures = [{"surface": "s-3", "case": "hard", "reason": "no <b> hardness"}]
+    index = assemble(tmp_path, runs, failures=failures)
+    # also where no surface has results under it
+    assert "<option>soft</option><option>hard</option>" in index.read_text(encoding="utf-8")
+    pages = index.parent / "pages"
+    for seed in range(12):
+        text = (pages / f"s-{seed}.html").read_text(encoding="utf-8")
+        assert ("s-3 · hard" in text) == ("no &lt;b&gt; hardness" in text) == (seed == 3)
+
+
 def test_a_profile_has_no_answer_on_sealing_anywhere(page):
     text = page.read_text(encoding="utf-8")
     part = text.partition('id="surface-profile"')[2].partition("</section>")[0]

@@ -105,9 +105,11 @@ def write_report(
         }
         for summary in summaries
     ]
+    named = [{**failure, "name": _name(failure["surface"], failure["case"])} for failure in failures]
     if many:
         shown_in = folder / "pages"
-        _write_pages(Path(path).parent / "pages", rows, panels, by_surface, title=title, folder=shown_in)
+        pages = Path(path).parent / "pages"
+        _write_pages(pages, rows, panels, by_surface, named, title=title, folder=shown_in)
     html = template("report.html").render(
         title=title,
         rows=rows,
@@ -119,14 +121,14 @@ def write_report(
         many=many,
         doubts=Counter(doubt for summary in summaries for doubt in _doubts(summary)).most_common(),
         surfaces=len(by_surface),
-        cases_of_run=[str(case) for case in collected["case_name"].values]
-        if "case" in collected.dims
-        else [],
+        cases_of_run=list(
+            dict.fromkeys(case for case in (*case_of.values(), *(one["case"] for one in failures)) if case)
+        ),
         which_load=_which_load(list(places.values()), list(known.values())),
         comparisons=_comparisons(series, many=many),
         cases=_cases(by_surface, many=many),
         parts=[] if many else [_part(panel, folder, units["mean_gap"]) for panel in panels],
-        failures=[{**failure, "name": _name(failure["surface"], failure["case"])} for failure in failures],
+        failures=named,
         pairs=pair_table(pairs) if pairs else None,
         settings=json.dumps(settings, indent=1, sort_keys=True),
         limits={
@@ -155,6 +157,7 @@ def _write_pages(
     summaries: Sequence[Mapping[str, Any]],
     panels: Sequence[str | Path],
     by_surface: Mapping[str, Mapping[str, xr.Dataset]],
+    failures: Sequence[Mapping[str, Any]],
     *,
     title: str,
     folder: Path,
@@ -173,7 +176,7 @@ def _write_pages(
             rows=[summaries[index] for index in own],
             asked=HEADINGS,
             words=checks.VERDICTS,
-            failures=(),
+            failures=[failure for failure in failures if failure["surface"] == name],
             parts=[_part(panels[index], folder, unit) for index in own],
         )
         write_text(html, written_to / f"{name}.html")
