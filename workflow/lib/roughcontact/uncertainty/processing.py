@@ -199,8 +199,9 @@ def _choices(
 ) -> Iterator[tuple[_Choice, xr.DataArray | None]]:
     """Yield the user's own choice, and each other one that makes a difference to this map, with its window.
 
-    One window after the other: what has been yielded is not kept here. The user's own has a window only where
-    forms are compared with it: else its result is known.
+    One window after the other: what has been yielded is not kept here, nor, as copies are handed on, what was
+    read for it of a map that lies in a file. The user's own has a window only where forms are compared with
+    it: else its result is known.
     """
     with_forms = chosen.attrs["periodisation"] != "none"
     yield _Choice("own", "as chosen"), periodic_window(_coarsened(levelled), **window) if with_forms else None
@@ -210,10 +211,10 @@ def _choices(
         for method in _FAIR_METHODS:
             if method != chosen.attrs["periodisation"]:
                 made = _Choice("periodisation", f"made periodic by {method}")
-                yield made, _by_method(levelled, chosen, window, method)
+                yield made, _by_method(levelled.copy(deep=False), chosen, window, method)
     if chosen["filled"].any():
         choice = _Choice("filling", "holes filled with roughness")
-        yield choice, periodic_window(rough_filling(levelled), **window)
+        yield choice, periodic_window(rough_filling(levelled.copy(deep=False)), **window)
     for group, others in (("outliers", _other_outliers(levelled, level)), ("rows", _other_rows(levelled))):
         for name, other in others:
             # an own place for each window, which is gone with it
@@ -242,19 +243,37 @@ def _other_outliers(levelled: xr.DataArray, level: Mapping[str, Any]) -> Iterato
     threshold = level.get("outlier_threshold", 6.0)
     if threshold is None:
         return
+    for name, make in (
+        ("doubtful outliers kept", _doubtful_kept),
+        ("narrow bumps rejected", _without_bumps),
+    ):
+        other = make(levelled.copy(deep=False), threshold)
+        if other is not None:
+            made = [other]  # an own place, which is gone with it
+            del other
+            yield name, made.pop()
+
+
+def _doubtful_kept(levelled: xr.DataArray, threshold: float) -> xr.DataArray | None:
+    """Return the map with the rejected points that twice the threshold would keep; None where none is."""
     rejected = rejected_points(levelled)
-    if rejected.any():
-        sure, _ = find_outliers(with_rejected(levelled).values, threshold=_SURE * threshold)
-        if (rejected & ~sure).any():
-            yield "doubtful outliers kept", with_rejected(levelled, ~sure)
+    if not rejected.any():
+        return None
+    sure, _ = find_outliers(with_rejected(levelled).values, threshold=_SURE * threshold)
+    return with_rejected(levelled, ~sure) if (rejected & ~sure).any() else None
+
+
+def _without_bumps(levelled: xr.DataArray, threshold: float) -> xr.DataArray | None:
+    """Return the map with narrow bumps rejected as well; None where there is none."""
     bumps, _ = find_outliers(levelled.values, threshold=threshold, bumps=True)
     bumps &= levelled["filled"].values == 0
     labels, _ = find_holes(bumps)
-    if labels.any():
-        values = np.where(labels > 0, np.nan, levelled.values)
-        filled = np.where(labels > 0, 1, levelled["filled"].values).astype(np.int8)
-        without = levelled.copy(data=fill_harmonic(values, labels, spacing(levelled)))
-        yield "narrow bumps rejected", without.assign_coords(filled=(("y", "x"), filled))
+    if not labels.any():
+        return None
+    values = np.where(labels > 0, np.nan, levelled.values)
+    filled = np.where(labels > 0, 1, levelled["filled"].values).astype(np.int8)
+    without = levelled.copy(data=fill_harmonic(values, labels, spacing(levelled)))
+    return without.assign_coords(filled=(("y", "x"), filled))
 
 
 def _by_method(
@@ -294,9 +313,9 @@ def _other_forms(levelled: xr.DataArray, level: Mapping[str, Any]) -> Iterator[t
     if levelled.attrs["form"] in ("sphere", "cylinder"):
         order = 1  # the polynomial next to it is the second-order one
     robust = level.get("robust", False)
-    yield f"form of order {order + 1}", _coarsened(_with_order(levelled, order + 1, robust))
+    yield f"form of order {order + 1}", _coarsened(_with_order(levelled.copy(deep=False), order + 1, robust))
     if order > 1:
-        lower = _with_order(levelled, order - 1, robust)
+        lower = _with_order(levelled.copy(deep=False), order - 1, robust)
         if share_of_form(lower.fillna(lower.mean()).values, _coordinates(lower)) <= FORM:
             yield f"form of order {order - 1}", _coarsened(lower)
 
