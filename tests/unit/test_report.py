@@ -10,6 +10,8 @@ import re
 import shutil
 import subprocess
 import threading
+import zlib
+from contextlib import suppress
 from pathlib import Path
 from urllib.parse import unquote
 from xml.etree import ElementTree
@@ -1007,6 +1009,35 @@ def test_of_many_surfaces_it_is_counted_how_many_differ_by_more_than_their_inter
     areas, *_, gaps = case_medians(surfaces)["groups"]
     assert areas["rows"][0][-1] == "100 % (25.0 to 100); beyond ± 4 of 5"
     assert gaps["rows"][0][-1] == "0 % (0 to 0)"
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+def test_a_printed_index_has_its_heads_on_every_page(study, tmp_path):
+    text = study.read_text(encoding="utf-8")
+    head, rows, _ = re.split(r"<tbody>|</tbody>", text, maxsplit=2)
+    # heads in a colour by which they are known; what follows the table is left out
+    marked = head.replace("</style>", ".many thead th { color: #010203 }</style>")
+    page, printed = tmp_path / "index.html", tmp_path / "index.pdf"
+    page.write_text(f"{marked}<tbody>{10 * rows}</tbody></table></div></section></main>", encoding="utf-8")
+    subprocess.run(
+        [
+            CHROMIUM,
+            *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--no-pdf-header-footer"),
+            *(f"--user-data-dir={tmp_path / 'profile'}", f"--print-to-pdf={printed}", page.as_uri()),
+        ],
+        capture_output=True,
+        timeout=180,
+        check=True,
+    )
+    file, drawn = printed.read_bytes(), []
+    for stream in re.finditer(rb"stream\r?\n", file):
+        with suppress(zlib.error):
+            drawn.append(zlib.decompressobj().decompress(file[stream.end() :]))
+    # 1, 2 and 3 of 255
+    with_heads = sum(bool(re.search(rb"0?\.0039\d* 0?\.0078\d* 0?\.011[78]\d* rg", page)) for page in drawn)
+    assert with_heads == max(int(count) for count in re.findall(rb"/Count (\d+)", file))
+    assert with_heads > 3
 
 
 @pytest.mark.browser
