@@ -10,8 +10,7 @@ settings = snakemake.params.settings
 window = read_dataset(snakemake.input.window)["height"]
 contact = solver_arguments(window, settings["contact"]) | {"progress": None}
 verbs = {"level": settings["level"], "window": settings["window"], "contact": contact}
-with opened_dataset(
-    snakemake.input.levelled
-) as levelled:  # read when it is wanted, not beside the first solve
+# read when it is wanted, not beside the first solve
+with opened_dataset(snakemake.input.levelled) as levelled:
     budget = error_budget(levelled["height"], window, verbs, **settings["uncertainty"])
 save(budget, snakemake.output[0], settings, source=window.attrs)

@@ -265,7 +265,7 @@ class Grid:
             square = mean_product(values, values)
             safe = 0.5 * mean_product(values, taken) / square if square > 0 else 0.0
         kernels.advance(state.pressure, taken, correction.mean, length, cap, out, values)
-        free = values
+        free = values  # the same array: no residual any more, but 1 between the bounds and 0 elsewhere
         line_loads = None if self._line_axis is None else self._line_sums(out) + self._line_sums(taken)
         total = 0.0
         most, small = self._passes
