@@ -37,6 +37,21 @@ def test_the_conda_environment_has_the_packages_of_the_project():
     assert found == {name.lower(): lowest for name, lowest in lowest_wanted.items()} | {"pip": None}
 
 
+def test_the_lowest_versions_are_the_same_everywhere():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    wanted = " ".join(project["optional-dependencies"]["workflow"])
+    lowest = {
+        "Python": project["requires-python"].removeprefix(">="),
+        "Snakemake": re.match(r"snakemake>=([\d.]+)", wanted)[1],
+    }
+    assert f'\nmin_version("{lowest["Snakemake"]}")\n' in (ROOT / "workflow/Snakefile").read_text()
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")]
+    text = "\n".join(page.read_text(encoding="utf-8") for page in pages)
+    named = re.findall(r"(Python|Snakemake)\s+(\d[\d.]*\d)\s+or\s+later", text)
+    assert {name for name, _ in named} == set(lowest)
+    assert all(lowest[name] == version for name, version in named)
+
+
 def test_the_container_installs_what_is_here():
     """No test builds it; its own commands are those by which `.ci/run` installs the wheel."""
     recipe = (ROOT / "Dockerfile").read_text()

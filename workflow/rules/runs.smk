@@ -68,17 +68,9 @@ logging.getLogger("snakemake.logging").addFilter(without_limit)
 KILLED = []  # what was said of jobs that could not say it themselves
 
 
-def named_by_snakemake(file):
-    """Return what Snakemake calls a file of the workflow in its messages."""
-    try:
-        return file.get_path_or_uri(secret_free=True)
-    except TypeError:  # the first versions hide no tokens
-        return file.get_path_or_uri()
-
-
-# the files of our rules
+# what Snakemake calls the files of our rules in its messages
 OURS = {
-    named_by_snakemake(HERE.join(path.name))
+    HERE.join(path.name).get_path_or_uri(secret_free=True)
     for path in (ROOT / "workflow/rules").glob("*.smk")
 }
 
@@ -92,10 +84,17 @@ class OneLine(logging.Filter):
     def __init__(self):
         super().__init__()
         self.ended = threading.local()  # both come from the thread of the job
+        self.over = False
 
     def filter(self, record):
         event = getattr(record, "event", None)
         text = str(record.msg)
+        if text.startswith("Exiting because a job execution failed"):
+            # Snakemake before 9.26 says all errors once more below
+            self.over = True
+            record.msg = text.replace("below", "above")
+        elif self.over and event in ("job_error", "group_error"):
+            return False
         if event == "run_info":  # for screens that show surfaces instead of jobs
             record.surfaces = surfaces_of_jobs()
         failed = re.search('CalledProcessError in file "(.+?)", line', text)
