@@ -16,7 +16,7 @@ rule uncertainty:
         "../envs/roughcontact.yaml"
     threads: solver_threads
     resources:
-        mem_mb=memory(bytes_per_point=130, up_to_a_million=1000),
+        mem_mb=memory(bytes_per_point=115, up_to_a_million=1000),
         runtime=minutes(microseconds_per_point=100, and_load=150),
     params:
         settings=stage_settings("uncertainty"),
@@ -48,7 +48,7 @@ if owners("contact", keep_fields=True) or (
             "../envs/roughcontact.yaml"
         threads: solver_threads
         resources:
-            mem_mb=memory(bytes_per_point=100),
+            mem_mb=memory(bytes_per_point=80),
             runtime=minutes(microseconds_per_point=20, and_load=30),
         params:
             settings=stage_settings("contact"),

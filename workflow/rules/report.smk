@@ -60,7 +60,7 @@ rule panel:
     conda:
         "../envs/roughcontact.yaml"
     resources:
-        mem_mb=memory(bytes_per_point=100),
+        mem_mb=memory(bytes_per_point=80),
         runtime=minutes(microseconds_per_point=20),
     params:
         settings=stage_settings("statistics"),

@@ -46,7 +46,7 @@ rule level:
     conda:
         "../envs/roughcontact.yaml"
     resources:
-        mem_mb=memory(bytes_per_point=110),
+        mem_mb=memory(bytes_per_point=90),
         runtime=minutes(microseconds_per_point=20),
     params:
         settings=stage_settings("levelled"),
@@ -98,7 +98,7 @@ rule window:
     conda:
         "../envs/roughcontact.yaml"
     resources:
-        mem_mb=memory(bytes_per_point=100),
+        mem_mb=memory(bytes_per_point=90),
         runtime=minutes(microseconds_per_point=20),
     params:
         settings=stage_settings("window"),
