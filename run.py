@@ -6,7 +6,7 @@ and again only after pyproject.toml, setup.py or the C source has changed. Furth
 (`python3 run.py -n`) or, after `test`, to pytest (`python3 run.py test tests/unit`; `python3 run.py test -m
 slow` for those that take long by their nature). `python3 run.py lint` does only the checks of the source that
 `test` begins with, and `python3 run.py docs` builds the documentation. `python3 run.py lowest` runs the tests
-of the package with the lowest versions that pyproject.toml admits.
+of package and workflow with the lowest versions that pyproject.toml admits.
 """
 
 import hashlib
@@ -112,14 +112,14 @@ def docs():
 
 
 def lowest(*arguments):
-    """Run the tests of the package with the lowest versions it admits, in an environment of their own."""
+    """Run all tests but those of the docs with the lowest versions, in an environment of their own."""
     folder = ROOT / ".venv-lowest"
     python = folder / BIN.name / "python"
     wanted = ["--resolution", "lowest-direct", "--editable", f"{ROOT}[workflow]", "--group", "test"]
     return (
         run([sys.executable, "-m", "venv", "--clear", folder])
         or run([BIN / "uv", "pip", "install", "--quiet", "--python", python, *wanted])
-        or run([python, "-m", "pytest", "tests/unit", "tests/property", *arguments])
+        or run([python, "-m", "pytest", "tests/unit", "tests/property", "tests/workflow", *arguments])
     )
 
 
