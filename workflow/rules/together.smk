@@ -97,7 +97,7 @@ def small_memory(wildcards, attempt):
 @called_often
 def small_minutes(wildcards, attempt):
     """Return the run time (minutes) of a job with several stages of a small map."""
-    return round(attempt * (1 + 4 * megabytes(row(wildcards.surface).path)))
+    return round(attempt * (1 + 1.5 * megabytes(row(wildcards.surface).path)))
 
 
 for case in CASES:

@@ -172,6 +172,7 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "leak_rate_y_upper": ("m2 s-1", "upper end of the 95 % interval of the leak rate along y"),
     "switches": ("1", "switches between contact and non-contact along all rows and columns"),
     "beside_the_peak": ("Pa", "difference between the largest pressure and the mean of its neighbours"),
+    "place_of_the_peak": ("1", "index of the largest pressure, counted row by row"),
     # theory beside the data
     "area_persson": ("1", "relative contact area after Persson (2001)"),
     "area_xu": ("1", "relative contact area after Xu et al. (2024)"),

@@ -429,7 +429,7 @@ class Settings(Section):
         description="path of the table of surfaces, tab-separated, one row each; see config/README.md",
     )
     together: Annotated[Number, Field(ge=0)] = Field(
-        default=4.0,
+        default=12.0,
         description="measured files smaller than this (MB) go through their stages in two jobs, up to the "
         "window and from there, which saves most of the time of small maps; larger ones, and all at 0, have "
         "a job for every stage",

@@ -23,8 +23,15 @@ The mean contact pressure is p̄ over the share of the points in contact, which 
 is known from the corrected area A, p̄/A - p̄/A_points, to which p̄ u(A) / A² is added, not as squares,
 because the former is no matter of chance.
 
+Loads that lie close are not all solved once more (`loads_apart`). At those left out the relative changes of
+area and peak are interpolated. Those of the other quantities change their sign with the load and are small by
+chance here and there: a load left out takes the largest of two on each side. The conductance and the
+narrowest places, which change by single pixels, never count as less than at the loads next to theirs. In a
+part of a large window, which has the highest peak and few others, that holds for the peak and the mean gap as
+well, and all these changes count half as much again.
+
 The constants are measured on band-limited maps of known fine solution (`roughcontact.validation.coverage`,
-tests/unit/test_uncertainty_discretisation.py).
+benchmarks/pixel_size.py, tests/unit/test_uncertainty_discretisation.py).
 """
 
 from collections.abc import Mapping
@@ -40,6 +47,7 @@ from roughcontact.statistics.contact_geometry import count_switches
 from roughcontact.uncertainty.answers import answers_in, headline_and_answers
 from roughcontact.uncertainty.ensemble import Count
 from roughcontact.uncertainty.headline import QUANTITIES, fields_of, headline
+from roughcontact.uncertainty.loads_apart import interpolated, largest_beside, loads_apart, ratio
 from roughcontact.uncertainty.solver import open_mean_gap
 from roughcontact.window.periodisation import periodic_plus_smooth
 
@@ -49,6 +57,8 @@ _EDGE_NOISE = 0.3  # pixels for each switch, at random
 _BESIDE_THE_PEAK = 0.2  # of the difference between the highest point and its neighbours
 _TOLERANCE = 3e-4  # at most, of the finer solution: at 1e-3 it may move the change by a third
 _MOST_POINTS = 1024**2  # of what is refined; of a larger window a part stands for the whole
+_IN_A_PART = 1.5  # times what a part shows: of few peaks and valleys
+_SMOOTH = ("relative_contact_area", "max_pressure")  # over the load; in a part the first alone
 
 
 def discretisation_uncertainty(
@@ -59,7 +69,7 @@ def discretisation_uncertainty(
     Contact area hypot(2 D, 0.02 M / N, 0.3 sqrt(M) / N), mean gap hypot(2 D, that of the solver), largest
     pressure hypot(2 D, 0.2 d), mean contact pressure p̄/A - p̄/A_points + p̄ u(A) / A²; the head of this
     module explains them. Of a window of more than 1024² points, a part of that size shows the relative
-    changes.
+    changes. Not every one of many loads is solved once more.
 
     Parameters
     ----------
@@ -86,15 +96,7 @@ def discretisation_uncertainty(
     """
     if solved is None:
         solved = solve_contact(window, **contact, reduce=grid_marks)
-    part = _part(window)
-    names = [*QUANTITIES, *answers_in(solved)]
-    coarse = solved if part is window else _solve(part, contact, names)
-    fine = _solve(refined(part, 2), contact, names)
-    change = {}
-    for name in names:  # no gap that is left, or a narrowest place that is closed, is no base of a ratio
-        own, other = coarse[name].values, fine[name].values
-        scale = np.divide(solved[name].values, own, out=np.ones(own.shape), where=own > 0)
-        change[name] = _FIRST_ORDER * np.abs(scale * (own - other))
+    change = _changes(window, contact, solved)
     load, share = solved["mean_pressure"].values, solved["relative_contact_area"].values
     switches = solved["switches"].values / window.size
     area = _root_of_squares(
@@ -105,7 +107,7 @@ def discretisation_uncertainty(
     overcount = load / share - solved["mean_contact_pressure"].values
     uncertainty = {
         "relative_contact_area": area,
-        "mean_gap": np.hypot(change["mean_gap"], fine["mean_gap_uncertainty"].values),
+        "mean_gap": np.hypot(change["mean_gap"], change["mean_gap_uncertainty"]),
         "max_pressure": np.hypot(change["max_pressure"], _BESIDE_THE_PEAK * solved["beside_the_peak"].values),
         "mean_contact_pressure": np.abs(overcount) + load * area / share**2,
         "mean_contact_pressure_bias": np.abs(overcount),
@@ -126,7 +128,8 @@ def grid_marks(contact: xr.Dataset) -> xr.Dataset:
     -------
     Dataset
         dim load: `QUANTITIES`, `switches` between contact and non-contact along all rows and columns,
-        `beside_the_peak` (Pa) the difference between the highest point and its neighbours.
+        `beside_the_peak` (Pa) the difference between the highest point and its neighbours,
+        `place_of_the_peak` the index of the former, counted row by row.
 
     Examples
     --------
@@ -136,11 +139,35 @@ def grid_marks(contact: xr.Dataset) -> xr.Dataset:
     >>> found["switches"].item(), found["beside_the_peak"].item()
     (2, 2.5)
     """
-    switches, drop = [], []
+    switches, drop, place = [], [], []
     for pressure, _ in fields_of(contact):
         switches.append(sum(count_switches(pressure > 0)))
-        drop.append(_beside_the_peak(pressure))
-    return headline(contact).assign(switches=("load", switches), beside_the_peak=("load", drop))
+        place.append(pressure.argmax())
+        drop.append(_beside_the_peak(pressure, np.unravel_index(place[-1], pressure.shape)))
+    marks = {"switches": switches, "beside_the_peak": drop, "place_of_the_peak": place}
+    return headline(contact).assign({name: ("load", values) for name, values in marks.items()})
+
+
+def _changes(window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset) -> dict[str, np.ndarray]:
+    """Return 2 |D| of each quantity at all loads, and the solver's part of the mean gap on the finer grid."""
+    load, part = solved["mean_pressure"].values, _part(window, solved["place_of_the_peak"].values)
+    wanted = loads_apart(load, solved["relative_contact_area"].values)
+    problem = {**contact, "mean_pressure": load[wanted]}
+    names = [*QUANTITIES, *answers_in(solved)]
+    coarse = solved.isel(load=wanted) if part is window else _solve(part, problem, names)
+    fine = _solve(refined(part, 2), problem, names)
+    changes = {}
+    for name in names:  # no gap that is left, or a narrowest place that is closed, is no base of a ratio
+        own, other, value = coarse[name].values, fine[name].values, solved[name].values
+        change = _FIRST_ORDER * np.abs(own - other) * ratio(value[wanted], own)
+        if name in (_SMOOTH if part is window else _SMOOTH[:1]):
+            changes[name] = interpolated(change, wanted, load, value)
+        elif part is window:
+            changes[name] = largest_beside(change, wanted, load, value, own=name == "mean_gap")
+        else:
+            changes[name] = _IN_A_PART * largest_beside(change, wanted, load, value)
+    of_solver, gap = fine["mean_gap_uncertainty"].values, solved["mean_gap"].values
+    return changes | {"mean_gap_uncertainty": largest_beside(of_solver, wanted, load, gap, own=True)}
 
 
 def _solve(window: xr.DataArray, contact: Mapping[str, Any], names: list[str]) -> xr.Dataset:
@@ -157,22 +184,26 @@ def _with_open_gap(count: Count, contact: xr.Dataset) -> xr.Dataset:
     return count(contact).assign(mean_gap_uncertainty=("load", open_mean_gap(contact)))
 
 
-def _part(window: xr.DataArray) -> xr.DataArray:
-    """Return the middle of a window that is too large to be refined, made periodic; else the window."""
+def _part(window: xr.DataArray, places: np.ndarray) -> xr.DataArray:
+    """Return what surrounds the peak of most loads, made periodic, if a window is too large; else all."""
     sides = list(window.shape)
     while np.prod(sides) > _MOST_POINTS:
         longest = int(np.argmax(sides))
         sides[longest] = -(-sides[longest] // 2)
     if sides == list(window.shape):
         return window
-    starts = ((n - side) // 2 for n, side in zip(window.shape, sides, strict=True))
-    part = window[tuple(slice(start, start + side) for start, side in zip(starts, sides, strict=True))]
-    return part.copy(data=periodic_plus_smooth(part.values, spacing(part)))
+    found, times = np.unique(places, return_counts=True)
+    middle = np.unravel_index(found[times.argmax()], window.shape)
+    rows, columns = (
+        np.arange(at - side // 2, at - side // 2 + side) % n
+        for at, side, n in zip(middle, sides, window.shape, strict=True)
+    )
+    heights = window.values[rows[:, None], columns]
+    return window[: sides[0], : sides[1]].copy(data=periodic_plus_smooth(heights, spacing(window)))
 
 
-def _beside_the_peak(pressure: np.ndarray) -> float:
+def _beside_the_peak(pressure: np.ndarray, place: tuple[np.intp, ...]) -> float:
     """Return how much higher the highest point is than the mean of its neighbours along the axes."""
-    place = np.unravel_index(pressure.argmax(), pressure.shape)
     lines = (pressure[:, place[1]], pressure[place[0]])
     neighbours = [
         line[(at + step) % line.size]
