@@ -88,10 +88,10 @@ def settings_of_steps(steps):
     )
 
 
-@called_often
-def small_memory(wildcards, attempt):
-    """Return the memory (MB) of a job with several stages of a small map, by the size of its file."""
-    return round(attempt * (BASE_MEMORY + 300 * megabytes(row(wildcards.surface).path)))
+# that of the stage that takes most
+small_memory = called_often(
+    memory(bytes_per_point=500, and_flow=1600, up_to_a_million=1000)
+)
 
 
 @called_often
