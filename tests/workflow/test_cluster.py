@@ -21,7 +21,7 @@ def project(tmp_path):
     made = Project(tmp_path / "study", ROOT)
     table = ["surface\tpath\tunit\tdx\tdy"]
     for number in range(26):
-        np.save(made.path(f"measured/{number}.npy"), np.zeros((8, 8) if number < 24 else (800, 800)))
+        np.save(made.path(f"measured/{number}.npy"), np.zeros((8, 8) if number < 24 else (1300, 1300)))
         table.append(f"s{number}\tmeasured/{number}.npy\tum\t1\t1")
     made.write(SETTINGS, table)
     return made
