@@ -29,6 +29,9 @@ pitches = st.tuples(st.floats(0.1, 10), st.floats(0.1, 10))
 def maps(draw, missing=False):
     shape = draw(shapes)
     values = draw(arrays(float, shape, elements=st.floats(-1, 1, allow_subnormal=False)))
+    values[np.abs(values) < 1e-100] = (
+        0  # the squares of such heights are lost to underflow, and no surface has them
+    )
     if missing:
         lost = draw(arrays(bool, shape, elements=st.booleans()))
         lost.flat[draw(st.integers(0, lost.size - 1))] = False
