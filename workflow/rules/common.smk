@@ -307,6 +307,7 @@ def memory(*, bytes_per_point, and_load=0, and_flow=0, up_to_a_million=0):
     `up_to_a_million` is for each of the first million points, of what does not grow with larger maps.
     """
 
+    @called_often
     def estimate(wildcards, attempt):
         each = bytes_per_point + and_load * loads(wildcards)
         each += and_flow if flows(wildcards) else 0
@@ -320,6 +321,7 @@ def memory(*, bytes_per_point, and_load=0, and_flow=0, up_to_a_million=0):
 def minutes(*, microseconds_per_point, and_load=0):
     """Return the resource function that estimates the run time (minutes): a start, and so much for every point."""
 
+    @called_often
     def estimate(wildcards, attempt):
         each = microseconds_per_point + and_load * loads(wildcards)
         return round(5 + attempt * each * points(wildcards) / 60e6)

@@ -89,9 +89,7 @@ def settings_of_steps(steps):
 
 
 # that of the stage that takes most
-small_memory = called_often(
-    memory(bytes_per_point=500, and_flow=1600, up_to_a_million=1000)
-)
+small_memory = memory(bytes_per_point=500, and_flow=1600, up_to_a_million=1000)
 
 
 @called_often

@@ -64,8 +64,9 @@ def interpolated(found: np.ndarray, chosen: np.ndarray, load: np.ndarray, value:
     >>> interpolated(np.array([0.1, 0.6]), np.array([0, 2]), np.array([1.0, 2.0, 4.0]), np.array([1, 2, 3]))
     array([0.1, 0.3, 0.6])
     """
-    at = chosen[np.argsort(load[chosen])]
-    return value * np.interp(np.log(load), np.log(load[at]), _at_all(found, chosen, load)[at] / value[at])
+    by_load = np.argsort(load[chosen])
+    order = chosen[by_load]
+    return value * np.interp(np.log(load), np.log(load[order]), found[by_load] / value[order])
 
 
 def largest_beside(
@@ -99,11 +100,12 @@ def largest_beside(
     >>> largest_beside(np.array([0.1, 0.6]), chosen, load, value, own=True)
     array([0.1, 0.4, 0.6])
     """
-    order = chosen[np.argsort(load[chosen])]
+    by_load = np.argsort(load[chosen])
+    order = chosen[by_load]
     after = np.searchsorted(load[order], load)
     before = np.where(load[order[after]] > load, after - 1, after)
-    sides = order[np.stack([before, after, before - 1, after + 1]).clip(0, order.size - 1)]
-    carried = _at_all(found, chosen, load)[sides] * ratio(value, value[sides])
+    sides = np.stack([before, after, before - 1, after + 1]).clip(0, order.size - 1)
+    carried = found[by_load][sides] * ratio(value, value[order[sides]])
     largest = np.where(np.isnan(carried[:2]).any(axis=0), np.nan, np.fmax.reduce(carried))
     return np.where((before == after) & own, carried[0], largest)
 
@@ -126,10 +128,3 @@ def ratio(value: np.ndarray, base: np.ndarray) -> np.ndarray:
     array([1.5, 1. ])
     """
     return np.divide(value, base, out=np.ones(base.shape), where=base > 0)
-
-
-def _at_all(found: np.ndarray, chosen: np.ndarray, load: np.ndarray) -> np.ndarray:
-    """Return what was found in an array for all loads, NaN at those left out."""
-    at_all = np.full(load.shape, np.nan)
-    at_all[chosen] = found
-    return at_all
