@@ -64,7 +64,7 @@ def test_inspect_says_in_words_what_is_in_a_file(capsys):
         f"{contents['map']['missing_points']} points",
         "rms height",
         "rms gradient",
-        "drawn at the bottom",
+        "at the bottom of the picture (by its format)",
     ):
         assert words in out
 

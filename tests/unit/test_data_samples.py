@@ -73,7 +73,8 @@ def test_reader_gives_back_the_heights(name, maker, pitch):
     expected = getattr(load_script(), maker)()
     assert height.shape == expected.shape
     assert spacing(height) == pytest.approx(pitch, rel=1e-9)
-    np.testing.assert_allclose(height.values, expected, atol=1e-12, rtol=0)
+    first_line = -1 if name.endswith(".txt") else 1  # a text is a picture: its first line is the top
+    np.testing.assert_allclose(height.values[::first_line], expected, atol=1e-12, rtol=0)
     assert height.attrs["missing_points"] == int(np.isnan(expected).sum())
 
 

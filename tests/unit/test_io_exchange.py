@@ -22,8 +22,8 @@ DX, DY = 2e-6, 3e-6
 
 
 def check(height, first_row="bottom", rtol=1e-12):
-    """Size, orientation, units and the count of missing points of the map above."""
-    np.testing.assert_allclose(height.values, HEIGHTS, rtol=rtol)
+    """Size, orientation, units and the count of missing points of the map above, as the file has its rows."""
+    np.testing.assert_allclose(height.values[:: -1 if first_row == "top" else 1], HEIGHTS, rtol=rtol)
     np.testing.assert_allclose(height.x, DX * (0.5 + np.arange(4)), rtol=1e-12)
     np.testing.assert_allclose(height.y, DY * (0.5 + np.arange(3)), rtol=1e-12)
     assert height.name == "height"

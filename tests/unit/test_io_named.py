@@ -38,7 +38,7 @@ def tmd(comment=b"", heights=HEIGHTS, version=b"v2.0"):
 @pytest.mark.parametrize("comment", [b"", b"Created by TrueMap v6\r\n", b"of another length"])
 def test_truemap_with_any_comment(tmp_path, comment):
     height = read_height_map(saved(tmp_path, tmd(comment)))
-    np.testing.assert_allclose(height.values, HEIGHTS.astype(float) * 1e-3, rtol=1e-12)
+    np.testing.assert_allclose(height.values[::-1], HEIGHTS.astype(float) * 1e-3, rtol=1e-12)
     assert (float(height.x[1] - height.x[0]), float(height.y[1] - height.y[0])) == pytest.approx(
         (2e-4, 1.5e-4)
     )
@@ -60,9 +60,9 @@ def test_a_real_file_of_gelsight():
     height = read_height_map(MORE / "gelsight-testing.tmd")
     assert height.shape == (20, 30)
     assert float(height.x[1] - height.x[0]) == pytest.approx(27.5e-6, rel=1e-6)
-    # the last four bytes of the file as it lies there
+    # the last four bytes of the file as it lies there: the lower right corner of the picture
     last = struct.unpack("<f", (MORE / "gelsight-testing.tmd").read_bytes()[-4:])[0]
-    assert float(height[-1, -1]) == pytest.approx(1e-3 * last, rel=1e-12)
+    assert float(height[0, -1]) == pytest.approx(1e-3 * last, rel=1e-12)
 
 
 @pytest.mark.parametrize("compressed", [False, True])
@@ -288,7 +288,7 @@ def test_keyence_alone_and_within_an_archive(tmp_path, wrapped):
             new.writestr("Vk4File", data)
         data = wrapped.encode() + b"\x01" + bytes(range(1, 200)) + packed.getvalue()
     height = read_height_map(saved(tmp_path, data, "map.bin"))
-    np.testing.assert_allclose(height.values, 1e-10 * counts, rtol=1e-12)
+    np.testing.assert_allclose(height.values[::-1], 1e-10 * counts, rtol=1e-12)
     assert float(height.x[1] - height.x[0]) == pytest.approx(250e-9)
     with pytest.raises(InputFileError):
         read_height_map(saved(tmp_path, data[: int(0.6 * len(data))], "map.bin"))

@@ -66,7 +66,7 @@ def test_one_file_adds_a_format(tmp_path, another_format):
     path = tmp_path / "map.xyz"
     path.write_bytes(b"ANOTHER\0" + bytes([4]) + (1e9 * HEIGHTS).tobytes())
     height = read_height_map(path)
-    np.testing.assert_allclose(height.values, HEIGHTS, rtol=1e-12)
+    np.testing.assert_allclose(height.values[::-1], HEIGHTS, rtol=1e-12)
     assert float(height.x[1] - height.x[0]) == pytest.approx(2e-6)
     assert height.attrs["source_format"] == "another"
     path.write_bytes(path.read_bytes()[:-8])

@@ -216,6 +216,18 @@ SILENT = {
 }
 
 
+# Files that begin at the bottom of their picture, by their standard or their positions; others at the top.
+BOTTOM = {
+    *("x3p-2.x3p", "KautschukInfiniteFocus.x3p", "ISO5436-sample1.x3p", "ISO5436-sample4_bin.x3p"),
+    *("Hamby252_Barrel1_Bullet1_Land4.x3p", "sdf-1.sdf", "xyz-2.txt", "test1.txt", "csv-1.csv"),
+}
+
+
+def in_order_of_the_file(height):
+    """Return the heights with the first row of the file first: for a picture the upper one."""
+    return height.values if height.attrs["source_file"] in BOTTOM else height.values[::-1]
+
+
 def catalogue():
     with (DATA / "CATALOG.tsv").open(encoding="utf-8") as stream:
         return {row["file"]: row for row in csv.DictReader(stream, delimiter="\t")}
@@ -250,6 +262,9 @@ def test_size_heights_and_missing_points(name):
     assert height.attrs["missing_points"] == int(np.isnan(height.values).sum())
     assert height.attrs["channel"] == CHANNELS.get(name, height.attrs["channel"])
     assert len(height.attrs["source_sha256"]) == 64
+    assert height.attrs["y_axis"] == "up"
+    assert height.attrs["first_row"] == ("bottom" if name in BOTTOM else "top")
+    assert height.attrs["first_row_assumed"] == (name == "AFM.txt")
 
 
 @pytest.mark.parametrize("name", sorted(REFUSED))
@@ -269,7 +284,7 @@ def test_files_that_do_not_say_their_units_are_refused_without_them(name):
 
 @pytest.mark.parametrize("name", sorted(SECOND_READER))
 def test_orientation_and_scale_against_a_second_reader(name):
-    height = read_height_map(DATA / name).values
+    height = in_order_of_the_file(read_height_map(DATA / name))
     ny, nx = height.shape
     points = [(ny // 5, nx // 7), (ny // 3, 6 * nx // 7), (4 * ny // 5, nx // 5)]
     found = [height[point] - height[ny // 2, nx // 2] for point in points]
@@ -280,7 +295,7 @@ def test_orientation_and_scale_against_a_second_reader(name):
 def test_steps_heights_and_missing_points_against_gwyddion(name):
     dx, dy, missing, heights = GWYDDION[name]
     height = read_height_map(DATA / name)
-    values = height.values
+    values = in_order_of_the_file(height)
     ny, nx = values.shape
     points = [(ny // 5, nx // 7), (ny // 3, 6 * nx // 7), (4 * ny // 5, nx // 5)]
     found = [values[point] - values[ny // 2, nx // 2] for point in points]
@@ -304,7 +319,7 @@ def test_a_profile_against_gwyddion():
 def test_matrices_of_numbers_against_numpy(name, skip, factor):
     height = read_height_map(DATA / name, **GIVEN.get(name, {}))
     table = np.loadtxt(DATA / name, skiprows=skip, encoding="latin-1") * factor
-    np.testing.assert_allclose(height.values, table, rtol=1e-12)
+    np.testing.assert_allclose(height.values[::-1], table, rtol=1e-12)
 
 
 def test_bytes_of_a_binary_map_without_a_second_reader():
@@ -313,7 +328,7 @@ def test_bytes_of_a_binary_map_without_a_second_reader():
     size = np.frombuffer(data, "<f4", 2, offset=64)
     values = np.frombuffer(data, "<f4", 300 * 300, offset=80).reshape(300, 300)
     height = read_height_map(DATA / "tmd-1.tmd")
-    np.testing.assert_allclose(height.values, 1e-3 * values, rtol=1e-6)
+    np.testing.assert_allclose(height.values[::-1], 1e-3 * values, rtol=1e-6)
     assert 300 * float(height.x[1] - height.x[0]) == pytest.approx(1e-3 * size[0], rel=1e-6)
 
 
@@ -361,7 +376,7 @@ def test_windows_of_the_solved_references(name):
     assert cases
     for case in cases:
         i, j, nx, ny = case["window"]
-        window = height.values[j : j + ny, i : i + nx]
+        window = in_order_of_the_file(height)[j : j + ny, i : i + nx]
         rest = without_plane(window)
         assert rest.std() == pytest.approx(case["rms_height"], rel=1e-9)
         assert float(height.x[1] - height.x[0]) == pytest.approx(case["dx"][0], rel=1e-9)

@@ -32,7 +32,7 @@ def saved(tmp_path, text, encoding="utf-8"):
 def test_header_as_gwyddion_writes_it(tmp_path, encoding):
     header = "# Channel: Topo\n# Width: 4.00 µm\n# Height: 3,00 µm\n# Value units: nm\n"
     height = read_height_map(saved(tmp_path, header + matrix(), encoding))
-    np.testing.assert_allclose(height.values, HEIGHTS * 1e-9, rtol=1e-15)
+    np.testing.assert_allclose(height.values[::-1], HEIGHTS * 1e-9, rtol=1e-15)
     np.testing.assert_allclose(height.x, [0.5e-6, 1.5e-6, 2.5e-6, 3.5e-6], rtol=1e-12)
     np.testing.assert_allclose(height.y, [0.5e-6, 1.5e-6, 2.5e-6], rtol=1e-12)
     assert height.dims == ("y", "x")
@@ -57,7 +57,7 @@ def test_header_as_gwyddion_writes_it(tmp_path, encoding):
 def test_separators_and_decimal_commas(tmp_path, separator, comma):
     path = saved(tmp_path, matrix(separator=separator, comma=comma))
     height = read_height_map(path, dx=2, dy=3, unit="um", height_unit="nm")
-    np.testing.assert_allclose(height.values, HEIGHTS * 1e-9, rtol=1e-15)
+    np.testing.assert_allclose(height.values[::-1], HEIGHTS * 1e-9, rtol=1e-15)
     np.testing.assert_allclose(np.diff(height.x), 2e-6, rtol=1e-12)
     np.testing.assert_allclose(np.diff(height.y), 3e-6, rtol=1e-12)
 
@@ -65,13 +65,13 @@ def test_separators_and_decimal_commas(tmp_path, separator, comma):
 def test_separator_at_the_end_of_lines_and_blank_lines(tmp_path):
     text = matrix().replace("\n", "\t\n\n")
     height = read_height_map(saved(tmp_path, text), dx=1, dy=1, unit="µm")
-    np.testing.assert_allclose(height.values, HEIGHTS * 1e-6, rtol=1e-15)
+    np.testing.assert_allclose(height.values[::-1], HEIGHTS * 1e-6, rtol=1e-15)
 
 
 def test_conversion_factor_and_counts_in_the_header(tmp_path):
     header = "h=3 w=4\npixel size=3.5e-007 m\ndata unit=rad\nheight conversion factor (-> m)=2.5e-008\n"
     height = read_height_map(saved(tmp_path, header + matrix(separator=" ")))
-    np.testing.assert_allclose(height.values, HEIGHTS * 2.5e-8, rtol=1e-15)
+    np.testing.assert_allclose(height.values[::-1], HEIGHTS * 2.5e-8, rtol=1e-15)
     assert float(height.x[1] - height.x[0]) == pytest.approx(3.5e-7, rel=1e-12)
     assert float(height.y[1] - height.y[0]) == pytest.approx(3.5e-7, rel=1e-12)
 
@@ -79,14 +79,14 @@ def test_conversion_factor_and_counts_in_the_header(tmp_path):
 def test_counts_with_their_value_in_nanometres(tmp_path):
     header = "# x-pixels = 4\n# y-pixels = 3\n# x-length = 2000\n# y-length = 1500\n# Bit2nm = 0.01\n"
     height = read_height_map(saved(tmp_path, header + matrix()), unit="nm")
-    np.testing.assert_allclose(height.values, HEIGHTS * 1e-11, rtol=1e-15)
+    np.testing.assert_allclose(height.values[::-1], HEIGHTS * 1e-11, rtol=1e-15)
 
 
 def test_missing_points_become_nan_and_are_counted(tmp_path):
     text = "ncols 4\nnrows 2\ncellsize 2\nNODATA_value -9999\n1 2 -9999 4\nBAD 6 nan 8.5\n"
     height = read_height_map(saved(tmp_path, text), unit="mm", height_unit="um")
     expected = np.array([[1, 2, np.nan, 4], [np.nan, 6, np.nan, 8.5]]) * 1e-6
-    np.testing.assert_allclose(height.values, expected, rtol=1e-15)
+    np.testing.assert_allclose(height.values[::-1], expected, rtol=1e-15)
     assert height.attrs["missing_points"] == 3
     assert height.attrs["missing_share"] == 0.375
     assert float(height.x[1] - height.x[0]) == pytest.approx(2e-3, rel=1e-12)
@@ -107,7 +107,7 @@ def test_what_programs_write_for_a_missing_point(tmp_path, gap, place):
     height = read_height_map(saved(tmp_path, text), dx=1, dy=1, unit="um")
     expected = HEIGHTS * 1e-6
     expected.flat[place] = np.nan
-    np.testing.assert_allclose(height.values, expected, rtol=1e-15)
+    np.testing.assert_allclose(height.values[::-1], expected, rtol=1e-15)
 
 
 def test_a_line_drawn_below_headings_is_no_row_of_the_map(tmp_path):
@@ -118,7 +118,7 @@ def test_a_line_drawn_below_headings_is_no_row_of_the_map(tmp_path):
 def test_exponents_of_fortran(tmp_path):
     text = "\n".join(" ".join(f"{v:.3E}".replace("E", "D") for v in row) for row in HEIGHTS)
     height = read_height_map(saved(tmp_path, text), dx=1, dy=1, unit="um")
-    np.testing.assert_allclose(height.values, HEIGHTS * 1e-6, rtol=1e-15)
+    np.testing.assert_allclose(height.values[::-1], HEIGHTS * 1e-6, rtol=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -131,7 +131,7 @@ def test_exponents_of_fortran(tmp_path):
 )
 def test_a_header_that_says_both_sizes_in_one_line(tmp_path, header):
     height = read_height_map(saved(tmp_path, header + matrix(separator=",")))
-    np.testing.assert_allclose(height.values, HEIGHTS * 1e-9, rtol=1e-15)
+    np.testing.assert_allclose(height.values[::-1], HEIGHTS * 1e-9, rtol=1e-15)
     assert float(height.x[1] - height.x[0]) == pytest.approx(0.5e-6, rel=1e-12)
     assert float(height.y[1] - height.y[0]) == pytest.approx(0.75e-6, rel=1e-12)
 
@@ -186,7 +186,7 @@ def test_bare_numbers_are_refused_with_what_to_give(tmp_path):
 def test_height_unit_of_the_file_stands_beside_the_unit_of_the_steps(tmp_path):
     path = saved(tmp_path, "\\Exported image units: nm\n" + matrix())
     height = read_height_map(path, dx=1, dy=1, unit="um")
-    np.testing.assert_allclose(height.values, HEIGHTS * 1e-9, rtol=1e-15)
+    np.testing.assert_allclose(height.values[::-1], HEIGHTS * 1e-9, rtol=1e-15)
     assert not [note for note in warnings_of(height) if "given by the user" in note]
 
 
@@ -194,7 +194,7 @@ def test_arguments_win_over_the_file_and_say_so(tmp_path):
     header = "# Width: 4 µm\n# Height: 3 µm\n# Value units: nm\n"
     path = saved(tmp_path, header + matrix())
     height = read_height_map(path, dx=2, dy=1, unit="um", height_unit="pm")
-    np.testing.assert_allclose(height.values, HEIGHTS * 1e-12, rtol=1e-15)
+    np.testing.assert_allclose(height.values[::-1], HEIGHTS * 1e-12, rtol=1e-15)
     assert float(height.x[1] - height.x[0]) == pytest.approx(2e-6, rel=1e-12)
     notes = "\n".join(warnings_of(height))
     assert "dx = 2e-06 m as given by the user, where the file says 1e-06 m" in notes

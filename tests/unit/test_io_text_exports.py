@@ -97,7 +97,7 @@ def test_empty_cells_around_a_table(tmp_path):
     # an empty cell within the table is a missing point, also the last one of a row
     height = read_height_map(saved(tmp_path, "1;2;3;4\n5;6;7;\n;8;9;1\n"), dx=1, dy=1, unit="um")
     np.testing.assert_array_equal(
-        np.isnan(height.values), np.array([[0, 0, 0, 0], [0, 0, 0, 1], [1, 0, 0, 0]], dtype=bool)
+        np.isnan(height.values[::-1]), np.array([[0, 0, 0, 0], [0, 0, 0, 1], [1, 0, 0, 0]], dtype=bool)
     )
     # but where the last line alone ends so, it is not whole
     with pytest.raises(InputFileError, match="the last line is not whole"):
@@ -127,7 +127,7 @@ def test_a_header_with_the_size_wins_over_the_number_of_columns(tmp_path, width,
     rows = "\n".join(" ".join(f"{value:.9f}" for value in row) for row in heights).replace(".", ",")
     header = f"# {width}: 30,0 µm\n# {height_word}: 60,0 µm\n# Value units: nm\n"
     height = read_height_map(saved(tmp_path, header + rows))
-    np.testing.assert_allclose(height.values, heights * 1e-9, atol=1e-18)
+    np.testing.assert_allclose(height.values[::-1], heights * 1e-9, atol=1e-18)
     assert float(height.x[1] - height.x[0]) == pytest.approx(30e-6 / columns)
     assert float(height.y[1] - height.y[0]) == pytest.approx(5e-6)
     assert height.attrs["first_row"] == "top"
@@ -148,7 +148,7 @@ def test_three_columns_are_a_map_where_both_steps_are_given(tmp_path):
         path = saved(tmp_path, "\n".join(rows) + "\n")
         height = read_height_map(path, dx=2, dy=3, unit="um", height_unit="nm")
         expected = np.array([[float(cell.replace(",", ".")) for cell in row.split("\t")] for row in rows])
-        np.testing.assert_allclose(height.values, 1e-9 * expected, rtol=1e-14)
+        np.testing.assert_allclose(height.values[::-1], 1e-9 * expected, rtol=1e-14)
         assert (float(height.x[1] - height.x[0]), float(height.y[1] - height.y[0])) == pytest.approx(
             (2e-6, 3e-6)
         )
@@ -338,9 +338,9 @@ def test_a_heading_above_a_matrix_gives_the_unit_of_its_heights(tmp_path):
         height = read_height_map(
             saved(tmp_path, f"made on Monday\n{heading}\n{matrix}\n"), dx=1, dy=1, unit="um"
         )
-        np.testing.assert_allclose(height.values, 1e-9 * heights, rtol=1e-14)
+        np.testing.assert_allclose(height.values[::-1], 1e-9 * heights, rtol=1e-14)
     size = read_height_map(saved(tmp_path, f"Width: 5 mm\nHeight: 4 mm\n{matrix}\n"), height_unit="um")
-    np.testing.assert_allclose(size.values, 1e-6 * heights, rtol=1e-14)
+    np.testing.assert_allclose(size.values[::-1], 1e-6 * heights, rtol=1e-14)
 
 
 def test_the_text_export_of_a_binary_format_is_read_as_text(tmp_path):

@@ -68,3 +68,15 @@ def test_a_name_that_a_pair_needs_is_among_the_mistakes(tmp_path, shifts, clash)
     with pytest.raises(SettingsError, match="levle: unknown key") as caught:
         read_study(GOOD | {"levle": {}, "composite": {"shifts": shifts}}, [tmp_path], measured_in=[tmp_path])
     assert ("line 3, surface = seal-3: the pair seal needs this name" in str(caught.value)) is clash
+
+
+def test_a_first_row_that_is_no_place_is_named(tmp_path):
+    (tmp_path / "surfaces.tsv").write_text(
+        "surface\tpath\tfirst_row\tcounter_face\tcounter_face_first_row\na\tground.txt\tup\tground.txt\tleft\n"
+    )
+    (tmp_path / "ground.txt").write_text("1 2\n3 4\n")
+    with pytest.raises(SettingsError) as caught:
+        read_study(GOOD, [tmp_path], measured_in=[tmp_path])
+    said = str(caught.value)
+    assert "line 2, first_row = 'up': choose top or bottom" in said
+    assert "line 2, counter_face_first_row = 'left': choose top or bottom" in said

@@ -8,6 +8,7 @@ from roughcontact.command_line.program import _FILE_OPTIONS
 from roughcontact.configuration.surfaces import (
     COLUMNS,
     PAIR,
+    PAIR_FIRST_ROW,
     REQUIRED,
     find,
     measured,
@@ -151,8 +152,21 @@ def test_a_missing_table_is_named(tmp_path):
 @pytest.mark.parametrize("verb", [read_height_map, inspect_file])
 def test_columns_and_options_are_the_arguments_of_reading(verb):
     arguments = [name for name in inspect.signature(verb).parameters if name != "path"]
-    assert set(COLUMNS) - {*REQUIRED, PAIR} == set(arguments)
+    assert set(COLUMNS) - {*REQUIRED, PAIR, PAIR_FIRST_ROW} == set(arguments)
     assert [name.replace("-", "_") for name in _FILE_OPTIONS] == arguments
+
+
+def test_each_file_of_a_pair_has_its_own_first_row(table):
+    header = "surface\tpath\tunit\tfirst_row\tcounter_face\tcounter_face_first_row"
+    files = measured(
+        read_surfaces(table(header, "a\ta.npy\tum\ttop\tb.npy\t", "c\tc.npy\tum\t\td.npy\tbottom"))
+    )
+    assert [files[name].given for name in ("a-face", "a-counter-face", "c-face", "c-counter-face")] == [
+        {"unit": "um", "first_row": "top"},
+        {"unit": "um"},
+        {"unit": "um"},
+        {"unit": "um", "first_row": "bottom"},
+    ]
 
 
 def test_a_row_that_ends_early_is_named(table):

@@ -27,3 +27,4 @@ UncertaintySource = Literal["solver", "discretisation", "window", "processing"]
 OutsideCode = Literal["tamaas", "contactmechanics"]
 Resampling = Literal["linear"]
 Checksum = Literal["ignore"]
+FirstRow = Literal["top", "bottom"]  # of a file, in the picture that programs show of it

@@ -75,7 +75,8 @@ def inspection(found: Mapping[str, Any], file: str) -> str:
         lines += [("", _channel(each)) for each in found["channels"]]
     lines += _map_lines(found["map"]) if found["map"] else _silent_lines(found)
     if not (found["map"] and found["map"]["ny"] == 1):
-        lines.append(("row 0", f"drawn at the {found['first_row']} by the instrument's software"))
+        by = "assumed: give first_row where that is wrong" if found["first_row_assumed"] else "by its format"
+        lines.append(("first row", f"at the {found['first_row']} of the picture ({by})"))
     lines += labelled(found["instrument"])
     if found["problem"]:
         lines.append(("to be given", found["problem"].removeprefix(f"{file}: ")))

@@ -31,6 +31,7 @@ _FILE_OPTIONS = {
     "height-unit": "unit of the heights",
     "resample": "linear: interpolate points that lie on no even grid to one",
     "checksum": "ignore: read a file that differs from the checksum in it (X3P edited by hand)",
+    "first-row": "top or bottom: where the first row of the file lies in the picture of the surface",
 }
 
 

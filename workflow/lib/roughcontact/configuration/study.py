@@ -7,10 +7,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from roughcontact.checking import check_choice
-from roughcontact.choices import Checksum, Resampling
+from roughcontact.choices import Checksum, FirstRow, Resampling
 from roughcontact.configuration.models import Composite, Settings
 from roughcontact.configuration.resolve import resolve
-from roughcontact.configuration.surfaces import Surface, find, read_surfaces
+from roughcontact.configuration.surfaces import PAIR_FIRST_ROW, Surface, find, read_surfaces
 from roughcontact.errors import SettingsError
 from roughcontact.units import unknown_unit, value_of
 
@@ -118,10 +118,16 @@ def _mistakes_in(row: Surface) -> list[str]:
         for key in ("unit", "height_unit")
         if key in row.given and value_of(row.given[key], "m") is None
     ]
-    for key, choices in (("resample", Resampling), ("checksum", Checksum)):
-        if key in row.given:
+    words = {**row.given, PAIR_FIRST_ROW: row.counter_face_first_row}
+    for key, choices in (
+        ("resample", Resampling),
+        ("checksum", Checksum),
+        ("first_row", FirstRow),
+        (PAIR_FIRST_ROW, FirstRow),
+    ):
+        if words.get(key):
             try:
-                check_choice(key, row.given[key], choices)
+                check_choice(key, words[key], choices)
             except SettingsError as error:
                 mistakes.append(str(error))
     return mistakes

@@ -1,8 +1,8 @@
 """The table of surfaces: which file is which surface, and what the file itself does not say.
 
 A tab-separated text with a header; columns `surface` and `path`, optionally `channel`, `dx`, `dy`, `unit`,
-`height_unit`, `resample`, `checksum`; empty cells mean "as the file says". Lines that start with # are left
-out.
+`height_unit`, `resample`, `checksum`, `first_row`; empty cells mean "as the file says". Lines that start with
+# are left out.
 
 A row that names a `counter_face` is a pair: two measured files that touch. Its files are read and levelled
 as `{surface}-face` and `{surface}-counter-face`; what is solved are its members `{surface}-1`,
@@ -20,9 +20,10 @@ from roughcontact.units import carries_unit, in_base_unit
 
 REQUIRED = ("surface", "path")
 NUMBERS = ("dx", "dy")
-TEXTS = ("channel", "unit", "height_unit", "resample", "checksum")
+TEXTS = ("channel", "unit", "height_unit", "resample", "checksum", "first_row")
 PAIR = "counter_face"
-COLUMNS = (*REQUIRED, PAIR, *TEXTS, *NUMBERS)
+PAIR_FIRST_ROW = "counter_face_first_row"
+COLUMNS = (*REQUIRED, PAIR, PAIR_FIRST_ROW, *TEXTS, *NUMBERS)
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,8 @@ class Surface:
         keyword arguments of `read_height_map`: what overrides or completes the file.
     counter_face : Path or None
         the other file of a pair; None where a single face is measured.
+    counter_face_first_row : str
+        where the first row of that file lies; empty: as the file says.
     """
 
     name: str
@@ -48,6 +51,7 @@ class Surface:
     origin: str
     given: dict[str, str | float]
     counter_face: Path | None = None
+    counter_face_first_row: str = ""
 
 
 @dataclass(frozen=True)
@@ -160,7 +164,9 @@ def read_surfaces(
             (find(row[key], folders) or Path(row[key])) if row.get(key) else None for key in ("path", PAIR)
         )
         name = row.get("surface", "")
-        surfaces[name] = Surface(name, path or Path(), f"{table}, line {line}", given, counter_face)
+        surfaces[name] = Surface(
+            name, path or Path(), f"{table}, line {line}", given, counter_face, row.get(PAIR_FIRST_ROW, "")
+        )
         mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
     if members_each:
         mistakes += _names_of_parts(surfaces, members(surfaces, members_each))
@@ -195,8 +201,13 @@ def measured(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
         if row.counter_face is None:
             files[name] = row
             continue
-        for side, path in (("face", row.path), ("counter-face", row.counter_face)):
-            files[f"{name}-{side}"] = Surface(f"{name}-{side}", path, row.origin, row.given)
+        of_both = {key: value for key, value in row.given.items() if key != "first_row"}
+        own = {"first_row": row.counter_face_first_row} if row.counter_face_first_row else {}
+        for side, path, given in (
+            ("face", row.path, row.given),
+            ("counter-face", row.counter_face, of_both | own),
+        ):
+            files[f"{name}-{side}"] = Surface(f"{name}-{side}", path, row.origin, given)
     return files
 
 

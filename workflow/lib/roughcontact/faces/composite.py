@@ -137,6 +137,14 @@ def composite(
     return result.assign_attrs(height_parameters(result))
 
 
+def _doubts(face: Face) -> list[str]:
+    """Return a sentence where a face may lie mirrored, because its file does not say where it begins."""
+    if not face.height.attrs.get("first_row_assumed"):
+        return []
+    where = face.height.attrs["first_row"]
+    return [f"the first row is taken as the {where} of the picture; if it is not, give first_row"]
+
+
 def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
     """Return the attributes of the face, where they can be said of both those of both."""
     one, other = lower.height.attrs, upper.height.attrs
@@ -144,7 +152,7 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
     warnings = [
         f"{face.name}: {warning}"
         for face in (lower, upper)
-        for warning in json.loads(face.height.attrs.get("ingest_warnings", "[]"))
+        for warning in (*json.loads(face.height.attrs.get("ingest_warnings", "[]")), *_doubts(face))
     ]
     shifted = max((one, other), key=lambda attrs: attrs.get("row_jitter", 0.0))
     coarser = max((lower, upper), key=lambda face: reliable_wavelength(face.height)[0])

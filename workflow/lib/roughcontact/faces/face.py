@@ -11,6 +11,7 @@ from roughcontact.maps import spacing
 from roughcontact.window.periodisation import periodic_heights
 
 ON_POINT = 1e-6  # of a step: so near to a point, its height is taken as it is
+_RIM = 12  # points beyond which a cubic spline feels nothing: each has 0.27 of the effect of the one before
 
 
 class Face:
@@ -106,7 +107,11 @@ class Face:
         if missing.any():  # the spline needs a height everywhere; these are masked again
             nearest = distance_transform_edt(missing, return_distances=False, return_indices=True)
             values = values[tuple(nearest)]
-        between = map_coordinates(values, places, order=3, mode=beyond)
+        # mirrored, the spline would lie flat at the rim: there it is continued with its slope
+        rim = [0 if self.periodic or n == 1 else _RIM for n in self.shape]
+        continued = np.pad(values, [(n, n) for n in rim], mode="reflect", reflect_type="odd")
+        at = [p + n for p, n in zip(places, rim, strict=True)]
+        between = map_coordinates(continued, at, order=3, mode=beyond)
         near = [
             map_coordinates(flags.astype(float), places, order=1, mode=beyond) > ON_POINT
             for flags in (missing, self.filled)

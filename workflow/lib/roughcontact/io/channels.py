@@ -45,8 +45,8 @@ class Channel:
     shape : tuple of int
         (ny, nx); ny is 1 for a profile.
     read : callable () -> array (ny, nx)
-        Returns the heights in `height_unit` as float64, NaN where not measured, row j at the j-th y. Of a
-        channel that holds no heights it may raise `InputFileError` instead.
+        Returns the heights in `height_unit` as float64, NaN where not measured, in the order of the file's
+        rows (`first_row`). Of a channel that holds no heights it may raise `InputFileError` instead.
     height_unit, lateral_unit : str or None
         Units of the heights; of the steps and positions.
     dx, dy : float or None
@@ -67,7 +67,7 @@ class Channel:
     notes : list of str
         What the header says that the user should know.
     first_row : str
-        Where row 0 is drawn, if not as in the rest of the file.
+        Where row 0 lies, if not as in the rest of the file; that is assumed then.
     """
 
     name: str
@@ -99,13 +99,15 @@ class MeasuredFile:
     channels : list of Channel
         In the file's order.
     first_row : str
-        Where the instrument's own software draws row 0: ``top`` or ``bottom``.
+        Where row 0 lies in the picture that the instrument's own software shows: ``top`` or ``bottom``.
     instrument : dict
         What the file says of the instrument, with the words of `roughcontact.io.metadata`.
     warnings : list of str
         What the user should know of the file as a whole.
     stale : str
         Which checksum in the file differs from its content; empty where none does.
+    first_row_assumed : bool
+        Whether neither the file nor its format says so, and `first_row` is only the usual way.
     """
 
     format: str
@@ -114,6 +116,23 @@ class MeasuredFile:
     instrument: dict[str, Any] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
     stale: str = ""
+    first_row_assumed: bool = False
+
+    def rows_of(self, channel: Channel) -> tuple[str, bool]:
+        """Return where row 0 of a channel lies, ``top`` or ``bottom``, and whether that is only assumed.
+
+        Parameters
+        ----------
+        channel : Channel
+            of this file.
+
+        Returns
+        -------
+        tuple of str and bool
+        """
+        if channel.first_row:
+            return channel.first_row, True
+        return self.first_row, self.first_row_assumed
 
     @property
     def kind(self) -> instrument_kinds.Kind:

@@ -1,4 +1,8 @@
-"""From the channels of a file to one map in metres: the channel, an even grid, the scale, the last check."""
+"""From the channels of a file to one map in metres: the channel, an even grid, the scale, the orientation.
+
+Every map leaves here right-handed: x to the right, y upwards, the height towards the viewer. Its row 0 is the
+bottom line of the picture, wherever the file has it.
+"""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.checking import check_choice
-from roughcontact.choices import Checksum
+from roughcontact.choices import Checksum, FirstRow
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, choose_channel
 from roughcontact.io.request import Request
@@ -27,11 +31,15 @@ class Converted:
     choice : str
         Which channel was chosen, and why.
     heights : array (ny, nx), m
-        NaN where not measured.
+        NaN where not measured; row 0 is the bottom line of the picture.
     dx, dy : float, m
         Steps.
     notes : list of str
         Sentences that the user should read.
+    first_row : str
+        Where the first row of the file lies in the picture: ``top`` or ``bottom``.
+    first_row_assumed : bool
+        Whether neither the file nor its format nor the user says so.
     """
 
     channel: Channel
@@ -40,6 +48,8 @@ class Converted:
     dx: float
     dy: float
     notes: list[str]
+    first_row: str
+    first_row_assumed: bool
 
     def centres(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the cell centres (x, y) in m, from where the file puts the first one or half a step.
@@ -95,7 +105,26 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
     with np.errstate(over="ignore"):  # heights beyond all numbers are refused below
         heights = channel.read() * scale.height_factor
     heights = _checked(heights, path)
-    return Converted(channel, choice, heights, scale.dx, scale.dy, [*notes, *done, *scale.notes])
+    first_row, assumed, turned = _first_row(file, channel, request, path)
+    if first_row == "top":
+        heights = np.ascontiguousarray(heights[::-1])
+    notes += [*done, *scale.notes, *turned]
+    return Converted(channel, choice, heights, scale.dx, scale.dy, notes, first_row, assumed)
+
+
+def _first_row(
+    file: MeasuredFile, channel: Channel, request: Request, path: Path
+) -> tuple[str, bool, list[str]]:
+    """Return where row 0 of the file lies, whether that is assumed, a sentence where the user wins."""
+    found, assumed = file.rows_of(channel)
+    wanted = request.first_row
+    if wanted is not None:
+        check_choice(f"{path}: first_row", wanted, FirstRow)
+    if wanted is None or channel.shape[0] == 1:  # a profile has no up and down
+        return found, assumed and channel.shape[0] > 1, []
+    if assumed or wanted == found:
+        return wanted, False, []
+    return wanted, False, [f"first_row = {wanted} is given, the file has its first row at the {found}"]
 
 
 def _checksum_notes(file: MeasuredFile, request: Request, path: Path) -> list[str]:

@@ -26,22 +26,24 @@ def inspect_file(
     height_unit: str | None = None,
     resample: str | None = None,
     checksum: str | None = None,
+    first_row: str | None = None,
 ) -> dict:
     r"""Return what is in a file, without asking for units that it does not say.
 
     Parameters
     ----------
     path : str or Path
-    channel, dx, dy, unit, height_unit, resample, checksum : optional
+    channel, dx, dy, unit, height_unit, resample, checksum, first_row : optional
         As for `read_height_map`.
 
     Returns
     -------
     dict
-        `file`, `bytes`, `sha256`, `format`, `first_row`, `instrument`; `channel` (the one that would be read,
-        or None) and `channel_choice` (why); `channels`, one dict per channel with `name`, `ny`, `nx`, `dx`,
-        `dy`, `lateral_unit`, `height_unit` (None where the file is silent), `is_height`, `reason`, and for
-        heights `missing_points`, `missing_share`, `rms_height`, `lowest`, `highest` (in `height_unit`);
+        `file`, `bytes`, `sha256`, `format`, `first_row` and `first_row_assumed` (as `read_height_map` gives
+        them), `instrument`; `channel` (the one that would be read, or None) and `channel_choice` (why);
+        `channels`, one dict per channel with `name`, `ny`, `nx`, `dx`, `dy`, `lateral_unit`, `height_unit`
+        (None where the file is silent), `is_height`, `reason`, and for heights `missing_points`,
+        `missing_share`, `rms_height`, `lowest`, `highest` (in `height_unit`);
         `map`, what `read_height_map` would return, None where it would not: `ny`, `nx`, `dx`, `dy`, `size_x`,
         `size_y`, `missing_points`, `missing_share`, `lowest`, `highest`, `rms_height` and `rms_gradient` (off
         the mean plane), `quantisation_step` (None where heights are not quantised), in m;
@@ -70,9 +72,10 @@ def inspect_file(
     >>> folder.cleanup()
     """
     path = Path(path)
-    request = Request(channel, dx, dy, unit, height_unit, resample, checksum)
+    request = Request(channel, dx, dy, unit, height_unit, resample, checksum, first_row)
     file = open_file(path)
     problem, warnings, name, choice, measured = None, list(file.warnings), None, None, None
+    rows, assumed = file.first_row, file.first_row_assumed
     try:
         converted = convert(file, request, path)
     except (InputFileError, HeightMapError) as error:
@@ -83,12 +86,14 @@ def inspect_file(
         name, choice, measured = converted.channel.name, converted.choice, _measured(converted)
         found = suspicions(converted.heights, converted.dx, converted.dy, kind=file.kind)
         warnings = converted.notes + found
+        rows, assumed = converted.first_row, converted.first_row_assumed
     return {
         "file": path.name,
         "bytes": path.stat().st_size,
         "sha256": sha256(path),
         "format": file.format,
-        "first_row": file.first_row,
+        "first_row": rows,
+        "first_row_assumed": assumed,
         "instrument": file.instrument,
         "channel": name,
         "channel_choice": choice,

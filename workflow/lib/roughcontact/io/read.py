@@ -4,8 +4,8 @@ The format is told by the content of a file, never by its name. Units are conver
 does not say is never guessed: it is given as an argument (or in the table of surfaces), or the file is
 refused.
 
-Row j of a map is row j of the file, and y grows from row to row. Where the instrument's software draws row 0,
-at the top or at the bottom of its picture, is kept in the attribute `first_row`.
+Every map is right-handed: x to the right, y upwards, row 0 the bottom line of the picture that the
+instrument's software shows. Where the file has its first row is kept in the attribute `first_row`.
 """
 
 import json
@@ -34,6 +34,7 @@ def read_height_map(
     height_unit: str | None = None,
     resample: str | None = None,
     checksum: str | None = None,
+    first_row: str | None = None,
 ) -> "xr.DataArray":
     r"""Read a measured height map (or a profile) into metres.
 
@@ -57,14 +58,19 @@ def read_height_map(
     checksum : str, optional
         ``ignore``: a file whose content differs from the checksum that it holds (X3P that was edited by hand)
         is read, with a warning. Without it such a file is refused.
+    first_row : str, optional
+        ``top`` or ``bottom``: where the first row of the file lies in the picture of the surface. For files
+        that do not say it (NumPy, MATLAB, numbers without a header); it wins over what the file says, with a
+        warning.
 
     Returns
     -------
     DataArray (y, x), m
-        `height`, NaN where not measured; coordinates are cell centres in m, evenly spaced and increasing. A
-        profile has one row. Attributes: `units`, `source_file`, `source_sha256`, `source_format`, `channel`,
-        `channels` (JSON list), `instrument` (JSON object), `first_row` ("top" or "bottom": where the
-        instrument's software draws row 0), `missing_points`, `missing_share`, `ingest_warnings` (JSON list of
+        `height`, NaN where not measured; coordinates are cell centres in m, evenly spaced, x to the right and
+        upwards. A profile has one row. Attributes: `units`, `source_file`, `source_sha256`, `source_format`,
+        `channel`, `channels` (JSON list), `instrument` (JSON object), `y_axis` ("up"), `first_row` ("top" or
+        "bottom" of the picture: where the file has its first row), `first_row_assumed` (1 where only the
+        usual way of the format says so), `missing_points`, `missing_share`, `ingest_warnings` (JSON list of
         sentences).
 
     Raises
@@ -87,14 +93,15 @@ def read_height_map(
     ((2, 4), 'text matrix', 1)
     >>> [round(1e6 * float(x), 3) for x in height.x]
     [0.5, 1.5, 2.5, 3.5]
-    >>> round(1e9 * float(height.max()), 3)
-    8.0
+    >>> print(1e9 * height.values.round(12))  # the last line of the text is the lowest
+    [[ 5.  6. nan  8.]
+     [ 1.  2.  3.  4.]]
     >>> folder.cleanup()
     """
     import xarray as xr
 
     path = Path(path)
-    request = Request(channel, dx, dy, unit, height_unit, resample, checksum)
+    request = Request(channel, dx, dy, unit, height_unit, resample, checksum, first_row)
     file = open_file(path)
     converted = convert(file, request, path)
     notes = list(converted.notes)
@@ -116,7 +123,9 @@ def read_height_map(
             "channel": converted.channel.name,
             "channels": json.dumps([each.name for each in file.channels], ensure_ascii=False),
             "instrument": json.dumps(file.instrument, ensure_ascii=False, sort_keys=True),
-            "first_row": converted.channel.first_row or file.first_row,
+            "y_axis": "up",
+            "first_row": converted.first_row,
+            "first_row_assumed": int(converted.first_row_assumed),
             "missing_points": missing,
             "missing_share": missing / converted.heights.size,
             "ingest_warnings": json.dumps(notes, ensure_ascii=False),

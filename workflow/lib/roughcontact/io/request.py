@@ -23,11 +23,13 @@ class Request:
         How points on no even grid are brought to one.
     checksum : str or None
         ``ignore``: a file that differs from the checksum in it is read nevertheless.
+    first_row : str or None
+        ``top`` or ``bottom``: where the first row of the file lies in the picture of the surface.
 
     Examples
     --------
-    >>> Request(channel="", dx=2.0, dy=float("nan"), unit="um")
-    Request(channel=None, dx=2.0, dy=None, unit='um', height_unit=None, resample=None, checksum=None)
+    >>> Request(channel="", dx=2.0, dy=float("nan")) == Request(dx=2.0)
+    True
     """
 
     channel: str | None = None
@@ -37,6 +39,7 @@ class Request:
     height_unit: str | None = None
     resample: str | None = None
     checksum: str | None = None
+    first_row: str | None = None
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -42,6 +42,7 @@ def surface_facts(
     resolution = float(numbers["points_per_shortest_wavelength"][0])
     facts = [
         ("File", " · ".join(filter(None, source))),
+        ("First row", _first_row(measured)),
         ("Channel", str(measured.attrs.get("channel", ""))),
         ("Instrument", textwrap.shorten(words, 160, placeholder=" …")),
         ("Map", f"{_size(measured)} of {pitch}"),
@@ -69,6 +70,13 @@ def surface_facts(
         ("First yield at p̄", _of_softer_body(numbers, "first_yield_pressure")),
     ]
     return [(name, text) for name, text in facts if text]
+
+
+def _first_row(measured: xr.DataArray) -> str:
+    """Return what was assumed of the orientation of a map, empty where its file or its format says it."""
+    if not measured.attrs.get("first_row_assumed"):
+        return ""
+    return f"at the {measured.attrs['first_row']}, assumed: the file does not say (first_row in the table)"
 
 
 def versions(numbers: xr.Dataset) -> str:

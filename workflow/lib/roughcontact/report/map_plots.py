@@ -219,8 +219,7 @@ def framed(
     x, y : Axis
         from end to end of the picture, in one unit.
     values : array (ny, nx)
-        the first row lies at the first value of `y`, where that is below at the bottom, else at the top. NaN
-        where bad.
+        the first row lies at the bottom. NaN where bad.
     bar : Axis
         of the colours.
     colours : {"viridis", "cividis", "magma"}
@@ -245,8 +244,7 @@ def framed(
     margins = (72.0, 14.0, _WIDTH - width + 94.0, 46.0)
     size = (72.0 + _WIDTH + 94.0, width * aspect + 60.0)
     chart = Chart(x, y, size=size, margins=margins, grid=False)
-    upright = values[::-1] if y.low < y.high else values
-    source, coarse = coloured(upright, (bar.low, bar.high), colours, bad=bad)
+    source, coarse = coloured(values[::-1], (bar.low, bar.high), colours, bad=bad)  # y grows upwards
     chart.picture(source, smooth=not coarse)
     chart.reading = {
         "x": x.reading(),
@@ -258,25 +256,6 @@ def framed(
     }
     chart.colour_bar(bar, colour_scale(colours), below=extend[0], above=extend[1])
     return chart
-
-
-def upright(height: xr.DataArray, label: str, low: float, high: float) -> Axis:
-    """Return the vertical axis of a map, its first row where the instrument's own software draws it.
-
-    Parameters
-    ----------
-    height : DataArray (y, x)
-        with the attribute `first_row`, "top" or "bottom", where it is known.
-    label : str
-        of the axis.
-    low, high : float
-        its ends.
-
-    Returns
-    -------
-    Axis
-    """
-    return Axis(label, high, low) if height.attrs.get("first_row") == "top" else Axis(label, low, high)
 
 
 def _map(
@@ -300,7 +279,7 @@ def _map(
     low, high = (limit * unit.factor for limit in limits)
     chart = framed(
         Axis(f"x ({of_lengths})", 0.0, lx),
-        upright(height, f"y ({of_lengths})", 0.0, ly),
+        Axis(f"y ({of_lengths})", 0.0, ly),
         values * unit.factor,
         bar=Axis(f"{label} ({unit.shown})", low, high if high > low else low + 1e-6 * unit.factor),
         colours=colours,

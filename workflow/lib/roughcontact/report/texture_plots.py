@@ -6,7 +6,7 @@ import xarray as xr
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.quantities import Unit
 from roughcontact.report.charts import COLOURS, DASHED, DOTTED, Axis, Chart
-from roughcontact.report.map_plots import framed, upright
+from roughcontact.report.map_plots import framed
 from roughcontact.report.units import length_unit
 from roughcontact.roughness import parameters
 from roughcontact.roughness.spectrum import areal_spectrum, isotropic_spectrum
@@ -111,7 +111,6 @@ def directional_spectrum(window: xr.DataArray) -> str:
     unit_q, length = _inverse_length(window)
     shown = np.log10(np.maximum(power[np.ix_(rows, columns)] * _HEIGHT.factor**2 * unit_q**-2, 1e-300))
     return _picture(
-        window,
         shown,
         (qx[columns] * unit_q, qy[rows] * unit_q),
         axes_label=f"q along {{}} (rad/{length})",
@@ -163,7 +162,6 @@ def autocorrelation_map(window: xr.DataArray) -> str:
         chart.line(shift, shown.ravel(), colour=COLOURS[0])
         return chart.source()
     chart = _picture(
-        window,
         shown,
         (x, y),
         axes_label=f"shift along {{}} ({unit})",
@@ -175,7 +173,6 @@ def autocorrelation_map(window: xr.DataArray) -> str:
 
 
 def _picture(
-    window: xr.DataArray,
     values: np.ndarray,
     positions: tuple[np.ndarray, np.ndarray],
     *,
@@ -183,14 +180,14 @@ def _picture(
     bar: Axis,
     colours: str,
 ) -> Chart:
-    """Return values over the positions (x, y) of their points, upright as the maps are."""
+    """Return values over the positions (x, y) of their points."""
     ends = []
     for place in positions:
         half = (place[1] - place[0]) / 2 if place.size > 1 else 0.5
         ends.append((place[0] - half, place[-1] + half))
     return framed(
         Axis(axes_label.format("x"), *ends[0]),
-        upright(window, axes_label.format("y"), *ends[1]),
+        Axis(axes_label.format("y"), *ends[1]),
         values,
         bar=bar,
         colours=colours,

@@ -7,7 +7,9 @@ def largest_rectangle(good: np.ndarray, sides: np.ndarray) -> tuple[int, int, in
     """Return the rectangle of good points that holds the largest window.
 
     Row by row, the tallest column of good points that ends in each cell is widened as far as it goes; one of
-    these holds the largest rectangle [1]_. The work is a few array operations per row.
+    these holds the largest rectangle [1]_. The work is a few array operations per row. Of several that hold
+    equal windows it is the larger one, then the one nearest to the middle, so that a map turned over has its
+    window in the same place.
 
     Parameters
     ----------
@@ -34,17 +36,13 @@ def largest_rectangle(good: np.ndarray, sides: np.ndarray) -> tuple[int, int, in
     (1, 1, 2, 3)
     """
     ny, nx = good.shape
-    if good.all():  # as many rows as its side needs
-        return (
-            (0, 0, int(np.argmax(sides[: ny + 1] == sides[ny])), nx)
-            if sides[ny] * sides[nx]
-            else (0, 0, 0, 0)
-        )
+    if good.all():
+        return (0, 0, ny, nx) if sides[ny] * sides[nx] else (0, 0, 0, 0)
     columns = np.arange(nx)
     tall = np.zeros(nx, dtype=int)
     left = np.zeros(nx, dtype=int)
     right = np.full(nx, nx)
-    best, best_area = (0, 0, 0, 0), 0
+    best, best_area, best_rank = (0, 0, 0, 0), 0, (0.0, 0.0)
     for row in range(ny):
         here = good[row]
         if not here.any():
@@ -57,9 +55,16 @@ def largest_rectangle(good: np.ndarray, sides: np.ndarray) -> tuple[int, int, in
         left = np.where(here, np.maximum(left, from_left), 0)
         right = np.where(here, np.minimum(right, to_right), nx)
         area = np.where(here, sides[tall] * sides[right - left], 0)
-        column = int(np.argmax(area))
-        if area[column] > best_area:
-            best_area = int(area[column])
-            y0, x0 = row + 1 - tall[column], left[column]
-            best = (int(y0), int(x0), int(tall[column]), int(right[column] - x0))
+        largest = int(area.max())
+        if largest < max(best_area, 1):
+            continue
+        equal = np.flatnonzero(area == largest)
+        height, width, x0 = tall[equal], right[equal] - left[equal], left[equal]
+        off_y, off_x = 2 * (row + 1) - height - ny, 2 * x0 + width - nx  # twice the way to the middle
+        distance = off_y.astype(float) ** 2 + off_x.astype(float) ** 2
+        first = np.lexsort((distance, -height * width))[0]
+        rank = (float(-height[first] * width[first]), float(distance[first]))
+        if largest > best_area or rank < best_rank:
+            best_area, best_rank = largest, rank
+            best = (row + 1 - int(height[first]), int(x0[first]), int(height[first]), int(width[first]))
     return best

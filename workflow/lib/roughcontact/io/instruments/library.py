@@ -2,9 +2,7 @@
 
 A physical size, unit or scale is never handed to the library, so what is missing in the file stays missing.
 Its heights are indexed [x, y] and arranged so that their transpose, drawn as a picture, looks as in the
-instrument's software (and as in Gwyddion): row 0 of the transpose is the upper line of that picture. Only the
-transpose is taken here, so that row j is also row j of every other reader; y grows from row to row, downwards
-in the picture.
+instrument's software (and as in Gwyddion): row 0 of the transpose is the upper line of that picture.
 """
 
 import logging

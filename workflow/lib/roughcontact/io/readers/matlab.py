@@ -84,7 +84,7 @@ def read(path: Path) -> MeasuredFile:
             f"{path}: no matrix of real numbers in this MATLAB file; it has {listed or 'nothing'}"
         )
     channels.sort(key=lambda channel: channel.name.lower() not in ("height", "heights", "z"))
-    return MeasuredFile("MATLAB matrix", channels, first_row="bottom")
+    return MeasuredFile("MATLAB matrix", channels, first_row="bottom", first_row_assumed=True)
 
 
 def _read(path: Path, name: str, shape: tuple[int, int]) -> np.ndarray:

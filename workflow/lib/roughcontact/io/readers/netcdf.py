@@ -1,6 +1,6 @@
 """NetCDF: each variable over two axes, in the units that it and its coordinates carry.
 
-Row j is the j-th y; row 0 is the lowest line.
+y grows upwards: row 0 is the line of the smallest y, and without positions it is taken as the lowest one.
 """
 
 import json
@@ -93,8 +93,8 @@ def read(path: Path) -> MeasuredFile:
     return MeasuredFile(
         "netCDF",
         channels,
-        # a file of this project says how the measured file was drawn, and measured with what
-        first_row="top" if own.get("first_row") == "top" else "bottom",
+        # in files of early versions of this project y ran downwards where the measured file began at the top
+        first_row="top" if own.get("first_row") == "top" and "y_axis" not in own else "bottom",
         instrument=_instrument(own.get("instrument"), attributes),
     )
 
@@ -209,6 +209,7 @@ def _variable(dataset: Any, name: Any, path: Path, opener: Callable[[], Any]) ->
         dy=dy,
         first_x=first_x,
         first_y=first_y,
+        first_row="" if first_y is not None else "bottom",  # without positions that is only usual
         **words,
     )
 

@@ -1,4 +1,4 @@
-"""NumPy arrays (`.npy`): heights without units. Row j is the j-th y; row 0 is the lowest line."""
+"""NumPy arrays (`.npy`): heights without units. Row 0 is taken as the lowest line, which no array says."""
 
 from pathlib import Path
 
@@ -63,7 +63,7 @@ def read(path: Path) -> MeasuredFile:
     check_points(shape, path)
     kind = "" if values.dtype.kind in "iuf" else f"values of type {values.dtype}, not real numbers"
     channel = Channel("height", shape, lambda: as_heights(values, str(path)), no_height=kind)
-    return MeasuredFile("NumPy array", [channel], first_row="bottom")
+    return MeasuredFile("NumPy array", [channel], first_row="bottom", first_row_assumed=True)
 
 
 READER = Reader(ToldBy.MARK, recognises, read)

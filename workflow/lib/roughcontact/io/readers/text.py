@@ -1,7 +1,7 @@
 """Text files: matrices of heights, lists of points x y z, profiles x z, with or without a header.
 
-A matrix is read as it is printed: row 0 is the first line, which programs that write such files draw at the
-top. The points of a list carry their positions, so their row 0 is the lowest line.
+A matrix is a picture: its first line is the upper one, as programs write it; without a header of such a
+program that is assumed. Where positions are given, in a list of points or beside a matrix, y grows upwards.
 """
 
 from pathlib import Path
@@ -119,7 +119,11 @@ def _file(
         values = values[:, kept]
         columns = columns or headed(header, values.shape[1], delimiter)
     if table.empty_corner and not table.empty_left and (axes := _axes_of_a_matrix(values)):
-        return _matrix(values[1:, 1:], axes | said, path)
+        dy, dx = axes
+        rising = values[1:, 1:][:: -1 if dy < 0 else 1, :: -1 if dx < 0 else 1]
+        file = _matrix(rising, {"dx": abs(dx), "dy": abs(dy)} | said, path)
+        file.first_row, file.first_row_assumed = "bottom", False
+        return file
     _refuse_cut_table(values.shape, said, counts, path)
     if columns is not None:
         chosen = _by_name(columns)
@@ -212,12 +216,15 @@ def _refuse_unnamed_points(values: np.ndarray, said: dict[str, Any], path: Path)
         )
 
 
-def _axes_of_a_matrix(values: np.ndarray) -> dict[str, float] | None:
-    """Return the steps of a matrix whose first row and column are positions, None where they are none."""
+def _axes_of_a_matrix(values: np.ndarray) -> tuple[float, float] | None:
+    """Return the steps (dy, dx) of positions in the first row and column, negative where they fall.
+
+    None where these are no positions.
+    """
     if min(values.shape) < 3:
         return None
     try:
-        return {"dx": even_step(values[0, 1:], "x"), "dy": even_step(values[1:, 0], "y")}
+        return even_step(values[1:, 0], "y"), even_step(values[0, 1:], "x")
     except UnevenPositionsError:
         return None
 
@@ -283,7 +290,8 @@ def _matrix(table: np.ndarray, said: dict[str, Any], path: Path) -> MeasuredFile
             said[f"length_{axis}_rounding"] / said[f"length_{axis}"] if said[f"length_{axis}"] else 0.0
             for axis in "xy"
         )
-    return MeasuredFile("text matrix", [channel], first_row="top")
+    assumed = not _SIZES & set(said)  # a program that writes sizes writes pictures
+    return MeasuredFile("text matrix", [channel], first_row="top", first_row_assumed=assumed)
 
 
 def _profile(

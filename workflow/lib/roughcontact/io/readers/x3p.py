@@ -79,15 +79,21 @@ def read(path: Path) -> MeasuredFile:
     channels = _channels(file, path)
     for channel in channels:
         channel.notes += _rotation_notes(file.placement)
-    # A <Origin>NW</Origin>, as x3ptools writes it, says that the first line is the upper one.
-    top = re.search(rb"<Origin>\s*N[WE]\s*</Origin>", main) is not None
     return MeasuredFile(
         format="X3P (ISO 25178-72)",
         channels=channels,
-        first_row="top" if top else "bottom",
+        first_row="top" if _begins_at_the_top(main, file) else "bottom",
         instrument=_instrument(file.metadata),
         stale=stale,
     )
+
+
+def _begins_at_the_top(main: bytes, file: Any) -> bool:
+    """Return whether the first line is the upper one: <Origin>NW</Origin>, as x3ptools writes it.
+
+    Where the increment along y is negative the lines are in rising order by then.
+    """
+    return re.search(rb"<Origin>\s*N[WE]\s*</Origin>", main) is not None and not file.header.y.increment < 0
 
 
 def _parsed(path: Path, name: str, main: bytes) -> tuple[Any, str]:
