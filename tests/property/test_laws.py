@@ -1,0 +1,401 @@
+"""How every number transforms, with scales and with the map, and what names say as integrals and differences.
+
+The table `LAWS` has an entry for every output variable that a solved surface can have, so that a new variable
+without a law fails. Each law is physics, not the program's: p ~ E* h / L.
+"""
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import Phase, given
+from hypothesis import settings as examples
+from hypothesis import strategies as st
+
+import roughcontact as rc
+from roughcontact.maps import height_map, spacing
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.roughness.parameters import roughness_parameters
+from roughcontact.statistics.contact_statistics import statistics_of, with_uncertainty
+from roughcontact.statistics.first_yield import with_first_yield
+from roughcontact.statistics.subsurface import with_subsurface_yield
+from roughcontact.uncertainty.budget import error_budget
+from roughcontact.variables import VARIABLES
+
+
+class Law(NamedTuple):
+    """Exponents of heights, lengths and modulus; `similar`: only while slopes stay, as it depends on them."""
+
+    heights: float
+    lengths: float
+    modulus: float
+    similar: bool = False
+    repeated: float = 1.0  # by what it is multiplied where the map is laid beside itself, twice each way
+
+
+NUMBER, SLOPE, LENGTH, HEIGHT = Law(0, 0, 0), Law(1, -1, 0), Law(0, 1, 0), Law(1, 0, 0)
+PRESSURE, ENERGY, STIFFNESS = Law(1, -1, 1), Law(2, -1, 1), Law(0, -1, 1)
+COUNT = NUMBER._replace(repeated=4)
+OF_SLOPES = NUMBER._replace(similar=True)
+PER_PRESSURE, PER_HEIGHT, PER_AREA, AREA = Law(-1, 1, -1), Law(-1, 0, 0), Law(0, -2, 0), Law(0, 2, 0)
+
+LAWS = {
+    **dict.fromkeys(["mean_pressure", "mean_contact_pressure", "max_pressure", "pressure_std"], PRESSURE),
+    **dict.fromkeys(["hardness", "first_yield_pressure", "first_subsurface_yield_pressure"], PRESSURE),
+    **dict.fromkeys(["max_von_mises_stress", "max_tresca_stress", "von_mises_profile"], PRESSURE),
+    **dict.fromkeys(["pressure_bin_centre", "pressure_bin_bounds", "beside_the_peak"], PRESSURE),
+    "first_yield_pressure_by_ratio": PRESSURE._replace(similar=True),
+    "contact_modulus": Law(0, 0, 1),
+    "pressure_density": PER_PRESSURE,
+    **dict.fromkeys(["mean_gap", "approach", "gap_bin_centre", "gap_bin_bounds", "rms_height"], HEIGHT),
+    **dict.fromkeys(["critical_constriction_x", "critical_constriction_y"], HEIGHT),
+    **dict.fromkeys(["Sa", "Sq", "Sp", "Sv", "Sz", "Sk", "Spk", "Svk", "Vmc", "Vvv"], HEIGHT),
+    "gap_density": PER_HEIGHT,
+    **dict.fromkeys(["relative_pressure", "relative_contact_area", "relative_contact_area_pixels"], NUMBER),
+    **dict.fromkeys(["load_share_above_hardness", "area_share_above_hardness", "yielded_area"], NUMBER),
+    **dict.fromkeys(["contact_on_filled_points", "rejected_load_share", "converged"], NUMBER),
+    **dict.fromkeys(["gap_percolates_x", "gap_percolates_y", "points_per_shortest_wavelength"], NUMBER),
+    **dict.fromkeys(["flow_factor_xx", "flow_factor_yy", "flow_factor_xy"], NUMBER),
+    **dict.fromkeys(["area_persson", "area_xu", "area_bush_gibson_thomas"], NUMBER),
+    "area_greenwood_williamson": NUMBER,
+    **dict.fromkeys(["nayak_parameter", "row_jitter", "Ssk", "Sku", "Smr1", "Smr2", "Str", "Std"], NUMBER),
+    "hardness_over_modulus": NUMBER,
+    **dict.fromkeys(["load_share_above_ratio", "area_share_above_ratio", "Sdr"], OF_SLOPES),
+    **dict.fromkeys(["max_pressure_over_modulus", "rms_gradient", "Sdq"], SLOPE),
+    "rms_curvature": Law(1, -2, 0),
+    **dict.fromkeys(["contact_clusters", "switches"], COUNT),
+    "contact_perimeter": LENGTH._replace(repeated=4),
+    "largest_patch_area": AREA,
+    **dict.fromkeys(["patch_bin_centre", "patch_bin_bounds"], AREA),
+    "patch_area_density": PER_AREA,
+    "contact_stiffness": STIFFNESS,
+    **dict.fromkeys(["conductance_per_conductivity", "thermal_conductance"], Law(0, -1, 0)),
+    "electrical_conductance": Law(0, -1, 0),
+    **dict.fromkeys(["elastic_energy", "conforming_energy", "effective_work_of_adhesion"], ENERGY),
+    **dict.fromkeys(["leak_rate_x", "leak_rate_y"], Law(3, 0, 0)),  # the seal itself keeps its width
+    "leak_rate_by_cube": NUMBER,
+    **dict.fromkeys(["max_von_mises_depth", "volume_above_yield", "depth", "profile_depth", "Sal"], LENGTH),
+    **dict.fromkeys(["max_von_mises_x", "max_von_mises_y"], LENGTH),
+    **dict.fromkeys(["window_length_x", "window_length_y"], LENGTH._replace(repeated=2)),
+    **dict.fromkeys(["window_offset_x", "window_offset_y"], LENGTH),
+}
+# what the solver says of its own work: no property of the surface
+OF_THE_SOLVER = {"iterations", "operator_applications", "error_bound", "rounding_floor", "load_error"}
+OF_THE_SOLVER |= {"max_penetration"}
+# maps, labels, and what is compared elsewhere: another code's numbers
+NO_NUMBER = {"height", "filled", "line_offset", "rejected_height", "pressure", "gap", "contact", "x", "y"}
+NO_NUMBER |= {"source", "choice", "surface", "surface_name", "case", "case_name", "place_of_the_peak"}
+NO_NUMBER |= {name for name in VARIABLES if name.startswith("other_") or name.endswith("_difference")}
+ENDINGS = (
+    r"_(uncertainty|lower|upper|parts|choices|half_way)$"  # of an interval, of the same kind as its number
+)
+
+BODIES = (
+    {"youngs_modulus": 3e9, "poissons_ratio": 0.3, "yield_stress": 4e7, "thermal_conductivity": 2.0}
+    | {"electrical_resistivity": 1e-6},
+    {"youngs_modulus": 5e9, "poissons_ratio": 0.4, "yield_stress": 9e7, "thermal_conductivity": 4.0}
+    | {"electrical_resistivity": 2e-6},
+)
+# numbers that are found to a share of themselves, by what is documented of them
+STATED = {"max_von_mises_depth": 0.01, "volume_above_yield": 0.02, "first_subsurface_yield_pressure": 1e-3}
+STATED |= {"max_tresca_stress": 1e-3, "contact_stiffness": 1e-3, "conductance_per_conductivity": 1e-3}
+STATED |= {"thermal_conductance": 1e-3, "electrical_conductance": 1e-3}
+STATED |= dict.fromkeys(["Sk", "Spk", "Svk", "Smr1", "Smr2"], 1e-2)  # a line through sorted points
+MODULUS = 1 / sum((1 - body["poissons_ratio"] ** 2) / body["youngs_modulus"] for body in BODIES)
+HARDNESS = 1.2e8  # Pa, which the largest pressure of the higher loads reaches
+SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}
+
+
+def law_of(name):
+    return LAWS[re.sub(ENDINGS, "", name)]
+
+
+def made(seed, shape=(36, 48), pitch=(1.5e-6, 1e-6), lay=0.4):
+    """Return a rough periodic map with an oblique lay: nothing about it is symmetric."""
+    rough = self_affine_surface(
+        shape, pitch, hurst=0.7, shortest=6e-6, longest=40e-6, rms_gradient=0.05, seed=seed
+    ).values
+    y, x = np.indices(shape)
+    waves = np.cos(2 * np.pi * (2 * x / shape[1] - y / shape[0]) + 0.5)
+    heights = rough + lay * rough.std() * waves + 0.2 * rough.std() * waves**2
+    return height_map(heights - heights.mean(), pitch)
+
+
+def solved(window, *, scale=1.0, yields=1.0, energy=1.0, hardness=None, budget=False):
+    """Return every number of a periodic map at three loads; `yields`, `energy` scale what materials bear."""
+    scales = {"youngs_modulus": scale, "yield_stress": yields}
+    bodies = [body | {key: body[key] * by for key, by in scales.items()} for body in BODIES]
+    levelled = rc.level(window, form="mean", outlier_threshold=None, line_alignment="none")
+    window = rc.periodic_window(levelled)
+    gradient = roughness_parameters(window)["rms_gradient"]
+    contact = {
+        "contact_modulus": MODULUS * scale,
+        "mean_pressure": [share * MODULUS * scale * gradient for share in (0.02, 0.1, 0.3)],
+        "tolerance": 1e-9,
+    }
+    if hardness is not None:
+        contact["hardness"] = hardness
+    count = statistics_of(
+        window,
+        contact_modulus=contact["contact_modulus"],
+        bodies=bodies,
+        flow="always",
+        stress="always",
+        seal=SEAL,
+        work_of_adhesion=0.05 * energy,
+    )
+    result = with_first_yield(rc.solve_contact(window, **contact, reduce=count), window, contact)
+    if budget:
+        verbs = {"level": {"form": "mean", "outlier_threshold": None, "line_alignment": "none"}, "window": {}}
+        result = with_uncertainty(
+            result, error_budget(levelled, window, verbs | {"contact": contact}, windows=4)
+        )
+    return with_subsurface_yield(result, bodies)
+
+
+def same(found, expected, name):
+    """Whether two numbers are one, up to the tolerance of the solution and to rounding."""
+    found, expected = np.asarray(found, float), np.asarray(expected, float)
+    rtol = STATED.get(name, 2e-5)
+    assert found.shape == expected.shape, name
+    scale = np.nanmax(np.abs(np.where(np.isfinite(expected), expected, np.nan)), initial=0.0)
+    np.testing.assert_allclose(found, expected, rtol=rtol, atol=rtol * scale + 1e-300, err_msg=name)
+
+
+def test_every_variable_has_a_law():
+    named = {re.sub(ENDINGS, "", name) for name in VARIABLES}
+    assert named - set(LAWS) - OF_THE_SOLVER - NO_NUMBER == set()
+    assert set(LAWS) <= named  # and no law is left over
+
+
+def numbers(dataset):
+    """Return the names that a law can say something of."""
+    return [str(name) for name in dataset.variables if name not in OF_THE_SOLVER | NO_NUMBER]
+
+
+@examples(max_examples=4, deadline=None, phases=[Phase.generate])
+@given(
+    seed=st.integers(0, 10**6),
+    heights=st.floats(-2, 2),
+    lengths=st.floats(-3, 3),
+    modulus=st.floats(-3, 3),
+    yielding=st.booleans(),
+    budget=st.booleans(),
+)
+def test_numbers_follow_the_scales(seed, heights, lengths, modulus, yielding, budget):
+    # with powers of two even the rounding is the same, on which members of an ensemble depend by whole pixels
+    base = 2.0 if budget else 10.0
+    a, b, c = (base ** (round(power) if budget else power) for power in (heights, lengths, modulus))
+    window = made(seed)
+    limit = HARDNESS if yielding else None
+    before = solved(window, hardness=limit, budget=budget)
+    scaled = height_map(a * window.values, tuple(b * step for step in spacing(window)))
+    pressure = c * a / b
+    after = solved(
+        scaled,
+        scale=c,
+        yields=pressure,
+        energy=pressure * a,
+        hardness=limit and limit * pressure,
+        budget=budget,
+    )
+    assert set(after.variables) == set(before.variables)
+    for name in numbers(before):
+        law = law_of(name)
+        if not law.similar:
+            factor = a**law.heights * b**law.lengths * c**law.modulus
+            same(after[name].values / factor, before[name].values, name)
+
+
+@examples(max_examples=2, deadline=None, phases=[Phase.generate])
+@given(seed=st.integers(0, 10**6), unit=st.floats(-3, 3))
+def test_numbers_of_slopes_follow_where_slopes_stay(seed, unit):
+    window, factor = made(seed), 10.0**unit
+    before = solved(window)
+    scaled = height_map(factor * window.values, tuple(factor * step for step in spacing(window)))
+    after = solved(scaled, energy=factor)
+    for name in numbers(before):
+        law = law_of(name)
+        same(after[name].values / factor ** (law.heights + law.lengths), before[name].values, name)
+
+
+def swapped(name):
+    """Return what a number is called when x and y change places."""
+    other = {"x": "y", "y": "x"}
+    return re.sub(r"_(x|y|xx|yy)(?=$|_)", lambda end: "_" + "".join(other[axis] for axis in end[1]), name)
+
+
+def mirrored_angle(angle):
+    return (180 - angle) % 180
+
+
+OVER_THE_EDGES = ("row_jitter", "Sdq", "Sdr")  # differences of neighbours of the measured map leave these out
+# what is done -> to the heights, whether x and y change places, the sign of the cross flow, the angles
+CHANGES = {
+    "mirrored along x": (lambda v: v[:, ::-1], False, -1, mirrored_angle),
+    "mirrored along y": (lambda v: v[::-1], False, -1, mirrored_angle),
+    "turned by half a turn": (lambda v: v[::-1, ::-1], False, 1, lambda angle: angle),
+    "transposed": (lambda v: v.T, True, 1, lambda angle: (90 - angle) % 180),
+    "turned by a right angle": (lambda v: v.T[:, ::-1], True, -1, lambda angle: (90 + angle) % 180),
+    "moved": (lambda v: np.roll(v, (7, -11), (0, 1)), False, 1, lambda angle: angle),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+@examples(max_examples=2, deadline=None, phases=[Phase.generate])
+@given(seed=st.integers(0, 10**6), yielding=st.booleans())
+def test_numbers_follow_the_map(change, seed, yielding):
+    turn, across, cross_flow, direction = CHANGES[change]
+    # rows are those of the scan
+    not_of = {
+        "transposed": ["row_jitter"],
+        "turned by a right angle": ["row_jitter"],
+        "moved": OVER_THE_EDGES,
+    }
+    window = made(seed)
+    steps = spacing(window)
+    limit = HARDNESS if yielding else None
+    before = solved(window, hardness=limit)
+    place = height_map(turn(np.arange(window.size).reshape(window.shape)), 1.0).values.astype(int)
+    after = solved(height_map(turn(window.values), steps[::-1] if across else steps), hardness=limit)
+    assert set(after.variables) == set(before.variables)
+    for name in numbers(before):
+        if name in not_of.get(change, ()) or name in ("max_von_mises_x", "max_von_mises_y"):
+            continue
+        found, expected = after[swapped(name) if across else name].values, before[name].values
+        if name == "flow_factor_xy":
+            expected = cross_flow * expected
+        if name == "Std":
+            off = (found - direction(expected) + 90) % 180 - 90
+            assert abs(off) < 1e-6, name
+            continue
+        same(found, expected, name)
+    # the most strained point is the same point of the surface
+    for load in range(before.sizes["load"]):
+        rows, columns = (
+            int(float(each[f"max_von_mises_{axis}"][load]) / step)
+            for each, axis, step in ((before, "y", steps[0]), (before, "x", steps[1]))
+        )
+        after_steps = steps[::-1] if across else steps
+        row, column = (
+            int(float(after[f"max_von_mises_{axis}"][load]) / step)
+            for axis, step in zip("yx", after_steps, strict=True)
+        )
+        assert place[row, column] == rows * window.shape[1] + columns
+
+
+@examples(max_examples=3, deadline=None, phases=[Phase.generate])
+@given(seed=st.integers(0, 10**6))
+def test_a_map_beside_itself_has_the_same_contact(seed):
+    window = made(seed)
+    before = solved(window)
+    after = solved(height_map(np.tile(window.values, (2, 2)), spacing(window)))
+    for name in numbers(before):
+        if name in ("depth", "von_mises_profile", "max_von_mises_x", "max_von_mises_y", *OVER_THE_EDGES):
+            continue  # depths are those of the longer window; of four equal places any may be named
+        found, expected = (
+            each[name].isel(load=slice(2), missing_dims="ignore").values for each in (after, before)
+        )
+        same(found, law_of(name).repeated * expected, name)
+
+
+@examples(max_examples=3, deadline=None, phases=[Phase.generate])
+@given(seed=st.integers(0, 10**6), along=st.sampled_from(["x", "y"]))
+def test_a_profile_is_the_surface_that_does_not_vary_across_it(seed, along):
+    line = made(seed, shape=(1, 96), pitch=1e-6, lay=0).values
+    profile, extruded = line, np.repeat(line, 8, axis=0)
+    if along == "y":
+        profile, extruded = profile.T, extruded.T
+    one, many = (solved(height_map(values, 1e-6)) for values in (profile, extruded))
+    for name in numbers(one):
+        if not np.isnan(one[name].values.astype(float)).all() and not name.startswith(NOT_OF_PROFILES):
+            same(one[name].values, many[name].values, name)
+
+
+NOT_OF_PROFILES = ("window_length", "contact_clusters", "contact_perimeter", "largest_patch", "patch_")
+
+
+# --- what the names say -----------------------------------------------------------------------------------
+
+
+def near(window, load, *, hardness=None, relative=2e-3):
+    """Return the numbers of three loads that lie close, the middle one being the load."""
+    loads = [load * (1 - relative), load, load * (1 + relative)]
+    contact = {"contact_modulus": MODULUS, "mean_pressure": loads, "tolerance": 1e-10, "hardness": hardness}
+    return rc.contact_statistics(rc.solve_contact(window, **contact), flow="never")
+
+
+def change(numbers, name):
+    return float(numbers[name][2] - numbers[name][0])
+
+
+@pytest.mark.parametrize("share", [0.01, 0.05, 0.3])
+def test_stiffness_and_energy_are_differences_of_gap_and_approach(share):
+    window = made(3, shape=(64, 64), pitch=1e-6)
+    found = near(window, share * MODULUS * roughness_parameters(window)["rms_gradient"])
+    loads = change(found, "mean_pressure")
+    stiffness = float(found["contact_stiffness"][1])
+    assert stiffness == pytest.approx(-loads / change(found, "mean_gap"), rel=0.02)
+    # the surfaces approach one another by as much as the gap closes, displacements counted from their mean
+    assert change(found, "approach") == pytest.approx(change(found, "mean_gap"), rel=1e-6)
+    # what the load does on its way is in the body: dW = p dp / K
+    load = float(found["mean_pressure"][1])
+    assert change(found, "elastic_energy") == pytest.approx(-load * change(found, "approach"), rel=1e-3)
+
+
+def test_densities_are_of_what_they_name():
+    window = made(4, shape=(64, 64), pitch=1e-6)
+    load = 0.1 * MODULUS * roughness_parameters(window)["rms_gradient"]
+    contact = rc.solve_contact(window, contact_modulus=MODULUS, mean_pressure=load, tolerance=1e-8)
+    found = rc.contact_statistics(contact).isel(load=0)
+    pressure, gap = contact["pressure"].values[0], contact["gap"].values[0]
+    touching = pressure > 0
+    patches = float(found["relative_contact_area_pixels"]) * window.size * 1e-12 / found["contact_clusters"]
+    for kind, mean in (
+        ("pressure", pressure[touching].mean()),
+        ("gap", gap[~touching].mean()),
+        ("patch_area", float(patches)),
+    ):
+        density = found[f"{kind}_density"].values
+        edges = found[f"{kind.removesuffix('_area')}_bin_bounds"].values
+        widths = np.diff(edges, axis=-1).ravel()
+        assert (density * widths).sum() == pytest.approx(1, rel=1e-9)
+        highest = (density * widths * edges[:, 1]).sum()
+        lowest = (density * widths * edges[:, 0]).sum()
+        assert lowest <= mean <= highest
+    assert float(found["mean_gap"]) == pytest.approx(gap.mean(), rel=1e-9)
+    assert float(found["mean_contact_pressure"]) == pytest.approx(pressure[touching].mean(), rel=1e-12)
+
+
+def test_ratios_are_those_of_the_numbers_that_they_name():
+    window = made(5)
+    found = solved(window, hardness=HARDNESS)
+    modulus, gradient = float(found["contact_modulus"]), float(found["rms_gradient"])
+    ratios = {
+        "relative_pressure": found["mean_pressure"] / (modulus * gradient),
+        "max_pressure_over_modulus": found["max_pressure"] / modulus,
+        "conductance_per_conductivity": found["contact_stiffness"] / modulus,
+        "thermal_conductance": found["contact_stiffness"] / modulus * 2 * 2.0 * 4.0 / (2.0 + 4.0),
+        "electrical_conductance": found["contact_stiffness"] / modulus * 2 / (1e-6 + 2e-6),
+        "effective_work_of_adhesion": 0.05 - found["conforming_energy"],
+        "leak_rate_x": found["flow_factor_xx"] * found["mean_gap"] ** 3 * 1e5 / (12 * 1e-3 * 2e-3),
+        "leak_rate_y": found["flow_factor_yy"] * found["mean_gap"] ** 3 * 1e5 / (12 * 1e-3 * 2e-3),
+        "leak_rate_by_cube": 1e5 / (12 * 1e-3 * 2e-3),
+    }
+    for name, expected in ratios.items():
+        np.testing.assert_allclose(found[name], expected, rtol=1e-9, err_msg=name)
+
+
+def test_at_the_load_of_first_yield_it_begins():
+    window = made(6)
+    found = solved(window, hardness=HARDNESS)
+    contact = {"contact_modulus": MODULUS, "tolerance": 1e-8}
+    load = float(found["first_yield_pressure"])
+    there = rc.solve_contact(window, mean_pressure=load, **contact)
+    assert float(there["pressure"].max()) == pytest.approx(HARDNESS, rel=2e-3)
+    load = float(found["first_subsurface_yield_pressure"])
+    if np.isfinite(load):
+        there = rc.solve_contact(window, mean_pressure=load, **contact)
+        stress = rc.contact_statistics(there, bodies=BODIES, stress="always")["max_von_mises_stress"]
+        assert float(stress[0]) == pytest.approx(BODIES[0]["yield_stress"], rel=0.05)
