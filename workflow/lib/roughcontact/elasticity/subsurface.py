@@ -5,6 +5,8 @@ from collections.abc import Callable
 import numpy as np
 
 from roughcontact.fourier import wavevectors
+from roughcontact.kernels.arrays import DOUBLE, empty
+from roughcontact.kernels.fft import make_plan
 
 
 def subsurface_stress(
@@ -51,7 +53,8 @@ def subsurface_stress(
     1.0
     """
     shape, mean = pressure.shape, float(pressure.mean())
-    spectrum = np.fft.rfft2(pressure - mean)
+    plan = make_plan(pressure, DOUBLE)
+    spectrum = plan.forward(np.subtract(pressure, mean, dtype=float)).copy()
     qy, qx = wavevectors(shape, steps)
     q = np.hypot(qy, qx)
     along_y, along_x = (np.divide(part, q, out=np.zeros_like(q), where=q > 0) for part in (qy, qx))
@@ -63,22 +66,27 @@ def subsurface_stress(
     if nx % 2 == 0:
         odd_x[:, -1] = 0
     lateral = poissons_ratio / (1 - poissons_ratio) * mean
-    uniform = np.array([-lateral, -lateral, -mean, 0, 0, 0])[:, None, None]
+    uniform = (-lateral, -lateral, -mean, 0, 0, 0)
 
     def at(depth: float) -> np.ndarray:
         """Return the stresses (6, ny, nx) at a depth."""
         reduced = q * depth
         wave = spectrum * np.exp(-reduced)
-        with_q, crests, shear = 1 - reduced, 2 * poissons_ratio, 1j * reduced
+        with_q, crests = 1 - reduced, 2 * poissons_ratio
+        shear = 1j * reduced * wave
         components = (
-            -(along_x**2 * with_q + along_y**2 * crests) * wave,
-            -(along_y**2 * with_q + along_x**2 * crests) * wave,
-            -(1 + reduced) * wave,
-            odd_y * shear * wave,
-            odd_x * shear * wave,
-            -odd_x * odd_y * (with_q - crests) * wave,
+            lambda: -(along_x**2 * with_q + along_y**2 * crests) * wave,
+            lambda: -(along_y**2 * with_q + along_x**2 * crests) * wave,
+            lambda: -(1 + reduced) * wave,
+            lambda: odd_y * shear,
+            lambda: odd_x * shear,
+            lambda: -odd_x * odd_y * (with_q - crests) * wave,
         )
-        return np.stack([np.fft.irfft2(component, s=shape) for component in components]) + uniform
+        stress = empty(pressure, DOUBLE, (6, *shape))
+        for index, component in enumerate(components):
+            plan.inverse(component(), stress[index])
+            stress[index] += uniform[index]
+        return stress
 
     return at
 

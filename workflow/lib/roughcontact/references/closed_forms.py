@@ -626,6 +626,57 @@ def wave_volume_above(limit: float) -> float:
     return float((lambertw(reached, 0) - lambertw(reached, -1)).real)
 
 
+def westergaard_von_mises(depth: npt.ArrayLike, load_ratio: float, poissons_ratio: float) -> np.ndarray:
+    """Return the stress of von Mises below the crest of Westergaard's ridges, pressed on by a part of p*.
+
+    His pressure continues into the body as the harmonic P = 2 p* cosh t (√(r + sinh²t) - sinh t) below the
+    crest, t = πz/λ, r = p̄/p*, which goes over into p̄. The normal stresses are -P + zP' across the surface,
+    p̄ - P - zP' along x and 2ν (p̄ - P) along the crest, less ν/(1 - ν) p̄ for the last two.
+
+    Parameters
+    ----------
+    depth : array
+        z/λ.
+    load_ratio : float, 0 to 1
+        r.
+    poissons_ratio : float
+        ν.
+
+    Returns
+    -------
+    array, of the shape of `depth`
+        over p*, the pressure of complete contact.
+
+    References
+    ----------
+    .. [1] Westergaard (1939), Bearing pressures and cracks, J. Appl. Mech. 6, A49, for the pressure.
+    .. [2] Johnson (1985), Contact Mechanics, section 13.2, for the stresses below each of its waves.
+
+    Examples
+    --------
+    Of light loads, Johnson's cylinder: 0.56 of the largest pressure 2 p* √r, at 0.70 of half the width a,
+    with r = (πa/λ)²
+
+    >>> import numpy as np
+    >>> z = np.linspace(0.5, 1, 501)
+    >>> stress = westergaard_von_mises(z * 1e-4 / np.pi, 1e-8, 0.3) / 2e-4
+    >>> print(f"{stress.max():.3f} {z[stress.argmax()]:.2f}")
+    0.558 0.70
+    """
+    t = np.pi * np.asarray(depth, float)
+    root = np.sqrt(load_ratio + np.sinh(t) ** 2)
+    # of √(r + sinh²t) - sinh t, without the difference
+    beyond = 2 * load_ratio / (root + np.sinh(t))
+    pressure = beyond * np.cosh(t)
+    slope = t * beyond * (np.sinh(t) - np.cosh(t) ** 2 / root)  # z dP/dz
+    lateral = poissons_ratio / (1 - poissons_ratio) * load_ratio
+    across = slope - pressure
+    along = load_ratio - pressure - slope - lateral
+    crest = 2 * poissons_ratio * (load_ratio - pressure) - lateral
+    squares = (across - along) ** 2 + (along - crest) ** 2 + (crest - across) ** 2
+    return np.sqrt(squares / 2)
+
+
 def hertz_von_mises(depth: npt.ArrayLike, poissons_ratio: float) -> np.ndarray:
     """Return the stress of von Mises on the axis of a Hertz contact, over its largest pressure.
 

@@ -274,7 +274,7 @@ def _unbroken(numbers: xr.Dataset, name: str, units: Mapping[str, Unit], place: 
 
 def _yields(load: xr.Dataset) -> Cell:
     """Return whether a body yields at a load, at its surface or below."""
-    below = _known(load, "volume_above_yield") and float(load["volume_above_yield"]) > 0
+    below = float(load.get("volume_above_yield", np.nan)) > 0  # infinite where all of the body yields
     if _known(load, "hardness"):
         share = float(load["load_share_above_hardness"])
         if share > 0:
@@ -284,8 +284,10 @@ def _yields(load: xr.Dataset) -> Cell:
         # the interval of the largest pressure ends at the hardness, which limits it
         reached = float(load.get("max_pressure_upper", 0.0)) >= float(load["hardness"]) * (1 - 1e-9)
         return Cell("no (in doubt)" if reached else "no", "hardness nowhere reached")
+    if below:
+        return Cell("yes", "below the surface")
     if _known(load, "volume_above_yield"):
-        return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")
+        return Cell("no", "yield stress nowhere reached")
     if rubber_like(load):
         return Cell(NOT_JUDGED, "rubber-like")
     flags = yield_flags(load.drop_vars("hardness", errors="ignore"))

@@ -1,26 +1,36 @@
 """Where below the surface a contact strains its material most."""
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from roughcontact.elasticity.subsurface import subsurface_stress, tresca, von_mises
 
-_DEPTHS_PER_DECADE = 6
-_DEEPEST = 0.25  # of the shorter side: deeper down the periodic copies act as one pressure
-_FINE = 0.01  # to which share the depth of the largest stress is found, and to which a load has the stress
+# Depths in even steps of ln(1 + z/z0): in equal ratios, but for the first below the surface.
+_FINEST = 1 / 8  # z0, of a pixel
+_STEP = 0.25
+_DEEPEST = 2  # longer sides: there less than 1e-4 of any wave is left
+# Between two depths the stress at a point is interpolated, where at one of them it is at least this share of
+# the yield stress, and taken as linear in each of so many parts.
+_NEAR = 0.8
+_PARTS = 8
+# Beside a depth with so much less than the largest stress there may be a larger one, of another point, too.
+_BESIDE = 0.02
+_FAR = 0.8  # of the largest stress of Tresca so far: less is not worth its eigenvalues
+_FINE = 0.01  # to which share a load has the stress that is looked for
 
 Bodies = Sequence[Mapping[str, float | None]]
 
 
 def profile_depths(shape: Sequence[int], steps: tuple[float, float]) -> np.ndarray:
-    """Return the depths at which stresses are looked for: the surface, and half a pixel to a quarter side.
+    """Return the depths at which stresses are looked for: from the surface to twice the longer side.
 
-    Contact spots are from one pixel to the whole map across, and the stress of each is largest at about half
-    its radius; depths in equal ratios find them all, whatever the load.
+    The stress below a wave is largest at about 1/q: the shortest waves have it within the first pixel, the
+    longest one at a sixth of the longer side, whatever the load. At the last depth the mean pressure acts
+    alone.
 
     Parameters
     ----------
@@ -36,14 +46,13 @@ def profile_depths(shape: Sequence[int], steps: tuple[float, float]) -> np.ndarr
     Examples
     --------
     >>> depths = profile_depths((256, 256), (1e-6, 1e-6))
-    >>> print(depths.size, depths[1], depths[-1])
-    15 5e-07 6.4e-05
+    >>> print(depths.size, depths[:2].round(9), depths[-1].round(9))
+    35 [0.0e+00 3.5e-08] 0.000512
     """
-    sides = [n * d for n, d in zip(shape, steps, strict=True) if n > 1]
-    first = min(d for n, d in zip(shape, steps, strict=True) if n > 1) / 2
-    last = max(_DEEPEST * min(sides), 2 * first)
-    count = math.ceil(_DEPTHS_PER_DECADE * math.log10(last / first)) + 1
-    return np.append(0.0, np.geomspace(first, last, count))
+    across = [(n * d, d) for n, d in zip(shape, steps, strict=True) if n > 1]
+    finest, deepest = _FINEST * min(d for _, d in across), _DEEPEST * max(side for side, _ in across)
+    last = math.log1p(deepest / finest)
+    return finest * np.expm1(np.linspace(0, last, math.ceil(last / _STEP) + 1))
 
 
 def strained_body(bodies: Bodies | None) -> Mapping[str, float | None] | None:
@@ -99,6 +108,13 @@ def stress_columns(
         `max_von_mises_y` (m from the first point); with a yield stress `volume_above_yield` (m), the volume
         by area where von Mises' stress exceeds it.
 
+    Notes
+    -----
+    The pressure is the trigonometric polynomial through its points. `volume_above_yield` is what the shares
+    of points whose stress exceeds the yield stress add up to, integrated over the depth; between two depths
+    the stress at each point follows a cubic. It is infinite where the stress of the mean pressure alone,
+    which acts at every depth, exceeds the yield stress.
+
     Examples
     --------
     Below a wave of amplitude 1, without its mean, von Mises' stress is largest near the depth 1/q:
@@ -110,38 +126,33 @@ def stress_columns(
     """
     stress_at = subsurface_stress(pressure, steps, poissons_ratio=poissons_ratio)
     depths = profile_depths(pressure.shape, steps)
-    profile, shear = np.zeros(depths.size), np.zeros(depths.size)
-    volume, higher_up = 0.0, None
+    everywhere = float(pressure.mean()) * (1 - 2 * poissons_ratio) / (1 - poissons_ratio)
+    limited = yield_stress is not None and yield_stress >= everywhere
+    found: list[_Largest] = []
+    maps: list[np.ndarray] = []
+    volume, shear = 0.0 if limited else math.inf, 0.0
     for index, depth in enumerate(depths):
         stress = stress_at(depth)
         equivalent = von_mises(stress)
-        profile[index], shear[index] = equivalent.max(), _largest_tresca(stress, equivalent)
-        if yield_stress is not None:
-            if higher_up is not None:
-                thickness = depth - depths[index - 1]
-                volume += thickness * _share_above(higher_up, equivalent, yield_stress)
-            higher_up = equivalent
-    best = int(profile.argmax())
-    depth, stress = float(depths[best]), stress_at(float(depths[best]))
-    if 0 < best < depths.size - 1:
-        from scipy.optimize import minimize_scalar  # takes longer to import than a small map to solve
-
-        found = minimize_scalar(
-            lambda z: -von_mises(stress_at(z)).max(),
-            bounds=(float(depths[best - 1]), float(depths[best + 1])),
-            method="bounded",
-            options={"xatol": _FINE * depth},
-        )
-        if -found.fun > profile[best]:
-            depth, stress = float(found.x), stress_at(float(found.x))
-    equivalent = von_mises(stress)
-    row, column = np.unravel_index(int(equivalent.argmax()), equivalent.shape)
+        found.append(_largest(depth, stress, equivalent, shear=shear))
+        shear = max(shear, found[-1].tresca)
+        if yield_stress is not None and limited:
+            maps = [*maps[-3:], equivalent]
+            volume += _volume_above(yield_stress, maps, depths, index)
+    profile = np.array([at.von_mises for at in found])
+    for closer in (_middles, _vertex):
+        between = {depth for name in ("von_mises", "tresca") for depth in _near_peaks(found, name, closer)}
+        for depth in sorted(between):
+            stress = stress_at(depth)
+            found.append(_largest(depth, stress, von_mises(stress)))
+    best = max(found, key=lambda at: at.von_mises)
+    row, column = np.unravel_index(best.place, pressure.shape)
     columns: dict[str, Any] = {
-        "max_von_mises_stress": float(equivalent.max()),
-        "max_von_mises_depth": depth,
+        "max_von_mises_stress": best.von_mises,
+        "max_von_mises_depth": best.depth,
         "max_von_mises_x": column * steps[1],
         "max_von_mises_y": row * steps[0],
-        "max_tresca_stress": max(_largest_tresca(stress, equivalent), float(shear.max())),
+        "max_tresca_stress": max(at.tresca for at in found),
         "von_mises_profile": profile,
     }
     if yield_stress is not None:
@@ -198,15 +209,87 @@ def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.D
     return statistics.assign(first_subsurface_yield_pressure=pressure)
 
 
+class _Largest(NamedTuple):
+    """The largest stresses at a depth, and the index of the point that has that of von Mises."""
+
+    depth: float
+    von_mises: float
+    tresca: float
+    place: int
+
+
+def _largest(depth: float, stress: np.ndarray, equivalent: np.ndarray, *, shear: float = 0.0) -> _Largest:
+    """Return the largest stresses at a depth; where Tresca's is far below `shear`, a lower bound of it.
+
+    At every point the stress of Tresca is at least that of von Mises, and at most 2/√3 of it.
+    """
+    place = int(equivalent.argmax())
+    most = float(equivalent.flat[place])
+    if 2 / math.sqrt(3) * most < _FAR * shear:
+        return _Largest(float(depth), most, most, place)
+    near = equivalent >= math.sqrt(3) / 2 * most
+    return _Largest(float(depth), most, float(tresca(stress[:, near]).max()), place)
+
+
+def _near_peaks(
+    found: Sequence[_Largest], name: str, closer: Callable[[np.ndarray, np.ndarray], Sequence[float]]
+) -> Iterator[float]:
+    """Yield depths near each peak of a stress that may have the largest of all beside it."""
+    found = sorted(found)
+    depths = np.array([at.depth for at in found])
+    stress = np.array([getattr(at, name) for at in found])
+    least = (1 - _BESIDE) * stress.max()
+    for peak in range(1, stress.size - 1):
+        three = slice(peak - 1, peak + 2)
+        before, at, after = stress[three]
+        curved = 2 * at - before - after > 1e-6 * at  # where it is flat there is nothing to gain but rounding
+        if at >= max(before, after, least) and curved:
+            yield from closer(depths[three], stress[three])
+
+
+def _middles(depths: np.ndarray, _: np.ndarray) -> Sequence[float]:
+    """Return the middles between three depths."""
+    return [float(depth) for depth in (depths[1:] + depths[:-1]) / 2]
+
+
+def _vertex(depths: np.ndarray, stress: np.ndarray) -> Sequence[float]:
+    """Return the depth at which the parabola through three stresses is largest."""
+    (above, below), (left, right) = np.diff(depths), np.diff(stress)
+    left, right = below * left, above * right
+    return [float(depths[1] + (above * right + below * left) / (left - right) / 2)]
+
+
+def _volume_above(limit: float, maps: Sequence[np.ndarray], depths: np.ndarray, last: int) -> float:
+    """Return the volume by area that is above a limit in the layers of depths that now can be interpolated.
+
+    `maps` are the stresses at the depths up to `last`, the latest four: the layer between the middle two can,
+    and those at the surface and at the bottom with the layer beside them.
+    """
+    if len(maps) < 4:
+        return 0.0
+    layers = range(1 if last > 3 else 0, 2 if last < depths.size - 1 else 3)
+    return sum(_layer_above(limit, maps, depths[last - 3 : last + 1], layer) for layer in layers)
+
+
+def _layer_above(limit: float, maps: Sequence[np.ndarray], depths: np.ndarray, layer: int) -> float:
+    """Return the volume by area above a limit in one of the three layers between four depths."""
+    near = np.maximum(maps[layer], maps[layer + 1]) >= _NEAR * limit
+    if not near.any():
+        return 0.0
+    # the cubic through values at 0, 1, 2 and 3; by einsum, as a product of matrices wakes the threads of BLAS
+    cubic = np.vander(layer + np.linspace(0, 1, _PARTS + 1), 4) @ np.linalg.inv(np.vander(np.arange(4.0)))
+    stress = np.array([values[near] for values in maps])
+    upper, volume = np.einsum("i,ij", cubic[0], stress), 0.0
+    for weights, thickness in zip(cubic[1:], np.diff(cubic @ depths), strict=True):
+        lower = np.einsum("i,ij", weights, stress)
+        volume += float(thickness) * _share_above(upper, lower, limit)
+        upper = lower
+    return volume * float(near.mean())
+
+
 def _share_above(upper: np.ndarray, lower: np.ndarray, limit: float) -> float:
     """Return the share of a layer above a limit, of stresses that change linearly between its two faces."""
     least, most = np.minimum(upper, lower), np.maximum(upper, lower)
     steep = most > least
     share = np.divide(most - limit, most - least, out=(most > limit).astype(float), where=steep)
     return float(np.clip(share, 0.0, 1.0).mean())
-
-
-def _largest_tresca(stress: np.ndarray, equivalent: np.ndarray) -> float:
-    """Return the largest stress of Tresca, which is never more than 2/√3 of von Mises' at the same point."""
-    near = equivalent >= np.sqrt(3) / 2 * equivalent.max()
-    return float(tresca(stress[:, near]).max())
