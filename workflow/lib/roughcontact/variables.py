@@ -44,7 +44,14 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "max_pressure": ("Pa", "largest pressure"),
     "pressure_std": ("Pa", "standard deviation of the pressure over the contact pixels"),
     "mean_gap": ("m", "mean of the gap over the window"),
-    "contact_stiffness": ("Pa m-1", "- d mean_pressure / d mean_gap"),
+    "contact_stiffness": (
+        "Pa m-1",
+        "elastic - d mean_pressure / d mean_gap; where points have yielded that of unloading",
+    ),
+    "loading_stiffness": (
+        "Pa m-1",
+        "- d mean_pressure / d mean_gap of further loading, where a hardness is given",
+    ),
     "conductance_per_conductivity": ("m-1", "conductance of the contact over the mean conductivity, K/E*"),
     "thermal_conductance": ("W m-2 K-1", "thermal conductance of the contact per nominal area"),
     "electrical_conductance": ("S m-2", "electrical conductance of the contact per nominal area"),

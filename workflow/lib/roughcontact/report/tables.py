@@ -41,7 +41,8 @@ _GROUPS = {
     ),
     "Gap and conductance": (
         ("mean_gap", "mean gap ū", "m"),
-        ("contact_stiffness", "stiffness −dp̄/dū", "Pa m-1"),
+        ("contact_stiffness", "elastic stiffness −dp̄/dū", "Pa m-1"),
+        ("loading_stiffness", "stiffness of further loading", "Pa m-1"),
         ("elastic_energy", "elastic energy", "J m-2"),
         ("conductance_per_conductivity", "conductance by conductivity", "m-1"),
         ("thermal_conductance", "thermal conductance", "W m-2 K-1"),

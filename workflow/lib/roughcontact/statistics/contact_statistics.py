@@ -21,7 +21,7 @@ from roughcontact.roughness.texture import texture_parameters
 from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.statistics import theory
 from roughcontact.statistics.adhesion import adhesion_numbers
-from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers
+from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers, carrying
 from roughcontact.statistics.conductance import Bodies, conductance_columns
 from roughcontact.statistics.contact_geometry import contact_perimeter, relative_contact_area
 from roughcontact.statistics.densities import (
@@ -58,6 +58,9 @@ HEIGHT_PARAMETERS = (
 _LEVELLING_COLUMNS = (*HEIGHT_PARAMETERS, "row_jitter")
 
 FLOW_POINTS = 65536  # of a map: the flow through a larger one takes longer than its contact
+
+# of the response to further loading, which is good to about that and not, as of an elastic one, to its square
+_OF_LOADING = 1e-3
 
 # what has a density, and over which bins, `{name}_bin`
 _BINS = {"pressure_density": "pressure", "gap_density": "gap", "patch_area_density": "patch"}
@@ -483,6 +486,7 @@ def _one_load(
         "pressure_std": carried.std(),
     }
     bearing = bearing_numbers(carried, contact_modulus=contact_modulus, hardness=hardness)
+    yielded = None if hardness is None else carrying(pressure, hardness)
     del pressure, carried
     gap = contact["gap"].isel(load=load).values
     gap_density = density(gap[~touching], edges["gap"])
@@ -496,7 +500,6 @@ def _one_load(
         passage |= flow_columns(open_gap, steps)
     del open_gap
     patches = region_sizes(touching) * (steps[0] * steps[1])
-    compliance = linear_response(touching, steps, contact_modulus)
     return {
         "relative_contact_area": relative_contact_area(touching),
         "relative_contact_area_pixels": points / touching.size,
@@ -507,13 +510,39 @@ def _one_load(
         **of_carried,
         # the solver keeps the mean of the gap over the contact at zero: what is left there is rounding
         "mean_gap": mean_gap,
-        "contact_stiffness": 1 / compliance if compliance > 0 else np.inf,
+        **_stiffness(touching, yielded, steps, contact_modulus=contact_modulus),
         **passage,
         **of_pressure,
         "patch_area_density": density(patches, edges["patch"]),
         "gap_density": gap_density,
         **bearing,
     }
+
+
+def _stiffness(
+    touching: np.ndarray,
+    yielded: np.ndarray | None,
+    steps: tuple[float, float],
+    *,
+    contact_modulus: float,
+) -> dict[str, float]:
+    """Return the stiffness of a contact as an elastic one, and that of further loading where points yield."""
+    response = partial(linear_response, touching, steps, contact_modulus)
+    elastic = _inverse(response())
+    if yielded is None:
+        return {"contact_stiffness": elastic}
+    if not yielded.any():
+        loading = elastic
+    elif (touching & ~yielded).any():
+        loading = _inverse(response(_OF_LOADING, yielded=yielded))
+    else:  # more load comes onto points that do not touch yet, which no contact set tells of
+        loading = np.nan
+    return {"contact_stiffness": elastic, "loading_stiffness": loading}
+
+
+def _inverse(compliance: float) -> float:
+    """Return the stiffness of a compliance, infinite in full contact."""
+    return 1 / compliance if compliance > 0 else np.inf
 
 
 def _body_to_strain(stress: Extra, bodies: Bodies | None) -> dict[str, float] | None:
