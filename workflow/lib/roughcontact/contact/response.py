@@ -3,6 +3,7 @@
 import numpy as np
 
 from roughcontact.checking import check_positive
+from roughcontact.choices import Influence
 from roughcontact.contact.conjugate_gradients import conjugate_gradients
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.state import mean_product
@@ -19,6 +20,7 @@ def linear_response(
     tolerance: float = 1e-2,
     *,
     yielded: np.ndarray | None = None,
+    influence: Influence = "sampled",
     threads: int = 1,
 ) -> float:
     """Return how the mean gap of a fixed contact set answers to the load: -d mean_gap / d mean_pressure.
@@ -45,6 +47,8 @@ def linear_response(
         relative, of the pressure increment in the energy norm; from 1e-3 single precision serves.
     yielded : array (ny, nx) of bool, optional
         True where a point in contact has reached the hardness, for the answer to further loading.
+    influence : {"sampled", "elements"}
+        symbol of the operator that the contact was solved with (`roughcontact.elasticity.influence`).
     threads : int
         of the solve.
 
@@ -85,7 +89,7 @@ def linear_response(
     unit = float(np.sqrt(lengths[0] * lengths[1]))
     precision = SINGLE if tolerance >= ENOUGH else DOUBLE
     zeros = np.zeros(contact.shape, precision)
-    grid = Grid(zeros, (lengths[0] / unit, lengths[1] / unit), threads=threads)
+    grid = Grid(zeros, (lengths[0] / unit, lengths[1] / unit), influence=influence, threads=threads)
 
     increment = contact.astype(precision)
     increment *= 1 / float(contact.mean())

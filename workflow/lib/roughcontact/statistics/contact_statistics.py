@@ -8,8 +8,9 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_choice
-from roughcontact.choices import Extra
+from roughcontact.choices import Extra, Influence
 from roughcontact.connectivity import region_sizes
+from roughcontact.contact.dataset import influence_of
 from roughcontact.contact.response import linear_response
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.errors import SettingsError
@@ -471,13 +472,14 @@ def _one_load(
     body: dict[str, float] | None,
 ) -> dict[str, object]:
     """Return all numbers of one load; of an open file no more than one of its maps is in memory at a time."""
+    elastic: dict[str, Any] = {"contact_modulus": contact_modulus, "influence": influence_of(contact)}
     pressure = contact["pressure"].isel(load=load).values
     touching = pressure > 0
     carried = pressure[touching]
     points = carried.size
     of_pressure = {
         **({} if body is None else stress_columns(pressure, steps, **body)),
-        "elastic_energy": elastic_energy(pressure, steps, contact_modulus=contact_modulus),
+        "elastic_energy": elastic_energy(pressure, steps, **elastic),
         "pressure_density": density(carried, edges["pressure"]),
     }
     of_carried = {
@@ -510,7 +512,7 @@ def _one_load(
         **of_carried,
         # the solver keeps the mean of the gap over the contact at zero: what is left there is rounding
         "mean_gap": mean_gap,
-        **_stiffness(touching, yielded, steps, contact_modulus=contact_modulus),
+        **_stiffness(touching, yielded, steps, **elastic),
         **passage,
         **of_pressure,
         "patch_area_density": density(patches, edges["patch"]),
@@ -525,9 +527,10 @@ def _stiffness(
     steps: tuple[float, float],
     *,
     contact_modulus: float,
+    influence: Influence,
 ) -> dict[str, float]:
     """Return the stiffness of a contact as an elastic one, and that of further loading where points yield."""
-    response = partial(linear_response, touching, steps, contact_modulus)
+    response = partial(linear_response, touching, steps, contact_modulus, influence=influence)
     elastic = _inverse(response())
     if yielded is None:
         return {"contact_stiffness": elastic}
