@@ -132,9 +132,9 @@ def is_profile(numbers: xr.Dataset) -> bool:
     Returns
     -------
     bool
-        a profile has a slope, yet no direction of its texture.
+        the window of a profile has a length along one axis alone.
     """
-    return bool(np.isnan(float(numbers.get("Std", 0.0)))) and float(numbers["rms_gradient"]) > 0
+    return any(np.isnan(float(numbers.get(f"window_length_{axis}", 0.0))) for axis in "xy")
 
 
 def _column(numbers: xr.Dataset, name: str, title: str, unit: str) -> tuple[tuple[str, str, str], list[str]]:

@@ -113,6 +113,7 @@ def contact_statistics(
     -------
     Dataset
         dims (load, pressure_bin, gap_bin, patch_bin), SI units; `roughcontact.variables` explains each name.
+        NaN for what takes a width, where the map is a single row or column: perimeter and areas of patches.
 
     Raises
     ------
@@ -150,7 +151,7 @@ def contact_statistics(
     edges = {
         "pressure": (modulus * gradient or modulus) * logarithmic_edges(PRESSURE_DECADES, pressure_bins),
         "gap": (surface.peak_to_valley or steps[1]) * logarithmic_edges(GAP_DECADES, gap_bins),
-        "patch": steps[0] * steps[1] * logarithmic_edges(PATCH_DECADES, PATCH_BINS),
+        "patch": _point_area(height.shape, steps) * logarithmic_edges(PATCH_DECADES, PATCH_BINS),
     }
     filled = height["filled"].values != 0 if "filled" in height.coords else None
     hardness = float(contact["hardness"]) if "hardness" in contact else None
@@ -188,8 +189,8 @@ def contact_statistics(
     coordinates = {"mean_pressure": ("load", mean_pressure)} | _bins(edges)
     if body is not None:
         coordinates["depth"] = ("depth", profile_depths(height.shape, steps))
-        for axis in ("x", "y"):
-            columns[f"max_von_mises_{axis}"] += float(height[axis][0])
+        for axis in ("x", "y"):  # there is no place across a profile
+            columns[f"max_von_mises_{axis}"] += height[axis].values[0] if height[axis].size > 1 else np.nan
     dims = {density: ("load", f"{name}_bin") for density, name in _BINS.items()}
     dims |= {f"{part}_share_above_ratio": ("load", "hardness_over_modulus") for part in ("load", "area")}
     dims["von_mises_profile"] = ("load", "depth")
@@ -383,7 +384,7 @@ def surface_statistics(height: xr.DataArray, power: np.ndarray | None = None) ->
     -------
     dict
         name -> number in SI units (`Std`: degree), as `roughcontact.variables` explains it. Roughness
-        parameters are spectral.
+        parameters are spectral. NaN for the length of the window across a single row or column.
 
     Examples
     --------
@@ -399,8 +400,9 @@ def surface_statistics(height: xr.DataArray, power: np.ndarray | None = None) ->
     parameters = {name: float(height.attrs[name]) for name in _LEVELLING_COLUMNS if name in height.attrs}
     parameters |= roughness_parameters(height, power) | texture_parameters(height, power)
     return parameters | {
-        "window_length_x": nx * dx,
-        "window_length_y": ny * dy,
+        # a profile is as wide as one likes
+        "window_length_x": nx * dx if nx > 1 else np.nan,
+        "window_length_y": ny * dy if ny > 1 else np.nan,
         "window_offset_x": float(height.attrs.get("window_offset_x", 0.0)),
         "window_offset_y": float(height.attrs.get("window_offset_y", 0.0)),
     }
@@ -501,7 +503,7 @@ def _one_load(
 
         passage |= flow_columns(open_gap, steps)
     del open_gap
-    patches = region_sizes(touching) * (steps[0] * steps[1])
+    patches = region_sizes(touching) * _point_area(touching.shape, steps)
     return {
         "relative_contact_area": relative_contact_area(touching),
         "relative_contact_area_pixels": points / touching.size,
@@ -519,6 +521,11 @@ def _one_load(
         "gap_density": gap_density,
         **bearing,
     }
+
+
+def _point_area(shape: tuple[int, ...], steps: tuple[float, float]) -> float:
+    """Return the area of a point, NaN for that of a profile, which is as wide as one likes."""
+    return np.nan if 1 in shape else steps[0] * steps[1]
 
 
 def _stiffness(
