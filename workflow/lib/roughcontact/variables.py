@@ -232,7 +232,10 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "Vmc": ("m", "core material volume by area of the levelled map, from 10 % to 80 % material ratio"),
     "Vvv": ("m", "dale void volume by area of the levelled map, below 80 % material ratio"),
     "Sal": ("m", "autocorrelation length of the solved window: shortest decay to 0.2"),
-    "Str": ("1", "texture aspect ratio of the solved window: Sal over the longest decay to 0.2"),
+    "Str": (
+        "1",
+        "texture aspect ratio of the solved window, none if it is too narrow: Sal over longest decay to 0.2",
+    ),
     "Std": ("degree", "direction of the strongest waves of the solved window, from x towards y"),
     # coordinates and bins
     "x": ("m", "cell centres along x"),
