@@ -94,7 +94,7 @@ def test_a_changed_number_is_told_in_words():
     assert "allowed 0)" in clusters
 
 
-@pytest.mark.parametrize("column", ["contact_perimeter_m", "contact_stiffness_Pa_per_m", "mean_gap_m"])
+@pytest.mark.parametrize("column", ["relative_contact_area", "contact_stiffness_Pa_per_m", "mean_gap_m"])
 def test_a_converged_profile_is_held_to_four_digits(column):
     golden = read_golden()["loads"]
     changed = golden.copy()

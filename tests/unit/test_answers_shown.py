@@ -92,7 +92,7 @@ def test_where_a_gap_closes_and_whether_that_is_in_doubt():
     assert cells[1].text == "seals along y, leaks along x (in doubt)"
     assert cells[2] == ("seals", "gap closed along x and y")
     assert _closing(numbers) == "along x between 2.00 MPa and 5.00 MPa; along y between 1.00 MPa and 2.00 MPa"
-    assert _seals(numbers.assign(Std=float("nan")), units, 0).text == NOT_JUDGED
+    assert _seals(numbers.assign(window_length_y=float("nan")), units, 0).text == NOT_JUDGED
     assert _seals(numbers.drop_vars("gap_percolates_x"), units, 0).text == NOT_JUDGED
 
 

@@ -102,6 +102,18 @@ def test_progress_is_told_after_every_load():
     assert "5e+06 Pa" in calls[0][2]
 
 
+@pytest.mark.parametrize("rule", ["nogi-kato", "lattice"])
+@pytest.mark.parametrize("shape", [(1, 48), (48, 1)])
+def test_a_profile_has_no_mean_displacement_but_its_own(rule, shape):
+    """It goes on without end across: the sum over all of it has none."""
+    profile = height_map(rough().values[0].reshape(shape), 1e-6)
+    with pytest.raises(
+        rc.SettingsError, match=f"zero_frequency = '{rule}' is for maps.* use 'zero'"
+    ) as caught:
+        rc.solve_contact(profile, contact_modulus=MODULUS, mean_pressure=1e6, zero_frequency=rule)
+    assert caught.value.keys == ("zero_frequency",)
+
+
 def test_a_flat_map_takes_no_iteration():
     flat = height_map(np.full((8, 12), 1e6), 1e-6)
     contact = rc.solve_contact(flat, contact_modulus=MODULUS, mean_pressure=[1e6, 1e7])

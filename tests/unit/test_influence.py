@@ -7,6 +7,9 @@ import roughcontact as rc
 from roughcontact.elasticity import influence
 from roughcontact.fourier import wavevectors
 from roughcontact.maps import height_map
+from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.uncertainty.answers import headline_and_answers
+from roughcontact.uncertainty.solver import open_mean_gap
 
 
 def loves_rectangle(x, y):
@@ -59,3 +62,23 @@ def test_the_choice_matters_less_the_finer_the_grid():
     assert differences[2] < 5e-3
     with pytest.raises(rc.SettingsError, match="influence = 'love'"):
         rc.solve_contact(window, influence="love", **load)
+
+
+def test_the_numbers_of_a_contact_are_of_the_operator_that_solved_it():
+    """Stiffness by differences of loads, energy by pressure times height: nothing but the solution."""
+    height, loads = rough_reference_surface(64), 0.05 * np.array([0.9999, 1, 1.0001])
+    problem = {"contact_modulus": 1.0, "mean_pressure": loads, "tolerance": 1e-10}
+    for name in ("sampled", "elements"):
+        contact = rc.solve_contact(height, influence=name, **problem)
+        found = rc.contact_statistics(contact, flow="never")
+        below, _, above = found["mean_gap"].values
+        stiffness = (loads[2] - loads[0]) / (below - above)
+        assert found["contact_stiffness"][1].item() == pytest.approx(stiffness, rel=1e-3)
+        # where there is pressure the surface follows the heights, and its mean displacement is zero
+        pressed_in = (contact["pressure"] * (height - contact["approach"])).mean(("y", "x"))
+        np.testing.assert_allclose(found["elastic_energy"], pressed_in / 2, rtol=1e-7)
+        answers = headline_and_answers(contact)["conductance_per_conductivity"]
+        assert answers[1].item() == pytest.approx(stiffness, rel=2e-3)
+        np.testing.assert_allclose(
+            open_mean_gap(contact), contact["error_bound"] * found["elastic_energy"] / loads, rtol=1e-9
+        )

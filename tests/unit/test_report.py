@@ -864,6 +864,28 @@ def test_a_profile_has_no_answer_on_sealing_anywhere(page):
     assert "narrowest place along x" in text.partition('id="surface-holes"')[2].partition("</section>")[0]
 
 
+def test_what_takes_a_width_has_no_number_for_a_profile(page):
+    """A dash in the table, no figure, an empty cell in the summary."""
+    text = page.read_text(encoding="utf-8")
+    entries = [
+        {"surface": name, "case": None, "statistics": page.parent / "all" / name / "statistics.nc"}
+        for name in SURFACES[:2]
+    ]
+    written = table_text(summary_table(collect_statistics(entries))).splitlines()
+    rows = [dict(zip(written[0].split(","), line.split(","), strict=False)) for line in written[1:]]
+    for name, empty in (("holes", False), ("profile", True)):
+        part = text.partition(f'id="surface-{name}"')[2].partition("</section>")[0]
+        for name_of_column in ("largest patch (µm²)", "contact perimeter (µm)"):
+            cells = re.findall(rf'<td data-label="{re.escape(name_of_column)}">(.*?)</td>', part)
+            assert [cell == "–" for cell in cells] == [empty] * 3
+        assert ("Sizes of the contact patches" in part) is not empty
+        assert not re.search(r">[^<]*\bnan\b", part)
+        for row in (row for row in rows if row["surface"] == name):
+            columns = ["largest_patch_area_m2", "contact_perimeter_m", "window_length_y_m"]
+            assert [row[column] == "" for column in columns] == [empty] * 3
+            assert "" not in (row["contact_clusters"], row["window_length_x_m"])
+
+
 def test_of_many_surfaces_there_is_an_index_and_a_page_each(study):
     text = study.read_text(encoding="utf-8")
     pages = study.parent / "pages"

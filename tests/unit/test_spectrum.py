@@ -33,10 +33,14 @@ def test_the_half_plane_stands_for_all_waves(shape):
 @pytest.mark.parametrize("shape", [(32, 48), (33, 40), (30, 41), (27, 35)])
 def test_directions_are_those_of_the_whole_plane(shape):
     """Against sums along rays through all waves, shifted so that the longest lie in the middle."""
-    height = height_map(np.random.default_rng(2).standard_normal(shape), (2e-6, 1e-6))
-    _, _, power = areal_spectrum(height)
-    dqy, dqx = (2 * np.pi / (n * d) for n, d in zip(shape, spacing(height), strict=True))
+    noise = np.fft.fft2(np.random.default_rng(2).standard_normal(shape))
+    qy, qx = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(shape, (2e-6, 1e-6), strict=True))
+    dqy, dqx = (2 * np.pi / (n * d) for n, d in zip(shape, (2e-6, 1e-6), strict=True))
     least, most = min(dqy, dqx), max(dqy, dqx)
+    # without those longer than the shorter side, which are counted otherwise
+    noise[np.hypot(qy[:, None], qx[None, :]) < most * (1 - 1e-9)] = 0
+    height = height_map(np.fft.ifft2(noise).real, (2e-6, 1e-6))
+    _, _, power = areal_spectrum(height)
     radius = np.arange(1, np.pi / 2e-6 / least) * least
     radius = radius[radius >= most * (1 - 1e-9)]
     theta, found = angular_spectrum(height, step=7.5)
@@ -45,6 +49,24 @@ def test_directions_are_those_of_the_whole_plane(shape):
     rays = map_coordinates(np.fft.fftshift(power), places, order=1, mode="nearest")
     expected = 2 * (rays * radius).sum(axis=1) * least / (2 * np.pi) ** 2
     np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("shape", [(12, 120), (13, 121), (30, 120), (3, 120), (120, 12), (121, 13), (2, 9)])
+def test_waves_longer_than_the_shorter_side_keep_their_power_and_run_along_the_longer_one(shape):
+    longer, shorter = max(shape), min(shape)
+    orders = np.arange(1, min((longer - 1) // shorter, longer // 2) + 1)
+    amplitudes = np.random.default_rng(3).uniform(0.5, 1, orders.size)
+    place = np.arange(longer)
+    wave = sum(a * np.cos(2 * np.pi * k * place / longer) for a, k in zip(amplitudes, orders, strict=True))
+    lines = np.broadcast_to(wave, (shorter, longer))
+    theta, power = angular_spectrum(height_map(lines if shape[1] == longer else lines.T, 1e-6), step=0.01)
+    assert theta[np.argmax(power)] == (0 if shape[1] == longer else 90)
+    assert power.sum() * np.deg2rad(0.01) == pytest.approx(wave.var(), rel=1e-4)
+    # nothing farther off than the next wave that the map could tell from the longest one
+    middle = 0 if shape[1] == longer else 90
+    off = np.abs((theta - middle + 90) % 180 - 90)
+    beyond = off > np.rad2deg(np.arctan(longer / shorter)) + 0.01
+    assert (power[beyond] < 1e-12 * power.max()).all()
 
 
 def test_a_single_wave():

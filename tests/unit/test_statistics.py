@@ -188,9 +188,8 @@ def test_westergaard_all_numbers(rows):
     )
     ratios = np.array([0.05, 0.4, 0.9])
     stats = contact_statistics(westergaard(ratios, rows=rows, points=points))
-    pitch = WAVELENGTH / points
     share = np.array([closed_forms.westergaard_contact_share(r) for r in ratios])
-    length = rows * (3e-6 if rows > 1 else pitch)
+    length = rows * 3e-6 if rows > 1 else np.nan  # a profile is as wide as one likes
 
     np.testing.assert_allclose(stats["relative_contact_area_pixels"], share, atol=1.01 / points)
     np.testing.assert_allclose(
@@ -222,7 +221,7 @@ def test_westergaard_all_numbers(rows):
         stats["relative_pressure"], stats["mean_pressure"] / (MODULUS * gradient), rtol=1e-12
     )
     assert float(stats["window_length_x"]) == pytest.approx(WAVELENGTH, rel=1e-12)
-    assert float(stats["window_length_y"]) == pytest.approx(length, rel=1e-12)
+    assert float(stats["window_length_y"]) == pytest.approx(length, rel=1e-12, nan_ok=True)
     np.testing.assert_allclose(stats["points_per_shortest_wavelength"], points)
 
 

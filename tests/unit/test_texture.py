@@ -11,6 +11,7 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import height_map, spacing
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.roughness.texture import autocorrelation, decay_lengths, texture_parameters
+from roughcontact.window.periodic_window import periodic_window
 
 DATA = Path(__file__).parents[2].parent / "shared" / "data"
 
@@ -35,9 +36,10 @@ def directed(angle, *, spread=3.0, points=256):
 def test_lengths_of_a_gaussian_autocorrelation(length):
     """exp(-(x/l)^2 - (y/3l)^2) falls to 0.2 at l sqrt(ln 5) and at 3 l sqrt(ln 5)."""
     y, x = np.arange(-128, 128)[:, None] * 1.0, np.arange(-100, 100)[None, :] * 0.7
-    shortest, longest = decay_lengths(np.exp(-((x / length) ** 2) - (y / 3 / length) ** 2), (1.0, 0.7))
+    shortest, longest, known = decay_lengths(np.exp(-((x / length) ** 2) - (y / 3 / length) ** 2), (1.0, 0.7))
     assert shortest == pytest.approx(length * np.sqrt(np.log(5)), rel=2e-3)
     assert longest == pytest.approx(3 * length * np.sqrt(np.log(5)), rel=2e-3)
+    assert known
 
 
 def test_the_autocorrelation_is_the_mean_of_products():
@@ -59,6 +61,34 @@ def test_grooves_in_closed_form():
     assert found["Std"] == 0
     turned = texture_parameters(height_map(np.cos(2 * np.pi * y * 4 / 64), 1e-6))
     assert turned["Std"] == 90
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(("rows", "bound"), [(12, None), (30, None), (60, 0.40), (120, 0.21), (240, 0.11)])
+def test_grooves_across_a_window_of_any_width(rows, bound, turned):
+    """Directions in which a window shows no decay are none of the shortest, and an open end is no lay."""
+    values = np.cos(2 * np.pi * np.arange(120) / 60) * np.ones((rows, 1))
+    found = texture_parameters(height_map(values.T if turned else values, 1e-6))
+    assert found["Sal"] == pytest.approx(60e-6 / 2 / np.pi * np.arccos(0.2), rel=1e-3)
+    assert found["Std"] == (90 if turned else 0)
+    assert found["Str"] == pytest.approx(np.nan if bound is None else bound, abs=0.01, nan_ok=True)
+
+
+@pytest.mark.parametrize("rows", [256, 128, 64, 32, 16])
+def test_an_isotropic_surface_has_the_same_length_in_any_strip_of_it(rows):
+    """One that is too narrow to show it all round says nothing of a lay."""
+    options = {"hurst": 0.8, "shortest": 8e-6, "longest": 128e-6, "rms_height": 1e-6}
+    lengths, aspects = [], []
+    for seed in range(8):
+        whole = self_affine_surface((512, 512), 1e-6, seed=seed, **options)
+        found = texture_parameters(periodic_window(level(whole[:rows]), method="periodic-plus-smooth"))
+        lengths.append(found["Sal"])
+        aspects.append(found["Str"])
+    known = texture_parameters(whole)["Sal"]  # of all seeds: the amplitudes are those of the spectrum
+    assert np.mean(lengths) == pytest.approx(known, rel=0.2)
+    assert np.std(lengths, ddof=1) < 0.2 * known
+    assert np.isnan(aspects).all() == (rows * 1e-6 < 1.5 * known)
+    assert not np.mean(aspects) < 0.6
 
 
 @pytest.mark.parametrize("angle", [0.0, 20.0, 45.0, 90.0, 133.7])
@@ -91,7 +121,7 @@ def test_other_software_finds_the_same_length(name):
     ny, nx = z.shape
     overlap = np.outer(ny - np.abs(np.arange(1 - ny, ny)), nx - np.abs(np.arange(1 - nx, nx)))
     products = fftconvolve(z, z[::-1, ::-1]) / overlap
-    shortest, _ = decay_lengths(products / products[ny - 1, nx - 1], spacing(levelled))
+    shortest, _, _ = decay_lengths(products / products[ny - 1, nx - 1], spacing(levelled))
     assert shortest == pytest.approx(OTHER_SAL[name], rel=2e-3)
 
 
@@ -107,3 +137,13 @@ def test_profiles_and_flat_maps():
     assert np.isnan(found["Std"])
     flat = texture_parameters(height_map(np.full((8, 9), 0.3), 1e-6))
     assert all(np.isnan(value) for value in flat.values())
+
+
+@pytest.mark.parametrize("shape", [(2, 2), (2, 5), (7, 2), (3, 4)])
+def test_the_smallest_maps_have_a_length(shape):
+    """The mean of the autocorrelation is zero: it falls somewhere, over half the period at most."""
+    for seed in range(20):
+        height = height_map(np.random.default_rng(seed).standard_normal(shape), (3.0, 1.0))
+        found = texture_parameters(height)
+        assert 0 < found["Sal"] <= np.hypot(3.0 * shape[0], shape[1]) / 2
+        assert 0 <= found["Std"] < 180

@@ -84,7 +84,8 @@ def spacing(height: xr.DataArray) -> tuple[float, float]:
     """Return the pitches of a map, from its coordinates.
 
     The pitch of an axis with a single cell is not in its coordinate; it is then that of the other axis
-    (a profile stands for a surface that does not vary across it, so the value only scales its width).
+    (a profile stands for a surface that does not vary across it, so the value only scales its width, on which
+    no result may depend).
 
     Parameters
     ----------

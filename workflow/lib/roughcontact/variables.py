@@ -35,16 +35,26 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     # statistics, per load
     "relative_contact_area": ("1", "share of the area in contact, corrected by the perimeter rule"),
     "relative_contact_area_pixels": ("1", "share of the pixels in contact, uncorrected"),
-    "contact_perimeter": ("m", "length of the contact line"),
+    "contact_perimeter": ("m", "length of the contact line; not defined for a profile"),
     "contact_clusters": ("1", "number of connected contact patches, counted over the periodic boundary"),
-    "largest_patch_area": ("m2", "area of the largest connected contact patch, pixels counted"),
+    "largest_patch_area": (
+        "m2",
+        "area of the largest connected contact patch, pixels counted; not defined for a profile",
+    ),
     "contact_on_filled_points": ("1", "share of the contact pixels whose height was filled in"),
     "rejected_load_share": ("1", "share of the load that the rejected points would carry if they were kept"),
     "mean_contact_pressure": ("Pa", "mean pressure over the contact pixels"),
     "max_pressure": ("Pa", "largest pressure"),
     "pressure_std": ("Pa", "standard deviation of the pressure over the contact pixels"),
     "mean_gap": ("m", "mean of the gap over the window"),
-    "contact_stiffness": ("Pa m-1", "- d mean_pressure / d mean_gap"),
+    "contact_stiffness": (
+        "Pa m-1",
+        "elastic - d mean_pressure / d mean_gap; where points have yielded that of unloading",
+    ),
+    "loading_stiffness": (
+        "Pa m-1",
+        "- d mean_pressure / d mean_gap of further loading, where a hardness is given",
+    ),
     "conductance_per_conductivity": ("m-1", "conductance of the contact over the mean conductivity, K/E*"),
     "thermal_conductance": ("W m-2 K-1", "thermal conductance of the contact per nominal area"),
     "electrical_conductance": ("S m-2", "electrical conductance of the contact per nominal area"),
@@ -60,8 +70,14 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "leak_rate_by_cube": ("m-1 s-1", "leak rate between parallel plates, over the cube of their distance"),
     "max_von_mises_stress": ("Pa", "largest stress of von Mises below the surface"),
     "max_von_mises_depth": ("m", "depth of the largest stress of von Mises"),
-    "max_von_mises_x": ("m", "place of the largest stress of von Mises along x"),
-    "max_von_mises_y": ("m", "place of the largest stress of von Mises along y"),
+    "max_von_mises_x": (
+        "m",
+        "place of the largest stress of von Mises along x; not defined across a profile",
+    ),
+    "max_von_mises_y": (
+        "m",
+        "place of the largest stress of von Mises along y; not defined across a profile",
+    ),
     "max_tresca_stress": ("Pa", "largest difference of principal stresses below the surface"),
     "von_mises_profile": ("Pa", "largest stress of von Mises at each depth"),
     "volume_above_yield": ("m", "volume by area in which the stress of von Mises exceeds the yield stress"),
@@ -83,7 +99,10 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     ),
     "pressure_density": ("Pa-1", "probability density of the pressure over the contact pixels"),
     "gap_density": ("m-1", "probability density of the gap over the pixels out of contact"),
-    "patch_area_density": ("m-2", "probability density of the areas of the contact patches"),
+    "patch_area_density": (
+        "m-2",
+        "probability density of the areas of the contact patches; not defined for a profile",
+    ),
     "points_per_shortest_wavelength": ("1", "pixels per shortest wavelength of the map"),
     # error budget, per load and source
     "relative_contact_area_uncertainty": ("1", "half-width of the 95 % interval of the contact area"),
@@ -213,7 +232,10 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "Vmc": ("m", "core material volume by area of the levelled map, from 10 % to 80 % material ratio"),
     "Vvv": ("m", "dale void volume by area of the levelled map, below 80 % material ratio"),
     "Sal": ("m", "autocorrelation length of the solved window: shortest decay to 0.2"),
-    "Str": ("1", "texture aspect ratio of the solved window: Sal over the longest decay to 0.2"),
+    "Str": (
+        "1",
+        "texture aspect ratio of the solved window, none if it is too narrow: Sal over longest decay to 0.2",
+    ),
     "Std": ("degree", "direction of the strongest waves of the solved window, from x towards y"),
     # coordinates and bins
     "x": ("m", "cell centres along x"),
@@ -227,8 +249,8 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "depth": ("m", "depth below the surface"),
     "profile_depth": ("m", "depth below the surface"),
     # the window
-    "window_length_x": ("m", "length of the window along x"),
-    "window_length_y": ("m", "length of the window along y"),
+    "window_length_x": ("m", "length of the window along x; not defined across a profile"),
+    "window_length_y": ("m", "length of the window along y; not defined across a profile"),
     "window_offset_x": ("m", "distance of the window's first cell from the map's first cell along x"),
     "window_offset_y": ("m", "distance of the window's first cell from the map's first cell along y"),
     "contact_modulus": ("Pa", "plane-strain contact modulus E*"),

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from roughcontact.checking import check_choice
+from roughcontact.choices import Influence
 from roughcontact.contact.problem import Problem, on_host
 from roughcontact.contact.sweep import Solution
 from roughcontact.kernels.arrays import empty
@@ -121,3 +123,26 @@ def joined(pieces: Sequence[xr.Dataset]) -> xr.Dataset:
         join="override",
         combine_attrs="override",
     )
+
+
+def influence_of(contact: xr.Dataset) -> Influence:
+    """Return the influence function that a contact was solved with.
+
+    Parameters
+    ----------
+    contact : Dataset
+        as `solve_contact` returns it, which says so in its attributes; one made otherwise is taken for one by
+        the waves of the grid.
+
+    Returns
+    -------
+    {"sampled", "elements"}
+
+    Examples
+    --------
+    >>> influence_of(xr.Dataset(attrs={"influence": "elements"}))
+    'elements'
+    """
+    influence: Influence = contact.attrs.get("influence", "sampled")
+    check_choice("influence", influence, Influence)
+    return influence

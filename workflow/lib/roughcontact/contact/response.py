@@ -3,6 +3,7 @@
 import numpy as np
 
 from roughcontact.checking import check_positive
+from roughcontact.choices import Influence
 from roughcontact.contact.conjugate_gradients import conjugate_gradients
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.state import mean_product
@@ -18,6 +19,8 @@ def linear_response(
     contact_modulus: float,
     tolerance: float = 1e-2,
     *,
+    yielded: np.ndarray | None = None,
+    influence: Influence = "sampled",
     threads: int = 1,
 ) -> float:
     """Return how the mean gap of a fixed contact set answers to the load: -d mean_gap / d mean_pressure.
@@ -26,6 +29,11 @@ def linear_response(
     mean 1, leaves no gap there: G x = s on C. The slope s = <x, G x> is the least energy of all such
     increments. It is found by minimising, with an error of second order: `tolerance` is that of x in the
     energy norm, s is good to about its square.
+
+    Points that have yielded answer to unloading like all others, to further loading not at all: they carry
+    the hardness, and x lives on the rest of C. They overlap by s - G x more and are flattened by that, so
+    that the gap out of contact takes up less: s less the mean over the window of (s - G x) on the yielded
+    points. The error is then of first order in `tolerance`.
 
     Parameters
     ----------
@@ -37,6 +45,10 @@ def linear_response(
         E*.
     tolerance : float
         relative, of the pressure increment in the energy norm; from 1e-3 single precision serves.
+    yielded : array (ny, nx) of bool, optional
+        True where a point in contact has reached the hardness, for the answer to further loading.
+    influence : {"sampled", "elements"}
+        symbol of the operator that the contact was solved with (`roughcontact.elasticity.influence`).
     threads : int
         of the solve.
 
@@ -48,7 +60,7 @@ def linear_response(
     Raises
     ------
     ValueError
-        where nothing is in contact.
+        where nothing is in contact, or nothing of it is elastic.
 
     References
     ----------
@@ -65,16 +77,19 @@ def linear_response(
     0.22 0.22
     """
     modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
-    contact = np.asarray(contact, dtype=bool)
+    touching = np.asarray(contact, dtype=bool)
+    contact = touching if yielded is None else touching & ~yielded
     if not contact.any():
-        raise ValueError("no point is in contact: the response of an empty contact set has no meaning")
-    if contact.all():
+        raise ValueError(
+            "no point in contact is elastic: the response of an empty contact set has no meaning"
+        )
+    if touching.all():
         return 0.0
     lengths = tuple(n * d for n, d in zip(contact.shape, spacing, strict=True))
     unit = float(np.sqrt(lengths[0] * lengths[1]))
     precision = SINGLE if tolerance >= ENOUGH else DOUBLE
     zeros = np.zeros(contact.shape, precision)
-    grid = Grid(zeros, (lengths[0] / unit, lengths[1] / unit), threads=threads)
+    grid = Grid(zeros, (lengths[0] / unit, lengths[1] / unit), influence=influence, threads=threads)
 
     increment = contact.astype(precision)
     increment *= 1 / float(contact.mean())
@@ -93,4 +108,8 @@ def linear_response(
         least = energy - mean_product(residual, correction)  # <x - d, G (x - d)>
         if rz <= tolerance**2 * least or step == MOST_STEPS:
             break
+    if yielded is not None and yielded.any():
+        even = contact * correction.dtype.type(1 / contact.mean())
+        displaced = grid.halfspace.displacement(even - correction)
+        least -= float((least - displaced[yielded]).sum(dtype=float)) / yielded.size
     return least * unit / modulus

@@ -92,8 +92,8 @@ def solve_contact(
     HeightMapError
         for a map with missing points, uneven spacing or a single pixel.
     SettingsError
-        for a modulus, load, tolerance or rule that has no meaning, or that rounding leaves nothing of; for
-        a `reduce` that cannot be called.
+        for a modulus, load, tolerance or rule that has no meaning, for this map at least, or that rounding
+        leaves nothing of; for a `reduce` that cannot be called.
     RoughContactError
         where `reduce` returns a variable that `roughcontact.variables` does not have, or no Dataset.
     ConvergenceError
@@ -131,6 +131,7 @@ def solve_contact(
     check_choice("on_failure", on_failure, OnFailure)
     check_choice("influence", influence, Influence)
     check_choice("precision", precision, Precision)
+    check_choice("zero_frequency", zero_frequency, ZeroFrequency)
     if reduce is not None and not callable(reduce):
         raise SettingsError(
             f"reduce = {reduce!r}: give a function of a Dataset, such as roughcontact.contact_statistics"
@@ -149,6 +150,12 @@ def solve_contact(
         )
     working = DOUBLE if precision == "double" else SINGLE
     problem, window = pose(window, precision=working, threads=threads), on_host(window)
+    if zero_frequency != "zero" and 1 in window.shape:
+        raise SettingsError(
+            f"zero_frequency = {zero_frequency!r} is for maps: below a profile, which goes on across without "
+            "end, the mean displacement has none; use 'zero'",
+            keys=["zero_frequency"],
+        )
     compliance = zero_frequency_compliance(zero_frequency, lengths=problem.lengths_in_metres) / modulus
 
     order = np.argsort(loads, kind="stable")

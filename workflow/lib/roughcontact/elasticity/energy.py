@@ -2,11 +2,19 @@
 
 import numpy as np
 
-from roughcontact.kernels.waves import over_waves, wave_power
+from roughcontact.choices import Influence
+from roughcontact.elasticity.influence import INFLUENCE
+from roughcontact.kernels.waves import over_waves, over_wavevectors, wave_power
 
 
-def elastic_energy(pressure: np.ndarray, steps: tuple[float, float], *, contact_modulus: float) -> float:
-    """Return the elastic energy per area, U = 1/2 sum_{q != 0} 2/(E*|q|) |p(q)|^2.
+def elastic_energy(
+    pressure: np.ndarray,
+    steps: tuple[float, float],
+    *,
+    contact_modulus: float,
+    influence: Influence = "sampled",
+) -> float:
+    """Return the elastic energy per area, U = 1/2 sum_{q != 0} S(q)/E* |p(q)|^2.
 
     Parameters
     ----------
@@ -16,11 +24,14 @@ def elastic_energy(pressure: np.ndarray, steps: tuple[float, float], *, contact_
         of the points.
     contact_modulus : float, Pa
         E*.
+    influence : {"sampled", "elements"}
+        symbol S of the operator that the contact was solved with (`roughcontact.elasticity.influence`), 2/|q|
+        for ``sampled``.
 
     Returns
     -------
     float, J/m^2
-        zero for a uniform pressure.
+        half the mean of pressure times displacement, zero for a uniform pressure.
 
     References
     ----------
@@ -36,10 +47,11 @@ def elastic_energy(pressure: np.ndarray, steps: tuple[float, float], *, contact_
     2.000000
     """
     total = 0.0
-    for squared, power in over_waves(wave_power(pressure), pressure.shape, steps):
-        squared[squared == 0] = np.inf  # of the mean, which has no power
-        total += float((power / np.sqrt(squared)).sum())
-    return total / contact_modulus
+    for qy, qx, power in over_wavevectors(wave_power(pressure), pressure.shape, steps):
+        symbol = INFLUENCE[influence](qy, qx, steps)
+        symbol[np.isinf(symbol)] = 0.0  # of the mean, which has no power
+        total += float((power * symbol).sum())
+    return total / (2 * contact_modulus)
 
 
 def conforming_energy(

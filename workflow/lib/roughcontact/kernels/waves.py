@@ -78,10 +78,41 @@ def over_waves(
     >>> print(np.round(sums[0] / np.array([1, (np.pi / 4) ** 2]), 6))
     [2. 2.]
     """
+    for qy, qx, both in over_wavevectors(power, shape, spacing):
+        yield qy**2 + qx**2, both
+
+
+def over_wavevectors(
+    power: np.ndarray, shape: Sequence[int], spacing: Sequence[float]
+) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Yield the wavevectors and the power of all waves, a few rows at a time.
+
+    Parameters
+    ----------
+    power : array (ny, nx // 2 + 1)
+        from `wave_power`.
+    shape : (ny, nx)
+        of the field.
+    spacing : (dy, dx), any unit of length
+
+    Yields
+    ------
+    qy, qx : arrays (rows, 1) and (1, nx // 2 + 1), rad per unit length
+    both : array (rows, nx // 2 + 1)
+        the power, that of the other half-plane added; the caller's to change.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> wave = 2 * np.cos(2 * np.pi * np.arange(8) / 8)[None, :]
+    >>> [(qy, qx, both)] = over_wavevectors(wave_power(wave), (1, 8), (1, 1))
+    >>> print(qy.shape, qx.shape, both.round(6))
+    (1, 1) (1, 5) [[0. 2. 0. 0. 0.]]
+    """
     qy, qx = fourier.wavevectors(shape, spacing)
     weights = fourier.halfplane_weights(shape)
     for rows in _blocks(power.shape):
-        yield qy[rows] ** 2 + qx**2, power[rows] * weights
+        yield qy[rows], qx, power[rows] * weights
 
 
 def _blocks(shape: tuple[int, ...]) -> Iterator[slice]:

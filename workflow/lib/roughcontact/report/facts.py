@@ -13,9 +13,8 @@ from roughcontact.levelling.record import removed_and_filled
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.quantities import number, percent, quantity, several
 from roughcontact.report.units import unit_of
+from roughcontact.roughness.texture import LAY
 from roughcontact.statistics.adhesion import adhesion_in_words
-
-_NO_LAY = 0.5  # texture aspect ratio from which on a surface has no lay
 
 
 def surface_facts(
@@ -201,7 +200,12 @@ def lay_caption(numbers: xr.Dataset) -> str:
     'Strongest waves at 150° (Std), lay at 60°, from x towards y.'
     >>> lay_caption(xr.Dataset({"Str": 0.9, "Std": 150.0}))
     'No lay: much the same in all directions.'
+    >>> lay_caption(xr.Dataset({"Str": float("nan"), "Std": 0.0}))
+    'Strongest waves at 0° (Std). The window is too narrow to tell whether there is a lay.'
     """
+    if np.isnan(numbers["Str"]):
+        strongest = f"Strongest waves at {float(numbers['Std']):.0f}° (Std)"
+        return f"{strongest}. The window is too narrow to tell whether there is a lay."
     if not _has_lay(numbers):
         return "No lay: much the same in all directions."
     return f"Strongest waves at {float(numbers['Std']):.0f}° (Std), lay at {_lay(numbers)}, from x towards y."
@@ -235,7 +239,7 @@ def autocorrelation_caption(numbers: xr.Dataset, *, profile: bool) -> str:
 
 def _has_lay(numbers: xr.Dataset) -> bool:
     """Return whether a surface has a direction."""
-    return not float(numbers["Str"]) > _NO_LAY
+    return float(numbers["Str"]) <= LAY
 
 
 def _lay(numbers: xr.Dataset) -> str:

@@ -215,7 +215,7 @@ def _charts(
 ) -> list[tuple[str, str, str, str]]:
     """Return (title, image, what it shows, how to read it) of the charts of a window that is not flat."""
     bars = captions.reading_of(numbers)
-    return [
+    charts = [
         (
             "Contact area against load",
             load_plots.area_against_load(numbers, window),
@@ -241,10 +241,13 @@ def _charts(
             captions.open_caption(numbers),
             "Equal areas below a line are equal shares of what is apart.",
         ),
-        (
-            "Sizes of the contact patches",
-            load_plots.patch_distribution(numbers, shown),
-            captions.patch_caption(numbers),
-            "Equal areas below a line are equal shares of the contact.",
-        ),
     ]
+    if 1 in window.shape:  # the patches of a profile have no area
+        return charts
+    patches = (
+        "Sizes of the contact patches",
+        load_plots.patch_distribution(numbers, shown),
+        captions.patch_caption(numbers),
+        "Equal areas below a line are equal shares of the contact.",
+    )
+    return [*charts, patches]

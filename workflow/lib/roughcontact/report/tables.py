@@ -41,7 +41,8 @@ _GROUPS = {
     ),
     "Gap and conductance": (
         ("mean_gap", "mean gap ū", "m"),
-        ("contact_stiffness", "stiffness −dp̄/dū", "Pa m-1"),
+        ("contact_stiffness", "elastic stiffness −dp̄/dū", "Pa m-1"),
+        ("loading_stiffness", "stiffness of further loading", "Pa m-1"),
         ("elastic_energy", "elastic energy", "J m-2"),
         ("conductance_per_conductivity", "conductance by conductivity", "m-1"),
         ("thermal_conductance", "thermal conductance", "W m-2 K-1"),
@@ -131,9 +132,9 @@ def is_profile(numbers: xr.Dataset) -> bool:
     Returns
     -------
     bool
-        a profile has a slope, yet no direction of its texture.
+        the window of a profile has a length along one axis alone.
     """
-    return bool(np.isnan(float(numbers.get("Std", 0.0)))) and float(numbers["rms_gradient"]) > 0
+    return any(np.isnan(float(numbers.get(f"window_length_{axis}", 0.0))) for axis in "xy")
 
 
 def _column(numbers: xr.Dataset, name: str, title: str, unit: str) -> tuple[tuple[str, str, str], list[str]]:

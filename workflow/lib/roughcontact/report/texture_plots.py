@@ -145,7 +145,7 @@ def autocorrelation_map(window: xr.DataArray) -> str:
     'data:image/svg+xml'
     """
     correlation, steps = autocorrelation(window), spacing(window)
-    _, longest = decay_lengths(correlation, steps)
+    _, longest, _ = decay_lengths(correlation, steps)
     shifts = [(np.arange(n) - n // 2) * d for n, d in zip(correlation.shape, steps, strict=True)]
     reach = max(_LENGTHS * longest, *(_FEWEST * d for d in steps))
     rows, columns = (np.abs(shift) <= reach for shift in shifts)

@@ -137,7 +137,8 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
     if unit == "Pa m-1":
         return Unit(pressure.factor * 1e-6, f"{pressure.shown}/µm")
     if unit == "m along":
-        return length_unit(max(float(numbers.get(f"window_length_{axis}", 0.0)) for axis in ("x", "y")))
+        # a profile has a length alone
+        return length_unit(np.nanmax([float(numbers.get(f"window_length_{axis}", 0.0)) for axis in "xy"]))
     if unit == "m":
         if isinstance(numbers, xr.Dataset) and _OPEN in numbers.attrs:
             return _HEIGHTS

@@ -104,7 +104,10 @@ def angular_spectrum(
     """Return how the power of a periodic map is spread over the directions of its waves.
 
     f(theta) = integral of C(q) q dq along the ray in the direction theta, from the first wave of the shorter
-    side to the smaller Nyquist limit, C interpolated between the waves of the map.
+    side to the smaller Nyquist limit, C interpolated between the waves of the map. Waves that are longer than
+    the shorter side all run along the longer one: such a map does not tell waves from one another whose
+    directions differ by less than what lies between two neighbours, atan(q1/q), q1 the first wave of the
+    shorter side. Their power is spread over that angle to either side, falling linearly.
 
     Parameters
     ----------
@@ -135,16 +138,43 @@ def angular_spectrum(
     power = wave_power(height.values) if power is None else power
     ny, nx = height.shape
     dqy, dqx = (2 * np.pi / (n * d) for n, d in zip(height.shape, spacing(height), strict=True))
+    least, most = sorted((dqy, dqx))
     theta = np.arange(0, 180, step)
-    radius = np.arange(1, np.pi / max(spacing(height)) / min(dqy, dqx)) * min(dqy, dqx)
-    radius = radius[radius >= max(dqy, dqx) * (1 - 1e-9)]
+    radius = np.arange(1, np.pi / max(spacing(height)) / least) * least
+    radius = radius[radius >= most * (1 - 1e-9)]
     across = np.deg2rad(theta)[:, None]
     rows = np.minimum(radius * np.sin(across) / dqy, (ny - 1) // 2)
     columns = np.minimum(radius * np.cos(across) / dqx, (nx - 1) // 2)
     # C(-q) = C(q): what lies on the other side of the half-plane
     rows = np.where(columns < 0, -rows, rows) + ny // 2
-    rays = map_coordinates(np.fft.fftshift(power, axes=0), [rows, np.abs(columns)], order=1, mode="nearest")
-    return theta, 2 * _area(height) * (rays * radius).sum(axis=1) * min(dqy, dqx) / (2 * np.pi) ** 2
+    spectrum = np.fft.fftshift(power, axes=0)
+    longer = _taken_out(spectrum, height.shape, math.ceil(most / least * (1 - 1e-9)) - 1, along_x=dqx < dqy)
+    rays = map_coordinates(spectrum, [rows, np.abs(columns)], order=1, mode="nearest")
+    found = 2 * _area(height) * (rays * radius).sum(axis=1) * least / (2 * np.pi) ** 2
+    off = np.deg2rad(theta if dqx < dqy else theta - 90)
+    off = np.arcsin(np.abs(np.sin(off)))  # angle to the direction of the longer waves
+    for order, mean_square in enumerate(longer, start=1):
+        width = math.atan(most / least / order)
+        found += mean_square / width * np.maximum(1 - off / width, 0)
+    return theta, found
+
+
+def _taken_out(spectrum: np.ndarray, shape: tuple[int, ...], number: int, *, along_x: bool) -> np.ndarray:
+    """Take the first waves along x or y out of a spectrum, in place, and return their mean squares.
+
+    `number` waves, or as many as there are; the `spectrum` is the half-plane with row 0 in the middle, that
+    of a map of the `shape`.
+    """
+    middle = shape[0] // 2
+    # of both signs the one that the highest frequency of an even side has
+    line = spectrum[middle] if along_x else spectrum[middle::-1, 0]
+    weights = fourier.halfplane_weights(shape if along_x else shape[::-1])[0]
+    taken = (weights * line)[1 : number + 1]
+    if along_x:
+        line[1 : number + 1] = 0
+    else:
+        spectrum[max(middle - number, 0) : middle + number + 1, 0] = 0
+    return taken
 
 
 def _area(height: xr.DataArray) -> float:

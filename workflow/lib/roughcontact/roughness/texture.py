@@ -13,6 +13,7 @@ from roughcontact.maps import spacing
 from roughcontact.roughness.spectrum import angular_spectrum
 
 DECAY = 0.2  # of the autocorrelation, where Sal and Str are taken (ISO 25178-3)
+LAY = 0.5  # the texture aspect ratio from which on a surface counts as one without a lay
 _RAYS = 360  # directions over half a turn
 _PER_PIXEL = 4  # points along a ray
 
@@ -53,9 +54,11 @@ def autocorrelation(height: xr.DataArray, power: np.ndarray | None = None) -> np
 def texture_parameters(height: xr.DataArray, power: np.ndarray | None = None) -> dict[str, float]:
     """Return the spatial parameters of ISO 25178-2 [1]_ of a periodic map.
 
-    * `Sal`, m: the shortest distance over which the autocorrelation falls to 0.2
+    * `Sal`, m: the shortest distance over which the autocorrelation falls to 0.2, in the directions in which
+      it does within half the map.
     * `Str`, 0 to 1: Sal over the longest such distance; near 0 with a lay, near 1 without. Where the
-      autocorrelation stays above 0.2 out to half the map, that distance counts, and Str is an upper bound.
+      autocorrelation stays above 0.2 out to half the map, that distance counts, and Str is an upper bound;
+      one above 0.5 would say nothing, and is none.
     * `Std`, degree from x towards y, 0 to 180: the direction in which the waves are strongest (where the
       angular power spectrum is largest). Grooves run across it: the lay is at Std + 90 degree.
 
@@ -72,7 +75,8 @@ def texture_parameters(height: xr.DataArray, power: np.ndarray | None = None) ->
     Returns
     -------
     dict of float
-        `Sal`, `Str`, `Std`. A profile has no `Str` and no `Std`: NaN; a flat map has none of the three.
+        `Sal`, `Str`, `Std`. A profile has no `Str` and no `Std`: NaN; a flat map has none of the three, and
+        a map that is too narrow for the waves along its longer side no `Str`.
 
     References
     ----------
@@ -90,20 +94,24 @@ def texture_parameters(height: xr.DataArray, power: np.ndarray | None = None) ->
     correlation = autocorrelation(height, power)
     if np.isnan(correlation).any():
         return result
-    shortest, longest = decay_lengths(correlation, spacing(height))
+    shortest, longest, known = decay_lengths(correlation, spacing(height))
     del correlation
     result["Sal"] = shortest
     if min(height.shape) > 1:
+        aspect = shortest / longest
         theta, power = angular_spectrum(height, power)
-        result |= {"Str": shortest / longest, "Std": float(theta[np.argmax(power)])}
+        result |= {
+            "Str": aspect if known or aspect <= LAY else math.nan,
+            "Std": float(theta[np.argmax(power)]),
+        }
     return result
 
 
-def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[float, float]:
+def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[float, float, bool]:
     """Return the shortest and the longest distance over which the autocorrelation falls to 0.2.
 
-    Along rays from the middle, between points by cubic splines; a ray on which it never does counts with its
-    length, half the map.
+    Along rays from the middle, between points by cubic splines. A ray on which it never does, over half the
+    map, says nothing of the shortest distance, and of the longest that it is no less than the ray.
 
     Parameters
     ----------
@@ -114,12 +122,15 @@ def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[fl
     Returns
     -------
     shortest, longest : float, m
+        NaN for the shortest where it falls on no ray.
+    known : bool
+        whether it falls on all rays; else the longest distance may be longer.
 
     Examples
     --------
     >>> from roughcontact.references.synthetic import westergaard_surface
     >>> wave = westergaard_surface((1, 640), 0.1, amplitude=1.0, wavelength=16.0)
-    >>> shortest, _ = decay_lengths(autocorrelation(wave), (0.1, 0.1))
+    >>> shortest, _, _ = decay_lengths(autocorrelation(wave), (0.1, 0.1))
     >>> round(shortest, 3), round(16.0 * math.acos(0.2) / (2 * math.pi), 3)
     (3.487, 3.487)
     """
@@ -133,13 +144,16 @@ def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[fl
         slice(max(s.start - 4, 0), min(s.stop + 4, n)) for s, n in zip(box, correlation.shape, strict=True)
     ]
     peak = correlation[tuple(box)]
+    for axis, (side, n) in enumerate(zip(box, correlation.shape, strict=True)):
+        if side.stop - side.start == n > 1:  # all of an axis: the other end of its period, too
+            peak = np.concatenate([peak, peak.take([0], axis)], axis)
     splines = spline_filter(peak, order=3)
     middle = [c - s.start for c, s in zip(centre, box, strict=True)]
     profile = min(correlation.shape) == 1
     along = 1 if correlation.shape[1] > 1 else 0
     angles = [np.pi / 2 * (1 - along)] if profile else np.pi * np.arange(_RAYS) / _RAYS
     pitch = spacing[along] if profile else min(spacing)
-    lengths = []
+    fallen, open_ends = [], []
     for angle in angles:
         direction = np.sin(angle), np.cos(angle)
         reach = min(
@@ -159,7 +173,7 @@ def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[fl
         if below.size:
             end = below[0]
             share = (ray[end - 1] - DECAY) / (ray[end - 1] - ray[end])
-            lengths.append(distance[end - 1] + share * (distance[end] - distance[end - 1]))
+            fallen.append(distance[end - 1] + share * (distance[end] - distance[end - 1]))
         else:
-            lengths.append(reach)
-    return float(min(lengths)), float(max(lengths))
+            open_ends.append(reach)
+    return float(min(fallen, default=math.nan)), float(max(fallen + open_ends)), not open_ends

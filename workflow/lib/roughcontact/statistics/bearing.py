@@ -8,6 +8,28 @@ import numpy as np
 HARDNESS_OVER_MODULUS = (0.003, 0.01, 0.03, 0.1)
 
 
+def carrying(pressure: np.ndarray, limit: float) -> np.ndarray:
+    """Return where a pressure is at a limit or above it.
+
+    Parameters
+    ----------
+    pressure : array, Pa
+    limit : float, Pa
+        as a hardness; rounding counts for it.
+
+    Returns
+    -------
+    bool array of the same shape
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> carrying(np.float32([0.1, 0.2]), 0.2).tolist()
+    [False, True]
+    """
+    return pressure >= limit * (1 - 8 * np.finfo(pressure.dtype).eps)
+
+
 def shares_above(carried: np.ndarray, limit: float) -> tuple[float, float]:
     """Return which shares of the load and of the contact area lie on points at a pressure or above it.
 
@@ -29,7 +51,7 @@ def shares_above(carried: np.ndarray, limit: float) -> tuple[float, float]:
     >>> shares_above(np.array([1.0, 2.0, 5.0]), 2.0)
     (0.875, 0.6666666666666666)
     """
-    above = carried >= limit * (1 - 8 * np.finfo(carried.dtype).eps)
+    above = carrying(carried, limit)
     # one sum for both, so that all of it is exactly 1
     load = carried.sum(where=above, dtype=float) / carried.sum(dtype=float) if not above.all() else 1.0
     return float(load), float(above.mean())

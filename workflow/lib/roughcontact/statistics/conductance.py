@@ -14,14 +14,14 @@ def conductance_columns(
     """Return what a contact of a given stiffness conducts, per nominal area.
 
     A contact spot constricts heat and current as it does the elastic displacement, so that the conductance of
-    any set of spots follows from its stiffness K = -dp̄/dū [1]_. Per conductivity it is K/E*. Heat: h = k K/E*
-    with k = 2 k1 k2/(k1 + k2). Current: 2 K/(E* (ρ1 + ρ2)). Only the constriction counts: no film or oxide on
-    the spots, no gas or radiation in the gaps; spots far larger than the mean free path.
+    any set of spots follows from its elastic stiffness K = -dp̄/dū [1]_. Per conductivity it is K/E*. Heat: h
+    = k K/E* with k = 2 k1 k2/(k1 + k2). Current: 2 K/(E* (ρ1 + ρ2)). Only the constriction counts: no film or
+    oxide on the spots, no gas or radiation in the gaps; spots far larger than the mean free path.
 
     Parameters
     ----------
     stiffness : array, Pa/m
-        K; infinite in full contact, which constricts nothing.
+        K, that of unloading where points have yielded; infinite in full contact, which constricts nothing.
     contact_modulus : float, Pa
         E*.
     bodies : sequence of two mappings, optional

@@ -75,9 +75,9 @@ def contact_perimeter(touching: np.ndarray, steps: tuple[float, float]) -> float
     The pixel boundary projects onto the axes with lengths Py = M_x dy and Px = M_y dx, the crossings of a
     grid of lines that the Cauchy-Crofton formula counts [1]_; they do not suffer from its steps. The estimate
     is the perimeter of the ellipses with these projections, semi-axes Px/4 and Py/4: (π/4)(Px + Py) where the
-    contact line has no preferred direction (Px = Py), Py alone for straight lines along y (ridges, profiles),
-    and exact for ellipses along the axes. Straight lines at 45° come out 11 % long. The length of the steps
-    themselves, the city-block length Px + Py, is 4/π too long for round contacts.
+    contact line has no preferred direction (Px = Py), Py alone for straight lines along y (ridges), and exact
+    for ellipses along the axes. Straight lines at 45° come out 11 % long. The length of the steps themselves,
+    the city-block length Px + Py, is 4/π too long for round contacts.
 
     Parameters
     ----------
@@ -89,6 +89,7 @@ def contact_perimeter(touching: np.ndarray, steps: tuple[float, float]) -> float
     Returns
     -------
     float, m
+        NaN for a single row or column: a profile is as wide as one likes.
 
     References
     ----------
@@ -104,6 +105,8 @@ def contact_perimeter(touching: np.ndarray, steps: tuple[float, float]) -> float
     >>> f"{contact_perimeter(ridge, (2e-6, 1e-6)):.3g} m"
     '2e-05 m'
     """
+    if 1 in touching.shape:
+        return np.nan
     from scipy.special import ellipe
 
     along_y, along_x = count_switches(touching)

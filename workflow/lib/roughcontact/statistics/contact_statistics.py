@@ -8,8 +8,9 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_choice
-from roughcontact.choices import Extra
+from roughcontact.choices import Extra, Influence
 from roughcontact.connectivity import region_sizes
+from roughcontact.contact.dataset import influence_of
 from roughcontact.contact.response import linear_response
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.errors import SettingsError
@@ -21,7 +22,7 @@ from roughcontact.roughness.texture import texture_parameters
 from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.statistics import theory
 from roughcontact.statistics.adhesion import adhesion_numbers
-from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers
+from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers, carrying
 from roughcontact.statistics.conductance import Bodies, conductance_columns
 from roughcontact.statistics.contact_geometry import contact_perimeter, relative_contact_area
 from roughcontact.statistics.densities import (
@@ -58,6 +59,9 @@ HEIGHT_PARAMETERS = (
 _LEVELLING_COLUMNS = (*HEIGHT_PARAMETERS, "row_jitter")
 
 FLOW_POINTS = 65536  # of a map: the flow through a larger one takes longer than its contact
+
+# of the response to further loading, which is good to about that and not, as of an elastic one, to its square
+_OF_LOADING = 1e-3
 
 # what has a density, and over which bins, `{name}_bin`
 _BINS = {"pressure_density": "pressure", "gap_density": "gap", "patch_area_density": "patch"}
@@ -109,6 +113,7 @@ def contact_statistics(
     -------
     Dataset
         dims (load, pressure_bin, gap_bin, patch_bin), SI units; `roughcontact.variables` explains each name.
+        NaN for what takes a width, where the map is a single row or column: perimeter and areas of patches.
 
     Raises
     ------
@@ -146,7 +151,7 @@ def contact_statistics(
     edges = {
         "pressure": (modulus * gradient or modulus) * logarithmic_edges(PRESSURE_DECADES, pressure_bins),
         "gap": (surface.peak_to_valley or steps[1]) * logarithmic_edges(GAP_DECADES, gap_bins),
-        "patch": steps[0] * steps[1] * logarithmic_edges(PATCH_DECADES, PATCH_BINS),
+        "patch": _point_area(height.shape, steps) * logarithmic_edges(PATCH_DECADES, PATCH_BINS),
     }
     filled = height["filled"].values != 0 if "filled" in height.coords else None
     hardness = float(contact["hardness"]) if "hardness" in contact else None
@@ -184,8 +189,8 @@ def contact_statistics(
     coordinates = {"mean_pressure": ("load", mean_pressure)} | _bins(edges)
     if body is not None:
         coordinates["depth"] = ("depth", profile_depths(height.shape, steps))
-        for axis in ("x", "y"):
-            columns[f"max_von_mises_{axis}"] += float(height[axis][0])
+        for axis in ("x", "y"):  # there is no place across a profile
+            columns[f"max_von_mises_{axis}"] += height[axis].values[0] if height[axis].size > 1 else np.nan
     dims = {density: ("load", f"{name}_bin") for density, name in _BINS.items()}
     dims |= {f"{part}_share_above_ratio": ("load", "hardness_over_modulus") for part in ("load", "area")}
     dims["von_mises_profile"] = ("load", "depth")
@@ -379,7 +384,7 @@ def surface_statistics(height: xr.DataArray, power: np.ndarray | None = None) ->
     -------
     dict
         name -> number in SI units (`Std`: degree), as `roughcontact.variables` explains it. Roughness
-        parameters are spectral.
+        parameters are spectral. NaN for the length of the window across a single row or column.
 
     Examples
     --------
@@ -395,8 +400,9 @@ def surface_statistics(height: xr.DataArray, power: np.ndarray | None = None) ->
     parameters = {name: float(height.attrs[name]) for name in _LEVELLING_COLUMNS if name in height.attrs}
     parameters |= roughness_parameters(height, power) | texture_parameters(height, power)
     return parameters | {
-        "window_length_x": nx * dx,
-        "window_length_y": ny * dy,
+        # a profile is as wide as one likes
+        "window_length_x": nx * dx if nx > 1 else np.nan,
+        "window_length_y": ny * dy if ny > 1 else np.nan,
         "window_offset_x": float(height.attrs.get("window_offset_x", 0.0)),
         "window_offset_y": float(height.attrs.get("window_offset_y", 0.0)),
     }
@@ -468,13 +474,14 @@ def _one_load(
     body: dict[str, float] | None,
 ) -> dict[str, object]:
     """Return all numbers of one load; of an open file no more than one of its maps is in memory at a time."""
+    elastic: dict[str, Any] = {"contact_modulus": contact_modulus, "influence": influence_of(contact)}
     pressure = contact["pressure"].isel(load=load).values
     touching = pressure > 0
     carried = pressure[touching]
     points = carried.size
     of_pressure = {
         **({} if body is None else stress_columns(pressure, steps, **body)),
-        "elastic_energy": elastic_energy(pressure, steps, contact_modulus=contact_modulus),
+        "elastic_energy": elastic_energy(pressure, steps, **elastic),
         "pressure_density": density(carried, edges["pressure"]),
     }
     of_carried = {
@@ -483,6 +490,7 @@ def _one_load(
         "pressure_std": carried.std(),
     }
     bearing = bearing_numbers(carried, contact_modulus=contact_modulus, hardness=hardness)
+    yielded = None if hardness is None else carrying(pressure, hardness)
     del pressure, carried
     gap = contact["gap"].isel(load=load).values
     gap_density = density(gap[~touching], edges["gap"])
@@ -495,8 +503,7 @@ def _one_load(
 
         passage |= flow_columns(open_gap, steps)
     del open_gap
-    patches = region_sizes(touching) * (steps[0] * steps[1])
-    compliance = linear_response(touching, steps, contact_modulus)
+    patches = region_sizes(touching) * _point_area(touching.shape, steps)
     return {
         "relative_contact_area": relative_contact_area(touching),
         "relative_contact_area_pixels": points / touching.size,
@@ -507,13 +514,45 @@ def _one_load(
         **of_carried,
         # the solver keeps the mean of the gap over the contact at zero: what is left there is rounding
         "mean_gap": mean_gap,
-        "contact_stiffness": 1 / compliance if compliance > 0 else np.inf,
+        **_stiffness(touching, yielded, steps, **elastic),
         **passage,
         **of_pressure,
         "patch_area_density": density(patches, edges["patch"]),
         "gap_density": gap_density,
         **bearing,
     }
+
+
+def _point_area(shape: tuple[int, ...], steps: tuple[float, float]) -> float:
+    """Return the area of a point, NaN for that of a profile, which is as wide as one likes."""
+    return np.nan if 1 in shape else steps[0] * steps[1]
+
+
+def _stiffness(
+    touching: np.ndarray,
+    yielded: np.ndarray | None,
+    steps: tuple[float, float],
+    *,
+    contact_modulus: float,
+    influence: Influence,
+) -> dict[str, float]:
+    """Return the stiffness of a contact as an elastic one, and that of further loading where points yield."""
+    response = partial(linear_response, touching, steps, contact_modulus, influence=influence)
+    elastic = _inverse(response())
+    if yielded is None:
+        return {"contact_stiffness": elastic}
+    if not yielded.any():
+        loading = elastic
+    elif (touching & ~yielded).any():
+        loading = _inverse(response(_OF_LOADING, yielded=yielded))
+    else:  # more load comes onto points that do not touch yet, which no contact set tells of
+        loading = np.nan
+    return {"contact_stiffness": elastic, "loading_stiffness": loading}
+
+
+def _inverse(compliance: float) -> float:
+    """Return the stiffness of a compliance, infinite in full contact."""
+    return 1 / compliance if compliance > 0 else np.inf
 
 
 def _body_to_strain(stress: Extra, bodies: Bodies | None) -> dict[str, float] | None:

@@ -271,8 +271,7 @@ def longest_wave(statistics: xr.Dataset) -> Check:
     """
     length = float(statistics["Sal"])
     sides = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
-    # a profile is as wide as a pixel, and has no aspect ratio
-    side = max(sides) if np.isnan(statistics["Str"]) else min(sides)
+    side = float(np.nanmin(sides))  # a profile has a length alone
     if np.isnan(length):
         return Check("Longest wave", PASSED, "The map is flat: there is no wave to be too long.")
     text = f"The window is {number(side / length, digits=2)} autocorrelation lengths (Sal) long"

@@ -7,6 +7,7 @@ solver, whose tolerance they do not feel.
 import numpy as np
 import xarray as xr
 
+from roughcontact.contact.dataset import influence_of
 from roughcontact.contact.response import linear_response
 from roughcontact.maps import spacing
 from roughcontact.sealing.percolation import half_way_levels, percolation_columns
@@ -43,10 +44,10 @@ def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
     >>> found["critical_constriction_x"].item(), found["critical_constriction_y"].item() > 0
     (0.0, True)
     """
-    steps, rows = spacing(contact["pressure"]), []
+    steps, influence, rows = spacing(contact["pressure"]), influence_of(contact), []
     for pressure, gap in fields_of(contact):
         touching = pressure > 0
-        compliance = linear_response(touching, steps, 1.0, _TOLERANCE)
+        compliance = linear_response(touching, steps, 1.0, _TOLERANCE, influence=influence)
         narrowest = percolation_columns(np.where(touching, 0.0, gap))
         rows.append({ANSWERS[0]: 1 / compliance if compliance > 0 else np.nan, **narrowest})
     return headline(contact).assign({name: ("load", [row[name] for row in rows]) for name in ANSWERS})

@@ -33,9 +33,12 @@ The three constants are measured against solutions converged to 1e-10
 (tests/unit/test_uncertainty_solver.py).
 """
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
+from roughcontact.contact.dataset import influence_of
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.maps import spacing
 from roughcontact.uncertainty.headline import fields_of
@@ -109,7 +112,11 @@ def open_mean_gap(contact: xr.Dataset) -> list[float]:
     >>> open_mean_gap(contact) == solver_uncertainty(contact)["mean_gap"].values.tolist()
     True
     """
-    modulus, steps = float(contact["contact_modulus"]), spacing(contact["height"])
+    steps = spacing(contact["height"])
+    elastic: dict[str, Any] = {
+        "contact_modulus": float(contact["contact_modulus"]),
+        "influence": influence_of(contact),
+    }
     solved = zip(
         contact["pressure"].values,
         contact["error_bound"].values,
@@ -117,7 +124,7 @@ def open_mean_gap(contact: xr.Dataset) -> list[float]:
         strict=True,
     )
     return [
-        _GAP_SHARE * 4 * bound * elastic_energy(pressure, steps, contact_modulus=modulus) / load
+        _GAP_SHARE * 4 * bound * elastic_energy(pressure, steps, **elastic) / load
         for pressure, bound, load in solved
     ]
 

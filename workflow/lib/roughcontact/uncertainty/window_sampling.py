@@ -261,7 +261,7 @@ def _step(chosen: xr.DataArray, measured: xr.DataArray, *, parts: int, extent: f
     most = sum(n > 1 for n in measured.shape)
     ratio = parts ** (1 / most)
     isotropy = float(texture_parameters(chosen)["Str"])
-    # a profile and a flat map have no lay
+    # a profile and a flat map have no lay, nor is one known of a window too narrow to tell
     dimensions = float(most) if math.isnan(isotropy) else 1.0 + min(1.0, 2.0 * isotropy)
     exponent = growth_exponent(measured)
     freedom, factor = math.nan, math.nan
