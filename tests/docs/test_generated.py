@@ -120,7 +120,7 @@ def test_every_line_of_the_validation_is_shown(generated):
 
 
 def test_the_readme_says_of_the_speed_what_the_page_says():
-    page = (ROOT / "docs/explanation/benchmark.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/explanation/performance.md").read_text(encoding="utf-8")
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     marks = re.search(r"<!-- speed: .*? -->\n(.*?)\n<!-- end of speed -->", readme, re.DOTALL)
     assert re.search(r"\d", marks[1])

@@ -1,4 +1,4 @@
-"""The benchmark of coverage counts what it says, leaves out what is no map, and writes its page."""
+"""The benchmark of coverage counts what it says, and leaves out what is no map."""
 
 import importlib
 import sys
@@ -34,31 +34,42 @@ def part(inside, *, asked=()):
 
 
 def test_shares_are_counted(benchmark):
-    page = benchmark.coverage_page
-    shares = page.Shares([part(3), part(1, asked=["Sample"]), part(2, asked=["Form"])])
-    assert shares.inside.mean() == pytest.approx(6 / 9)
+    parts = [part(3), part(1, asked=["Sample"]), part(2, asked=["Form"])]
+    results = benchmark.results_of([{"group": "large", "name": "one.sur", "parts": parts}])
+    counted = benchmark.counted(results)
+    assert counted["area inside (%)"] == counted["peak inside (%)"] == pytest.approx(100 * 6 / 9)
     # outside: two of the flagged part, one of the one that only another check asks about
-    assert shares.silent() == pytest.approx(1 / 9)
-    assert shares.error == pytest.approx(0.1)
-    assert shares.width(0) == pytest.approx(np.median([0.2] * 6 + [0.125] * 3) / 0.1)
+    assert counted["silent (%)"] == pytest.approx(100 / 9)
+    assert results["error"].values == pytest.approx(0.1)
+    assert counted["gap width"] == pytest.approx(np.median([0.2] * 6 + [0.125] * 3) / 0.1)
 
 
-def test_tables_name_surfaces_and_say_all(benchmark, tmp_path):
+def test_tables_name_surfaces_and_all_of_each_group(benchmark):
     found = [
         {"group": "large", "name": "one.sur", "parts": [part(3), {"refused": "too much is missing"}]},
         {"group": "small", "name": "two.x3p", "parts": [part(2)]},
         {"group": "made", "name": "worn", "longest": 1 / 3, "seed": 1, "parts": [part(3)]},
     ]
-    text = benchmark.coverage_page.tables(found)
-    assert "| one.sur | 1 | 100 % | 2.0 |" in text
-    assert "| two.x3p | 1 | 67 % |" in text
-    assert "| worn | 1 |" in text
-    assert "| 0.333 | 1 |" in text
-    assert text.count("| **all** |") == 4
-    benchmark.coverage_page.write(found, tmp_path / "coverage.md")
-    page = (tmp_path / "coverage.md").read_text(encoding="utf-8")
-    assert page.startswith("# Does the ± hold?")
-    assert text in page
+    tables = benchmark.tables(found)
+    rows = tables["surfaces"].set_index(["group", "surface"])
+    assert rows.index.get_level_values(1).tolist() == [
+        "one.sur",
+        "all",
+        "two.x3p",
+        "all",
+        "worn",
+        "all",
+        "0.333",
+        "all",
+    ]
+    assert rows.loc[("large", "one.sur"), ["parts", "area inside (%)", "area width"]].tolist() == [
+        "1",
+        "100",
+        "2.0",
+    ]
+    assert rows.loc[("small", "all"), "gap inside (%)"] == "67"
+    assert tables["loads"].loc[4].tolist() == ["small", "area", "100", "100", "0"]
+    assert tables["widths"]["inside without a flag (%)"].tolist() == ["100", "67", "100", "100"]
 
 
 def test_files_that_are_no_maps_are_left_out(benchmark, tmp_path):

@@ -1,4 +1,4 @@
-"""The benchmark of speed: its surfaces, its search for tolerances, its counts, its page and its sentence."""
+"""The benchmark of speed: its surfaces, its search for tolerances, its counts and its tables."""
 
 import importlib
 import json
@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[2]
 def script():
     """The modules of `benchmarks/speed.py`, by name."""
     sys.path.insert(0, str(ROOT / "benchmarks"))
-    names = ("cases", "counts", "race", "speed", "speed_page")
+    names = ("cases", "counts", "race", "speed", "speed_tables")
     yield SimpleNamespace(**{name: importlib.import_module(name) for name in names})
     sys.path.remove(str(ROOT / "benchmarks"))
 
@@ -145,120 +145,86 @@ def test_every_transform_is_counted(script, monkeypatch):
 def kept_records(script):
     """Return results as the script keeps them, of few cases with numbers that are easily checked."""
 
-    def case(group, name, size, load, threads, **seconds):
+    def case(group, name, size, threads, **seconds):
         codes = {code: {"seconds": time, "true_error": 1e-4} for code, time in seconds.items()}
-        known = {"group": group, "name": name, "size": size, "load": load, "threads": threads}
-        return known | {"codes": codes}
+        return {"group": group, "name": name, "size": size, "load": 0.03, "threads": threads, "codes": codes}
 
     def solves(ratio):
-        found = []
-        for load in script.cases.LOADS:
-            for tolerance, pairs in ((1e-4, 6.5), (1e-8, 11.0)):
-                found.append(
-                    {
-                        "way": "default",
-                        "load": load,
-                        "tolerance": tolerance,
-                        "pairs": pairs * ratio,
-                        "converged": True,
-                        "floor": 1e-13,
-                        "bound": 1.02e-5,
-                        "true_error": 1e-5,
-                        "reference_error": 1e-12,
-                        "ratio": 1.02,
-                        "resolved": True,
-                    }
-                )
-            found.append(found[-1] | {"way": "single precision", "pairs": 9.0, "tolerance": 1e-4})
-        return found
+        of_bound = {
+            "converged": True,
+            "floor": 1e-13,
+            "bound": 1.02e-5,
+            "true_error": 1e-5,
+            "reference_error": 1e-12,
+        }
+        of_bound |= {"ratio": 1.02, "resolved": True, "way": "default"}
+        default = [
+            of_bound | {"load": load, "tolerance": tolerance, "pairs": pairs * ratio}
+            for load in script.cases.LOADS
+            for tolerance, pairs in ((1e-4, 6.5), (1e-8, 11.0))
+        ]
+        missed = {"way": "single precision", "pairs": 99.0, "converged": False, "floor": 1e-3, "load": 1.0}
+        reached = {"way": "single precision", "pairs": 9.0, "load": 0.3}
+        return [*default, default[0] | missed, default[0] | reached]
 
     race = [
-        case("made", "made 512 0", 512, 0.03, 1, roughcontact=0.01, ASPHER=0.04, Tamaas=1.0),
-        case("made", "made 512 1", 512, 0.03, 1, roughcontact=0.01, ASPHER=0.09, Tamaas=4.0),
-        case("measured", "a_map.sur", 432, 0.03, 1, roughcontact=0.01, ASPHER=0.06),
-        case("made", "made 512 0", 512, 0.03, 2, roughcontact=0.005, ASPHER=0.04),
+        case("made", "made 512 0", 512, 1, roughcontact=0.01, ASPHER=0.04, Tamaas=1.0),
+        case("made", "made 512 1", 512, 1, roughcontact=0.01, ASPHER=0.09, Tamaas=4.0),
+        case("measured", "a_map.sur", 432, 1, roughcontact=0.01, ASPHER=0.06),
+        case("made", "made 512 0", 512, 2, roughcontact=0.005, ASPHER=0.04),
     ]
-    process = {"whole": 0.5, "imports": 0.3, "first": 0.02, "second": 0.01}
-    one = {"size": 512, "threads": 1}
-    return {
-        "about": {
-            "machine": {"processor": "P", "cores": 2, "memory_GiB": 24, "system": "Linux", "python": "3.11"},
-            "versions": {"roughcontact": {"roughcontact": "0.1.0"}},
-        },
-        "race": {str(number): each for number, each in enumerate(race)},
-        "maps": {
-            "a_map.sur": {"name": "a_map.sur", "shape": [432, 500], "solves": solves(1.0)},
-            "b.sur": {"name": "b.sur", "shape": [432, 500], "solves": solves(2.0)},
-        },
-        "hard": {"primes": {"name": "primes", "solves": [s | {"seed": 0} for s in solves(1.0)]}},
-        "growth": {
-            str(size): {"kind": "made", "size": size, "load": 0.03, "pairs": [6.5, 11.0]}
-            for size in (512, 1024)
-        },
-        "starts": {
-            "installation": {"pip_seconds": 9.0, "first": process, "second": process},
-            "process": process,
-        },
-        "pair": {"512": one | {"pairs": 6.5, "pair": 0.001, "solve": 0.008}},
-        "sweep": {
-            "512": one | {"one": {"seconds": 1.0, "pairs": 90.0}, "many": {"seconds": 2.0, "pairs": 100.0}}
-        },
-        "memory": {"512": {"code": "roughcontact", "size": 512, "bytes_per_point": 44.2}},
+    maps = [
+        {"name": name, "shape": [4, 5], "solves": solves(i + 1)}
+        for i, name in enumerate(("a_map.sur", "b.sur"))
+    ]
+    records = {
+        "race": race,
+        "maps": maps,
+        "hard": [{"name": "primes", "solves": solves(1.0)}],
+        "growth": [{"kind": "made", "size": n, "load": 0.03, "pairs": [n / 64, 11.0]} for n in (512, 1024)],
+        "starts": [{"pip": 9.0, "first": 0.5}, {"imports": 0.3}],
+        "pair": [{"points per side": 1024, "pair (ms)": 1.0, "pairs": 6.5, "solve / pair": 8.0}],
+        "sweep": [{"points per side": 1024, "one call (ms)": 1234.5, "share of time (%)": 50.0}],
+        "memory": [{"code": "roughcontact", "size": 512, "bytes_per_point": 44.2}],
     }
+    about = {"machine": {"cores": 2}, "versions": {"roughcontact": {"roughcontact": "0.1.0"}}}
+    return {part: dict(enumerate(found)) for part, found in records.items()} | {"about": about}
 
 
-def test_the_page_shows_every_row(script):
-    text = script.speed_page.page(kept_records(script), "benchmark.png")
-    for row in (
-        "| made × 2 | 512² | 0.03 | 10 ms | 60 ms | 2 s | **6.0** | **200.0** |",
-        "| a\\_map.sur | 432² | 0.03 | 10 ms | 60 ms | – | **6.0** | – |",
-        "- ASPHER / roughcontact, all maps: geometric mean **6.0** over 3 cases, least **4.0** (made, 512²",
-        "| made × 1 | 512² | 0.03 | 5 ms | 40 ms | **8.0** |",
-        "| 1e-8 | 16.5 / 20.9 / 22.0 | 16.5 / 20.9 / 22.0 |",
-        "| b.sur | 432 × 500 | 0.003 | 13.0 | 22.0 |",
-        "| single precision | 9.0 / 9.0 / 9.0 | none |",
-        "| 1e-4 | 8 | 1.020 | 1.020 | 1.020 | 0 |",
-        "| primes | 6.5 | 11.0 | 0 | 0 |",
-        "| made | 0.03 | 6.5 / 11.0 | 6.5 / 11.0 | 1.00 |",
-        "| a process of an environment in use (median) | 500 ms |",
-        "| 512² | 1 | 1 ms | 8 ms | 6.5 | **8.0** |",
-        "| 512² | 1 | 1 s | 2 s | 50% | 90% |",
-        "| roughcontact | 44 |",
-        "| aim | trial | what it gave |",
-        "## What is not met, and what was tried",
-    ):
-        assert row in text
-    assert max(len(line) for line in text.splitlines() if not line.startswith(("|", "-"))) <= 110
+def test_the_tables_have_the_numbers_of_the_records(script):
+    tables = script.speed_tables.tables(kept_records(script))
+    found = {name: frame.to_csv(index=False).splitlines() for name, frame in tables.items()}
+    assert found["race"][1:] == [
+        "1,synthetic,2,512,0.03,10,60,2000,6.0,200.0",  # geometric means
+        "1,a_map.sur,1,432,0.03,10,60,,6.0,",
+        "2,synthetic,1,512,0.03,5,40,,8.0,",
+    ]
+    assert '1,ASPHER,all,3,6.0,4.0,"synthetic, 512², seed 0",0.03' in found["ratios"]
+    assert "1e-4,all,9.8,13.0,13.0" in found["pairs"]
+    assert "1e-8,0.3,16.5,20.9,22.0" in found["pairs"]
+    assert found["hardest"][1] == "b.sur,4 × 5,0.003,13.0,22.0"
+    assert found["settings"][1:] == ["single precision,9.0,9.0,9.0,2,2"]
+    assert found["bounds"][1] == "1e-4,8,1.020,1.020,1.020,0"
+    assert found["hard"][1] == "primes,6.5,11.0,1,0"
+    assert found["growth"][1] == "synthetic,0.03,1e-4,8.0,16.0,2.00"
+    assert found["starts"][1:] == ["pip,9000", "first,500", "imports,300"]
+    assert found["pair"][1] == "1024,1,6.5,8.0"
+    assert found["sweep"][1] == "1024,1230,50"
+    assert found["memory"][1] == "roughcontact,44"
 
 
-def test_the_page_says_when_the_machine_was_busy(script):
+def test_a_bound_below_the_true_error_is_counted(script):
     results = kept_records(script)
-    assert "Other programs ran" not in script.speed_page.page(results, "benchmark.png")
+    results["hard"][0]["solves"][0]["true_error"] = 1.03e-5
+    assert script.speed_tables.tables(results)["hard"]["bound below error"].tolist() == ["1"]
+
+
+def test_a_busy_machine_is_told(script):
+    results = kept_records(script)
+    told = script.speed_tables.about(results)
+    assert (told["points"], told["one load (ms)"], told["maps"], told["busy"]) == (512, "10", 2, False)
     results["about"]["load"] = {"pair": 0.1, "race": 11.6}
-    assert "(load average 12 before the start)" in script.speed_page.page(results, "benchmark.png")
-    assert script.speed_page.sentence(results).startswith("On 2 measured maps")
-
-
-def test_the_sentence_stands_on_the_page_and_between_its_marks(script, tmp_path):
-    results = kept_records(script)
-    said = script.speed_page.sentence(results)
-    assert "On 2 measured maps a load takes a median of 9.8 pairs" in said.replace("\n", " ")
-    assert said in script.speed_page.page(results, "benchmark.png")
-    readme = tmp_path / "README.md"
-    readme.write_text(f"before\n{script.speed_page.BEGIN}\nold\n{script.speed_page.END}\nafter\n")
-    script.speed_page.write_sentence(results, readme)
-    assert readme.read_text() == (
-        f"before\n{script.speed_page.BEGIN}\n{said}\n{script.speed_page.END}\nafter\n"
-    )
-    readme.write_text("no marks\n")
-    with pytest.raises(ValueError, match="has no lines"):
-        script.speed_page.write_sentence(results, readme)
-
-
-def test_the_page_and_its_figure_are_written(script, tmp_path):
-    script.speed_page.write(kept_records(script), tmp_path / "benchmark.md")
-    assert (tmp_path / "benchmark.md").read_text(encoding="utf-8").startswith("# Benchmark\n")
-    assert (tmp_path / "benchmark.png").stat().st_size > 10_000
+    assert script.speed_tables.about(results)["busy"]
 
 
 def test_a_stopped_measurement_goes_on(script, tmp_path):
