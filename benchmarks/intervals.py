@@ -249,7 +249,7 @@ def main() -> None:
         arguments.work.write_text(json.dumps(kept))
     found = tables([each for each in kept if each["group"] != "none"])
     if arguments.write:
-        pages.publish("coverage", found, {})
+        pages.publish("coverage", found)
     else:
         pages.show(found)
 

@@ -21,7 +21,9 @@ PAGES = {
     "performance.md": ROOT / "docs/explanation/performance.md",
     "window.md": ROOT / "docs/explanation/window.md",
 }
-BLOCKS = {"speed": ROOT / "README.md", "coverage": ROOT / "docs/explanation/uncertainty.md"}
+BLOCKS = {"speed": ROOT / "README.md"} | dict.fromkeys(
+    ("pixels", "answers", "coverage"), ROOT / "docs/explanation/uncertainty.md"
+)
 
 
 def read(folder: Path) -> dict:
@@ -77,11 +79,11 @@ def with_block(page: str, name: str, text: str) -> str:
 def rendered(results: Path = RESULTS) -> dict[Path, str]:
     """Return the text of every page that has numbers of the benchmarks."""
     pages = {path: filled(name, results) for name, path in PAGES.items()}
-    blocks = {
-        path: with_block(path.read_text("utf-8"), name, filled(f"{name}.md", results))
-        for name, path in BLOCKS.items()
-    }
-    return pages | blocks
+    for name, path in BLOCKS.items():
+        pages[path] = with_block(
+            pages.get(path) or path.read_text("utf-8"), name, filled(f"{name}.md", results)
+        )
+    return pages
 
 
 def text(frame: pd.DataFrame, formats: dict[str, str] | None = None) -> pd.DataFrame:
@@ -104,14 +106,15 @@ def show(tables: dict[str, pd.DataFrame]) -> None:
         print(f"{name}\n{frame.to_string(index=False)}\n")
 
 
-def publish(benchmark: str, tables: dict[str, pd.DataFrame], about: dict) -> None:
-    """Write the tables of a benchmark and the pages that show them."""
+def publish(benchmark: str, tables: dict[str, pd.DataFrame], about: dict | None = None) -> None:
+    """Write the tables of a benchmark, and the pages that show them."""
     folder = RESULTS / benchmark
     folder.mkdir(parents=True, exist_ok=True)
     for name, frame in tables.items():
         frame.to_csv(folder / f"{name}.csv", index=False, lineterminator="\n")
-    facts = json.dumps(about, indent=1, ensure_ascii=False)
-    (folder / "about.json").write_text(f"{facts}\n", encoding="utf-8")
+    if about:
+        facts = json.dumps(about, indent=1, ensure_ascii=False)
+        (folder / "about.json").write_text(f"{facts}\n", encoding="utf-8")
     main()
 
 

@@ -20,9 +20,11 @@ def tables(results: dict) -> dict[str, pd.DataFrame]:
     return found
 
 
-def about(results: dict) -> dict:
+def about(results: dict) -> dict | None:
     """Return machine, versions, and the time of one load on the largest synthetic map up to 1024 points."""
     known = results["about"]
+    if not (results.get("race") and results.get("maps")):
+        return None
     made = [case for case in results["race"].values() if case["group"] == "made" and case["threads"] == 1]
     points = min(1024, max(case["size"] for case in made))
     times = [case["codes"]["roughcontact"]["seconds"] for case in made if case["size"] == points]
@@ -55,7 +57,8 @@ def race(records: list[dict]) -> dict[str, pd.DataFrame]:
     shown = groups.agg(geometric_mean).assign(cases=groups.size()).reset_index()
     shown = shown[["threads", "map", "cases", "points per side", "p′", *cells]]
     decimals = dict.fromkeys(shown.filter(like=" ratio"), ".1f")
-    return {"race": text(shown, decimals | {"points per side": "d"}), "ratios": _mean_ratios(ratios)}
+    found = {"race": text(shown, decimals)}
+    return found if ratios.empty else found | {"ratios": _mean_ratios(ratios)}
 
 
 def _mean_ratios(ratios: pd.DataFrame) -> pd.DataFrame:

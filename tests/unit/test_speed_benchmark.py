@@ -213,6 +213,13 @@ def test_the_tables_have_the_numbers_of_the_records(script):
     assert found["memory"][1] == "roughcontact,44"
 
 
+def test_this_solver_alone_has_no_ratios(script):
+    alone = {"race": {"a": kept_records(script)["race"][2] | {"codes": {"roughcontact": {"seconds": 0.01}}}}}
+    tables = script.speed_tables.tables(alone)
+    assert tables.keys() == {"race"}
+    assert tables["race"].columns.tolist()[-1] == "roughcontact (ms)"
+
+
 def test_a_bound_below_the_true_error_is_counted(script):
     results = kept_records(script)
     results["hard"][0]["solves"][0]["true_error"] = 1.03e-5
