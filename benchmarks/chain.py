@@ -155,7 +155,9 @@ def measured(folder: Path, path: Path) -> tuple[Path, float]:
     return file, rms_gradient(rc.periodic_window(rc.level(height)))
 
 
-def measure_scripts(work: Path, file: Path, gradient: float, *, python: Path, codes: list[str]) -> dict:
+def measure_scripts(
+    work: Path, name: str, file: Path, gradient: float, *, python: Path, codes: list[str]
+) -> list[dict]:
     """Return what one map with eight loads takes, file to numbers, by this program and by plain scripts."""
     loads = [MODULUS * gradient * load for load in MANY]
     own = [sys.executable, "-m", "roughcontact.command_line", "solve", file, "--json", "--threads", "1"]
@@ -168,31 +170,28 @@ def measure_scripts(work: Path, file: Path, gradient: float, *, python: Path, co
     once = ("", "collect", "report", "run")  # whatever the number of surfaces
     jobs = sum(process["cpu"] for process in chain["processes"] if stage_of(process) not in once)
     found = {"without error budget": bare, "with error budget": budget, "whole chain": chain}
+    known = {"map": name, "points": " × ".join(map(str, np.load(file, mmap_mode="r").shape))}
+    rows = [known | {"what": what} | _times(taken) for what, taken in found.items()]
+    rows.append(known | {"what": "jobs of the surface alone", "CPU s": jobs})
     areas = [load["relative_contact_area_pixels"] for load in json.loads(bare["output"])["loads"]]
-    rows = [{"name": name, **_times(taken)} for name, taken in found.items()]
     for code in codes:
         taken = take([python, HERE / RIVALS[code], file, *(load / MODULUS for load in loads)], work)
-        others = json.loads(taken["output"].splitlines()[-1])
-        off = relative_error(np.array(others), np.array(areas))
-        rows.append({"name": code, **_times(taken), "area_off": off})
-    shape = " × ".join(map(str, np.load(file, mmap_mode="r").shape))
-    return {"shape": shape, "jobs": jobs, "rows": rows}
+        off = relative_error(np.array(json.loads(taken["output"].splitlines()[-1])), np.array(areas))
+        ratios = {f"times {what}": float(f"{taken['cpu'] / one['cpu']:.2g}") for what, one in found.items()}
+        rows.append(known | {"what": code} | _times(taken) | ratios | {"area off": f"{off:.1e}"})
+    return rows
 
 
 def _times(taken: dict) -> dict:
-    return {"cpu": taken["cpu"], "wall": taken["wall"]}
+    return {"CPU s": taken["cpu"], "wall s": taken["wall"]}
 
 
 def tables(results: dict) -> dict[str, pd.DataFrame]:
     """Return CPU time and memory of the stages, and what studies, dry runs and scripts take."""
     stages = {f"{size}²": results["stages"][size] for size in sorted(results["stages"], key=int)}
+    took = pd.DataFrame({size: entry["stages"] for size, entry in stages.items()}).reindex([*STAGES, "run"])
     used = {
-        what: pd.DataFrame(
-            {
-                size: {stage: took[what] for stage, took in entry["stages"].items()}
-                for size, entry in stages.items()
-            }
-        ).reindex([*STAGES, "run"])
+        what: took.map(lambda of, what=what: of[what] if isinstance(of, dict) else np.nan)
         for what in ("cpu", "peak_MB")
     }
     used["cpu"].loc["all, CPU s"] = [entry["cpu"] for entry in stages.values()]
@@ -200,29 +199,14 @@ def tables(results: dict) -> dict[str, pd.DataFrame]:
         pd.DataFrame([results[part][number] for number in sorted(results[part], key=int)])
         for part in ("studies", "plans")
     ]
-    scripts = [row for name, entry in results["scripts"].items() for row in _script_rows(name, entry)]
+    scripts = [row for rows in results["scripts"].values() for row in rows]
     return {
         "cpu": pages.text(used["cpu"].reset_index(names="stage")),
         "memory": pages.text(used["peak_MB"].reset_index(names="stage"), dict.fromkeys(stages, ".0f")),
         "studies": pages.text(by_number[0], {"CPU s for each result": ".2g", "second run (s)": ".2g"}),
         "plans": pages.text(by_number[1]),
-        "scripts": pages.text(pd.DataFrame(scripts), {"area off": ".1e"}),
+        "scripts": pages.text(pd.DataFrame(scripts)),
     }
-
-
-def _script_rows(name: str, entry: dict) -> list[dict]:
-    """Return the rows of one map: this program, and each script with its time over those of this program."""
-    known = {"map": name, "points": entry["shape"]}
-    own = {f"times {row['name']}": row["cpu"] for row in entry["rows"] if "area_off" not in row}
-    rows = [
-        known
-        | {"what": row["name"], "CPU s": row["cpu"], "wall s": row["wall"]}
-        | {of: float(f"{row['cpu'] / cpu:.2g}") if "area_off" in row else np.nan for of, cpu in own.items()}
-        | {"area off": row.get("area_off", np.nan)}
-        for row in entry["rows"]
-    ]
-    rows.insert(len(own), known | {"what": "jobs of the surface alone", "CPU s": entry["jobs"]})
-    return rows
 
 
 def main() -> None:
@@ -252,10 +236,10 @@ def main() -> None:
     results["busy"] = options.busy
     results["machine"] = machine() | {"python": platform.python_version()}
 
-    def keep(part: str, key: int | str, found: dict) -> None:
+    def keep(part: str, key: int | str, found: dict | list) -> None:
         results[part][str(key)] = found
         kept.write_text(json.dumps(results, indent=1))
-        print(part, key, json.dumps({k: v for k, v in found.items() if not isinstance(v, dict)}), flush=True)
+        print(part, key, flush=True)
 
     python = options.rivals.absolute() / "bin/python"
     codes = options.codes if python.exists() else []
@@ -266,7 +250,7 @@ def main() -> None:
             f"no plain scripts: no environment in {options.rivals}; setup_rivals.sh makes it", file=sys.stderr
         )
     for name, (file, gradient) in scripts.items():
-        keep("scripts", name, measure_scripts(work, file, gradient, python=python, codes=codes))
+        keep("scripts", name, measure_scripts(work, name, file, gradient, python=python, codes=codes))
     for size in options.sizes:
         keep("stages", size, measure_stages(work, size))
     for number in options.plans:
