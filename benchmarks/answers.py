@@ -10,35 +10,25 @@ of the intervals without an upper end, which hold it where it is not below the l
 
 import argparse
 import itertools
-import sys
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pages
 import pandas as pd
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
+from intervals import KINDS, LONGEST, cut_out, made_surface
 
 import roughcontact as rc
-from roughcontact.contact.loads import plan_loads
 from roughcontact.uncertainty.answers import ANSWERS, headline_and_answers
-from roughcontact.validation.masters import KINDS, cut_out, master_surface
 
-LOADS = (0.02, 0.1, 0.4)  # of E* times the rms gradient of the surface
-LONGEST = (1 / 8, 1 / 3, 1, 3)  # waves, of the length of the map
-SIDE, TIMES, PLACES = 96, 3, 2  # points of a map, length of the surface over it, maps of each surface
+SIDE, PLACES = 96, 2  # points of a map, maps of each surface
 GROOVED = ("ground", "honed")
 QUANTITIES = (*ANSWERS, "mean_gap")
 
 
 def held(kind: str, longest: float, seed: int) -> list[dict]:
     """Return for each quantity and load of some maps whether the interval holds, and has no upper end."""
-    surface = master_surface(
-        kind, TIMES * SIDE, longest=longest / TIMES, seed=seed, hurst=(0.5, 0.7, 0.9)[seed % 3]
-    )
-    loads = plan_loads(surface, contact_modulus=1.0, relative_pressure=list(LOADS))
-    problem = {"contact_modulus": 1.0, "mean_pressure": list(loads)}
+    surface, loads = made_surface(kind, longest, seed, SIDE)
+    problem = {"contact_modulus": 1.0, "mean_pressure": loads}
     truth = rc.solve_contact(surface, **problem, tolerance=1e-3, reduce=headline_and_answers)
     generator = np.random.default_rng(seed)
     rows = []

@@ -114,17 +114,21 @@ def real_map(path: Path) -> dict | None:
     return {"group": "large" if min(height.shape) >= LARGE else "small", "name": path.name, "parts": rows}
 
 
+def made_surface(kind: str, longest: float, seed: int, side: int) -> tuple:
+    """Return a synthetic surface three times as long as maps of `side` points, and its loads (E* = 1)."""
+    hurst = (0.5, 0.7, 0.9)[seed % 3]
+    surface = master_surface(kind, CUTS * side, longest=longest / CUTS, seed=seed, hurst=hurst)
+    return surface, list(plan_loads(surface, contact_modulus=1.0, relative_pressure=list(LOADS)))
+
+
 def made_map(kind: str, longest: float, seed: int) -> dict:
-    """Return the rows of maps cut out of a made surface of three times their length."""
-    master = master_surface(
-        kind, CUTS * MADE_SIDE, longest=longest / CUTS, seed=seed, hurst=(0.5, 0.7, 0.9)[seed % 3]
-    )
-    loads = plan_loads(master, contact_modulus=1.0, relative_pressure=list(LOADS))
-    contact = {"contact_modulus": 1.0, "mean_pressure": list(loads)}
-    truth = truth_of(rc.solve_contact(master, **contact, reduce=rc.contact_statistics))
+    """Return the rows of maps cut out of a synthetic surface."""
+    surface, loads = made_surface(kind, longest, seed, MADE_SIDE)
+    contact = {"contact_modulus": 1.0, "mean_pressure": loads}
+    truth = truth_of(rc.solve_contact(surface, **contact, reduce=rc.contact_statistics))
     generator = np.random.default_rng(seed)
     rows = [
-        measure(cut_out(master, MADE_SIDE, generator, fault=FAULTS[place % len(FAULTS)]), loads, truth)
+        measure(cut_out(surface, MADE_SIDE, generator, fault=FAULTS[place % len(FAULTS)]), loads, truth)
         for place in range(PLACES)
     ]
     return {"group": "made", "name": kind, "longest": longest, "seed": seed, "parts": rows}

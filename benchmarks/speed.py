@@ -39,7 +39,7 @@ SCRIPTS = {
 }
 COUNTS = {"maps": counts.maps, "hard": counts.hard, "growth": counts.growth, "memory": counts.memory}
 TIMES = {"starts": clocks.starts, "pair": clocks.pair, "sweep": clocks.sweep, "race": race.race}
-PARTS = COUNTS | {"rungs": race.rungs} | TIMES
+PARTS = COUNTS | {"rungs": race.rungs, "agreement": race.agreement} | TIMES
 GROUPS = {"counts": [*COUNTS, "rungs"], "times": list(TIMES)}
 
 

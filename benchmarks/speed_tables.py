@@ -196,4 +196,10 @@ def memory(records: list[dict]) -> dict[str, pd.DataFrame]:
     return {"memory": text(table.reset_index(), dict.fromkeys(table, ".0f"))}
 
 
-PARTS = {part.__name__: part for part in (race, maps, hard, growth, starts, pair, sweep, memory)}
+def agreement(records: list[dict]) -> dict[str, pd.DataFrame]:
+    """Return the largest true error of every code at a tight tolerance, by points and load."""
+    table = pd.DataFrame(records).pivot_table("true_error", ["size", "load"], "code", aggfunc="max")
+    return {"agreement": text(table.reset_index(), dict.fromkeys(table, ".0e"))}
+
+
+PARTS = {part.__name__: part for part in (race, agreement, maps, hard, growth, starts, pair, sweep, memory)}
