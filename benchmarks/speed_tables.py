@@ -117,7 +117,7 @@ def maps(records: list[dict]) -> dict[str, pd.DataFrame]:
     hardest.insert(1, "points", hardest["map"].map(shapes))
     other = solves[solves["way"] != "default"].rename(columns={"way": "setting"})
     missed = ~other["converged"]
-    settings = spread(other[~missed].groupby("setting", sort=False))
+    settings = spread(other[~missed].groupby("setting")).reindex(other["setting"].unique())
     settings["not reached"] = missed.groupby(other["setting"]).sum()
     by_rounding = missed & (other["floor"] > other["tolerance"])
     settings["of these by rounding"] = by_rounding.groupby(other["setting"]).sum()
@@ -130,7 +130,7 @@ def maps(records: list[dict]) -> dict[str, pd.DataFrame]:
     return {
         "pairs": text(pairs, ONE_DECIMAL),
         "hardest": text(hardest.head(5), ONE_DECIMAL),
-        "settings": text(settings.reset_index(), ONE_DECIMAL),
+        "settings": text(settings.reset_index(names="setting"), ONE_DECIMAL),
         "bounds": text(
             bounds.reset_index(names="tolerance"), dict.fromkeys(("least", "median", "largest"), ".3f")
         ),
@@ -163,7 +163,7 @@ def growth(records: list[dict]) -> dict[str, pd.DataFrame]:
     first_bound = table.index.get_level_values("error bound") == BOUNDS[1e-4]
     growth = (table.iloc[:, -1] / table.iloc[:, 0]).where(first_bound)
     table.columns = [f"{size}²" for size in table]
-    table = table.sort_index(level="map", ascending=False, sort_remaining=False)
+    table = table.sort_index(level="map", ascending=False, sort_remaining=False, kind="stable")
     shown = table.assign(growth=growth).reset_index()
     return {"growth": text(shown, dict.fromkeys(table, ".1f") | {"growth": ".2f"})}
 

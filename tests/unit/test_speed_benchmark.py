@@ -1,13 +1,13 @@
 """The benchmark of speed: its surfaces, its search for tolerances, its counts and its tables."""
 
-import importlib
 import json
-import sys
-from pathlib import Path
-from types import SimpleNamespace
 
+import cases
 import numpy as np
 import pytest
+import race
+import speed
+import speed_tables
 
 import roughcontact as rc
 from roughcontact.kernels import fft
@@ -16,20 +16,9 @@ from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.roughness.spectrum import isotropic_spectrum
 
-ROOT = Path(__file__).parents[2]
 
-
-@pytest.fixture(scope="module")
-def script():
-    """The modules of `benchmarks/speed.py`, by name."""
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    names = ("cases", "counts", "race", "speed", "speed_tables")
-    yield SimpleNamespace(**{name: importlib.import_module(name) for name in names})
-    sys.path.remove(str(ROOT / "benchmarks"))
-
-
-def test_a_made_surface_is_what_the_page_says(script):
-    heights = script.cases.surface(64, seed=1)
+def test_a_made_surface_is_what_the_page_says():
+    heights = cases.surface(64, seed=1)
     assert rms_gradient(height_map(heights, 1 / 64)) == pytest.approx(1, rel=1e-12)
     power = np.abs(np.fft.fft2(heights)) ** 2
     k = np.hypot(*np.meshgrid(np.fft.fftfreq(64, 1 / 64), np.fft.fftfreq(64, 1 / 64)))
@@ -39,9 +28,9 @@ def test_a_made_surface_is_what_the_page_says(script):
     assert slope == pytest.approx(-2 * (1 + 0.8), rel=1e-9)
 
 
-def test_an_enlarged_map_has_the_spectrum_of_the_window(script):
+def test_an_enlarged_map_has_the_spectrum_of_the_window():
     window = self_affine_surface((90, 96), 2e-6, hurst=0.7, shortest=1.6e-5, longest=6e-5, rms_height=1e-7)
-    large = script.cases.enlarged(window, 384)
+    large = cases.enlarged(window, 384)
     assert spacing(large) == pytest.approx((2e-6, 2e-6))
     assert float(large.std()) == pytest.approx(1e-7, rel=0.1)
     q, power = isotropic_spectrum(large)
@@ -50,8 +39,8 @@ def test_an_enlarged_map_has_the_spectrum_of_the_window(script):
     assert np.interp(known_q[inside], q, power) == pytest.approx(known[inside], rel=0.5)
 
 
-def test_hard_maps_are_what_they_are_called(script):
-    maps = script.cases.hard_surfaces()
+def test_hard_maps_are_what_they_are_called():
+    maps = cases.hard_surfaces()
     assert maps["2 × 500 points"].shape == (2, 500)
     assert spacing(maps["256 × 256 pixels of 1 : 100"]) == pytest.approx((100.0, 1.0))
     bowed = maps["180 × 720 points, a bow of 99 % of the variance"].values
@@ -64,14 +53,14 @@ def test_hard_maps_are_what_they_are_called(script):
     assert all(np.isfinite(one).all() for one in maps.values())
 
 
-def test_maps_that_cannot_be_solved_are_left_out(script, tmp_path):
+def test_maps_that_cannot_be_solved_are_left_out(tmp_path):
     (tmp_path / "notes.txt").write_text("nothing of interest\n")
     (tmp_path / "tiny.txt").write_text("# unit: um\n" + "1 2 3\n2 3 1\n3 1 2\n")
     rough = self_affine_surface((80, 100), 1e-6, hurst=0.8, shortest=8e-6, longest=4e-5, rms_height=1e-7)
     text = "# Width: 100 µm\n# Height: 80 µm\n# Value units: m\n"
     np.savetxt(tmp_path / "rough.txt", rough.values, header=text, comments="")
     np.savetxt(tmp_path / "bare.txt", rough.values * 1e6)  # the work does not depend on the scale
-    found = {name: (window, square) for name, window, square in script.cases.measured_maps([tmp_path])}
+    found = {name: (window, square) for name, window, square in cases.measured_maps([tmp_path])}
     assert set(found) == {"rough.txt", "bare.txt"}
     window, square = found["rough.txt"]
     assert window.shape != square.shape
@@ -79,46 +68,46 @@ def test_maps_that_cannot_be_solved_are_left_out(script, tmp_path):
 
 
 @pytest.mark.parametrize("first", [2.0**-4, 2.0**-20])
-def test_the_loosest_tolerance_is_found_from_above_and_from_below(script, first):
+def test_the_loosest_tolerance_is_found_from_above_and_from_below(first):
     asked = []
 
     def run(tolerance):
         asked.append(tolerance)
         return {"true_error": 0.01 * tolerance, "seconds": 1.0}
 
-    found = script.race.loosest(run, first)
+    found = race.loosest(run, first)
     assert found == {"tolerance": 2.0**-7, "true_error": 0.01 * 2.0**-7, "seconds": 1.0}
     assert len(asked) == len(set(asked))
 
 
-def test_no_tolerance_is_found_where_none_does(script):
-    assert script.race.loosest(lambda tolerance: {"true_error": 1.0}, 2.0**-10) == {}
+def test_no_tolerance_is_found_where_none_does():
+    assert race.loosest(lambda tolerance: {"true_error": 1.0}, 2.0**-10) == {}
 
 
-def test_a_code_that_fails_is_not_asked_for_more(script):
+def test_a_code_that_fails_is_not_asked_for_more():
     asked = []
 
     def run(tolerance):
         asked.append(tolerance)
         return {"true_error": np.inf, "seconds": np.inf}
 
-    assert script.race.loosest(run, 2.0**-10) == {}
+    assert race.loosest(run, 2.0**-10) == {}
     assert asked == [2.0**-10]
 
 
-def test_long_solves_are_timed_less_often(script):
-    assert script.race.most_repeats(20.0) == 1
-    assert script.race.most_repeats(4.0) == 2
-    assert script.race.most_repeats(0.1) > 1000
+def test_long_solves_are_timed_less_often():
+    assert race.most_repeats(20.0) == 1
+    assert race.most_repeats(4.0) == 2
+    assert race.most_repeats(0.1) > 1000
 
 
-def test_the_coarsest_grid_of_aspher_is_its_grid_over_a_power_of_two(script):
-    found = [script.race.options_of("ASPHER", n)["coarsest"] for n in (256, 432, 270, 576, 2048)]
+def test_the_coarsest_grid_of_aspher_is_its_grid_over_a_power_of_two():
+    found = [race.options_of("ASPHER", n)["coarsest"] for n in (256, 432, 270, 576, 2048)]
     assert found == [32, 27, 135, 36, 32]
-    assert script.race.options_of("Tamaas", 256) == {}
+    assert race.options_of("Tamaas", 256) == {}
 
 
-def test_every_transform_is_counted(script, monkeypatch):
+def test_every_transform_is_counted(monkeypatch):
     """The pairs of a solve are the transforms that were made, each by the points of its grid."""
     made = []
 
@@ -142,7 +131,7 @@ def test_every_transform_is_counted(script, monkeypatch):
         assert float(contact["operator_applications"][0]) == pytest.approx(0.5 * sum(made) / window.size)
 
 
-def kept_records(script):
+def kept_records():
     """Return results as the script keeps them, of few cases with numbers that are easily checked."""
 
     def case(group, name, size, threads, **seconds):
@@ -160,7 +149,7 @@ def kept_records(script):
         of_bound |= {"ratio": 1.02, "resolved": True, "way": "default"}
         default = [
             of_bound | {"load": load, "tolerance": tolerance, "pairs": pairs * ratio}
-            for load in script.cases.LOADS
+            for load in cases.LOADS
             for tolerance, pairs in ((1e-4, 6.5), (1e-8, 11.0))
         ]
         missed = {"way": "single precision", "pairs": 99.0, "converged": False, "floor": 1e-3, "load": 1.0}
@@ -181,7 +170,12 @@ def kept_records(script):
         "race": race,
         "maps": maps,
         "hard": [{"name": "primes", "solves": solves(1.0)}],
-        "growth": [{"kind": "made", "size": n, "load": 0.03, "pairs": [n / 64, 11.0]} for n in (512, 1024)],
+        "growth": [
+            {"kind": kind, "size": size, "load": load, "pairs": [size / 64, 11.0]}
+            for kind in ("made", "measured")
+            for size in (512, 1024)
+            for load in (0.003, 0.03)
+        ],
         "starts": [{"pip": 9.0, "first": 0.5}, {"imports": 0.3}],
         "pair": [{"points per side": 1024, "pair (ms)": 1.0, "pairs": 6.5, "solve / pair": 8.0}],
         "sweep": [{"points per side": 1024, "one call (ms)": 1234.5, "share of time (%)": 50.0}],
@@ -191,8 +185,8 @@ def kept_records(script):
     return {part: dict(enumerate(found)) for part, found in records.items()} | {"about": about}
 
 
-def test_the_tables_have_the_numbers_of_the_records(script):
-    tables = script.speed_tables.tables(kept_records(script))
+def test_the_tables_have_the_numbers_of_the_records():
+    tables = speed_tables.tables(kept_records())
     found = {name: frame.to_csv(index=False).splitlines() for name, frame in tables.items()}
     assert found["race"][1:] == [
         "1,synthetic,2,512,0.03,10,60,2000,6.0,200.0",  # geometric means
@@ -206,38 +200,39 @@ def test_the_tables_have_the_numbers_of_the_records(script):
     assert found["settings"][1:] == ["single precision,9.0,9.0,9.0,2,2"]
     assert found["bounds"][1] == "1e-4,8,1.020,1.020,1.020,0"
     assert found["hard"][1] == "primes,6.5,11.0,1,0"
-    assert found["growth"][1] == "synthetic,0.03,1e-4,8.0,16.0,2.00"
+    assert found["growth"][3] == "synthetic,0.03,1e-4,8.0,16.0,2.00"
+    assert found["growth"][6] == "measured,0.003,1e-8,11.0,11.0,"
     assert found["starts"][1:] == ["pip,9000", "first,500", "imports,300"]
     assert found["pair"][1] == "1024,1,6.5,8.0"
     assert found["sweep"][1] == "1024,1230,50"
     assert found["memory"][1] == "roughcontact,44"
 
 
-def test_this_solver_alone_has_no_ratios(script):
-    alone = {"race": {"a": kept_records(script)["race"][2] | {"codes": {"roughcontact": {"seconds": 0.01}}}}}
-    tables = script.speed_tables.tables(alone)
+def test_this_solver_alone_has_no_ratios():
+    alone = {"race": {"a": kept_records()["race"][2] | {"codes": {"roughcontact": {"seconds": 0.01}}}}}
+    tables = speed_tables.tables(alone)
     assert tables.keys() == {"race"}
     assert tables["race"].columns.tolist()[-1] == "roughcontact (ms)"
 
 
-def test_a_bound_below_the_true_error_is_counted(script):
-    results = kept_records(script)
+def test_a_bound_below_the_true_error_is_counted():
+    results = kept_records()
     results["hard"][0]["solves"][0]["true_error"] = 1.03e-5
-    assert script.speed_tables.tables(results)["hard"]["bound below error"].tolist() == ["1"]
+    assert speed_tables.tables(results)["hard"]["bound below error"].tolist() == ["1"]
 
 
-def test_a_busy_machine_is_told(script):
-    results = kept_records(script)
-    told = script.speed_tables.about(results)
+def test_a_busy_machine_is_told():
+    results = kept_records()
+    told = speed_tables.about(results)
     assert (told["points"], told["one load (ms)"], told["maps"], told["busy"]) == (512, "10", 2, False)
     results["about"]["load"] = {"pair": 0.1, "race": 11.6}
-    assert script.speed_tables.about(results)["busy"]
+    assert speed_tables.about(results)["busy"]
 
 
-def test_a_stopped_measurement_goes_on(script, tmp_path):
+def test_a_stopped_measurement_goes_on(tmp_path):
     def study():
-        options = script.speed.parse(["--work", str(tmp_path), "--rivals", str(tmp_path / "none")])
-        return script.speed.Study(options)
+        options = speed.parse(["--work", str(tmp_path), "--rivals", str(tmp_path / "none")])
+        return speed.Study(options)
 
     runs = []
 
@@ -253,23 +248,21 @@ def test_a_stopped_measurement_goes_on(script, tmp_path):
             raise KeyboardInterrupt
         return {"of": name}
 
-    script.speed.PARTS["trial"] = part(interrupted)
+    speed.PARTS["trial"] = part(interrupted)
     with pytest.raises(KeyboardInterrupt):
         study().measure("trial", again=False)
-    script.speed.PARTS["trial"] = part(lambda name: {"of": name})
+    speed.PARTS["trial"] = part(lambda name: {"of": name})
     study().measure("trial", again=False)
     assert runs == ["a", "b", "b", "c"]
     study().measure("trial", again=True)
     assert runs[4:] == ["a", "b", "c"]
     kept = json.loads((tmp_path / "speed.json").read_text())
     assert kept["trial"] == {name: {"of": name} for name in "abc"}
-    del script.speed.PARTS["trial"]
+    del speed.PARTS["trial"]
 
 
-def test_a_window_that_has_changed_drops_what_is_known_of_it(script, tmp_path):
-    study = script.speed.Study(
-        script.speed.parse(["--work", str(tmp_path), "--rivals", str(tmp_path / "none")])
-    )
+def test_a_window_that_has_changed_drops_what_is_known_of_it(tmp_path):
+    study = speed.Study(speed.parse(["--work", str(tmp_path), "--rivals", str(tmp_path / "none")]))
     path = study.measured("a.sur", np.zeros((4, 4)))
     truth = study.surfaces / f"truth 0.03 {path.name}"
     other = study.surfaces / "truth 0.03 measured b.sur.npy"
@@ -285,13 +278,13 @@ def test_a_window_that_has_changed_drops_what_is_known_of_it(script, tmp_path):
     assert list(study.results["rungs"]) == ["b.sur 0.03 ASPHER"]
 
 
-def test_a_case_of_the_race_from_end_to_end(script, tmp_path):
+def test_a_case_of_the_race_from_end_to_end(tmp_path):
     """This solver alone, on one small map: the worker solves it to the true error that is asked for."""
     words = ["--work", str(tmp_path), "--rivals", str(tmp_path / "none"), "--sizes", "64", "--seeds", "0"]
-    study = script.speed.Study(script.speed.parse([*words, "--threads", "1", "--repeats", "1"]))
+    study = speed.Study(speed.parse([*words, "--threads", "1", "--repeats", "1"]))
     study.results["about"] = {}
     with study.workers:
-        name, job = next(script.race.race(study))
+        name, job = next(race.race(study))
         found = job()
     assert name == "made 64 0 0.003 threads 1"
     of_code = found["codes"]["roughcontact"]
