@@ -1,10 +1,5 @@
-"""The surfaces of the benchmark of speed: made ones, hard ones, measured maps and one of these enlarged.
+"""The surfaces of the benchmark of speed: made ones, hard ones, measured maps and one of these enlarged."""
 
-`python benchmarks/cases.py --size 512 --seed 0 heights.npy` writes a made surface for a code that is not
-measured here.
-"""
-
-import argparse
 import contextlib
 import sys
 from collections.abc import Iterator, Sequence
@@ -126,17 +121,3 @@ def hard_surfaces(seed: int = 0) -> dict:
 def relative_error(pressure: np.ndarray, truth: np.ndarray) -> float:
     """Return the relative L2 error of a pressure, ||p - p*|| / ||p*||."""
     return float(np.linalg.norm(pressure - truth) / np.linalg.norm(truth))
-
-
-def main() -> None:
-    """Write a made surface."""
-    parser = argparse.ArgumentParser(description="Write a made surface of the benchmark as a NumPy file.")
-    parser.add_argument("path", help="file to write (.npy)")
-    parser.add_argument("--size", type=int, default=512, help="points per side (default 512)")
-    parser.add_argument("--seed", type=int, default=0, help="of the random phases (default 0)")
-    arguments = parser.parse_args()
-    np.save(arguments.path, surface(arguments.size, arguments.seed))
-
-
-if __name__ == "__main__":
-    main()

@@ -1,6 +1,6 @@
 """Measure the whole chain: stages by size of the map, studies by number of surfaces, against plain scripts.
 
-    python benchmarks/chain.py --page docs/explanation/chain.md
+    python benchmarks/chain.py --write
 
 Every process is measured by itself (`clock/sitecustomize.py`). Results are kept in the output folder after
 every part; a later call adds to them or replaces what it measures again.
@@ -18,6 +18,8 @@ import time
 from pathlib import Path
 
 import numpy as np
+import pages
+import pandas as pd
 from cases import relative_error, surface
 from speed import machine
 
@@ -38,23 +40,6 @@ CASES = {
     "raw": {"window": {"method": "raw"}},
 }
 RIVALS = {"Tamaas": "plain_tamaas.py", "ContactMechanics": "plain_contactmechanics.py"}
-WRITTEN = """Written by `python benchmarks/chain.py --page docs/explanation/chain.md`; see
-`benchmarks/README.md`."""
-MACHINE = """**Machine.** {processor}, {cores} cores, {memory_GiB} GiB; {system}, Python {python};
-one thread for each job."""
-STAGES_SAY = """One made map, three loads, a job for every stage: CPU seconds / peak of memory in
-MiB. `run` is Snakemake."""
-MOST = """At {size}² most memory is taken by {worst}: {each:.0f} bytes for each point, the
-interpreter and its libraries (some 150 MiB) among them."""
-BUSY = "Other work ran on this machine beside the measurement: CPU seconds hold, wall times say little."
-PLAN = "The dry run of {number} × {cases} takes {wall:.3g} s ({cpu:.3g} CPU s) and shows {lines} lines."
-SCRIPTS_SAY = """One file to numbers, whole processes, imports and all, one thread, eight loads of
-p̄/(E* g) = 0.003 to 0.3. The scripts (`benchmarks/plain_*.py`) read, take off a plane and solve, at
-the tolerance of the examples of each code; they give contact areas alone. This program without
-error budget counts, labels and compares as well; the whole chain adds error budget, files and
-report. Area: how far the eight areas (share of points in contact) are off those of this program,
-L2."""
-JOBS = "The jobs of the surface take {jobs:.3g} CPU s of the whole chain; all else goes for any number once."
 
 
 def heights(folder: Path, size: int, seed: int = 0) -> Path:
@@ -129,19 +114,22 @@ def measure_study(work: Path, *, number: int, size: int, cores: int) -> dict:
     folder = study(work / "study", files=files, settings={"cases": CASES})
     first = workflow(folder, cores=cores)
     second = workflow(folder, cores=cores)
-    pages = [folder / "results/report.html", *folder.glob("results/pages/*")]
+    reports = [folder / "results/report.html", *folder.glob("results/pages/*")]
     jobs = [process for process in first["processes"] if stage_of(process) not in ("", "run")]
     own = sum(process["cpu"] for process in first["processes"] if stage_of(process) == "run")
+    cpu = sum(process["cpu"] for process in jobs)
     return {
-        "number": number,
-        "size": size,
+        "surfaces": number,
+        "cases": len(CASES),
+        "points per side": size,
         "jobs": len(jobs),
-        "cpu": sum(process["cpu"] for process in jobs),
-        "scheduling": own,
-        "wall": first["wall"],
+        "CPU s of jobs": cpu,
+        "CPU s for each result": cpu / number / len(CASES),
+        "CPU s of Snakemake": own,
+        "wall s": first["wall"],
         "cores": cores,
-        "again": second["wall"],
-        "pages_MB": sum(page.stat().st_size for page in pages) / 1e6,
+        "second run (s)": second["wall"],
+        "pages (MB)": sum(page.stat().st_size for page in reports) / 1e6,
     }
 
 
@@ -149,11 +137,13 @@ def measure_plan(work: Path, *, number: int) -> dict:
     """Return what the dry run of a study of three cases takes."""
     folder = study(work / "plan", files=[heights(work, 64)] * number, settings={"cases": CASES})
     taken = workflow(folder, "-n")
+    lines = taken["output"].count("\n")
     return {
-        "number": number,
-        "wall": taken["wall"],
-        "cpu": taken["cpu"],
-        "lines": taken["output"].count("\n"),
+        "surfaces": number,
+        "cases": len(CASES),
+        "wall s": taken["wall"],
+        "CPU s": taken["cpu"],
+        "lines": lines,
     }
 
 
@@ -165,7 +155,9 @@ def measured(folder: Path, path: Path) -> tuple[Path, float]:
     return file, rms_gradient(rc.periodic_window(rc.level(height)))
 
 
-def measure_scripts(work: Path, file: Path, gradient: float, *, python: Path, codes: list[str]) -> dict:
+def measure_scripts(
+    work: Path, name: str, file: Path, gradient: float, *, python: Path, codes: list[str]
+) -> list[dict]:
     """Return what one map with eight loads takes, file to numbers, by this program and by plain scripts."""
     loads = [MODULUS * gradient * load for load in MANY]
     own = [sys.executable, "-m", "roughcontact.command_line", "solve", file, "--json", "--threads", "1"]
@@ -178,110 +170,43 @@ def measure_scripts(work: Path, file: Path, gradient: float, *, python: Path, co
     once = ("", "collect", "report", "run")  # whatever the number of surfaces
     jobs = sum(process["cpu"] for process in chain["processes"] if stage_of(process) not in once)
     found = {"without error budget": bare, "with error budget": budget, "whole chain": chain}
+    known = {"map": name, "points": " × ".join(map(str, np.load(file, mmap_mode="r").shape))}
+    rows = [known | {"what": what} | _times(taken) for what, taken in found.items()]
+    rows.append(known | {"what": "jobs of the surface alone", "CPU s": jobs})
     areas = [load["relative_contact_area_pixels"] for load in json.loads(bare["output"])["loads"]]
-    rows = [{"name": name, **_times(taken)} for name, taken in found.items()]
     for code in codes:
         taken = take([python, HERE / RIVALS[code], file, *(load / MODULUS for load in loads)], work)
-        others = json.loads(taken["output"].splitlines()[-1])
-        off = relative_error(np.array(others), np.array(areas))
-        rows.append({"name": code, **_times(taken), "area_off": off})
-    shape = " × ".join(map(str, np.load(file, mmap_mode="r").shape))
-    return {"shape": shape, "jobs": jobs, "rows": rows}
+        off = relative_error(np.array(json.loads(taken["output"].splitlines()[-1])), np.array(areas))
+        ratios = {f"times {what}": float(f"{taken['cpu'] / one['cpu']:.2g}") for what, one in found.items()}
+        rows.append(known | {"what": code} | _times(taken) | ratios | {"area off": f"{off:.1e}"})
+    return rows
 
 
 def _times(taken: dict) -> dict:
-    return {"cpu": taken["cpu"], "wall": taken["wall"]}
+    return {"CPU s": taken["cpu"], "wall s": taken["wall"]}
 
 
-def table(header: tuple, rows: list[tuple]) -> str:
-    """Return a table in Markdown."""
-    lines = ["| " + " | ".join(str(cell) for cell in row) + " |" for row in (header, *rows)]
-    return "\n".join([lines[0], "|" + " --- |" * len(header), *lines[1:]])
-
-
-def page(results: dict) -> str:
-    """Return the page."""
-    where = results["machine"]
-    stages = sorted(results["stages"].values(), key=lambda entry: entry["size"])
-    studies = sorted(results["studies"].values(), key=lambda entry: entry["number"])
-    parts = [
-        "# Time and memory of the whole chain",
-        WRITTEN,
-        MACHINE.format(**where),
+def tables(results: dict) -> dict[str, pd.DataFrame]:
+    """Return CPU time and memory of the stages, and what studies, dry runs and scripts take."""
+    stages = {f"{size}²": results["stages"][size] for size in sorted(results["stages"], key=int)}
+    took = pd.DataFrame({size: entry["stages"] for size, entry in stages.items()}).reindex([*STAGES, "run"])
+    used = {
+        what: took.map(lambda of, what=what: of[what] if isinstance(of, dict) else np.nan)
+        for what in ("cpu", "peak_MB")
+    }
+    used["cpu"].loc["all, CPU s"] = [entry["cpu"] for entry in stages.values()]
+    by_number = [
+        pd.DataFrame([results[part][number] for number in sorted(results[part], key=int)])
+        for part in ("studies", "plans")
     ]
-    if results.get("busy"):
-        parts.append(BUSY)
-    if stages:
-        first = [f"{entry['size']}²" for entry in stages]
-        rows = [
-            (stage, *(_used(entry["stages"].get(stage)) for entry in stages))
-            for stage in (*STAGES, "run")
-            if any(stage in entry["stages"] for entry in stages)
-        ]
-        rows.append(("all, CPU s", *(f"{entry['cpu']:.3g}" for entry in stages)))
-        last = {stage: stages[-1]["stages"].get(stage, {}).get("peak_MB", 0) for stage in STAGES}
-        points = stages[-1]["size"] ** 2
-        worst = max(last, key=lambda stage: last[stage])
-        parts += [
-            "## Stages by the size of the map",
-            STAGES_SAY,
-            table(("stage", *first), rows),
-            MOST.format(size=stages[-1]["size"], worst=worst, each=last[worst] * 2**20 / points),
-        ]
-    if studies:
-        rows = [
-            (
-                f"{entry['number']} × {len(CASES)} of {entry['size']}²",
-                entry["jobs"],
-                f"{entry['cpu']:.3g}",
-                f"{entry['cpu'] / entry['number'] / len(CASES):.2g}",
-                f"{entry['scheduling']:.3g}",
-                f"{entry['wall']:.3g} on {entry['cores']}",
-                f"{entry['again']:.2g}",
-                f"{entry['pages_MB']:.3g}",
-            )
-            for entry in studies
-        ]
-        header = ("surfaces × cases", "jobs", "CPU s of jobs", "for each result", "CPU s of Snakemake")
-        parts += [
-            "## Studies by the number of surfaces",
-            "Three cases, three loads, error budget and report of all.",
-            table((*header, "wall s on cores", "second run, s", "pages, MB"), rows),
-        ]
-    plans = sorted(results["plans"].values(), key=lambda entry: entry["number"])
-    if plans:
-        parts.append("\n".join(PLAN.format(cases=len(CASES), **entry) for entry in plans))
-    if results["scripts"]:
-        parts += [
-            "## Against a plain script",
-            SCRIPTS_SAY,
-        ]
-        for name, entry in results["scripts"].items():
-            own = {row["name"]: row["cpu"] for row in entry["rows"] if "area_off" not in row}
-            rows = [
-                (
-                    row["name"],
-                    f"{row['cpu']:.3g}",
-                    f"{row['wall']:.3g}",
-                    *(f"{row['cpu'] / seconds:.2g}" if "area_off" in row else "" for seconds in own.values()),
-                    f"{row['area_off']:.1e}" if "area_off" in row else "",
-                )
-                for row in entry["rows"]
-            ]
-            header = (
-                f"{name}, {entry['shape']}",
-                "CPU s",
-                "wall s",
-                *(f"times {row}" for row in own),
-                "area",
-            )
-            parts += [table(header, rows), JOBS.format(**entry)]
-    return "\n\n".join(parts) + "\n"
-
-
-def _used(entry: dict | None) -> str:
-    """Return CPU seconds and MB of a stage."""
-    return f"{entry['cpu']:.3g} / {entry['peak_MB']:.0f}" if entry else "-"
+    scripts = [row for rows in results["scripts"].values() for row in rows]
+    return {
+        "cpu": pages.text(used["cpu"].reset_index(names="stage")),
+        "memory": pages.text(used["peak_MB"].reset_index(names="stage"), dict.fromkeys(stages, ".0f")),
+        "studies": pages.text(by_number[0], {"CPU s for each result": ".2g", "second run (s)": ".2g"}),
+        "plans": pages.text(by_number[1]),
+        "scripts": pages.text(pd.DataFrame(scripts)),
+    }
 
 
 def main() -> None:
@@ -300,7 +225,7 @@ def main() -> None:
     add("--cores", type=int, default=len(os.sched_getaffinity(0)), help="of studies")
     add("--output", type=Path, default=HERE / "work/chain", help="folder of maps, runs and results")
     add("--busy", action="store_true", help="say on the page that other work ran beside")
-    add("--page", type=Path, help="page to write")
+    add("--write", action="store_true", help="write tables and page; else they are printed")
     options = parser.parse_args()
     work = options.output.resolve()
     work.mkdir(parents=True, exist_ok=True)
@@ -311,21 +236,21 @@ def main() -> None:
     results["busy"] = options.busy
     results["machine"] = machine() | {"python": platform.python_version()}
 
-    def keep(part: str, key: int | str, found: dict) -> None:
+    def keep(part: str, key: int | str, found: dict | list) -> None:
         results[part][str(key)] = found
         kept.write_text(json.dumps(results, indent=1))
-        print(part, key, json.dumps({k: v for k, v in found.items() if not isinstance(v, dict)}), flush=True)
+        print(part, key, flush=True)
 
     python = options.rivals.absolute() / "bin/python"
     codes = options.codes if python.exists() else []
-    scripts = {f"made-{size}": (heights(work, size), SLOPE) for size in options.script_sizes}
+    scripts = {f"synthetic-{size}": (heights(work, size), SLOPE) for size in options.script_sizes}
     scripts |= {path.name: measured(work, path) for path in options.script_files}
     if options.codes and scripts and not codes:
         print(
             f"no plain scripts: no environment in {options.rivals}; setup_rivals.sh makes it", file=sys.stderr
         )
     for name, (file, gradient) in scripts.items():
-        keep("scripts", name, measure_scripts(work, file, gradient, python=python, codes=codes))
+        keep("scripts", name, measure_scripts(work, name, file, gradient, python=python, codes=codes))
     for size in options.sizes:
         keep("stages", size, measure_stages(work, size))
     for number in options.plans:
@@ -333,8 +258,10 @@ def main() -> None:
     for number in options.studies:
         found = measure_study(work, number=number, size=options.study_size, cores=options.cores)
         keep("studies", number, found)
-    if options.page:
-        options.page.write_text(page(results), encoding="utf-8")
+    if options.write:
+        pages.publish("chain", tables(results), {name: results[name] for name in ("machine", "busy")})
+    else:
+        pages.show(tables(results))
 
 
 if __name__ == "__main__":

@@ -58,14 +58,24 @@ def installation(study) -> dict:
         installed = time.perf_counter() - start
         environment = {"PATH": os.environ["PATH"], "HOME": str(home), "OMP_NUM_THREADS": "1"}
         first, second = (one_process(study, target, environment) for _ in range(2))
-    return {"pip_seconds": installed, "first": first, "second": second}
+    return {
+        "pip install of the package beside its dependencies, the compiled passes built": installed,
+        "its first process: imports, a solve of 256²": first["whole"],
+        "its second process": second["whole"],
+    }
 
 
 def process(study) -> dict:
     """Return the median times of a process that solves one map, everything being there."""
     environment = os.environ | {"OMP_NUM_THREADS": "1"}
     runs = [one_process(study, PACKAGE, environment) for _ in range(max(5, study.repeats))]
-    return {name: statistics.median(run[name] for run in runs) for name in runs[0]}
+    names = {
+        "whole": "a process of an environment in use (median)",
+        "imports": "of which imports",
+        "first": "of which the first solve",
+        "second": "the same solve again",
+    }
+    return {shown: statistics.median(run[name] for run in runs) for name, shown in names.items()}
 
 
 def one_process(study, package: Path, environment: dict) -> dict:
@@ -102,13 +112,14 @@ def over_one_pair(study, size: int, threads: int) -> dict:
     def transform():
         plan.inverse(plan.forward(values), out)
 
-    seconds = {"pair": [], "solve": []}
+    times = {"pair (ms)": [], "solve (ms)": []}
     for _ in range(study.repeats):
-        seconds["pair"] += repeated(transform)
-        seconds["solve"] += repeated(lambda: rc.solve_contact(window, **options))
+        times["pair (ms)"] += repeated(transform)
+        times["solve (ms)"] += repeated(lambda: rc.solve_contact(window, **options))
     work = float(rc.solve_contact(window, **options)["operator_applications"].sum())
-    medians = {name: statistics.median(found) for name, found in seconds.items()}
-    return {"size": size, "threads": threads, "pairs": work} | medians
+    medians = {name: 1000 * statistics.median(found) for name, found in times.items()}
+    over = {"solve / pair": medians["solve (ms)"] / medians["pair (ms)"]}
+    return {"points per side": size, "threads": threads} | medians | {"pairs": work} | over
 
 
 def repeated(run) -> list[float]:
@@ -133,17 +144,15 @@ def one_call_or_many(study, size: int, threads: int) -> dict:
     worker = study.warm_worker("roughcontact", threads)
     ask = partial(worker.ask, heights=str(study.made(size, 0)), tolerance=1e-4, options={"fields": False})
     ask(load=SWEEP)
-    one, many = [], []
+    calls = {"one call (ms)": [SWEEP], "20 calls (ms)": [[load] for load in SWEEP]}
+    times, work = {name: [] for name in calls}, {}
     for _ in range(study.repeats):
-        one.append(ask(load=SWEEP))
-        answers = [ask(load=load) for load in SWEEP]
-        many.append(
-            {name: sum(answer[name] for answer in answers) for name in ("seconds", "operator_applications")}
-        )
-    found = {"size": size, "threads": threads}
-    for name, group in (("one", one), ("many", many)):
-        found[name] = {
-            "seconds": statistics.median(each["seconds"] for each in group),
-            "pairs": group[-1]["operator_applications"],
-        }
-    return found
+        for name, loads in calls.items():
+            answers = [ask(load=load) for load in loads]
+            times[name].append(1000 * sum(answer["seconds"] for answer in answers))
+            work[name] = sum(answer["operator_applications"] for answer in answers)
+    medians = {name: statistics.median(found) for name, found in times.items()}
+    one, many = calls
+    shares = {"share of time (%)": medians[one] / medians[many], "share of pairs (%)": work[one] / work[many]}
+    percent = {name: 100 * share for name, share in shares.items()}
+    return {"points per side": size, "threads": threads} | medians | percent

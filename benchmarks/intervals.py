@@ -1,6 +1,6 @@
 """Hold the ± against surfaces whose results are known: real maps, cut into parts, and made ones.
 
-    python benchmarks/intervals.py FOLDER ... --page docs/explanation/coverage.md
+    python benchmarks/intervals.py FOLDER ... --write
     python benchmarks/intervals.py FOLDER --only plu-1.plu      # one map, printed
 
 Every map in the folders that is read without being told anything, and has at least 400 points along each
@@ -18,8 +18,9 @@ import warnings
 from functools import partial
 from pathlib import Path
 
-import coverage_page
 import numpy as np
+import pages
+import pandas as pd
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
@@ -31,6 +32,13 @@ from roughcontact.statistics.contact_statistics import with_uncertainty
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.validation.masters import FAULTS, KINDS, cut_out, master_surface
 
+SHOWN = {  # quantities: names in the tables; all but the last are the headline
+    "relative_contact_area": "area",
+    "mean_gap": "gap",
+    "mean_contact_pressure": "pressure",
+    "max_pressure": "peak",
+}
+FLAG = "Sample"  # the check of the surface beyond the map
 LOADS = (0.02, 0.1, 0.4)  # of E* times the rms gradient of the whole map
 CUTS = 3
 LARGE, SMALL = 400, 192  # points along each side, at least
@@ -106,36 +114,125 @@ def real_map(path: Path) -> dict | None:
     return {"group": "large" if min(height.shape) >= LARGE else "small", "name": path.name, "parts": rows}
 
 
+def made_surface(kind: str, longest: float, seed: int, side: int) -> tuple:
+    """Return a synthetic surface three times as long as maps of `side` points, and its loads (E* = 1)."""
+    hurst = (0.5, 0.7, 0.9)[seed % 3]
+    surface = master_surface(kind, CUTS * side, longest=longest / CUTS, seed=seed, hurst=hurst)
+    return surface, list(plan_loads(surface, contact_modulus=1.0, relative_pressure=list(LOADS)))
+
+
 def made_map(kind: str, longest: float, seed: int) -> dict:
-    """Return the rows of maps cut out of a made surface of three times their length."""
-    master = master_surface(
-        kind, CUTS * MADE_SIDE, longest=longest / CUTS, seed=seed, hurst=(0.5, 0.7, 0.9)[seed % 3]
-    )
-    loads = plan_loads(master, contact_modulus=1.0, relative_pressure=list(LOADS))
-    contact = {"contact_modulus": 1.0, "mean_pressure": list(loads)}
-    truth = truth_of(rc.solve_contact(master, **contact, reduce=rc.contact_statistics))
+    """Return the rows of maps cut out of a synthetic surface."""
+    surface, loads = made_surface(kind, longest, seed, MADE_SIDE)
+    contact = {"contact_modulus": 1.0, "mean_pressure": loads}
+    truth = truth_of(rc.solve_contact(surface, **contact, reduce=rc.contact_statistics))
     generator = np.random.default_rng(seed)
     rows = [
-        measure(cut_out(master, MADE_SIDE, generator, fault=FAULTS[place % len(FAULTS)]), loads, truth)
+        measure(cut_out(surface, MADE_SIDE, generator, fault=FAULTS[place % len(FAULTS)]), loads, truth)
         for place in range(PLACES)
     ]
     return {"group": "made", "name": kind, "longest": longest, "seed": seed, "parts": rows}
 
 
+def results_of(found: list[dict]) -> pd.DataFrame:
+    """Return one row for each result of all parts that were not refused: part, quantity and load."""
+    keys = ("truth", "result", "lower", "upper")
+    rows = [
+        {
+            "group": each["group"],
+            "surface": each["name"],
+            "longest": each.get("longest"),
+            "part": (number, place),
+        }
+        | {"flagged": FLAG in part["asked"], "quantity": shown, "load": load}
+        | dict(zip(keys, values, strict=True))
+        for number, each in enumerate(found)
+        for place, part in enumerate(each["parts"])
+        if "refused" not in part
+        for name, shown in SHOWN.items()
+        for load, *values in zip(LOADS, *(part[name][key] for key in keys), strict=True)
+    ]
+    results = pd.DataFrame(rows).replace({"group": {"made": "synthetic"}})
+    rounding, base = 1e-9 * results["result"].abs(), results["result"].where(results["result"] > 0, 1.0)
+    results["inside"] = results["truth"].between(results["lower"] - rounding, results["upper"] + rounding)
+    results["half_width"] = (results["upper"] - results["lower"]) / 2 / base
+    results["error"] = (results["truth"] - results["result"]).abs() / base
+    return results
+
+
+def counted(results: pd.DataFrame) -> dict:
+    """Return shares inside, widths, flags and silent misses of some results.
+
+    A width is the median half-width over the 95 % quantile of the error. A miss is silent where the part has
+    no flag; only the headline quantities are counted.
+    """
+    row = {"parts": results["part"].nunique()}
+    for quantity, some in results.groupby("quantity", sort=False):
+        row[f"{quantity} inside (%)"] = 100 * some["inside"].mean()
+        if quantity != "peak":
+            row[f"{quantity} width"] = some["half_width"].median() / some["error"].quantile(0.95)
+    headline = results[results["quantity"] != "peak"]
+    row["flagged (%)"] = 100 * results["flagged"].mean()
+    row["silent (%)"] = 100 * (~headline["inside"] & ~headline["flagged"]).mean()
+    return row
+
+
+def tables(found: list[dict]) -> dict[str, pd.DataFrame]:
+    """Return shares and widths by surface and by load, and the medians of the widths of the surfaces."""
+    results = results_of(found)
+    made = results[results["longest"].notna()]
+    by_length = made.assign(group="synthetic, by longest wave", surface=made["longest"].map("{:.3g}".format))
+    rows, widths, loads = [], [], []
+    for group, of_group in pd.concat([results, by_length]).groupby("group", sort=False):
+        surfaces = [
+            counted(some) | {"surface": name} for name, some in of_group.groupby("surface", sort=False)
+        ]
+        rows += [{"group": group} | row for row in (*surfaces, counted(of_group) | {"surface": "all"})]
+        medians = (
+            pd.DataFrame(surfaces)
+            .filter(like=" width")
+            .median()
+            .rename(lambda name: name.removesuffix(" width"))
+        )
+        calm = of_group[~of_group["flagged"] & (of_group["quantity"] != "peak")]
+        widths.append(
+            {"group": group} | dict(medians) | {"inside without a flag (%)": 100 * calm["inside"].mean()}
+        )
+        if group in results["group"].values:
+            shares = 100 * of_group.groupby(["quantity", "load"], sort=False)["inside"].mean().unstack()
+            loads.append(shares.rename(columns=str).reset_index().assign(group=group))
+    by_surface, by_load = pd.DataFrame(rows), pd.concat(loads)
+    first = ["group", "surface", "parts"]
+    by_surface = by_surface[[*first, *by_surface.columns.drop(first)]]
+    decimals = {
+        name: ".1f" if name.endswith(("width", "silent (%)")) else ".0f" for name in by_surface.columns[3:]
+    }
+    return {
+        "surfaces": pages.text(by_surface, decimals),
+        "loads": pages.text(
+            by_load[["group", "quantity", *map(str, LOADS)]], dict.fromkeys(map(str, LOADS), ".0f")
+        ),
+        "widths": pages.text(
+            pd.DataFrame(widths),
+            dict.fromkeys(list(SHOWN.values()), ".1f") | {"inside without a flag (%)": ".0f"},
+        ),
+    }
+
+
 def main() -> None:
-    """Measure what is asked for, keep the rows, write the page."""
+    """Measure what is asked for, keep the rows, print or write the tables."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folders", nargs="*", type=Path, help="folders of instrument files")
     parser.add_argument("--only", nargs="+", help="names of files; they are printed and not kept")
     parser.add_argument("--seeds", nargs="*", type=int, default=[1], help="of the made surfaces")
     parser.add_argument("--work", type=Path, default=WORK, help="where the rows are kept")
-    parser.add_argument("--page", type=Path, help="the page that is written")
+    parser.add_argument("--write", action="store_true", help="write the tables and their page; else print")
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")
     files = sorted({path for folder in arguments.folders for path in folder.iterdir() if path.is_file()})
     if arguments.only:
         found = [real_map(path) for path in files if path.name in arguments.only]
-        print(coverage_page.tables([each for each in found if each]))
+        pages.show(tables([each for each in found if each]))
         return
     kept = json.loads(arguments.work.read_text()) if arguments.work.exists() else []
     jobs = [(path.name, partial(real_map, path)) for path in files]
@@ -150,12 +247,15 @@ def main() -> None:
     for job, run in jobs:
         if job in done:
             continue
-        found = run() or {"group": "none"}
-        kept.append(found | {"job": job})
-        print(job, found["group"], flush=True)
+        rows = run() or {"group": "none"}
+        kept.append(rows | {"job": job})
+        print(job, rows["group"], flush=True)
         arguments.work.write_text(json.dumps(kept))
-    if arguments.page:
-        coverage_page.write([each for each in kept if each["group"] != "none"], arguments.page)
+    found = tables([each for each in kept if each["group"] != "none"])
+    if arguments.write:
+        pages.publish("coverage", found)
+    else:
+        pages.show(found)
 
 
 if __name__ == "__main__":

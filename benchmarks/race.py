@@ -24,6 +24,7 @@ TRUE_ERROR = 1e-4
 TRUTH_TOLERANCE = 1e-10
 FIRST_RUNG = {"roughcontact": 2.0**-11, "ASPHER": 2.0**-16, "Tamaas": 2.0**-16}  # where the search begins
 LAST_RUNG = 2.0**-40
+TIGHT = {"ASPHER": 1e-14, "Tamaas": 1e-11}  # each on its own scale
 LARGEST = {"ASPHER": 2048, "Tamaas": 512}  # points per side; it takes minutes above
 THREADS_USED = {"Tamaas": 1}  # codes that use this many threads, whatever they are given
 PAUSE = 0.1  # seconds before a solve: idle threads of the code before may spin for so long
@@ -159,6 +160,21 @@ def solve(
         return {"seconds": math.inf, "true_error": math.inf}
     error = relative_error(np.load(target), np.load(case.truth))
     return {"seconds": answer["seconds"], "true_error": error}
+
+
+def agreement(study):
+    """Yield the jobs of the true errors of the other codes at a tight tolerance, on synthetic maps."""
+    for case in all_cases(study):
+        if case.group == "made" and case.size <= min(LARGEST.values()):
+            for code in filter(TIGHT.get, codes_for(study, case)):
+                yield rung_key(case, code), partial(converged, study, case, code)
+
+
+def converged(study, case: Case, code: str) -> dict:
+    """Return the true error of a code at a tight tolerance."""
+    make_truth(study, case)
+    error = solve(study, case, code, TIGHT[code])["true_error"]
+    return {"code": code, "size": case.size, "load": case.load, "true_error": error}
 
 
 def race(study):

@@ -1,6 +1,6 @@
-"""Measure the solver on made and measured maps, alone and against others, and write the page of it.
+"""Measure the solver on made and measured maps, alone and against others.
 
-    python benchmarks/speed.py FOLDER ... --page docs/explanation/benchmark.md --readme README.md
+    python benchmarks/speed.py FOLDER ... --write
 
 FOLDER holds measured maps, files of instruments of any kind; those that cannot be read, or are too small, are
 left out. Without folders, made maps alone are measured. Records are kept in `benchmarks/work` one by one, and
@@ -23,8 +23,9 @@ import cases
 import clocks
 import counts
 import numpy as np
+import pages
 import race
-import speed_page
+import speed_tables
 from worker import Worker
 
 from roughcontact.maps import spacing
@@ -38,7 +39,7 @@ SCRIPTS = {
 }
 COUNTS = {"maps": counts.maps, "hard": counts.hard, "growth": counts.growth, "memory": counts.memory}
 TIMES = {"starts": clocks.starts, "pair": clocks.pair, "sweep": clocks.sweep, "race": race.race}
-PARTS = COUNTS | {"rungs": race.rungs} | TIMES
+PARTS = COUNTS | {"rungs": race.rungs, "agreement": race.agreement} | TIMES
 GROUPS = {"counts": [*COUNTS, "rungs"], "times": list(TIMES)}
 
 
@@ -173,7 +174,7 @@ def parse(arguments=None) -> argparse.Namespace:
         nargs="*",
         choices=[*GROUPS, *PARTS],
         default=list(GROUPS),
-        help="parts to measure; none: write",
+        help="parts to measure; none: tables alone",
     )
     add("--again", action="store_true", help="measure what is there already, too")
     add("--rivals", type=Path, default=HERE / ".rivals/bin/python", help="Python that has ASPHER and Tamaas")
@@ -186,13 +187,12 @@ def parse(arguments=None) -> argparse.Namespace:
     add("--growth-sizes", type=int, nargs="*", default=[512, 1024, 2048, 4096], help="points per side")
     add("--memory-sizes", type=int, nargs="*", default=[1024, 2048, 4096], help="points per side")
     add("--work", type=Path, default=HERE / "work", help="where records and converged solutions are kept")
-    add("--page", type=Path, help="the page that is written, with its figure beside it")
-    add("--readme", type=Path, help="the file whose sentence of speed is written")
+    add("--write", action="store_true", help="write tables, pages and the sentence of the README; else print")
     return parser.parse_args(arguments)
 
 
 def main() -> None:
-    """Measure what is asked for, and write the page."""
+    """Measure what is asked for, and print or write its tables."""
     options = parse()
     warnings.simplefilter("ignore")
     study = Study(options)
@@ -204,10 +204,11 @@ def main() -> None:
     with study.workers:
         for part in dict.fromkeys(part for name in options.only for part in GROUPS.get(name, [name])):
             study.measure(part, again=options.again)
-    if options.page:
-        speed_page.write(study.results, options.page)
-    if options.readme:
-        speed_page.write_sentence(study.results, options.readme)
+    tables = speed_tables.tables(study.results)
+    if options.write:
+        pages.publish("speed", tables, speed_tables.about(study.results))
+    else:
+        pages.show(tables)
 
 
 if __name__ == "__main__":

@@ -119,14 +119,6 @@ def test_every_line_of_the_validation_is_shown(generated):
     assert f"{len(kept)} lines" in (ROOT / "README.md").read_text(encoding="utf-8")
 
 
-def test_the_readme_says_of_the_speed_what_the_page_says():
-    page = (ROOT / "docs/explanation/benchmark.md").read_text(encoding="utf-8")
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    marks = re.search(r"<!-- speed: .*? -->\n(.*?)\n<!-- end of speed -->", readme, re.DOTALL)
-    assert re.search(r"\d", marks[1])
-    assert f"\n\n{marks[1]}\n\n" in page
-
-
 def test_every_dependency_is_in_the_table_of_the_readme():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
     wanted = list(project["project"]["dependencies"])

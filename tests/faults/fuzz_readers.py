@@ -2,7 +2,7 @@
 
     .venv/bin/python tests/faults/fuzz_readers.py                    # 5 000 mutants and the hostile files
     .venv/bin/python tests/faults/fuzz_readers.py --mutants 200
-    .venv/bin/python tests/faults/fuzz_readers.py --write docs/explanation/faults-readers.csv
+    .venv/bin/python tests/faults/fuzz_readers.py --write docs/explanation/damaged-files.csv
 
 The files that are damaged are written by code; with the folder of real instrument files (see
 tests/shared_data.py) these are damaged as well. A tenth of the mutants are the project's own results, which

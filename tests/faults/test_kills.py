@@ -1,4 +1,4 @@
-"""The short form of the kills; the full one is a command of its own (see docs/explanation/faults.md)."""
+"""The short form of the kills; the full one is a command of its own (see docs/explanation/reliability.md)."""
 
 import fcntl
 import re

@@ -33,7 +33,7 @@ deviations (Gumbel, Statistics of Extremes, 1958), so that the scatter of its lo
 parts' peaks, and it grows by the scale of the Gumbel distribution, s sqrt(6)/pi, times the logarithm of
 the number of maps.
 
-All constants are measured on real surfaces and made ones (docs/explanation/coverage.md).
+All constants are measured on real surfaces and made ones (docs/explanation/uncertainty.md).
 """
 
 import json

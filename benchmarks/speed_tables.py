@@ -1,0 +1,205 @@
+"""The tables of the benchmark of speed, from the records that `speed.py` keeps."""
+
+import re
+
+import numpy as np
+import pandas as pd
+from pages import text
+from race import CODES
+
+QUIET = 2.5  # load average: more than an earlier part of the measurement leaves behind
+BOUNDS = {1e-4: "1e-4", 1e-8: "1e-8"}
+
+
+def tables(results: dict) -> dict[str, pd.DataFrame]:
+    """Return the tables of all parts that were measured, with numbers as text."""
+    found: dict[str, pd.DataFrame] = {}
+    for part, make in PARTS.items():
+        if results.get(part):
+            found |= make(list(results[part].values()))
+    return found
+
+
+def about(results: dict) -> dict | None:
+    """Return machine, versions, and the time of one load on the largest synthetic map up to 1024 points."""
+    known = results["about"]
+    if not (results.get("race") and results.get("maps")):
+        return None
+    made = [case for case in results["race"].values() if case["group"] == "made" and case["threads"] == 1]
+    points = min(1024, max(case["size"] for case in made))
+    times = [case["codes"]["roughcontact"]["seconds"] for case in made if case["size"] == points]
+    return {
+        "machine": known["machine"],
+        "versions": {name: version for code in known["versions"].values() for name, version in code.items()},
+        "busy": max(known.get("load", {}).values(), default=0.0) > QUIET,
+        "points": points,
+        "one load (ms)": f"{1000 * np.median(times):.3g}",
+        "maps": len(results["maps"]),
+    }
+
+
+def geometric_mean(values: pd.Series) -> float:
+    """Return the geometric mean, NaN where a value is missing."""
+    return float(np.exp(np.log(values).mean(skipna=False)))
+
+
+def race(records: list[dict]) -> dict[str, pd.DataFrame]:
+    """Return times and ratios of every map, and the mean ratios to each other code."""
+    keys = ["threads", "group", "points per side", "map", "p′"]
+    known = [(case["threads"], case["group"], case["size"], case["name"], case["load"]) for case in records]
+    seconds = [{code: found["seconds"] for code, found in case["codes"].items()} for case in records]
+    times = pd.DataFrame(seconds, index=pd.MultiIndex.from_tuples(known, names=keys))
+    codes = [code for code in CODES if code in times]
+    ratios = times[codes[1:]].div(times[codes[0]], axis=0)
+    cells = (1000 * times[codes]).add_suffix(" (ms)").join(ratios.add_suffix(" ratio"), validate="1:1")
+    cells = cells.rename(index=lambda name: re.sub(r"made .*", "synthetic", str(name)), level="map")
+    groups = cells.groupby(keys)
+    shown = groups.agg(geometric_mean).assign(cases=groups.size()).reset_index()
+    shown = shown[["threads", "map", "cases", "points per side", "p′", *cells]]
+    decimals = dict.fromkeys(shown.filter(like=" ratio"), ".1f")
+    found = {"race": text(shown, decimals)}
+    return found if ratios.empty else found | {"ratios": _mean_ratios(ratios)}
+
+
+def _mean_ratios(ratios: pd.DataFrame) -> pd.DataFrame:
+    """Return mean and least ratio by threads, code and group of maps."""
+    long = ratios.melt(var_name="code", value_name="ratio", ignore_index=False).dropna().reset_index()
+    long["map"] = long["map"].str.replace(r"made (\d+) (\d+)", r"synthetic, \1², seed \2", regex=True)
+    long["group"] = long["group"].replace("made", "synthetic")
+    both = pd.concat([long, long.assign(group="all")], ignore_index=True)
+    rows = []
+    for (threads, code, maps), some in both.groupby(["threads", "code", "group"], sort=False):
+        least = some.loc[some["ratio"].idxmin()]
+        rows.append(
+            {"threads": threads, "code": code, "maps": maps, "cases": len(some)}
+            | {"geometric mean": geometric_mean(some["ratio"]), "least": least["ratio"]}
+            | {"least map": least["map"], "least p′": least["p′"]}
+        )
+    table = pd.DataFrame(rows).sort_values(["threads", "code"], kind="stable")
+    return text(table, {"geometric mean": ".1f", "least": ".1f"})
+
+
+def solves_of(records: list[dict]) -> pd.DataFrame:
+    """Return all solves of some maps, and whether their bound is below the true error for certain."""
+    solves = pd.DataFrame([{"map": one["name"]} | solve for one in records for solve in one["solves"]])
+    solves["error bound"] = solves["tolerance"].map(BOUNDS)
+    solves["below"] = solves["resolved"].eq(True) & (
+        solves["bound"] < solves["true_error"] - solves["reference_error"]
+    )
+    return solves
+
+
+def spread(groups) -> pd.DataFrame:
+    """Return median, 90 % quantile and largest of the pairs of some groups of solves."""
+    pairs = groups["pairs"]
+    return pd.DataFrame({"median": pairs.median(), "90 %": pairs.quantile(0.9), "largest": pairs.max()})
+
+
+ONE_DECIMAL = dict.fromkeys(("median", "90 %", "largest", "1e-4", "1e-8", "pairs", "solve / pair"), ".1f")
+
+
+def maps(records: list[dict]) -> dict[str, pd.DataFrame]:
+    """Return pairs by load, the maps with most, pairs of other settings, and bounds over true errors."""
+    solves = solves_of(records)
+    default = solves[solves["way"] == "default"].rename(columns={"load": "p′"})
+    pairs = spread(
+        pd.concat([default, default.assign(**{"p′": "all"})]).groupby(["error bound", "p′"], sort=False)
+    )
+    pairs = pairs.reset_index().sort_values("error bound", kind="stable")
+    most = default.groupby(["map", "error bound"])["pairs"].max().unstack()
+    at_most = (
+        default[default["tolerance"] == 1e-4]
+        .sort_values("pairs", ascending=False, kind="stable")
+        .drop_duplicates("map")
+    )
+    shapes = {one["name"]: " × ".join(map(str, one["shape"])) for one in records}
+    hardest = at_most[["map", "p′"]].join(most, on="map").sort_values(list(BOUNDS.values()), ascending=False)
+    hardest.insert(1, "points", hardest["map"].map(shapes))
+    other = solves[solves["way"] != "default"].rename(columns={"way": "setting"})
+    missed = ~other["converged"]
+    settings = spread(other[~missed].groupby("setting")).reindex(other["setting"].unique())
+    settings["not reached"] = missed.groupby(other["setting"]).sum()
+    by_rounding = missed & (other["floor"] > other["tolerance"])
+    settings["of these by rounding"] = by_rounding.groupby(other["setting"]).sum()
+    held = default[default["resolved"].eq(True)].groupby("error bound")
+    ratio = held["ratio"]
+    bounds = pd.DataFrame(
+        {"solves": ratio.size(), "least": ratio.min(), "median": ratio.median(), "largest": ratio.max()}
+        | {"bound below error": held["below"].sum()}
+    )
+    return {
+        "pairs": text(pairs, ONE_DECIMAL),
+        "hardest": text(hardest.head(5), ONE_DECIMAL),
+        "settings": text(settings.reset_index(names="setting"), ONE_DECIMAL),
+        "bounds": text(
+            bounds.reset_index(names="tolerance"), dict.fromkeys(("least", "median", "largest"), ".3f")
+        ),
+    }
+
+
+def hard(records: list[dict]) -> dict[str, pd.DataFrame]:
+    """Return the largest numbers of pairs on difficult maps."""
+    solves = solves_of(records)
+    default = solves[solves["way"] == "default"]
+    table = (
+        default.groupby(["map", "error bound"], sort=False)["pairs"].max().unstack()[list(BOUNDS.values())]
+    )
+    table["tolerance not reached"] = (~solves["converged"]).groupby(solves["map"]).sum()
+    table["bound below error"] = solves["below"].groupby(solves["map"]).sum()
+    return {"hard": text(table.reset_index(), ONE_DECIMAL)}
+
+
+def growth(records: list[dict]) -> dict[str, pd.DataFrame]:
+    """Return the pairs by size of the map, and at 1e-4 how they grow."""
+    rows = pd.DataFrame(
+        [
+            ("synthetic" if one["kind"] == "made" else one["kind"], one["load"], bound, one["size"], pairs)
+            for one in records
+            for bound, pairs in zip(BOUNDS.values(), one["pairs"], strict=True)
+        ],
+        columns=["map", "p′", "error bound", "size", "pairs"],
+    )
+    table = rows.set_index(["map", "p′", "error bound", "size"])["pairs"].unstack()
+    first_bound = table.index.get_level_values("error bound") == BOUNDS[1e-4]
+    growth = (table.iloc[:, -1] / table.iloc[:, 0]).where(first_bound)
+    table.columns = [f"{size}²" for size in table]
+    table = table.sort_index(level="map", ascending=False, sort_remaining=False, kind="stable")
+    shown = table.assign(growth=growth).reset_index()
+    return {"growth": text(shown, dict.fromkeys(table, ".1f") | {"growth": ".2f"})}
+
+
+def starts(records: list[dict]) -> dict[str, pd.DataFrame]:
+    """Return the times of installation and first process."""
+    times = {what: 1000 * seconds for record in records for what, seconds in record.items()}
+    return {"starts": text(pd.DataFrame({"what": times.keys(), "time (ms)": times.values()}))}
+
+
+def pair(records: list[dict]) -> dict[str, pd.DataFrame]:
+    """Return the time of a solve over that of one pair of transforms."""
+    return {"pair": text(pd.DataFrame(records), ONE_DECIMAL)}
+
+
+def sweep(records: list[dict]) -> dict[str, pd.DataFrame]:
+    """Return the times of many loads in one call and in as many calls."""
+    return {
+        "sweep": text(
+            pd.DataFrame(records), dict.fromkeys(("share of time (%)", "share of pairs (%)"), ".0f")
+        )
+    }
+
+
+def memory(records: list[dict]) -> dict[str, pd.DataFrame]:
+    """Return the peak memory by code and size."""
+    table = pd.DataFrame(records).pivot(index="code", columns="size", values="bytes_per_point")
+    table = table.loc[list(dict.fromkeys(one["code"] for one in records))]
+    table.columns = [f"{size}²" for size in table]
+    return {"memory": text(table.reset_index(), dict.fromkeys(table, ".0f"))}
+
+
+def agreement(records: list[dict]) -> dict[str, pd.DataFrame]:
+    """Return the largest true error of every code at a tight tolerance, by points and load."""
+    table = pd.DataFrame(records).pivot_table("true_error", ["size", "load"], "code", aggfunc="max")
+    return {"agreement": text(table.reset_index(), dict.fromkeys(table, ".0e"))}
+
+
+PARTS = {part.__name__: part for part in (race, agreement, maps, hard, growth, starts, pair, sweep, memory)}
