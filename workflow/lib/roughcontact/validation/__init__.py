@@ -23,5 +23,6 @@ PartName = Literal[
     "targets",
     "patches",
     "adhesion",
+    "formats",
 ]
 PARTS: tuple[PartName, ...] = get_args(PartName)

@@ -11,6 +11,7 @@ from roughcontact.validation import (
     consistency,
     convergence,
     coverage,
+    formats,
     full_contact,
     hertz,
     paper,
@@ -78,5 +79,6 @@ def validate(part: PartName, sample: str | Path | None = None, *, finest_grid: i
         "targets": targets,
         "patches": patches,
         "adhesion": adhesion,
+        "formats": formats,
     }
     return modules[part].part(finest_grid=finest_grid)
