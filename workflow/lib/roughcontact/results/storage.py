@@ -1,13 +1,11 @@
 """Result files: netCDF, written whole or not at all, byte-identical for identical content."""
 
 import errno
-import itertools
 import json
 import os
 import platform
 import shutil
 import subprocess
-import zlib
 from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -25,7 +23,7 @@ from roughcontact.io.guards import brief
 from roughcontact.variables import describe
 
 if TYPE_CHECKING:
-    import h5py
+    import netCDF4
 
 _FORMULA = tuple("=+-@\t\r")  # what a spreadsheet takes for the beginning of one
 
@@ -39,9 +37,11 @@ class Array(NamedTuple):
 
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
 _COMPRESSION: dict[str, Any] = {"zlib": True, "complevel": 1, "shuffle": True}
-_PIECE = (1, 512, 1024)  # points that are compressed together in a map for each load, which is read alone
+_PIECE = (1, 512, 1024)  # points that lie together in a map for each load, which is read alone
+_AS_NOISE = (
+    "gap",
+)  # whose digits hardly repeat: compressing them takes longer than solving, and saves a sixth
 _CACHE = 2**20  # bytes of a variable that are kept in memory: less than a piece
-_NOISE = 7.0  # bits of information in a byte from which it is not worth while to compress it
 _BYTES_OF_MAPS = 17  # at most, of a point under one load: pressure, gap and contact
 
 
@@ -149,7 +149,7 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
     """Write a dataset as netCDF-4, to a temporary name first, so that no half file is ever seen.
 
     Every variable gets its unit and description from `roughcontact.variables`. Arrays of 4096 elements and
-    more are compressed (fastest zlib, byte shuffle).
+    more are compressed (fastest zlib, byte shuffle), but for the gap.
 
     Parameters
     ----------
@@ -188,16 +188,17 @@ def _write(dataset: xr.Dataset, path: Path, *, mode: Literal["w", "a"] = "w") ->
         if name in dataset.data_vars and np.issubdtype(variable.dtype, np.floating):
             encoding[name] = {"_FillValue": np.nan}
         if variable.size >= _COMPRESSED_FROM and variable.dtype.kind in "fiub":
-            encoding[name] |= _packed(variable)
+            encoding[name] |= _packed(str(name), variable)
     with _uncached():
         dataset.to_netcdf(path, engine="netcdf4", mode=mode, encoding=encoding)
 
 
-def _packed(variable: xr.Variable | xr.DataArray) -> dict[str, Any]:
-    """Return how a large variable is compressed; maps of loads in pieces of one, which is read alone."""
+def _packed(name: str, variable: xr.Variable | xr.DataArray) -> dict[str, Any]:
+    """Return how a large variable is stored; maps of loads in pieces of one, which is read alone."""
+    packed = {} if name in _AS_NOISE else _COMPRESSION
     if variable.dims[1:] != ("y", "x"):
-        return _COMPRESSION
-    return _COMPRESSION | {"chunksizes": tuple(map(min, _PIECE, variable.shape))}
+        return packed
+    return packed | {"chunksizes": tuple(map(min, _PIECE, variable.shape))}
 
 
 class LoadByLoad:
@@ -219,7 +220,7 @@ class LoadByLoad:
     def __init__(self, path: Path, loads: Sequence[float]):
         self.path, self._size = path, len(loads)
         self._open = list(enumerate(map(float, loads)))  # places of loads whose maps are not there yet
-        self._file: h5py.File | None = None
+        self._file: netCDF4.Dataset | None = None
 
     def keep(self, solution: xr.Dataset) -> xr.Dataset:
         """Write the maps of a load; to be given to `solve_contact` as `reduce`.
@@ -240,15 +241,15 @@ class LoadByLoad:
         if self._file is None:
             self._file = self._made_for(maps)
         for name, field in maps.data_vars.items():
-            _write_map(self._file[str(name)], found[0], field.values[0])
+            self._file[str(name)][found[0]] = field.values[0]
         return xr.Dataset()
 
-    def _made_for(self, maps: xr.Dataset) -> "h5py.File":
-        """Make the file, with room for the maps of all loads, and open it for pieces that are compressed."""
-        import h5py
+    def _made_for(self, maps: xr.Dataset) -> "netCDF4.Dataset":
+        """Make the file, with room for the maps of all loads, and leave it open."""
         from netCDF4 import Dataset
 
-        with Dataset(self.path, "w") as file:
+        with _uncached():
+            file = Dataset(self.path, "w")
             for dimension, size in {**maps.sizes, "load": self._size}.items():
                 file.createDimension(str(dimension), size)
             for name, field in maps.data_vars.items():
@@ -257,13 +258,14 @@ class LoadByLoad:
                     field.dtype,
                     [*map(str, field.dims)],
                     fill_value=np.nan if field.dtype.kind == "f" else None,
-                    **_packed(field),
+                    **_packed(str(name), field),
                 )
                 beside = sorted(
                     str(coordinate) for coordinate in field.coords if coordinate not in field.dims
                 )
                 made.setncatts(field.attrs | {"coordinates": " ".join(beside)})
-        return h5py.File(self.path, "r+")
+        file.set_auto_maskandscale(False)
+        return file
 
     def complete(self, dataset: xr.Dataset) -> None:
         """Write all the rest, and close the file.
@@ -278,38 +280,8 @@ class LoadByLoad:
 
     def close(self) -> None:
         """Close the file, unless it is."""
-        if self._file is not None:
+        if self._file is not None and self._file.isopen():
             self._file.close()
-
-
-def _write_map(variable: "h5py.Dataset", place: int, values: np.ndarray) -> None:
-    """Write the map of one load into a variable, piece by piece."""
-    _, *sides = variable.chunks
-    for row, column in itertools.product(
-        *(range(0, n, side) for n, side in zip(values.shape, sides, strict=True))
-    ):
-        part = values[row : row + sides[0], column : column + sides[1]]
-        piece = np.full(sides, variable.fillvalue, values.dtype)  # pieces reach beyond the edge of the map
-        piece[: part.shape[0], : part.shape[1]] = part
-        variable.id.write_direct_chunk((place, row, column), _deflated(piece))
-
-
-def _deflated(piece: np.ndarray) -> bytes:
-    """Return what the filters of HDF5, byte shuffle and deflate, have to be given to read an array.
-
-    The first bytes of all numbers follow one another, then the second ones and so on. Where they are as good
-    as noise, as the lower digits of heights are, they are stored: looking for what repeats there takes six
-    times as long as all the rest, and finds nothing.
-    """
-    planes = np.ascontiguousarray(piece.reshape(-1, 1).view(np.uint8).T)
-    parts = [b"\x78\x01"]  # of a stream of zlib
-    for plane in planes:
-        counts = np.bincount(plane[:: max(1, plane.size // 4096)], minlength=256)
-        shares = counts[counts > 0] / counts.sum()
-        noise = -np.sum(shares * np.log2(shares)) > _NOISE
-        packer = zlib.compressobj(0 if noise else 1, zlib.DEFLATED, -zlib.MAX_WBITS)
-        parts += [packer.compress(plane), packer.flush(zlib.Z_FULL_FLUSH)]
-    return b"".join([*parts, b"\x03\x00", zlib.adler32(planes.data).to_bytes(4, "big")])
 
 
 @contextmanager
