@@ -36,7 +36,8 @@ class Array(NamedTuple):
 
 
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
-_COMPRESSION: dict[str, Any] = {"zlib": True, "complevel": 1, "shuffle": True}
+_CHECKED: dict[str, Any] = {"fletcher32": True}  # so that a turned bit is an error, not a number
+_COMPRESSION = _CHECKED | {"zlib": True, "complevel": 1, "shuffle": True}
 _PIECE = (1, 512, 1024)  # points that lie together in a map for each load, which is read alone
 _AS_NOISE = (
     "gap",
@@ -149,7 +150,7 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
     """Write a dataset as netCDF-4, to a temporary name first, so that no half file is ever seen.
 
     Every variable gets its unit and description from `roughcontact.variables`. Arrays of 4096 elements and
-    more are compressed (fastest zlib, byte shuffle), but for the gap.
+    more carry checksums and are compressed (fastest zlib, byte shuffle), but for the gap.
 
     Parameters
     ----------
@@ -195,7 +196,7 @@ def _write(dataset: xr.Dataset, path: Path, *, mode: Literal["w", "a"] = "w") ->
 
 def _packed(name: str, variable: xr.Variable | xr.DataArray) -> dict[str, Any]:
     """Return how a large variable is stored; maps of loads in pieces of one, which is read alone."""
-    packed = {} if name in _AS_NOISE else _COMPRESSION
+    packed = _CHECKED if name in _AS_NOISE else _COMPRESSION
     if variable.dims[1:] != ("y", "x"):
         return packed
     return packed | {"chunksizes": tuple(map(min, _PIECE, variable.shape))}
