@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.special import ndtri
+from shared_data import DATA
 
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
@@ -15,7 +16,6 @@ from roughcontact.references.closed_forms import gaussian_bearing
 from roughcontact.roughness.bearing import bearing_parameters
 from roughcontact.roughness.heights import height_parameters
 
-DATA = Path(__file__).parents[2].parent / "shared" / "data"
 TABLE = Path(__file__).with_name("bearing_parameters.csv")
 # the other library takes areas from the nearest point of its curve on, not from where the line meets it
 AREAS = {"Spk", "Svk", "Vmc", "Vvv"}
@@ -29,7 +29,6 @@ def table():
 
 
 @pytest.mark.shared_data
-@pytest.mark.skipif(not (DATA / "CATALOG.tsv").is_file(), reason="no folder of real instrument files")
 @pytest.mark.parametrize("name", table())
 def test_another_library_finds_the_same(name):
     levelled = level(read_height_map(DATA / name), outlier_threshold=None, fill="none")
