@@ -97,6 +97,16 @@ def test_shells_end_at_the_nyquist_limit_of_the_coarser_pitch():
     assert (power > 0).all()
 
 
+@pytest.mark.parametrize(("across", "direction"), [((0, 1), 0.0), ((1, 0), 90.0)])
+def test_the_wave_as_long_as_a_square_map_has_a_direction(across, direction):
+    """Of a cos(q r) its direction holds 2 A |h|^2 q dq / (2 pi)^2: |h| = a/2, q = dq, A dq^2 = (2 pi)^2."""
+    y, x = np.indices((48, 48)) / 48
+    height = height_map(3e-7 * np.cos(2 * np.pi * (across[0] * y + across[1] * x)), 1e-6)
+    theta, power = angular_spectrum(height)
+    assert theta[np.argmax(power)] == direction
+    assert power.max() == pytest.approx((3e-7) ** 2 / 2, rel=1e-9)
+
+
 def test_white_noise_is_the_same_in_all_directions():
     height = height_map(np.random.default_rng(2).standard_normal((400, 400)), 1.0)
     theta, power = angular_spectrum(height)
