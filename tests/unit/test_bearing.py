@@ -93,6 +93,13 @@ def test_nothing_to_read_off_a_flat_map():
     assert height_parameters(height_map(np.full((5, 6), 0.3), 1e-6))["Sdr"] == 0
 
 
+@pytest.mark.parametrize("points", [5, 6, 50])
+def test_heights_spread_evenly_are_all_core_however_few(points):
+    found = bearing_parameters(np.linspace(-1e-6, 2e-6, points))
+    assert found["Sk"] == pytest.approx(3e-6, rel=1e-12)
+    assert (found["Smr1"], found["Smr2"]) == (pytest.approx(0), pytest.approx(1))
+
+
 def test_two_points():
     found = bearing_parameters(np.array([0.0, 1.0]))
     assert found["Sk"] >= 0
