@@ -44,8 +44,8 @@ def test_parts_are_drawn_in_percent_of_the_value_at_their_load(numbers):
         assert [line.y for line in shown] == [pytest.approx(share, rel=0.006) for share in (2.0, 3.0)]
         for line in (*shown, up, down):
             assert line.x == pytest.approx(loads / 1e6, rel=0.02)
-        assert (up.dash, up.y) == ("", pytest.approx(5.0, rel=0.02))
-        assert (down.dash != "", down.y) == (True, pytest.approx(4.0, rel=0.02))
+        assert (up.style, up.y) == ("", pytest.approx(5.0, rel=0.02))
+        assert (down.style != "", down.y) == (True, pytest.approx(4.0, rel=0.02))
         assert [(mark.colour, mark.y) for mark in drawn.marks] == [
             (line.colour, pytest.approx(line.y)) for line in shown
         ]

@@ -71,7 +71,7 @@ def test_the_spectrum_is_drawn_where_its_axes_say():
 def test_the_band_of_the_spectrum_is_marked_at_its_wavelengths():
     made = window(shortest_wavelength=12e-6, longest_wavelength=40e-6)
     drawn = read_chart(texture_plots.spectrum(made), log="xy")
-    marked = {line.dash: line.x for line in drawn.lines if line.dash}
+    marked = {line.style: line.x for line in drawn.lines if line.style}
     assert marked[DASHED] == pytest.approx(2 * np.pi / 2, rel=0.01)  # of two pixels, 2 µm
     assert marked[DOTTED] == pytest.approx(2 * np.pi / (1e6 * shortest_wavelength(made)), rel=0.01)
     (line,) = [each for each in drawn.lines if each.colour == COLOURS[0]]
