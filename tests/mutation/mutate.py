@@ -73,7 +73,7 @@ def run(name, part, given):
         shutil.copy2(ROOT / "pyproject.toml", copy)
         modules = [str(PACKAGE / module) for module in part["modules"]]
         command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
-        command += ["-m", "not slow and not shared_data", *part["tests"], *modules]
+        command += ["-m", "not slow and not browser and not shared_data", *part["tests"], *modules]
         command += [word for test in part.get("without", ()) for word in ("--deselect", test)]
         environment = os.environ | {"PYTHONPATH": str(copy / PACKAGE.parent)}
         # twice: the first run compiles what the second one finds

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.special import ndtri
+from shared_data import DATA
 
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
@@ -15,7 +16,6 @@ from roughcontact.references.closed_forms import gaussian_bearing
 from roughcontact.roughness.bearing import bearing_parameters
 from roughcontact.roughness.heights import height_parameters
 
-DATA = Path(__file__).parents[2].parent / "shared" / "data"
 TABLE = Path(__file__).with_name("bearing_parameters.csv")
 # the other library takes areas from the nearest point of its curve on, not from where the line meets it
 AREAS = {"Spk", "Svk", "Vmc", "Vvv"}
@@ -29,7 +29,6 @@ def table():
 
 
 @pytest.mark.shared_data
-@pytest.mark.skipif(not (DATA / "CATALOG.tsv").is_file(), reason="no folder of real instrument files")
 @pytest.mark.parametrize("name", table())
 def test_another_library_finds_the_same(name):
     levelled = level(read_height_map(DATA / name), outlier_threshold=None, fill="none")
@@ -92,6 +91,13 @@ def test_nothing_to_read_off_a_flat_map():
     assert math.isnan(found.pop("Smr2"))
     assert set(found.values()) == {0.0}
     assert height_parameters(height_map(np.full((5, 6), 0.3), 1e-6))["Sdr"] == 0
+
+
+@pytest.mark.parametrize("points", [5, 6, 50])
+def test_heights_spread_evenly_are_all_core_however_few(points):
+    found = bearing_parameters(np.linspace(-1e-6, 2e-6, points))
+    assert found["Sk"] == pytest.approx(3e-6, rel=1e-12)
+    assert (found["Smr1"], found["Smr2"]) == (pytest.approx(0), pytest.approx(1))
 
 
 def test_two_points():

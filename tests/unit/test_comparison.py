@@ -94,6 +94,22 @@ def test_a_load_of_one_run_alone_differs():
     assert different(after, statistics()) == [("mean_pressure", 5e6)]
 
 
+def test_loads_belong_together_by_value():
+    """In whatever order they are, and beside loads that the other run lacks."""
+    turned = statistics(gaps=(1e-7, 2e-7), area=(0.3, 0.1), loads=LOADS[::-1])
+    assert different(statistics(), turned, share=1e-6) == []
+    others = statistics(gaps=(9e-7, 1e-7), area=(0.01, 0.3), loads=[1e4, 5e6])
+    assert different(statistics(), others, share=1e-6) == [("mean_pressure", 1e6), ("mean_pressure", 1e4)]
+
+
+def test_loads_of_other_bodies_belong_together_by_their_relative_pressure():
+    relative = {"relative_pressure": ("load", [0.01, 0.05])}
+    before, after = (statistics(loads=loads).assign(relative) for loads in (LOADS, [3e6, 15e6]))
+    table = compare_statistics(before, after, share=1e-6)
+    assert list(table["mean_pressure"].unique()) == LOADS
+    assert not table["differs"].any()
+
+
 def test_surfaces_belong_together_by_name(tmp_path):
     def run(folder, **surfaces):
         for name, dataset in surfaces.items():

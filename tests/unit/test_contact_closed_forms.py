@@ -1,17 +1,16 @@
 """The solver against solutions that nobody here computed."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
+from shared_data import DATA
 
 import roughcontact as rc
 from roughcontact.maps import height_map
 from roughcontact.references import closed_forms, synthetic
 from roughcontact.statistics.contact_geometry import relative_contact_area
 
-SHARED = Path(__file__).parents[2].parent / "shared" / "data"
 MODULUS = 3e9
 
 
@@ -145,11 +144,10 @@ def test_periodic_hertz_contact():
 
 
 @pytest.mark.shared_data
-@pytest.mark.skipif(not SHARED.is_dir(), reason="the folder of shared instrument files is absent")
 def test_measured_maps_on_which_two_other_codes_agree():
     """Tamaas 2.9.0 and ContactMechanics 1.8.3 agree on these to 5e-9 of the peak pressure."""
-    for case in json.loads((SHARED / "cross_solver_reference.json").read_text()):
-        height = rc.read_height_map(SHARED / case["file"])
+    for case in json.loads((DATA / "cross_solver_reference.json").read_text()):
+        height = rc.read_height_map(DATA / case["file"])
         i, j, nx, ny = case["window"]
         values = height.values[j : j + ny, i : i + nx]
         y, x = np.mgrid[:ny, :nx]

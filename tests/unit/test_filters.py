@@ -1,11 +1,11 @@
 """The areal Gaussian filter: transmission, end effects, missing points; other software on real files."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy import ndimage
+from shared_data import DATA
 
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.io.read import read_height_map
@@ -13,8 +13,6 @@ from roughcontact.levelling.filters import gaussian_mean_surface
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
-
-DATA = Path(__file__).parents[2].parent / "shared" / "data"
 
 # Plane removed, Gaussian low-pass of surfalize 0.19.2 (heights read by SurfaceTopography 1.27.1): nesting
 # index, m, and the mean surface, m, in the middle [ny//2, nx//2] and at (+20, -30) and (-40, +10) from there.
@@ -90,7 +88,6 @@ def test_near_edges_and_holes_it_is_the_weighted_fit_of_a_plane():
 
 
 @pytest.mark.shared_data
-@pytest.mark.skipif(not (DATA / "CATALOG.tsv").is_file(), reason="no folder of real instrument files")
 @pytest.mark.parametrize(("name", "nesting_index"), OTHER_SOFTWARE)
 def test_other_software_filters_the_same(name, nesting_index):
     levelled = level(read_height_map(DATA / name), outlier_threshold=None, s_filter=nesting_index)

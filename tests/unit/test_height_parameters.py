@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from shared_data import DATA
 
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
@@ -14,7 +15,6 @@ from roughcontact.roughness.heights import height_parameters
 from roughcontact.statistics.contact_statistics import HEIGHT_PARAMETERS, surface_statistics
 from roughcontact.window.periodic_window import periodic_window
 
-DATA = Path(__file__).parents[2].parent / "shared" / "data"
 TABLE = Path(__file__).with_name("height_parameters.csv")
 
 
@@ -26,7 +26,6 @@ def table():
 
 
 @pytest.mark.shared_data
-@pytest.mark.skipif(not (DATA / "CATALOG.tsv").is_file(), reason="no folder of real instrument files")
 @pytest.mark.parametrize("name", table())
 def test_other_software_finds_the_same(name):
     height = read_height_map(DATA / name)

@@ -12,27 +12,29 @@ from roughcontact.uncertainty.answers import headline_and_answers
 from roughcontact.uncertainty.solver import open_mean_gap
 
 
-def loves_rectangle(x, y):
-    """Return the displacement at (x, y) under a unit pressure on the unit square, E* = 1 (Love 1929)."""
+def loves_rectangle(x, y, dy, dx):
+    """Return the displacement at (x, y) under a unit pressure on a pixel, E* = 1 (Love 1929)."""
 
     def corner(u, v):
         return u * np.arcsinh(v / np.abs(u)) + v * np.arcsinh(u / np.abs(v))
 
-    a, b = x + 0.5, x - 0.5
-    c, d = y + 0.5, y - 0.5
+    a, b = x + dx / 2, x - dx / 2
+    c, d = y + dy / 2, y - dy / 2
     return (corner(a, c) - corner(b, c) - corner(a, d) + corner(b, d)) / np.pi
 
 
-def test_elements_are_loves_rectangle_over_all_periods():
+@pytest.mark.parametrize(("dy", "dx"), [(1.0, 1.0), (0.5, 1.0)])
+def test_elements_are_loves_rectangle_over_all_periods(dy, dx):
     """Differences of displacement converge when the images are summed; the rest of the sum falls as 1/R."""
     n = 16
-    symbol = influence.elements(*wavevectors((n, n), (1.0, 1.0)), (1.0, 1.0))
+    shape = round(n / dy), round(n / dx)
+    symbol = influence.elements(*wavevectors(shape, (dy, dx)), (dy, dx))
     symbol[0, 0] = 0
-    kernel = np.fft.irfft2(symbol, s=(n, n))
+    kernel = np.fft.irfft2(symbol, s=shape)
 
     def difference(j, i, reach):
         x, y = np.meshgrid(*2 * [n * np.arange(-reach, reach + 1)])
-        return (loves_rectangle(x, y) - loves_rectangle(x + i, y + j)).sum()
+        return (loves_rectangle(x, y, dy, dx) - loves_rectangle(x + i * dx, y + j * dy, dy, dx)).sum()
 
     for j, i in [(0, 1), (3, 2), (8, 8)]:
         near, far = difference(j, i, 30), difference(j, i, 60)

@@ -250,8 +250,13 @@ def test_exchanged_sizes():
 
 
 def test_slopes_that_cannot_be():
-    assert "steeper than anything that is measured" in words(100 * rough())
-    assert "smaller than those of polished optics" in words(1e-9 * rough())
+    _, gradient = roughness_off_plane(rough(), 1e-6, 1e-6)
+    # above 72 degrees nothing is measured; below 1e-8 nothing is polished
+    for steep, said in ((2.9, False), (3.1, True)):
+        assert ("steeper than anything that is measured" in words(steep / gradient * rough())) == said
+    assert "(rms gradient 3.10, 72°): check the units" in words(3.1 / gradient * rough())
+    for flat, said in ((0.9e-8, True), (1.1e-8, False)):
+        assert ("smaller than those of polished optics" in words(flat / gradient * rough())) == said
 
 
 def test_roughness_off_the_plane():

@@ -114,10 +114,33 @@ def test_cut_off_of_the_reference_case_and_of_one_wave():
     assert parameters.shortest_wavelength(profile) == pytest.approx(12.0)
 
 
-def test_noise_reaches_two_pixels():
-    height = height_map(np.random.default_rng(0).standard_normal((100, 150)), (2e-6, 1e-6))
+@pytest.mark.parametrize("shape", [(100, 150), (1, 1024), (2, 2)])
+def test_noise_reaches_two_pixels(shape):
+    height = height_map(np.random.default_rng(0).standard_normal(shape), (2e-6, 1e-6))
     assert parameters.points_per_shortest_wavelength(height) == pytest.approx(2.0)
     assert parameters.shortest_wavelength(height) == pytest.approx(2e-6)
+
+
+@pytest.mark.parametrize(("rest", "cut_off"), [(0.05, 60), (0.15, 100)])
+def test_the_cut_off_is_the_edge_beyond_the_last_hundredth(rest, cut_off):
+    """Mean square gradient of 100 in each of 20 waves, of 1 up to the 60th, then of 0.05 or 0.15.
+
+    The last 1 % begin at the 46th; the waves around it go on down to a tenth of theirs.
+    """
+    k = np.arange(1, 101)
+    gradient = np.select([k <= 20, k <= 60], [100.0, 1.0], rest)
+    x = 2 * np.pi * np.arange(200) / 200
+    # at the Nyquist limit a cosine is its own mirror image and counts twice
+    amplitude = np.sqrt(gradient * np.where(k < 100, 2, 1)) / k
+    profile = height_map((amplitude[:, None] * np.cos(k[:, None] * x)).sum(axis=0)[None, :], 1e-6)
+    assert parameters.points_per_shortest_wavelength(profile) == pytest.approx(200 / cut_off)
+
+
+def test_a_profile_has_no_summits():
+    profile = height_map(np.random.default_rng(1).standard_normal((1, 64)), 1e-6)
+    assert all(math.isnan(value) for value in summit_statistics(profile).values())
+    two_rows = height_map(np.where(np.indices((2, 50)).sum(axis=0) == 0, 1.0, 0.0), 1e-3)
+    assert summit_statistics(two_rows)["density"] == pytest.approx(1 / 100e-6)
 
 
 def test_summits_agree_with_the_theory_of_random_surfaces():

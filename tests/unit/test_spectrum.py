@@ -111,12 +111,36 @@ def test_other_software_finds_the_same_spectrum():
     np.testing.assert_allclose(ours[shared], averaged[:30], rtol=1e-9, atol=1e-20)
 
 
-def test_shells_end_at_the_nyquist_limit_of_the_coarser_pitch():
-    height = height_map(np.random.default_rng(1).standard_normal((40, 60)), (3.0, 1.0))
+@pytest.mark.parametrize("shape", [(40, 60), (2, 60)])
+def test_shells_end_at_the_nyquist_limit_of_the_coarser_pitch(shape):
+    height = height_map(np.random.default_rng(1).standard_normal(shape), (3.0, 1.0))
     q, power = isotropic_spectrum(height)
     assert (np.diff(q) > 0).all()
     assert q[-1] <= np.pi / 3 * 1.03
     assert (power > 0).all()
+
+
+@pytest.mark.parametrize(("across", "direction"), [((0, 1), 0.0), ((1, 0), 90.0)])
+def test_the_wave_as_long_as_a_square_map_has_a_direction(across, direction):
+    """Of a cos(q r) its direction holds 2 A |h|^2 q dq / (2 pi)^2: |h| = a/2, q = dq, A dq^2 = (2 pi)^2."""
+    y, x = np.indices((48, 48)) / 48
+    height = height_map(3e-7 * np.cos(2 * np.pi * (across[0] * y + across[1] * x)), 1e-6)
+    theta, power = angular_spectrum(height)
+    assert theta[np.argmax(power)] == direction
+    assert power.max() == pytest.approx((3e-7) ** 2 / 2, rel=1e-9)
+
+
+def test_directions_turn_with_the_map():
+    """Of a map with x and y exchanged they are counted from y, of its mirror image the other way round."""
+    values = np.random.default_rng(4).standard_normal((41, 35))
+    theta, power = angular_spectrum(height_map(values, (1e-6, 2e-6)))
+    for seen, steps, direction in (
+        (values.T, (2e-6, 1e-6), 90 - theta),
+        (values[:, ::-1], (1e-6, 2e-6), -theta),
+    ):
+        _, found = angular_spectrum(height_map(seen, steps))
+        order = np.argsort(direction % 180)
+        np.testing.assert_allclose(found, power[order], rtol=1e-12)
 
 
 def test_white_noise_is_the_same_in_all_directions():

@@ -78,6 +78,20 @@ def test_stresses_are_in_equilibrium():
     assert np.abs(zz).max() > 0
 
 
+@pytest.mark.parametrize("shape", [(12, 16), (13, 16), (12, 17), (13, 17)])
+def test_stresses_turn_with_the_pressure(shape):
+    """With all waves of the grid, those at the Nyquist limit included."""
+    pressure, (dy, dx) = rough_pressure(shape), (1.0, 0.7)
+    xx, yy, zz, yz, xz, xy = subsurface_stress(pressure, (dy, dx), poissons_ratio=0.3)(0.4)
+    for turned, steps, known in (
+        (pressure.T, (dx, dy), [part.T for part in (yy, xx, zz, xz, yz, xy)]),
+        (pressure[:, ::-1], (dy, dx), [part[:, ::-1] for part in (xx, yy, zz, yz, -xz, -xy)]),
+        (pressure[::-1], (dy, dx), [part[::-1] for part in (xx, yy, zz, -yz, xz, -xy)]),
+    ):
+        found = subsurface_stress(turned, steps, poissons_ratio=0.3)(0.4)
+        np.testing.assert_allclose(found, known, atol=1e-12)
+
+
 def test_invariants_of_any_stress():
     tensor = np.random.default_rng(3).standard_normal((3, 3, 50))
     tensor += tensor.swapaxes(0, 1)

@@ -1,10 +1,9 @@
 """Autocorrelation, its lengths and the lay, against closed forms and numbers of other software."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.signal import fftconvolve
+from shared_data import DATA
 
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
@@ -12,8 +11,6 @@ from roughcontact.maps import height_map, spacing
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.roughness.texture import autocorrelation, decay_lengths, texture_parameters
 from roughcontact.window.periodic_window import periodic_window
-
-DATA = Path(__file__).parents[2].parent / "shared" / "data"
 
 # Sal of surfalize 0.19.2, m, plane removed (heights read by SurfaceTopography 1.27.1)
 OTHER_SAL = {"al3d-1.al3d": 12.394400975709353e-6, "x3p-2.x3p": 2.6646858855237e-6}
@@ -112,7 +109,6 @@ def test_stretched_waves_give_the_stretch():
 
 
 @pytest.mark.shared_data
-@pytest.mark.skipif(not (DATA / "CATALOG.tsv").is_file(), reason="no folder of real instrument files")
 @pytest.mark.parametrize("name", OTHER_SAL)
 def test_other_software_finds_the_same_length(name):
     """With the autocorrelation that the other software takes: each shift over the points that overlap."""

@@ -9,11 +9,15 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from PIL import Image
+from read_charts import read_chart
 
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.report import texture_plots
+from roughcontact.report.charts import COLOURS, DASHED, DOTTED
+from roughcontact.roughness.parameters import shortest_wavelength
+from roughcontact.roughness.spectrum import isotropic_spectrum
 from roughcontact.window.periodic_window import periodic_window
 
 
@@ -45,6 +49,34 @@ def test_what_was_taken_out_is_shaded():
     text = svg(texture_plots.spectrum(window()))
     assert "reliable: two pixels" in text
     assert re.search(r"wavelength \(.m\)", text)
+
+
+def test_the_spectrum_is_drawn_where_its_axes_say():
+    """Of a map in nm² µm² and of a profile in nm² µm, at its wavenumbers in rad/µm."""
+    for shape, unit, factor in (((48, 64), "nm² µm²", 1e30), ((1, 64), "nm² µm", 1e24)):
+        rough = self_affine_surface(
+            shape, 1e-6, hurst=0.8, shortest=4e-6, longest=30e-6, rms_height=2e-6, seed=2
+        )
+        made = periodic_window(level(rough, outlier_threshold=None))
+        drawn = read_chart(texture_plots.spectrum(made), log="xy")
+        assert {f"C(q) ({unit})", "wavenumber q (rad/µm)", "wavelength (µm)"} <= set(drawn.texts)
+        (line,) = [each for each in drawn.lines if each.colour == COLOURS[0]]
+        q, power = isotropic_spectrum(made)
+        # waves that the map does not have are rounding, and not drawn
+        held = power > 1e-9 * power.max()
+        assert line.x == pytest.approx(q[held] * 1e-6, rel=0.01)
+        assert np.log10(line.y) == pytest.approx(np.log10(power[held] * factor), abs=0.03)
+
+
+def test_the_band_of_the_spectrum_is_marked_at_its_wavelengths():
+    made = window(shortest_wavelength=12e-6, longest_wavelength=40e-6)
+    drawn = read_chart(texture_plots.spectrum(made), log="xy")
+    marked = {line.style: line.x for line in drawn.lines if line.style}
+    assert marked[DASHED] == pytest.approx(2 * np.pi / 2, rel=0.01)  # of two pixels, 2 µm
+    assert marked[DOTTED] == pytest.approx(2 * np.pi / (1e6 * shortest_wavelength(made)), rel=0.01)
+    (line,) = [each for each in drawn.lines if each.colour == COLOURS[0]]
+    assert 2 * np.pi / line.x.max() == pytest.approx(12, rel=0.1)
+    assert 2 * np.pi / line.x.min() == pytest.approx(40, rel=0.1)
 
 
 def test_the_same_picture_a_second_time():

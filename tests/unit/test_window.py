@@ -1,11 +1,11 @@
 """The window: the best rectangle, good sides, and a true record of what was done."""
 
 import json
-from pathlib import Path
 from typing import get_args
 
 import numpy as np
 import pytest
+from shared_data import DATA
 
 from roughcontact.choices import Placement, WindowMethod
 from roughcontact.errors import HeightMapError, SettingsError
@@ -337,11 +337,7 @@ def test_options_without_meaning(options, message):
         periodic_window(cut_out(), **options)
 
 
-SHARED = Path(__file__).parents[2].parent / "shared" / "data"
-
-
 @pytest.mark.shared_data
-@pytest.mark.skipif(not SHARED.is_dir(), reason="no folder of real instrument files")
 @pytest.mark.parametrize(
     ("file", "kinds", "least_share"),
     [
@@ -353,7 +349,7 @@ SHARED = Path(__file__).parents[2].parent / "shared" / "data"
     ],
 )
 def test_real_files_get_a_window(file, kinds, least_share):
-    levelled = level(read_height_map(SHARED / file))
+    levelled = level(read_height_map(DATA / file))
     assert kinds <= set(json.loads(levelled.attrs["outlier_kinds"]))
     assert levelled.attrs["outliers_rejected"] < 0.005 * levelled.size
     # without a band for blending, which costs friendly sides
@@ -371,10 +367,9 @@ def test_real_files_get_a_window(file, kinds, least_share):
 
 
 @pytest.mark.shared_data
-@pytest.mark.skipif(not SHARED.is_dir(), reason="no folder of real instrument files")
 def test_real_file_that_is_mostly_missing_is_refused():
     with pytest.raises(HeightMapError, match=r"sur-3\.sur: 88\.9 % of the points are missing"):
-        level(read_height_map(SHARED / "sur-3.sur"))
+        level(read_height_map(DATA / "sur-3.sur"))
 
 
 def test_a_periodic_map_begins_where_it_begins_and_is_not_changed():

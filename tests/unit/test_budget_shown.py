@@ -1,0 +1,65 @@
+"""The figures of the error budget, read back: each part is in percent of the value, at its load."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from read_charts import read_chart
+
+from roughcontact.report.budget_plots import shown_budget
+
+SOURCES = ["solver", "discretisation", "window", "processing", "combined"]
+LOADS = np.array([1e6, 4e6])
+
+
+@pytest.fixture
+def numbers():
+    """Statistics of two loads; the gap is closed at the second one."""
+    found = xr.Dataset(
+        {"mean_pressure": ("load", LOADS), "contact_modulus": 1e11}, coords={"source": SOURCES}
+    )
+    for name, values in (
+        ("relative_contact_area", [0.1, 0.4]),
+        ("mean_gap", [2e-6, 0.0]),
+        ("max_pressure", [1e8, 2e8]),
+        ("mean_contact_pressure", [1e7, 1e7]),
+    ):
+        value = np.array(values)
+        found[name] = ("load", value)
+        # 2 and 3 % of the pixel size and of the window, no part of the others
+        shares = [0.0, 0.02, 0.03, np.nan, 0.05]
+        found[f"{name}_uncertainty"] = (("load", "source"), np.outer(value, shares))
+        found[f"{name}_lower"], found[f"{name}_upper"] = ("load", 0.96 * value), ("load", 1.05 * value)
+    return found
+
+
+def test_parts_are_drawn_in_percent_of_the_value_at_their_load(numbers):
+    images = dict(shown_budget(numbers)["images"])
+    assert list(images) == ["contact area A/A₀", "mean gap ū", "largest pressure", "pressure in contact"]
+    for title, image in images.items():
+        drawn = read_chart(image, log="xy")
+        assert {"mean pressure p̄ (MPa)", "± in percent of the value", title} <= set(drawn.texts)
+        loads = LOADS[:1] if title == "mean gap ū" else LOADS  # of nothing there is no share
+        *parts, up, down = drawn.lines
+        shown = [line for line in parts if line.x.size]
+        assert [line.y for line in shown] == [pytest.approx(share, rel=0.006) for share in (2.0, 3.0)]
+        for line in (*shown, up, down):
+            assert line.x == pytest.approx(loads / 1e6, rel=0.02)
+        assert (up.style, up.y) == ("", pytest.approx(5.0, rel=0.02))
+        assert (down.style != "", down.y) == (True, pytest.approx(4.0, rel=0.02))
+        assert [(mark.colour, mark.y) for mark in drawn.marks] == [
+            (line.colour, pytest.approx(line.y)) for line in shown
+        ]
+
+
+def test_the_table_names_parts_in_points_of_percent_and_the_largest_one(numbers):
+    budget = shown_budget(numbers)
+    assert budget["header"][2:] == ["solver", "pixel size", "window", "largest part"]
+    assert budget["rows"][0] == [
+        "1.00 MPa",
+        "10.00 −0.40 +0.50",
+        "no pixel in doubt",
+        "± 0.20",
+        "± 0.30",
+        "window",
+    ]
+    assert budget["notes"] == ["Not in the ±: processing."]

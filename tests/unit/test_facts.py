@@ -1,0 +1,172 @@
+"""The facts beside the checks of a surface: each is the number it is called after, in its unit."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from roughcontact.maps import height_map
+from roughcontact.report.facts import lay_caption, levelled_caption, spectrum_caption, surface_facts
+
+
+def numbers(**more):
+    """Return statistics of three loads at which the gap closes along x between the last two."""
+    single = {
+        "rms_height": 4e-7,
+        "rms_gradient": 0.125,
+        "rms_curvature": 2.5e5,
+        "nayak_parameter": 7.5,
+        "contact_modulus": 115e9,
+        "Sal": 1.2e-5,
+        "Str": 0.25,
+        "Std": 150.0,
+        "hardness": 3e9,
+        "first_yield_pressure": 2e6,
+        "first_subsurface_yield_pressure": 5e6,
+    }
+    loads = {
+        "mean_pressure": ("load", [1e6, 5e6, 2e7]),
+        "points_per_shortest_wavelength": ("load", [4.6] * 3),
+        "gap_percolates_x": ("load", [1.0, 1.0, 0.0]),
+        "gap_percolates_y": ("load", [1.0, 1.0, 1.0]),
+    }
+    return xr.Dataset(single | loads | more)
+
+
+def known(value, unit):
+    return {"value": value, "units": unit}
+
+
+def facts(measured=None, levelled=None, window=None, **more):
+    """Return the facts of a map of 40 x 30 points with these attributes, of a pitch of 2 and 1 µm."""
+    maps = [height_map(np.eye(30, 40) * 1e-6, (2e-6, 1e-6)) for _ in range(3)]
+    attrs = (measured or {}, levelled or {}, window or {})
+    return dict(
+        surface_facts(*(one.assign_attrs(a) for one, a in zip(maps, attrs, strict=True)), numbers(**more))
+    )
+
+
+def test_all_that_is_known_of_a_surface():
+    measured = {
+        "source_file": "a.x3p",
+        "source_format": "X3P",
+        "channel": "height",
+        "instrument": json.dumps({"lens": "50x", "numerical_aperture": 0.4}),
+        "missing_share": 0.0125,
+    }
+    levelled = {
+        "form": "plane",
+        "form_removed": json.dumps({"slope_x": known(-0.02, "1"), "mean": known(1.5e-6, "m")}),
+        "line_alignment": "median",
+        "line_shift_rms": 2.5e-8,
+        "filters_removed": json.dumps(
+            {"s_filter": {"nesting_index": known(8e-6, "m"), "rms_removed": known(3e-8, "m")}}
+        ),
+        "Sa": 3e-7,
+        "Sq": 4e-7,
+        "Sz": 5e-6,
+        "Ssk": -0.5,
+        "Sku": 3.2,
+        "Sdq": 0.2,
+        "Sk": 9e-7,
+        "Spk": 2e-7,
+        "Svk": 6e-7,
+    }
+    assert facts(measured, levelled, {"periodisation": "cross-fade"}) == {
+        "File": "a.x3p · X3P",
+        "Channel": "height",
+        "Instrument": "lens 50x, numerical aperture 0.400",
+        "Map": "40.0 µm × 60.0 µm, 40 × 30 points of 1.00 µm × 2.00 µm",  # x before y
+        "Missing points": "1.25 %",
+        "Removed form": "plane: slope x −0.0200, mean 1.50 µm",
+        "Scan lines": "aligned (median), shifts of 0.0250 µm rms",
+        "Filters": "S-filter 8.00 µm, 0.0300 µm rms taken off",
+        "Sa, Sq, Sz": "0.300 µm, 0.400 µm, 5.00 µm",
+        "Ssk, Sku, Sdq": "−0.500, 3.20, 0.200",
+        "Sk, Spk, Svk": "0.900 µm, 0.200 µm, 0.600 µm",
+        "Window": "40.0 µm × 60.0 µm, 40 × 30 points",
+        "Periodisation": "cross-fade",
+        "Sal, Str, lay": "12.0 µm, 0.250, 60°",
+        "rms height": "0.400 µm",
+        "rms gradient g": "0.125",
+        "rms curvature": "250 mm⁻¹",
+        "Nayak parameter": "7.50",
+        "Points per shortest wave": "4.6",
+        "First yield below the surface": "at 5.00 MPa mean pressure",
+        "Gap closes": "along x between 5.00 MPa and 20.0 MPa; along y not up to 20.0 MPa",
+        "Contact modulus E*": "115 GPa",
+        "Hardness": "3000 MPa",
+        "First yield at p̄": "2.00 MPa",
+    }
+
+
+def test_how_a_counter_face_lies_on_the_face():
+    levelled = {
+        "counter_face": "b.x3p",
+        "shift_y": -3e-6,
+        "shift_x": 2e-6,
+        "rotation": 90.0,
+        "covered_share": 0.75,
+    }
+    assert facts(levelled=levelled)["Counter-face"] == (
+        "b.x3p, its middle at 2.00 µm, −3.00 µm (x, y) from that of the face, turned by 90°, "
+        "on 75.0 % of the face"
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "unit", "shown"),
+    [
+        # what over the 60 µm of the map makes less than a millionth of its rms height, 0.156 µm, is nothing
+        ("slope_x", 3e-9, "1", "3.00×10⁻⁹"),
+        ("slope_x", 2e-9, "1", "0"),
+        ("curvature_xx", 5e-5, "m-1", "5.00×10⁻⁵ m⁻¹"),
+        ("curvature_xx", 4e-5, "m-1", "0 m⁻¹"),
+        ("mean", 1e-14, "m", "0 µm"),
+        ("radius", 2.5e-3, "m", "2.50 mm"),
+        ("axis_angle", -30.0, "degree", "−30.00°"),
+    ],
+)
+def test_the_form_that_was_taken_off(name, value, unit, shown):
+    removed = facts(levelled={"form": "some", "form_removed": json.dumps({name: known(value, unit)})})
+    assert removed["Removed form"] == f"some: {name.replace('_', ' ')} {shown}"
+
+
+@pytest.mark.parametrize(
+    ("is_open", "said"),
+    [
+        ([[0, 0, 0], [0, 0, 0]], "at 1.00 MPa already"),
+        (
+            [[1, 0, 0], [1, 1, 0]],
+            "along x between 1.00 MPa and 5.00 MPa; along y between 5.00 MPa and 20.0 MPa",
+        ),
+        ([[1, 1, 1], [1, 1, 1]], "not up to 20.0 MPa"),
+    ],
+)
+def test_between_which_loads_the_gap_closes(is_open, said):
+    loads = {f"gap_percolates_{axis}": ("load", of) for axis, of in zip("xy", is_open, strict=True)}
+    assert facts(**loads)["Gap closes"] == said
+
+
+@pytest.mark.parametrize(("aspect", "lay"), [(0.5, "60°"), (0.51, "none")])
+def test_half_as_long_across_as_along_is_a_lay(aspect, lay):
+    assert facts(Str=aspect)["Sal, Str, lay"].split(", ")[2] == lay
+    assert lay_caption(numbers(Str=aspect)).startswith("No lay") == (lay == "none")
+
+
+def test_what_the_captions_of_the_maps_say():
+    levelled = height_map(np.zeros((3, 4)), 1e-6).assign_attrs(filled_points=9, largest_hole=4)
+    frame = " The red frame is the solved window."
+    assert levelled_caption(levelled) == f"9 points filled in (largest hole 4), 0 outliers rejected.{frame}"
+    assert frame not in levelled_caption(levelled[:1])
+    band = {
+        "band_shortest": 2e-6,
+        "band_longest": 1e-4,
+        "band_removed_rms_height": 3e-8,
+        "band_removed_rms_gradient": 0.05,
+    }
+    assert spectrum_caption(levelled.assign_attrs(band), numbers()) == (
+        "Mean over all directions. Waves from 2.00 µm to 100 µm are solved; "
+        "taken out: rms height 0.0300 µm, rms gradient 0.0500."
+    )

@@ -1,0 +1,175 @@
+"""The figures against the load, read back by their axes: every number lies where the reader looks for it."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from read_charts import read_chart
+
+from roughcontact.quantities import Unit
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.report import load_plots
+from roughcontact.report.charts import COLOURS
+from roughcontact.roughness.summits import summit_statistics
+from roughcontact.statistics import theory
+
+WITHIN = 0.01  # a tenth of a pixel of these axes
+LOADS = np.array([1e6, 5e6, 2e8])
+AREAS = np.array([0.004, 0.02, 0.5])
+
+
+def numbers(**more):
+    """Return statistics of three loads, E* g = 1 GPa, with intervals that reach farther up than down."""
+    found = {
+        "relative_contact_area": AREAS,
+        "relative_contact_area_pixels": 1.25 * AREAS,
+        "relative_pressure": LOADS / 1e9,
+        "mean_gap": [2e-6, 1e-6, 1e-7],
+        "mean_contact_pressure": LOADS / AREAS,
+        "max_pressure": [8e8, 9e8, 1e9],
+    }
+    for name in ("relative_contact_area", "mean_gap", "mean_contact_pressure", "max_pressure"):
+        found[f"{name}_lower"], found[f"{name}_upper"] = (np.multiply(found[name], f) for f in (0.9, 1.2))
+    data = xr.Dataset({name: ("load", np.asarray(values)) for name, values in found.items()})
+    return data.assign(
+        mean_pressure=("load", LOADS), contact_modulus=1e10, rms_gradient=0.1, rms_height=1.5e-6, **more
+    )
+
+
+def near(values, within=WITHIN):
+    return pytest.approx(np.asarray(values), rel=within)
+
+
+def assert_bars(bars, x, lower, upper):
+    assert bars.x == near(x)
+    assert bars.y == near(lower)
+    assert bars.upper == near(upper)
+
+
+def test_contact_area_and_theories_against_the_load():
+    window = self_affine_surface(
+        (64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=32e-6, rms_gradient=0.1, seed=1
+    )
+    drawn = read_chart(load_plots.area_against_load(numbers(), window), log="xy")
+    assert {"mean pressure p̄ (MPa)", "contact area A/A₀ (%)"} <= set(drawn.texts)
+    assert "relative pressure p′ = p̄ / (E* g)" in drawn.texts
+    assert drawn.top(LOADS / 1e6) == near(LOADS / 1e9)
+    for label, areas in (("solved, corrected", AREAS), ("solved, pixels counted", 1.25 * AREAS)):
+        marks = drawn.labelled(label)
+        assert marks.x == near(LOADS / 1e6)
+        assert marks.y == near(100 * areas)
+    (bars,) = drawn.bars
+    assert_bars(bars, LOADS / 1e6, 90 * AREAS, 120 * AREAS)
+    solid, dashed, dotted = (
+        next(line for line in drawn.lines if line.style == drawn.legend[label][1])
+        for label in ("Xu et al.", "Persson", "Bush et al., low load")
+    )
+    for line, area in (
+        (solid, theory.xu_area),
+        (dashed, theory.persson_area),
+        (dotted, theory.bush_gibson_thomas_area),
+    ):
+        known = 100 * area(line.x / 1e3)
+        assert line.x.size > 50
+        assert line.y == near(known, 0.03)
+    # over all loads and a little beyond
+    assert solid.x[[0, -1]] == near([1 / 1.5, 200 * 1.5])
+    line = drawn.labelled("Greenwood-Williamson")
+    known = theory.greenwood_williamson_area(line.x * 1e6, summit_statistics(window), contact_modulus=1e10)
+    assert line.y == near(100 * known, 0.03)
+
+
+def test_surfaces_side_by_side():
+    series = [("ground", LOADS[::-1], AREAS[::-1]), ("lapped", 2 * LOADS, AREAS)]
+    ends = [(0.9 * area, 1.2 * area) for _, _, area in series]
+    drawn = read_chart(load_plots.compare_areas(series, ends=ends, pressure=Unit(1e-6, "MPa")), log="xy")
+    assert "mean pressure p̄ (MPa)" in drawn.texts
+    assert "Persson" not in drawn.legend  # over the pressure itself there is no line that fits all
+    for (name, load, area), bars in zip(series, drawn.bars, strict=True):
+        marks, order = drawn.labelled(name), np.argsort(load)
+        assert marks.x == near(load[order] / 1e6)
+        assert marks.y == near(100 * area[order])
+        (line,) = [one for one in drawn.lines if one.colour == marks.colour]
+        assert (line.x, line.y) == (near(marks.x), near(marks.y))
+        assert bars.colour == marks.colour
+        assert_bars(bars, load / 1e6, 90 * area, 120 * area)
+
+
+def test_surfaces_side_by_side_relative_to_their_gradients():
+    drawn = read_chart(load_plots.compare_areas([("ground", LOADS / 1e9, AREAS)]), log="xy")
+    assert "relative pressure p′ = p̄ / (E* g)" in drawn.texts
+    assert drawn.labelled("ground").x == near(LOADS / 1e9)
+    assert not drawn.bars
+    persson = next(line for line in drawn.lines if line.style == drawn.legend["Persson"][1])
+    assert persson.y == near(100 * theory.persson_area(persson.x), 0.03)
+
+
+def test_every_surface_of_many_has_a_mark_of_its_own():
+    series = [(f"s-{k}", LOADS / 1e9, AREAS * (1 - k / 100)) for k in range(20)]
+    drawn = read_chart(load_plots.compare_areas(series), log="xy")
+    assert [drawn.legend[name][0] for name, _, _ in series] == [COLOURS[k % len(COLOURS)] for k in range(20)]
+
+
+def test_the_median_of_many_surfaces():
+    """Between loads by powers; only where half of the surfaces or more were solved."""
+    wide, narrow = np.array([1e-3, 1e-1]), np.array([1e-2, 1e-1])
+    group = [(wide, 2 * wide), (wide[::-1], 3 * wide[::-1]), (narrow, 5 * narrow), (narrow, 7 * narrow)]
+    images = load_plots.spread_of_areas({"soft": group, "hard": [(wide, wide)]})
+    drawn = read_chart(images["soft"], log="xy")
+    assert "soft" in drawn.texts
+    faint = [line for line in drawn.lines if line.colour == f"{COLOURS[0]}38"]
+    for line, (load, area) in zip(faint, group, strict=True):
+        assert (line.x, line.y) == (near(np.sort(load)), near(100 * np.sort(area)))
+    median = drawn.labelled("median of 4 surfaces")
+    assert median.x[[0, -1]] == near([1e-3, 1e-1])
+    factor = np.where(median.x < 0.99e-2, 2.5, 4.0)
+    clear = np.abs(np.log(median.x / 1e-2)) > 0.1
+    assert median.y[clear] == near((100 * factor * median.x)[clear])
+    alone = load_plots.spread_of_areas({"": [*group[:1], *group[2:]]})[""]
+    median = read_chart(alone, log="xy").labelled("median of 3 surfaces")
+    assert median.x.min() > 0.99e-2  # at lower loads one of three
+    other = read_chart(images["hard"], log="xy")
+    assert other.labelled("median of 1 surfaces").y[[0, -1]] == near([0.1, 10.0])
+
+
+def test_gap_against_the_load():
+    drawn = read_chart(load_plots.gap_against_load(numbers()), log="xy")
+    assert {"mean gap ū (µm)", "mean pressure p̄ (MPa)"} <= set(drawn.texts)
+    marks = drawn.labelled("mean gap")
+    assert (marks.x, marks.y) == (near(LOADS / 1e6), near([2.0, 1.0, 0.1]))
+    assert_bars(drawn.bars[0], LOADS / 1e6, [1.8, 0.9, 0.09], [2.4, 1.2, 0.12])
+    assert drawn.labelled("rms height").y == near([1.5, 1.5])
+    assert drawn.top(LOADS / 1e6) == near(LOADS / 1e9)
+
+
+def test_pressures_against_the_load_end_at_the_hardness():
+    drawn = read_chart(load_plots.pressure_against_load(numbers(hardness=1e9)), log="xy")
+    assert {"pressure in contact (MPa)", "mean pressure p̄ (MPa)"} <= set(drawn.texts)
+    largest, mean = drawn.labelled("largest"), drawn.labelled("mean over the contact")
+    assert (largest.x, largest.y) == (near(LOADS / 1e6), near([800, 900, 1000]))
+    assert (mean.x, mean.y) == (near(LOADS / 1e6), near([250, 250, 400]))
+    assert drawn.labelled("hardness").y == near([1000, 1000])
+    assert_bars(drawn.bars[0], LOADS / 1e6, [720, 810, 900], [960, 1000, 1000])
+    assert_bars(drawn.bars[1], LOADS / 1e6, [225, 225, 360], [300, 300, 480])
+    soft = read_chart(load_plots.pressure_against_load(numbers()), log="xy")
+    assert "hardness" not in soft.legend
+    assert soft.bars[0].upper == near([960, 1080, 1200])
+
+
+def test_distributions_are_shares_by_a_factor_of_e():
+    """Of 60 and 40 % of the contact in two bins of a factor of e, and of 100 % in the other one."""
+    bounds = 1e8 * np.exp(np.arange(-1.0, 3))
+    bins = np.column_stack([np.append(0, bounds[1:-1]), bounds[1:]])
+    widths = np.diff(bins, axis=1).ravel()
+    found = numbers().isel(load=slice(2))
+    found["pressure_bin_bounds"] = (("pressure_bin", "bound"), bins)
+    shares = np.array([[0, 0.6, 0.4], [0, 0, 1.0]])
+    found["pressure_density"] = (("load", "pressure_bin"), shares / widths)
+    drawn = read_chart(load_plots.pressure_distribution(found, [0, 1]), log="x")
+    assert {"contact pressure p (MPa)", "p P(p), share of the contact per factor e"} <= set(drawn.texts)
+    for label, heights in (("p̄ = 1.00 MPa", [0.6, 0.4]), ("p̄ = 5.00 MPa", [0.0, 1.0])):
+        line = drawn.labelled(label)
+        inside = np.searchsorted(line.x, 100 * np.exp([0.5, 1.5]))  # the ends of the steps behind the middles
+        assert line.y[inside] == pytest.approx(heights, abs=0.01)
+    means = [line for line in drawn.lines if line.style]
+    assert [line.x[0] for line in means] == near([250, 250])
+    assert drawn.legend["mean over the contact"][0] == means[1].colour

@@ -1,0 +1,204 @@
+"""The tables of the report: each cell is the number it is called after, with its sign and in its unit."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from roughcontact.maps import height_map
+from roughcontact.report.glance import Cell, glance_rows
+from roughcontact.report.tables import crosscheck_table, number_tables, pair_table, score_table
+from roughcontact.results.storage import write_dataset, write_table
+
+
+def test_the_cross_check_says_by_how_much_the_other_code_is_off(tmp_path):
+    """Peak 2 % less and gap 3 % more at the lower load, which the file has in the second place."""
+    numbers = xr.Dataset(
+        {
+            "mean_pressure": ("load", [1e6, 4e6]),
+            "relative_contact_area_pixels": ("load", [0.05, 0.2]),
+            "max_pressure": ("load", [1e8, 2e8]),
+            "mean_gap": ("load", [1e-6, 0.0]),
+        }
+    )
+    other = xr.Dataset(
+        {
+            "other_max_pressure": ("load", [2e8, 0.98e8]),
+            "other_mean_gap": ("load", [1e-9, 1.03e-6]),
+            "other_contact_area_pixels": ("load", [0.2, 0.0625]),
+            "contact_difference": ("load", [np.nan, 7.0]),
+            "pressure_difference": ("load", [np.nan, 4.2e-3]),
+        },
+        attrs={"code": "Tamaas", "version": "2.9"},
+    )
+    write_dataset(other, tmp_path / "crosscheck.nc")
+    table = crosscheck_table(tmp_path / "crosscheck.nc", numbers, np.array([1, 0]))
+    assert table["code"] == "Tamaas 2.9"
+    assert table["rows"] == [
+        ["1.00 MPa", "5.0000 %", "6.2500 %", "7", "0.0042", "−0.020", "0.030"],
+        ["4.00 MPa", "20.0000 %", "20.0000 %", "–", "–", "0", "0"],
+    ]
+
+
+def test_of_a_window_shares_are_in_percent_and_mismatches_are_not():
+    solved = {
+        "points": [40, 60],
+        "offset": [2e-6, 5e-6],
+        "score": 0.123,
+        "largest_rectangle": False,
+        "height_mismatch": 0.5,
+        "slope_mismatch": 0.25,
+        "missing": 0.01,
+        "stationarity": 0.1,
+        "representativeness": 0.2,
+        "size": 0.3,
+    }
+    largest = solved | {"points": [64, 96], "offset": [0.0, 0.0], "score": 0.5, "largest_rectangle": True}
+    window = height_map(np.zeros((2, 2)), 1e-6).assign_attrs(window_scores=json.dumps([solved, largest]))
+    first, second = score_table(window)["rows"]
+    cells = ["0.50", "0.25", "1.00 %", "10.0 %", "20.0 %", "30.0 %"]
+    # x before y, as everywhere on the page
+    assert first == {"cells": ["60 × 40", "5.00 µm, 2.00 µm", "0.123", *cells], "words": "solved"}
+    assert second == {"cells": ["96 × 64", "0 m, 0 m", "0.500", *cells], "words": "largest rectangle"}
+
+
+# of one load: variable -> value in SI, and as the tables of a steel part of 1 mm write it, with its unit
+SHOWN = {
+    "mean_pressure": (2.5e6, "2.50", "MPa"),
+    "relative_pressure": (0.0125, "0.0125", ""),
+    "relative_contact_area": (0.0321, "3.21", "%"),
+    "relative_contact_area_pixels": (0.045, "4.50", "%"),
+    "contact_clusters": (1234, "1234", ""),
+    "largest_patch_area": (3.4e-11, "34.0", "µm²"),
+    "contact_perimeter": (7.2e-3, "7200", "µm"),
+    "mean_contact_pressure": (7.79e7, "77.9", "MPa"),
+    "pressure_std": (1.2e7, "12.0", "MPa"),
+    "max_pressure": (8.76e8, "876", "MPa"),
+    "max_pressure_over_modulus": (0.00762, "0.00762", ""),
+    "load_share_above_hardness": (0.25, "25.0", "%"),
+    "area_share_above_hardness": (0.125, "12.5", "%"),
+    "max_von_mises_stress": (3.1e8, "310", "MPa"),
+    "max_von_mises_depth": (2.2e-7, "0.220", "µm"),
+    "mean_gap": (1.7e-6, "1.70", "µm"),
+    "contact_stiffness": (4.5e15, "4500", "MPa/µm"),
+    "elastic_energy": (0.0301, "0.0301", "J/m²"),
+    "conductance_per_conductivity": (9.17e5, "917", "mm⁻¹"),
+    "thermal_conductance": (8.4e6, "8400", "kW/(m² K)"),
+    "electrical_conductance": (5.5e12, "5500", "GS/m²"),
+    "critical_constriction_x": (9.4e-7, "0.940", "µm"),
+    "critical_constriction_y": (8.3e-7, "0.830", "µm"),
+    "flow_factor_xx": (0.0215, "0.0215", ""),
+    "flow_factor_yy": (0.0512, "0.0512", ""),
+    "leak_rate_x": (3e-12, "0.0108", "ml/(h m)"),
+    "leak_rate_y": (5e-12, "0.0180", "ml/(h m)"),
+    "error_bound": (8e-5, "8.00×10⁻⁵", ""),
+    "contact_on_filled_points": (0.0123, "1.23", "%"),
+}
+SURFACE = {
+    "contact_modulus": 115e9,
+    "rms_height": 4e-7,
+    "rms_gradient": 0.1,
+    "Std": 0.0,
+    "window_length_x": 1e-3,
+    "window_length_y": 8e-4,
+}
+
+
+def one_load(**more):
+    """Return the statistics of the load that `SHOWN` has."""
+    data = {name: ("load", [value]) for name, (value, *_) in SHOWN.items()}
+    return xr.Dataset(data | SURFACE | more)
+
+
+def test_every_number_is_in_the_unit_of_its_column():
+    tables = number_tables(one_load(), [["coarse patches", "not converged"]])
+    found = {}
+    for table in tables:
+        (row,) = table["rows"]
+        assert row["flags"] == "coarse patches, not converged"
+        assert table["header"][0][0] == "mean pressure p̄"
+        for (title, unit, meaning), cell in zip(table["header"], row["cells"], strict=True):
+            assert meaning
+            found[title] = cell, unit
+    assert list(found.values()) == [(cell, unit) for _, cell, unit in SHOWN.values()]
+    assert list(found)[-2:] == ["error bound of the pressure", "contact on filled points"]
+    titles = ["Contact", "Pressure", "Stress below the surface", "Gap and conductance", "Sealing", "Solution"]
+    assert [table["title"] for table in tables] == titles
+    profile = number_tables(one_load(Std=np.nan), [[]])
+    assert [table["title"] for table in profile] == [title for title in titles if title != "Sealing"]
+
+
+def test_columns_hold_their_loads_and_intervals():
+    loads = {"mean_pressure": ("load", [1e6, 4e6]), "mean_gap": ("load", [2e-6, 1e-6])}
+    ends = {"mean_gap_lower": ("load", [1.8e-6, 0.7e-6]), "mean_gap_upper": ("load", [2.2e-6, 1.01e-6])}
+    (table,) = number_tables(xr.Dataset(loads | ends), [[], ["coarse patches"]])
+    assert table["rows"] == [
+        {"cells": ["1.00", "2.00 ± 0.20"], "flags": ""},
+        {"cells": ["4.00", "1.000 −0.30 +0.010"], "flags": "coarse patches"},
+    ]
+
+
+def test_of_a_pair_the_spread_stands_beside_the_mean(tmp_path):
+    """Of four ways to lay the faces on one another, and of a single one, which has no spread."""
+    columns = {
+        "surface": ["ground", "lapped"],
+        "case": ["steel", "steel"],
+        "members": [4, 1],
+        "contact_modulus_Pa": [115e9, 115e9],
+        "rms_height_m": [4e-7, 4e-9],
+        "mean_pressure_Pa": [1e6, 2e6],
+        "spread_mean_pressure_Pa": [1e5, np.nan],
+        "relative_contact_area": [0.05, 0.06],
+        "spread_relative_contact_area": [0.002, np.nan],
+        "mean_contact_pressure_Pa": [2e7, 3e7],
+        "spread_mean_contact_pressure_Pa": [1e6, np.nan],
+        "max_pressure_Pa": [5e8, 6e8],
+        "spread_max_pressure_Pa": [2e7, np.nan],
+        "mean_gap_m": [1.2e-6, 5e-9],
+        "spread_mean_gap_m": [3e-8, np.nan],
+    }
+    write_table(pd.DataFrame(columns), tmp_path / "pairs.csv")
+    table = pair_table(tmp_path / "pairs.csv")
+    assert table["header"][:4] == ["pair", "members", "mean pressure p̄", "contact area A/A₀"]
+    assert table["rows"] == [
+        [
+            "ground · steel",
+            "4",
+            "1.00 MPa ± 0.100 MPa",
+            "5.00 % ± 0.200 %",
+            "20.0 MPa ± 1.00 MPa",
+            "500 MPa ± 20.0 MPa",
+            "1.20 µm ± 0.0300 µm",
+        ],
+        ["lapped · steel", "1", "2.00 MPa", "6.00 %", "30.0 MPa", "600 MPa", "5.00 nm"],
+    ]
+
+
+@pytest.mark.parametrize(
+    ("left_out", "conducts"),
+    [
+        ((), Cell("8400 kW/(m² K)", "heat")),
+        (("thermal_conductance",), Cell("5500 GS/m²", "current")),
+        (("thermal_conductance", "electrical_conductance"), Cell("917 mm⁻¹", "by conductivity")),
+    ],
+)
+def test_the_answers_at_a_glance(left_out, conducts):
+    limits = {"hardness": 8.76e8, "mean_gap_lower": ("load", [1.6e-6]), "mean_gap_upper": ("load", [1.8e-6])}
+    open_along_y = {"gap_percolates_x": ("load", [0.0]), "gap_percolates_y": ("load", [1.0])}
+    (row,) = glance_rows(one_load(**limits, **open_along_y).drop_vars(left_out))
+    space = "\N{NO-BREAK SPACE}"
+    assert row == [
+        Cell("2.50 MPa"),
+        Cell("3.21 %"),
+        Cell("77.9 MPa"),
+        Cell("1.70 µm", "± 0.10"),
+        Cell(
+            "seals along x, leaks along y",
+            f"leak rate 0.0180{space}ml/(h m) (y); narrowest place 0.830{space}µm (y)",
+        ),
+        Cell("yes", "25.0 % of the load flows"),
+        Cell("876 MPa", "the hardness"),
+        conducts,
+    ]
