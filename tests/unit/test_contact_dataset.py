@@ -68,6 +68,27 @@ def test_every_load_fulfils_the_contact_conditions(solved):
         np.testing.assert_allclose(gap, rebuilt, rtol=0, atol=1e-12 * np.ptp(window.values))
 
 
+@pytest.mark.parametrize("rule", ["zero", "nogi-kato", "lattice"])
+def test_the_file_says_what_the_approach_is(tmp_path, rule):
+    """Sign, reference and the part of the zero frequency: in words, and so it is."""
+    height = height_map(rough().values[:, :40] + 3e-6, 1e-6)[:40, :40]
+    loads = np.array([1e6, 1e7, 1e8])
+    contact = rc.solve_contact(
+        height, contact_modulus=MODULUS, mean_pressure=loads, zero_frequency=rule, tolerance=1e-8
+    )
+    rc.write_dataset(contact, tmp_path / "contact.nc")
+    approach = rc.read_dataset(tmp_path / "contact.nc")["approach"]
+    assert "falls as the load rises" in approach.attrs["long_name"]
+    assert (np.diff(approach) < 0).all()
+    assert "gap = displacement - height + approach" in approach.attrs["comment"]
+    mean_displacement = contact["gap"].mean(("y", "x")) + height.mean() - approach
+    side = 40e-6
+    factor = {"zero": 0.0, "nogi-kato": 4 * np.arcsinh(1.0) / np.pi, "lattice": 3.900264920001956 / np.pi}[
+        rule
+    ]
+    np.testing.assert_allclose(mean_displacement, factor * side * loads / MODULUS, rtol=1e-9, atol=1e-14)
+
+
 def test_fields_are_optional_and_reduce_replaces_them():
     window = rough()
     kwargs = {"contact_modulus": MODULUS, "mean_pressure": [1e7, 5e7]}

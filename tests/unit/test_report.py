@@ -27,7 +27,7 @@ from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import InputFileError
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
-from roughcontact.quantities import number, percent, prefix, quantity
+from roughcontact.quantities import number, percent, prefix, quantity, with_interval
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.report import map_plots
 from roughcontact.report.budget_plots import shown_budget
@@ -862,6 +862,17 @@ def test_a_profile_has_no_answer_on_sealing_anywhere(page):
     assert "narrowest place" not in part
     assert "flow factor" not in part
     assert "narrowest place along x" in text.partition('id="surface-holes"')[2].partition("</section>")[0]
+
+
+def test_the_page_says_what_its_plus_minus_is(page):
+    """Two arms that differ by up to a tenth are one ±, the longer one: as the page says, so the code does."""
+    rule = "the longer of its two arms where these differ by up to a tenth of it"
+    text = page.read_text(encoding="utf-8")
+    assert text.partition("How to read this page")[2].count(rule) == 1
+    assert "the longer of two arms that differ by up to a tenth" in text
+    assert with_interval(10.0, 9.09, 11.0) == "10.0 ± 1.0"
+    assert with_interval(10.0, 9.0, 10.91) == "10.0 ± 1.0"
+    assert with_interval(10.0, 9.11, 11.0) == "10.00 −0.89 +1.0"
 
 
 def test_what_takes_a_width_has_no_number_for_a_profile(page):

@@ -20,7 +20,7 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     # the solution, per load
     "mean_pressure": ("Pa", "nominal (applied, mean) pressure over the whole window"),
     "relative_pressure": ("1", "mean pressure / (contact modulus x rms gradient)"),
-    "approach": ("m", "rigid-body approach, with the zero-frequency rule named in the file's attributes"),
+    "approach": ("m", "place of the half-space on the scale of the heights; falls as the load rises"),
     "iterations": ("1", "outer iterations of the solver, all grids"),
     "operator_applications": ("1", "forward and inverse FFT pairs, one pair on the solved grid counting 1"),
     "error_bound": ("1", "rigorous bound of the relative pressure error in the energy norm"),
@@ -274,6 +274,15 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
 }
 
 
+# what takes more than a line
+_COMMENTS = {
+    "approach": (
+        "gap = displacement - height + approach, the displacement positive into the half-space. Its mean is "
+        "what the setting zero_frequency makes of the load: nothing by the rule zero, by which the approach "
+        "is the mean gap plus the mean height where no point yields."
+    ),
+}
+
 # CF has this standard name for distances on a plane; without it checkers take an axis for a longitude
 _AXES = {
     "x": {"axis": "X", "standard_name": "projection_x_coordinate"},
@@ -285,8 +294,8 @@ _AXES = {
 def describe(dataset: xr.Dataset) -> xr.Dataset:
     """Return a dataset with `units` and `long_name` on every variable, from the table `VARIABLES`.
 
-    The bounds of bins are described by the bins, as the CF conventions have it; `x`, `y` and `depth` get
-    their `axis`.
+    What takes more than a line to say has a `comment`. The bounds of bins are described by the bins, as the
+    CF conventions have it; `x`, `y` and `depth` get their `axis`.
 
     Parameters
     ----------
@@ -322,6 +331,8 @@ def describe(dataset: xr.Dataset) -> xr.Dataset:
             variable.attrs["long_name"] = long_name
         if units is not None:
             variable.attrs["units"] = units
+        if name in _COMMENTS:
+            variable.attrs["comment"] = _COMMENTS[str(name)]
         if name in dataset.dims:
             variable.attrs |= _AXES.get(str(name), {})
     return dataset

@@ -23,6 +23,7 @@ from roughcontact.fourier import halfplane_weights, wavevectors
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, empty, precision_of
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.fft import Plan, make_plan
+from roughcontact.references.closed_forms import LATTICE_CONSTANT
 
 
 class HalfSpace:
@@ -266,4 +267,4 @@ def zero_frequency_compliance(rule: ZeroFrequency, *, lengths: tuple[float, floa
             "use 'zero' or 'nogi-kato'",
             keys=["zero_frequency"],
         )
-    return 3.900265 / math.pi * lx
+    return LATTICE_CONSTANT * lx
