@@ -60,8 +60,8 @@ def part(*, finest_grid: int) -> Part:
         lines = [*_imprints(heights, Path(folder)), *_contacts(heights, rough, Path(folder))]
     text = (
         "A face with an oblique lay is written as list of points, as picture in text and as X3P. Whatever "
-        "the two formats of a pair, a face must fit on its imprint, and the contact of two faces must be that "
-        "of the sum of their heights."
+        "the two formats of a pair, a face must fit on its imprint, and the contact of two faces must be "
+        "that of the sum of their heights."
     )
     return Part("formats", TITLE, text, lines)
 
