@@ -106,7 +106,7 @@ STATED |= {
     "conductance_per_conductivity": 1e-3,
 }
 STATED |= {"loading_stiffness": 1e-3, "thermal_conductance": 1e-3, "electrical_conductance": 1e-3}
-# of the curve through the sorted heights, whose points are 1/N apart
+# of the curve through the sorted heights, of which few are peaks
 BEARING = ("Sk", "Spk", "Svk", "Smr1", "Smr2", "Vmc", "Vvv")
 MODULUS = 1 / sum((1 - body["poissons_ratio"] ** 2) / body["youngs_modulus"] for body in BODIES)
 HARDNESS = 1.2e8  # Pa, which the largest pressure of the higher loads reaches
@@ -163,7 +163,7 @@ def solved(window, *, scale=1.0, yields=1.0, energy=1.0, hardness=None, budget=F
 def same(found, expected, name, points=np.inf):
     """Whether two numbers are one, up to the tolerance of the solution and to rounding."""
     found, expected = np.asarray(found, float), np.asarray(expected, float)
-    rtol = 10 / points + 1e-9 if name in BEARING else STATED.get(name, 2e-5)
+    rtol = points**-0.5 + 1e-9 if name in BEARING else STATED.get(name, 2e-5)
     assert found.shape == expected.shape, name
     scale = np.nanmax(np.abs(np.where(np.isfinite(expected), expected, np.nan)), initial=0.0)
     np.testing.assert_allclose(found, expected, rtol=rtol, atol=rtol * scale + 1e-300, err_msg=name)
