@@ -104,6 +104,10 @@ def run(name, part, given):
             keep_sample(session, copy, f"{name} {given.seed}", given.sample)
         print(f"{name}: the tests take {seconds:.0f} s", flush=True)
         subprocess.run([*call, "exec", "mutation.toml", session], cwd=copy, env=environment, check=True)
+        # an environment that broke on the way has killed whatever came after
+        if subprocess.run(command, cwd=copy, env=environment, check=False, capture_output=True).returncode:
+            session.unlink()
+            sys.exit(f"{name}: the tests fail without a change as well by now: start anew")
 
 
 def keep_sample(session, copy, seed, size):

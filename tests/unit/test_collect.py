@@ -130,6 +130,34 @@ def test_a_table_of_many_columns_is_made_without_a_word():
     np.testing.assert_array_equal(table.iloc[:, 2:-2].to_numpy(float).T, values[:, 0])
 
 
+def test_of_the_budget_the_table_has_the_whole_and_the_parts_of_the_area():
+    sources = ["window", "solver", "combined"]
+    area, gap = np.array([[[0.01, 0.02, 0.03]]]), np.array([[[1e-9, 2e-9, 4e-9]]])
+    statistics = xr.Dataset(
+        {
+            "relative_contact_area": (("surface", "load"), [[0.1]]),
+            "relative_contact_area_uncertainty": (("surface", "load", "source"), area),
+            "mean_gap_uncertainty": (("surface", "load", "source"), gap),
+        },
+        coords={
+            "surface_name": ("surface", np.array(["a"], object)),
+            "mean_pressure": (("surface", "load"), [[1e5]]),
+            "source": np.array(sources, object),
+        },
+    )
+    assert summary_table(statistics).to_dict("records") == [
+        {
+            "surface": "a",
+            "mean_pressure_Pa": 1e5,
+            "relative_contact_area": 0.1,
+            "relative_contact_area_uncertainty": 0.03,
+            "relative_contact_area_uncertainty_from_window": 0.01,
+            "relative_contact_area_uncertainty_from_solver": 0.02,
+            "mean_gap_uncertainty_m": 4e-9,
+        }
+    ]
+
+
 def test_missing_file_is_named(tmp_path):
     with pytest.raises(InputFileError, match=r"gone\.nc"):
         collect_statistics([{"surface": "a", "case": None, "statistics": tmp_path / "gone.nc"}])

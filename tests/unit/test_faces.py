@@ -199,11 +199,44 @@ def test_profiles_shift_along_their_length():
     np.testing.assert_allclose(
         together.values[0], sum_of_both - np.polyval(np.polyfit(x, sum_of_both, 1), x), atol=1e-18
     )
+    assert together.attrs["covered_share"] == pytest.approx(270 / 300)
     for wrong in ({"rotation": 90}, {"shift": (1e-6, 0)}):
         with pytest.raises(SettingsError, match="profiles"):
             composite(face, other, **wrong)
     with pytest.raises(HeightMapError, match="a map and a profile"):
         composite(face, rough(1))
+
+
+def test_a_profile_gets_the_closer_points_of_the_other_one():
+    face = cut(rough(1, (1, 400)), slice(1), slice(100))
+    fine = cut(rough(2, (1, 800), STEP / 2), slice(1), slice(300))
+    together = composite(face, fine)
+    assert together.shape == (1, 199)  # from the first point of the face to its last
+    np.testing.assert_allclose(together["x"][::2], face["x"], rtol=1e-12)
+
+
+@pytest.mark.parametrize("off", [-5e-7, 5e-7])
+def test_steps_that_agree_to_a_millionth_are_one(off):
+    face, other = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(44), slice(54))
+    stretched = other.assign_coords(x=other["x"] * (1 + off), y=other["y"] * (1 + off))
+    together = composite(face, stretched)
+    assert together.shape == face.shape
+    np.testing.assert_allclose(together, composite(face, other), atol=1e-4 * float(np.abs(other).max()))
+
+
+def test_periods_of_a_few_nanometres_are_told_apart():
+    """Of 64 and 62 nm the sum does not repeat; of twice 64 nm it does."""
+    face, same = (rough(seed, (64, 64), 1e-9, shortest=8e-9, longest=32e-9) for seed in (1, 2))
+    shorter = rough(3, (62, 62), 1e-9, shortest=8e-9, longest=31e-9)
+    assert composite(face, same).attrs["form"] == "mean"
+    assert composite(face, shorter).attrs["form"] == "plane"
+
+
+def test_two_points_along_an_axis_are_an_overlap_and_one_is_none():
+    face, other = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(40), slice(50))
+    assert composite(face, other, shift=(38 * STEP, 0)).shape == (2, 50)
+    with pytest.raises(HeightMapError, match="do not overlap"):
+        composite(face, other, shift=(39 * STEP, 0))
 
 
 def test_steps_that_differ_too_much_are_refused_before_they_fill_the_memory():
@@ -231,6 +264,20 @@ def test_both_files_and_the_position_are_recorded():
     assert (attrs["shift_y"], attrs["shift_x"], attrs["rotation"]) == (2e-6, 3e-6, 90.0)
     assert json.loads(attrs["ingest_warnings"]) == ["a.x3p: steep"]
     assert attrs["instrument"] == blunt  # of the one that resolves less
+    rejected = {
+        "outliers_rejected": 3,
+        "outlier_kinds": '{"spike": 3}',
+        "missing_share": 0.25,
+        "row_jitter": 0.1,
+    }
+    more = {"outliers_rejected": 4, "outlier_kinds": '{"spike": 2, "scar": 2}', "missing_share": 0.125}
+    for pair in ((face.assign_attrs(rejected), other.assign_attrs(more)), (face, other)):
+        found = composite(*pair).attrs
+        known = pair[0] is not face
+        assert json.loads(found["outlier_kinds"]) == ({"spike": 5, "scar": 2} if known else {})
+        assert found["outliers_rejected"] == (7 if known else 0)
+        assert found["missing_share"] == (0.25 if known else 0)
+        assert found.get("row_jitter") == (0.1 if known else None)
     assert attrs["Sq"] == pytest.approx(float(np.std(together)))
 
 
@@ -251,12 +298,29 @@ def test_an_ensemble_of_positions():
     together = composite(face, other, **drawn[50])
     assert not np.isnan(together).any()
     periodic = relative_positions(rough(1), rough(2), shifts=50)
-    assert np.abs([each["shift"] for each in periodic]).max() > 28 * STEP
+    assert 28 * STEP < np.abs([each["shift"] for each in periodic]).max() <= 32 * STEP
+
+
+def test_a_shift_is_moved_to_the_nearest_points():
+    """By half a step at most from where it was drawn, which is where faces of other steps lie."""
+    face, other = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(33), slice(64))
+    stretched = other.assign_coords(x=other["x"] * (1 + 1e-5), y=other["y"] * (1 + 1e-5))
+    on_points, drawn = (
+        np.array([each["shift"] for each in relative_positions(face, one, shifts=20)])
+        for one in (other, stretched)
+    )
+    off = np.abs(on_points - drawn) / STEP
+    assert 0.4 < off.max() < 0.501
 
 
 @pytest.mark.parametrize(
     ("wrong", "said"),
-    [({"shifts": 0}, "composite.shifts"), ({"rotations": []}, "rotations"), ({"overlap": 0}, "overlap")],
+    [
+        ({"shifts": 0}, "composite.shifts"),
+        ({"rotations": []}, "rotations"),
+        ({"overlap": 0}, "overlap"),
+        ({"overlap": 1.5}, "overlap"),
+    ],
 )
 def test_ensembles_without_meaning(wrong, said):
     with pytest.raises(SettingsError, match=said):

@@ -18,6 +18,7 @@ from roughcontact.maps import height_map
 from roughcontact.references import closed_forms
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.sealing.flow import flow_columns, leak_columns
+from roughcontact.sealing.multigrid import multigrid
 from roughcontact.sealing.percolation import half_way_levels, percolation_columns
 from roughcontact.variables import describe
 
@@ -132,6 +133,11 @@ def test_half_ways_lead_from_edge_to_edge(seed):
         assert half_way_levels(gap)[f"critical_constriction_{axis}"] == max(open_from_edge_to_edge)
 
 
+def test_half_of_a_single_row_is_a_point():
+    found = half_way_levels(np.array([[1.0, 3.0, 2.0, 4.0]]))
+    assert found == {"critical_constriction_x": 2.0, "critical_constriction_y": 4.0}
+
+
 def test_random_points_percolate_at_the_published_threshold():
     """Sites of a square lattice percolate from a share of 0.5927 on (Stauffer and Aharony 1994)."""
     found = percolation_columns(np.random.default_rng(5).random((700, 700)))
@@ -238,6 +244,29 @@ def test_rough_gap_with_contact_against_a_dense_solution(closed, seed):
     assert found["flow_factor_xx"] == pytest.approx(known[1, 1], rel=1e-6, abs=1e-9 * scale)
     assert found["flow_factor_yy"] == pytest.approx(known[0, 0], rel=1e-6, abs=1e-9 * scale)
     assert found["flow_factor_xy"] == pytest.approx(known[0, 1], abs=1e-6 * scale)
+
+
+def test_the_preconditioner_knows_no_unit_of_the_conductance():
+    """Of links over nine powers of ten, and of the same a million times as strong."""
+    points, generator = 40, np.random.default_rng(6)
+    places = np.argwhere(np.ones((points, points)))
+    number = np.arange(points**2).reshape(points, points)
+    ends = np.concatenate(
+        [np.stack([number, np.roll(number, -1, axis)]).reshape(2, -1) for axis in (0, 1)], 1
+    )
+    link = np.arange(ends.shape[1])
+    root = 10 ** generator.uniform(-4.5, 0, link.size)
+    residual = generator.standard_normal((points**2, 1))
+    residual -= residual.mean()
+    corrections = []
+    for factor in (1.0, 1024.0):
+        values = np.concatenate([-root, root]) * factor
+        network = sp.coo_array((values, (np.tile(link, 2), ends.ravel()))).tocsr()
+        _, cycle = multigrid(network, places)
+        corrections.append(cycle(residual) * factor**2)
+    np.testing.assert_allclose(
+        corrections[1], corrections[0], rtol=1e-6, atol=1e-9 * np.abs(corrections[0]).max()
+    )
 
 
 def test_near_the_percolation_threshold_against_a_direct_solution():

@@ -173,6 +173,14 @@ def test_axes_are_named_and_bounds_are_described_by_their_bins(tmp_path):
     assert read["pressure_bin_centre"].attrs["bounds"] == "pressure_bin_bounds"
 
 
+def test_numbers_may_be_missing_and_coordinates_may_not(tmp_path):
+    """CF conventions, 2.5.1: what other programs take for missing."""
+    write_dataset(small(), tmp_path / "gap.nc")
+    with h5py.File(tmp_path / "gap.nc") as file:
+        assert np.isnan(file["gap"].attrs["_FillValue"])
+        assert "_FillValue" not in file["y"].attrs
+
+
 def test_loads_come_in_any_order_and_may_be_alike(tmp_path):
     problem = {"contact_modulus": 1.0, "mean_pressure": [0.2, 0.05, 0.2]}
     height = rough_reference_surface(96)

@@ -120,7 +120,10 @@ def common_period(lower: Face, upper: Face, turn: tuple[float, float]) -> bool:
     """
     lengths = along_axes(upper.lengths, turn)
     return bool(
-        lower.periodic and upper.periodic and lengths and np.allclose(lengths, lower.lengths, rtol=SAME_STEP)
+        lower.periodic
+        and upper.periodic
+        and lengths
+        and np.allclose(lengths, lower.lengths, rtol=SAME_STEP, atol=0)
     )
 
 

@@ -99,7 +99,7 @@ def _reach(lower: Face, upper: Face, turn: tuple[float, float], overlap: float) 
 def _on_points(lower: Face, upper: Face, turn: tuple[float, float], shift: np.ndarray) -> tuple[float, ...]:
     """Return the nearest shift that lays points on points, where there is one."""
     steps, points = along_axes(upper.step, turn), along_axes(upper.shape, turn)
-    if steps is None or points is None or not np.allclose(steps, lower.step, rtol=SAME_STEP):
+    if steps is None or points is None or not np.allclose(steps, lower.step, rtol=SAME_STEP, atol=0):
         return tuple(map(float, shift))
     odd = [(n - m) % 2 / 2 for n, m in zip(lower.shape, points, strict=True)]
     return tuple(
