@@ -9,14 +9,13 @@ from xml.etree import ElementTree
 import matplotlib
 import numpy as np
 import pytest
-import xarray as xr
 from PIL import Image
 
 from roughcontact.maps import height_map as labelled
 from roughcontact.report.charts import Axis, Chart
 from roughcontact.report.colours import colour_scale, coloured
 from roughcontact.report.map_plots import height_map
-from roughcontact.report.units import unit_of, with_open_heights
+from roughcontact.report.units import unit_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -124,10 +123,9 @@ def test_few_points_are_told_from_many():
 
 @pytest.mark.parametrize("extent", [2e-9, 5e-7, 3e-4])
 def test_the_label_of_colours_is_whole_in_whatever_unit(extent):
-    """Heights await their unit while the picture is drawn: room is left for the longest of their numbers."""
     heights = labelled(np.linspace(-extent, extent, 64).reshape(8, 8), 1e-6)
-    open_unit = unit_of(with_open_heights(xr.Dataset({"rms_height": extent})), "m")
-    made = ElementTree.fromstring(unquote(height_map(heights, unit=open_unit).partition(",")[2]))
+    unit = unit_of({"rms_height": extent}, "m")
+    made = ElementTree.fromstring(unquote(height_map(heights, unit=unit).partition(",")[2]))
     turned = [text for text in made.iter(f"{SVG}text") if "rotate" in text.get("transform", "")]
     assert len(turned) == 2
     for text in turned:

@@ -755,23 +755,23 @@ def test_the_page_is_printed(page, tmp_path):
 # --- units -------------------------------------------------------------------------------------------------
 
 
-def test_a_quantity_has_one_unit_on_the_whole_page(tmp_path):
-    """Also where a polished surface, for itself in nm, stands beside rough ones."""
+def test_a_quantity_has_one_unit_in_the_part_of_a_surface_and_in_the_table_of_all(tmp_path):
+    """A polished surface is in nm, rough ones are in µm, and the table of all three is in µm."""
     maps = {"ground": rough(1), "lapped": rough(2), "polished": rough(3) * 1e-2}
     page = assemble(tmp_path, [run_surface(tmp_path, name, height) for name, height in maps.items()])
     text = unquote(page.read_text(encoding="utf-8"))
     heights = r"(?:mean gap ū|gap u|gap|height|narrowest place along [xy])"
-    assert set(re.findall(rf"{heights} \((\w+)\)", text)) == {"µm"}
-    assert set(re.findall(r"(?:The mean gap is|rms height</dt><dd>) ?[^ ]+ (\w+)", text)) == {"µm"}
+    assert set(re.findall(r"[\d.]\s([nµm]m)\b", text.partition('id="surface-')[0])) == {"µm"}
     of_pressures = re.sub(r"(modulus of|modulus E\*</dt><dd>) ?[\d.]+ GPa", "", text)
     assert set(re.findall(r"[\d.] ([kMG]?Pa)\b", of_pressures)) == {"MPa"}
-    assert "~height" not in text
-    for name in maps:
+    for name, unit, factor in (("ground", "µm", 1e6), ("lapped", "µm", 1e6), ("polished", "nm", 1e9)):
         numbers = read_dataset(tmp_path / "all" / name / "statistics.nc").sortby("mean_pressure")
         part = text.partition(f'id="surface-{name}"')[2].partition("</section>")[0]
+        assert set(re.findall(rf"{heights} \((\w+)\)", part)) == {unit}
+        assert set(re.findall(r"(?:The mean gap is|rms height</dt><dd>) ?[^ ]+ (\w+)", part)) == {unit}
         for label, values in (
             ("mean pressure p̄ (MPa)", numbers["mean_pressure"] * 1e-6),
-            ("mean gap ū (µm)", numbers["mean_gap"] * 1e6),
+            (f"mean gap ū ({unit})", numbers["mean_gap"] * factor),
             ("largest pressure (MPa)", numbers["max_pressure"] * 1e-6),
         ):
             cells = re.findall(rf'data-label="{re.escape(label)}">([^<]*)<', part)
@@ -799,7 +799,7 @@ def test_a_page_of_polished_surfaces_is_in_nanometres(tmp_path):
     text = unquote(page.read_text(encoding="utf-8"))
     assert set(re.findall(r"(?:mean gap ū|gap|height) \((\w+)\)", text)) == {"nm"}
     solved = read_dataset(tmp_path / "all/polished/window.nc")["height"].values
-    reading = r'"height \(nm\)", "([^"]*)", "([^"]*)"'
+    reading = r'"height \(nm\)", ([^,]*), ([^\]]*)\]'
     ends = [float(end) for end in re.findall(reading, html.unescape(html.unescape(text)))[-1]]
     assert ends == pytest.approx(1e9 * np.percentile(solved - solved.mean(), [0.1, 99.9]), rel=1e-6)
 

@@ -17,7 +17,6 @@ from urllib.parse import quote
 import numpy as np
 
 from roughcontact.quantities import number
-from roughcontact.report.left_open import OPEN_UNIT, left_open
 
 # Okabe and Ito (2008): eight colours that colour-blind people can tell apart (yellow left out: too pale for
 # lines)
@@ -122,33 +121,6 @@ class Axis:
         first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
         return [float(f"{k * step:.12g}") for k in range(first, last + 1)], []
 
-    def text(self, value: float) -> str:
-        """Return a value as it is written at the axis; one that awaits its unit is left open.
-
-        Parameters
-        ----------
-        value : float
-
-        Returns
-        -------
-        str
-        """
-        return left_open("t", value) if OPEN_UNIT in self.label else tick_text(value)
-
-    def width(self, value: float) -> int:
-        """Return how many letters a value takes at the axis; of heights, in the unit that needs most.
-
-        Parameters
-        ----------
-        value : float
-
-        Returns
-        -------
-        int
-        """
-        factors = (1e3, 1e6, 1e9) if OPEN_UNIT in self.label else (1.0,)
-        return max(len(tick_text(value * factor)) for factor in factors)
-
     def reading(self) -> list[Any]:
         """Return label and ends of the axis, for a script that reads values from a picture.
 
@@ -156,8 +128,6 @@ class Axis:
         -------
         list
         """
-        if OPEN_UNIT in self.label:
-            return [self.label, left_open("r", self.low), left_open("r", self.high)]
         return [self.label, self.low, self.high]
 
 
@@ -579,7 +549,7 @@ def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float 
     line = f"M{left:.1f} {edge:.1f}h{width:.1f}" if flat else f"M{edge:.1f} {top:.1f}v{height:.1f}"
     stubs = "".join(stub(v, 4.5 * out) for v in written) + "".join(stub(v, 2.5 * out) for v in between)
     parts.append(f'<path d="{line}{stubs}" stroke="{INK}" stroke-width=".9" fill="none"/>')
-    texts = [axis.text(value) for value in written]
+    texts = [tick_text(value) for value in written]
     if flat:
         down = 18.0 if side == "bottom" else -9.0
         parts += [
@@ -591,7 +561,7 @@ def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float 
     parts += [
         _text(edge + across, place(v) + 4, t, anchor=anchor) for v, t in zip(written, texts, strict=True)
     ]
-    longest = max(map(axis.width, written), default=1) * _WIDE * _SIZE
+    longest = max(map(len, texts), default=1) * _WIDE * _SIZE
     label = edge - 18 - longest if side == "left" else edge + 22 + longest
     half = len(axis.label) * _WIDE * _SIZE / 2  # beside a low picture nothing of it may be cut off above
     middle = max(top + height / 2, half)

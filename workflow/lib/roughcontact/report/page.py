@@ -22,7 +22,7 @@ from roughcontact.report.load_plots import compare_areas, spread_of_areas
 from roughcontact.report.summary import Summary, summary_of
 from roughcontact.report.tables import pair_table
 from roughcontact.report.template import template
-from roughcontact.report.units import filled, middle_of, unit_of
+from roughcontact.report.units import unit_of
 from roughcontact.results.collect import Failure, summary_table, with_failures
 from roughcontact.results.storage import read_dataset, table_text, write_text
 from roughcontact.statistics import checks
@@ -127,7 +127,7 @@ def write_report(
         which_load=_which_load(list(places.values()), list(known.values())),
         comparisons=_comparisons(series, many=many),
         cases=_cases(by_surface, many=many),
-        parts=[] if many else [_part(panel, folder, units["mean_gap"]) for panel in panels],
+        parts=[] if many else [_part(panel, folder) for panel in panels],
         failures=named,
         pairs=pair_table(pairs) if pairs else None,
         settings=json.dumps(settings, indent=1, sort_keys=True),
@@ -165,7 +165,6 @@ def _write_pages(
     """Write the page of each surface, with all its cases; `folder` is where the pages come to lie."""
     names = list(dict.fromkeys(summary["surface"] for summary in summaries))
     for place, name in enumerate(names):
-        unit = unit_of(middle_of(list(by_surface[name].values())), "m")
         own = [index for index, summary in enumerate(summaries) if summary["surface"] == name]
         html = template("surface.html").render(
             title=title,
@@ -177,14 +176,14 @@ def _write_pages(
             asked=HEADINGS,
             words=checks.VERDICTS,
             failures=[failure for failure in failures if failure["surface"] == name],
-            parts=[_part(panels[index], folder, unit) for index in own],
+            parts=[_part(panels[index], folder) for index in own],
         )
         write_text(html, written_to / f"{name}.html")
 
 
-def _part(panel: str | Path, folder: Path, unit: Unit) -> str:
-    """Return the part of a surface as it stands on a page of `folder`, heights in its unit."""
-    return filled(from_page(Path(panel).read_text(encoding="utf-8"), panel, folder), unit)
+def _part(panel: str | Path, folder: Path) -> str:
+    """Return the part of a surface as it stands on a page of `folder`."""
+    return from_page(Path(panel).read_text(encoding="utf-8"), panel, folder)
 
 
 def _glance(summary: Summary, numbers: xr.Dataset, units: Mapping[str, Unit]) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from roughcontact.report.files import beside
 from roughcontact.report.glance import by_weight, shown_loads
 from roughcontact.report.summary import embedded
 from roughcontact.report.template import template
-from roughcontact.report.units import unit_of, with_open_heights
+from roughcontact.report.units import unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
 from roughcontact.statistics import checks
 
@@ -61,7 +61,7 @@ def write_panel(
     measured, plane, solved = (_read_map(file) for file in (height, levelled, window))
     numbers = read_dataset(statistics)
     order = np.argsort(numbers["mean_pressure"].values, kind="stable")
-    numbers = with_open_heights(numbers.isel(load=order))
+    numbers = numbers.isel(load=order)
     shown = shown_loads(numbers["relative_contact_area"].values)
     outcome = checks.surface_checks(
         numbers,

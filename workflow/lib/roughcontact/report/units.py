@@ -1,21 +1,15 @@
 """The units of the report: one for each quantity, in tables, figures and sentences.
 
-All but that of heights and gaps follow from the material and the size of the window or are fixed. That one
-suits all surfaces of a page together: it is left open in the part of a single surface, and filled in by the
-page.
+They follow from the material, the roughness and the size of the window, or are fixed. The part of a surface
+has the units of that surface; a table of several surfaces has those of the one in the middle.
 """
 
-import html
-import re
 from collections.abc import Mapping, Sequence
-from urllib.parse import quote
 
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import Unit, height_unit, number, pressure_unit, with_interval
-from roughcontact.report.charts import tick_text
-from roughcontact.report.left_open import OPEN_UNIT, left_open
+from roughcontact.quantities import Unit, height_unit, pressure_unit
 
 # what has the same unit on every page; a leak is by length of the seal
 _FIXED = {
@@ -28,81 +22,6 @@ _FIXED = {
     "S m-2": Unit(1e-9, "GS/m²"),
     "m2 s-1": Unit(3.6e9, "ml/(h m)"),
 }
-
-_OPEN = "open_heights"  # attribute of the statistics of a surface whose heights await their unit
-_LEFT_OPEN = re.compile(r"~height-([unitr])-([0-9a-z_.\-]*)~")  # a word that is left open
-_IMAGE = re.compile(r'data:image/svg\+xml,[^"]*')
-
-
-class _OpenUnit(Unit):
-    """The unit of heights while it is not known: numbers stay in SI, and words are filled in later."""
-
-    def number(self, value: float) -> str:
-        return left_open("n", value)
-
-    def interval(self, value: float, lower: float, upper: float) -> str:
-        return left_open("i", value, lower, upper)
-
-
-_HEIGHTS = _OpenUnit(1.0, OPEN_UNIT)
-
-
-def with_open_heights(numbers: xr.Dataset) -> xr.Dataset:
-    """Return the statistics of a surface marked so that `unit_of` leaves the unit of its heights open.
-
-    Parameters
-    ----------
-    numbers : Dataset
-
-    Returns
-    -------
-    Dataset
-
-    Examples
-    --------
-    >>> numbers = with_open_heights(xr.Dataset({"rms_height": 1e-6}))
-    >>> filled(unit_of(numbers, "m").text(2.5e-7), Unit(1e9, "nm"))
-    '250 nm'
-    """
-    return numbers.assign_attrs({_OPEN: 1})
-
-
-def filled(panel: str, unit: Unit) -> str:
-    """Return the text of a panel with its heights in a unit.
-
-    Parameters
-    ----------
-    panel : str
-        HTML with images inside.
-    unit : Unit
-        of heights and gaps.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> filled(left_open("i", 2e-7, 1e-7, 4e-7), Unit(1e6, "µm"))
-    '0.20 −0.10 +0.20'
-    """
-
-    def word(found: re.Match[str]) -> str:
-        values = [float(value) * unit.factor for value in found[2].split("_") if value]
-        match found[1]:
-            case "u":
-                return unit.shown
-            case "n":
-                return number(*values)
-            case "i":
-                return with_interval(*values)
-            case "t":
-                return tick_text(*values)
-            case _:
-                return f"{values[0]:.9g}"
-
-    panel = _IMAGE.sub(lambda image: _LEFT_OPEN.sub(lambda found: quote(word(found)), image[0]), panel)
-    return _LEFT_OPEN.sub(lambda found: html.escape(word(found)), panel)
 
 
 def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
@@ -140,8 +59,6 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
         # a profile has a length alone
         return length_unit(np.nanmax([float(numbers.get(f"window_length_{axis}", 0.0)) for axis in "xy"]))
     if unit == "m":
-        if isinstance(numbers, xr.Dataset) and _OPEN in numbers.attrs:
-            return _HEIGHTS
         return height_unit(float(numbers.get("rms_height", np.nan)))
     raise ValueError(f"no unit of the report is known for {unit}")
 
