@@ -32,7 +32,7 @@ _HOME = {
     "contact_statistics": "roughcontact.statistics.contact_statistics",
     "first_yield_pressure": "roughcontact.statistics.first_yield",
     "error_budget": "roughcontact.uncertainty.budget",
-    "evaluate": "roughcontact.pipeline",
+    "evaluate": "roughcontact.evaluation",
     "compare_statistics": "roughcontact.results.comparison",
     "read_dataset": "roughcontact.results.storage",
     "read_statistics": "roughcontact.results.selection",
