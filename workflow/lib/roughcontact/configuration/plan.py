@@ -79,7 +79,7 @@ class Run(NamedTuple):
 class Plan:
     """The plan of a run.
 
-    Parameters
+    Attributes
     ----------
     cases : mapping
         name -> full settings, as `resolve` returns them.
@@ -142,7 +142,7 @@ class Plan:
 
     @cached_property
     def owners(self) -> dict[str, dict[str, str]]:
-        """Stage -> case -> the case that computes it."""
+        """The case that computes a stage of another one: stage -> case -> case."""
         return {stage: {case: owner(self.cases, case, stage) for case in self.cases} for stage in SECTIONS}
 
     def kind(self, surface: str) -> Kind:

@@ -22,9 +22,9 @@ _LONG_AGO = 315_532_800  # 1980-01-01, s
 def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Failure]:
     """Write the results of what a run has finished, if anything, and return what it has not.
 
-    A result counts as finished where all its files are there, are not older than those they are made of, and
-    record the settings of this run and the checksum of the measured file as it is now, and where its jobs have
-    said that they are done: where one fails Snakemake puts back what was there before. The files are dated
+    A result counts as finished where all its files are there, are not older than those they are made of,
+    and record the settings of this run and the checksum of the measured file as it is now, and where its jobs
+    have said that they are done: where one fails Snakemake puts back what was there before. The files are dated
     long ago, so that the next run makes them again; they are whole before they come to their place.
 
     Parameters
