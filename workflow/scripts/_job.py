@@ -55,10 +55,12 @@ except OSError as cause:
     sys.exit(f"[{_NAME}] ERROR: {snakemake.log[0]}: cannot be written ({cause.strerror})")
 
 
-def _record(text: str) -> None:
-    """Write to the log; a job does not fail for its log."""
+def _record(text: str) -> bool:
+    """Write to the log, and return whether that went well; a job does not fail for its log."""
+    content = text.encode("utf-8", "replace")
     with suppress(OSError):
-        os.write(_LOG, text.encode("utf-8", "replace"))
+        return os.write(_LOG, content) == len(content)
+    return False
 
 
 def link() -> None:
@@ -137,8 +139,8 @@ def _report_error(kind: type[BaseException], error: BaseException, trace: Traceb
     else:
         text = f"{kind.__NAME__}: {error} (not foreseen, please report it with {snakemake.log[0]})"
     line = f"[{_NAME}] ERROR: {text}"
-    _record(f"{line}\n")  # for the partial report and the screen as well
-    if not _SCREEN:
+    recorded = _record(f"{line}\n")  # for the partial report and the screen as well
+    if not (_SCREEN and recorded):
         print(line, file=sys.stderr, flush=True)
 
 

@@ -399,10 +399,8 @@ def _row(fields: Mapping[str, Any]) -> str:
 def _asked(fields: Mapping[str, Any]) -> str:
     """Return what a job asks for of a cluster."""
     asked = fields.get("resources") or {}
-    parts = [
-        f"{asked[name]} {unit}" for name, unit in (("mem_mb", "MB"), ("runtime", "minutes")) if name in asked
-    ]
-    return " and ".join(parts)
+    units = {"mem_mb": "MB", "runtime": "minutes"}
+    return " and ".join(f"{asked.get(name)} {unit}" for name, unit in units.items() if asked.get(name))
 
 
 def _kind(rule: str) -> str:

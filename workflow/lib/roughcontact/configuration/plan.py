@@ -119,7 +119,7 @@ class Plan:
 
     @cached_property
     def solved(self) -> list[str]:
-        """Names of what is solved, in the order of the table."""
+        """What is solved, by name, in the order of the table."""
         of_pair: dict[str, list[str]] = {}
         for name, member in self.members.items():
             of_pair.setdefault(member.pair, []).append(name)

@@ -24,8 +24,8 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
 
     A result counts as finished where all its files are there, are not older than those they are made of,
     and record the settings of this run and the checksum of the measured file as it is now, and where its jobs
-    have said that they are done: where one fails Snakemake puts back what was there before. The files are dated
-    long ago, so that the next run makes them again; they are whole before they come to their place.
+    have said that they are done: where one fails Snakemake puts back what was there before. The files are
+    dated long ago, so that the next run makes them again; they are whole before they come to their place.
 
     Parameters
     ----------
