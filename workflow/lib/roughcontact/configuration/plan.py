@@ -146,17 +146,44 @@ class Plan:
         return {stage: {case: owner(self.cases, case, stage) for case in self.cases} for stage in SECTIONS}
 
     def kind(self, surface: str) -> Kind:
-        """Return whether a name is that of a single surface, a face or a member."""
+        """Return whether a name is that of a single surface, a face or a member.
+
+        Parameters
+        ----------
+        surface : str
+
+        Returns
+        -------
+        str
+        """
         if surface in self.members:
             return "member"
         return "single" if surface in self.table else "face"
 
     def row(self, surface: str) -> Surface:
-        """Return the row of the table that a surface comes from, or what was measured of a face."""
+        """Return the row of the table that a surface comes from, or what was measured of a face.
+
+        Parameters
+        ----------
+        surface : str
+
+        Returns
+        -------
+        Surface
+        """
         return self.table[self.members[surface].pair] if surface in self.members else self.measured[surface]
 
     def names(self, *kinds: Kind) -> list[str]:
-        """Return the names of all surfaces of some kinds."""
+        """Return the names of all surfaces of some kinds.
+
+        Parameters
+        ----------
+        *kinds : {"single", "face", "member"}
+
+        Returns
+        -------
+        list of str
+        """
         return [name for name in [*self.measured, *self.members] if self.kind(name) in kinds]
 
     @cached_property
@@ -232,7 +259,17 @@ class Plan:
         return f"{self.folder}/{name}.nc".format(surface=surface, case=self.owners[name][case])
 
     def panel(self, surface: str, case: str = "") -> str:
-        """Return the panel that the report shows: the one with the cross-check, where there is one."""
+        """Return the panel that the report shows: the one with the cross-check, where there is one.
+
+        Parameters
+        ----------
+        surface, case : str
+
+        Returns
+        -------
+        str
+            its path.
+        """
         checked = self.common["crosscheck"]["code"] != "none"
         name = "panel-crosschecked" if checked else "panel"
         return f"{self.folder}/{name}.html".format(surface=surface, case=case)
@@ -258,7 +295,12 @@ class Plan:
         return {name: f"{self.folder}/{name}.{'html' if name == 'panel' else 'nc'}" for name in names}
 
     def links(self) -> list[str]:
-        """Return the links of all cases, so that every folder is complete."""
+        """Return the links of all cases, so that every folder is complete.
+
+        Returns
+        -------
+        list of str
+        """
         return [
             self.folder.format(surface=surface, case=case) + f"/{stage}.nc"
             for case in self.cases
@@ -292,7 +334,17 @@ class Plan:
         return {"surface": {"name": surface, **row}, **settings_of(self.cases[case], stage)}
 
     def all_settings(self, part: Callable[[dict[str, Any]], dict[str, Any]] = dict) -> dict[str, Any]:
-        """Return the settings of the whole run, or a part of them: of each case, where there are cases."""
+        """Return the settings of the whole run, or a part of them: of each case, where there are cases.
+
+        Parameters
+        ----------
+        part : callable
+            of the settings of a case.
+
+        Returns
+        -------
+        dict
+        """
         if "" in self.cases:
             return part(self.cases[""])
         return {case: part(settings) for case, settings in self.cases.items()}
@@ -302,11 +354,28 @@ class Plan:
 
         Depends on the measured file alone: sums over the grid are rounded by the number of threads, and so a
         run comes out the same wherever there are as many cores.
+
+        Parameters
+        ----------
+        surface : str
+
+        Returns
+        -------
+        int
         """
         return 1 if megabytes(self.row(surface).path) < _SMALL else 4
 
     def loads(self, case: str = "") -> int:
-        """Return how many loads are solved; a plan that is made for the map has about ten."""
+        """Return how many loads are solved; a plan that is made for the map has about ten.
+
+        Parameters
+        ----------
+        case : str
+
+        Returns
+        -------
+        int
+        """
         contact = self.cases[case]["contact"]
         return len(contact["mean_pressure"] or contact["relative_pressure"] or range(10))
 
@@ -337,7 +406,7 @@ class Plan:
         statistics = self.cases[case]["statistics"]
         flow = statistics["flow"] == "always" or (statistics["flow"] == "auto" and bool(statistics["seal"]))
         # the error budget takes 1000 bytes for each of the first million points, and no more of larger maps
-        solving = (150 + 1600 * flow) * millions + 1000 * min(millions, 1)
+        solving = (115 + 1600 * flow) * millions + 1000 * min(millions, 1)
         return BASE_MEMORY + max(solving, 0 if case in self.preparing else prepare)
 
     def minutes(self, part: Part, surface: str, case: str = "", *, points: int) -> float:
@@ -345,8 +414,10 @@ class Plan:
 
         Parameters
         ----------
-        part, surface, case, points
-            as of `memory`.
+        part : {"prepare", "contact", "crosscheck"}
+        surface, case : str
+        points : int
+            of the measured map, about.
 
         Returns
         -------
@@ -361,7 +432,17 @@ class Plan:
         return solving + (0 if case in self.preparing else prepare)
 
     def log_files(self, run: Run) -> list[str]:
-        """Return the logs of all jobs that have a part in a result, in their order."""
+        """Return the logs of all jobs that have a part in a result, in their order.
+
+        Parameters
+        ----------
+        run : Run
+
+        Returns
+        -------
+        list of str
+            paths; some jobs there may not be.
+        """
         member = self.members.get(run.surface)
         faces = [member.face, member.counter_face] if member else []
         jobs: dict[tuple[str, str, str], None] = {}  # without those that come twice
@@ -408,10 +489,28 @@ def one_of(names: Iterable[str]) -> str:
 
 
 def megabytes(path: str | Path) -> float:
-    """Return the size of a file in MB, 0 where there is none."""
+    """Return the size of a file in MB, 0 where there is none.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    float, MB
+    """
     return Path(path).stat().st_size / 1e6 if Path(path).exists() else 0.0
 
 
 def reading_memory(path: str | Path) -> float:
-    """Return the memory (MB) for the content of a measured file: arrays of NumPy are not packed."""
+    """Return the memory for the content of a measured file: arrays of NumPy are not packed, others may be.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    float, MB
+    """
     return (10 if str(path).endswith(".npy") else 50) * megabytes(path)
