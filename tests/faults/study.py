@@ -13,7 +13,6 @@ from roughcontact.references.synthetic import self_affine_surface
 ROOT = Path(__file__).parents[2]
 SETTINGS = {
     "surfaces": "surfaces.tsv",
-    "together": 0.016,  # MB: between the two measured files
     "contact": {"contact_modulus": 1e9, "relative_pressure": [0.05, 0.2]},
     "uncertainty": {"sources": ["solver"]},
 }
@@ -21,10 +20,7 @@ CASES = {"base": {}, "fine": {"statistics": {"gap_bins": 30}}}
 
 
 def write_study(folder: Path, *, sides: tuple[int, ...] = (40, 48), cases: bool = True) -> None:
-    """Write maps of so many points along their sides, a table and settings.
-
-    The first of two goes through its stages in two jobs, the second has a job for each.
-    """
+    """Write maps of so many points along their sides, a table and settings."""
     (folder / "measured").mkdir(parents=True)
     band = {"hurst": 0.8, "shortest": 8, "longest": 24, "rms_gradient": 0.1}
     rows = ["surface\tpath\tunit\tdx\tdy"]

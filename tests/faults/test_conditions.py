@@ -61,13 +61,14 @@ def test_a_full_disk_is_named_and_the_run_goes_on_when_there_is_room(tmp_path, d
     study.write_study(folder, cases=False)
     full = run(folder, LEVELLED)
     assert full.returncode
-    assert "[level surface-2] ERROR: results/surface-2/levelled.nc: cannot be written, the disk is full" in (
-        full.stdout
+    assert (
+        "[prepare surface-2] ERROR: results/surface-2/levelled.nc: cannot be written, the disk is full"
+        in (full.stdout)
     )
     assert f"The disk of {folder} is full: make room and run again." in full.stdout
     for word in ("Traceback", "not foreseen", "RuleException"):
         assert word not in full.stdout
-    assert list(study.results(folder)) == ["results/surface-2/height.nc"]
+    assert not study.results(folder)
     disk("size=2m", folder)
     assert run(folder, LEVELLED).returncode == 0
     assert study.results(folder) == study.results(tmp_path / "elsewhere")
@@ -108,7 +109,7 @@ def test_files_from_the_future(tmp_path):
     assert study.results(tmp_path / "study") == before
     os.utime(measured, (future + 1, future + 1))
     planned = run(tmp_path / "study", LEVELLED, "--dry-run").stdout
-    assert re.search(r"^ingest +1$", planned, re.MULTILINE)
+    assert re.search(r"^prepare +1$", planned, re.MULTILINE)
 
 
 def test_who_stops_reading_ends_the_program_quietly():

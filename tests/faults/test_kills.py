@@ -27,13 +27,13 @@ def test_a_job_that_is_killed_says_how_much_memory_it_had_asked_for(tmp_path):
         run = subprocess.Popen(
             command(tmp_path, "results/summary.csv"), env=environment(), stdout=said, stderr=said
         )
-    while not (collecting := [each for each in family(run) if words(each).endswith(".collect.py")]):
+    while not (reporting := [each for each in family(run) if words(each).endswith(".report.py")]):
         assert run.poll() is None, (tmp_path / "said.txt").read_text()
         time.sleep(0.002)
-    collecting[0].kill()
+    reporting[0].kill()
     assert run.wait(timeout=60)
     said = (tmp_path / "said.txt").read_text()
-    asked = r"\n\[collect\] ERROR: killed; probably out of memory: it had asked for \d+ MB\. Free some memory"
+    asked = r"\n\[report\] ERROR: killed; probably out of memory: it had asked for \d+ MB\. Free some memory"
     assert re.search(asked, said)
     assert "Traceback" not in said
 
@@ -47,7 +47,7 @@ def test_a_job_of_a_killed_run_does_not_take_the_next_run_for_its_own(tmp_path):
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
-    while not (jobs := [each for each in family(run) if words(each).endswith(".ingest.py")]):
+    while not (jobs := [each for each in family(run) if words(each).endswith(".prepare.py")]):
         assert run.poll() is None
         time.sleep(0.002)
     (job,) = jobs

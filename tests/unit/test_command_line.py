@@ -292,7 +292,7 @@ def test_a_load_that_misses_the_tolerance_ends_with_code_1(capsys, monkeypatch):
     def missed(*_, **__):
         raise rc.ConvergenceError("mean pressure 1e5 Pa: the error bound stopped at 2e-4")
 
-    monkeypatch.setattr("roughcontact.command_line.solving.solve_contact", missed)
+    monkeypatch.setattr("roughcontact.pipeline.solve_contact", missed)
     code, out, err = said(capsys, "solve", PERIODIC, "--contact-modulus", "1e9", "--mean-pressure", "1e5")
     assert (code, out) == (1, "")
     assert err == "roughcontact: mean pressure 1e5 Pa: the error bound stopped at 2e-4\n"

@@ -10,17 +10,10 @@ import pytest
 from roughcontact.configuration import dependencies
 
 ROOT = Path(__file__).parents[2]
-PAGES = {"panel", "report", "validation", "validation_page", "cost"}
-SOLVERS = {"solve", "solve_statistics", "measure_cost", "uncertainty"}
-KERNELS = {
-    *SOLVERS,
-    "crosscheck",
-    "panel",
-    "report",
-    "statistics",
-    "validate",
-    "window",
-}  # roughness is transformed, too
+PAGES = {"contact", "crosscheck", "report", "validation", "validation_page", "cost"}
+CHAIN = {"contact", "measure_cost"}  # both import roughcontact.pipeline
+READERS = {"prepare", "contact", "validate"}
+KERNELS = {*CHAIN, "prepare", "crosscheck", "report", "validate"}  # roughness is transformed, too
 SCRIPTS = sorted(path for path in (ROOT / "workflow/scripts").glob("[a-z]*.py"))
 _PROBE = """
 import ast, importlib, sys
@@ -64,17 +57,18 @@ def digests(workflow):
 @pytest.mark.parametrize(
     ("edited", "concerned"),
     [
-        ("lib/roughcontact/window/periodisation.py", {"composite", "window", "uncertainty", "validate"}),
-        ("lib/roughcontact/levelling/outliers.py", {"level", "uncertainty", "validate"}),
-        ("lib/roughcontact/io/units.py", {"ingest", "validate"}),
+        ("lib/roughcontact/window/periodisation.py", {"prepare", *CHAIN, "validate"}),
+        ("lib/roughcontact/levelling/outliers.py", {"prepare", *CHAIN, "validate"}),
+        ("lib/roughcontact/io/units.py", READERS),
         ("lib/roughcontact/kernels/c/passes.h", KERNELS),
-        ("lib/roughcontact/io/readers/sdf.py", {"ingest", "validate"}),  # found in its folder at run time
-        ("lib/roughcontact/io/instruments/library.py", {"ingest", "validate"}),
-        ("lib/roughcontact/contact/solve.py", {*SOLVERS, "statistics", "validate"}),
-        ("lib/roughcontact/results/collect.py", {"collect", "report"}),
+        ("lib/roughcontact/io/readers/sdf.py", READERS),  # found in its folder at run time
+        ("lib/roughcontact/io/instruments/library.py", READERS),
+        ("lib/roughcontact/contact/solve.py", {*CHAIN, "validate"}),
+        ("lib/roughcontact/results/collect.py", {"report"}),
         ("lib/roughcontact/report/templates/report.css", PAGES),
         ("lib/roughcontact/configuration/models.py", set()),
-        ("scripts/_solver.py", SOLVERS),
+        ("lib/roughcontact/pipeline.py", CHAIN),
+        ("scripts/_preparing.py", {"prepare", "contact"}),
     ],
 )
 def test_an_edit_concerns_what_imports_the_module(package, edited, concerned):
@@ -97,7 +91,7 @@ def test_a_new_reader_concerns_what_reads_files(package):
     before = digests(package)
     (package / "lib/roughcontact/io/readers/another.py").write_text("from roughcontact.report import page\n")
     after = digests(package)
-    assert {name for name in before if before[name] != after[name]} == {"ingest", "validate"}
+    assert {name for name in before if before[name] != after[name]} == READERS
     page = package / "lib/roughcontact/report/page.py"
     page.write_bytes(page.read_bytes() + b"\n")
-    assert digests(package)["ingest"] != after["ingest"]
+    assert digests(package)["prepare"] != after["prepare"]

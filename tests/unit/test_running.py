@@ -1,5 +1,9 @@
 """The workflow from the command line: settings and table to begin with, and what a run is refused for."""
 
+import socket
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import yaml
@@ -59,6 +63,31 @@ def test_a_run_that_cannot_begin_is_refused_in_a_sentence(monkeypatch, tmp_path,
     assert not list(tmp_path.glob(".snakemake"))
 
 
+def test_a_run_holds_its_file_and_so_does_what_it_starts(folder):
+    """The lock is gone when both are, however they end; a run that comes to its end leaves no name."""
+    held = folder / ".snakemake/running"
+    with running._held(folder, dry=False) as (files, run):
+        assert held.read_text() == f"{socket.gethostname()} {run}\n"
+        started = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE, pass_fds=files)
+        with running._held(folder, dry=False) as beside:
+            assert beside == ([], "")
+        (folder / ".snakemake/locks").mkdir()
+        (folder / ".snakemake/locks/0.output.lock").touch()
+    assert not running._left_locked(folder)  # Snakemake is at work, without the program that started it
+    started.communicate()
+    assert running._left_locked(folder)
+    (folder / ".snakemake/locks/0.output.lock").unlink()
+    with running._held(folder, dry=False):
+        pass
+    assert held.read_text() == ""
+
+
+def test_a_dry_run_holds_nothing(folder):
+    with running._held(folder, dry=True) as held:
+        assert held == ([], "")
+    assert not (folder / ".snakemake").exists()
+
+
 def test_options_of_a_run_go_to_snakemake(folder, capfd):
     (folder / "a.txt").write_text("1 2\n3 4\n")
     assert main(["init", "a.txt"]) == 0
@@ -74,7 +103,7 @@ def test_a_dry_run_is_short_and_snakemake_has_its_own_screen_where_asked(folder,
     assert main(["run", "-n"]) == 0
     short, beside = capfd.readouterr()
     assert not beside
-    assert "1 surface, 5 jobs" in short
+    assert "1 result, 4 jobs" in short
     assert "rule prepare" not in short
     assert main(["run", "-n", "--quiet", "host"]) == 0
     assert "rule prepare" in capfd.readouterr().out

@@ -27,14 +27,37 @@ class Run:
         self.tell("Building DAG of jobs...")
         self.tell(event="workflow_started")
         stats = {"prepare": 2, "contact": 2, "report": 1, "total": 5}
-        self.tell("Job stats:\n...", event="run_info", surfaces=dict(JOBS), stats=stats)
+        self.tell("Job stats:\n...", event="run_info", stats=stats)
 
-    def job(self, number, begin, end, log=(), output=()):
+    def start(self, number, begin, log=(), output=(), resources=None):
         rule = "report" if number == 5 else ("contact", "prepare")[number % 2]
         self.tell(
-            event="job_info", jobid=number, rule_name=rule, log=list(log), output=list(output), after=begin
+            event="job_info",
+            jobid=number,
+            rule_name=rule,
+            wildcards={"surface": JOBS[number]} if number in JOBS else {},
+            log=list(log),
+            output=list(output),
+            resources=resources or {},
+            after=begin,
         )
+
+    def job(self, number, begin, end, log=(), output=()):
+        self.start(number, begin, log, output)
         self.tell(event="job_finished", job_id=number, after=end)
+
+    def fail(self, number, how="", log=(), aside=(), output=()):
+        if how:
+            self.tell(f"CalledProcessError in file x: {how}", level=logging.ERROR, event="error")
+        self.tell(
+            "Error in rule",
+            level=logging.ERROR,
+            event="job_error",
+            jobid=number,
+            rule_name="contact",
+            log=[*log, *aside],
+            output=list(output),
+        )
 
     @property
     def lines(self):
@@ -51,7 +74,7 @@ def test_a_surface_has_one_line_when_its_last_job_has_ended(tmp_path):
     run.tell("Provided cores: 2")
     run.job(1, 0, 10, log=[str(log)])
     run.job(3, 10, 20)
-    assert run.lines == ["2 surfaces, 5 jobs"]
+    assert run.lines == ["2 results, 5 jobs"]
     run.job(2, 20, 50)
     # a contact of 30 s as the one before, and a report of (10 + 10 + 30) / 3 s
     assert run.lines[1:] == [
@@ -63,20 +86,108 @@ def test_a_surface_has_one_line_when_its_last_job_has_ended(tmp_path):
     assert run.lines[2:] == ["turned: done (2 of 2, about 20 s left)", "done in 2 min: results/report.html"]
 
 
-def test_a_job_for_all_surfaces_is_none_of_them():
-    """Such a job may end before the last one of a surface, as with a cross-check."""
+def test_of_a_study_each_case_has_a_line():
     run = Run()
     run.begin()
-    for number in (1, 3, 5, 2, 4):
-        run.job(number, 10 * number, 10 * number + 10)
-    assert [line.partition(" (")[2][:6] for line in run.lines[1:]] == ["1 of 2", "2 of 2"]
+    for number, case in enumerate(("hard", "soft"), 1):
+        fields = {"rule_name": "contact", "wildcards": {"case": case, "surface": "ground"}}
+        run.tell(event="job_info", jobid=number, log=[], output=[], **fields)
+        run.tell(event="job_finished", job_id=number, after=number)
+    assert [line.partition(" (")[0] for line in run.lines[1:]] == ["ground hard: done", "ground soft: done"]
+
+
+def test_warnings_of_a_face_stand_with_the_pair(tmp_path):
+    (log := tmp_path / "prepare.log").write_text("[prepare_face seal-counter-face] warning: steep\n")
+    run = Run()
+    run.begin()
+    for number, rule, name in (
+        (1, "prepare_face", "seal-counter-face"),
+        (2, "contact_whole_member", "seal-2"),
+    ):
+        fields = {"rule_name": rule, "wildcards": {"surface": name}, "log": [str(log)] if number == 1 else []}
+        run.tell(event="job_info", jobid=number, output=[], **fields)
+        run.tell(event="job_finished", job_id=number, after=number)
+    assert run.lines[1].startswith("seal-2: done, 1 warning in its logs and in the report (1 of 2")
+
+
+def test_a_job_that_has_failed_says_why_from_its_log(tmp_path):
+    (log := tmp_path / "contact.log").write_text("Traceback\n[contact ground] ERROR: g.txt: is empty\n")
+    run = Run()
+    run.begin()
+    run.start(2, 0, log=[str(log)])
+    run.fail(2, "returned non-zero exit status 1.", log=[str(log)])
+    # what Snakemake adds at the end says no more
+    run.tell("Exiting because a job execution failed.", level=logging.ERROR)
+    run.tell("WorkflowError:\nOne job did not", level=logging.ERROR, event="error", exception="WorkflowError")
+    assert run.lines[1:] == ["[contact ground] ERROR: g.txt: is empty"]
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ("died with <Signals.SIGKILL: 9>.", "killed; probably out of memory: it had asked for 900 MB. Free"),
+        (
+            "returned non-zero exit status 137.",
+            "killed; probably out of memory: it had asked for 900 MB. Free",
+        ),
+        ("died with <Signals.SIGTERM: 15>.", "was ended from outside (SIGTERM); run again to go on"),
+        (
+            "died with <Signals.SIGSEGV: 11>.",
+            "ended without a word (SIGSEGV); run again, and where it comes back",
+        ),
+        (
+            "returned non-zero exit status 3.",
+            "ended without a word (status 3); run again, and where it comes",
+        ),
+        ("returned non-zero exit status 1.", ""),
+    ],
+)
+def test_a_job_that_was_ended_is_explained_on_the_screen_and_in_its_log(tmp_path, how, said):
+    log, half = tmp_path / "contact.log", tmp_path / ".contact.nc.partial"
+    log.write_text("[contact ground] load 1 of 2\n")
+    half.touch()
+    run = Run()
+    run.begin()
+    run.start(2, 0, log=[str(log)], resources={"mem_mb": 900})
+    run.fail(2, how, log=[str(log)], output=[str(tmp_path / "contact.nc")])
+    assert not half.exists()
+    for lines in (run.lines[1:], log.read_text().splitlines()[1:]):
+        assert len(lines) == bool(said)
+        assert all(line.startswith(f"[contact ground] ERROR: {said}") for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("kept", "said"),
+    [
+        ("slurmstepd: error: Exceeded job memory limit", "took more memory than the 900 MB it had asked for"),
+        (
+            "error: Detected 1 oom_kill event in StepId=7.0",
+            "took more memory than the 900 MB it had asked for",
+        ),
+        ("CANCELLED AT 2026 DUE TO TIME LIMIT ***", "took longer than the 5 minutes it had asked for"),
+    ],
+)
+def test_a_job_that_a_cluster_has_killed_is_explained_by_its_log_and_tried_again(tmp_path, kept, said):
+    (log := tmp_path / "contact.log").touch()
+    (aside := tmp_path / "slurm.log").write_text(f"{kept}\n")
+    run = Run()
+    run.begin()
+    run.start(2, 0, log=[str(log)], resources={"mem_mb": 900, "runtime": 5})
+    run.fail(2, log=[str(log)], aside=[str(aside)])
+    run.start(2, 10, log=[str(log)], resources={"mem_mb": 1800, "runtime": 10})
+    assert run.lines[1:] == [
+        f"[contact ground] ERROR: killed, {said}",
+        "[contact ground] is tried again with 1800 MB and 10 minutes",
+    ]
+    assert said in log.read_text()
+    assert len(run.screen.clock.running) == 1
 
 
 def test_jobs_that_run_side_by_side_leave_half_the_time():
     run = Run()
     run.begin()
     for number in (1, 3):
-        run.tell(event="job_info", jobid=number, rule_name="prepare", log=[], output=[])
+        run.start(number, 0)
     run.tell(event="job_finished", job_id=1, after=10)
     # of prepare nothing is left of the other's 10 s; two contacts and the report of 10 s each
     assert run.screen.clock.seconds(BEGIN + 10) == pytest.approx((2 + 1) * 10 / 2)
@@ -85,9 +196,9 @@ def test_jobs_that_run_side_by_side_leave_half_the_time():
 def test_warnings_and_errors_come_in_full_above_the_bar():
     run = Run(bar=True)
     run.begin()
-    run.tell("[ingest ground] ERROR: killed", level=logging.ERROR, event="error")
+    run.tell("MissingOutputException: a.nc", level=logging.ERROR, event="error")
     run.tell("a warning\nof two lines", level=logging.WARNING)
-    assert f"{ERASE}[ingest ground] ERROR: killed\n" in run.stream.getvalue()
+    assert f"{ERASE}MissingOutputException: a.nc\n" in run.stream.getvalue()
     assert f"{ERASE}a warning\nof two lines\n" in run.stream.getvalue()
 
 
@@ -96,7 +207,7 @@ def test_the_bar_fits_the_terminal_and_says_what_is_at_work(monkeypatch):
     run = Run(bar=True)
     run.begin()
     run.job(1, 0, 10)
-    run.tell(event="job_info", jobid=2, rule_name="contact_base", log=[], output=[], after=10)
+    run.start(2, 10)
     last = run.stream.getvalue().rpartition(ERASE)[2]
     assert last == "[####----------------] 1 of 5 jobs, about 40 s left: contac"
 
@@ -104,11 +215,11 @@ def test_the_bar_fits_the_terminal_and_says_what_is_at_work(monkeypatch):
 def test_a_dry_run_shows_the_jobs_of_each_rule_once_and_why():
     run = Run(planned=True)
     run.begin()
-    run.tell(event="job_info", jobid=1, rule_name="prepare", log=[], output=[], reason="none")
+    run.start(1, 0)
     run.tell("Reasons:\n    why")
     run.tell("Job stats:\n...", event="run_info")
     run.tell("This was a dry-run (flag -n).")
-    assert run.lines == ["Job stats:", "...", "2 surfaces, 5 jobs", "Reasons:", "    why"]
+    assert run.lines == ["Job stats:", "...", "2 results, 5 jobs", "Reasons:", "    why"]
 
 
 def test_what_is_asked_for_beside_a_run_is_shown():

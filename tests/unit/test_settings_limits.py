@@ -22,7 +22,6 @@ ENDLESS = [math.inf, -math.inf, math.nan]
 
 # setting: what is just within its limits, what is just beyond
 LIMITS = {
-    "together": ([0, SMALLEST], [-SMALLEST, -1]),
     "level.order": ([1], [0]),
     "level.outlier_threshold": ([SMALLEST, None], [0, -1]),
     "level.scar_threshold": ([SMALLEST, None], [0, -1]),

@@ -13,7 +13,6 @@ from roughcontact.references.synthetic import self_affine_surface
 ROOT = Path(__file__).parents[2]
 SETTINGS = {
     "surfaces": "surfaces.tsv",
-    "together": 0,  # a job for every stage
     "contact": {"contact_modulus": "1e9", "relative_pressure": [0.05, 0.2], "tolerance": "1e-6"},
 }
 TABLE = (

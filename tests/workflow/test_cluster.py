@@ -1,49 +1,47 @@
-"""How many jobs a cluster gets, and what they ask for; tests/workflow/slurm.sh runs them."""
+"""What the jobs of a cluster ask for; tests/workflow/slurm.sh runs them."""
 
 import re
 
 import numpy as np
 import pytest
+import yaml
 from small_project import ROOT, Project
 
-CASES = {"hard": {}, "soft": {"contact": {"contact_modulus": 1e8}}, "raw": {"window": {"method": "raw"}}}
 SETTINGS = {
     "surfaces": "surfaces.tsv",
     "contact": {"contact_modulus": 1e9, "relative_pressure": [0.05, 0.2]},
-    "cases": CASES,
 }
-PROFILE = ("--workflow-profile", ROOT / "workflow/profiles/slurm")
+PROFILE = ROOT / "workflow/profiles/slurm"
 
 
 @pytest.fixture
 def project(tmp_path):
-    """24 small maps and two that are not."""
+    """A small map and one that is not."""
     made = Project(tmp_path / "study", ROOT)
-    table = ["surface\tpath\tunit\tdx\tdy"]
-    for number in range(26):
-        np.save(made.path(f"measured/{number}.npy"), np.zeros((8, 8) if number < 24 else (1300, 1300)))
-        table.append(f"s{number}\tmeasured/{number}.npy\tum\t1\t1")
-    made.write(SETTINGS, table)
+    for name, side in (("small", 64), ("large", 1300)):
+        np.save(made.path(f"measured/{name}.npy"), np.zeros((side, side)))
+    rows = (f"{name}\tmeasured/{name}.npy\tum\t1\t1" for name in ("small", "large"))
+    made.write(SETTINGS, ["surface\tpath\tunit\tdx\tdy", *rows])
     return made
 
 
-def groups(said):
-    """Return the surfaces of each job of the cluster, as a plan shows them."""
-    blocks = re.split(r"^\[.*\] Group job (\w+) .*\n", said, flags=re.MULTILINE)[1:]
-    return [
-        (name, sorted(set(re.findall(r"^ {8}wildcards: .*surface=(\w+)", text, re.MULTILINE))))
-        for name, text in zip(blocks[::2], blocks[1::2], strict=True)
-    ]
-
-
-def test_a_surface_is_one_job_and_so_are_ten_small_ones(project):
-    run = project.run("--dry-run", *PROFILE)
+def test_a_job_asks_for_what_its_own_map_needs(project):
+    run = project.run("--dry-run")
     assert run.returncode == 0, run.stderr
-    found = groups(run.stderr)
-    assert sorted(len(names) for name, names in found if name == "small_surfaces") == [4, 10, 10]
-    assert sorted(names for name, names in found if name == "surface") == [["s24"], ["s25"]]
-    assert sorted(each for _, names in found for each in names) == sorted(f"s{n}" for n in range(26))
+    asked = {}
+    for rule, text in re.findall(r"^rule (\w+):\n((?: .*\n)+)", run.stderr, re.MULTILINE):
+        if surface := re.search(r"wildcards: surface=(\w+)", text):
+            needs = {name: int(re.search(rf"{name}=(\d+)", text)[1]) for name in ("mem_mb", "runtime")}
+            asked[rule, surface[1]] = needs
+    assert asked["contact", "small"]["mem_mb"] < 800
+    assert asked["contact", "large"]["mem_mb"] > 1500
+    assert asked["contact", "large"]["runtime"] > asked["contact", "small"]["runtime"]
+    assert "group" not in run.stderr.lower()
 
 
-def test_on_one_machine_nothing_goes_together(project):
-    assert groups(project.run("--dry-run").stderr) == []
+def test_the_profile_tries_again():
+    """Without arrays, in which all jobs get the memory of the first (version 2.8 of the executor)."""
+    profile = yaml.safe_load((PROFILE / "config.yaml").read_text())
+    assert profile["retries"] >= 1
+    assert profile["keep-going"]
+    assert not {"slurm-array-jobs", "group-components", "groups"} & set(profile)

@@ -12,7 +12,7 @@ from small_project import ROOT, SETTINGS, Project, write_maps
 
 from roughcontact.references.synthetic import self_affine_surface
 
-STAGES = ("ingest", "level", "window", "uncertainty", "solve", "statistics", "panel", "collect", "report")
+JOBS = ("prepare", "contact", "report")
 LOADS = [0.02, 0.1, 0.3]
 
 
@@ -27,11 +27,11 @@ def peak(pid: int) -> float:
 
 
 def measured(project: Project) -> dict[str, tuple[int, float]]:
-    """Run the workflow, and return of each stage what it declared and what it took on a cluster (MB).
+    """Run the workflow, and return of each job what it declared and what it took on a cluster (MB).
 
     There each job is a Snakemake that starts another one, which starts the script.
     """
-    own = dict.fromkeys(STAGES, 0.0)
+    own = dict.fromkeys(JOBS, 0.0)
     snakemake = 0.0
     with project.path("said").open("w+") as said:
         run = subprocess.Popen(project.command("--cores", "1"), stdout=said, stderr=said)
@@ -52,11 +52,11 @@ def measured(project: Project) -> dict[str, tuple[int, float]]:
     for rule, lines in re.findall(r"^(?:local)?rule (\w+):\n((?: .*\n)+)", text, re.MULTILINE):
         if asked := re.search(r"mem_mb=(\d+)", lines):
             declared[rule] = int(asked[1])
-    return {stage: (declared[stage], own[stage] + 2 * snakemake) for stage in STAGES}
+    return {job: (declared[job], own[job] + 2 * snakemake) for job in JOBS}
 
 
 def of_map(folder: Path, size: int) -> dict[str, tuple[int, float]]:
-    """Return what each stage declared and took for a map of so many points by side."""
+    """Return what each job declared and took for a map of so many points by side."""
     project = Project(folder, ROOT)
     heights = self_affine_surface(
         (size, size), 1.0, hurst=0.8, shortest=8, longest=size / 4, rms_gradient=0.1, seed=1
@@ -70,14 +70,14 @@ def of_map(folder: Path, size: int) -> dict[str, tuple[int, float]]:
 
 
 def on_the_page() -> dict[str, dict[int, int]]:
-    """Return what each stage declares (MB) by the points by side of a map, as the page on clusters says."""
+    """Return what each job declares (MB) by the points by side of a map, as the page on clusters says."""
     page = (ROOT / "docs/how-to/cluster.md").read_text(encoding="utf-8")
     heading, _, *rows = re.findall(r"^\| (.*) \|$", page, re.MULTILINE)
     sizes = [int(size) for size in re.findall(r"(\d+)²", heading)]
     found = {}
     for row in rows:
-        stage, *cells = row.split(" | ")
-        found[stage.strip("`")] = {
+        job, *cells = row.split(" | ")
+        found[job.strip("`")] = {
             size: int(cell.split(" / ")[0]) for size, cell in zip(sizes, cells, strict=True)
         }
     return found
@@ -87,9 +87,9 @@ def test_memory_and_time_are_known_before_anything_ran(tmp_path):
     project = Project(tmp_path, ROOT)
     write_maps(project.path("measured"))
     project.write()
-    run = project.run("--dry-run", "--groups", *(f"{stage}=one" for stage in STAGES[:-2]))
+    run = project.run("--dry-run")
     asked = re.findall(r"^ *resources: .*mem_mb=.*$", run.stderr, re.MULTILINE)
-    assert len(asked) == 2 * len(STAGES[:-2]) + len(STAGES[-2:])
+    assert len(asked) == 2 * len(JOBS[:-1]) + 1
     assert [line for line in asked if "TBD" in line or "runtime=" not in line] == []
 
 
@@ -97,10 +97,10 @@ def test_memory_and_time_are_known_before_anything_ran(tmp_path):
 @pytest.mark.parametrize("size", [128, 1024])
 def test_jobs_declare_what_they_take_within_a_factor_of_two(tmp_path, size):
     found, page = of_map(tmp_path, size), on_the_page()
-    declared = {stage: declared for stage, (declared, _) in found.items()}
-    assert declared == pytest.approx({stage: page[stage][size] for stage in STAGES}, rel=0.02)
-    shares = {stage: declared / taken for stage, (declared, taken) in found.items()}
-    assert {stage: share for stage, share in shares.items() if not 1 <= share <= 2} == {}
+    declared = {job: declared for job, (declared, _) in found.items()}
+    assert declared == pytest.approx({job: page[job][size] for job in JOBS}, rel=0.02)
+    shares = {job: declared / taken for job, (declared, taken) in found.items()}
+    assert {job: share for job, share in shares.items() if not 1 <= share <= 2} == {}
 
 
 if __name__ == "__main__":  # the rows of the table, for the sizes given
@@ -109,5 +109,5 @@ if __name__ == "__main__":  # the rows of the table, for the sizes given
 
     for size in map(int, sys.argv[1:]):
         with tempfile.TemporaryDirectory() as scratch:
-            for stage, (declared, taken) in of_map(Path(scratch), size).items():
-                print(size, stage, declared, round(taken))
+            for job, (declared, taken) in of_map(Path(scratch), size).items():
+                print(size, job, declared, round(taken))

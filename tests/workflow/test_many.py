@@ -55,12 +55,13 @@ def test_a_study_of_many_surfaces_goes_to_its_index(tmp_path, checkout, number):
     status, said, scheduling = followed(project, "--logger", "roughcontact")
     assert status == 0, said
     assert scheduling < 30  # some 10 s, and 140 s where each job starts a clock of its own
-    # preparing is shared by the cases; collect, report and the target
-    jobs = number * (1 + len(CASES)) + 3
+    # preparing is shared by the cases; the report and the target
+    jobs = number * (1 + len(CASES)) + 2
     lines = said.splitlines()
-    assert f"{number} surfaces, {jobs} jobs" in lines
-    assert len([line for line in lines if re.match(r"s\d+: done", line)]) == number
-    assert len(lines) < number + 10
+    results = number * len(CASES)
+    assert f"{results} results, {jobs} jobs" in lines
+    assert len([line for line in lines if re.match(r"s\d+ \w+: done", line)]) == results
+    assert len(lines) < results + 10
     with project.path("results/summary.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 2 * len(CASES) * number

@@ -21,15 +21,10 @@ PAIR = (
 ENSEMBLE = {"shifts": 1, "rotations": [0, 90], "seed": 5}
 MEMBERS = ["seal-1", "seal-2"]
 FIRST = {
-    "ingest": 3,
-    "level": 3,
-    "composite": 2,
-    "window": 3,
-    "uncertainty": 3,
-    "solve": 3,
-    "statistics": 3,
-    "panel": 3,
-    "collect": 1,
+    "prepare": 1,
+    "prepare_face": 2,
+    "prepare_member": 2,
+    "contact": 3,
     "report": 1,
 }
 
@@ -110,8 +105,8 @@ def test_more_shifts_leave_those_there_are(paired):
     jobs = paired.jobs()
     paired.write(settings(), PAIR)
     # the members change places: one of the first rotation stays, but all carry the settings of the ensemble
-    assert jobs["composite"] == 4
-    assert not {"ingest", "level"} & set(jobs)
+    assert jobs["prepare_member"] == 4
+    assert not {"prepare", "prepare_face"} & set(jobs)
 
 
 @pytest.mark.slow
@@ -122,9 +117,7 @@ def test_an_edited_counter_face_reruns_its_members_and_not_the_rest(paired):
     jobs = paired.jobs()
     path.write_text(text)
     os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
-    of_members = dict.fromkeys(("window", "uncertainty", "solve", "statistics", "panel"), 2)
-    wanted = FIRST | of_members | {"ingest": 1, "level": 1}
-    assert jobs == wanted
+    assert jobs == {"prepare_face": 1, "prepare_member": 2, "contact": 2, "report": 1}
 
 
 @pytest.mark.slow
@@ -136,8 +129,8 @@ def test_cases_share_the_faces_and_the_composites(tmp_path, checkout):
     run = project.run()
     assert run.returncode == 0, run.stderr
     done = counted(run)
-    assert (done["ingest"], done["level"], done["composite"], done["window"]) == (2, 2, 2, 4)
-    assert (done["share_raw_faces"], done["share_raw_members"]) == (2, 2)
+    expected = {"prepare_face": 4, "prepare_member": 2, "contact": 2, "contact_whole_member": 2}
+    assert done == {**expected, "report": 1}  # two of the faces are links
     rows = table(project, "pairs.csv")
     assert [(row["case"], row["surface"]) for row in rows] == [("base", "seal")] * 2 + [("raw", "seal")] * 2
     assert project.path("results/raw/seal-2/levelled.nc").is_symlink()

@@ -10,10 +10,13 @@ import subprocess
 import sys
 from contextlib import contextmanager
 
+import numpy as np
 import pytest
 import xarray as xr
 from small_project import ROOT, SETTINGS, TABLE, Project, counted, write_maps
 
+from roughcontact import evaluate, read_height_map
+from roughcontact.configuration.resolve import resolve
 from roughcontact.results.storage import read_dataset
 
 EACH = ["height.nc", "levelled.nc", "window.nc", "contact.nc", "uncertainty.nc", "statistics.nc"]
@@ -24,10 +27,9 @@ FILES = [
     "report.html",
     *(f"{s}/{f}" for s in ("ground", "turned") for f in EACH),
 ]
-FROM_STATISTICS = {"statistics": 2, "panel": 2, "collect": 1, "report": 1}
-FROM_UNCERTAINTY = {"uncertainty": 2, **FROM_STATISTICS}
-FROM_SOLVE = {"solve": 2, **FROM_UNCERTAINTY}
-FROM_LEVEL = {"level": 2, "window": 2, **FROM_SOLVE}
+FROM_CONTACT = {"contact": 2, "report": 1}
+FROM_PREPARE = {"prepare": 2, **FROM_CONTACT}
+OF_ONE = dict.fromkeys(FROM_PREPARE, 1)
 
 
 def files_of(project):
@@ -52,19 +54,35 @@ def test_a_run_leaves_every_file_and_no_other(finished):
 
 
 def test_a_run_shows_how_far_it_has_come(finished):
-    for line in ("[solve ground] load 1 of 2", "[solve turned] load 2 of 2", "17 of 17 steps (100%) done"):
+    for line in ("[contact ground] load 1 of 2", "[contact turned] load 2 of 2", "6 of 6 steps (100%) done"):
         assert line in finished.first.stderr
-    assert "load 2 of 2" in finished.path("logs/ground/solve.log").read_text()
+    assert "load 2 of 2" in finished.path("logs/ground/contact.log").read_text()
 
 
 def test_the_short_screen_has_a_line_for_each_surface(project):
-    files = [f"results/{name}/height.nc" for name in ("ground", "turned")]
+    project.write(SETTINGS | {"uncertainty": {"sources": []}})
+    files = [f"results/{name}/panel.html" for name in ("ground", "turned")]
     run = project.run(*files, "--logger", "roughcontact")
     assert run.returncode == 0, run.stderr
-    said = run.stderr.partition("2 surfaces, 2 jobs\n")[2]
+    said = run.stderr.partition("2 results, 4 jobs\n")[2]
     assert re.fullmatch(
         r"(ground|turned): done \(1 of 2.*\)\n(ground|turned): done \(2 of 2\)\ndone in .*\n", said
     )
+
+
+def test_the_numbers_are_those_of_evaluate(finished):
+    (settings,) = resolve(SETTINGS).values()
+    sections = {name: settings[name] for name in ("level", "window", "statistics", "uncertainty")}
+    found = evaluate(
+        read_height_map(finished.path("measured/turned.txt"), unit="um", dx=1.0, dy=1.0),
+        contact=SETTINGS["contact"],
+        **sections,
+    )
+    written = read_dataset(finished.path("results/turned/statistics.nc"))
+    assert {*found.variables} == {*written.variables}
+    for name in found.variables:
+        np.testing.assert_array_equal(found[name], written[name], err_msg=name)
+    assert found.attrs["verdicts"] == written.attrs["verdicts"]
 
 
 def test_every_file_carries_settings_versions_and_checksum(finished):
@@ -142,10 +160,10 @@ def test_an_equal_run_elsewhere_leaves_equal_bytes(finished, tmp_path, checkout)
 @pytest.mark.parametrize(
     ("section", "change", "expected"),
     [
-        ("level", {"form": "mean"}, FROM_LEVEL),
-        ("contact", {"tolerance": 1e-5}, FROM_SOLVE),
-        ("statistics", {"gap_bins": 7}, FROM_STATISTICS),
-        ("uncertainty", {"sources": ["solver"]}, FROM_UNCERTAINTY),
+        ("level", {"form": "mean"}, FROM_PREPARE),
+        ("contact", {"tolerance": 1e-5}, FROM_CONTACT),
+        ("statistics", {"gap_bins": 7}, FROM_CONTACT),
+        ("uncertainty", {"sources": ["solver"]}, FROM_CONTACT),
         ("report", {"title": "Another title"}, {"report": 1}),
     ],
 )
@@ -175,16 +193,16 @@ def test_pitches_that_changed_places_rerun_that_surface(finished):
     finished.write(table=[TABLE[0], TABLE[1].replace("2\t1", "1\t2"), TABLE[2]])
     jobs = finished.jobs()
     finished.write()
-    assert jobs == {"ingest": 1, **{key: max(1, count // 2) for key, count in FROM_LEVEL.items()}}
+    assert jobs == OF_ONE
 
 
 @pytest.mark.parametrize(
     ("module", "expected"),
     [
-        ("levelling/level.py", FROM_LEVEL),
-        ("contact/solve.py", FROM_SOLVE),
-        ("uncertainty/discretisation.py", FROM_UNCERTAINTY),
-        ("report/charts.py", {"panel": 2, "report": 1}),
+        ("levelling/level.py", FROM_PREPARE),
+        ("contact/solve.py", FROM_CONTACT),
+        ("uncertainty/discretisation.py", FROM_CONTACT),
+        ("report/page.py", {"report": 1}),
         ("configuration/models.py", {}),
     ],
 )
@@ -197,7 +215,7 @@ def test_an_edited_module_reruns_what_depends_on_it(finished, checkout, module, 
 def test_an_edited_measurement_reruns_that_surface(finished):
     with edited(finished.path("measured/turned.txt"), "\n", "\n "):
         jobs = finished.jobs()
-    assert jobs == {"ingest": 1, **{key: max(1, count // 2) for key, count in FROM_LEVEL.items()}}
+    assert jobs == OF_ONE
 
 
 CASES = {
@@ -220,17 +238,9 @@ def study(tmp_path_factory, checkout):
 
 def test_a_case_computes_only_what_it_changes(study):
     assert counted(study.first) == {
-        "ingest": 1,
-        "level": 1,
-        "window": 1,
-        "solve": 1,
-        "uncertainty": 1,
-        "statistics": 2,
-        "solve_statistics": 1,
-        "share_binned": 1,
-        "share_no-maps": 1,
-        "panel": 3,
-        "collect": 1,
+        "prepare": 1,
+        "contact": 1,
+        "contact_whole": 2,
         "report": 1,
     }
     assert "Nothing to be done" in study.run().stderr
@@ -255,7 +265,7 @@ def test_without_fields_the_numbers_are_the_same(study):
     full, lean = (
         read_dataset(study.path(f"results/{case}/ground/statistics.nc")) for case in ("base", "no-maps")
     )
-    xr.testing.assert_allclose(full, lean, rtol=1e-14)
+    xr.testing.assert_equal(full, lean)
     contact = read_dataset(study.path("results/no-maps/ground/contact.nc"))
     assert not {"pressure", "gap", "contact"} & set(contact.variables)
     assert contact["error_bound"].equals(
@@ -276,4 +286,4 @@ def test_a_change_of_one_case_reruns_that_case(study):
     study.write(SETTINGS | {"cases": changed}, TABLE[:2])
     jobs = study.jobs()
     study.write(SETTINGS | {"cases": CASES}, TABLE[:2])
-    assert jobs == {"statistics": 1, "panel": 1, "collect": 1, "report": 1}
+    assert jobs == {"contact_whole": 1, "report": 1}

@@ -78,4 +78,4 @@ def test_every_rule_has_the_script_and_the_log_of_its_name(rules):
     "script", sorted((ROOT / "workflow/scripts").glob("[a-z]*.py")), ids=lambda p: p.stem
 )
 def test_scripts_are_thin(script):
-    assert len(script.read_text().splitlines()) < 25
+    assert len(script.read_text().splitlines()) < 60

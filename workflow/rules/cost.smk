@@ -2,20 +2,20 @@
 rule measure_cost:
     """Solve one window on several grids to several tolerances, with times and errors."""
     input:
-        stage_file("window"),
+        of(PLAN.file, "window"),
     output:
-        f"{FOLDER}/cost.csv",
+        f"{PLAN.folder}/cost.csv",
     log:
-        f"{LOGS}/measure_cost.log",
+        f"{PLAN.logs}/measure_cost.log",
     conda:
         "../envs/roughcontact.yaml"
     threads: os.cpu_count()  # all there are: nothing else may run beside what is timed
     resources:
-        mem_mb=memory(bytes_per_point=5000),
+        mem_mb=lambda wildcards: round(700 + points(wildcards.surface) * 5000 / 1e6),
         runtime=60,
     params:
-        settings=stage_settings("contact"),
-        threads=solver_threads,
+        settings=of(PLAN.settings, "contact"),
+        threads=lambda wildcards: PLAN.threads(wildcards.surface),
         code=code("measure_cost"),
     script:
         "../scripts/measure_cost.py"
@@ -24,7 +24,7 @@ rule measure_cost:
 rule cost:
     """Draw run time against error, and recommend a grid and a tolerance."""
     input:
-        [f"{FOLDER}/cost.csv".format(**run) for run in RUNS],
+        [f"{PLAN.folder}/cost.csv".format(**run._asdict()) for run in PLAN.runs],
     output:
         "results/cost.html",
     log:
@@ -32,9 +32,7 @@ rule cost:
     conda:
         "../envs/roughcontact.yaml"
     params:
-        names=[
-            " · ".join(filter(None, (run["surface"], run.get("case")))) for run in RUNS
-        ],
+        names=[" · ".join(filter(None, run)) for run in PLAN.runs],
         code=code("cost"),
     script:
         "../scripts/cost.py"

@@ -1,27 +1,25 @@
 # Another code, run as an outside program by its own Python, solves every window again; the report shows both.
-if CROSSCHECK["code"] != "none":
+if PLAN.common["crosscheck"]["code"] != "none":
 
     rule crosscheck:
-        """Solve the same problem by another code and compare."""
+        """Solve the same problem by another code, compare, and draw the panel with it."""
         input:
-            window=stage_file("window"),
-            contact=stage_file("contact"),
-            statistics=stage_file("statistics"),
+            unpack(files_of_panel),
             program=PACKAGE / "crosscheck/outside.py",
         output:
-            f"{FOLDER}/crosscheck.nc",
+            crosscheck=f"{PLAN.folder}/crosscheck.nc",
+            panel=f"{PLAN.folder}/panel-crosschecked.html",
         log:
-            f"{LOGS}/crosscheck.log",
-        group:
-            "surface"
+            f"{PLAN.logs}/crosscheck.log",
+        wildcard_constraints:
+            surface=one_of(PLAN.solved),
         conda:
             "../envs/roughcontact.yaml"
         resources:
-            mem_mb=memory(bytes_per_point=600, and_load=50),
-            runtime=minutes(microseconds_per_point=20, and_load=1000),
+            **needs_of("crosscheck"),
         params:
-            settings=stage_settings("statistics"),
-            crosscheck=CROSSCHECK,
+            settings=of(PLAN.settings, "statistics"),
+            crosscheck=PLAN.common["crosscheck"],
             code=code("crosscheck"),
         script:
             "../scripts/crosscheck.py"

@@ -18,7 +18,7 @@ rule validate:
         mem_mb=2000,
         runtime=20,
     params:
-        settings=CASES[next(iter(CASES))]["validation"],
+        settings=PLAN.common["validation"],
         code=code("validate"),
     script:
         "../scripts/validate.py"

@@ -5,6 +5,7 @@ opens the log of the job; an error then ends there with its traceback, and on th
 job whose run was killed ends as well, so that two runs never write to one file.
 """
 
+import atexit
 import errno
 import os
 import socket
@@ -15,8 +16,8 @@ import traceback
 import warnings
 from contextlib import suppress
 from pathlib import Path
-from types import SimpleNamespace, TracebackType
-from typing import TYPE_CHECKING, Any, TextIO
+from types import TracebackType
+from typing import TYPE_CHECKING, TextIO
 
 from __main__ import snakemake  # the global of the script; `snakemake.script` has it in few versions only
 
@@ -30,12 +31,11 @@ if TYPE_CHECKING:
 
     from roughcontact.results.storage import LoadByLoad
 
-_log: int
-_name: str
-_SCREEN = os.environ.get(
-    "ROUGHCONTACT_SCREEN"
-)  # how a run shows itself: snakemake_logger_plugin_roughcontact
-_ERASE = "\r\x1b[K" if _SCREEN == "bar" else ""
+_NAME = " ".join([snakemake.rule, *map(str, snakemake.wildcards)])
+# name -> path of all that a job of the chain reads and makes
+FILES = dict(snakemake.output.items()) | dict(snakemake.input.items())
+# whether a screen shows what the log says: snakemake_logger_plugin_roughcontact
+_SCREEN = "ROUGHCONTACT_SCREEN" in os.environ
 
 _MEMORY = snakemake.resources.get("mem_mb")  # jobs that only link ask for none
 _ASKED = (f"it had asked for {_MEMORY} MB; " if _MEMORY else "") + (
@@ -49,64 +49,32 @@ _DISK = {
 }
 
 
-def _record(text: str) -> None:
-    """Write to the log; a job does not fail for its log."""
+try:  # a descriptor, not a file: nothing is kept back that a full disk refuses again when the job ends
+    _LOG = os.open(snakemake.log[0], os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+except OSError as cause:
+    sys.exit(f"[{_NAME}] ERROR: {snakemake.log[0]}: cannot be written ({cause.strerror})")
+
+
+def _record(text: str) -> bool:
+    """Write to the log, and return whether that went well; a job does not fail for its log."""
+    content = text.encode("utf-8", "replace")
     with suppress(OSError):
-        os.write(_log, text.encode("utf-8", "replace"))
+        return os.write(_LOG, content) == len(content)
+    return False
 
 
-def begin(job: Any) -> None:
-    """Open the log of a job, and make it the one that what follows is part of.
-
-    Parameters
-    ----------
-    job : object
-        with the attributes of the object `snakemake` of a script.
-    """
-    global snakemake, _log, _name  # noqa: PLW0603 - a process does one job after another
-    snakemake = job
-    _name = " ".join([job.rule, *map(str, job.wildcards)])
-    try:  # a descriptor, not a file: nothing is kept back that a full disk refuses again when the job ends
-        _log = os.open(job.log[0], os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
-    except OSError as cause:
-        sys.exit(f"[{_name}] ERROR: {job.log[0]}: cannot be written ({cause.strerror})")
-
-
-def of_step(job: Any, name: str, step: Any) -> SimpleNamespace:
-    """Return one of the steps of a job that takes several, as a job.
-
-    Parameters
-    ----------
-    job : object
-        the object `snakemake` of the script.
-    name : str
-        of the step.
-    step : Step
-        which files it reads and leaves (`roughcontact.configuration.stages`).
-
-    Returns
-    -------
-    SimpleNamespace
-        with the attributes of the object `snakemake` that the step's own script looks at.
-    """
-    files = dict(job.input.items()) | dict(job.output.items())
-    named = type(job.input)  # a list whose entries have names
-    return SimpleNamespace(
-        rule=name,
-        input=named(fromdict={key: files[key] for key in step.inputs if files.get(key)}),
-        output=named(fromdict={key: files[key] for key in step.outputs}),
-        log=[job.log[name]],
-        params=SimpleNamespace(settings=job.params.settings[name], file=job.params.get("file")),
-        wildcards=job.wildcards,
-        threads=job.threads,
-    )
+def link() -> None:
+    """Link what another case has computed into this case's folder."""
+    for name in snakemake.params.links:
+        here = Path(snakemake.output[name])
+        here.symlink_to(os.path.relpath(snakemake.input[name], here.parent))
 
 
 def say(text: str) -> None:
     """Write one line to the log, and to the screen unless that has a line for each surface alone."""
-    _record(f"[{_name}] {text}\n")
+    _record(f"[{_NAME}] {text}\n")
     if not _SCREEN:
-        print(f"[{_name}] {text}", file=sys.stderr, flush=True)
+        print(f"[{_NAME}] {text}", file=sys.stderr, flush=True)
 
 
 def progress(done: int, total: int, text: str) -> None:
@@ -158,6 +126,7 @@ def save(
 
 def _report_error(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
     """Write the traceback to the log, and to the screen the one sentence that helps."""
+    sys.excepthook = sys.__excepthook__
     _record("".join(traceback.format_exception(kind, error, trace)))
     if kind is KeyboardInterrupt:  # by the user, who knows
         return
@@ -168,10 +137,11 @@ def _report_error(kind: type[BaseException], error: BaseException, trace: Traceb
     elif isinstance(error, OSError) and error.errno in _DISK:
         text = f"{error.filename or 'a file'}: {_DISK[error.errno]}"
     else:
-        text = f"{kind.__name__}: {error} (not foreseen, please report it with {snakemake.log[0]})"
-    line = f"[{_name}] ERROR: {text}"
-    _record(f"{line}\n")  # for the report of the rest as well
-    print(f"{_ERASE}{line}", file=sys.stderr, flush=True)
+        text = f"{kind.__NAME__}: {error} (not foreseen, please report it with {snakemake.log[0]})"
+    line = f"[{_NAME}] ERROR: {text}"
+    recorded = _record(f"{line}\n")  # for the partial report and the screen as well
+    if not (_SCREEN and recorded):
+        print(line, file=sys.stderr, flush=True)
 
 
 def _log_warning(
@@ -187,19 +157,21 @@ def _log_warning(
 
 
 def _end_with_the_run() -> None:
-    """End this job as soon as the run that started it is gone: by the file it holds, see runs.smk."""
+    """End this job as soon as the run that started it is gone: by the file that `roughcontact run` holds."""
+    own = os.environ.get(
+        "ROUGHCONTACT_RUN"
+    )  # none of Snakemake by itself, or where no variables are handed on
     try:
         import fcntl
 
         file = Path(".snakemake/running").open(encoding="utf-8")  # noqa: SIM115 - open until the job ends
     except (ImportError, OSError):  # a system or a folder without locks
         return
-    own = os.environ.get("ROUGHCONTACT_RUN")  # none on a cluster that hands no variables on
 
     def run_at_work() -> bool:
         """Tell whether the run that holds the file is there, and is the one that started this job."""
         file.seek(0)
-        if own not in (None, *file.read().split()[1:]):  # the next run has begun
+        if own not in file.read().split()[1:]:  # the next run has begun
             return False
         try:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
@@ -213,12 +185,18 @@ def _end_with_the_run() -> None:
                 time.sleep(0.2)
             os._exit(1)
 
-    if file.read().split()[:1] == [socket.gethostname()]:  # on a cluster jobs outlive the run
+    if own and file.read().split()[:1] == [socket.gethostname()]:  # on a cluster jobs outlive the run
         threading.Thread(target=watch, daemon=True).start()
 
 
-begin(snakemake)
+def _say_done() -> None:
+    """Write the last line of a log, which that of a job that was killed does not have."""
+    if sys.excepthook is _report_error:
+        _record(f"[{_NAME}] done\n")
+
+
 collect_rarely()
+atexit.register(_say_done)
 _end_with_the_run()
 sys.excepthook = _report_error
 warnings.showwarning = _log_warning

@@ -1,12 +1,21 @@
-"""Solve the same problem by another code: window.nc, contact.nc and statistics.nc to crosscheck.nc."""
+"""Solve the same problem by another code: crosscheck.nc, and the panel of the surface with the comparison."""
 
-from _job import save, snakemake
+from _job import FILES, save, snakemake
 
 from roughcontact.crosscheck.crosscheck import crosscheck
+from roughcontact.report.panel import write_panel
 from roughcontact.results.storage import read_dataset
 
-files = ("window", "contact", "statistics")
-window, contact, statistics = (read_dataset(snakemake.input[name]) for name in files)
+window, contact, statistics = (read_dataset(FILES[name]) for name in ("window", "contact", "statistics"))
 result = crosscheck(window["height"], contact, statistics, **snakemake.params.crosscheck)
-settings = snakemake.params.settings | {"crosscheck": {"code": snakemake.params.crosscheck["code"]}}
-save(result, snakemake.output[0], settings, source=statistics.attrs)
+settings = snakemake.params.settings
+asked = {"crosscheck": {"code": snakemake.params.crosscheck["code"]}}
+save(result, snakemake.output.crosscheck, settings | asked, source=statistics.attrs)
+write_panel(
+    snakemake.output.panel,
+    surface=snakemake.wildcards.surface,
+    case=snakemake.wildcards.get("case"),
+    settings=settings,
+    crosscheck=snakemake.output.crosscheck,
+    **{name: path for name, path in snakemake.input.items() if name != "program" and path},
+)

@@ -25,13 +25,13 @@ class LogHandler(LogHandlerBase):
     needs_rulegraph = False
 
     def __post_init__(self) -> None:
-        """Choose the stream, and tell the jobs who writes to the terminal."""
+        """Choose the stream, and tell the jobs that this shows what their logs say."""
         logging.Handler.__init__(self)  # which the first versions of the interface leave out
         stream = sys.stdout if self.common_settings.stdout else sys.stderr
         bar = stream.isatty()
         self.stream = stream
         self.screen = Screen(stream, bar=bar, planned=self.common_settings.dryrun)
-        os.environ[VARIABLE] = "bar" if bar else "lines"
+        os.environ[VARIABLE] = "1"
 
     def emit(self, record: logging.LogRecord) -> None:
         """Show what is worth a line."""

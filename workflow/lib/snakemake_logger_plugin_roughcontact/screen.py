@@ -1,13 +1,17 @@
 """What a run shows: a line for each surface that is done, and below them how far the whole has come.
 
-All else that Snakemake and the jobs say is in their logs. Warnings and errors come in full.
+All else that Snakemake and the jobs say is in their logs. Of a job that has failed the sentence comes in
+which its log says why, else how it was ended. Other warnings and errors come in full.
 """
 
 import logging
 import re
 import shutil
+import signal
 import time
 from collections import Counter
+from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -15,6 +19,7 @@ VARIABLE = "ROUGHCONTACT_SCREEN"  # tells the jobs that their progress is not wa
 ERASE = "\r\x1b[K"  # the line of the bar
 _PREAMBLE = ("Assuming unrestricted shared filesystem", "Building DAG of jobs", "host: ")
 _BAR = 20  # characters
+_LAST = "contact"  # what the last job of a surface does
 
 
 def duration(seconds: float) -> str:
@@ -53,10 +58,11 @@ class Screen:
 
     def __init__(self, stream: TextIO, *, bar: bool, planned: bool = False):
         self.stream, self.bar, self.planned = stream, bar, planned
-        self.begun = self.told = False
-        self.surfaces: dict[int, str] = {}  # of jobs
-        self.waiting: Counter[str] = Counter()  # jobs of each surface
-        self.count = 0  # of surfaces that have any
+        self.begun = self.told = self.failed = False
+        self.results = self.done = 0  # of surfaces, under each case where there are cases
+        self.jobs: dict[int, dict[str, Any]] = {}  # what was said of those that have begun
+        self.again: set[int] = set()  # jobs that have failed
+        self.ended: dict[int | None, str] = {}  # how the script of a job has ended, by thread
         self.clock = Clock()
         self.logs: dict[str, list[str]] = {}
         self.page = ""
@@ -72,7 +78,13 @@ class Screen:
             as Snakemake would show it.
         """
         event = str(getattr(record, "event", None) or "")
-        if record.levelno >= logging.WARNING:
+        if event == "error" and "CalledProcessError" in text:
+            self.ended[record.thread] = text  # the record of its job comes next, from the same thread
+        elif event == "job_error":
+            self._job_failed(record)
+        elif self.failed and record.levelno == logging.ERROR and _is_closing_word(record):
+            pass
+        elif record.levelno >= logging.WARNING:
             self._line(text)
         elif event == "workflow_started":
             self.begun = True
@@ -99,55 +111,88 @@ class Screen:
         if self.told:  # a dry run says it before and after
             return
         self.told = True
-        self.surfaces = getattr(record, "surfaces", {})
-        self.waiting = Counter(self.surfaces.values())
-        self.count = len(self.waiting)
         stats: dict[str, int] = getattr(record, "stats", {})
         self.clock.plan({name: jobs for name, jobs in stats.items() if name != "total"})
+        self.results = sum(jobs for name, jobs in stats.items() if _kind(name) == _LAST)
         if self.planned:
             self._line(text.rstrip())
-        surfaces = f"{self.count} surface{'s' * (self.count != 1)}, " if self.count else ""
-        self._line(f"{surfaces}{self.clock.total} jobs")
+        results = f"{self.results} result{'s' * (self.results != 1)}, " if self.results else ""
+        self._line(f"{results}{self.clock.total} jobs")
 
     def _follow(self, event: str, record: logging.LogRecord) -> None:
         """Show how far the run has come after an event of one of its jobs."""
         fields: dict[str, Any] = vars(record)
         if event == "job_info":
-            self.clock.start(fields["jobid"], fields["rule_name"], record.created)
-            name = self.surfaces.get(fields["jobid"], "")
-            self.logs.setdefault(name, []).extend(fields["log"] or [])
-            self.page = next(
-                (path for path in fields["output"] or [] if path.endswith("/report.html")), self.page
-            )
+            self._begin(fields, record.created)
         elif event == "job_finished":
             self.clock.finish(fields["job_id"], record.created)
-            self._finished(self.surfaces.pop(fields["job_id"], ""), record.created)
+            self._finished(self.jobs.pop(fields["job_id"], {}), record.created)
         elif event == "progress" and fields["done"] == fields["total"]:
             taken = duration(record.created - self.clock.begin)
             self._line(f"done in {taken}" + (f": {self.page}" if self.page else ""))
         if self.bar and self.clock.total:
             self._write(ERASE + self._bar(record.created))
 
-    def _finished(self, name: str, now: float) -> None:
+    def _begin(self, fields: dict[str, Any], now: float) -> None:
+        """Take note of a job that begins; of one that had failed show what it asks for now."""
+        number = fields["jobid"]
+        self.jobs[number] = fields
+        self.clock.start(number, fields["rule_name"], now)
+        self.logs.setdefault(_row(fields), []).extend(fields["log"] or [])
+        self.page = next(
+            (path for path in fields["output"] or [] if path.endswith("/report.html")), self.page
+        )
+        if number in self.again:
+            self.again.remove(number)
+            asked = _asked(fields)
+            self._line(f"[{_name(fields)}] is tried again" + (f" with {asked}" if asked else ""))
+
+    def _finished(self, fields: dict[str, Any], now: float) -> None:
         """Show the line of a surface whose last job has ended."""
-        if not name:  # a job for all surfaces
+        if not fields or _kind(fields["rule_name"]) != _LAST:
             return
-        self.waiting[name] -= 1
-        if self.waiting[name]:
-            return
-        del self.waiting[name]
-        said = sum(_warnings(path) for path in self.logs.pop(name, []))
+        self.done += 1
+        said = sum(_warnings(path) for path in self.logs.pop(_row(fields), []))
         warned = f", {said} warning{'s' * (said != 1)} in its logs and in the report" if said else ""
-        far = f"{self.count - len(self.waiting)} of {self.count}"
         left = "" if self.bar else self.clock.words(now)
-        self._line(f"{name}: done{warned} ({far}{left})")
+        self._line(f"{_of(fields)}: done{warned} ({self.done} of {self.results}{left})")
+
+    def _job_failed(self, record: logging.LogRecord) -> None:
+        """Show why a job has failed: what its log says, else how it was ended, which is written there.
+
+        What it was writing when it was killed is taken away.
+        """
+        self.failed = True
+        failed: dict[str, Any] = vars(record)
+        number = failed["jobid"]
+        fields = self.jobs.pop(number, failed)
+        self.clock.fail(number)
+        self.again.add(number)
+        for path in map(Path, failed["output"] or []):
+            with suppress(OSError):
+                path.with_name(f".{path.name}.partial").unlink(missing_ok=True)
+        own = fields["log"] or []
+        if said := [line for log in own for line in _errors(_text(log))]:
+            self._line("\n".join(said))
+            return
+        aside = [log for log in failed["log"] or [] if log not in own]  # those that a cluster keeps
+        why = why_killed("\n".join(map(_text, aside)), fields) or why_ended(
+            self.ended.pop(record.thread, ""), fields
+        )
+        if why is None:
+            return
+        line = f"[{_name(fields)}] ERROR: {why}"
+        self._line(line)
+        for log in own[:1]:
+            with suppress(OSError), Path(log).open("a", encoding="utf-8") as file:
+                file.write(f"{line}\n")
 
     def _bar(self, now: float) -> str:
         """Return the last line of a terminal: what share is done, the time left, and what is at work."""
         full = _BAR * self.clock.done // self.clock.total
         far = f"{self.clock.done} of {self.clock.total} jobs{self.clock.words(now)}"
         at_work = ", ".join(
-            f"{stem} {self.surfaces.get(job, '')}".strip() for job, (stem, _) in self.clock.running.items()
+            f"{kind} {_of(self.jobs.get(job, {}))}".strip() for job, (kind, _) in self.clock.running.items()
         )
         text = f"[{'#' * full}{'-' * (_BAR - full)}] {far}" + (f": {at_work}" if at_work else "")
         return text[: shutil.get_terminal_size().columns - 1]
@@ -213,6 +258,16 @@ class Clock:
         self.left[kind] -= 1
         self.taken.setdefault(kind, []).append(now - begin)
 
+    def fail(self, job: int) -> None:
+        """Take note of a job that has failed: it is to be done still, or never.
+
+        Parameters
+        ----------
+        job : int
+            its number.
+        """
+        self.running.pop(job, None)
+
     def seconds(self, now: float) -> float | None:
         """Return the time that is left, from the jobs of each kind that have ended.
 
@@ -249,15 +304,123 @@ class Clock:
         return f", about {duration(seconds)} left" if seconds and self.done < self.total else ""
 
 
+def why_killed(text: str, fields: Mapping[str, Any]) -> str | None:
+    """Return why a cluster has killed a job.
+
+    Parameters
+    ----------
+    text : str
+        the log that the cluster keeps of it.
+    fields : mapping
+        what Snakemake said of the job when it began.
+
+    Returns
+    -------
+    str or None
+        None where the cluster has not killed it.
+
+    Examples
+    --------
+    >>> why_killed("error: StepId=1.0 exceeded memory limit", {"resources": {"mem_mb": 900}})
+    'killed, took more memory than the 900 MB it had asked for'
+    """
+    asked = fields.get("resources") or {}
+    if re.search("exceeded .*memory limit|oom.kill", text, re.IGNORECASE):
+        return f"killed, took more memory than the {asked.get('mem_mb')} MB it had asked for"
+    if "DUE TO TIME LIMIT" in text:
+        return f"killed, took longer than the {asked.get('runtime')} minutes it had asked for"
+    return None
+
+
+def why_ended(how: str, fields: Mapping[str, Any]) -> str | None:
+    """Return why a script was ended that has not said it itself.
+
+    Parameters
+    ----------
+    how : str
+        the error that Python raised for its process.
+    fields : mapping
+        what Snakemake said of the job when it began.
+
+    Returns
+    -------
+    str or None
+        None where it has ended by an error of Python, or nobody knows how.
+
+    Examples
+    --------
+    >>> why_ended("died with <Signals.SIGTERM: 15>.", {})
+    'was ended from outside (SIGTERM); run again to go on'
+    """
+    status = re.search(r"<Signals\.(\w+)|exit status (\d+)", how)
+    if status is None or status[2] == "1":
+        return None
+    by = status[1] or f"status {status[2]}"
+    if status[2] and int(status[2]) > 128:  # a shell in between reports a signal
+        with suppress(ValueError):
+            by = signal.Signals(int(status[2]) - 128).name
+    if by == "SIGKILL":
+        asked = (fields.get("resources") or {}).get("mem_mb")
+        return (
+            "killed; probably out of memory"
+            + (f": it had asked for {asked} MB" if asked else "")
+            + ". Free some memory, or run fewer jobs at once (--cores 1), and run again"
+        )
+    if by in ("SIGTERM", "SIGINT", "SIGHUP"):
+        return f"was ended from outside ({by}); run again to go on"
+    logs = ", ".join(fields.get("log") or [])
+    return f"ended without a word ({by}); run again, and where it comes back please report it with {logs}"
+
+
+def _is_closing_word(record: logging.LogRecord) -> bool:
+    """Return whether Snakemake says no more than that jobs have failed, each of which was shown."""
+    return getattr(record, "event", None) is None or getattr(record, "exception", "") == "WorkflowError"
+
+
+def _name(fields: Mapping[str, Any]) -> str:
+    """Return rule and wildcards of a job, as its script names it."""
+    return " ".join([fields["rule_name"], *map(str, (fields.get("wildcards") or {}).values())])
+
+
+def _of(fields: Mapping[str, Any]) -> str:
+    """Return the surface of a job, and its case where there are cases."""
+    wildcards = fields.get("wildcards") or {}
+    return " ".join(str(wildcards[name]) for name in ("surface", "case") if name in wildcards)
+
+
+def _row(fields: Mapping[str, Any]) -> str:
+    """Return the row of the table that a job works for: of parts of a pair the pair."""
+    name = str((fields.get("wildcards") or {}).get("surface", ""))
+    if fields["rule_name"].endswith("_face"):
+        return re.sub("-(counter-)?face$", "", name)
+    return re.sub(r"-\d+$", "", name) if fields["rule_name"].endswith("_member") else name
+
+
+def _asked(fields: Mapping[str, Any]) -> str:
+    """Return what a job asks for of a cluster."""
+    asked = fields.get("resources") or {}
+    units = {"mem_mb": "MB", "runtime": "minutes"}
+    return " and ".join(f"{asked.get(name)} {unit}" for name, unit in units.items() if asked.get(name))
+
+
 def _kind(rule: str) -> str:
-    """Return what a rule does, without the case it does it for."""
+    """Return what a rule does, without what it does it for."""
     return rule.partition("_")[0]
+
+
+def _text(log: str | Path) -> str:
+    """Return what a log says, nothing where there is none."""
+    try:
+        return Path(log).read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""
 
 
 def _warnings(log: str) -> int:
     """Return how often a job has warned the user."""
-    try:
-        text = Path(log).read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return 0
-    return len(re.findall(r"^\[.*?\] warning: ", text, re.MULTILINE))
+    return len(re.findall(r"^\[.*?\] warning: ", _text(log), re.MULTILINE))
+
+
+def _errors(text: str) -> list[str]:
+    """Return the lines by which a script has said why it failed."""
+    return re.findall(r"^\[.*?\] ERROR: .+$", text, re.MULTILINE)

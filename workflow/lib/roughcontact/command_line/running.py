@@ -8,7 +8,8 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from roughcontact.errors import SettingsError
@@ -16,9 +17,10 @@ from roughcontact.errors import SettingsError
 PACKAGE = Path(__file__).parents[1]
 _PROFILES = ("--profile", "--workflow-profile", "--executor", "-e")
 _CORES = ("--cores", "-c", "--jobs", "-j", *_PROFILES)
-_TRIES = 10
+_TRIES = 20  # tenths of a second in which jobs notice that their run is gone
 # with one of these the screen is Snakemake's own
 _SHOW = ("--logger", "--quiet", "-q", "--verbose", "--printshellcmds", "-p", "--debug-dag")
+_LOCKS = ".snakemake/locks/*.lock"  # those of Snakemake, while a run is at work
 _FILES = Path("config/config.yaml"), Path("config/surfaces.tsv")
 
 _SETTINGS_HEAD = """\
@@ -138,7 +140,9 @@ def run_workflow(arguments: Sequence[str]) -> int:
         _wait([*command, "--unlock", *arguments, "--quiet"], given.directory)
     if not any(word.split("=")[0] in _CORES for word in arguments):
         command += ["--cores", "all"]
-    code = _wait([*command, *arguments], given.directory)
+    dry = {"-n", "--dry-run", "--dryrun"} & {*arguments}
+    with _held(given.directory, dry=bool(dry)) as (files, run):
+        code = _wait([*command, *arguments], given.directory, files=files, run=run)
     if code and given.directory.is_dir() and shutil.disk_usage(given.directory).free < 1e6:
         print(f"The disk of {given.directory.absolute()} is full: make room and run again.", file=sys.stderr)
     return code
@@ -227,7 +231,7 @@ def _left_locked(folder: Path) -> bool:
     A run holds a lock on .snakemake/running, which the system frees when the run ends in whatever way. Where
     the last run was on another computer nobody here can know.
     """
-    if os.name == "nt" or not any(folder.glob(".snakemake/locks/*.lock")):
+    if os.name == "nt" or not any(folder.glob(_LOCKS)):
         return False
     import fcntl
 
@@ -235,15 +239,67 @@ def _left_locked(folder: Path) -> bool:
         with (folder / ".snakemake/running").open(encoding="utf-8") as file:
             if file.read().split()[:1] != [socket.gethostname()]:
                 return False
-            for _ in range(_TRIES):  # the jobs of a run that was just killed hold it for a moment
-                try:
-                    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                except BlockingIOError:
-                    time.sleep(0.1)
-                else:
-                    return True
+            return _locked(file.fileno(), fcntl.LOCK_EX)
     except OSError:
-        pass
+        return False
+
+
+@contextmanager
+def _held(folder: Path, *, dry: bool) -> Iterator[tuple[list[int], str]]:
+    """Lock .snakemake/running as long as this process or the Snakemake that it starts lives.
+
+    The system frees the lock when both have ended, in whatever way: by this a job knows that its run is gone
+    (`_job.py`), and the next run that the locks of Snakemake are those of one that was killed. The file names
+    computer and run, so that a job of a run that was killed does not take the next one for its own. A run
+    that comes to its end leaves it empty.
+
+    Yields
+    ------
+    files : list of int
+        what Snakemake has to inherit.
+    run : str
+        the name of the run, empty where nothing is held: in a dry run, in a folder without locks, or beside
+        another run, where Snakemake refuses this one.
+    """
+    if dry or os.name == "nt":
+        yield [], ""
+        return
+    import fcntl
+
+    run, path = f"{os.getpid()}-{time.time_ns()}", folder / ".snakemake/running"
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        file = path.open("a+b", buffering=0)
+    except OSError:  # a folder that cannot be written
+        yield [], ""
+        return
+    with file:
+        if not _locked(file.fileno(), fcntl.LOCK_EX):
+            yield [], ""
+            return
+        line = f"{socket.gethostname()} {run}\n".encode()
+        # in place, then cut: a kill in between leaves the computer's name
+        with path.open("r+b", buffering=0) as content:
+            content.write(line)
+            content.truncate(len(line))
+        yield [file.fileno()], run
+        if not any(folder.glob(_LOCKS)):  # else Snakemake was killed
+            file.truncate(0)
+
+
+def _locked(file: int, how: int) -> bool:
+    """Lock a file, after a moment if need be: the jobs of a run that was just killed have to notice it."""
+    import fcntl
+
+    for _ in range(_TRIES):
+        try:
+            fcntl.flock(file, how | fcntl.LOCK_NB)
+        except BlockingIOError:
+            time.sleep(0.1)
+        except OSError:
+            return False
+        else:
+            return True
     return False
 
 
@@ -257,9 +313,10 @@ def _cache(folder: Path) -> dict[str, str]:
     return {}
 
 
-def _wait(command: Sequence[str], folder: Path) -> int:
+def _wait(command: Sequence[str], folder: Path, *, files: Sequence[int] = (), run: str = "") -> int:
     """Run a command to its end, also after an interruption, which it has got as well."""
-    process = subprocess.Popen(command, env=os.environ | _cache(folder))
+    variables = os.environ | _cache(folder) | {"ROUGHCONTACT_RUN": run}  # for its jobs
+    process = subprocess.Popen(command, env=variables, pass_fds=files)
     while True:
         try:
             return process.wait()

@@ -1,4 +1,4 @@
-"""One file to numbers: the verbs of the workflow's stages, one after the other, with a bar for long work."""
+"""One file to numbers by the chain of the workflow, as plain values, with a bar for long work."""
 
 import json
 import sys
@@ -9,18 +9,11 @@ from typing import Any
 
 import xarray as xr
 
-from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
 from roughcontact.io.read import read_height_map
-from roughcontact.levelling.level import level
 from roughcontact.levelling.record import removed_and_filled
+from roughcontact.pipeline import run_chain
 from roughcontact.statistics import checks
-from roughcontact.statistics.contact_statistics import statistics_of, with_uncertainty
-from roughcontact.statistics.first_yield import with_first_yield
-from roughcontact.statistics.subsurface import with_subsurface_yield
-from roughcontact.statistics.targets import wanted_loads
-from roughcontact.uncertainty.budget import error_budget
 from roughcontact.variables import VARIABLES
-from roughcontact.window.periodic_window import periodic_window
 
 # what levelling removed and filled, of the attributes that it leaves
 _LEVELLED = (
@@ -62,30 +55,10 @@ def solve_file(
     RoughContactError
         for a file, a setting or a map that the stages refuse, or a load that misses the tolerance.
     """
-    contact = settings["contact"]
     with _progress() as show:
         show(0, None, "reading")
         height = read_height_map(path, **given)
-        show(0, None, "levelling")
-        levelled = level(height, **settings["level"])
-        show(0, None, "periodic window")
-        window = periodic_window(levelled, **settings["window"])
-        elastic = {"contact_modulus": contact["contact_modulus"]}
-        loads = wanted_loads(window, contact, threads=threads)
-        show(0, len(loads), "solving")
-        solver = elastic | {"mean_pressure": loads} | {key: contact[key] for key in SOLVER_SETTINGS}
-        solver["threads"] = threads
-        statistics = solve_contact(
-            window,
-            **solver,
-            reduce=statistics_of(window, **elastic, bodies=contact["bodies"], **settings["statistics"]),
-            progress=show,
-        )
-        statistics = with_first_yield(statistics, window, contact, threads=threads)
-        show(len(loads), len(loads), "error budget")
-        verbs = {"level": settings["level"], "window": settings["window"], "contact": solver}
-        budget = error_budget(levelled, window, verbs, **settings["uncertainty"])
-    statistics = with_subsurface_yield(with_uncertainty(statistics, budget), contact["bodies"])
+        levelled, window, statistics = run_chain(height, settings, threads=threads, progress=show)
     outcome = checks.surface_checks(
         statistics, height=height.attrs, levelled=levelled.attrs, window=window.attrs, points=window.size
     )

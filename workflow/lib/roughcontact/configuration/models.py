@@ -428,12 +428,6 @@ class Settings(Section):
         min_length=1,
         description="path of the table of surfaces, tab-separated, one row each; see config/README.md",
     )
-    together: Annotated[Number, Field(ge=0)] = Field(
-        default=12.0,
-        description="measured files smaller than this (MB) go through their stages in two jobs, up to the "
-        "window and from there, which saves most of the time of small maps; larger ones, and all at 0, have "
-        "a job for every stage",
-    )
     level: Level = Field(default_factory=Level)
     composite: Composite = Field(default_factory=Composite)
     window: Window = Field(default_factory=Window)

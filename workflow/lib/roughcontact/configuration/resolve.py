@@ -15,7 +15,7 @@ from roughcontact.materials import contact_modulus
 # keys of `contact` of which only one may be given: a case that gives one replaces the other of the base
 _ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure"))
 # keys that are the same for all cases
-_COMMON = ("surfaces", "together", "composite", "report", "crosscheck", "validation", "cases")
+_COMMON = ("surfaces", "composite", "report", "crosscheck", "validation", "cases")
 
 
 def resolve(config: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

@@ -6,7 +6,7 @@ not kept, contact and statistics are one stage.
 """
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 SECTIONS: dict[str, tuple[str, ...]] = {
     "height": (),
@@ -15,33 +15,6 @@ SECTIONS: dict[str, tuple[str, ...]] = {
     "contact": ("level", "window", "contact"),
     "uncertainty": ("level", "window", "contact", "uncertainty"),
     "statistics": ("level", "window", "contact", "uncertainty", "statistics"),
-}
-
-
-class Step(NamedTuple):
-    """What one script does: the files it reads and writes, and the stage whose settings it depends on.
-
-    Files are named as the stages are; `measured` is the measured file. What is not there is left out.
-    """
-
-    inputs: tuple[str, ...]
-    outputs: tuple[str, ...]
-    stage: str
-
-
-# the scripts of one surface that can go together in one job, by name
-STEPS = {
-    "ingest": Step(("measured",), ("height",), "height"),
-    "level": Step(("height",), ("levelled",), "levelled"),
-    "composite": Step(("face", "facing"), ("levelled",), "levelled"),
-    "window": Step(("levelled",), ("window",), "window"),
-    "uncertainty": Step(("window", "levelled"), ("uncertainty",), "uncertainty"),
-    "solve": Step(("window",), ("contact",), "contact"),
-    "statistics": Step(("contact", "uncertainty"), ("statistics",), "statistics"),
-    "solve_statistics": Step(("window", "uncertainty"), ("contact", "statistics"), "statistics"),
-    "panel": Step(
-        ("height", "counter_face", "levelled", "window", "contact", "statistics"), ("panel",), "statistics"
-    ),
 }
 
 

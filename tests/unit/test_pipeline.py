@@ -1,0 +1,104 @@
+"""The chain as one function: settings as the configuration has them, numbers as the verbs give them."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import roughcontact as rc
+from roughcontact import pipeline
+from roughcontact.configuration.resolve import resolve
+from roughcontact.references.synthetic import self_affine_surface, westergaard_surface
+
+NO_BUDGET = {"sources": []}
+
+
+@pytest.fixture(scope="module")
+def rough():
+    """A map of an instrument: not periodic, with a tilt."""
+    height = self_affine_surface(
+        (48, 64), 1e-6, hurst=0.8, shortest=6e-6, longest=24e-6, rms_height=2e-7, seed=4
+    )
+    return height + 0.01 * height["x"]
+
+
+def test_half_of_a_wave_touches_at_half_of_the_load_that_closes_it():
+    """Westergaard (1939): it closes under π E* D/λ."""
+    wave = westergaard_surface((1, 512), 1e-3 / 512, amplitude=1e-6, wavelength=1e-3)
+    found = rc.evaluate(
+        wave,
+        level={"form": "none", "outlier_threshold": None},
+        window={"method": "raw"},
+        contact={"contact_modulus": "1 GPa", "mean_pressure": np.pi * 1e6 / 2},
+        uncertainty=NO_BUDGET,
+    )
+    assert found["relative_contact_area"].item() == pytest.approx(0.5, abs=2 / 512)
+    assert found["max_pressure"].item() == pytest.approx(np.sqrt(2) * np.pi * 1e6, rel=1e-3)
+
+
+def test_the_numbers_are_those_of_the_verbs_one_by_one(rough):
+    # loads not in the order of solving
+    contact = {"contact_modulus": 1e9, "mean_pressure": [4e6, 1e6], "tolerance": 1e-4}
+    found = rc.evaluate(rough, contact=contact, uncertainty={"sources": ["solver", "discretisation"]})
+    levelled = rc.level(rough)
+    window = rc.periodic_window(levelled)
+    alone = rc.contact_statistics(rc.solve_contact(window, **contact))
+    for name in alone.variables:
+        np.testing.assert_array_equal(found[name], alone[name], err_msg=name)
+    budget = rc.error_budget(
+        levelled,
+        window,
+        {"level": {}, "window": {}, "contact": contact},
+        sources=["solver", "discretisation"],
+    )
+    for name in ("mean_gap_lower", "mean_gap_upper", "relative_contact_area_uncertainty"):
+        np.testing.assert_array_equal(found[name], budget[name], err_msg=name)
+    assert (found["mean_gap_lower"] < found["mean_gap"]).all()
+    assert len(json.loads(found.attrs["verdicts"])) == 2
+
+
+def test_a_file_and_its_map_give_the_same(tmp_path, rough):
+    rough.to_netcdf(tmp_path / "map.nc")
+    options = {"contact": {"contact_modulus": 1e9, "relative_pressure": 0.1}, "uncertainty": NO_BUDGET}
+    file = rc.evaluate(tmp_path / "map.nc", **options)
+    of_map = rc.evaluate(rc.read_height_map(tmp_path / "map.nc"), **options)
+    assert file.identical(of_map)
+    assert len(file.attrs["source_sha256"]) == 64
+    assert json.loads(file.attrs["settings"])["contact"]["contact_modulus"] == 1e9
+
+
+def test_fields_are_handed_on_and_not_kept(rough):
+    (settings,) = resolve({"contact": {"contact_modulus": 1e9, "mean_pressure": [4e6, 1e6]}}).values()
+    window = rc.periodic_window(rc.level(rough))
+    solver = pipeline.solver_arguments(window, settings["contact"])
+    kept: list[xr.Dataset] = []
+    solution, _ = pipeline.solve_and_count(
+        window, settings, solver, keep=lambda piece: kept.append(piece.copy(deep=True))
+    )
+    assert [float(piece["mean_pressure"][0]) for piece in kept] == [1e6, 4e6]
+    assert all(piece["pressure"].shape == (1, *window.shape) for piece in kept)
+    assert "pressure" not in solution
+    assert solution["mean_pressure"].values.tolist() == [4e6, 1e6]
+
+
+@pytest.mark.parametrize(
+    ("sections", "said"),
+    [
+        ({}, "no elasticity given"),
+        ({"contact": {"contact_modulus": "115 mm"}}, "contact.contact_modulus"),
+        ({"contact": {"contact_modulus": 1e9}, "level": {"ordre": 2}}, "did you mean order?"),
+    ],
+)
+def test_settings_are_refused_as_those_of_a_configuration(rough, sections, said):
+    with pytest.raises(rc.SettingsError, match=said.replace("?", r"\?")):
+        rc.evaluate(rough, **sections)
+
+
+def test_a_flat_map_under_a_relative_load_names_its_file():
+    (settings,) = resolve({"contact": {"contact_modulus": 1e9, "relative_pressure": 0.1}}).values()
+    flat = xr.DataArray(
+        np.ones((8, 8)), dims=("y", "x"), coords={"y": np.arange(8) * 1e-6, "x": np.arange(8) * 1e-6}
+    ).assign_attrs(source_file="flat.npy")
+    with pytest.raises(rc.HeightMapError, match=r"^flat.npy: .*\(section contact\)"):
+        pipeline.solver_arguments(flat, settings["contact"])

@@ -1,0 +1,112 @@
+"""The report of a run in which a surface has failed: what is in it, and how the next run goes on."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from small_project import SETTINGS, Project, counted, write_maps
+
+from roughcontact.configuration.plan import Plan
+from roughcontact.configuration.study import read_study
+from roughcontact.report.partial import write_partial_results
+from roughcontact.results.storage import read_dataset
+
+QUICK = SETTINGS | {"uncertainty": {"sources": []}}
+REPORT = ("results/statistics.nc", "results/summary.csv", "results/report.html")
+
+
+@pytest.fixture
+def done(tmp_path, checkout, monkeypatch):
+    """The folder of a project with two surfaces in which the workflow has run."""
+    project = Project(tmp_path / "project", checkout)
+    write_maps(project.path("measured"))
+    project.write(QUICK)
+    first = project.run()
+    assert first.returncode == 0, first.stderr
+    monkeypatch.chdir(project.folder)
+    return project
+
+
+def plan(**settings):
+    """Return the plan of the run in the working directory, with other settings."""
+    return Plan(*read_study(QUICK | settings, ["."], measured_in=["."]))
+
+
+def contents(project):
+    """Return the report as it is."""
+    return {name: project.path(name).read_bytes() for name in REPORT}
+
+
+def test_what_is_mended_is_in_the_next_report_though_it_is_as_before(done):
+    """Snakemake compares contents of small files with those of the last report that it has made itself."""
+    complete, measured = contents(done), done.path("measured/turned.txt")
+    times, text = measured.stat(), measured.read_bytes()
+    measured.write_bytes(b"")
+    failed = done.run("--keep-going")
+    assert failed.returncode != 0
+    assert "Not finished: turned." in failed.stderr
+    partial = read_dataset(done.path("results/statistics.nc"))
+    assert partial["surface"].values.tolist() == ["ground"]
+    (failure,) = json.loads(partial.attrs["failed"])
+    assert (failure["surface"], failure["case"]) == ("turned", None)
+    assert "measured/turned.txt: the file is empty" in failure["reason"]
+    measured.write_bytes(text)
+    os.utime(measured, ns=(times.st_atime_ns, times.st_mtime_ns))
+    assert counted(done.run("--rerun-incomplete")) == {"report": 1}  # what was there had been put back
+    assert contents(done) == complete
+    assert "Nothing to be done" in done.run().stderr
+
+
+def test_where_all_is_finished_nothing_is_written(done):
+    before = contents(done)
+    assert write_partial_results(plan()) == []
+    assert contents(done) == before
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        lambda folder: (folder / "measured/turned.txt").write_text("1 2\n3 4\n"),
+        lambda folder: os.utime(folder / "results/turned/window.nc"),
+        lambda folder: (folder / "results/turned/panel.html").unlink(),
+        lambda folder: (folder / "results/turned/statistics.nc").write_bytes(b"not netCDF"),
+        lambda folder: (folder / "logs/turned/contact.log").write_text("[contact turned] load 1 of 2\n"),
+    ],
+    ids=["another measurement", "a newer window", "no panel", "a damaged file", "a job that was killed"],
+)
+def test_a_result_that_is_not_of_this_run_is_not_in_it(done, edit):
+    edit(done.folder)
+    (failure,) = write_partial_results(plan())
+    assert (failure["surface"], failure["case"]) == ("turned", None)
+    assert failure["reason"].startswith(
+        ("not finished", "ended without a word, as a job does that is killed")
+    )
+    page = done.path("results/report.html").read_text()
+    assert 'id="surface-ground"' in page
+    assert 'id="surface-turned"' not in page
+
+
+def test_results_of_other_settings_are_not_in_it(done):
+    before = contents(done)
+    failures = write_partial_results(plan(contact=SETTINGS["contact"] | {"tolerance": 1e-5}))
+    assert [failure["surface"] for failure in failures] == ["ground", "turned"]
+    assert contents(done) == before
+
+
+def test_the_command_says_what_is_missing(done):
+    done.path("logs/ground/contact.log").write_text("[contact ground] ERROR: killed; out of memory\n")
+    done.path("results/ground/panel.html").unlink()
+    stated = {"config": QUICK, "folders": ["."], "measured_in": ["."]}
+    run = subprocess.run(
+        [sys.executable, "-m", "roughcontact.command_line.unfinished"],
+        input=json.dumps(stated),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert run.stderr.startswith("Not finished: ground. The lines with ERROR above say why")
+    assert "results/report.html and results/summary.csv have the others" in run.stderr
+    failed = json.loads(read_dataset(done.path("results/statistics.nc")).attrs["failed"])
+    assert failed[0]["reason"] == "killed; out of memory"

@@ -1,0 +1,516 @@
+"""What a run does: which case computes which file of a surface, what each job reads, writes and needs.
+
+A surface has two jobs: `prepare` reads, levels and cuts out the window, `contact` bounds the error, solves,
+counts and draws the panel. Each case has a folder of its own with all files: what an earlier case has
+computed with the same settings is linked. A case that has nothing to prepare, or only for itself, has a
+single job, `contact`, for all of its files.
+
+Surfaces are of three kinds: *single* ones, the two *faces* of a pair, which are measured and levelled, and
+the *members* of a pair, the ways in which its faces lie on one another, which are windowed and solved.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+from roughcontact.configuration.stages import SECTIONS, owner, settings_of
+from roughcontact.configuration.surfaces import Member, Surface, measured, members
+
+Kind = Literal["single", "face", "member"]
+Part = Literal["prepare", "contact", "crosscheck"]
+
+PREPARED: dict[Kind, tuple[str, ...]] = {
+    "single": ("height", "levelled", "window"),
+    "face": ("height", "levelled"),
+    "member": ("levelled", "window"),
+}
+SOLVED = ("uncertainty", "contact", "statistics", "panel")
+# what is read to make each file; of a member the heights are those of its face
+_READ = {
+    "height": ("measured",),
+    "levelled": ("height",),
+    "window": ("levelled",),
+    "uncertainty": ("levelled", "window"),
+    "contact": ("window",),
+    "statistics": ("window", "contact", "uncertainty"),
+    "panel": ("height", "counter_face", "levelled", "window", "contact", "statistics"),
+}
+NOTHING = "(?!)"  # the pattern that no name matches
+
+BASE_MEMORY = 700  # MB: a script and, on a cluster, the two Snakemakes that start it
+_SMALL = 4.0  # MB of a measured file, below which jobs run side by side, with one thread each
+
+
+class Job(NamedTuple):
+    """What one job of a surface does under one case.
+
+    Attributes
+    ----------
+    steps : list of str
+        the files it computes, in their order, by their names without ending.
+    links : list of str
+        the files it links, since another case has computed them.
+    inputs : dict
+        name -> path: what the steps read and do not make themselves, and where the links lead to.
+    """
+
+    steps: list[str]
+    links: list[str]
+    inputs: dict[str, str]
+
+
+class Run(NamedTuple):
+    """One surface under one case: a row of the results.
+
+    Attributes
+    ----------
+    surface, case : str
+        names; the case is empty in a run without cases.
+    """
+
+    surface: str
+    case: str
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The plan of a run.
+
+    Attributes
+    ----------
+    cases : mapping
+        name -> full settings, as `resolve` returns them.
+    table : mapping
+        name -> Surface, as `read_surfaces` returns them.
+
+    Examples
+    --------
+    >>> from roughcontact.configuration.resolve import resolve
+    >>> two = {"a": {}, "b": {"level": {"order": 3}}}
+    >>> cases = resolve({"contact": {"contact_modulus": 1e9}, "cases": two})
+    >>> plan = Plan(cases, {"ground": Surface("ground", Path("ground.x3p"), "line 2", {})})
+    >>> plan.file("height", "ground", "b")
+    'results/a/ground/height.nc'
+    >>> plan.job("contact", "ground", "b").links
+    ['height']
+    """
+
+    cases: Mapping[str, dict[str, Any]]
+    table: Mapping[str, Surface]
+
+    @cached_property
+    def common(self) -> dict[str, Any]:
+        """The settings that are the same for all cases, as those of the first."""
+        return self.cases[next(iter(self.cases))]
+
+    @cached_property
+    def measured(self) -> dict[str, Surface]:
+        """Name -> what was measured: single surfaces and faces."""
+        return measured(self.table)
+
+    @cached_property
+    def members(self) -> dict[str, Member]:
+        """Name -> member of a pair."""
+        composite = self.common["composite"]
+        return members(self.table, composite["shifts"] * len(composite["rotations"]))
+
+    @cached_property
+    def solved(self) -> list[str]:
+        """What is solved, by name, in the order of the table."""
+        of_pair: dict[str, list[str]] = {}
+        for name, member in self.members.items():
+            of_pair.setdefault(member.pair, []).append(name)
+        return [name for row in self.table for name in of_pair.get(row, [row])]
+
+    @cached_property
+    def runs(self) -> list[Run]:
+        """Every result of the run, case by case."""
+        return [Run(surface, case) for case in self.cases for surface in self.solved]
+
+    @cached_property
+    def folder(self) -> str:
+        """Pattern of the folder of a surface, with wildcards."""
+        return "results/{surface}" if "" in self.cases else "results/{case}/{surface}"
+
+    @cached_property
+    def logs(self) -> str:
+        """Pattern of the folder of the logs of a surface."""
+        return self.folder.replace("results", "logs", 1)
+
+    @cached_property
+    def owners(self) -> dict[str, dict[str, str]]:
+        """The case that computes a stage of another one: stage -> case -> case."""
+        return {stage: {case: owner(self.cases, case, stage) for case in self.cases} for stage in SECTIONS}
+
+    def kind(self, surface: str) -> Kind:
+        """Return whether a name is that of a single surface, a face or a member.
+
+        Parameters
+        ----------
+        surface : str
+
+        Returns
+        -------
+        str
+        """
+        if surface in self.members:
+            return "member"
+        return "single" if surface in self.table else "face"
+
+    def row(self, surface: str) -> Surface:
+        """Return the row of the table that a surface comes from, or what was measured of a face.
+
+        Parameters
+        ----------
+        surface : str
+
+        Returns
+        -------
+        Surface
+        """
+        return self.table[self.members[surface].pair] if surface in self.members else self.measured[surface]
+
+    def names(self, *kinds: Kind) -> list[str]:
+        """Return the names of all surfaces of some kinds.
+
+        Parameters
+        ----------
+        *kinds : {"single", "face", "member"}
+
+        Returns
+        -------
+        list of str
+        """
+        return [name for name in [*self.measured, *self.members] if self.kind(name) in kinds]
+
+    @cached_property
+    def preparing(self) -> list[str]:
+        """The cases that have a job `prepare`: the first, which reads, and those that others take from."""
+        taken = {
+            self.owners[stage][case]
+            for stage in PREPARED["single"]
+            for case in self.cases
+            if self.owners[stage][case] != case
+        }
+        first = next(iter(self.cases))
+        return [case for case in self.cases if case == first or case in taken]
+
+    @cached_property
+    def following(self) -> list[str]:
+        """The cases whose job `contact` makes, or links, what it needs to begin with as well."""
+        return [case for case in self.cases if case not in self.preparing]
+
+    def job(self, part: Part, surface: str, case: str = "") -> Job:
+        """Return what a job computes, links and reads.
+
+        Parameters
+        ----------
+        part : {"prepare", "contact"}
+        surface, case : str
+            names.
+
+        Returns
+        -------
+        Job
+        """
+        kind = self.kind(surface)
+        alone = part == "contact" and case in self.preparing
+        made = [*(() if alone else PREPARED[kind]), *(SOLVED if part == "contact" else ())]
+        steps = [name for name in made if name not in SECTIONS or self.owners[name][case] == case]
+        links = [name for name in made if name not in steps]
+        read = [name for step in steps for name in self._read(step, kind) if name not in steps]
+        return Job(steps, links, {name: self.file(name, surface, case) for name in sorted({*read, *links})})
+
+    def _read(self, step: str, kind: Kind) -> tuple[str, ...]:
+        """Return what is read to make a file of a surface of some kind."""
+        if kind == "member":
+            return ("face", "facing") if step == "levelled" else _READ[step]
+        return tuple(name for name in _READ[step] if name != "counter_face")
+
+    def file(self, name: str, surface: str, case: str = "") -> str:
+        """Return the path of a file of a surface, in the folder of the case that computes it.
+
+        Parameters
+        ----------
+        name : str
+            of a stage, or "panel", "measured"; of a member also "counter_face" (the heights of the face that
+            is touched), "face" and "facing" (both faces, levelled).
+        surface, case : str
+
+        Returns
+        -------
+        str
+        """
+        if name == "measured":
+            return str(self.measured[surface].path)
+        if name == "panel":
+            return f"{self.folder}/panel.html".format(surface=surface, case=case)
+        if surface in self.members:
+            face, facing = self.members[surface].face, self.members[surface].counter_face
+            name, surface = {
+                "height": ("height", face),
+                "counter_face": ("height", facing),
+                "face": ("levelled", face),
+                "facing": ("levelled", facing),
+            }.get(name, (name, surface))
+        return f"{self.folder}/{name}.nc".format(surface=surface, case=self.owners[name][case])
+
+    def panel(self, surface: str, case: str = "") -> str:
+        """Return the panel that the report shows: the one with the cross-check, where there is one.
+
+        Parameters
+        ----------
+        surface, case : str
+
+        Returns
+        -------
+        str
+            its path.
+        """
+        checked = self.common["crosscheck"]["code"] != "none"
+        name = "panel-crosschecked" if checked else "panel"
+        return f"{self.folder}/{name}.html".format(surface=surface, case=case)
+
+    def outputs(self, part: Part, kind: Kind, *, whole: bool = False) -> dict[str, str]:
+        """Return the files of a job, name -> path with wildcards.
+
+        Parameters
+        ----------
+        part : {"prepare", "contact"}
+        kind : {"single", "face", "member"}
+        whole : bool
+            those of the job `contact` of a case without a job `prepare`.
+
+        Returns
+        -------
+        dict
+        """
+        names = (
+            *(PREPARED[kind] if part == "prepare" or whole else ()),
+            *(SOLVED if part == "contact" else ()),
+        )
+        return {name: f"{self.folder}/{name}.{'html' if name == 'panel' else 'nc'}" for name in names}
+
+    def links(self) -> list[str]:
+        """Return the links of all cases, so that every folder is complete.
+
+        Returns
+        -------
+        list of str
+        """
+        return [
+            self.folder.format(surface=surface, case=case) + f"/{stage}.nc"
+            for case in self.cases
+            for surface in [*self.measured, *self.members]
+            for stage in self._stages(self.kind(surface))
+            if self.owners[stage][case] != case
+        ]
+
+    def _stages(self, kind: Kind) -> list[str]:
+        """Return the stages that surfaces of a kind have files of."""
+        return [*PREPARED[kind], *(name for name in SOLVED if name in SECTIONS and kind != "face")]
+
+    def settings(self, stage: str, surface: str, case: str = "") -> dict[str, Any]:
+        """Return all the settings on which a stage of a surface depends: what its file records.
+
+        Parameters
+        ----------
+        stage : str
+            one of `SECTIONS`.
+        surface, case : str
+
+        Returns
+        -------
+        dict
+            section -> settings; `surface` is what the table says.
+        """
+        if surface in self.members:
+            row = {**vars(self.members[surface]), "composite": self.common["composite"]}
+        else:
+            row = self.measured[surface].given
+        return {"surface": {"name": surface, **row}, **settings_of(self.cases[case], stage)}
+
+    def all_settings(self, part: Callable[[dict[str, Any]], dict[str, Any]] = dict) -> dict[str, Any]:
+        """Return the settings of the whole run, or a part of them: of each case, where there are cases.
+
+        Parameters
+        ----------
+        part : callable
+            of the settings of a case.
+
+        Returns
+        -------
+        dict
+        """
+        if "" in self.cases:
+            return part(self.cases[""])
+        return {case: part(settings) for case, settings in self.cases.items()}
+
+    def threads(self, surface: str) -> int:
+        """Return the threads of the solver: one for small maps, where jobs run side by side instead.
+
+        Depends on the measured file alone: sums over the grid are rounded by the number of threads, and so a
+        run comes out the same wherever there are as many cores.
+
+        Parameters
+        ----------
+        surface : str
+
+        Returns
+        -------
+        int
+        """
+        return 1 if megabytes(self.row(surface).path) < _SMALL else 4
+
+    def loads(self, case: str = "") -> int:
+        """Return how many loads are solved; a plan that is made for the map has about ten.
+
+        Parameters
+        ----------
+        case : str
+
+        Returns
+        -------
+        int
+        """
+        contact = self.cases[case]["contact"]
+        return len(contact["mean_pressure"] or contact["relative_pressure"] or range(10))
+
+    def memory(self, part: Part, surface: str, case: str = "", *, points: int) -> float:
+        """Return the memory (MB) that a job takes, a margin included.
+
+        Parameters
+        ----------
+        part : {"prepare", "contact", "crosscheck"}
+        surface, case : str
+        points : int
+            of the measured map, about.
+
+        Returns
+        -------
+        float, MB
+            docs/how-to/cluster.md compares it with what jobs take.
+        """
+        millions = points / 1e6
+        if part == "prepare" and surface in self.members:
+            return BASE_MEMORY + 400 * millions
+        reading = 0.0 if surface in self.members else reading_memory(self.row(surface).path)
+        prepare = max(reading, 90 * millions)
+        if part == "prepare":
+            return BASE_MEMORY + prepare
+        if part == "crosscheck":
+            return BASE_MEMORY + (600 + 50 * self.loads(case)) * millions
+        statistics = self.cases[case]["statistics"]
+        flow = statistics["flow"] == "always" or (statistics["flow"] == "auto" and bool(statistics["seal"]))
+        # the error budget takes 1000 bytes for each of the first million points, and no more of larger maps
+        solving = (115 + 1600 * flow) * millions + 1000 * min(millions, 1)
+        return BASE_MEMORY + max(solving, 0 if case in self.preparing else prepare)
+
+    def minutes(self, part: Part, surface: str, case: str = "", *, points: int) -> float:
+        """Return the run time (minutes) that a job takes beyond its start, a margin included.
+
+        Parameters
+        ----------
+        part : {"prepare", "contact", "crosscheck"}
+        surface, case : str
+        points : int
+            of the measured map, about.
+
+        Returns
+        -------
+        float, minutes
+        """
+        prepare = 40 * points / 60e6 + megabytes(self.row(surface).path) / 100
+        if part == "prepare":
+            return prepare
+        if part == "crosscheck":
+            return (20 + 1000 * self.loads(case)) * points / 60e6
+        solving = (240 + 190 * self.loads(case)) * points / 60e6
+        return solving + (0 if case in self.preparing else prepare)
+
+    def log_files(self, run: Run) -> list[str]:
+        """Return the logs of all jobs that have a part in a result, in their order.
+
+        Parameters
+        ----------
+        run : Run
+
+        Returns
+        -------
+        list of str
+            paths; some jobs there may not be.
+        """
+        member = self.members.get(run.surface)
+        faces = [member.face, member.counter_face] if member else []
+        jobs: dict[tuple[str, str, str], None] = {}  # without those that come twice
+        for stage in SECTIONS:
+            case = self.owners[stage][run.case]
+            for face in faces if stage in PREPARED["face"] else ():
+                jobs["prepare", face, case] = None
+            if not (member and stage == "height"):
+                first = stage in PREPARED["single"] and case in self.preparing
+                jobs["prepare" if first else "contact", run.surface, case] = None
+        jobs["contact", run.surface, run.case] = None
+        jobs["crosscheck", run.surface, run.case] = None
+        return [f"{self.logs}/{part}.log".format(surface=surface, case=case) for part, surface, case in jobs]
+
+
+def one_of(names: Iterable[str]) -> str:
+    r"""Return the pattern of some names, letter by letter, which matches thousands of them as fast as a few.
+
+    Parameters
+    ----------
+    names : iterable of str
+
+    Returns
+    -------
+    str
+        a regular expression; one that nothing matches where there is no name.
+
+    Examples
+    --------
+    >>> one_of(["ground-1", "ground-2", "turned"])
+    '(?:ground\\-(?:1|2)|turned)'
+    """
+    branches: dict[str, list[str]] = {}
+    for name in names:
+        branches.setdefault(name[:1], []).append(name[1:])
+    if not branches:
+        return NOTHING
+    may_end = branches.pop("", None) is not None
+    each = [re.escape(letter) + one_of(rests) for letter, rests in branches.items()]
+    pattern = "|".join(each)
+    if len(each) > 1 or (each and may_end):
+        return f"(?:{pattern})" + "?" * may_end
+    return pattern
+
+
+def megabytes(path: str | Path) -> float:
+    """Return the size of a file in MB, 0 where there is none.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    float, MB
+    """
+    return Path(path).stat().st_size / 1e6 if Path(path).exists() else 0.0
+
+
+def reading_memory(path: str | Path) -> float:
+    """Return the memory for the content of a measured file: arrays of NumPy are not packed, others may be.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    float, MB
+    """
+    return (10 if str(path).endswith(".npy") else 50) * megabytes(path)

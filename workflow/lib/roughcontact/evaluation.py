@@ -1,0 +1,85 @@
+"""One call from a measured file to its numbers, with the settings of the configuration."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from roughcontact.configuration.resolve import resolve
+from roughcontact.io.read import read_height_map
+from roughcontact.pipeline import run_chain
+from roughcontact.results.storage import provenance
+
+
+def evaluate(
+    source: str | Path | xr.DataArray,
+    *,
+    level: Mapping[str, Any] | None = None,
+    window: Mapping[str, Any] | None = None,
+    contact: Mapping[str, Any] | None = None,
+    statistics: Mapping[str, Any] | None = None,
+    uncertainty: Mapping[str, Any] | None = None,
+    threads: int = 1,
+) -> xr.Dataset:
+    """Read, level, window, solve and count one map, and return its statistics with their intervals.
+
+    Parameters
+    ----------
+    source : str, Path or DataArray (y, x), m
+        a measured file, or a height map as `read_height_map` returns it.
+    level, window, contact, statistics, uncertainty : mapping, optional
+        what the sections of the configuration hold, numbers possibly as text with a unit ("115 GPa"); what is
+        left out has its default. `contact` states the elasticity, as `contact_modulus` or `bodies`.
+    threads : int
+        threads of the solver.
+
+    Returns
+    -------
+    Dataset
+        dims (load, ...), the content of statistics.nc: `{quantity}` for each load, `{quantity}_uncertainty`
+        (load, source), `{quantity}_lower` and `{quantity}_upper` (load), numbers of the map, SI units. Its
+        attributes hold settings, versions and, for a file, its checksum.
+
+    Raises
+    ------
+    SettingsError
+        for settings that the configuration would not take.
+    InputFileError
+        for a file that cannot be read.
+    HeightMapError
+        for a map that cannot be levelled, windowed or solved.
+    ConvergenceError
+        where a load misses the tolerance and `contact` says ``on_failure: raise``.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> found = evaluate(
+    ...     rough_reference_surface(64),
+    ...     contact={"contact_modulus": "1 GPa", "relative_pressure": 0.1},
+    ...     uncertainty={"sources": ["solver"]},
+    ... )
+    >>> f"{found['relative_contact_area'].item():.2f}"
+    '0.21'
+    >>> bool(found["mean_gap_lower"] <= found["mean_gap"])
+    True
+    """
+    given = {
+        "level": level,
+        "window": window,
+        "contact": contact,
+        "statistics": statistics,
+        "uncertainty": uncertainty,
+    }
+    full = resolve({section: dict(values) for section, values in given.items() if values is not None})[""]
+    settings = {section: full[section] for section in given}
+    height = source if isinstance(source, xr.DataArray) else read_height_map(source)
+    found = run_chain(height, settings, threads=threads)
+    origin = provenance(
+        settings,
+        source_sha256=str(height.attrs.get("source_sha256", "")),
+        stage="statistics",
+        history=str(found.window.attrs.get("history", "")),
+    )
+    return found.statistics.assign_attrs(origin)

@@ -1,0 +1,241 @@
+"""The chain from a height map to numbers: level, cut out a periodic window, solve and count, bound the error.
+
+The scripts of the workflow, `roughcontact solve` and `roughcontact.evaluate` all go this way, so that they
+give the same numbers. Reading, levelling and windowing are one verb each; what follows has several parts,
+which stand here.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import xarray as xr
+
+from roughcontact.contact.dataset import joined
+from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
+from roughcontact.errors import HeightMapError
+from roughcontact.levelling.level import level
+from roughcontact.statistics.checks import with_verdicts
+from roughcontact.statistics.contact_statistics import SOLUTION_COLUMNS, statistics_of, with_uncertainty
+from roughcontact.statistics.first_yield import with_first_yield
+from roughcontact.statistics.subsurface import with_subsurface_yield
+from roughcontact.statistics.targets import wanted_loads
+from roughcontact.uncertainty.budget import error_budget
+from roughcontact.variables import describe
+from roughcontact.window.periodic_window import periodic_window
+
+Settings = Mapping[str, Mapping[str, Any]]
+Progress = Callable[[int, int, str], None]
+Count = Callable[[xr.Dataset], xr.Dataset]
+
+
+class Chain(NamedTuple):
+    """What the chain leaves of one map.
+
+    Attributes
+    ----------
+    levelled, window : DataArray (y, x), m
+        the map without form and outliers, and the periodic part of it that was solved.
+    statistics : Dataset
+        the content of statistics.nc.
+    """
+
+    levelled: xr.DataArray
+    window: xr.DataArray
+    statistics: xr.Dataset
+
+
+def run_chain(
+    height: xr.DataArray,
+    settings: Settings,
+    *,
+    threads: int = 1,
+    progress: Callable[[int, int | None, str], None] = lambda done, total, text: None,
+) -> Chain:
+    """Run the chain on a map in memory.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        as `read_height_map` returns it.
+    settings : mapping
+        the sections `level`, `window`, `contact`, `statistics`, `uncertainty`, complete, as `resolve` returns
+        them.
+    threads : int
+        threads of the solver.
+    progress : callable, optional
+        called as ``progress(done, total, text)`` before each part, and after each load.
+
+    Returns
+    -------
+    Chain
+
+    Raises
+    ------
+    RoughContactError
+        as its parts raise it: `level`, `periodic_window`, `solve_contact`.
+    """
+    progress(0, None, "levelling")
+    levelled = level(height, **settings["level"])
+    progress(0, None, "periodic window")
+    window = periodic_window(levelled, **settings["window"])
+    solver = solver_arguments(window, settings["contact"], threads=threads)
+    loads = len(solver["mean_pressure"])
+    progress(0, loads, "solving")
+    _, counted = solve_and_count(window, settings, solver | {"progress": progress})
+    progress(loads, loads, "error budget")
+    budget = bound_error(levelled, window, settings, solver)
+    return Chain(levelled, window, complete_statistics(counted, window, budget, settings, threads=threads))
+
+
+def solver_arguments(window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1) -> dict[str, Any]:
+    """Return the keyword arguments of `solve_contact` that the settings stand for.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        the map to be solved, for loads relative to its rms gradient, and targets.
+    contact : mapping
+        the section `contact` of the settings.
+    threads : int
+
+    Returns
+    -------
+    dict
+        elasticity, loads (Pa), accuracy, threads.
+
+    Raises
+    ------
+    HeightMapError
+        for relative loads and targets on a flat map; it names the measured file.
+
+    Examples
+    --------
+    >>> from roughcontact.configuration.resolve import resolve
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((1, 64), 1e-6, amplitude=1e-7, wavelength=64e-6)
+    >>> contact = resolve({"contact": {"contact_modulus": 1e9, "mean_pressure": 1e5}})[""]["contact"]
+    >>> found = solver_arguments(wave, contact)
+    >>> found["mean_pressure"], found["tolerance"]
+    ([100000.0], 0.0001)
+    """
+    try:
+        loads = wanted_loads(window, contact, threads=threads)
+    except HeightMapError as error:
+        file = window.attrs.get("source_file")
+        raise HeightMapError(f"{f'{file}: ' if file else ''}{error} (section contact)") from error
+    chosen = {key: contact[key] for key in ("contact_modulus", *SOLVER_SETTINGS)}
+    return chosen | {"mean_pressure": loads, "threads": threads}
+
+
+def bound_error(
+    levelled: xr.DataArray, window: xr.DataArray, settings: Settings, solver: Mapping[str, Any]
+) -> xr.Dataset:
+    """Return the error budget of a solution that has yet to be made.
+
+    Parameters
+    ----------
+    levelled, window : DataArray (y, x), m
+        the map levelled, and the part that is solved.
+    settings : mapping
+        the sections `level`, `window`, `uncertainty`.
+    solver : mapping
+        from `solver_arguments`.
+
+    Returns
+    -------
+    Dataset
+        as of `error_budget`.
+    """
+    verbs = {"level": settings["level"], "window": settings["window"], "contact": solver}
+    return error_budget(levelled, window, verbs, **settings["uncertainty"])
+
+
+def solve_and_count(
+    window: xr.DataArray, settings: Settings, solver: Mapping[str, Any], *, keep: Count | None = None
+) -> tuple[xr.Dataset, xr.Dataset]:
+    """Solve the contact load by load, and count in each solution before the next one is made.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+    settings : mapping
+        the sections `contact` (of which `bodies` count here) and `statistics`.
+    solver : mapping
+        from `solver_arguments`; `progress` may be added.
+    keep : callable, optional
+        gets the solution of each load, with its fields: `LoadByLoad.keep`.
+
+    Returns
+    -------
+    solution : Dataset
+        what the solver says of each load, without fields.
+    statistics : Dataset
+        as of `contact_statistics`.
+    """
+    count = counter(window, settings)
+    counted: dict[float, xr.Dataset] = {}
+
+    def take(piece: xr.Dataset) -> xr.Dataset:
+        """Keep and count one load; nothing of it stays in the solution."""
+        if keep is not None:
+            keep(piece)
+        counted[float(piece["mean_pressure"][0])] = count(piece)
+        return xr.Dataset()
+
+    solution = solve_contact(window, **solver, reduce=take)
+    statistics = joined([counted[load] for load in map(float, solution["mean_pressure"])])
+    return solution[[*SOLUTION_COLUMNS, *({"hardness"} & {*solution})]], describe(statistics)
+
+
+def counter(window: xr.DataArray, settings: Settings) -> Count:
+    """Return the function that counts in solutions of one map, whose own numbers are computed once.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        that is solved.
+    settings : mapping
+        the sections `contact` and `statistics`.
+
+    Returns
+    -------
+    callable
+        Dataset of a solution with its fields -> Dataset, as of `contact_statistics`.
+    """
+    contact = settings["contact"]
+    return statistics_of(
+        window,
+        contact_modulus=contact["contact_modulus"],
+        bodies=contact["bodies"],
+        **settings["statistics"],
+    )
+
+
+def complete_statistics(
+    counted: xr.Dataset, window: xr.DataArray, budget: xr.Dataset, settings: Settings, *, threads: int = 1
+) -> xr.Dataset:
+    """Return the statistics with all that belongs beside them.
+
+    Parameters
+    ----------
+    counted : Dataset
+        of `solve_and_count`.
+    window : DataArray (y, x), m
+        that was solved, with the attributes that reading, levelling and windowing left.
+    budget : Dataset
+        of `bound_error`, for the same loads.
+    settings : mapping
+        the section `contact`.
+    threads : int
+        of the solutions on the way to first yield.
+
+    Returns
+    -------
+    Dataset
+        with the load of first yield, the intervals, the stresses below the surface, and the verdict on each
+        load in the attribute `verdicts`.
+    """
+    yielding = with_first_yield(counted, window, settings["contact"], threads=threads)
+    complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])
+    return with_verdicts(complete, window)

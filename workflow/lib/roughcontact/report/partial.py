@@ -1,0 +1,108 @@
+"""What a run leaves in which surfaces have failed: the results of the others, which name these."""
+
+import hashlib
+import json
+import os
+import re
+import shutil
+from pathlib import Path
+
+from roughcontact.configuration.plan import Plan, Run
+from roughcontact.configuration.stages import settings_of
+from roughcontact.errors import InputFileError
+from roughcontact.report.gather import Finished, write_results
+from roughcontact.results.collect import Failure
+from roughcontact.results.storage import read_arrays
+
+# date of partial results: before any script was written, so that Snakemake takes them for older than the
+# script that makes them, and makes them again
+_LONG_AGO = 315_532_800  # 1980-01-01, s
+
+
+def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Failure]:
+    """Write the results of what a run has finished, if anything, and return what it has not.
+
+    A result counts as finished where all its files are there, are not older than those they are made of,
+    and record the settings of this run and the checksum of the measured file as it is now, and where its jobs
+    have said that they are done: where one fails Snakemake puts back what was there before. The files are
+    dated long ago, so that the next run makes them again; they are whole before they come to their place.
+
+    Parameters
+    ----------
+    plan : Plan
+        of the run.
+    folder : path
+        of its results, in the working directory.
+
+    Returns
+    -------
+    list of dict
+        surface, case and reason; nothing is written where it is empty, or where nothing is finished.
+    """
+    folder = Path(folder)
+    finished: list[Finished] = []
+    failures: list[Failure] = []
+    for run in plan.runs:
+        name = {"surface": run.surface, "case": run.case or None}
+        reason = _reason(plan, run)
+        if reason is None and _is_of_this_run(plan, run):
+            entry = {"statistics": plan.file("statistics", *run), "panel": plan.panel(*run)}
+            finished.append(Finished(**name, **entry))  # type: ignore[typeddict-item]
+        else:
+            failures.append(Failure(**name, reason=reason or "not finished"))  # type: ignore[typeddict-item]
+    if not (finished and failures):
+        return failures
+    staging = Path(".snakemake/partial")
+    shutil.rmtree(staging, ignore_errors=True)
+    staging.mkdir(parents=True)
+    write_results(
+        staging,
+        finished=finished,
+        title=plan.common["report"]["title"],
+        settings=plan.all_settings(),
+        settings_of_statistics=plan.all_settings(lambda settings: settings_of(settings, "statistics")),
+        pairs={name: member.pair for name, member in plan.members.items()},
+        failures=failures,
+        seen_from=folder,
+    )
+    shutil.rmtree(folder / "pages", ignore_errors=True)
+    for path in staging.iterdir():
+        os.utime(path, (_LONG_AGO, _LONG_AGO))
+        path.replace(folder / path.name)
+    staging.rmdir()
+    return failures
+
+
+def _is_of_this_run(plan: Plan, run: Run) -> bool:
+    """Return whether all files of a result are there, and of this run."""
+    stages = [Path(plan.file(stage, *run)) for stage in ("height", "levelled", "window", "statistics")]
+    files = [*stages, Path(plan.panel(*run))]
+    try:
+        dates = [file.stat().st_mtime_ns for file in files]
+        _, attrs = read_arrays(stages[-1])
+        recorded = json.loads(attrs["settings"]), attrs["source_sha256"]
+        expected = plan.settings("statistics", *run), _checksum(plan, run.surface)
+    except (OSError, InputFileError, KeyError):
+        return False
+    return dates == sorted(dates) and recorded == (json.loads(json.dumps(expected[0])), expected[1])
+
+
+def _checksum(plan: Plan, surface: str) -> str:
+    """Return what the results of a surface record of its measured files, both faces of a pair."""
+    member = plan.members.get(surface)
+    names = [surface] if member is None else [member.face, member.counter_face]
+    return " + ".join(hashlib.sha256(plan.measured[name].path.read_bytes()).hexdigest() for name in names)
+
+
+def _reason(plan: Plan, run: Run) -> str | None:
+    """Return what the first of its jobs that has failed says; None where none has."""
+    for log in plan.log_files(run):
+        try:
+            text = Path(log).read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            continue
+        if said := re.findall(r"^\[.*?\] ERROR: (.+)$", text, re.MULTILINE):
+            return said[-1]
+        if not text.endswith("] done\n"):
+            return f"ended without a word, as a job does that is killed: {log}"
+    return None

@@ -1,0 +1,57 @@
+"""The steps of `prepare`: each makes one file of a surface from those before it."""
+
+import json
+
+from _job import FILES, save, say, snakemake
+
+from roughcontact.errors import RoughContactError
+from roughcontact.faces.composite import composite
+from roughcontact.faces.positions import relative_positions
+from roughcontact.io.read import read_height_map
+from roughcontact.levelling.level import level
+from roughcontact.results.storage import opened_dataset, read_dataset
+from roughcontact.window.periodic_window import periodic_window
+
+
+def height(settings: dict) -> None:
+    """Read the measured file: metres, NaN where not measured, metadata and checksum of the file."""
+    file = snakemake.params.file
+    given = {key: value for key, value in settings["surface"].items() if key != "name"}
+    try:
+        found = read_height_map(file["path"], **given)
+    except RoughContactError as error:
+        raise type(error)(f"{error} ({file['origin']})") from error
+    for warning in json.loads(found.attrs["ingest_warnings"]):
+        say(f"warning: {warning}")
+    save(found, FILES["height"], settings, source=found.attrs)
+
+
+def levelled(settings: dict) -> None:
+    """Remove form and outliers and fill in missing points; of a pair, lay one face on the other."""
+    if "face" in FILES:
+        faces = [read_dataset(FILES[name])["height"] for name in ("face", "facing")]
+        pair = settings["surface"]
+        position = relative_positions(*faces, **pair["composite"])[pair["number"] - 1]
+        found = composite(*faces, **position)
+        save(found, FILES["levelled"], settings, source=found.attrs)
+        return
+    measured = read_dataset(FILES["height"])["height"]
+    save(level(measured, **settings["level"]), FILES["levelled"], settings, source=measured.attrs)
+
+
+def window(settings: dict) -> None:
+    """Cut out a window without missing points and make it periodic."""
+    with opened_dataset(FILES["levelled"]) as file:  # without what levelling has rejected, which is as large
+        plane = file["height"].drop_vars("rejected_height", errors="ignore").load()
+    found = periodic_window(plane, **settings["window"])
+    save(found, FILES["window"], settings, source=plane.attrs)
+
+
+STEPS = {"height": height, "levelled": levelled, "window": window}
+
+
+def prepare() -> None:
+    """Take those of these steps that the job is to take, one after the other."""
+    for name, step in STEPS.items():
+        if name in snakemake.params.steps:
+            step(snakemake.params.settings[name])

@@ -1,0 +1,51 @@
+"""Bound the error, solve, count, draw: window.nc to uncertainty.nc, contact.nc, statistics.nc, panel.html."""
+
+from _job import FILES, link, progress, save, snakemake
+from _preparing import prepare
+
+from roughcontact import pipeline
+from roughcontact.report.panel import write_panel
+from roughcontact.results.storage import opened_dataset, read_dataset, written_load_by_load
+
+link()
+prepare()  # where this case has no job of its own for it
+
+steps, of_step = snakemake.params.steps, snakemake.params.settings
+settings = of_step["panel"]  # all sections
+if "statistics" in steps:
+    window = read_dataset(FILES["window"])["height"]
+    solver = pipeline.solver_arguments(window, settings["contact"], threads=snakemake.threads)
+
+if "uncertainty" in steps:
+    with opened_dataset(FILES["levelled"]) as levelled:  # read when it is wanted, not beside the first solve
+        budget = pipeline.bound_error(levelled["height"], window, settings, solver)
+    save(budget, FILES["uncertainty"], of_step["uncertainty"], source=window.attrs)
+
+if "contact" in steps:
+    solver["progress"] = progress
+    path, own = FILES["contact"], of_step["contact"]
+    if settings["contact"]["keep_fields"]:
+        with written_load_by_load(path, solver["mean_pressure"], window) as file:
+            solution, counted = pipeline.solve_and_count(window, settings, solver, keep=file.keep)
+            save(solution.assign(height=window), path, own, source=window.attrs, into=file)
+    else:
+        solution, counted = pipeline.solve_and_count(window, settings, solver)
+        save(solution, path, own, source=window.attrs)
+elif "statistics" in steps:
+    with opened_dataset(FILES["contact"]) as contact:  # load by load: the maps are large
+        counted = pipeline.counter(window, settings)(contact).load()
+
+if "statistics" in steps:
+    budget = read_dataset(FILES["uncertainty"])
+    statistics = pipeline.complete_statistics(counted, window, budget, settings, threads=snakemake.threads)
+    save(statistics, FILES["statistics"], of_step["statistics"], source=window.attrs)
+    del window, counted
+
+drawn = ("height", "counter_face", "levelled", "window", "contact", "statistics")
+write_panel(
+    snakemake.output.panel,
+    surface=snakemake.wildcards.surface,
+    case=snakemake.wildcards.get("case"),
+    settings=settings,
+    **{name: FILES[name] for name in drawn if name in FILES},
+)

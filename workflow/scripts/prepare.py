@@ -1,0 +1,7 @@
+"""Read, level and cut out the window of one surface: a measured file to height.nc, levelled.nc, window.nc."""
+
+from _job import link
+from _preparing import prepare
+
+link()
+prepare()
