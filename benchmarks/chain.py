@@ -97,8 +97,8 @@ def stage_of(process: dict) -> str:
 
 
 def measure_stages(work: Path, size: int) -> dict:
-    """Return CPU time and peak memory of every stage of one map, three loads, a job for each."""
-    folder = study(work / "stages", files=[heights(work, size)], settings={"together": 0})
+    """Return CPU time and peak memory of every job of one map, three loads."""
+    folder = study(work / "stages", files=[heights(work, size)])
     taken = workflow(folder)
     stages = {
         stage: {"cpu": process["cpu"], "peak_MB": process["peak_MB"]}
