@@ -98,7 +98,7 @@ def stage_of(process: dict) -> str:
 
 def measure_stages(work: Path, size: int) -> dict:
     """Return CPU time and peak memory of every job of one map, three loads."""
-    folder = study(work / "stages", files=[heights(work, size)])
+    folder = study(work / "stages", files=[heights(work, size)], settings={})
     taken = workflow(folder)
     stages = {
         stage: {"cpu": process["cpu"], "peak_MB": process["peak_MB"]}
