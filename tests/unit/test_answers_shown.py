@@ -149,6 +149,7 @@ def test_whether_a_body_yields_is_answered_where_it_can_be():
     assert _yields(elastic.assign(max_pressure_upper=2e9)) == ("no", "hardness nowhere reached")
     assert _yields(elastic.assign(max_pressure_upper=3e9)) == ("no (in doubt)", "hardness nowhere reached")
     assert _yields(load.assign(volume_above_yield=0.0)) == ("no", "yield stress nowhere reached")
+    assert _yields(load.assign(volume_above_yield=np.inf)) == ("yes", "below the surface")
     unknown = load.drop_vars("volume_above_yield")
     assert _yields(unknown) == (NOT_JUDGED, "no hardness stated; metals would")
     assert _yields(unknown.assign(contact_modulus=1e6)) == (NOT_JUDGED, "rubber-like")

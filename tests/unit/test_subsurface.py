@@ -2,14 +2,19 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
 import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
 from roughcontact.elasticity.subsurface import subsurface_stress, tresca, von_mises
 from roughcontact.maps import height_map
-from roughcontact.references import closed_forms
-from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.references import closed_forms, depth_integral
+from roughcontact.references.synthetic import (
+    rough_reference_surface,
+    self_affine_surface,
+    westergaard_surface,
+)
 from roughcontact.results.collect import collect_statistics, summary_table
 from roughcontact.results.storage import write_dataset
 from roughcontact.statistics.subsurface import (
@@ -18,6 +23,7 @@ from roughcontact.statistics.subsurface import (
     stress_columns,
     with_subsurface_yield,
 )
+from roughcontact.statistics.targets import target_loads
 from roughcontact.variables import describe
 
 SOFT = {"youngs_modulus": 2e9, "poissons_ratio": 0.4, "yield_stress": 5e7}
@@ -133,18 +139,183 @@ def test_hertz(ratio):
     np.testing.assert_allclose(found["von_mises_profile"][inside], known, atol=0.006)
 
 
-@pytest.mark.parametrize("limit", [0.1, 0.3, 0.5])
-def test_volume_above_yield_of_a_wave(limit):
-    """Plane strain, ν = 0.5: √3 qz e^(-qz), the same along x, is above the limit between two depths."""
-    points, waves = 512, 8
-    wave = np.cos(2 * np.pi * waves * np.arange(points) / points)[None, :]
-    q = 2 * np.pi * waves / points
+@pytest.mark.parametrize("length", [2, 5, 16, 512], ids="{} points long".format)
+@pytest.mark.parametrize("limit", [0.1, 0.3, 0.5, 0.6])
+def test_volume_above_yield_of_a_wave(limit, length):
+    """Plane strain, ν = 0.5: √3 qz e^(-qz), the same along x, is above the limit between two depths.
+
+    The limits go up to 0.94 of the largest stress, the waves from the shortest one to the whole window.
+    """
+    wave = np.cos(2 * np.pi * np.arange(512 - 512 % length) / length)[None, :]
+    q = 2 * np.pi / length
     found = stress_columns(wave, (1.0, 1.0), poissons_ratio=0.5, yield_stress=limit)
     z = np.linspace(0, 8, 100001)
     between = z[np.sqrt(3) * z * np.exp(-z) > limit]
     known = closed_forms.wave_volume_above(limit)
     assert known == pytest.approx(between[-1] - between[0], rel=1e-3)
-    assert found["volume_above_yield"] * q == pytest.approx(known, rel=0.05)
+    assert found["volume_above_yield"] * q == pytest.approx(known, rel=0.005)
+
+
+@pytest.mark.parametrize("share", [0.6, 0.8, 0.95])
+def test_volume_above_yield_that_changes_along_a_wave(share):
+    """At ν = 0.2 the stress is e^(-qz) √(0.36 cos²(qx) + 3 (qz)²), largest below crests and troughs."""
+    ratio, q = 0.2, 2 * np.pi / 360
+    wave = np.cos(q * np.arange(360))[None, :]
+    reduced = np.linspace(0, 8, 8001)
+    limit = share * closed_forms.wave_von_mises(reduced, ratio).max()
+    found = stress_columns(wave, (1.0, 1.0), poissons_ratio=ratio, yield_stress=limit)
+
+    def share_above(z):
+        least = ((limit * np.exp(z)) ** 2 - 3 * z**2) / (1 - 2 * ratio) ** 2
+        return 2 / np.pi * np.arccos(np.sqrt(np.clip(least, 0, 1)))
+
+    known = quad(share_above, 0, 8, limit=500, epsabs=1e-4)[0]
+    assert found["volume_above_yield"] * q == pytest.approx(known, rel=0.005)
+
+
+def test_sum_over_depths_has_the_volume_of_a_wave():
+    """The sum that rough maps are held against, and its stress below a pressure with all waves."""
+    for along, shape in (((7.0, 1.0), (1, 64)), ((1.0, 0.5), (64, 3))):
+        wave = np.cos(2 * np.pi * np.arange(64) / 64).reshape(-1, 1 if shape[1] == 3 else 64)
+        limits = [0.3, 0.6]
+        largest, volumes = depth_integral.volume_above(
+            wave * np.ones(shape), along, poissons_ratio=0.5, limits=limits
+        )
+        assert largest == pytest.approx(np.sqrt(3) / np.e, rel=1e-4)
+        known = [closed_forms.wave_volume_above(limit) for limit in limits]
+        np.testing.assert_allclose(volumes * 2 * np.pi / 64, known, rtol=2e-3)
+    for shape in ((24, 31), (15, 16)):
+        pressure, steps = rough_pressure(shape), (1.3, 0.7)
+        stress_at = subsurface_stress(pressure, steps, poissons_ratio=0.27)
+        for depth in (0.0, 0.4, 3.0):
+            found = depth_integral.von_mises_below(pressure, steps, depth, poissons_ratio=0.27)
+            np.testing.assert_allclose(found, von_mises(stress_at(depth)), atol=1e-14)
+
+
+def rough_contact(shape, step, load, **surface):
+    """Return the pressure of a self-affine surface of unit gradient and modulus."""
+    height = self_affine_surface(shape, step, rms_gradient=1.0, **surface)
+    contact = rc.solve_contact(height, contact_modulus=1.0, mean_pressure=load, tolerance=1e-5)
+    return contact["pressure"].values[0]
+
+
+@pytest.mark.parametrize(
+    ("shape", "step", "load", "surface"),
+    [
+        ((64, 64), 1.0, 0.005, {"hurst": 0.8, "shortest": 2, "longest": 64}),
+        ((64, 64), 1.0, 0.05, {"hurst": 0.3, "shortest": 2, "longest": 64, "seed": 1}),
+        ((64, 64), 1.0, 0.6, {"hurst": 0.8, "shortest": 2, "longest": 64, "seed": 2}),
+        ((64, 64), 1.0, 0.05, {"hurst": 0.5, "shortest": 10, "longest": 32, "seed": 3}),
+        ((64, 64), 1.0, 2.0, {"hurst": 0.8, "shortest": 10, "longest": 64, "seed": 4}),
+        ((16, 160), 1.0, 0.2, {"hurst": 0.8, "shortest": 8, "longest": 80, "stretch": 16, "seed": 5}),
+        ((40, 90), (2.5, 1.0), 0.05, {"hurst": 0.7, "shortest": 5, "longest": 90, "seed": 6}),
+        ((1, 512), 1.0, 0.05, {"hurst": 0.8, "shortest": 4, "longest": 512, "seed": 7}),
+    ],
+)
+def test_rough_maps_have_the_stresses_of_hundreds_of_depths(shape, step, load, surface):
+    pressure, steps, ratio = rough_contact(shape, step, load, **surface), (np.max(step), 1.0), 0.3
+    found = stress_columns(pressure, steps, poissons_ratio=ratio)
+    limits = [share * found["max_von_mises_stress"] for share in (0.6, 0.8, 0.95)]
+    largest, volumes = depth_integral.volume_above(pressure, steps, poissons_ratio=ratio, limits=limits)
+    assert found["max_von_mises_stress"] == pytest.approx(largest, rel=1e-3)
+    for limit, volume in zip(limits, volumes, strict=True):
+        above = stress_columns(pressure, steps, poissons_ratio=ratio, yield_stress=limit)
+        assert above["volume_above_yield"] == pytest.approx(volume, rel=0.005)
+    stress_at = subsurface_stress(pressure, steps, poissons_ratio=ratio)
+    least = 0.86 * found["max_von_mises_stress"]  # √3/2 of the largest stress of Tresca, or more
+    beside = map(stress_at, found["max_von_mises_depth"] * np.geomspace(0.3, 3, 120))
+    shears = [tresca(stress[:, von_mises(stress) >= least]).max(initial=0) for stress in beside]
+    assert found["max_tresca_stress"] == pytest.approx(max(shears), rel=1e-3)
+
+
+@pytest.mark.parametrize("shape", [(12, 120), (120, 12), (24, 120), (60, 120), (120, 120), (1, 120)])
+def test_a_wave_in_a_window_of_any_shape(shape):
+    """The wave goes along the longer side: √3/e at the depth 1/q, whatever the shorter one."""
+    length, step = max(shape), 1e-6
+    axis = shape.index(length) if shape[0] != shape[1] else 1
+    wave = np.expand_dims(np.cos(2 * np.pi * np.arange(length) / length), 1 - axis) * np.ones(shape)
+    limit = 0.8 * np.sqrt(3) / np.e
+    found = stress_columns(2e8 + 1e8 * wave, (step, step), poissons_ratio=0.5, yield_stress=1e8 * limit)
+    q = 2 * np.pi / (length * step)
+    assert found["max_von_mises_stress"] == pytest.approx(1e8 * np.sqrt(3) / np.e, rel=1e-4)
+    assert found["max_von_mises_depth"] == pytest.approx(1 / q, rel=0.01)
+    assert found["volume_above_yield"] * q == pytest.approx(closed_forms.wave_volume_above(limit), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("rows", "dy"),
+    [(5, 0.3), (16, 1.0), (300, 20.0)],
+    ids=["a strip", "square pixels", "longer along the lay"],
+)
+def test_an_extruded_profile_has_the_stresses_of_the_profile(rows, dy):
+    profile = rough_contact((1, 200), 1.0, 0.05, hurst=0.8, shortest=4, longest=200)
+    known = stress_columns(profile, (1.0, 1.0), poissons_ratio=0.3)
+    limit = 0.8 * known["max_von_mises_stress"]
+    known = stress_columns(profile, (1.0, 1.0), poissons_ratio=0.3, yield_stress=limit)
+    found = stress_columns(
+        np.repeat(profile, rows, axis=0), (dy, 1.0), poissons_ratio=0.3, yield_stress=limit
+    )
+    for name in ("max_von_mises_stress", "max_tresca_stress"):
+        assert found[name] == pytest.approx(known[name], rel=2e-4)
+    assert found["max_von_mises_x"] == known["max_von_mises_x"]
+    assert found["max_von_mises_depth"] == pytest.approx(known["max_von_mises_depth"], rel=0.01)
+    assert found["volume_above_yield"] == pytest.approx(known["volume_above_yield"], rel=0.005)
+
+
+def test_stresses_below_ridges_are_those_of_their_waves():
+    """The closed form on the axis, against the waves of Westergaard's pressure taken one by one."""
+    points, ratio = 4096, 0.3
+    z = np.array([0.003, 0.03, 0.1, 0.3, 1.0])
+    for load in (0.05, 0.5, 1.0):
+        pressure = closed_forms.westergaard_pressure(np.arange(points) / points, 1.0, load, load)
+        waves = np.fft.rfft(pressure)[1:, None].real / points * 2
+        waves[-1] /= 2
+        reduced = 2 * np.pi * np.arange(1, points // 2 + 1)[:, None] * z
+        lateral = ratio / (1 - ratio) * load
+        across = -load - (waves * (1 + reduced) * np.exp(-reduced)).sum(axis=0)
+        along = -lateral - (waves * (1 - reduced) * np.exp(-reduced)).sum(axis=0)
+        crest = -lateral - 2 * ratio * (waves * np.exp(-reduced)).sum(axis=0)
+        none = np.zeros_like(z)
+        known = von_mises(np.array([along, crest, across, none, none, none]))
+        np.testing.assert_allclose(
+            closed_forms.westergaard_von_mises(z, load, ratio), known, rtol=1e-4, atol=1e-6
+        )
+
+
+@pytest.fixture(scope="module")
+def ridges():
+    """Return ridges in a window ten times as long as wide, and their largest stress at a fifth of p*."""
+    height = westergaard_surface((16, 160), 1e-6, amplitude=1e-6, wavelength=160e-6)
+    full = closed_forms.westergaard_full_contact_pressure(1e-6, 160e-6, 1e9)
+    z = np.linspace(0.01, 0.3, 3001)
+    return height, full, full * closed_forms.westergaard_von_mises(z, 0.2, 0.3).max()
+
+
+def test_the_load_of_first_yield_in_a_long_window(ridges):
+    """Searched for, and between two loads."""
+    height, full, stress = ridges
+    bodies = [{"poissons_ratio": 0.3, "yield_stress": stress}, {}]
+    (load,) = target_loads(height, contact_modulus=1e9, target="first_yield", bodies=bodies)
+    assert load / full == pytest.approx(0.2, rel=5e-3)
+    contact = rc.solve_contact(height, contact_modulus=1e9, mean_pressure=[0.15 * full, 0.25 * full])
+    found = with_subsurface_yield(rc.contact_statistics(contact, bodies=bodies, flow="never"), bodies)
+    assert found["first_subsurface_yield_pressure"].item() / full == pytest.approx(0.2, rel=0.01)
+    np.testing.assert_array_equal(found["depth"], profile_depths(height.shape, (1e-6, 1e-6)))
+
+
+def test_depths_reach_below_the_longest_wave_and_begin_within_the_first_pixel():
+    for shape, steps in (
+        ((12, 120), (1.0, 1.0)),
+        ((120, 12), (1.0, 1.0)),
+        ((30, 60), (2.0, 2.0)),
+        ((1, 120), (7, 1)),
+    ):
+        depths = profile_depths(shape, steps)
+        assert depths[0] == 0
+        assert np.count_nonzero((depths > 0) & (depths < 0.5 * steps[1])) >= 5
+        assert depths[-1] == pytest.approx(240)
+        assert closed_forms.wave_von_mises(2 * np.pi * depths[-1] / 120, 0.0) < 1e-4
+        assert (np.diff(depths, 2) > 0).all()
 
 
 def test_no_volume_above_a_yield_stress_that_is_not_reached():
@@ -155,14 +326,21 @@ def test_no_volume_above_a_yield_stress_that_is_not_reached():
     assert "volume_above_yield" not in stress_columns(wave, (1.0, 1.0), poissons_ratio=0.5)
 
 
-def test_stresses_in_layers_of_pressure_alone_fill_the_layers():
-    """A pressure without waves is above a lower limit all the way down, and nowhere above a higher one."""
-    flat = np.full((4, 32), 1.0)
-    depth = profile_depths(flat.shape, (1.0, 1.0))[-1]
+def test_the_mean_pressure_strains_all_of_the_body_or_nothing():
+    """Its stress p̄ (1 - 2ν)/(1 - ν) acts at every depth: there is no end of what is above a lower limit."""
+    flat = np.full((4, 32), 7.0)
     stress = stress_columns(flat, (1.0, 1.0), poissons_ratio=0.3)["max_von_mises_stress"]
-    for limit, known in ((0.99 * stress, depth), (1.01 * stress, 0.0)):
-        found = stress_columns(flat, (1.0, 1.0), poissons_ratio=0.3, yield_stress=limit)
-        assert found["volume_above_yield"] == pytest.approx(known, rel=1e-12)
+    assert stress == pytest.approx(7 * 0.4 / 0.7)
+    wave = flat + np.cos(2 * np.pi * np.arange(32) / 32)
+    for pressure in (flat, wave):
+        found = stress_columns(pressure, (1.0, 1.0), poissons_ratio=0.3, yield_stress=0.99 * stress)
+        assert found["volume_above_yield"] == np.inf
+    assert (
+        stress_columns(flat, (1.0, 1.0), poissons_ratio=0.3, yield_stress=1.01 * stress)["volume_above_yield"]
+        == 0
+    )
+    found = stress_columns(wave, (1.0, 1.0), poissons_ratio=0.3, yield_stress=1.01 * stress)
+    assert 0 < found["volume_above_yield"] < 64
 
 
 def test_the_body_that_yields_first():

@@ -284,10 +284,8 @@ def _yields(load: xr.Dataset) -> Cell:
         # the interval of the largest pressure ends at the hardness, which limits it
         reached = float(load.get("max_pressure_upper", 0.0)) >= float(load["hardness"]) * (1 - 1e-9)
         return Cell("no (in doubt)" if reached else "no", "hardness nowhere reached")
-    if below:
-        return Cell("yes", "below the surface")
-    if _known(load, "volume_above_yield"):
-        return Cell("no", "yield stress nowhere reached")
+    if below or _known(load, "volume_above_yield"):
+        return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")
     if rubber_like(load):
         return Cell(NOT_JUDGED, "rubber-like")
     flags = yield_flags(load.drop_vars("hardness", errors="ignore"))
