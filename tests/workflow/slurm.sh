@@ -109,8 +109,7 @@ grep "^\[prepare periodic\] ERROR: killed, took more memory than the 100 MB it h
 grep "^\[prepare periodic\] is tried again with 800 MB" "$folder/said"
 [ "$(killed)" != 0 ]
 
-# four small maps, one of them without a point, another one with too little memory once more: the report has the others
-# and says what it lacks
+# four small maps, one of them without a point: the report has the others and says what it lacks
 rm -r results .snakemake
 mkdir maps
 "$checkout/.venv/bin/python" - >config/surfaces.tsv <<'PYTHON'
@@ -129,9 +128,8 @@ complete() {
     grep -q "^\[prepare s2\] ERROR: maps/2.npy: all 4096 points of the map are missing" "$folder/said" || show
     grep -q "^Not finished: s2\. " "$folder/said" || show
 }
-run --set-resources "contact:mem_mb=100 * attempt ** 3 if 's1' in str(output) else 800" && show
+run && show
 grep "ERROR" "$folder/said"
-grep -q "^\[contact s1\] ERROR: killed, took more memory than the 100 MB it had asked for" "$folder/said" || show
 complete
 
 # all of it as a single job, as the page says for many small maps
