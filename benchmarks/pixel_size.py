@@ -36,7 +36,7 @@ NAMES = {
 
 def counted(contact):
     """Return what the budget counts of each load of a window."""
-    return discretisation.grid_marks(contact).merge(headline_and_answers(contact)[list(ANSWERS)])
+    return discretisation.resolution_indicators(contact).merge(headline_and_answers(contact)[list(ANSWERS)])
 
 
 def intervals(seed: int, loads: list[float]) -> list[dict]:
@@ -50,7 +50,7 @@ def intervals(seed: int, loads: list[float]) -> list[dict]:
     truth = rc.solve_contact(refined(window, 4), **problem, tolerance=3e-4, reduce=headline_and_answers)
     rows = []
     for part, most in MOST_POINTS.items():
-        discretisation._MOST_POINTS = most
+        discretisation._MAX_POINTS = most
         widths = discretisation.discretisation_uncertainty(window, contact=problem, solved=solved)
         for quantity, shown in NAMES.items():
             inside = abs(solved[quantity] - truth[quantity]) <= widths[quantity]

@@ -9,7 +9,7 @@ from roughcontact.fourier import wavevectors
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.uncertainty.answers import headline_and_answers
-from roughcontact.uncertainty.solver import open_mean_gap
+from roughcontact.uncertainty.solver import mean_gap_uncertainty
 
 
 def loves_rectangle(x, y, dy, dx):
@@ -82,5 +82,5 @@ def test_the_numbers_of_a_contact_are_of_the_operator_that_solved_it():
         answers = headline_and_answers(contact)["conductance_per_conductivity"]
         assert answers[1].item() == pytest.approx(stiffness, rel=2e-3)
         np.testing.assert_allclose(
-            open_mean_gap(contact), contact["error_bound"] * found["elastic_energy"] / loads, rtol=1e-9
+            mean_gap_uncertainty(contact), contact["error_bound"] * found["elastic_energy"] / loads, rtol=1e-9
         )

@@ -111,7 +111,7 @@ def test_what_the_estimate_leaves_open_is_as_large_as_its_error(surface):
         moved = shifts(0.1, seed=seed)
         found = find_row_jitter(heights + moved[:, None])
         errors.append(np.std(moved - found.offsets))
-        said.append(found.left_open.std())
+        said.append(found.residual_offsets.std())
     assert 0.75 < np.mean(said) / np.mean(errors) < 1.5
     assert np.mean(errors) < 0.07
 
@@ -241,7 +241,7 @@ def test_statistics_carry_the_figure():
 @pytest.mark.parametrize(
     ("options", "name"),
     [
-        ({}, "rows shifted by what their alignment leaves open"),
+        ({}, "rows shifted by the residual error of their alignment"),
         ({"line_alignment": "none"}, "rows aligned as jitter"),
         ({"line_alignment": "median"}, "rows aligned as jitter"),
     ],

@@ -12,7 +12,12 @@ from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.report.glance import _seals, glance_units
 from roughcontact.results.comparison import _half_width
 from roughcontact.statistics.contact_statistics import with_uncertainty
-from roughcontact.uncertainty.answers import ANSWERS, grooved, headline_and_answers, of_other_places
+from roughcontact.uncertainty.answers import (
+    ANSWERS,
+    constrictions_in_grooves,
+    headline_and_answers,
+    interval_from_subwindows,
+)
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.window_sampling import window_uncertainty
 
@@ -103,7 +108,7 @@ def test_numbers_drawn_from_a_law_are_held_as_often_as_is_said():
     factor = float(stdtrit(8, 0.975)) * np.sqrt(1 + 1 / 9)
     for name, law in ((ANSWERS[0], np.exp(0.2 * draws)), (ANSWERS[1], 10 + draws)):
         middle = np.exp(np.log(law[:9]).mean(axis=0)) if name == ANSWERS[0] else law[:9].mean(axis=0)
-        down, up = of_other_places(name, law[:9], middle, factor=factor)
+        down, up = interval_from_subwindows(name, law[:9], middle, factor=factor)
         held = (middle - down <= law[9]) & (law[9] <= middle + up)
         assert held.mean() == pytest.approx(0.95, abs=0.015)
 
@@ -111,46 +116,46 @@ def test_numbers_drawn_from_a_law_are_held_as_often_as_is_said():
 def test_growth_of_the_heights_widens_gaps_and_takes_conductance_away():
     """What higher heights change is added to the scatter as it is, and may be off by a quarter."""
     parts, result, less = np.full((9, 1), 2.0), np.array([2.0]), 2 * np.exp([-0.1])
-    down, up = of_other_places(ANSWERS[0], parts, result, factor=1.0, grown=less)
+    down, up = interval_from_subwindows(ANSWERS[0], parts, result, factor=1.0, grown=less)
     assert down[0] == pytest.approx(2 * (1 - np.exp(-0.125)))
     assert up[0] == 0
-    down, up = of_other_places(ANSWERS[1], parts, result, factor=1.0, grown=result + 0.4)
+    down, up = interval_from_subwindows(ANSWERS[1], parts, result, factor=1.0, grown=result + 0.4)
     assert up[0] == pytest.approx(0.5)
     assert down[0] == 0
     scattered = np.array([[1.0], [2.0], [3.0]])
-    _, up = of_other_places(ANSWERS[1], scattered, result, factor=0.3, grown=result + 1.6)
+    _, up = interval_from_subwindows(ANSWERS[1], scattered, result, factor=0.3, grown=result + 1.6)
     assert up[0] == pytest.approx(1.6 + 0.5)
 
 
 def test_higher_heights_that_change_nothing_or_the_wrong_way_add_nothing():
     parts, result = np.full((9, 1), 2.0), np.array([2.0])
     for name, grown in ((ANSWERS[0], 2 * result), (ANSWERS[1], result / 2)):
-        assert of_other_places(name, parts, result, factor=1.0, grown=grown) == (0, 0)
+        assert interval_from_subwindows(name, parts, result, factor=1.0, grown=grown) == (0, 0)
 
 
 def test_a_part_in_full_contact_leaves_conductance_without_a_bound():
     parts, result = np.array([[1.0], [np.nan], [3.0]]), np.array([2.0])
-    down, up = of_other_places(ANSWERS[0], parts, result, factor=1.0)
+    down, up = interval_from_subwindows(ANSWERS[0], parts, result, factor=1.0)
     assert np.isinf(up[0])
     assert 0 < down[0] < 2
 
 
 def test_ways_that_cross_half_of_the_map_reach_as_far_up_as_they_are_wide():
     parts, result = np.array([[1.0], [2.0], [3.0]]), np.array([2.0])
-    _, up = of_other_places(ANSWERS[1], parts, result, factor=0.3, half_way=np.array([2.4]))
+    _, up = interval_from_subwindows(ANSWERS[1], parts, result, factor=0.3, half_way=np.array([2.4]))
     assert up[0] == pytest.approx(0.5)
-    _, up = of_other_places(ANSWERS[1], parts, result, factor=0.3, half_way=np.array([1.0]))
+    _, up = interval_from_subwindows(ANSWERS[1], parts, result, factor=0.3, half_way=np.array([1.0]))
     assert up[0] == pytest.approx(0.3)
 
 
 def test_what_changed_from_the_parts_to_the_window_may_go_on_either_way():
     parts, result = np.full((9, 1), 1.0), np.array([2.0])
-    down, up = of_other_places(ANSWERS[0], parts, result, factor=1.0, going_on=0.5)
+    down, up = interval_from_subwindows(ANSWERS[0], parts, result, factor=1.0, extent_factor=0.5)
     assert up[0] == pytest.approx(2 * (np.sqrt(2) - 1))
     assert down[0] == pytest.approx(2 * (1 - np.sqrt(0.5)))
-    down, up = of_other_places(ANSWERS[1], parts, result, factor=1.0, going_on=0.5)
+    down, up = interval_from_subwindows(ANSWERS[1], parts, result, factor=1.0, extent_factor=0.5)
     assert down[0] == up[0] == pytest.approx(0.5)
-    down, _ = of_other_places(ANSWERS[1], parts, result, factor=1.0, going_on=5.0)
+    down, _ = interval_from_subwindows(ANSWERS[1], parts, result, factor=1.0, extent_factor=5.0)
     assert down[0] == 2.0  # no narrower than closed
 
 
@@ -182,7 +187,7 @@ def test_a_groove_that_leaves_the_map_has_no_bound_upwards(slope):
     """At 0 it matches itself at the seam, at 0.4 it does not; along y there is none."""
     levelled = rc.level(height_map(groove(96, slope), PITCH))
     window = rc.periodic_window(levelled)
-    assert grooved(window) == [ANSWERS[1]]
+    assert constrictions_in_grooves(window) == [ANSWERS[1]]
     settings = {"level": {}, "window": {}, "contact": CONTACT}
     found = error_budget(levelled, window, settings, sources=["solver", "window"])
     along, across = ANSWERS[1:]
@@ -241,7 +246,7 @@ def test_the_leak_rate_goes_as_the_cube_of_the_narrowest_place_and_a_closed_one_
 
 
 def test_a_profile_has_no_grooves_that_leave_it():
-    assert grooved(height_map(np.cos(np.arange(64) / 9)[None, :], PITCH)) == []
+    assert constrictions_in_grooves(height_map(np.cos(np.arange(64) / 9)[None, :], PITCH)) == []
 
 
 @pytest.mark.slow

@@ -85,7 +85,7 @@ def test_periodic_map_has_no_choices():
     for name in QUANTITIES:
         assert float(found[name][0]) == 0
         assert float(found[f"{name}_members"][0, 0]) == float(solved[name][0])
-    assert "no choice" in found.attrs["reason"]
+    assert "no alternative" in found.attrs["reason"]
 
 
 def test_lower_order_is_tried_only_where_it_leaves_no_bow():

@@ -17,7 +17,7 @@ from roughcontact.roughness.parameters import rms_gradient, rms_height
 from roughcontact.statistics.checks import FORM
 from roughcontact.window.periodic_window import periodic_window
 from roughcontact.window.rectangle import largest_rectangle
-from roughcontact.window.search import SHORTEST_SIDE
+from roughcontact.window.search import MIN_SIDE_SHARE
 from roughcontact.window.sides import friendly_sides
 
 METHODS = get_args(WindowMethod)
@@ -357,7 +357,7 @@ def test_real_files_get_a_window(file, kinds, least_share):
     assert whole.attrs["window_share"] > least_share
     found = periodic_window(levelled, placement="search")
     # the search goes down to sides of 0.7 of the largest rectangle's
-    for window, part in ((whole, 0.7), (periodic_window(levelled), 0.7), (found, SHORTEST_SIDE**2)):
+    for window, part in ((whole, 0.7), (periodic_window(levelled), 0.7), (found, MIN_SIDE_SHARE**2)):
         assert np.isfinite(window.values).all()
         assert window.attrs["window_share"] > part * least_share
         gradients = [window.attrs[f"rms_gradient_{when}"] for when in ("before", "after")]

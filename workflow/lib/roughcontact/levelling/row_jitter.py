@@ -36,14 +36,14 @@ class RowJitter(NamedTuple):
         doubtful: what the rows share could be a lay or a drift as well.
     offsets : array (ny,), m
         estimate of the shifts; 0 without evidence.
-    left_open : array (ny,), m
+    residual_offsets : array (ny,), m
         shifts as large as the error of the estimate, at random: one example of what it may be off.
     """
 
     rms: float
     evidence: Evidence
     offsets: np.ndarray
-    left_open: np.ndarray
+    residual_offsets: np.ndarray
 
 
 def find_row_jitter(values: np.ndarray, *, scanned: bool = False) -> RowJitter:

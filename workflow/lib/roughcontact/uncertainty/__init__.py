@@ -1,4 +1,4 @@
-"""The error budget: the ± of the headline numbers, source by source.
+"""The error budget: the ± of the headline quantities, source by source.
 
-The verb is in `budget`.
+The public function is in `budget`.
 """

@@ -1,7 +1,7 @@
-"""The answers that have an interval beside the four headline numbers: conductance and narrowest places.
+"""Uncertainty of the engineering answers: contact conductance and critical constrictions of the gap.
 
-They are counted in the solutions that are made for those anyway, and have the same sources but that of the
-solver, whose tolerance they do not feel.
+They are computed from the same solutions as the four headline quantities and have the same uncertainty
+sources except the solver, to whose tolerance they are insensitive.
 """
 
 import numpy as np
@@ -15,14 +15,14 @@ from roughcontact.uncertainty.headline import fields_of, headline
 
 # names of `roughcontact.variables`
 ANSWERS = ("conductance_per_conductivity", "critical_constriction_x", "critical_constriction_y")
-_TOLERANCE = 3e-2  # of the response: the conductance is good to about its square
-_NEXT_TO_NOTHING = 1e-2  # of the window's result: less has no logarithm that says anything
-_OF_THE_GROWTH = 0.25  # of what growth of the heights is expected to change: how far that may be off
-_GROOVE = 0.2  # of the window: valleys at random, of waves up to a third of the map, take up more
+_TOLERANCE = 3e-2  # of the linear response: the relative error of the conductance is about its square
+_LOGARITHM_FLOOR = 1e-2  # of the window's result: the logarithm of smaller values is meaningless
+_GROWTH_UNCERTAINTY = 0.25  # relative uncertainty of the change expected from growing heights
+_GROOVE_AREA_LIMIT = 0.2  # of the window: random valleys, of waves up to a third of the map, take up more
 
 
 def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
-    """Return the four quantities of each load, and the answers, as `contact_statistics` defines them.
+    """Return headline quantities and answers of each load, as `contact_statistics` defines them.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     Dataset
-        dim load: those of `headline`, and `ANSWERS`; the conductance of full contact is infinite, and NaN.
+        dim load: those of `headline` and `ANSWERS`; NaN for the infinite conductance of full contact.
 
     Examples
     --------
@@ -53,12 +53,13 @@ def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
     return headline(contact).assign({name: ("load", [row[name] for row in rows]) for name in ANSWERS})
 
 
-def answers_in(found: xr.Dataset) -> list[str]:
-    """Return the names of the answers that were counted.
+def answers_present(found: xr.Dataset) -> list[str]:
+    """Return the names of the answers that a dataset contains.
 
     Parameters
     ----------
     found : Dataset
+        quantities along `load`.
 
     Returns
     -------
@@ -67,14 +68,14 @@ def answers_in(found: xr.Dataset) -> list[str]:
     Examples
     --------
     >>> import xarray as xr
-    >>> answers_in(xr.Dataset({"mean_gap": 1.0, "critical_constriction_x": 2.0}))
+    >>> answers_present(xr.Dataset({"mean_gap": 1.0, "critical_constriction_x": 2.0}))
     ['critical_constriction_x']
     """
     return [name for name in ANSWERS if name in found]
 
 
-def half_ways(contact: xr.Dataset) -> xr.Dataset:
-    """Return how narrow the best ways through the gap are that are half as long as the map, at each load.
+def half_length_constrictions(contact: xr.Dataset) -> xr.Dataset:
+    """Return the critical constrictions of gap paths half as long as the map, at each load.
 
     Parameters
     ----------
@@ -84,27 +85,26 @@ def half_ways(contact: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     Dataset
-        dim load: for the narrowest places in `ANSWERS` `{name}_half_way` (m), as
-        `roughcontact.sealing.percolation.half_way_levels` defines them.
+        dim load: `{name}_half_way` (m) for each critical constriction in `ANSWERS`, as
+        `roughcontact.sealing.percolation.half_way_levels` defines it.
 
     Examples
     --------
     >>> import xarray as xr
     >>> fields = {"pressure": [[[0.0, 3.0], [0.0, 0.0]]], "gap": [[[0.5, 0.0], [0.2, 0.3]]]}
     >>> contact = xr.Dataset({name: (("load", "y", "x"), values) for name, values in fields.items()})
-    >>> half_ways(contact)["critical_constriction_y_half_way"].item()
+    >>> half_length_constrictions(contact)["critical_constriction_y_half_way"].item()
     0.5
     """
     rows = [half_way_levels(np.where(pressure > 0, 0.0, gap)) for pressure, gap in fields_of(contact)]
     return xr.Dataset({f"{name}_half_way": ("load", [row[name] for row in rows]) for name in ANSWERS[1:]})
 
 
-def grooved(window: xr.DataArray) -> list[str]:
-    """Return which of the narrowest places lie in grooves, or valleys, that run out of the map.
+def constrictions_in_grooves(window: xr.DataArray) -> list[str]:
+    """Return the critical constrictions that lie in grooves, or valleys, leading out of the map.
 
-    The best ways through the valleys that are half as long as the map are looked for. Where heights are
-    scattered at random they take up about half of its area, since that much has to be open before anything
-    percolates [1]_; a groove leads there with little of it.
+    The criterion is the area that is open at the level where paths half as long as the map first percolate.
+    Random heights percolate when about half of the area is open [1]_, a groove with much less.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def grooved(window: xr.DataArray) -> list[str]:
     Returns
     -------
     list of str
-        of the names in `ANSWERS`; none of a profile, which shows no ways.
+        names from `ANSWERS`; empty for a profile, which has no paths.
 
     References
     ----------
@@ -124,56 +124,58 @@ def grooved(window: xr.DataArray) -> list[str]:
     Examples
     --------
     >>> from roughcontact.references.synthetic import rough_reference_surface, westergaard_surface
-    >>> grooved(westergaard_surface((64, 64), 1e-6, amplitude=1e-6, wavelength=32e-6))
+    >>> constrictions_in_grooves(westergaard_surface((64, 64), 1e-6, amplitude=1e-6, wavelength=32e-6))
     ['critical_constriction_y']
-    >>> grooved(rough_reference_surface(64))
+    >>> constrictions_in_grooves(rough_reference_surface(64))
     []
     """
     if 1 in window.shape:
         return []
     depth = window.values.max() - window.values
     levels = half_way_levels(depth)
-    return [name for name in ANSWERS[1:] if np.mean(depth >= levels[name]) < _GROOVE]
+    return [name for name in ANSWERS[1:] if np.mean(depth >= levels[name]) < _GROOVE_AREA_LIMIT]
 
 
-def of_other_places(
+def interval_from_subwindows(
     name: str,
     values: np.ndarray,
     result: np.ndarray,
     *,
     factor: float,
-    going_on: float = 0.0,
+    extent_factor: float = 0.0,
     grown: np.ndarray | None = None,
     half_way: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return how far below and above an answer it lies elsewhere, from the scatter of parts and from growth.
+    """Return the half-widths below and above an answer, from the scatter of subwindows and from growth.
 
-    Of the conductance the logarithm scatters, of a narrowest place, which may be closed, the height itself.
-    As the answer changed from the parts to the window it may go on to change, in a direction that is not
-    known. What higher heights are expected to change has a direction (they conduct less and leave wider
-    gaps), so that it is added as it is and not as a square ([1]_, F.2.4.5), and may be off by a quarter.
-    Ways that are half as long as the map, which nothing outside it and no seam of the period ends, may go on.
+    Scatter is evaluated on the logarithm of a conductance, and on the value of a constriction, which may be
+    zero. The trend from the subwindows to the window may continue towards the whole surface; its sign is not
+    assumed. The effect of growing heights has a known sign (lower conductance, wider gaps): it is
+    added linearly, not in quadrature ([1]_, F.2.4.5), with a relative uncertainty of one quarter. A
+    constriction may rise to that of paths half as long as the map, since neither the border of the map nor
+    the seam of the periodic window interrupts these.
 
     Parameters
     ----------
     name : str
         one of `ANSWERS`.
     values : array (member, load)
-        of the parts; NaN for a part in full contact, which conducts without end.
+        results of the subwindows; NaN for a subwindow in full contact, whose conductance is infinite.
     result : array (load,)
+        result of the window.
     factor : float
-        from one standard deviation of the parts to the half-width.
-    going_on : float
-        how much of its change from the parts to the window an answer may change from there to the surface.
+        half-width over the standard deviation of the subwindows.
+    extent_factor : float
+        possible change from the window to the surface, over the change from the subwindows to the window.
     grown : array (load,), optional
-        the answer of the window with its heights as high as they are expected to be.
+        result of the window with its heights scaled by their expected growth.
     half_way : array (load,), optional
-        how narrow ways half as long as the map are.
+        critical constriction of paths half as long as the map.
 
     Returns
     -------
     down, up : arrays (load,)
-        NaN for less than two parts; up infinite where a part conducts without end.
+        NaN for fewer than two subwindows; `up` is infinite where the conductance of a subwindow is.
 
     References
     ----------
@@ -182,7 +184,7 @@ def of_other_places(
     Examples
     --------
     >>> parts, result = np.array([[1.0], [np.e]]), np.array([2.0])
-    >>> down, up = of_other_places(ANSWERS[0], parts, result, factor=np.sqrt(2))
+    >>> down, up = interval_from_subwindows(ANSWERS[0], parts, result, factor=np.sqrt(2))
     >>> f"{down[0]:.3f} {up[0]:.3f}"
     '1.264 3.437'
     """
@@ -192,15 +194,15 @@ def of_other_places(
     whole, parts, higher = result, values, result if grown is None else grown
     if conducts:
         whole, parts, higher = (
-            np.log(np.maximum(v, _NEXT_TO_NOTHING * result)) for v in (whole, parts, higher)
+            np.log(np.maximum(v, _LOGARITHM_FLOOR * result)) for v in (whole, parts, higher)
         )
     shift = np.nan_to_num(np.maximum(whole - higher if conducts else higher - whole, 0.0))
     without_end = np.isnan(parts).any(axis=0) if conducts else np.zeros(result.shape, bool)
-    # what conducts without end says nothing of how much less it may be
+    # a subwindow of infinite conductance says nothing about the lower end: the window's value stands in
     known = np.where(np.isnan(parts), whole, parts) if conducts else parts
     change = np.abs(whole - known.mean(axis=0))
-    half_width = np.hypot(factor * known.std(axis=0, ddof=1), going_on * change)
-    doubt = _OF_THE_GROWTH * shift
+    half_width = np.hypot(factor * known.std(axis=0, ddof=1), extent_factor * change)
+    doubt = _GROWTH_UNCERTAINTY * shift
     if conducts:
         up = np.where(without_end, np.inf, result * np.expm1(half_width))
         return -result * np.expm1(-shift - np.hypot(half_width, doubt)), up

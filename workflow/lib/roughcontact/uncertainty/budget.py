@@ -1,4 +1,4 @@
-"""The error budget: how far each headline number may be off, source by source, and all together."""
+"""The error budget: uncertainty of each headline quantity, by source and combined."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, get_args
@@ -9,8 +9,13 @@ import xarray as xr
 from roughcontact.checking import check_choice
 from roughcontact.choices import UncertaintySource
 from roughcontact.contact.solve import solve_contact
-from roughcontact.uncertainty.answers import ANSWERS, answers_in, half_ways, headline_and_answers
-from roughcontact.uncertainty.discretisation import discretisation_uncertainty, grid_marks
+from roughcontact.uncertainty.answers import (
+    ANSWERS,
+    answers_present,
+    half_length_constrictions,
+    headline_and_answers,
+)
+from roughcontact.uncertainty.discretisation import discretisation_uncertainty, resolution_indicators
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.uncertainty.processing import processing_uncertainty
 from roughcontact.uncertainty.rejected import rejected_load_share
@@ -19,17 +24,17 @@ from roughcontact.uncertainty.window_sampling import window_uncertainty
 
 SOURCES: tuple[UncertaintySource, ...] = get_args(UncertaintySource)
 COMBINED = "combined"
-# what the results of the members of an ensemble are called in the file
+# endings of the variables that hold the results of ensemble members
 _ENSEMBLES: dict[UncertaintySource, str] = {"window": "parts", "processing": "choices"}
 _COMMENT = (
-    "half-widths of 95 % intervals, in the unit of the quantity, the larger where the interval reaches "
-    "farther to one side; combined: root of the sum of squares of the sources that are given (of the "
-    "pressure in contact, what whole pixels are known to be off is added to it); NaN: not asked for, not to "
-    "be had from this map, or not bounded by it upwards"
+    "half-widths of 95 % intervals, in the unit of the quantity; the larger one where an interval is "
+    "asymmetric; combined: root of the sum of squares of the sources given (for the pressure in contact the "
+    "known bias of whole pixels is added linearly); NaN: not requested, not available from this map, or not "
+    "bounded above by it"
 )
 _ENDS = {
-    "lower": "lower end of the 95 % interval, all sources together",
-    "upper": "upper end of the 95 % interval, all sources together; NaN beside a lower end: the map has none",
+    "lower": "lower end of the 95 % interval, all sources combined",
+    "upper": "upper end of the 95 % interval, all sources combined; NaN beside a lower end: not bounded",
 }
 
 
@@ -42,28 +47,27 @@ def error_budget(
     windows: int = 9,
     extent: float = 3.0,
 ) -> xr.Dataset:
-    """Return the uncertainty of the headline numbers and of the answers, by source and in all.
+    """Return the uncertainty of the headline quantities and the answers, by source and combined.
 
-    The headline numbers are contact area, mean gap, largest and mean pressure in contact; the answers
-    conductance and narrowest places of the gap (`roughcontact.uncertainty.answers`).
+    The headline quantities are contact area, mean gap, largest and mean pressure in contact; the answers are
+    conductance and critical constrictions of the gap (`roughcontact.uncertainty.answers`).
 
     The interval is for the surface over `extent` times the length of the map, under the same mean pressure.
-    Sources: `solver` (its certificate), `discretisation` (pixels half as large), `window` (an ensemble of
-    parts of the window, and how the heights grow with the length), `processing` (other reasonable ways to
-    level, fill and make periodic). They are independent of one another, U² = sum of U_i² ([1]_, 5.1.2), below
-    and above the result.
+    Sources: `solver` (error bound), `discretisation` (pixels half as large), `window` (ensemble of subwindows
+    and growth of the heights with the length), `processing` (alternative ways to level, fill and make
+    periodic). They are independent: U² = sum of U_i² ([1]_, 5.1.2), separately below and above the result.
 
     Parameters
     ----------
     levelled, window : DataArray (y, x), m
-        the map levelled and made periodic.
+        the levelled map and its periodic window.
     settings : dict
         `level`, `window`, `contact`: the keyword arguments of `level`, `periodic_window` and `solve_contact`
-        (loads included) that belong to the result.
+        (loads included) that led to the result.
     sources : list of str
-        which of the four go in; an empty list makes no interval.
+        uncertainty sources to evaluate; an empty list gives no intervals.
     windows : int
-        parts of the window that are solved by themselves, at most; 4 or more.
+        maximum number of subwindows that are solved; 4 or more.
     extent : float
         length of the surface that the intervals are for, over that of the map; 1 or more.
 
@@ -72,16 +76,17 @@ def error_budget(
     Dataset
         dims (load, source): `{quantity}_uncertainty`, the half-width of the 95 % interval in the unit of the
         quantity (the larger one of both sides), `source` being the four and `combined`; NaN for a source that
-        was left out or that this map does not give. Along `load` the ends of the combined interval,
-        `{quantity}_lower` and `{quantity}_upper`. Along (member, load) and (choice, load) what the members of
-        the two ensembles came to, `{quantity}_parts` and `{quantity}_choices`. Whatever the sources:
-        `rejected_load_share` (load), from `roughcontact.uncertainty.rejected`. Attributes `window_reason`,
-        `window_flag`, `processing_reason`: what was done, and what is wrong with it, in words.
+        was not requested or that this map does not allow. Along `load` the ends of the combined interval,
+        `{quantity}_lower` and `{quantity}_upper`. Along (member, load) and (choice, load) the results of the
+        members of the two ensembles, `{quantity}_parts` and `{quantity}_choices`. For any sources:
+        `rejected_load_share` (load), from `roughcontact.uncertainty.rejected`. Attributes: `window_reason`
+        and `processing_reason` describe the two ensembles, `window_flag` and `processing_flag` their
+        deficiencies.
 
     Raises
     ------
     SettingsError
-        for a source that there is not, or too small a number of windows.
+        for an unknown source, or too few windows.
     ConvergenceError
         where the solution of the window misses its tolerance.
 
@@ -92,7 +97,7 @@ def error_budget(
     Examples
     --------
     >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> height = rough_reference_surface(64)  # periodic, so that it is its own window
+    >>> height = rough_reference_surface(64)  # periodic, hence its own window
     >>> settings = {"window": {}, "contact": {"contact_modulus": 1.0, "mean_pressure": [0.1]}}
     >>> budget = error_budget(height, height, settings, sources=["solver"])
     >>> budget["mean_gap_uncertainty"].sel(source="combined").item() < 1e-5
@@ -102,13 +107,13 @@ def error_budget(
         check_choice("uncertainty.sources", source, UncertaintySource)
     contact = settings["contact"]
     coordinates = {"mean_pressure": ("load", np.asarray(contact["mean_pressure"], float))}
-    # a load that does not converge leaves its number open, and does not end the job
+    # a load that does not converge gives NaN instead of ending the job
     lenient = {**contact, "on_failure": "flag"}
     rejected = rejected_load_share(levelled, window=settings["window"], contact=lenient)
     if not sources:
         return xr.Dataset({rejected.name: rejected}, coords=coordinates)
     solved = solve_contact(window, **contact, reduce=_count)
-    # a map that is its own window has no record of how it became one
+    # a map that is its own window has no record of a periodisation
     chosen = window if "periodisation" in window.attrs else None
     found: dict[UncertaintySource, xr.Dataset] = {
         "solver": solved[[_uncertainty(name) for name in QUANTITIES]]
@@ -157,30 +162,30 @@ def error_budget(
 def combine(
     found: Mapping[UncertaintySource, xr.Dataset], result: xr.Dataset, *, hardness: float | None = None
 ) -> xr.Dataset:
-    """Return `{quantity}_uncertainty` (load, source) from the half-widths of each source, and the ends.
+    """Return combined uncertainties and interval ends from the half-widths of each source.
 
     Below the result U = sqrt(sum (U_i - b_i)²), above it U = b + sqrt(sum (U_i - b_i)²), b = sum b_i; a
-    source that is absent, or NaN at a load, does not count. b_i is what the result is known to be too low
-    ([1]_, F.2.4.5): of the pressure in contact, which is a mean over whole pixels, and of nothing else. The
-    area stays between nothing and all, the pressure in contact does not fall below the load, and no pressure
-    rises above the hardness that it is limited to.
+    source that is absent, or NaN at a load, does not count. b_i is the amount by which the result is known to
+    be too low ([1]_, F.2.4.5); only the pressure in contact, a mean over whole pixels, has such a bias. The
+    interval is limited to physical values: the area lies between 0 and 1, the pressure in contact is at least
+    the load, and no pressure exceeds the hardness.
 
     Parameters
     ----------
     found : dict
-        source -> Dataset (load) with the half-widths of `QUANTITIES`, as `{name}_down` and `{name}_up` too
-        where they differ, and, as `{name}_bias`, what the result is known to be too low.
+        source -> Dataset (load) with the half-widths of `QUANTITIES`, also as `{name}_down` and `{name}_up`
+        where they differ, and the known bias b_i as `{name}_bias`.
     result : Dataset
         `QUANTITIES` (load), and `mean_pressure`.
     hardness : float, Pa, optional
-        that the pressure is limited to.
+        upper limit of the pressure.
 
     Returns
     -------
     Dataset
-        dims (load, source), `source` being the four and `combined`: the larger half-width; NaN where none is
-        known or where one side has no bound (infinite). Along `load` the ends of the combined interval,
-        `{name}_lower` and `{name}_upper`, NaN for an end without a bound.
+        `{name}_uncertainty` with dims (load, source), `source` being the four and `combined`: the larger
+        half-width; NaN where none is known or where one side is unbounded (infinite). Along `load` the ends
+        of the combined interval, `{name}_lower` and `{name}_upper`, NaN for an unbounded end.
 
     References
     ----------
@@ -203,11 +208,11 @@ def combine(
     limit = np.inf if hardness is None else hardness
     most = {"relative_contact_area": 1.0, "max_pressure": limit, "mean_contact_pressure": limit}
     columns: dict[str, tuple] = {}
-    for name in (*QUANTITIES, *answers_in(result)):
+    for name in (*QUANTITIES, *answers_present(result)):
         shown = np.full((load.size, len(SOURCES)), np.nan)
         below, above, bias = np.zeros((3, *shown.shape))
         for source, dataset in found.items():
-            if name not in dataset:  # the solver adds nothing to the answers
+            if name not in dataset:  # the answers have no solver uncertainty
                 continue
             column = SOURCES.index(source)
             shown[:, column] = dataset[name].values
@@ -222,7 +227,7 @@ def combine(
         nothing = absent.all(axis=1)
         down, up = (np.where(nothing, np.nan, half_width) for half_width in (down, up))
         value = result[name].values
-        # a result on its bound, up to rounding, stays in its own interval
+        # a result at a physical limit, up to rounding, stays inside its own interval
         lower = np.maximum(value - down, np.minimum(value, least.get(name, 0.0)))
         upper = np.minimum(value + up, np.maximum(value, most.get(name, np.inf)))
         columns[_uncertainty(name)] = (
@@ -236,16 +241,16 @@ def combine(
 
 
 def _count(contact: xr.Dataset) -> xr.Dataset:
-    """Return the numbers of a load, the marks of its grid, and what the solver leaves open."""
+    """Return quantities, resolution indicators and solver uncertainties of each load."""
     open_by_solver = solver_uncertainty(contact)
-    counted = grid_marks(contact).merge(headline_and_answers(contact)[list(ANSWERS)])
-    return counted.merge(half_ways(contact)).merge(
+    counted = resolution_indicators(contact).merge(headline_and_answers(contact)[list(ANSWERS)])
+    return counted.merge(half_length_constrictions(contact)).merge(
         open_by_solver.rename({name: _uncertainty(name) for name in QUANTITIES})
     )
 
 
 def _bounded(values: np.ndarray) -> np.ndarray:
-    """Return the values, NaN for those without a bound."""
+    """Return the values with infinite ones replaced by NaN."""
     return np.where(np.isinf(values), np.nan, values)
 
 

@@ -1,4 +1,4 @@
-"""One member of an ensemble: a quick solve of a window, and the four numbers that the error budget is for."""
+"""Ensemble members: solutions to a wide tolerance that keep only the quantities of the error budget."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -9,23 +9,23 @@ import xarray as xr
 
 from roughcontact.contact.solve import MOST_LOAD, solve_contact
 from roughcontact.maps import spacing
-from roughcontact.uncertainty.answers import answers_in
+from roughcontact.uncertainty.answers import answers_present
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 
-_OWN = ("tolerance", "fields", "reduce", "progress")  # what a member decides for itself
+_OVERRIDDEN = ("tolerance", "fields", "reduce", "progress")  # arguments that a member sets itself
 
 Count = Callable[[xr.Dataset], xr.Dataset]
 
 
 class Member(NamedTuple):
-    """What a quick solve gives.
+    """Result of one ensemble member.
 
     Attributes
     ----------
     values : dict
         quantity -> array (load).
     work : float
-        FFT pairs times points.
+        number of FFT pairs times number of points.
     """
 
     values: dict[str, np.ndarray]
@@ -35,19 +35,19 @@ class Member(NamedTuple):
 def solve_member(
     window: xr.DataArray, contact: Mapping[str, Any], *, tolerance: float, count: Count = headline
 ) -> Member:
-    """Solve one window of an ensemble, without keeping fields.
+    """Solve one window of an ensemble without keeping its fields.
 
     Parameters
     ----------
     window : DataArray (y, x), m
-        periodic. Where levelling has left nothing but rounding of it, it is flat.
+        periodic. A window whose heights are rounding errors only, after levelling, is solved as flat.
     contact : dict
         keyword arguments of `solve_contact`. A load that misses the tolerance raises or, with `on_failure` =
         "flag", is NaN.
     tolerance : float
-        of the pressure, unless `contact` has a wider one.
+        relative tolerance of the pressure, unless `contact` has a wider one.
     count : callable
-        what the numbers of a load are: `headline` or `headline_and_answers`.
+        function that computes the quantities of a solution: `headline` or `headline_and_answers`.
 
     Returns
     -------
@@ -71,13 +71,16 @@ def solve_member(
     found = solve_contact(window, **solver_arguments(contact, tolerance=tolerance), reduce=count)
     converged = found["converged"].values == 1
     return Member(
-        {name: np.where(converged, found[name].values, np.nan) for name in (*QUANTITIES, *answers_in(found))},
+        {
+            name: np.where(converged, found[name].values, np.nan)
+            for name in (*QUANTITIES, *answers_present(found))
+        },
         float(found["operator_applications"].sum()) * window.size,
     )
 
 
 def _gradient(window: xr.DataArray) -> float:
-    """Return the rms gradient by differences of neighbours, which is at most the spectral one."""
+    """Return the rms gradient from first differences, which never exceeds the spectral one."""
     heights = window.values
     steps = (
         np.diff(heights, axis=axis, append=heights.take([0], axis)) / pitch
@@ -87,14 +90,16 @@ def _gradient(window: xr.DataArray) -> float:
 
 
 def solver_arguments(contact: Mapping[str, Any], *, tolerance: float) -> dict[str, Any]:
-    """Return the keyword arguments of a quick solve: without fields or progress, to its own tolerance.
+    """Return the keyword arguments of `solve_contact` for an ensemble member.
+
+    Fields and progress are left out, and the tolerance is replaced.
 
     Parameters
     ----------
     contact : dict
-        keyword arguments of `solve_contact`.
+        keyword arguments of `solve_contact` for the main solution.
     tolerance : float
-        of the pressure, unless `contact` has a wider one.
+        relative tolerance of the pressure, unless `contact` has a wider one.
 
     Returns
     -------
@@ -105,12 +110,14 @@ def solver_arguments(contact: Mapping[str, Any], *, tolerance: float) -> dict[st
     >>> solver_arguments({"contact_modulus": 1.0, "tolerance": 1e-6, "fields": True}, tolerance=1e-3)
     {'contact_modulus': 1.0, 'tolerance': 0.001}
     """
-    own = {key: value for key, value in contact.items() if key not in _OWN}
+    own = {key: value for key, value in contact.items() if key not in _OVERRIDDEN}
     return own | {"tolerance": max(tolerance, contact.get("tolerance", 0.0))}
 
 
-def shown_part(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str, slice]:
-    """Return which rows and columns of a map its periodic window shows, without bands and mirror images.
+def measured_slices(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str, slice]:
+    """Return the rows and columns of a map that its periodic window contains.
+
+    Blended bands and mirror images do not count.
 
     Parameters
     ----------
@@ -122,7 +129,7 @@ def shown_part(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str, slic
     Returns
     -------
     dict
-        ``{"y": slice, "x": slice}``, of the points of the map.
+        ``{"y": slice, "x": slice}``, indices into the map.
 
     Examples
     --------
@@ -131,7 +138,7 @@ def shown_part(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str, slic
     >>> from roughcontact.window.periodic_window import periodic_window
     >>> levelled = level(rough_reference_surface(64)[:40])
     >>> mirrored = periodic_window(levelled, method="mirror")
-    >>> mirrored.shape, shown_part(levelled, mirrored)
+    >>> mirrored.shape, measured_slices(levelled, mirrored)
     ((80, 128), {'y': slice(0, 40, None), 'x': slice(0, 64, None)})
     """
     mirrored = periodic.attrs["periodisation"] == "mirror"
@@ -142,19 +149,19 @@ def shown_part(levelled: xr.DataArray, periodic: xr.DataArray) -> dict[str, slic
     return shown
 
 
-def scale_to(result: np.ndarray, values: np.ndarray, *, base: np.ndarray) -> np.ndarray:
-    """Return the deviations of members from their base, scaled to the main result and added to it.
+def rescaled_to(result: np.ndarray, values: np.ndarray, *, base: np.ndarray) -> np.ndarray:
+    """Return the main result plus the members' deviations from their own reference, rescaled to it.
 
-    A small window or a coarse grid gives other absolute values; relative deviations carry over. The factor
-    stays between a half and two, for gaps close to full contact, which are next to nothing.
+    Absolute values depend on window size and grid, relative deviations much less. The scale factor is limited
+    to 0.5 ... 2, because the gap vanishes close to full contact.
 
     Parameters
     ----------
     result : array (load)
-        of the main window.
+        values of the main window.
     values : array (member, load)
     base : array (load)
-        what the members deviate from.
+        reference value of the members.
 
     Returns
     -------
@@ -163,7 +170,7 @@ def scale_to(result: np.ndarray, values: np.ndarray, *, base: np.ndarray) -> np.
     Examples
     --------
     >>> import numpy as np
-    >>> scale_to(np.array([0.2]), np.array([[0.11], [0.09]]), base=np.array([0.1])).round(3)
+    >>> rescaled_to(np.array([0.2]), np.array([[0.11], [0.09]]), base=np.array([0.1])).round(3)
     array([[0.22],
            [0.18]])
     """

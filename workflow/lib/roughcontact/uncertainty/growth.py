@@ -1,17 +1,19 @@
-"""How the heights of a surface grow with the length over which it is measured.
+"""Growth of the roughness amplitude with the measured length.
 
-A map shows waves up to its own length. What longer ones add is told by the map and its parts: let S(l) be the
-mean deviation from the form (Sa) of squares of the length l, each levelled by itself. A stationary surface
-has S constant once l exceeds its waves, a self-affine one S ~ l^H, a bow l^2. With the slopes
+A map contains waves up to its own length. The contribution of longer waves is extrapolated from the map and
+its subwindows. Let S(l) be the mean deviation from the form (Sa) of squares of length l, each levelled
+separately. A stationary surface has a constant S once l exceeds its longest wavelength, a self-affine surface
+has S ~ l^H, a parabolic bow has S ~ l^2. With the slopes
 
     s1 = log2 S(L)/S(L/2),   s2 = log2 S(L/2)/S(L/4)
 
-a surface e times as long as the map has e^a times its S, a = s1 sqrt(s1/s2): the last slope, and how it has
-been changing. The slopes of a single map are noisy; that is why half of the change is carried on (the
-root), by at most a factor of 1.5.
+a surface e times as long as the map has e^a times its S, where a = s1 sqrt(s1/s2): the last slope,
+extrapolated by its own trend. Because the slopes of a single map are noisy, only half of the logarithmic
+trend is extrapolated (hence the root), and by at most a factor of sqrt(1.5).
 
-The mean deviation stands here for its square because the mean gap is a mean height, and because a few deep
-pits or high spikes, which make up most of a mean square, hide in that how the rest grows.
+S is the mean deviation rather than the rms deviation for two reasons: the mean gap is a mean height, and a
+mean square is dominated by a few deep pits or high spikes, so that the growth of the remaining surface would
+be masked by them.
 """
 
 import json
@@ -22,10 +24,10 @@ import xarray as xr
 
 from roughcontact.levelling.polynomial import fit_polynomial
 
-_MOST = 2.0  # exponent of a bow
-_LEAST_SLOPE = 0.02
-_MOST_CHANGE = 1.5  # of the slope
-_POINTS = 256  # along each side: mean deviations of long waves need no more
+_MAX_EXPONENT = 2.0  # exponent of a parabolic bow
+_MIN_SLOPE = 0.02
+_MAX_SLOPE_RATIO = 1.5  # upper limit of s1/s2
+_MAX_POINTS_PER_SIDE = 256  # sufficient for the mean deviation, which long waves dominate
 
 
 def growth_exponent(height: xr.DataArray) -> float:
@@ -34,12 +36,12 @@ def growth_exponent(height: xr.DataArray) -> float:
     Parameters
     ----------
     height : DataArray (y, x), m
-        levelled, without missing points; parts are levelled by a polynomial of the same order.
+        levelled, without missing points. Subwindows are levelled by a polynomial of the same order.
 
     Returns
     -------
     float, 0 to 2
-        0 for a map that is long against its waves, or flat.
+        0 for a flat map and for a map much longer than its longest wavelength.
 
     Examples
     --------
@@ -51,21 +53,21 @@ def growth_exponent(height: xr.DataArray) -> float:
     >>> round(growth_exponent(bow.assign_attrs(form="plane")), 1)
     2.0
     """
-    steps = tuple(-(-n // _POINTS) for n in height.shape)
+    steps = tuple(-(-n // _MAX_POINTS_PER_SIDE) for n in height.shape)
     values = height.values[:: steps[0], :: steps[1]]
     order = form_order(height)
     whole, half, quarter = (_mean_deviation(values, k, order) for k in (1, 2, 4))
-    # less than this is rounding
+    # smaller deviations are rounding errors
     if min(half, quarter) <= 1e-9 * whole:
         return 0.0
-    last, before = math.log2(whole / half), max(math.log2(half / quarter), _LEAST_SLOPE)
+    last, before = math.log2(whole / half), max(math.log2(half / quarter), _MIN_SLOPE)
     if last <= 0:
         return 0.0
-    return min(_MOST, last * math.sqrt(min(last / before, _MOST_CHANGE)))
+    return min(_MAX_EXPONENT, last * math.sqrt(min(last / before, _MAX_SLOPE_RATIO)))
 
 
 def form_order(levelled: xr.DataArray) -> int:
-    """Return the order of the polynomial that levels a part of a map as the map was levelled.
+    """Return the polynomial order that levels a subwindow as the whole map was levelled.
 
     Parameters
     ----------
@@ -75,7 +77,7 @@ def form_order(levelled: xr.DataArray) -> int:
     Returns
     -------
     int
-        0 where only the mean was taken off, or nothing; 1 for a plane; 2 for a sphere or a cylinder.
+        0 where nothing or only the mean was subtracted; 1 for a plane; 2 for a sphere or a cylinder.
 
     Examples
     --------
@@ -85,14 +87,14 @@ def form_order(levelled: xr.DataArray) -> int:
     """
     form = levelled.attrs.get("form", "plane")
     if form == "polynomial":
-        # the coefficients are called c_i_j; a plane has none, but slopes
+        # coefficients are named c_i_j; the record of a plane has slopes instead
         terms = (name.split("_") for name in json.loads(levelled.attrs["form_removed"]))
         return max((int(term[1]) + int(term[2]) for term in terms if term[0] == "c"), default=1)
     return {"none": 0, "mean": 0, "plane": 1}.get(form, 2)
 
 
 def _mean_deviation(values: np.ndarray, cuts: int, order: int) -> float:
-    """Return the mean deviation (rms over the parts) of parts 1/cuts long that overlap by half."""
+    """Return the mean deviation of half-overlapping subwindows 1/cuts as long, as an rms over them."""
     starts, sides = [], []
     for n in values.shape:
         side = max(1, n // cuts)

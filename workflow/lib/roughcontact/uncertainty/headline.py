@@ -1,4 +1,4 @@
-"""The four numbers that the error budget is for, counted in a solution without all the others."""
+"""The four headline quantities of the error budget, computed from a solution on their own."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ QUANTITIES = ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact
 
 
 def headline(contact: xr.Dataset) -> xr.Dataset:
-    """Return the four quantities of each load, as `contact_statistics` defines them.
+    """Return the four headline quantities of each load, as `contact_statistics` defines them.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def fields_of(contact: xr.Dataset) -> Iterator[tuple[np.ndarray, np.ndarray]]:
 
 
 def _one_load(pressure: np.ndarray, gap: np.ndarray) -> dict[str, float]:
-    """Return the four quantities of one load."""
+    """Return the four headline quantities of one load."""
     touching = pressure > 0
     return {
         "relative_contact_area": relative_contact_area(touching),

@@ -1,9 +1,9 @@
-"""Uncertainty from the choices of processing: outliers, rows, form, way to make periodic, filling of holes.
+"""Uncertainty from processing choices: outliers, row alignment, form, periodisation, filling of holes.
 
-Each choice that another careful user might make is solved beside the user's own, one at a time. Within a
-group of choices the true result may lie anywhere as far from the user's as the farthest of them, on either
-side: a uniform distribution of that half-width a, with the standard uncertainty a / sqrt(3) (JCGM 100:2008,
-4.3.7). The groups are independent of one another.
+Alternatives that another careful user might choose are solved one at a time. Within a group of alternatives
+the true result is taken to be uniformly distributed around the user's result, with the largest deviation of
+the group as half-width a, hence the standard uncertainty a / sqrt(3) (JCGM 100:2008, 4.3.7). The groups are
+independent.
 """
 
 import json
@@ -21,17 +21,17 @@ from roughcontact.levelling.rejected import rejected_points, with_rejected
 from roughcontact.levelling.row_jitter import find_row_jitter
 from roughcontact.maps import spacing
 from roughcontact.statistics.checks import FORM
-from roughcontact.uncertainty.answers import answers_in, headline_and_answers
-from roughcontact.uncertainty.ensemble import Member, scale_to, shown_part, solve_member
+from roughcontact.uncertainty.answers import answers_present, headline_and_answers
+from roughcontact.uncertainty.ensemble import Member, measured_slices, rescaled_to, solve_member
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.window.periodic_window import periodic_window
 
 COVERAGE_FACTOR = 2.0  # of the expanded uncertainty: about 95 %
-# the ways to make a map periodic that are fair in area and in peak pressure: docs/explanation/window.md
-_FAIR_METHODS = ("smooth-cross-fade", "periodic-plus-smooth")
-_LEAST_POINTS = 64  # along the shorter side of a map that was coarsened
-_SURE = 2.0  # thresholds; what stands off by more is no surface, whatever else is doubtful
-_TOLERANCE = 1e-3  # of the pressure: choices may differ by less than a percent
+# periodisation methods without bias in contact area and peak pressure: docs/explanation/window.md
+_UNBIASED_METHODS = ("smooth-cross-fade", "periodic-plus-smooth")
+_MIN_COARSE_POINTS = 64  # along the shorter side of a coarsened map
+_CERTAIN_FACTOR = 2.0  # in units of the outlier threshold: points farther off are certainly outliers
+_TOLERANCE = 1e-3  # of the pressure: alternatives may differ by less than a percent
 
 
 def processing_uncertainty(
@@ -43,23 +43,23 @@ def processing_uncertainty(
     solved: xr.Dataset,
     chosen: xr.DataArray | None = None,
 ) -> xr.Dataset:
-    """Return the expanded uncertainty that the choices of processing leave in the result of a map.
+    """Return the expanded uncertainty of a result due to processing choices.
 
-    U = 2 sqrt(sum over groups a^2 / 3) [1]_, a = largest deviation from the user's own choice within a group:
+    U = 2 sqrt(sum over groups a^2 / 3) [1]_, a = largest deviation from the user's result within a group:
 
-    * form: the polynomial of the next higher order, and of the next lower one unless that leaves a bow
-      which makes up more of the mean square height than the check "Form" allows
+    * form: the polynomial of the next higher order, and of the next lower order unless the remaining bow
+      contributes more to the mean square height than the check "Form" allows
     * periodisation: `smooth-cross-fade` and `periodic-plus-smooth`
     * filling: holes filled with the roughness of the map on top of the harmonic surface
-    * outliers: the rejected points that twice the threshold would keep put back, and narrow bumps rejected as
-      well
-    * rows: shifted at random by what their alignment leaves open; aligned, where there is evidence of random
-      shifts and they were left alone or aligned in another way.
+    * outliers: rejected points that twice the threshold would keep are restored; narrow bumps are rejected
+      as well
+    * rows: shifted at random by the residual error of their alignment; aligned, where there is evidence of
+      random shifts and they were not aligned or aligned by another method.
 
-    Groups that make no difference to a map are left out: filling where nothing was filled, form and
-    periodisation where the map is periodic, outliers where none are in doubt, rows that are not shifted.
-    Forms, which are long waves, are solved with half the points along each axis (block means) where that
-    leaves 64, and their deviations are scaled to the result.
+    Groups that do not affect a map are omitted: filling where nothing was filled, form and periodisation
+    where the map is periodic, outliers where none are doubtful, rows without evidence of shifts. Forms, which
+    are long waves, are compared on a grid with half the points along each axis (block means) if at least 64
+    remain, and their deviations are rescaled to the result.
 
     Parameters
     ----------
@@ -71,21 +71,21 @@ def processing_uncertainty(
     solved : Dataset
         the result: `QUANTITIES` along `load`.
     chosen : DataArray (y, x), m, optional
-        what `periodic_window` makes of the map, where it is known already.
+        result of `periodic_window` for the map; computed where it is not given.
 
     Returns
     -------
     Dataset
         along `load` the expanded uncertainty of `relative_contact_area`, `mean_gap` (m), `max_pressure` and
-        `mean_contact_pressure` (Pa); along (choice, load) the results of the choices, scaled to that of the
-        main window, as `{name}_members`; `choice` names them in words, the user's own first. Attributes:
-        `coverage_factor`, `reason` (what was tried, in words), `flag` (what is wrong with it, in words; empty
-        where nothing is), `work` (FFT pairs times points).
+        `mean_contact_pressure` (Pa); along (choice, load) the results of the alternatives, rescaled to that
+        of the main window, as `{name}_members`; `choice` describes them, the user's own first. Attributes:
+        `coverage_factor`, `reason` (list of the alternatives), `flag` (deficiency of the ensemble, empty for
+        none), `work` (FFT pairs times points).
 
     Raises
     ------
     ConvergenceError
-        where the solve of a choice misses its tolerance.
+        where the solution of an alternative misses its tolerance.
 
     References
     ----------
@@ -93,7 +93,7 @@ def processing_uncertainty(
 
     Examples
     --------
-    A periodic map leaves no choice.
+    A periodic map has no alternatives.
 
     >>> from roughcontact.contact.solve import solve_contact
     >>> from roughcontact.levelling.level import level
@@ -104,11 +104,11 @@ def processing_uncertainty(
     >>> solved = solve_contact(levelled, **problem, reduce=headline)
     >>> found = processing_uncertainty(levelled, level={}, window={}, contact=problem, solved=solved)
     >>> found.attrs["reason"]
-    'The map is periodic, and nothing in it is in doubt: no choice of processing makes a difference.'
+    'The map is periodic and has no doubtful points: no alternative processing changes the result.'
     """
-    count = headline_and_answers if answers_in(solved) else headline
+    count = headline_and_answers if answers_present(solved) else headline
     chosen = periodic_window(levelled, **window) if chosen is None else chosen
-    known = {name: solved[name].values for name in (*QUANTITIES, *answers_in(solved))}
+    known = {name: solved[name].values for name in (*QUANTITIES, *answers_present(solved))}
     choices, members = [], []
     for choice, other in _choices(levelled, chosen, level, window):
         choices.append(choice)
@@ -116,13 +116,13 @@ def processing_uncertainty(
             members.append(Member(known, 0.0))
             continue
         members.append(solve_member(other, contact, tolerance=_TOLERANCE, count=count))
-        del other  # before the next one is made: large maps leave no room for two
+        del other  # before the next one is made: memory may not hold two large maps
     groups = np.array([choice.group for choice in choices])
     on_coarse_grid = np.isin(groups, ("own", "form"))
     result: dict[str, tuple] = {}
     for name, main in known.items():
         values = np.array([member.values[name] for member in members])
-        values[on_coarse_grid] = scale_to(main, values[on_coarse_grid], base=values[0])
+        values[on_coarse_grid] = rescaled_to(main, values[on_coarse_grid], base=values[0])
         farthest = [np.abs(values[groups == group] - main).max(axis=0) for group in np.unique(groups)]
         result[name] = ("load", COVERAGE_FACTOR * np.sqrt(np.sum(np.square(farthest), axis=0) / 3))
         result[f"{name}_members"] = (("choice", "load"), values)
@@ -143,11 +143,12 @@ def processing_uncertainty(
 
 
 def rough_filling(levelled: xr.DataArray) -> xr.DataArray:
-    """Return a levelled map whose holes are as rough as its measured part.
+    """Return a levelled map whose holes are filled with the roughness of its measured part.
 
-    A harmonic surface is the smoothest filling. On top of it goes what it misses elsewhere: the map is turned
-    or mirrored, so that other, measured heights lie in the holes, and these less their own harmonic filling
-    are added. Of the half turn and the two mirror images the one with the most measured heights is taken.
+    A harmonic surface is the smoothest filling. Roughness is added to it from another part of the map: the
+    map is rotated or mirrored, so that measured heights come to lie in the holes, and the difference between
+    these heights and their own harmonic filling is added. Of the half turn and the two mirror images, the one
+    with the most measured heights in the holes is used.
 
     Parameters
     ----------
@@ -157,7 +158,7 @@ def rough_filling(levelled: xr.DataArray) -> xr.DataArray:
     Returns
     -------
     DataArray (y, x), m
-        the same, except in the holes.
+        unchanged outside the holes.
 
     Examples
     --------
@@ -177,7 +178,7 @@ def rough_filling(levelled: xr.DataArray) -> xr.DataArray:
     axes = min(((0, 1), (0,), (1,)), key=lambda axes: np.count_nonzero(np.flip(unknown, axes)[filled]))
     other = np.flip(values, axes)
     labels, _ = find_holes(filled)
-    # a hole whose rim is missing in the other map has no harmonic filling there
+    # a hole whose rim is missing in the rotated or mirrored map has no harmonic filling there
     lost = np.zeros(labels.max() + 1, dtype=bool)
     lost[labels[ndimage.binary_dilation(np.isnan(other))]] = True
     labels[lost[labels]] = 0
@@ -188,7 +189,7 @@ def rough_filling(levelled: xr.DataArray) -> xr.DataArray:
 
 
 class _Choice(NamedTuple):
-    """A way to process the map: the group it belongs to, and its name in words."""
+    """One way to process the map: its group, and a description."""
 
     group: str
     name: str
@@ -197,27 +198,27 @@ class _Choice(NamedTuple):
 def _choices(
     levelled: xr.DataArray, chosen: xr.DataArray, level: Mapping[str, Any], window: Mapping[str, Any]
 ) -> Iterator[tuple[_Choice, xr.DataArray | None]]:
-    """Yield the user's own choice, and each other one that makes a difference to this map, with its window.
+    """Yield the user's own choice and each alternative that affects this map, with its periodic window.
 
-    One window after the other: what has been yielded is not kept here, nor, as copies are handed on, what was
-    read for it of a map that lies in a file. The user's own has a window only where forms are compared with
-    it: else its result is known.
+    To save memory, windows are made one at a time and not kept here; shallow copies are passed on, so that
+    heights loaded from a file are freed with the window. The user's own choice has a window only where
+    forms are compared with it; otherwise its result is known.
     """
     with_forms = chosen.attrs["periodisation"] != "none"
     yield _Choice("own", "as chosen"), periodic_window(_coarsened(levelled), **window) if with_forms else None
     if with_forms:
         for name, other in _other_forms(levelled, level):
             yield _Choice("form", name), periodic_window(other, **window)
-        for method in _FAIR_METHODS:
+        for method in _UNBIASED_METHODS:
             if method != chosen.attrs["periodisation"]:
                 made = _Choice("periodisation", f"made periodic by {method}")
-                yield made, _by_method(levelled.copy(deep=False), chosen, window, method)
+                yield made, _periodic_by_method(levelled.copy(deep=False), chosen, window, method)
     if chosen["filled"].any():
         choice = _Choice("filling", "holes filled with roughness")
         yield choice, periodic_window(rough_filling(levelled.copy(deep=False)), **window)
     for group, others in (("outliers", _other_outliers(levelled, level)), ("rows", _other_rows(levelled))):
         for name, other in others:
-            # an own place for each window, which is gone with it
+            # popped from a list when yielded, so that no reference to the window stays here
             solved = [periodic_window(other, **window)]
             del other
             if not np.array_equal(solved[0].values, chosen.values):  # the points may lie outside the window
@@ -225,46 +226,49 @@ def _choices(
 
 
 def _other_rows(levelled: xr.DataArray) -> Iterator[tuple[str, xr.DataArray]]:
-    """Yield (name, levelled map) with the rows shifted otherwise, where they are shifted at random."""
+    """Yield (name, levelled map) with other row offsets, where there is evidence of random row shifts."""
     evidence = levelled.attrs.get("row_jitter_evidence", "none")
     aligned = "line_offset" in levelled.coords
     if evidence == "none" or "counter_face" in levelled.attrs:
-        return  # nothing to align, or rows of two faces that may lie across one another
+        return  # no row shifts, or a composite map of two faces whose scan directions may differ
     taken = levelled["line_offset"].values if aligned else np.zeros(len(levelled))
     found = find_row_jitter(levelled.values + taken[:, None], scanned=evidence == "doubtful")
     if levelled.attrs["line_alignment"] == "jitter":
-        yield "rows shifted by what their alignment leaves open", levelled + found.left_open[:, None]
+        yield (
+            "rows shifted by the residual error of their alignment",
+            levelled + found.residual_offsets[:, None],
+        )
     else:
         yield "rows aligned as jitter", levelled + (taken - found.offsets)[:, None]
 
 
 def _other_outliers(levelled: xr.DataArray, level: Mapping[str, Any]) -> Iterator[tuple[str, xr.DataArray]]:
-    """Yield (name, levelled map) for the decisions on outliers that may go the other way."""
+    """Yield (name, levelled map) for each doubtful decision on outliers, reversed."""
     threshold = level.get("outlier_threshold", 6.0)
     if threshold is None:
         return
     for name, make in (
-        ("doubtful outliers kept", _doubtful_kept),
+        ("doubtful outliers kept", _with_doubtful_points),
         ("narrow bumps rejected", _without_bumps),
     ):
         other = make(levelled.copy(deep=False), threshold)
         if other is not None:
-            made = [other]  # an own place, which is gone with it
+            made = [other]  # popped when yielded, so that no reference stays here
             del other
             yield name, made.pop()
 
 
-def _doubtful_kept(levelled: xr.DataArray, threshold: float) -> xr.DataArray | None:
-    """Return the map with the rejected points that twice the threshold would keep; None where none is."""
+def _with_doubtful_points(levelled: xr.DataArray, threshold: float) -> xr.DataArray | None:
+    """Return the map with those rejected points restored that twice the threshold would keep, or None."""
     rejected = rejected_points(levelled)
     if not rejected.any():
         return None
-    sure, _ = find_outliers(with_rejected(levelled).values, threshold=_SURE * threshold)
+    sure, _ = find_outliers(with_rejected(levelled).values, threshold=_CERTAIN_FACTOR * threshold)
     return with_rejected(levelled, ~sure) if (rejected & ~sure).any() else None
 
 
 def _without_bumps(levelled: xr.DataArray, threshold: float) -> xr.DataArray | None:
-    """Return the map with narrow bumps rejected as well; None where there is none."""
+    """Return the map with narrow bumps rejected as well, or None without such bumps."""
     bumps, _ = find_outliers(levelled.values, threshold=threshold, bumps=True)
     bumps &= levelled["filled"].values == 0
     labels, _ = find_holes(bumps)
@@ -276,24 +280,24 @@ def _without_bumps(levelled: xr.DataArray, threshold: float) -> xr.DataArray | N
     return without.assign_coords(filled=(("y", "x"), filled))
 
 
-def _by_method(
+def _periodic_by_method(
     levelled: xr.DataArray, chosen: xr.DataArray, window: Mapping[str, Any], method: str
 ) -> xr.DataArray:
-    """Return the window made periodic in another way: of the same points, where no band is needed beside."""
+    """Return the window made periodic by another method, from the same points if no band is blended."""
     other = {**window, "method": method}
     if method != "periodic-plus-smooth":
         return periodic_window(levelled, **other)
-    part = levelled.isel(shown_part(levelled, chosen))
+    part = levelled.isel(measured_slices(levelled, chosen))
     return periodic_window(part, **{**other, "placement": "largest"})
 
 
 def _coarsened(levelled: xr.DataArray) -> xr.DataArray:
-    """Return a map of block means where it is fine enough, else the map itself.
+    """Return a map of block means where it has enough points, otherwise the map itself.
 
-    A block with a missing point is missing, one with a filled point filled.
+    A block is missing if one of its points is missing, and filled if one of its points is filled.
     """
     factors = tuple(2 if n > 1 else 1 for n in levelled.shape)
-    if min(n // f for n, f in zip(levelled.shape, factors, strict=True) if f > 1) < _LEAST_POINTS:
+    if min(n // f for n, f in zip(levelled.shape, factors, strict=True) if f > 1) < _MIN_COARSE_POINTS:
         return levelled
     sides = [n // f for n, f in zip(levelled.shape, factors, strict=True)]
     whole = levelled[tuple(slice(n * f) for n, f in zip(sides, factors, strict=True))]
@@ -308,10 +312,10 @@ def _coarsened(levelled: xr.DataArray) -> xr.DataArray:
 
 
 def _other_forms(levelled: xr.DataArray, level: Mapping[str, Any]) -> Iterator[tuple[str, xr.DataArray]]:
-    """Yield (name, levelled map) of the neighbouring orders of the form, coarsened."""
+    """Yield (name, coarsened levelled map) for the form polynomials of neighbouring order."""
     order = {"none": 0, "mean": 0, "plane": 1}.get(levelled.attrs["form"], level.get("order", 2))
     if levelled.attrs["form"] in ("sphere", "cylinder"):
-        order = 1  # the polynomial next to it is the second-order one
+        order = 1  # the closest polynomial is of second order
     robust = level.get("robust", False)
     yield f"form of order {order + 1}", _coarsened(_with_order(levelled.copy(deep=False), order + 1, robust))
     if order > 1:
@@ -321,7 +325,7 @@ def _other_forms(levelled: xr.DataArray, level: Mapping[str, Any]) -> Iterator[t
 
 
 def _with_order(levelled: xr.DataArray, order: int, robust: bool) -> xr.DataArray:
-    """Return a map with its form put back and a polynomial off instead, fitted to the measured points."""
+    """Return a map with its form restored and a polynomial, fitted to the measured points, removed."""
     coordinates = _coordinates(levelled)
     removed = json.loads(levelled.attrs["form_removed"])
     values = levelled.values + form_from_record(removed, *coordinates)
@@ -337,16 +341,14 @@ def _coordinates(levelled: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _reason(names: list[str]) -> str:
-    """Return what was tried, in words."""
+    """Return a sentence that lists the alternatives."""
     if not names:
-        return (
-            "The map is periodic, and nothing in it is in doubt: no choice of processing makes a difference."
-        )
-    return f"Tried one at a time in place of what is set: {'; '.join(names)}."
+        return "The map is periodic and has no doubtful points: no alternative processing changes the result."
+    return f"Alternatives to the settings, solved one at a time: {'; '.join(names)}."
 
 
 def _flag(members: list[Member]) -> str:
-    """Return what is wrong with the ensemble, in words; empty where nothing is."""
+    """Return a sentence on a deficiency of the ensemble, empty for none."""
     if np.isnan([member.values[name] for member in members for name in QUANTITIES]).any():
-        return "A choice of processing missed the tolerance."
+        return "The solution of a processing alternative missed the tolerance."
     return ""

@@ -1,4 +1,4 @@
-"""What load the points that levelling rejected would carry."""
+"""Load share of the points that levelling rejected as outliers."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -12,7 +12,7 @@ from roughcontact.uncertainty.ensemble import solver_arguments
 from roughcontact.uncertainty.headline import fields_of
 from roughcontact.window.periodic_window import periodic_window
 
-_TOLERANCE = 1e-3  # of the pressure: the share is given to a percent
+_TOLERANCE = 1e-3  # of the pressure: one percent of the load share is enough
 
 
 def rejected_load_share(
@@ -20,8 +20,8 @@ def rejected_load_share(
 ) -> xr.DataArray:
     """Return the share of the load that the rejected points would carry if they were kept.
 
-    The map is made periodic and solved once more with them, to a tolerance of 1e-3 of the pressure. Points
-    that the periodic window blends with a rejected one count as rejected.
+    The map is made periodic and solved again with these points restored, to a tolerance of 1e-3 of the
+    pressure. Points that the periodisation blends with a rejected one count as rejected.
 
     Parameters
     ----------
@@ -34,16 +34,16 @@ def rejected_load_share(
     -------
     DataArray (load)
         0 where nothing was rejected; NaN where a load misses the tolerance, or where the heights of the
-        rejected points are not known.
+        rejected points are unknown.
 
     Raises
     ------
     ConvergenceError
-        where a load misses the tolerance, unless `contact` says otherwise.
+        where a load misses the tolerance, unless `contact` has `on_failure` = "flag".
 
     Examples
     --------
-    One point far above all others carries next to everything.
+    A single point far above all others carries nearly the whole load.
 
     >>> from roughcontact.levelling.level import level
     >>> from roughcontact.references.synthetic import rough_reference_surface
@@ -56,9 +56,9 @@ def rejected_load_share(
     loads = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
     unknown = "rejected_height" not in levelled.coords and levelled.attrs.get("outliers_rejected", 0)
     share = np.full(loads.shape, np.nan if unknown else 0.0)
-    own = levelled.copy(deep=False)  # what is read of a file into it goes before the solve
+    own = levelled.copy(deep=False)  # heights loaded into the copy are freed before the solve
     if rejected_points(own).any():
-        # the marks follow the points into the window, blended edges included
+        # periodisation carries the marks into the window, blended edges included
         kept = periodic_window(with_rejected_marked(own), **window)
         del own
         on_rejected = kept["filled"].values != 0

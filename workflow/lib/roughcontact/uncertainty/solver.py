@@ -1,8 +1,8 @@
-"""What the solver leaves open: its certificate, turned into an uncertainty of each quantity.
+"""Solver uncertainty of each quantity, derived from the error bound of the pressure.
 
 The certificate (`roughcontact.contact.certificate`) bounds the error e = p - p* of the pressure in the norm
-of the elastic energy, ||e||_G <= eps ||p||_G. It says this of the pressure as a whole; what it says of one
-number follows here.
+of the elastic energy, ||e||_G <= eps ||p||_G. From this bound on the whole field, bounds and estimates for
+single quantities are derived as follows.
 
 **Mean gap.** Let v = G p - h, c the offset it has in the contact, r the residual of the certificate,
 ||r||_{G^-1} <= eps ||p||_G, and v*, c* those of the solution, whose gap g* = v* - c* fulfils g* >= 0 and <p*,
@@ -17,19 +17,20 @@ first order,
 
     |mean gap - its true value| <= 2 eps ||p||_G^2 / p̄ = 4 eps U / p̄.
 
-This is a bound, for the offset at which r has no mean. It is met where e is proportional to p. The errors
-that the solver leaves are of short waves, p is of long ones, and the sum comes nowhere near: at most 0.21 of
-the bound on 180 maps and loads (profiles, noise, any size), whatever the tolerance. A quarter of it is used.
+This is a rigorous bound, for the offset at which r has zero mean. Equality holds where e is proportional to
+p. Solver errors consist of short waves, p of long ones, and the actual error is much smaller: at most 0.21 of
+the bound on 180 maps and loads (profiles, noise, any size), whatever the tolerance. A quarter of the bound is
+used.
 
-**Contact area.** Only points that may change sides count: in contact with a pressure below the reach of the
-error, or out of contact with a gap below it. The reach is eps times the rms pressure and eps times the rms
-gap. All points within one reach are counted, and half of those within four, because the error is not the
-same everywhere.
+**Contact area.** Only points that the error may move into or out of contact count: points in contact whose
+pressure is below the reach of the error, and points out of contact whose gap is. The reach is eps times the
+rms pressure and eps times the rms gap. The count is that of all points within one reach, or half of the
+points within four where this is more, because the error is not uniform.
 
-**Pressures.** The peak is one point; its relative error was mostly below eps, 2 eps is used. The mean over
-the contact is p̄ over the share of points in contact, so it has the relative uncertainty of that share.
+**Pressures.** The peak is a single point; its relative error was mostly below eps, and 2 eps is used. The
+mean over the contact is p̄ over the share of points in contact and has the relative uncertainty of that share.
 
-The three constants are measured against solutions converged to 1e-10
+The three constants are calibrated against solutions converged to 1e-10
 (tests/unit/test_uncertainty_solver.py).
 """
 
@@ -43,17 +44,17 @@ from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.maps import spacing
 from roughcontact.uncertainty.headline import fields_of
 
-_GAP_SHARE = 0.25  # of the bound
-_PEAK = 2.0  # in units of the error bound
-_WIDE_REACH, _WIDE_SHARE = 4, 0.5  # of the points within four reaches, so many are counted
+_MEAN_GAP_FACTOR = 0.25  # of the rigorous bound
+_PEAK_FACTOR = 2.0  # relative error of the peak over the error bound
+_WIDE_REACH, _WIDE_SHARE = 4, 0.5  # within four reaches, half of the points are counted
 
 
 def solver_uncertainty(contact: xr.Dataset) -> xr.Dataset:
-    """Return what the error of the solver makes uncertain in each quantity, from its certificate.
+    """Return the solver uncertainty of each quantity, from the error bound of the pressure.
 
-    Mean gap eps U / p̄, largest pressure 2 eps p_max, contact area n / N with n the points that the error may
-    carry over the edge of the contact, mean contact pressure p_c n / N_contact; the head of this module
-    derives them.
+    Mean gap eps U / p̄, largest pressure 2 eps p_max, contact area n / N with n the number of points that the
+    error may move into or out of contact, mean contact pressure p_c n / N_contact; derived in the module
+    docstring.
 
     Parameters
     ----------
@@ -75,7 +76,7 @@ def solver_uncertainty(contact: xr.Dataset) -> xr.Dataset:
     >>> bool(half_width[0] <= 2e-3 * peak)
     True
     """
-    bounds, gaps = contact["error_bound"].values, open_mean_gap(contact)
+    bounds, gaps = contact["error_bound"].values, mean_gap_uncertainty(contact)
     rows = []
     for (pressure, gap), bound, open_gap in zip(fields_of(contact), bounds, gaps, strict=True):
         changing = points_within_reach(pressure, gap, bound)
@@ -84,15 +85,15 @@ def solver_uncertainty(contact: xr.Dataset) -> xr.Dataset:
             {
                 "relative_contact_area": changing / pressure.size,
                 "mean_gap": open_gap,
-                "max_pressure": _PEAK * bound * pressure.max(),
+                "max_pressure": _PEAK_FACTOR * bound * pressure.max(),
                 "mean_contact_pressure": pressure.sum() / in_contact * changing / in_contact,
             }
         )
     return xr.Dataset({name: ("load", [row[name] for row in rows]) for name in rows[0]})
 
 
-def open_mean_gap(contact: xr.Dataset) -> list[float]:
-    """Return what the error of the solver makes uncertain in the mean gap alone, eps U / p̄, m.
+def mean_gap_uncertainty(contact: xr.Dataset) -> list[float]:
+    """Return the solver uncertainty of the mean gap alone, eps U / p̄, m.
 
     Parameters
     ----------
@@ -109,7 +110,7 @@ def open_mean_gap(contact: xr.Dataset) -> list[float]:
     >>> from roughcontact.contact.solve import solve_contact
     >>> from roughcontact.references.synthetic import rough_reference_surface
     >>> contact = solve_contact(rough_reference_surface(64), contact_modulus=1.0, mean_pressure=0.1)
-    >>> open_mean_gap(contact) == solver_uncertainty(contact)["mean_gap"].values.tolist()
+    >>> mean_gap_uncertainty(contact) == solver_uncertainty(contact)["mean_gap"].values.tolist()
     True
     """
     steps = spacing(contact["height"])
@@ -124,13 +125,13 @@ def open_mean_gap(contact: xr.Dataset) -> list[float]:
         strict=True,
     )
     return [
-        _GAP_SHARE * 4 * bound * elastic_energy(pressure, steps, **elastic) / load
+        _MEAN_GAP_FACTOR * 4 * bound * elastic_energy(pressure, steps, **elastic) / load
         for pressure, bound, load in solved
     ]
 
 
 def points_within_reach(pressure: np.ndarray, gap: np.ndarray, bound: float) -> float:
-    """Return how many points an error of the relative size `bound` may take into or out of the contact.
+    """Return the number of points that a relative error `bound` may move into or out of contact.
 
     Parameters
     ----------
@@ -142,7 +143,7 @@ def points_within_reach(pressure: np.ndarray, gap: np.ndarray, bound: float) -> 
     Returns
     -------
     float
-        all points within one reach, or half of those within four where these are more.
+        all points within one reach, or half of the points within four reaches if that is more.
 
     Examples
     --------

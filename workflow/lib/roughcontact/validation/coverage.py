@@ -12,9 +12,9 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import refined
 from roughcontact.quantities import number
 from roughcontact.references import synthetic
-from roughcontact.uncertainty.answers import answers_in, headline_and_answers
+from roughcontact.uncertainty.answers import answers_present, headline_and_answers
 from roughcontact.uncertainty.budget import error_budget
-from roughcontact.uncertainty.discretisation import discretisation_uncertainty, grid_marks
+from roughcontact.uncertainty.discretisation import discretisation_uncertainty, resolution_indicators
 from roughcontact.uncertainty.ensemble import Count
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.validation.lines import Evidence, Line, Part, Table, compare
@@ -164,7 +164,7 @@ def pixel_size_cases(maps: int, *, seed: int = 2024) -> Cases:
         )
         loads = np.sort(np.exp(generator.uniform(np.log(0.007), np.log(0.9), _LOADS_EACH)))
         contact = _problem(loads)
-        solved = solve_contact(window, **contact, reduce=grid_marks)
+        solved = solve_contact(window, **contact, reduce=resolution_indicators)
         half_widths = discretisation_uncertainty(window, contact=contact, solved=solved)
         truth = _truth(refined(window, 8), loads, count=headline)
         found.add(half_widths[list(QUANTITIES)], solved, truth)
@@ -216,7 +216,7 @@ def measured_cases(maps: int, *, master_points: int, seed: int = 7) -> Cases:
         result = solve_contact(window, **contact, reduce=headline_and_answers)
         truth = _truth(refined(master, 2), loads, count=headline_and_answers, box=2 * window.shape[0])
         half_widths = {}
-        for name in (*QUANTITIES, *answers_in(result)):
+        for name in (*QUANTITIES, *answers_present(result)):
             lower, upper = (budget[f"{name}_{end}"] for end in ("lower", "upper"))
             upper = upper.where(np.isfinite(upper) | np.isnan(lower), np.inf)
             half_widths[name] = xr.where(

@@ -1,4 +1,4 @@
 """The periodic window: which part of a map is solved, and how it is made periodic.
 
-The verb is in `periodic_window`.
+The public function is in `periodic_window`.
 """

@@ -1,4 +1,4 @@
-"""The band of waves that a map shows reliably, and maps limited to a band."""
+"""Bandwidth: the wavelengths that a map resolves reliably, and band-limited maps."""
 
 import json
 import math
@@ -15,27 +15,27 @@ from roughcontact.maps import spacing
 # A lens passes half of a wave's contrast at 0.404 of its cut-off frequency 2 NA / wavelength of the light:
 # (2 / pi) (acos v - v sqrt(1 - v^2)) = 1/2
 _HALF_CONTRAST = 0.4039727532995172
-_EDGE = 1e-9  # a limit that is just a wave of the map keeps it
-_LIGHT = 550e-9  # m; files do not say it in a way that can be relied on
+_RELATIVE_MARGIN = 1e-9  # so that a wave of the map exactly at a limit is kept
+_LIGHT_WAVELENGTH = 550e-9  # m, assumed: files do not state it reliably
 
 
 def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
-    """Return the shortest wave that a map shows reliably, and what sets it.
+    """Return the shortest wavelength that a map resolves reliably, and what limits it.
 
-    The longer one of two pixels (of the coarser pitch) and, where the file states the numerical aperture NA
-    of the lens, the wave whose contrast the lens halves, 1.24 L / NA with green light, L = 550 nm: the
-    lateral period limit [1]_ for a lens that is limited by diffraction, in incoherent light [2]_.
+    It is two pixels (of the coarser pitch) or, if that is longer and the file states the numerical aperture
+    NA of the lens, the wavelength at which the lens passes half of the contrast, 1.24 L / NA for green
+    light, L = 550 nm: the lateral period limit [1]_ of a diffraction-limited lens in incoherent light [2]_.
 
     Parameters
     ----------
     height : DataArray (y, x), m
-        with the attribute `instrument` (JSON), as `read_height_map` leaves it.
+        with the attribute `instrument` (JSON) from `read_height_map`.
 
     Returns
     -------
     wavelength : float, m
     reason : str
-        in words.
+        what sets the limit.
 
     References
     ----------
@@ -58,7 +58,10 @@ def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
     aperture = _numerical_aperture(json.loads(height.attrs.get("instrument", "{}")))
     if aperture:
         known.append(
-            (_LIGHT / (2 * aperture * _HALF_CONTRAST), f"the lens (numerical aperture {aperture:g})")
+            (
+                _LIGHT_WAVELENGTH / (2 * aperture * _HALF_CONTRAST),
+                f"the lens (numerical aperture {aperture:g})",
+            )
         )
     return max(known)
 
@@ -66,24 +69,24 @@ def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
 def limit_band(
     window: xr.DataArray, *, shortest: float | None, longest: float | None, reliable: bool
 ) -> xr.DataArray:
-    """Return a periodic map without the waves outside a band; what went is recorded.
+    """Return a periodic map limited to a band of wavelengths, and record what was removed.
 
-    Waves with 2 pi / longest <= |q| <= 2 pi / shortest stay as they are, and so does the mean.
+    Waves with 2 pi / longest <= |q| <= 2 pi / shortest are unchanged, and so is the mean.
 
     Parameters
     ----------
     window : DataArray (y, x), m
         periodic.
     shortest, longest : float or None, m
-        wavelengths; None sets no limit.
+        limiting wavelengths; None sets no limit.
     reliable : bool
-        shorter waves than `reliable_wavelength` go as well.
+        whether waves shorter than `reliable_wavelength` are removed as well.
 
     Returns
     -------
     DataArray (y, x), m
-        with the attributes of `window` and `band_shortest`, `band_longest` (m, of the waves that are left;
-        the grid's own limits where nothing else is said), `band_reason` (what sets the shortest),
+        with the attributes of `window` and `band_shortest`, `band_longest` (m, limits of the remaining
+        waves; those of the grid where no other applies), `band_reason` (what sets the shortest),
         `band_removed_rms_height` (m), `band_removed_rms_gradient`, `reliable_wavelength` (m),
         `reliable_reason`.
 
@@ -122,8 +125,8 @@ def limit_band(
     shortest, reason = max(wanted, default=(None, "the grid"))
     step = spacing(window)
     q = wavenumbers(window.shape, step)
-    outside = q > (2 * np.pi / shortest * (1 + _EDGE) if shortest else math.inf)
-    outside |= (q > 0) & (q < (2 * np.pi / longest * (1 - _EDGE) if longest else 0.0))
+    outside = q > (2 * np.pi / shortest * (1 + _RELATIVE_MARGIN) if shortest else math.inf)
+    outside |= (q > 0) & (q < (2 * np.pi / longest * (1 - _RELATIVE_MARGIN) if longest else 0.0))
     values, gone = window.values, np.zeros(q.shape)
     if outside.any():
         spectrum = np.where(outside, np.fft.rfft2(values - values.flat[0]), 0.0)
@@ -150,8 +153,8 @@ def limit_band(
 
 
 def _numerical_aperture(instrument: Mapping) -> float | None:
-    """Return the numerical aperture that the file states, as its own entry or in a remark (`NA: 0.60`)."""
+    """Return the numerical aperture from the file's metadata, an entry of its own or a comment `NA: 0.60`."""
     if "numerical_aperture" in instrument:
         return float(instrument["numerical_aperture"])
-    said = re.search(r"\bNA\s*[:=]?\s*(0?\.\d+|1\.[0-5]\d*)", str(instrument.get("comment", "")))
-    return float(said[1]) or None if said else None
+    match = re.search(r"\bNA\s*[:=]?\s*(0?\.\d+|1\.[0-5]\d*)", str(instrument.get("comment", "")))
+    return float(match[1]) or None if match else None

@@ -1,19 +1,19 @@
-"""The period of the lay: how far grooves are apart."""
+"""The period of the lay: the spacing of grooves."""
 
 import numpy as np
 
-_PERIODIC = 0.3  # autocorrelation after one period from which on a surface has a lay period
-_AS_HIGH = 0.8  # of the highest maximum: the first that reaches it is one period away
-_LINES = 64  # lines that are looked at
-_LEAST_PERIODS = 4  # that must fit into the map
+_MIN_CORRELATION = 0.3  # autocorrelation after one period that a surface with a lay period must reach
+_MAXIMUM_SHARE = 0.8  # of the highest maximum: the first maximum that reaches it marks the period
+_MAX_LINES = 64  # evaluated
+_MIN_PERIODS = 4  # that must fit into the map
 
 
 def lay_period(values: np.ndarray, axis: int) -> float | None:
     """Return the period of the lay along an axis, or None where there is none.
 
-    The place of the first maximum of the autocorrelation along the axis (mean over lines), after it has gone
-    below zero, that comes near the highest one (0.8 of it). It must reach 0.3, and more than four periods
-    must fit into the map.
+    The period is the lag of the first maximum of the autocorrelation along the axis (mean over lines), beyond
+    its first zero crossing, that reaches 0.8 of the highest maximum there. The highest maximum must reach
+    0.3, and more than four periods must fit into the map.
 
     Parameters
     ----------
@@ -34,19 +34,19 @@ def lay_period(values: np.ndarray, axis: int) -> float | None:
     (12.5, None)
     """
     lines = np.moveaxis(values, axis, -1)
-    lines = lines[:: max(1, len(lines) // _LINES)]
+    lines = lines[:: max(1, len(lines) // _MAX_LINES)]
     points = lines.shape[-1]
     lines = lines - lines.mean(axis=1, keepdims=True)
     power = np.mean(np.abs(np.fft.rfft(lines, 2 * points)) ** 2, axis=0)
-    reach = points // _LEAST_PERIODS
+    reach = points // _MIN_PERIODS
     correlation = np.fft.irfft(power, 2 * points)[: reach + 1] / (points - np.arange(reach + 1))
     negative = np.nonzero(correlation < 0)[0]
     if not negative.size:
         return None
     later = correlation[negative[0] :]
-    if later.max() < _PERIODIC * correlation[0]:
+    if later.max() < _MIN_CORRELATION * correlation[0]:
         return None
-    top = negative[0] + int(np.argmax(later >= _AS_HIGH * later.max()))
+    top = negative[0] + int(np.argmax(later >= _MAXIMUM_SHARE * later.max()))
     while top < reach and correlation[top + 1] > correlation[top]:
         top += 1
     if top == reach:

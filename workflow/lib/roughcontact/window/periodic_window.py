@@ -1,4 +1,4 @@
-"""The periodic window: the part of a levelled map that is solved, made periodic."""
+"""The periodic window: the part of a levelled map that is made periodic and solved."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -19,10 +19,10 @@ from roughcontact.window.rectangle import largest_rectangle
 from roughcontact.window.search import Candidate, search_window
 from roughcontact.window.sides import band_points, friendly_sides, used_points
 
-_FADES = ("smooth-cross-fade", "cross-fade")  # need a band beyond the window
+_BLENDING_METHODS = ("smooth-cross-fade", "cross-fade")  # need a band in addition to the window
 
-# Candidates of the search that are kept in the record, besides the largest rectangle.
-_KEPT = 6
+# Search candidates that are recorded, besides the largest rectangle.
+_RECORDED_CANDIDATES = 6
 
 
 def periodic_window(
@@ -39,8 +39,8 @@ def periodic_window(
     """Cut out a rectangle without missing points and make it periodic.
 
     The rectangle is the largest one, or the best one of a search (`roughcontact.window.search`). Its sides
-    are numbers whose Fourier transform is fast; those of the largest one halve well, too. A map that is
-    periodic already, as it is or with the form put back that levelling took off, is left as it is.
+    have a fast Fourier transform; those of the largest one can also be halved often. A map that is already
+    periodic, as it is or with the form restored that levelling removed, is not changed.
 
     Parameters
     ----------
@@ -49,39 +49,39 @@ def periodic_window(
     placement : {"largest", "search"}
         the largest rectangle without missing points, or the position and size with the best score.
     method : {"smooth-cross-fade", "periodic-plus-smooth", "cross-fade", "mirror", "taper", "raw"}
-        see `roughcontact.window.periodisation`; raw changes nothing and leaves the steps at the seams.
+        see `roughcontact.window.periodisation`; `raw` changes nothing and keeps the steps at the seams.
     width : float, 0 to 0.5
-        share of the side over which the two cross-fades blend or `taper` falls; the other methods have none.
+        share of the side over which the two cross-fades blend or `taper` falls off; unused by other methods.
     min_share : float, 0 to 1
-        least share of the map that the rectangle must have.
+        minimum share of the map that the rectangle must cover.
     shortest_wavelength, longest_wavelength : float or None, m
-        waves outside this band are taken out of the window; None sets no limit.
+        waves outside this band are removed from the window; None sets no limit.
     reliable_band : bool
-        waves that are shorter than the map shows reliably are taken out. See `roughcontact.window.band`.
+        whether waves that the map does not resolve reliably are removed; see `roughcontact.window.band`.
 
     Returns
     -------
     DataArray (y, x), m
-        with the coordinate `filled` of the part that was cut out, the attributes of `levelled`, and
+        with the coordinate `filled` of the cut-out, the attributes of `levelled`, and
 
-        * `periodisation`, `periodisation_rms_change` (m), `periodisation_relative_change` (of the rms height)
-        * `rms_gradient_before` (of the part that was cut out, without its edges), `rms_gradient_after` (of
-          the window as it is solved)
-        * `form_share` (of the mean square height of the window, the part that a second-order polynomial
-          makes up), `steepest_share` (of its mean square gradient, the part that the steepest 1 % of the
-          points make up)
-        * `band_shortest`, `band_longest` (m, the waves that are left), `band_reason` (what limits them),
-          `band_removed_rms_height` (m), `band_removed_rms_gradient`, `reliable_wavelength` (m)
+        * `periodisation`, `periodisation_rms_change` (m), `periodisation_relative_change` (over the rms
+          height)
+        * `rms_gradient_before` (of the cut-out, without its edges), `rms_gradient_after` (of the window as it
+          is solved)
+        * `form_share` (contribution of a second-order polynomial to the mean square height of the window),
+          `steepest_share` (contribution of the steepest 1 % of the points to its mean square gradient)
+        * `band_shortest`, `band_longest` (m, limits of the remaining waves), `band_reason` (what limits
+          them), `band_removed_rms_height` (m), `band_removed_rms_gradient`, `reliable_wavelength` (m)
         * `window_offset_x`, `window_offset_y` (m), `window_share`, `window_reason`, and after a search
-          `window_scores` (JSON: the best candidates and the largest rectangle, with the parts of their
+          `window_scores` (JSON: the best candidates and the largest rectangle, with the terms of their
           scores)
 
     Raises
     ------
     HeightMapError
-        no rectangle of two points, or none as large as `min_share`.
+        where no rectangle has two points, or none covers `min_share`.
     SettingsError
-        an option that has no meaning.
+        for an invalid option.
 
     Examples
     --------
@@ -106,23 +106,23 @@ def periodic_window(
     if unchanged is not None:
         return unchanged
 
-    fade = width if method in _FADES else 0.0
-    start, sides = _largest(levelled, values, fade, min_share)
+    fade = width if method in _BLENDING_METHODS else 0.0
+    start, sides = _window_in_largest_rectangle(levelled, values, fade, min_share)
     missing = bool(np.isnan(values).any())
     scores = None
     if placement == "search":
-        found = search_window(values, _flags(levelled), (start, sides), fade=fade)
+        found = search_window(values, _filled_points(levelled), (start, sides), fade=fade)
         least = min_share * values.size
         found = [c for c in found if used_points(c.sides, fade) >= least]
         scores = _scores(found, (start, sides), fade, spacing(levelled))
         start, sides = found[0].start, found[0].sides
-    del values  # of a large map there is no room for what is needed no more
+    del values  # memory may not hold more than is needed of a large map
     band = [band_points(side, fade) for side in sides]
     used = [side + b for side, b in zip(sides, band, strict=True)]
     cut = levelled.isel({d: slice(s, s + u) for d, s, u in zip("yx", start, used, strict=True)})
     step = spacing(levelled)
 
-    # the part that stays, where it stays
+    # the cut-out without its blending bands
     kept = tuple(slice(b // 2, b // 2 + side) for b, side in zip(band, sides, strict=True))
     before = cut.isel(y=kept[0], x=kept[1])
     after, flags = _made_periodic(cut, method, band, width, step)
@@ -148,14 +148,14 @@ def periodic_window(
     return window if scores is None else window.assign_attrs(window_scores=scores)
 
 
-def _flags(levelled: xr.DataArray) -> np.ndarray:
-    """Return which points of the map were filled in."""
+def _filled_points(levelled: xr.DataArray) -> np.ndarray:
+    """Return the mask of filled points of a map."""
     if "filled" in levelled.coords:
         return levelled["filled"].values
     return np.zeros(levelled.shape, dtype=np.int8)
 
 
-def _largest(
+def _window_in_largest_rectangle(
     levelled: xr.DataArray, values: np.ndarray, fade: float, min_share: float
 ) -> tuple[tuple[int, int], tuple[int, int]]:
     """Return start and sides of the window in the largest rectangle without missing points."""
@@ -164,15 +164,15 @@ def _largest(
     sides = int(fitting[height]), int(fitting[breadth])
     used = [side + band_points(side, fade) for side in sides]
     _check_window(levelled, used, used[0] * used[1] / values.size, min_share)
-    # in the middle of the rectangle
+    # centred in the rectangle
     return (y0 + (height - used[0]) // 2, x0 + (breadth - used[1]) // 2), sides
 
 
 def _made_periodic(
     cut: xr.DataArray, method: str, band: list[int], width: float, step: tuple[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the heights of a part of the map made periodic, and which of them rest on filled points."""
-    heights, flags = np.asarray(cut.values, dtype=float), _flags(cut)
+    """Return the heights of a cut-out made periodic, and the mask of those that depend on filled points."""
+    heights, flags = np.asarray(cut.values, dtype=float), _filled_points(cut)
     if method == "mirror":
         return periodisation.mirror(heights), periodisation.mirror(flags)
     if method == "taper":
@@ -181,7 +181,7 @@ def _made_periodic(
         return periodisation.periodic_plus_smooth(heights, step), flags
     if method == "raw":
         return heights, flags
-    if flags.any():  # a blended point rests on a filled one where that one has a weight
+    if flags.any():  # a blended point counts as filled where a filled one contributes to it
         flags = (periodisation.cross_fade(flags.astype(float), band) > 1e-9).astype(np.int8)
     else:
         flags = np.zeros([n - b for n, b in zip(flags.shape, band, strict=True)], dtype=np.int8)
@@ -198,7 +198,7 @@ def _scores(
 ) -> str:
     """Return the record of a search: the best sizes and the largest rectangle, as JSON."""
     own = [c for c in found if (c.start, c.sides) == largest]
-    shown = found[:_KEPT] + [c for c in own if c not in found[:_KEPT]]
+    shown = found[:_RECORDED_CANDIDATES] + [c for c in own if c not in found[:_RECORDED_CANDIDATES]]
     rows = [
         {
             "points": list(c.sides),
@@ -215,22 +215,22 @@ def _scores(
 
 
 def _already_periodic(levelled: xr.DataArray, values: np.ndarray, waves: Mapping) -> xr.DataArray | None:
-    """Return the map as a window where it is periodic, with or without its form; else None."""
+    """Return the map as a window if it is periodic, with or without its form; otherwise None."""
     attrs = dict(levelled.attrs)
     removed = json.loads(attrs.get("form_removed", "{}"))
     form = form_from_record(removed, levelled["y"].values, levelled["x"].values)
     found = periodisation.periodic_heights(values, form)
     if found is None:
         return None
-    values, put_back = found
+    values, form_restored = found
     reason = "The map is periodic as it is; it was left alone."
-    if put_back:
+    if form_restored:
         reason = (
-            "The map is periodic as measured: the form that levelling had taken off was put back but for its "
-            "mean, and the map left alone."
+            "The map is periodic as measured: the form that levelling removed was restored, except for its "
+            "mean, and the map was left alone."
         )
         attrs |= {"form": "mean", "form_removed": json.dumps({"mean": removed["mean"]})}
-    coords = {"y": levelled["y"], "x": levelled["x"], "filled": (("y", "x"), _flags(levelled))}
+    coords = {"y": levelled["y"], "x": levelled["x"], "filled": (("y", "x"), _filled_points(levelled))}
     return _record(
         values,
         coords,
@@ -258,7 +258,7 @@ def _record(
     share: float,
     reason: str,
 ) -> xr.DataArray:
-    """Return the window limited to its band, with everything that was done to it in its attributes."""
+    """Return the band-limited window with a record of all changes in its attributes."""
     periodic = xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs)
     whole_gradient, rms = rms_gradient(periodic), float(np.std(values))
     window = limit_band(periodic, **waves)
@@ -279,7 +279,7 @@ def _record(
 
 
 def _check_window(levelled: xr.DataArray, used: Sequence[int], share: float, min_share: float) -> None:
-    """Raise HeightMapError where the largest rectangle is none, or smaller than was asked for."""
+    """Raise HeightMapError where the largest rectangle is empty or smaller than requested."""
     name = levelled.attrs.get("source_file") or "the map"
     if used[0] * used[1] < 2:
         raise HeightMapError(f"{name}: no two neighbouring points are measured: fill it with level.fill")
@@ -306,7 +306,7 @@ def _reason(
     missing: bool,
     searched: bool,
 ) -> str:
-    """Return in words which part of the map is used, why, and how it was made periodic."""
+    """Return a sentence on the part of the map that is used, the reason, and the periodisation."""
     ny, nx = shape
     if (ny, nx) == tuple(used):
         text = f"The whole map of {nx} x {ny} points is used"

@@ -1,22 +1,22 @@
-"""Ways to make a map periodic, and the test whether it is so already. Plain arrays (ny, nx)."""
+"""Periodisation methods, and a test for maps that are already periodic. Plain arrays (ny, nx)."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
-_LONG = 1 / 2  # of the band: standard deviation of the Gaussian mean that long waves pass
-_CLOSED = 0.55  # share of their smooth component that is taken off
-_ROWS = 128  # that are looked at together
+_SMOOTHING_WIDTH = 1 / 2  # standard deviation of the Gaussian low-pass filter, in band widths
+_CLOSED_SHARE = 0.55  # share of the smooth component of the long waves that is removed
+_ROWS_PER_BLOCK = 128
 
 
 def is_periodic(values: np.ndarray) -> bool:
-    """Return whether the map goes on beyond its edges as it does between its points.
+    """Return whether heights and slopes of the map are continuous across its periodic seams.
 
-    Across the seam of each axis the rms step of the heights, and the rms change of slope on both sides of
-    it, must not exceed what 95 % of the interior pairs of lines show, by more than 20 % + 1.5 / sqrt(points
-    of the seam) for chance. A map with missing points is not periodic. A seam shows nothing where neighbours
-    are as good as unrelated (rms step above 1.2 times the rms height) or where there are fewer than 64
-    points: such a map does not count as periodic.
+    The rms height step across the seam of each axis, and the rms change of slope on both sides of it, must
+    not exceed the 95 % quantile of interior pairs of lines by more than 20 % + 1.5 / sqrt(points of the
+    seam), an allowance for chance. A map with missing points is not periodic. Continuity cannot be judged
+    where neighbouring points are nearly uncorrelated (rms step above 1.2 times the rms height) or where
+    there are fewer than 64 points: such a map does not count as periodic.
 
     Parameters
     ----------
@@ -36,32 +36,32 @@ def is_periodic(values: np.ndarray) -> bool:
     """
     if values.size < 64 or np.isnan(values).any():
         return False
-    return _closes(values) and _closes(values.T)
+    return _is_seamless(values) and _is_seamless(values.T)
 
 
 def periodic_heights(values: np.ndarray, form: np.ndarray) -> tuple[np.ndarray, bool] | None:
-    """Return the heights of a map that is periodic, with or without the form that levelling took off.
+    """Return the heights of a map that is periodic, with or without the form that levelling removed.
 
     Parameters
     ----------
     values : array (ny, nx), m
         levelled.
     form : array (ny, nx), m
-        what was taken off.
+        form that levelling removed.
 
     Returns
     -------
-    (heights, put_back) or None
-        the heights (ny, nx) in m, with the form but for its mean where it had to be put back, and whether it
-        had; None where the map is not periodic either way.
+    (heights, form_restored) or None
+        the heights (ny, nx) in m, and whether the form, except for its mean, was restored to make them
+        periodic; None where the map is not periodic either way.
 
     Examples
     --------
     >>> import numpy as np
     >>> wave = np.sin(2 * np.pi * np.arange(128) / 64)[None, :]
     >>> tilt = 0.1 * np.arange(128)[None, :]
-    >>> heights, put_back = periodic_heights(wave - tilt, tilt)
-    >>> put_back, bool(np.allclose(heights, wave))
+    >>> heights, form_restored = periodic_heights(wave - tilt, tilt)
+    >>> form_restored, bool(np.allclose(heights, wave))
     (True, True)
     """
     if is_periodic(values):
@@ -72,14 +72,14 @@ def periodic_heights(values: np.ndarray, form: np.ndarray) -> tuple[np.ndarray, 
     return whole - whole.mean(), True
 
 
-def _closes(values: np.ndarray) -> bool:
-    """Return whether the last column is followed by the first one."""
+def _is_seamless(values: np.ndarray) -> bool:
+    """Return whether the map is continuous from its last column to its first."""
     columns = values.shape[1]
     if columns < 3:
         return True
     step, bend = np.zeros((2, columns))
-    for first in range(0, len(values), _ROWS):  # a large map has no room for the steps of all of its rows
-        rows = values[first : first + _ROWS]
+    for first in range(0, len(values), _ROWS_PER_BLOCK):  # to save memory
+        rows = values[first : first + _ROWS_PER_BLOCK]
         steps = np.diff(np.concatenate([rows, rows[:, :2]], axis=1), axis=1)
         step += np.sum(steps[:, :columns] ** 2, axis=0)
         bend += np.sum(np.diff(steps, axis=1) ** 2, axis=0)
@@ -101,8 +101,8 @@ def periodic_plus_smooth(values: np.ndarray, spacing: Sequence[float]) -> np.nda
 
     The smooth component s minimises the sum of |grad s|^2 inside plus (step of h - s)^2 over the seams. It
     solves a discrete Poisson equation whose source is the step b of the heights across the seams [1]_:
-    s(q) = b(q) / [w_x (2 cos(q_x dx) - 2) + w_y (2 cos(q_y dy) - 2)], with weights w = 1 / pitch^2 (in ratio)
-    that make pixels of any shape fair. The mean stays.
+    s(q) = b(q) / [w_x (2 cos(q_x dx) - 2) + w_y (2 cos(q_y dy) - 2)], with relative weights w = 1 / pitch^2
+    that account for rectangular pixels. The mean is unchanged.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def periodic_plus_smooth(values: np.ndarray, spacing: Sequence[float]) -> np.nda
     laplacian = -4 * (wy * np.sin(qy / 2) ** 2 + wx * np.sin(qx / 2) ** 2)
     laplacian[0, 0] = 1.0
     spectrum = np.fft.rfft2(source)
-    del source  # of a large map there is no room for what is needed no more
+    del source  # memory may not hold more than is needed of a large map
     spectrum /= laplacian
     spectrum[0, 0] = 0.0
     smooth = np.fft.irfft2(spectrum, s=values.shape)
@@ -149,7 +149,7 @@ def periodic_plus_smooth(values: np.ndarray, spacing: Sequence[float]) -> np.nda
 def mirror(values: np.ndarray) -> np.ndarray:
     """Return the map and its mirror images side by side.
 
-    The heights meet without a step, the slopes turn over at the seams.
+    Heights are continuous at the seams; slopes change sign there.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def mirror(values: np.ndarray) -> np.ndarray:
     Returns
     -------
     array (2 ny, 2 nx)
-        an axis of one point keeps it.
+        an axis of one point is not doubled.
 
     Examples
     --------
@@ -173,16 +173,15 @@ def mirror(values: np.ndarray) -> np.ndarray:
 
 
 def cross_fade(values: np.ndarray, band: Sequence[int], *, keep_variance: bool = False) -> np.ndarray:
-    """Return the map shortened by a band, in which its end runs over into its beginning.
+    """Return the map shortened by a band over which its end is blended into its beginning.
 
     On an axis with n + b points: h'(i) = w h(i) + (1 - w) h(i + n) for i < b, h'(i) = h(i) for b <= i < n,
-    with w = sin^2 from 0 to 1 over the band. The result starts at i = b // 2, so that the seam is in the
-    middle of what was blended.
+    with w = sin^2 from 0 to 1 over the band. The result starts at i = b // 2, so that the seam lies in the
+    middle of the blended points.
 
-    Two ends that know nothing of one another lose up to half of their variance by blending. With
-    `keep_variance` the blended heights, counted from the mean of the map, are divided by
-    sqrt(w^2 + (1 - w)^2 + 2 r w (1 - w)), r the correlation of the two ends: the variance then stays, and
-    ends that are equal (r = 1) stay as they are.
+    Blending reduces the variance of uncorrelated ends by up to one half. With `keep_variance` the blended
+    heights, relative to the mean of the map, are divided by sqrt(w^2 + (1 - w)^2 + 2 r w (1 - w)), where r
+    is the correlation of the two ends: the variance is then preserved, and equal ends (r = 1) are unchanged.
 
     Parameters
     ----------
@@ -190,7 +189,7 @@ def cross_fade(values: np.ndarray, band: Sequence[int], *, keep_variance: bool =
     band : (by, bx), points
         in the band, 0 to n on each axis.
     keep_variance : bool
-        whether what blending takes from the variance is given back.
+        whether the loss of variance is compensated.
 
     Returns
     -------
@@ -229,16 +228,17 @@ def _correlation(first: np.ndarray, last: np.ndarray) -> float:
 
 
 def smooth_cross_fade(values: np.ndarray, band: Sequence[int], spacing: Sequence[float]) -> np.ndarray:
-    """Return the map shortened by a band: long waves closed in part, short ones faded with their variance.
+    """Return the map shortened by a band, long waves closed in part, short waves faded at constant variance.
 
-    A cross-fade alone has to climb from one end to the other within the band: long waves make it steep.
-    Closing the seams by a smooth surface alone draws the heights on both sides to their mean: the rim gets
-    flat and carries too little. Here part of the smooth component (`periodic_plus_smooth`) of the long waves
-    is taken off first, and what is left of them is cross-faded. The short waves are cross-faded by themselves
-    and keep their variance (`cross_fade`, `keep_variance`): it is theirs that makes slopes and peaks. That of
-    the long waves is largest at the edges of a levelled map, and is left to fall there: kept, it puts too
-    much load on the rim. Long waves are what a Gaussian mean over half of the band (standard deviation) lets
-    pass. The shares were found by trying on cut-outs of periodic surfaces; the page on the window shows them.
+    A cross-fade alone bridges the height difference between both ends within the band: long waves make it
+    steep. A smooth correction alone draws the heights on both sides of the seam to their mean: the rim is
+    flattened and carries too little load. This method first removes a share of the smooth component
+    (`periodic_plus_smooth`) of the long waves and cross-fades the remainder. The short waves are cross-faded
+    separately with `keep_variance` (see `cross_fade`), because their variance determines slopes and peaks.
+    The variance of the long waves is largest at the edges of a levelled map and is not compensated, as that
+    would put too much load on the rim. Long waves are those passed by a Gaussian filter with a standard
+    deviation of half of the band. Both constants were calibrated on cut-outs of periodic surfaces; see
+    docs/explanation/window.md.
 
     Parameters
     ----------
@@ -255,16 +255,16 @@ def smooth_cross_fade(values: np.ndarray, band: Sequence[int], spacing: Sequence
     --------
     >>> import numpy as np
     >>> wave = np.cos(2 * np.pi * np.arange(72) / 64)[None, :]
-    >>> closed = smooth_cross_fade(wave, (0, 8), (1.0, 1.0))  # one period is left, from the fifth point on
+    >>> closed = smooth_cross_fade(wave, (0, 8), (1.0, 1.0))  # one period remains, from the fifth point on
     >>> closed.shape, bool(np.abs(closed - wave[:, 4:68]).max() < 0.1)
     ((1, 64), True)
     """
-    long_waves = _gaussian_mean(values, [_LONG * b for b in band])
-    # the smooth component of the part that stays, continued into the half bands on both sides
+    long_waves = _gaussian_mean(values, [_SMOOTHING_WIDTH * b for b in band])
+    # the smooth component of the part without bands, continued into the half bands on both sides
     inner = tuple(slice(b // 2, n - (b - b // 2)) for b, n in zip(band, values.shape, strict=True))
     smooth = long_waves[inner] - periodic_plus_smooth(long_waves[inner], spacing)
     smooth = np.pad(smooth, [(b // 2, b - b // 2) for b in band], mode="edge")
-    smooth *= _CLOSED
+    smooth *= _CLOSED_SHARE
     closed = cross_fade(np.subtract(long_waves, smooth, out=smooth), band)
     del smooth
     short_waves = np.subtract(values, long_waves, out=long_waves)
@@ -273,10 +273,10 @@ def smooth_cross_fade(values: np.ndarray, band: Sequence[int], spacing: Sequence
 
 
 def _gaussian_mean(values: np.ndarray, deviations: Sequence[float]) -> np.ndarray:
-    """Return the Gaussian mean of a map that goes on as its mirror image beyond its edges.
+    """Return the Gaussian-filtered map, which is continued by its mirror image beyond its edges.
 
-    Its cosine series c_k, multiplied by exp(-(pi k s / n)^2 / 2) along each axis, s the standard deviation
-    in points: two transforms, however wide the mean.
+    The coefficients c_k of the cosine series are multiplied by exp(-(pi k s / n)^2 / 2) along each axis, with
+    s the standard deviation in points: two transforms, whatever the width of the filter.
     """
     from scipy.fft import dctn, idctn
 
@@ -288,13 +288,13 @@ def _gaussian_mean(values: np.ndarray, deviations: Sequence[float]) -> np.ndarra
 
 
 def taper(values: np.ndarray, width: float) -> np.ndarray:
-    """Return the map drawn towards its mean near the edges by a Tukey window [1]_.
+    """Return the map faded to its mean near the edges by a Tukey window [1]_.
 
     Parameters
     ----------
     values : array (ny, nx)
     width : float, 0 to 1
-        share of each axis, both ends together, over which the window falls (cosine) to zero.
+        share of each axis, both ends together, over which the window falls to zero as a cosine.
 
     Returns
     -------

@@ -4,25 +4,25 @@ import numpy as np
 
 
 def largest_rectangle(good: np.ndarray, sides: np.ndarray) -> tuple[int, int, int, int]:
-    """Return the rectangle of good points that holds the largest window.
+    """Return the rectangle of good points that contains the largest window.
 
-    Row by row, the tallest column of good points that ends in each cell is widened as far as it goes; one of
-    these holds the largest rectangle [1]_. The work is a few array operations per row. Of several that hold
-    equal windows it is the larger one, then the one nearest to the middle, so that a map turned over has its
-    window in the same place.
+    For each row, the tallest column of good points that ends in each cell is widened as far as possible; the
+    largest rectangle is one of these [1]_. The cost is a few array operations per row. Among rectangles with
+    windows of equal area, the largest rectangle is chosen, then the one nearest to the middle of the map, so
+    that a rotated or mirrored map has its window in the same place.
 
     Parameters
     ----------
     good : bool array (ny, nx)
     sides : int array
-        `sides[n]` is the side of the window that fits into n points; its area is what counts.
+        `sides[n]` is the side of the window that fits into n points; the area of that window is maximised.
 
     Returns
     -------
     y0, x0 : int
         first row and column.
     height, width : int
-        points along y and x; 0 where there is no good point.
+        points along y and x; 0 without good points.
 
     References
     ----------
@@ -60,7 +60,7 @@ def largest_rectangle(good: np.ndarray, sides: np.ndarray) -> tuple[int, int, in
             continue
         equal = np.flatnonzero(area == largest)
         height, width, x0 = tall[equal], right[equal] - left[equal], left[equal]
-        off_y, off_x = 2 * (row + 1) - height - ny, 2 * x0 + width - nx  # twice the way to the middle
+        off_y, off_x = 2 * (row + 1) - height - ny, 2 * x0 + width - nx  # twice the distance to the middle
         distance = off_y.astype(float) ** 2 + off_x.astype(float) ** 2
         first = np.lexsort((distance, -height * width))[0]
         rank = (float(-height[first] * width[first]), float(distance[first]))

@@ -1,8 +1,8 @@
-"""The score of a candidate for the window: the expected harm to the contact area, in parts of one.
+"""The score of a window candidate: expected relative error of the contact area.
 
-It is a weighted sum of six numbers that are zero for an ideal window. Candidates are all pairs of a range of
-rows and a range of columns; running sums over the map give the numbers of all pairs at once, so that a map is
-read as often as it has octaves, however many candidates there are.
+It is a weighted sum of six terms that vanish for an ideal window. Candidates are all pairs of a range of rows
+and a range of columns. Running sums over the map give the terms of all pairs at once: the cost is one pass
+over the map per octave of its spectrum, independent of the number of candidates.
 """
 
 import math
@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-# what each part adds to the score
+# weight of each term of the score
 WEIGHTS = {
     "height_mismatch": 0.05,
     "slope_mismatch": 0.05,
@@ -20,7 +20,7 @@ WEIGHTS = {
     "representativeness": 0.5,
     "size": 0.5,
 }
-_COARSEST = 8  # blocks of the longest octave along the shorter side, at least
+_MIN_COARSE_BLOCKS = 8  # of the longest octave, along the shorter side of the map
 
 
 class Ranges(NamedTuple):
@@ -33,7 +33,7 @@ class Ranges(NamedTuple):
     side : int array (ranges,)
         points of the window.
     band : int array (ranges,)
-        points of its band, beyond the window.
+        points of the blending band, in addition to the window.
     """
 
     first: np.ndarray
@@ -42,40 +42,40 @@ class Ranges(NamedTuple):
 
     @property
     def end(self) -> np.ndarray:
-        """Return one past the last point of each range, its band included."""
+        """Return the index after the last point of each range, its band included."""
         return self.first + self.side + self.band
 
 
 def score_parts(
     values: np.ndarray, filled: np.ndarray, rows: Ranges, columns: Ranges, largest_area: int
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Return the parts of the score of all pairs of rows and columns; `WEIGHTS` says what each counts.
+    """Return the terms of the score for all pairs of rows and columns, without their `WEIGHTS`.
 
-    * `height_mismatch`: mean square step of the heights across the seams, over twice their variance: 0 for
-      ends that meet, 1 for ends that know nothing of one another
-    * `slope_mismatch`: the same of the slopes across the seams
-    * `missing`: share of points that were filled in
+    * `height_mismatch`: mean square height step across the seams, over twice the variance of the heights: 0
+      for matching ends, 1 for uncorrelated ends
+    * `slope_mismatch`: the same for the slopes
+    * `missing`: share of filled points
     * `stationarity`: standard deviation of ln(rms gradient) among the quarters of the window
-    * `representativeness`: rms over the octaves of the spectrum of ln(amplitude in the window / on the whole
-      map), each octave weighted with its share of the mean square gradient
-    * `size`: sqrt(area of the largest rectangle / area) - 1, by which the sampling error grows.
+    * `representativeness`: rms, over the octaves of the spectrum, of ln(amplitude in the window / on the
+      whole map), each octave weighted with its share of the mean square gradient
+    * `size`: sqrt(area of the largest rectangle / area) - 1, the relative increase of the sampling error.
 
     Parameters
     ----------
     values : array (ny, nx), m
         NaN where missing.
     filled : array (ny, nx)
-        not 0 where a point was filled in.
+        nonzero at filled points.
     rows, columns : Ranges
-        every range of rows goes with every range of columns.
+        all combinations are evaluated.
     largest_area : int, points
-        of the window in the largest rectangle.
+        area of the window in the largest rectangle.
 
     Returns
     -------
     parts : dict of arrays (rows, columns)
     good : bool array (rows, columns)
-        whether there is no missing point.
+        True where no point is missing.
 
     Examples
     --------
@@ -92,12 +92,12 @@ def score_parts(
     edges = [(each.first, each.end) for each in (rows, columns)]
     points = (rows.end - rows.first)[:, None] * (columns.end - columns.first)[None, :]
     good = _means(missing, edges) == 0 if missing.any() else np.ones(points.shape, dtype=bool)
-    heights_apart, slopes_apart = _mismatch(heights, rows, columns)
+    height_mismatch, slope_mismatch = _mismatch(heights, rows, columns)
     stationarity, representativeness = _spectrum(heights, missing, rows, columns)
     area = rows.side[:, None] * columns.side[None, :]
     parts = {
-        "height_mismatch": heights_apart,
-        "slope_mismatch": slopes_apart,
+        "height_mismatch": height_mismatch,
+        "slope_mismatch": slope_mismatch,
         "missing": _means(filled != 0, edges) if filled.any() else np.zeros(points.shape),
         "stationarity": stationarity,
         "representativeness": representativeness,
@@ -107,12 +107,12 @@ def score_parts(
 
 
 def _mismatch(heights: np.ndarray, rows: Ranges, columns: Ranges) -> list[np.ndarray]:
-    """Return the mean square mismatch of heights and slopes over all seams, over that of unrelated ends."""
+    """Return mean square mismatches of heights and slopes at the seams, over those of uncorrelated ends."""
     found = []
     for lines, along, across in ((heights, columns, rows), (heights.T, rows, columns)):
         if lines.shape[1] < 2:
             continue
-        # neighbours across the seam, and those next to them: the window lies in the middle of its band
+        # two points on each side of the seam; half of the band lies before the window
         begin = along.first + along.band // 2
         end = begin + along.side - 1
         one, two, three, four = (
@@ -130,13 +130,13 @@ def _mismatch(heights: np.ndarray, rows: Ranges, columns: Ranges) -> list[np.nda
 def _spectrum(
     heights: np.ndarray, missing: np.ndarray, rows: Ranges, columns: Ranges
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return how the gradient varies among the quarters, and how far octaves differ from the whole map's.
+    """Return the terms `stationarity` and `representativeness`.
 
     An octave is the difference between the means over blocks of 2^k and of 2^(k + 1) points.
     """
     averaged, known, block = heights, ~missing, [1, 1]
     octaves: list[tuple] = []
-    while not octaves or min((n for n in averaged.shape if n > 1), default=0) >= 2 * _COARSEST:
+    while not octaves or min((n for n in averaged.shape if n > 1), default=0) >= 2 * _MIN_COARSE_BLOCKS:
         factors = tuple(2 if n > 1 else 1 for n in averaged.shape)
         coarse, complete = _blocks(averaged, factors), _blocks(known, factors) == 1
         trimmed = averaged[tuple(slice(n * f) for n, f in zip(coarse.shape, factors, strict=True))]
@@ -158,7 +158,7 @@ def _spectrum(
 
 
 def _log(power: np.ndarray) -> np.ndarray:
-    """Return the logarithm of the amplitude of a power, which may be zero."""
+    """Return the logarithm of the amplitude that belongs to a power, with a floor for zero power."""
     return 0.5 * np.log(np.maximum(power, 1e-12))
 
 
@@ -196,7 +196,7 @@ def _running_sums(values: np.ndarray) -> np.ndarray:
 def _means(
     values: np.ndarray, edges: Sequence[tuple[np.ndarray, np.ndarray]], *, summed: bool = False
 ) -> np.ndarray:
-    """Return the means over all pairs of ranges; edges: (first, end) of the rows and of the columns."""
+    """Return the means over all pairs of ranges, given (first, end) of the rows and of the columns."""
     sums = values if summed else _running_sums(values)
     (top, bottom), (left, right) = edges
     inside = (sums[bottom[:, None], right] - sums[top[:, None], right] - sums[bottom[:, None], left]) + sums[
@@ -206,7 +206,7 @@ def _means(
 
 
 def _blocks(values: np.ndarray, factors: Sequence[int]) -> np.ndarray:
-    """Return the means over blocks of so many points (1 or 2); a point left over at the end is left out."""
+    """Return means over blocks of 1 or 2 points along each axis; an odd last point is dropped."""
     for axis, factor in enumerate(factors):
         if factor > 1:
             lines = np.moveaxis(values, axis, 0)

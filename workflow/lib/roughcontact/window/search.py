@@ -1,6 +1,6 @@
-"""Search for the part of a map that makes the best periodic window: which position, which size.
+"""Search for the position and size of the best periodic window of a map.
 
-Every candidate gets a score (`roughcontact.window.score`), and the lowest one wins.
+Every candidate has a score (`roughcontact.window.score`); the candidate with the lowest score is chosen.
 """
 
 import math
@@ -12,25 +12,25 @@ from roughcontact.window.lay import lay_period
 from roughcontact.window.score import WEIGHTS, Ranges, score_parts
 from roughcontact.window.sides import band_points, is_friendly
 
-SHORTEST_SIDE = 0.7  # of the largest rectangle's: windows with shorter sides are not tried
-_SIDES = 5  # tried along each axis
-_PLACES = 5  # tried along each axis
-_WHOLE_PERIODS = 0.1  # of a lay period: what a side may be off a whole number of them
+MIN_SIDE_SHARE = 0.7  # of the side of the largest rectangle
+_SIDES_PER_AXIS = 5
+_POSITIONS_PER_AXIS = 5
+_PERIOD_TOLERANCE = 0.1  # in lay periods: deviation of a side from a whole number of periods
 
 
 class Candidate(NamedTuple):
-    """A part of the map that may become the window.
+    """A candidate for the window.
 
     Attributes
     ----------
     start : (row, column)
-        its first point.
+        first point.
     sides : (rows, columns)
-        of the window, without its bands.
+        points of the window, without its blending bands.
     score : float
-        the lower the better.
+        lower is better.
     parts : dict
-        of the score, before weighting.
+        terms of the score, without their weights.
     """
 
     start: tuple[int, int]
@@ -46,20 +46,21 @@ def search_window(
     *,
     fade: float,
 ) -> list[Candidate]:
-    """Return the best place for each size of the periodic window, the best of all first.
+    """Return the best position of each size of the periodic window, sorted by score.
 
-    Sides are at least 0.7 of those of the largest rectangle; along an axis with a lay period
-    (`roughcontact.window.lay`) they are whole numbers of it, to a tenth, where such a side transforms well.
-    Places are spread evenly over the map. The largest rectangle itself is always among the candidates.
+    Sides are at least 0.7 of those of the largest rectangle. Along an axis with a lay period
+    (`roughcontact.window.lay`) they are whole multiples of it, to a tenth of a period, if such a side has a
+    fast Fourier transform. Positions are spread evenly over the map. The largest rectangle itself is always
+    a candidate.
 
     Parameters
     ----------
     values : array (ny, nx), m
-        NaN where missing; no candidate has such a point.
+        NaN where missing; no candidate contains such a point.
     filled : array (ny, nx)
-        not 0 where a point was filled in.
+        nonzero at filled points.
     largest : (start, sides), points
-        of the window in the largest rectangle, rows first.
+        the window in the largest rectangle, rows first.
     fade : float
         share of the side over which the ends are blended.
 
@@ -83,10 +84,10 @@ def search_window(
         for axis, points in enumerate(values.shape)
     )
     parts, good = score_parts(values, filled, rows, columns, math.prod(sides))
-    # rounded, so that rounding errors do not decide between equals
+    # rounded, so that rounding errors do not decide between equal scores
     score = np.where(good, np.round(sum(WEIGHTS[name] * part for name, part in parts.items()), 9), np.inf)
     found: dict[tuple, Candidate] = {}
-    for place in _best_places(rows, columns, score):
+    for place in _best_pairs(rows, columns, score):
         if np.isfinite(score[place]):
             row, column = place
             candidate = Candidate(
@@ -100,7 +101,7 @@ def search_window(
 
 
 def _ranges(points: int, largest: tuple[int, int], period: float | None, fade: float) -> Ranges:
-    """Return the ranges that are tried along an axis; the last is that of the largest rectangle."""
+    """Return the candidate ranges along an axis; the last is that of the largest rectangle."""
     start, longest = largest
     places = []
     for side in _tried_sides(longest, period):
@@ -111,21 +112,25 @@ def _ranges(points: int, largest: tuple[int, int], period: float | None, fade: f
 
 
 def _tried_sides(longest: int, period: float | None) -> list[int]:
-    """Return the sides that are tried along an axis, the longest first."""
-    sides = [n for n in range(longest, math.ceil(SHORTEST_SIDE * longest) - 1, -1) if is_friendly(n)]
+    """Return the candidate sides along an axis, the longest first."""
+    sides = [n for n in range(longest, math.ceil(MIN_SIDE_SHARE * longest) - 1, -1) if is_friendly(n)]
     if period is not None:
-        sides = [n for n in sides if abs(n / period - round(n / period)) <= _WHOLE_PERIODS] or sides
-    picked = np.linspace(0, len(sides) - 1, min(_SIDES, len(sides))).round().astype(int)
+        sides = [n for n in sides if abs(n / period - round(n / period)) <= _PERIOD_TOLERANCE] or sides
+    picked = np.linspace(0, len(sides) - 1, min(_SIDES_PER_AXIS, len(sides))).round().astype(int)
     return [sides[i] for i in picked]
 
 
 def _first_points(spare: int) -> list[int]:
-    """Return the first points along an axis on which a window leaves so many points over."""
-    return np.unique(np.linspace(0, spare, _PLACES).round().astype(int)).tolist() if spare >= 0 else []
+    """Return the candidate first points along an axis with `spare` points outside the window."""
+    return (
+        np.unique(np.linspace(0, spare, _POSITIONS_PER_AXIS).round().astype(int)).tolist()
+        if spare >= 0
+        else []
+    )
 
 
-def _best_places(rows: Ranges, columns: Ranges, score: np.ndarray) -> list[tuple[int, int]]:
-    """Return which pair of ranges is the largest rectangle, and which is the best of each size."""
+def _best_pairs(rows: Ranges, columns: Ranges, score: np.ndarray) -> list[tuple[int, int]]:
+    """Return the index pairs of the largest rectangle and of the best candidate of each size."""
     places = [(rows.first.size - 1, columns.first.size - 1)]
     for ny in np.unique(rows.side):
         for nx in np.unique(columns.side):

@@ -1,14 +1,14 @@
-"""Sides of windows: numbers of points whose Fourier transform is fast and that halve well."""
+"""Sides of windows: numbers of points that have a fast Fourier transform and can be halved often."""
 
 import math
 from collections.abc import Sequence
 
 import numpy as np
 
-# The solver halves a grid while both sides are even; a side should come down to about this many points.
-_COARSE = 32
-# What one further halving is worth, as a share of the side.
-_HALVING = 0.02
+# The solver halves a grid while both sides are even; a side should reach about this number of points.
+_COARSEST_SIDE = 32
+# Loss of length accepted for one further halving, as a share of the side.
+_HALVING_BENEFIT = 0.02
 
 
 def is_friendly(side: int) -> bool:
@@ -31,16 +31,16 @@ def is_friendly(side: int) -> bool:
 
 
 def friendly_sides(longest: int, *, fade: float = 0.0) -> np.ndarray:
-    """Return for each number of points 0 ... longest the best side of a window that fits into it.
+    """Return the best side of a window that fits into n points, for each n = 0 ... longest.
 
-    Sides have no prime factor above 5. Among those the largest is taken, but one that can be halved once
-    more, down to 32 points, may be 2 % shorter. Up to 32 points any side is good.
+    Sides have no prime factor above 5. The largest such side is chosen, but a side that can be halved once
+    more (down to 32 points) may be 2 % shorter. Up to 32 points any side is accepted.
 
     Parameters
     ----------
     longest : int, points
     fade : float
-        share of the side that must fit in besides, the band of a cross-fade.
+        width of the blending band of a cross-fade, which must fit as well, as a share of the side.
 
     Returns
     -------
@@ -63,13 +63,13 @@ def friendly_sides(longest: int, *, fade: float = 0.0) -> np.ndarray:
 
 
 def band_points(side: int, fade: float) -> int:
-    """Return the points that a side needs beyond itself for blending.
+    """Return the number of points of the blending band of a side.
 
     Parameters
     ----------
     side : int, points
     fade : float
-        share of the side over which the ends are blended.
+        width of the band as a share of the side.
 
     Returns
     -------
@@ -85,14 +85,14 @@ def band_points(side: int, fade: float) -> int:
 
 
 def used_points(sides: Sequence[int], fade: float) -> int:
-    """Return how many points of the map a window and its bands need.
+    """Return the number of points of a map that a window and its blending bands occupy.
 
     Parameters
     ----------
     sides : (rows, columns)
         of the window.
     fade : float
-        share of the side over which the ends are blended.
+        width of the bands as a share of the side.
 
     Returns
     -------
@@ -107,7 +107,7 @@ def used_points(sides: Sequence[int], fade: float) -> int:
 
 
 def _largest_side(points: int, fade: float) -> int:
-    """Return the largest side that fits into so many points together with its band."""
+    """Return the largest side that, together with its band, fits into a number of points."""
     side = int(points / (1 + fade)) + 1
     while side > 1 and side + band_points(side, fade) > points:
         side -= 1
@@ -115,8 +115,8 @@ def _largest_side(points: int, fade: float) -> int:
 
 
 def _side_score(side: int) -> float:
-    """Return the logarithm of a side less what it lacks in halvings; -inf with a prime factor above 5."""
-    if side <= _COARSE:
+    """Return the logarithm of a side less a penalty for missing halvings; -inf for a prime factor above 5."""
+    if side <= _COARSEST_SIDE:
         return math.log(side)
     rest = side
     for factor in (2, 3, 5):
@@ -125,6 +125,6 @@ def _side_score(side: int) -> float:
     if rest > 1:
         return -math.inf
     coarsest = side
-    while coarsest % 2 == 0 and coarsest > _COARSE:
+    while coarsest % 2 == 0 and coarsest > _COARSEST_SIDE:
         coarsest //= 2
-    return math.log(side) - _HALVING * max(0.0, math.log2(coarsest / _COARSE))
+    return math.log(side) - _HALVING_BENEFIT * max(0.0, math.log2(coarsest / _COARSEST_SIDE))
