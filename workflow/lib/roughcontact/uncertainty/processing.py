@@ -27,7 +27,7 @@ from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.window.periodic_window import periodic_window
 
 COVERAGE_FACTOR = 2.0  # of the expanded uncertainty: about 95 %
-# the ways to make a map periodic that are fair in area and in peak pressure: docs/explanation/window.md
+# the ways to make a map periodic that are fair in area and in peak pressure: docs/explanation/surface.md
 _FAIR_METHODS = ("smooth-cross-fade", "periodic-plus-smooth")
 _LEAST_POINTS = 64  # along the shorter side of a map that was coarsened
 _SURE = 2.0  # thresholds; what stands off by more is no surface, whatever else is doubtful
