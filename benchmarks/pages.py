@@ -17,13 +17,12 @@ import pandas as pd
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 RESULTS = HERE / "results"
-PAGES = {
-    "performance.md": ROOT / "docs/explanation/performance.md",
-    "window.md": ROOT / "docs/explanation/window.md",
-}
-BLOCKS = {"speed": ROOT / "README.md"} | dict.fromkeys(
-    ("pixels", "answers", "coverage"), ROOT / "docs/explanation/uncertainty.md"
-)
+PAGES = {"performance.md": ROOT / "docs/explanation/performance.md"}
+BLOCKS = {
+    "speed": ROOT / "README.md",
+    "aims": RESULTS / "speed.md",
+    "window": ROOT / "docs/explanation/surface.md",
+} | dict.fromkeys(("pixels", "answers", "coverage"), ROOT / "docs/explanation/uncertainty.md")
 
 
 def read(folder: Path) -> dict:

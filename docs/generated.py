@@ -25,10 +25,31 @@ from roughcontact.variables import VARIABLES
 
 PACKAGE = Path(roughcontact.__file__).parent
 VALIDATION = Path(__file__).parent / "explanation" / "validation.csv"
+# the modules that users and authors of readers call, beside the functions of `roughcontact`
+MODULES = (
+    "statistics.contact_statistics",
+    "statistics.checks",
+    "statistics.theory",
+    "roughness.heights",
+    "roughness.parameters",
+    "roughness.spectrum",
+    "roughness.texture",
+    "references.closed_forms",
+    "references.synthetic",
+    "quantities",
+    "io.interface",
+    "io.channels",
+    "io.guards",
+    "command_line.running",
+    "kernels.memory",
+)
 
 
 def write(generated: Path, reference: Path) -> None:
-    """Write all generated pages, each only where it has changed, so that Sphinx builds no page twice."""
+    """Write all generated pages, each only where it has changed, so that Sphinx builds no page twice.
+
+    Pages of the Python interface from earlier versions are removed.
+    """
     pages = {
         generated / "settings.md": settings(),
         generated / "variables.md": variables(),
@@ -36,6 +57,8 @@ def write(generated: Path, reference: Path) -> None:
         generated / "validation.md": validation(),
         **{reference / "api" / f"{name}.md": text for name, text in interface().items()},
     }
+    for path in set((reference / "api").glob("*.md")) - set(pages):
+        path.unlink()
     for path, text in pages.items():
         path.parent.mkdir(exist_ok=True)
         if not path.exists() or path.read_text(encoding="utf-8") != text:
@@ -104,43 +127,33 @@ def command_line_help() -> str:
 
 
 def interface() -> dict[str, str]:
-    """Return the pages of the Python interface by name: `index` with the public verbs, then each room."""
-    verbs = "\n".join(f"   {_home(name)}" for name in roughcontact.__all__ if not name.startswith("_"))
-    rooms = rooms_with_modules()
-    pages = {
-        "index": "\n\n".join(
-            [
-                "# Python interface",
-                "These are reachable as `roughcontact.NAME`; everything else is imported from its module.",
-                f"```{{eval-rst}}\n.. autosummary::\n   :nosignatures:\n\n{verbs}\n```",
-                "## By room",
-                "```{toctree}\n:maxdepth: 2\n\n" + "\n".join(rooms) + "\n```\n",
-            ]
+    """Return the pages of the Python interface by name: `index`, public functions, other modules."""
+    names = [name for name in roughcontact.__all__ if not name.startswith("_")]
+    summary = "\n".join(f"   {_home(name)}" for name in names)
+    functions = []
+    for name in names:
+        directive = "autoexception" if isinstance(getattr(roughcontact, name), type) else "autofunction"
+        target = _home(name).removeprefix("~")
+        functions.append(f"## `{name}`\n\n```{{eval-rst}}\n.. {directive}:: {target}\n```")
+    modules = []
+    for module in MODULES:
+        path = PACKAGE.joinpath(*module.split(".")).with_suffix(".py")
+        members = ", ".join(name for name in public_names(path) if name not in names)
+        modules.append(
+            f"## `roughcontact.{module}`\n\n"
+            f"```{{eval-rst}}\n.. automodule:: roughcontact.{module}\n   :members: {members}\n```"
         )
+    index = (
+        "These are reachable as `roughcontact.NAME`; everything else is imported from its module.",
+        f"```{{eval-rst}}\n.. autosummary::\n   :nosignatures:\n\n{summary}\n```",
+        "```{toctree}\n:hidden:\n\nfunctions\nmodules\n```",
+    )
+    pages = {
+        "index": ("# Python interface", *index),
+        "functions": ("# Public functions", *functions),
+        "modules": ("# Other modules for users", *modules),
     }
-    for room, modules in rooms.items():
-        title = "What all rooms use" if room == "base" else f"`{room}`"
-        parts = [f"# {title}", first_paragraph(PACKAGE / room / "__init__.py") if room != "base" else ""]
-        for path in modules:
-            module = ".".join(("roughcontact", *path.relative_to(PACKAGE).with_suffix("").parts))
-            module = module.removesuffix(".__init__")
-            members = ", ".join(public_names(path))
-            parts += [
-                f"## `{module}`",
-                f"```{{eval-rst}}\n.. automodule:: {module}\n   :members: {members}\n```",
-            ]
-        pages[room] = "\n\n".join(part for part in parts if part) + "\n"
-    return pages
-
-
-def rooms_with_modules() -> dict[str, list[Path]]:
-    """Return the modules with public names by room; `base` has those that lie in no room."""
-    rooms = {}
-    for path in sorted(PACKAGE.rglob("*.py"), key=lambda p: (p.parent != PACKAGE, p)):
-        if public_names(path) and path != PACKAGE / "__init__.py":
-            room = "base" if path.parent == PACKAGE else path.relative_to(PACKAGE).parts[0]
-            rooms.setdefault(room, []).append(path)
-    return rooms
+    return {name: "\n\n".join(parts) + "\n" for name, parts in pages.items()}
 
 
 def public_names(path: Path) -> list[str]:
@@ -148,12 +161,6 @@ def public_names(path: Path) -> list[str]:
     tree = ast.parse(path.read_text(encoding="utf-8"))
     kinds = (ast.FunctionDef, ast.ClassDef)
     return [node.name for node in tree.body if isinstance(node, kinds) and not node.name.startswith("_")]
-
-
-def first_paragraph(path: Path) -> str:
-    """Return the first paragraph of a module's docstring."""
-    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
-    return " ".join(text.split("\n\n")[0].split()).replace("*", "\\*")
 
 
 def _home(name: str) -> str:

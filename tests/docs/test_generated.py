@@ -78,16 +78,27 @@ def test_every_variable_has_a_row(generated):
     assert [row.split("`")[1] for row in rows] == list(VARIABLES)
 
 
-def test_every_public_function_is_on_a_page_of_the_interface(generated):
+def test_every_public_name_is_on_the_pages_of_the_interface(generated):
     pages = generated.interface()
-    for path in PACKAGE.rglob("*.py"):
-        names = generated.public_names(path)
-        if path == PACKAGE / "__init__.py" or not names:
-            continue
-        folder = "base" if path.parent == PACKAGE else path.relative_to(PACKAGE).parts[0]
-        assert f":members: {', '.join(names)}\n" in pages[folder]
     for name in roughcontact.__all__:
         assert name.startswith("_") or f".{name}\n" in pages["index"]
+        assert name.startswith("_") or f".{name}\n" in pages["functions"]
+
+
+def test_the_modules_for_users_are_shown_with_their_names_and_no_others(generated):
+    page = generated.interface()["modules"]
+    assert re.findall(r"automodule:: roughcontact\.(\S+)\n", page) == list(generated.MODULES)
+    for module in generated.MODULES:
+        shown = page.partition(f"automodule:: roughcontact.{module}\n   :members: ")[2].partition("\n")[0]
+        defined = generated.public_names(PACKAGE.joinpath(*module.split(".")).with_suffix(".py"))
+        assert set(shown.split(", ")) == set(defined) - set(roughcontact.__all__)
+
+
+def test_pages_of_an_earlier_interface_are_removed(generated, tmp_path):
+    (tmp_path / "api").mkdir()
+    (tmp_path / "api/contact.md").write_text("# old")
+    generated.write(tmp_path / "generated", tmp_path)
+    assert sorted(path.stem for path in (tmp_path / "api").iterdir()) == ["functions", "index", "modules"]
 
 
 def test_the_help_of_every_verb_is_shown(generated):

@@ -125,7 +125,7 @@ def test_smooth_cross_fade_closes_the_seam_and_keeps_the_roughness():
     assert np.mean(drawn) + 0.05 < np.mean(rim) < 1.1
     # steeper than inside, but by far not as steep as a plain cross-fade makes it
     assert 1.0 < np.mean(seam) < 0.6 * np.mean(plain)
-    # the rms gradient is that of the map, as in docs/explanation/window.md; waves are as long as the window
+    # the rms gradient is that of the map, as in docs/explanation/surface.md; waves are as long as the window
     assert np.sqrt(np.mean(gradient)) == pytest.approx(1.0, abs=0.05)
 
 

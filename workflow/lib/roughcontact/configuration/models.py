@@ -173,7 +173,7 @@ class Window(Section):
     )
     method: WindowMethod = Field(
         default="smooth-cross-fade",
-        description="how that part is made periodic; docs/explanation/window.md compares them",
+        description="how that part is made periodic; docs/explanation/surface.md compares them",
     )
     width: Number = Field(
         default=0.1,

@@ -27,7 +27,7 @@ from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.window.periodic_window import periodic_window
 
 COVERAGE_FACTOR = 2.0  # of the expanded uncertainty: about 95 %
-# periodisation methods without bias in contact area and peak pressure: docs/explanation/window.md
+# periodisation methods without bias in contact area and peak pressure: docs/explanation/surface.md
 _UNBIASED_METHODS = ("smooth-cross-fade", "periodic-plus-smooth")
 _MIN_COARSE_POINTS = 64  # along the shorter side of a coarsened map
 _CERTAIN_FACTOR = 2.0  # in units of the outlier threshold: points farther off are certainly outliers
