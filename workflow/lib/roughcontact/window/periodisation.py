@@ -238,7 +238,7 @@ def smooth_cross_fade(values: np.ndarray, band: Sequence[int], spacing: Sequence
     The variance of the long waves is largest at the edges of a levelled map and is not compensated, as that
     would put too much load on the rim. Long waves are those passed by a Gaussian filter with a standard
     deviation of half of the band. Both constants were calibrated on cut-outs of periodic surfaces; see
-    docs/explanation/window.md.
+    docs/explanation/surface.md.
 
     Parameters
     ----------
