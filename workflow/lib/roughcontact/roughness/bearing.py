@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-_CENTRAL = 0.4  # width of the central region of the curve, in material ratio
+_CENTRAL_WIDTH = 0.4  # width of the central region of the curve, in material ratio
 _PEAK_RATIO, _DALE_RATIO = 0.1, 0.8  # material ratios that bound the core in the volume parameters
 
 
@@ -52,13 +52,13 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
         return nothing | {"Smr1": math.nan, "Smr2": math.nan}
     ratio = np.linspace(0, 1, curve.size)
     # as far as the window still fits in; rounding must not push the last one over the end
-    count = int(np.searchsorted(ratio, 1 - _CENTRAL + 1e-12, side="right"))
-    fall = np.interp(ratio[:count] + _CENTRAL, ratio, curve)
+    count = int(np.searchsorted(ratio, 1 - _CENTRAL_WIDTH + 1e-12, side="right"))
+    fall = np.interp(ratio[:count] + _CENTRAL_WIDTH, ratio, curve)
     np.subtract(curve[:count], fall, out=fall)
     start = ratio[int(fall.argmin())]
     del fall  # of a large map there is no room for what is needed no more
     begin = int(np.searchsorted(ratio, start))
-    end = int(np.searchsorted(ratio, start + _CENTRAL + 1e-12, side="right"))
+    end = int(np.searchsorted(ratio, start + _CENTRAL_WIDTH + 1e-12, side="right"))
     middle, y = ratio[begin:end].mean(), curve[begin:end]
     x = ratio[begin:end] - middle
     slope = float(x @ y / (x @ x)) if x.size > 1 else 0.0

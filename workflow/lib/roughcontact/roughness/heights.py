@@ -8,7 +8,7 @@ import xarray as xr
 from roughcontact.maps import spacing
 from roughcontact.roughness.bearing import bearing_parameters
 
-_ROWS = 128  # that are worked on at a time
+_ROWS_PER_BLOCK = 128  # that are worked on at a time
 
 
 def height_parameters(height: xr.DataArray) -> dict[str, float]:
@@ -80,11 +80,13 @@ def _developed_excess(values: np.ndarray, steps: tuple[float, float]) -> float:
         slopes = np.diff(values, axis=axis) / steps[axis]
         return float(np.nanmean(_excess(slopes**2))) if not np.isnan(slopes).all() else 0.0
     corners = np.empty((values.shape[0] - 1, values.shape[1] - 1))
-    for first in range(0, len(corners), _ROWS):  # a large map has no room for so many arrays as large as it
-        rows = values[first : first + _ROWS + 1]
+    for first in range(
+        0, len(corners), _ROWS_PER_BLOCK
+    ):  # a large map has no room for so many arrays as large as it
+        rows = values[first : first + _ROWS_PER_BLOCK + 1]
         slope_y, slope_x = (np.diff(rows, axis=axis) / steps[axis] for axis in (0, 1))
         # each corner of a cell is half a triangle of either division, with one edge along x and one along y
-        corners[first : first + _ROWS] = sum(
+        corners[first : first + _ROWS_PER_BLOCK] = sum(
             _excess(along_x**2 + along_y**2)
             for along_x in (slope_x[:-1], slope_x[1:])
             for along_y in (slope_y[:, :-1], slope_y[:, 1:])

@@ -20,8 +20,8 @@ from roughcontact.maps import spacing
 # The cut-off of a spectrum: beyond it lies at most this share of the mean square gradient ...
 _SHARE_BEYOND_CUTOFF = 1e-2
 # ... and it ends where the gradient per wavenumber falls below this share of that just before.
-_CLIFF = 0.1
-_LINES = 128  # that are transformed together
+_EDGE_DROP = 0.1
+_LINES_PER_BLOCK = 128  # that are transformed together
 
 
 def rms_height(height: xr.DataArray) -> float:
@@ -41,7 +41,7 @@ def rms_height(height: xr.DataArray) -> float:
     >>> rms_height(height_map([[1.0, 3.0], [3.0, 1.0]], 1.0))
     1.0
     """
-    return float(np.std(_from_first_point(height.values)))
+    return float(np.std(_relative_to_first_point(height.values)))
 
 
 def rms_gradient(height: xr.DataArray, *, threads: int = 1) -> float:
@@ -100,7 +100,7 @@ def interior_rms_gradient(height: xr.DataArray) -> float:
     >>> round(interior_rms_gradient(tilted), 2), round(rms_gradient(tilted), 2)
     (0.1, 1.66)
     """
-    values = _from_first_point(height.values)
+    values = _relative_to_first_point(height.values)
     total = 0.0
     for axis, pitch in enumerate(spacing(height)):
         lines = np.moveaxis(values, axis, -1)
@@ -109,9 +109,9 @@ def interior_rms_gradient(height: xr.DataArray) -> float:
         weights = fourier.halfplane_weights((1, points))
         of_lines = np.empty(count)
         for first in range(
-            0, count, _LINES
+            0, count, _LINES_PER_BLOCK
         ):  # a large map has no room for the transforms of all of its lines
-            part = slice(first, first + _LINES)
+            part = slice(first, first + _LINES_PER_BLOCK)
             mirrored = np.concatenate([lines[part], lines[part, ::-1]], axis=-1)
             of_lines[part] = np.abs(np.fft.rfft(mirrored)) ** 2 * weights @ q**2
         total += float(of_lines.mean()) / points**2
@@ -212,7 +212,7 @@ def spectral_moments(height: xr.DataArray) -> tuple[float, float, float]:
     >>> [round(moment, 6) for moment in spectral_moments(wave)]
     [0.5, 0.5, 0.5]
     """
-    return _of_profiles(height, *_moments(height, wave_power(height.values)))
+    return _profile_moments(height, *_moments(height, wave_power(height.values)))
 
 
 def nayak_parameter(height: xr.DataArray) -> float:
@@ -328,12 +328,12 @@ def roughness_parameters(height: xr.DataArray, power: np.ndarray | None = None) 
         "rms_height": rms_height(height),
         "rms_gradient": math.sqrt(gradient),
         "rms_curvature": math.sqrt(laplacian) / 2,
-        "nayak_parameter": _bandwidth(*_of_profiles(height, m0, gradient, laplacian)),
+        "nayak_parameter": _bandwidth(*_profile_moments(height, m0, gradient, laplacian)),
         "points_per_shortest_wavelength": _cutoff_wavelength(height, power, (1.0, 1.0)),
     }
 
 
-def _from_first_point(values: np.ndarray) -> np.ndarray:
+def _relative_to_first_point(values: np.ndarray) -> np.ndarray:
     """Return the heights above the first one: exactly zero for a flat map, wherever it lies."""
     return values - values.flat[0]
 
@@ -349,7 +349,7 @@ def _moments(height: xr.DataArray, power: np.ndarray) -> tuple[float, float, flo
     return m0, gradient, laplacian
 
 
-def _of_profiles(
+def _profile_moments(
     height: xr.DataArray, m0: float, gradient: float, laplacian: float
 ) -> tuple[float, float, float]:
     """Return the moments of profiles from those of the surface."""
@@ -385,7 +385,7 @@ def _cutoff_wavelength(height: xr.DataArray, power: np.ndarray, unit: tuple[floa
     beyond = np.cumsum(share[::-1])[::-1]
     edge = int(np.nonzero(beyond > _SHARE_BEYOND_CUTOFF)[0][-1])
     before = share[int(np.ceil(edge / 2 ** (1 / 3))) : edge + 1].mean()
-    while edge + 1 < share.size and share[edge + 1] > _CLIFF * before:
+    while edge + 1 < share.size and share[edge + 1] > _EDGE_DROP * before:
         edge += 1
     cutoff = fundamental * edge
     pitch = min(d for n, d in zip(height.shape, unit, strict=True) if n > 1)

@@ -148,7 +148,9 @@ def angular_spectrum(
     # C(-q) = C(q): what lies on the other side of the half-plane
     rows = np.where(columns < 0, -rows, rows) + ny // 2
     spectrum = np.fft.fftshift(power, axes=0)
-    longer = _taken_out(spectrum, height.shape, math.ceil(most / least * (1 - 1e-9)) - 1, along_x=dqx < dqy)
+    longer = _removed_waves(
+        spectrum, height.shape, math.ceil(most / least * (1 - 1e-9)) - 1, along_x=dqx < dqy
+    )
     rays = map_coordinates(spectrum, [rows, np.abs(columns)], order=1, mode="nearest")
     found = 2 * _area(height) * (rays * radius).sum(axis=1) * least / (2 * np.pi) ** 2
     off = np.deg2rad(theta if dqx < dqy else theta - 90)
@@ -159,7 +161,7 @@ def angular_spectrum(
     return theta, found
 
 
-def _taken_out(spectrum: np.ndarray, shape: tuple[int, ...], number: int, *, along_x: bool) -> np.ndarray:
+def _removed_waves(spectrum: np.ndarray, shape: tuple[int, ...], number: int, *, along_x: bool) -> np.ndarray:
     """Take the first waves along x or y out of a spectrum, in place, and return their mean squares.
 
     `number` waves, or as many as there are; the `spectrum` is the half-plane with row 0 in the middle, that

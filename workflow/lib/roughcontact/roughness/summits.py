@@ -10,7 +10,7 @@ from roughcontact.kernels.arrays import DOUBLE
 from roughcontact.kernels.fft import make_plan
 from roughcontact.maps import spacing
 
-_BLOCK = 2**16  # points that are looked at a time: few enough to stay in the cache
+_POINTS_PER_BLOCK = 2**16  # points that are looked at a time: few enough to stay in the cache
 
 
 def summit_statistics(height: xr.DataArray) -> dict[str, float]:
@@ -67,7 +67,7 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
 
 def _is_summit(values: np.ndarray) -> np.ndarray:
     """Return where a point is higher than its eight neighbours; of equal neighbours one counts."""
-    (ny, nx), step = values.shape, max(1, _BLOCK // values.shape[1])
+    (ny, nx), step = values.shape, max(1, _POINTS_PER_BLOCK // values.shape[1])
     summit = np.ones(values.shape, dtype=bool)
     columns = np.arange(-1, nx + 1) % nx
     for start in range(0, ny, step):

@@ -15,7 +15,7 @@ from roughcontact.roughness.spectrum import angular_spectrum
 DECAY = 0.2  # of the autocorrelation, where Sal and Str are taken (ISO 25178-3)
 LAY = 0.5  # the texture aspect ratio from which on a surface counts as one without a lay
 _RAYS = 360  # directions over half a turn
-_PER_PIXEL = 4  # points along a ray
+_POINTS_PER_PIXEL = 4  # points along a ray
 
 
 def autocorrelation(height: xr.DataArray, power: np.ndarray | None = None) -> np.ndarray:
@@ -166,7 +166,7 @@ def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[fl
             for n, m, d, u in zip(peak.shape, middle, spacing, direction, strict=True)
             if abs(u) > 1e-12
         )
-        distance = np.arange(0, min(reach, inside) + pitch / _PER_PIXEL / 2, pitch / _PER_PIXEL)
+        distance = np.arange(0, min(reach, inside) + pitch / _POINTS_PER_PIXEL / 2, pitch / _POINTS_PER_PIXEL)
         places = [m + distance * u / d for m, d, u in zip(middle, spacing, direction, strict=True)]
         ray = map_coordinates(splines, places, order=3, prefilter=False, mode="nearest")
         below = np.nonzero(ray <= DECAY)[0]
