@@ -190,5 +190,7 @@ def test_heights_that_no_surface_has(verb):
 
 @pytest.mark.parametrize("form", ["sphere", "cylinder"])
 def test_a_needle_is_no_ball(form):
-    with pytest.raises(HeightMapError, match=f"are no {form}: check the unit"):
+    with pytest.raises(
+        HeightMapError, match=f"a {form} cannot have a range of heights of .*: check the unit"
+    ):
         level(SURFACE * 1e20, form=form)

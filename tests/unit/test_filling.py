@@ -128,7 +128,7 @@ def test_a_narrow_hole_on_which_conjugate_gradients_give_up_is_filled_all_the_sa
 
 
 def test_a_wide_hole_that_is_not_solved_is_no_surface(monkeypatch):
-    monkeypatch.setattr(filling, "_MOST_ITERATIONS", 3)
+    monkeypatch.setattr(filling, "_MAX_ITERATIONS", 3)
     y, x = np.indices((60, 60))
     with pytest.raises(HeightMapError, match=r"a hole of \d+ missing points .* set level.fill to 'none'"):
         fill(np.sin(x) * y, disc(60, 20))

@@ -1,4 +1,4 @@
-"""The periodic elastic half-space: what a pressure does to its surface.
+"""The periodic elastic half-space: displacement of its surface under a pressure, and the inverse.
 
 A pressure wave p exp(i q x) displaces the surface of a half-space by u = 2 p / (E* |q|) exp(i q x)
 [1]_, with 1/E* = (1 - nu^2)/E for a rigid counter-body. Everything here is dimensionless: lengths over a
@@ -29,7 +29,7 @@ from roughcontact.references.closed_forms import LATTICE_CONSTANT
 class HalfSpace:
     """The operators u = G p, with symbol 2/|q|, and its inverse p = G^-1 u, with symbol |q|/2, on one grid.
 
-    The mean (q = 0) is left out of both: it is a matter of reference, see `zero_frequency_compliance`.
+    Both omit the mean (q = 0), which depends on the reference: see `zero_frequency_compliance`.
 
     Parameters
     ----------
@@ -40,14 +40,14 @@ class HalfSpace:
     influence : {"sampled", "elements"}
         symbol of G (`roughcontact.elasticity.influence`).
     threads : int
-        of transforms and passes.
+        for transforms and kernels.
     like : array (ny, nx), optional
-        of the library, and on the device, that the fields will have; NumPy's where none is given.
+        array of the library and on the device of the fields; NumPy by default.
 
     Attributes
     ----------
     applications : float
-        forward and inverse transform pairs so far.
+        number of pairs of forward and inverse transforms so far.
 
     Examples
     --------
@@ -79,7 +79,7 @@ class HalfSpace:
 
     @cached_property
     def mean_stiffness(self) -> float:
-        """The mean of the symbol |q|/2 of G^-1 over the half plane, for estimates of rounding."""
+        """The mean of the symbol |q|/2 of G^-1 over the half-plane, for estimates of rounding errors."""
         symbol = self._symbol(SINGLE)
         return float(symbol.__array_namespace__().mean(1 / symbol))
 
@@ -90,14 +90,14 @@ class HalfSpace:
         return float(symbol.__array_namespace__().max(1 / symbol))
 
     def displacement(self, pressure: Array, *, out: Array | None = None) -> Array:
-        """Return u = G p, shape (ny, nx), mean zero, in the precision of `pressure`, in the array `out`.
+        """Return u = G p with zero mean, in the precision of `pressure`.
 
         Parameters
         ----------
         pressure : array (ny, nx)
             dimensionless, single or double precision.
         out : array (ny, nx), optional
-            is written; a new array where there is none.
+            array for the result; allocated by default.
 
         Returns
         -------
@@ -109,14 +109,14 @@ class HalfSpace:
         return self.field_of(spectrum, precision, out=out)
 
     def pressure(self, displacement: Array, *, out: Array | None = None) -> Array:
-        """Return p = G^-1 u, shape (ny, nx), mean zero, in the precision of `displacement`, in `out`.
+        """Return p = G^-1 u with zero mean, in the precision of `displacement`.
 
         Parameters
         ----------
         displacement : array (ny, nx)
             dimensionless, single or double precision.
         out : array (ny, nx), optional
-            is written; a new array where there is none.
+            array for the result; allocated by default.
 
         Returns
         -------
@@ -128,7 +128,7 @@ class HalfSpace:
     def pressure_spectrum(self, displacement: Array) -> tuple[Array, float]:
         """Return the spectrum of p = G^-1 u and the mean of u p: half an application.
 
-        The next application, and who writes into the `scratch` array, may overwrite the spectrum.
+        The spectrum may be overwritten by the next application and through the `scratch` array.
 
         Parameters
         ----------
@@ -138,7 +138,7 @@ class HalfSpace:
         Returns
         -------
         spectrum : array (ny, nx//2 + 1), complex
-            as the transform leaves it.
+            unnormalised, in the layout of the transform.
         energy : float
             mean of u p.
         """
@@ -148,16 +148,16 @@ class HalfSpace:
         return spectrum, float(energy) / displacement.size**2
 
     def field_of(self, spectrum: Array, precision: str, *, out: Array | None = None) -> Array:
-        """Return the field of a `spectrum`, which is lost, in the array `out`: half an application.
+        """Return the field that belongs to a spectrum: half an application.
 
         Parameters
         ----------
         spectrum : array (ny, nx//2 + 1), complex
-            is lost.
+            overwritten.
         precision : str
             of the field.
         out : array (ny, nx), optional
-            is written; a new array where there is none.
+            array for the result; allocated by default.
 
         Returns
         -------
@@ -170,7 +170,7 @@ class HalfSpace:
         return out
 
     def scratch(self, precision: str) -> Array:
-        """Return an array (ny, nx) in `precision` that the next application overwrites.
+        """Return a work array (ny, nx) that the next application overwrites.
 
         Parameters
         ----------
@@ -184,7 +184,7 @@ class HalfSpace:
         return self._plan(precision).scratch
 
     def release(self) -> None:
-        """Give the memory of symbols and transforms back; what is wanted again is made anew."""
+        """Release the memory of symbols and transforms; they are allocated again on demand."""
         self._symbols.clear()
         self._counts.clear()
         self._plans.clear()
@@ -195,14 +195,14 @@ class HalfSpace:
 
     def _plan(self, precision: str) -> Plan:
         if precision not in self._plans:
-            if precision == DOUBLE:  # that in single precision, made anew, will lie in its memory
+            if precision == DOUBLE:  # the plan in single precision is made again and shares its memory
                 self._plans.pop(SINGLE, None)
             share = self._plans.get(DOUBLE)
             self._plans[precision] = make_plan(self._like, precision, threads=self.threads, share=share)
         return self._plans[precision]
 
     def _symbol(self, precision: str) -> Array:
-        """Return the symbol of G, shape (ny, nx//2 + 1); q = 0 is let through by neither operator."""
+        """Return the symbol of G, shape (ny, nx//2 + 1); both operators suppress q = 0."""
         if precision not in self._symbols:
             spacing = self.lengths[0] / self.shape[0], self.lengths[1] / self.shape[1]
             qy, qx = (q.astype(precision) for q in wavevectors(self.shape, spacing))
@@ -211,7 +211,7 @@ class HalfSpace:
         return self._symbols[precision]
 
     def _counts_in(self, precision: str) -> Array:
-        """Return how many waves of the full plane each column of a spectrum stands for."""
+        """Return the number of waves of the full plane that each column of a spectrum represents."""
         if precision not in self._counts:
             counts = halfplane_weights(self.shape)[0].astype(precision)
             self._counts[precision] = self._like.__array_namespace__().asarray(counts)
@@ -219,25 +219,25 @@ class HalfSpace:
 
 
 def zero_frequency_compliance(rule: ZeroFrequency, *, lengths: tuple[float, float]) -> float:
-    """Return E* times the mean displacement per mean pressure, the part that q = 0 leaves open.
+    """Return E* times the undetermined mean (q = 0) displacement per mean pressure, by convention.
 
-    Pressure and area do not depend on the rule, the approach does.
+    The approach depends on the rule; pressure and contact area do not.
 
     Parameters
     ----------
     rule : {"zero", "nogi-kato", "lattice"}
-        ``zero``: the displacement is counted from its own mean. ``nogi-kato``: the mean of 2/|q| over the
+        ``zero``: the displacement is relative to its own mean. ``nogi-kato``: the mean of 2/|q| over the
         zero-frequency cell of the reciprocal lattice [1]_, in closed form
         (Lx Ly / 4 pi^2) 8 [a asinh(b/a) + b asinh(a/b)] with a = pi/Lx, b = pi/Ly. ``lattice``: the value for
-        which one localised contact per square period approaches as it would in free space, 3.900265/pi L
-        (lattice constant of a square array of point loads).
+        which the approach of one localised contact per square period is that of an isolated contact,
+        3.900265/pi L (lattice constant of a square array of point loads).
     lengths : (Ly, Lx), m
         of the periodic cell.
 
     Returns
     -------
     float, m
-        zero, or a length of the size of the cell.
+        zero, or a length of the order of the cell.
 
     Raises
     ------
@@ -263,7 +263,7 @@ def zero_frequency_compliance(rule: ZeroFrequency, *, lengths: tuple[float, floa
         return lx * ly / (4 * math.pi**2) * 8 * (a * math.asinh(b / a) + b * math.asinh(a / b))
     if not math.isclose(lx, ly, rel_tol=1e-6):
         raise SettingsError(
-            f"zero_frequency 'lattice' holds for a square period, this one is {lx:g} m x {ly:g} m; "
+            f"zero_frequency 'lattice' is defined for a square period, this one is {lx:g} m x {ly:g} m; "
             "use 'zero' or 'nogi-kato'",
             keys=["zero_frequency"],
         )

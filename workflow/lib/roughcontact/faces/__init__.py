@@ -1,4 +1,4 @@
-"""Two measured faces that touch: their sum, and an ensemble of ways to lay them on one another.
+"""Contact of two measured faces: their composite height, and an ensemble of relative positions.
 
-The verbs are in `composite` and `positions`.
+The public functions are in `composite` and `positions`.
 """

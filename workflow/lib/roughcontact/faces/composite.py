@@ -1,4 +1,4 @@
-"""Two measured faces that touch: one composite map for each way in which they lie on one another."""
+"""Composite height map of two measured faces in a given relative position."""
 
 import json
 
@@ -20,8 +20,8 @@ from roughcontact.levelling.rejected import with_rejected_marked
 from roughcontact.roughness.heights import height_parameters
 from roughcontact.window.band import reliable_wavelength
 
-# what levelling found and did with the rows of the face whose rows are shifted more
-_OF_ROWS = ("row_jitter", "row_jitter_evidence", "line_alignment", "line_alignment_by")
+# attributes taken from the face with the larger row jitter
+_ROW_ATTRIBUTES = ("row_jitter", "row_jitter_evidence", "line_alignment", "line_alignment_by")
 
 
 def composite(
@@ -31,49 +31,49 @@ def composite(
     shift: tuple[float, float] = (0.0, 0.0),
     rotation: float = 0.0,
 ) -> xr.DataArray:
-    """Lay one measured face on another and return the height map whose contact with a flat is theirs.
+    """Return the composite height map of two faces, whose contact with a flat is equivalent to theirs.
 
-    Both heights count outwards, so that the gap of the rigid faces is (approach) - h1 - h2: what stands out
-    on either closes it, and the composite height is the sum [1]_, [2]_. The counter-face looks the other way,
-    so it is turned over about y before it is laid on, which mirrors it along x:
+    Both heights are positive outwards, so that the gap of the rigid faces is (approach) - h1 - h2, and the
+    composite height is the sum h1 + h2 [1]_, [2]_. The counter-face points the opposite way: it is turned
+    over about y before it is placed on the face, which mirrors it along x:
 
         h(x, y) = h1(x, y) + h2(x2, y2) - mean plane,
         x2 = -(u cos t + v sin t),  y2 = v cos t - u sin t,  (u, v) = (x, y) - shift,
 
-    positions counted from the middle of each map, t the rotation. With the composite contact modulus the
-    problem of the two elastic faces is that of h on a flat.
+    with positions relative to the middle of each map and the rotation t. With the composite contact modulus,
+    the contact of the two elastic faces is that of h with a flat.
 
-    The result covers what both maps cover, with a plane taken off: the mean planes of the faces lie on one
-    another there. A map that is periodic goes on beyond its edges; two periodic maps of the same period, at
-    right angles, make a periodic one, and only the mean is taken off. The points are those of `face`, closer
-    ones along an axis where the counter-face has them closer. Where points of one map fall between those of
-    the other it is interpolated by a cubic spline.
+    The result covers the overlap of both maps, and a plane is subtracted: the mean planes of the faces
+    coincide there. A periodic map continues beyond its edges; two periodic maps of the same period at right
+    angles give a periodic map, from which only the mean is subtracted. The grid is that of `face`, refined
+    along an axis where the counter-face has the smaller step. A map whose points do not coincide with the
+    grid is interpolated by a cubic spline.
 
     Parameters
     ----------
     face, counter_face : DataArray (y, x), m
-        from `level`; NaN where missing. Both maps, or both profiles.
+        from `level`; NaN where missing. Two maps, or two profiles.
     shift : (y, x), m
-        where the middle of the counter-face lies, seen from the middle of the face.
+        position of the middle of the counter-face relative to the middle of the face.
     rotation : float, degree
-        of the counter-face about its middle, from x towards y, as it lies on the face. Profiles: 0.
+        of the counter-face about its middle, from x towards y, as placed on the face. Profiles: 0.
 
     Returns
     -------
     DataArray (y, x), m
-        NaN where one of the two is missing; the coordinate `filled` is 1 where one of the two was filled in,
-        and `rejected_height` (m) is there where points of a face were rejected, as `level` leaves it.
+        NaN where one of the two is missing; the coordinate `filled` is 1 where one of the two was filled,
+        and `rejected_height` (m) exists if points of a face were rejected, as in the result of `level`.
         Attributes of `face`, with those of levelling for the sum (form, filled and rejected points of both,
-        height parameters), `source_file` and `source_sha256` of both, `instrument` of the one that resolves
-        less, and `counter_face` (file), `shift_y`, `shift_x` (m), `rotation` (degree), `covered_share` (of
-        the face).
+        height parameters), `source_file` and `source_sha256` of both, `instrument` of the one with the lower
+        resolution, and `counter_face` (file), `shift_y`, `shift_x` (m), `rotation` (degree), `covered_share`
+        (of the face).
 
     Raises
     ------
     HeightMapError
-        maps that do not overlap by two points, or a map and a profile.
+        for maps that overlap by fewer than two points, or a map and a profile.
     SettingsError
-        a shift or rotation that has no meaning.
+        for an invalid shift or rotation.
 
     References
     ----------
@@ -87,7 +87,7 @@ def composite(
     >>> from roughcontact.maps import height_map
     >>> profile = np.array([[0.0, 3.0, 1.0, 0.0, 0.0, 1.0, 2.0, 1.0]])
     >>> face, mirrored = height_map(profile, 1.0), height_map(-profile[:, ::-1], 1.0)
-    >>> bool(np.allclose(rc.composite(face, mirrored), 0))  # a face and its own negative fit into one another
+    >>> bool(np.allclose(rc.composite(face, mirrored), 0))  # a face conforms to its own negative
     True
     """
     lower, upper = Face(face), Face(counter_face)
@@ -103,7 +103,7 @@ def composite(
     measured = np.isfinite(values)
     if np.count_nonzero(measured) < 2:
         raise HeightMapError(
-            f"{pair_name(lower, upper)}: the faces share no two points that are measured on both: choose a "
+            f"{pair_name(lower, upper)}: the faces have fewer than two measured points in common: choose a "
             "smaller shift"
         )
     coordinates = [p + c for p, c in zip(positions, lower.middle, strict=True)]
@@ -137,8 +137,8 @@ def composite(
     return result.assign_attrs(height_parameters(result))
 
 
-def _doubts(face: Face) -> list[str]:
-    """Return a sentence where a face may lie mirrored, because its file does not say where it begins."""
+def _orientation_warnings(face: Face) -> list[str]:
+    """Return a warning if a face may be mirrored because its file does not state its first row."""
     if not face.height.attrs.get("first_row_assumed"):
         return []
     where = face.height.attrs["first_row"]
@@ -146,13 +146,16 @@ def _doubts(face: Face) -> list[str]:
 
 
 def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
-    """Return the attributes of the face, where they can be said of both those of both."""
+    """Return the attributes of the face, combined with those of the counter-face where applicable."""
     one, other = lower.height.attrs, upper.height.attrs
     kinds = [json.loads(attrs.get("outlier_kinds", "{}")) for attrs in (one, other)]
     warnings = [
         f"{face.name}: {warning}"
         for face in (lower, upper)
-        for warning in (*json.loads(face.height.attrs.get("ingest_warnings", "[]")), *_doubts(face))
+        for warning in (
+            *json.loads(face.height.attrs.get("ingest_warnings", "[]")),
+            *_orientation_warnings(face),
+        )
     ]
     shifted = max((one, other), key=lambda attrs: attrs.get("row_jitter", 0.0))
     coarser = max((lower, upper), key=lambda face: reliable_wavelength(face.height)[0])
@@ -165,7 +168,7 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
         "missing_share": max(attrs.get("missing_share", 0.0) for attrs in (one, other)),
         "outliers_rejected": sum(attrs.get("outliers_rejected", 0) for attrs in (one, other)),
         "outlier_kinds": json.dumps({k: sum(each.get(k, 0) for each in kinds) for k in kinds[0] | kinds[1]}),
-        **{name: shifted[name] for name in _OF_ROWS if name in shifted},
+        **{name: shifted[name] for name in _ROW_ATTRIBUTES if name in shifted},
         "filled_points": int(filled.sum()),
         "filled_share": float(filled.mean()),
         "largest_hole": max(attrs.get("largest_hole", 0) for attrs in (one, other)),

@@ -1,4 +1,4 @@
-"""One measured face: its heights on its points, between them and, where it is periodic, beyond its edges."""
+"""One measured face: heights at any position, beyond its edges if it is periodic."""
 
 import json
 
@@ -10,12 +10,12 @@ from roughcontact.levelling.forms import form_from_record
 from roughcontact.maps import spacing
 from roughcontact.window.periodisation import periodic_heights
 
-ON_POINT = 1e-6  # of a step: so near to a point, its height is taken as it is
-_RIM = 12  # points beyond which a cubic spline feels nothing: each has 0.27 of the effect of the one before
+POINT_TOLERANCE = 1e-6  # of a step: positions as close to a point take its height
+_SPLINE_MARGIN = 12  # points; the influence on a cubic spline falls by a factor of 0.27 per point
 
 
 class Face:
-    """A map with what lies between its points and, where it is periodic, beyond its edges.
+    """A map as a function of position, interpolated between its points and continued if periodic.
 
     Parameters
     ----------
@@ -29,17 +29,17 @@ class Face:
     name : str
         of its file.
     periodic : bool
-        whether the map goes on beyond its edges.
+        whether the map is periodic.
     values : array (ny, nx), m
-        heights; of a map that levelling broke, with the form put back.
+        heights; with the form restored if its removal made the map aperiodic.
     filled : bool array (ny, nx)
-        points that were filled in.
+        mask of filled points.
     shape : (ny, nx)
     step : (dy, dx), m
     lengths : (y, x), m
-        sides, a step longer than from the first point to the last.
+        sides, one step longer than the distance from the first to the last point.
     middle : (y, x), m
-        where the middle lies in the coordinates of the map.
+        middle of the map in its own coordinates.
 
     Examples
     --------
@@ -66,22 +66,22 @@ class Face:
         self.middle = tuple(float(height[d].values[[0, -1]].mean()) for d in ("y", "x"))
 
     def at(self, y: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return heights and flags of filled points at any positions.
+        """Return heights, and the mask of those that depend on filled points, at any positions.
 
         Parameters
         ----------
         y, x : arrays of one shape, m
-            positions off the middle of the map.
+            positions relative to the middle of the map.
 
         Returns
         -------
         heights : array, m
             NaN where not measured.
         filled : bool array
-            whether the height rests on a point that was filled in.
+            True where the height depends on a filled point.
         """
         places = [p / d + (n - 1) / 2 for p, d, n in zip((y, x), self.step, self.shape, strict=True)]
-        places = [np.where(np.abs(p - np.rint(p)) < ON_POINT, np.rint(p), p) for p in places]
+        places = [np.where(np.abs(p - np.rint(p)) < POINT_TOLERANCE, np.rint(p), p) for p in places]
         if self.periodic:
             inside = np.ones(places[0].shape, dtype=bool)
             places = [p % n for p, n in zip(places, self.shape, strict=True)]
@@ -98,22 +98,22 @@ class Face:
         return np.where(inside, values, np.nan), filled & inside
 
     def _between(self, places: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Return heights and flags between the points; a point next to a missing one is missing."""
+        """Return heights and mask between the points; positions next to a missing point are missing."""
         from scipy.ndimage import distance_transform_edt, map_coordinates
 
         beyond = "grid-wrap" if self.periodic else "mirror"
         missing = np.isnan(self.values)
         values = self.values
-        if missing.any():  # the spline needs a height everywhere; these are masked again
+        if missing.any():  # the spline needs a height everywhere; these points are masked again below
             nearest = distance_transform_edt(missing, return_distances=False, return_indices=True)
             values = values[tuple(nearest)]
-        # mirrored, the spline would lie flat at the rim: there it is continued with its slope
-        rim = [0 if self.periodic or n == 1 else _RIM for n in self.shape]
+        # point reflection at the rim continues slopes; plain mirroring would make them vanish there
+        rim = [0 if self.periodic or n == 1 else _SPLINE_MARGIN for n in self.shape]
         continued = np.pad(values, [(n, n) for n in rim], mode="reflect", reflect_type="odd")
         at = [p + n for p, n in zip(places, rim, strict=True)]
         between = map_coordinates(continued, at, order=3, mode=beyond)
         near = [
-            map_coordinates(flags.astype(float), places, order=1, mode=beyond) > ON_POINT
+            map_coordinates(flags.astype(float), places, order=1, mode=beyond) > POINT_TOLERANCE
             for flags in (missing, self.filled)
         ]
         return np.where(near[0], np.nan, between), near[1]

@@ -1,38 +1,40 @@
-"""How two faces lie on one another: the angle between their axes, and the grid that both reach."""
+"""Overlap of two faces: the angle between their axes, and their common grid."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from roughcontact.errors import HeightMapError, SettingsError
-from roughcontact.faces.face import ON_POINT, Face
+from roughcontact.faces.face import POINT_TOLERANCE, Face
 
-SAME_STEP = 1e-6  # relative difference of two steps that are one
-_MOST_POINTS = 2**27  # as many as are read of one file
-_RIGHT_ANGLE = 1e-9  # sine or cosine below which two axes count as parallel
+STEP_TOLERANCE = 1e-6  # relative difference of two steps that count as equal
+_MAX_POINTS = 2**27  # the same limit as for a file
+_ANGLE_TOLERANCE = 1e-9  # sine or cosine below which two axes count as parallel
 
 
 def check_pair(lower: Face, upper: Face, shift: Sequence[float], rotation: float) -> None:
-    """Raise an error where two faces cannot lie on one another in this way.
+    """Raise an error for two faces that cannot be combined in this relative position.
 
     Parameters
     ----------
     lower, upper : Face
-        the face, and the counter-face on it.
+        face and counter-face.
     shift : (y, x), m
     rotation : float, degree
 
     Raises
     ------
     HeightMapError
-        a map and a profile.
+        for a map and a profile.
     SettingsError
-        a shift or rotation that has no meaning.
+        for an invalid shift or rotation.
     """
     name = pair_name(lower, upper)
     across = [n == 1 for n in lower.shape]
     if across != [n == 1 for n in upper.shape]:
-        raise HeightMapError(f"{name}: a map and a profile make no composite: measure both alike")
+        raise HeightMapError(
+            f"{name}: a map and a profile have no composite height: measure two maps or two profiles"
+        )
     if len(shift) != 2 or not np.isfinite(shift).all():
         raise SettingsError(f"shift = {shift!r}: give two lengths (y, x) in m")
     if not np.isfinite(rotation):
@@ -44,7 +46,7 @@ def check_pair(lower: Face, upper: Face, shift: Sequence[float], rotation: float
 
 
 def pair_name(lower: Face, upper: Face) -> str:
-    """Return what the pair is called, after both files.
+    """Return the name of the pair, from both file names.
 
     Parameters
     ----------
@@ -74,14 +76,14 @@ def cosine_and_sine(rotation: float) -> tuple[float, float]:
     [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)]
     """
     angle = np.radians(rotation)
-    cosine, sine = (0.0 if abs(v) < _RIGHT_ANGLE else float(v) for v in (np.cos(angle), np.sin(angle)))
+    cosine, sine = (0.0 if abs(v) < _ANGLE_TOLERANCE else float(v) for v in (np.cos(angle), np.sin(angle)))
     if sine == 0:
         return np.sign(cosine), 0.0
     return (0.0, np.sign(sine)) if cosine == 0 else (cosine, sine)
 
 
 def along_axes(pair: Sequence, turn: tuple[float, float]) -> tuple | None:
-    """Return a pair of the counter-face as it lies along the axes of the face.
+    """Return a pair of values of the counter-face in the order of the axes of the face.
 
     Parameters
     ----------
@@ -93,7 +95,7 @@ def along_axes(pair: Sequence, turn: tuple[float, float]) -> tuple | None:
     Returns
     -------
     (y, x) or None
-        None where it lies askew.
+        None at an oblique angle.
 
     Examples
     --------
@@ -123,16 +125,16 @@ def common_period(lower: Face, upper: Face, turn: tuple[float, float]) -> bool:
         lower.periodic
         and upper.periodic
         and lengths
-        and np.allclose(lengths, lower.lengths, rtol=SAME_STEP, atol=0)
+        and np.allclose(lengths, lower.lengths, rtol=STEP_TOLERANCE, atol=0)
     )
 
 
 def common_grid(
     lower: Face, upper: Face, turn: tuple[float, float], shift: Sequence[float]
 ) -> list[np.ndarray]:
-    """Return the points that both faces reach.
+    """Return the grid on the overlap of both faces.
 
-    They are those of the lower face, closer ones along an axis where the upper one has them closer.
+    It is the grid of the lower face, refined along an axis where the upper face has the smaller step.
 
     Parameters
     ----------
@@ -145,12 +147,12 @@ def common_grid(
     Returns
     -------
     [y, x], arrays (ny,) and (nx,), m
-        positions off the middle of the lower face.
+        positions relative to the middle of the lower face.
 
     Raises
     ------
     HeightMapError
-        where there are less than two along an axis, or more in all than a map may have.
+        for fewer than two points along an axis, or more points than a map may have.
     """
     name = pair_name(lower, upper)
     steps = along_axes(upper.step, turn) or (min(upper.step),) * 2
@@ -163,17 +165,17 @@ def common_grid(
         first = -(points - 1) * lower.step[axis] / 2
         start, stop = 0, number
         if not upper.periodic:
-            low, high, tolerance = shift[axis] - half[axis], shift[axis] + half[axis], ON_POINT * step
+            low, high, tolerance = shift[axis] - half[axis], shift[axis] + half[axis], POINT_TOLERANCE * step
             start = max(0, int(np.ceil((low - first - tolerance) / step)))
             stop = min(number, int(np.floor((high - first + tolerance) / step)) + 1)
         if stop - start < min(number, 2):
             raise HeightMapError(f"{name}: the faces do not overlap: choose a smaller shift")
         ranges.append((start, stop, first, step))
     ny, nx = (stop - start for start, stop, _, _ in ranges)
-    if ny * nx > _MOST_POINTS:
+    if ny * nx > _MAX_POINTS:
         raise HeightMapError(
-            f"{name}: {ny} x {nx} points in the overlap, more than the {_MOST_POINTS} that are read: "
-            "the steps of the two maps are too different; crop one of them"
+            f"{name}: the common grid has {ny} x {nx} points, more than the limit of {_MAX_POINTS}: the "
+            "steps of the two maps are too different; crop one of them"
         )
     return [first + step * np.arange(start, stop) for start, stop, first, step in ranges]
 
@@ -199,10 +201,10 @@ def covered_share(lower: Face, positions: Sequence[np.ndarray]) -> float:
 
 
 def _points_and_step(points: int, own: float, other: float, *, periodic: bool) -> tuple[int, float]:
-    """Return how many points an axis gets and how far apart: closer ones, evenly over the same length."""
-    if points == 1 or other >= own * (1 - SAME_STEP):
+    """Return number of points and step along an axis, refined evenly to at most the other step."""
+    if points == 1 or other >= own * (1 - STEP_TOLERANCE):
         return points, own
     intervals = points - (not periodic)
     length = intervals * own
-    closer = int(np.ceil(length / other - ON_POINT))
+    closer = int(np.ceil(length / other - POINT_TOLERANCE))
     return closer + (not periodic), length / closer

@@ -1,4 +1,4 @@
-"""An ensemble of ways in which one face can lie on another."""
+"""Ensemble of random relative positions of two faces."""
 
 from collections.abc import Sequence
 
@@ -7,7 +7,7 @@ import xarray as xr
 
 from roughcontact.errors import SettingsError
 from roughcontact.faces.face import Face
-from roughcontact.faces.overlap import SAME_STEP, along_axes, check_pair, cosine_and_sine
+from roughcontact.faces.overlap import STEP_TOLERANCE, along_axes, check_pair, cosine_and_sine
 
 
 def relative_positions(
@@ -19,25 +19,25 @@ def relative_positions(
     overlap: float = 0.75,
     seed: int = 0,
 ) -> list[dict]:
-    """Draw an ensemble of ways in which one face can lie on another: `shifts` random ones for each rotation.
+    """Draw an ensemble of relative positions of two faces: `shifts` random shifts for each rotation.
 
-    A shift is uniform up to |a - b| / 2 + (1 - overlap) min(a, b) along each axis, a the side of the face and
-    b that of the counter-face through its middle, as it lies on the face; over its whole period where the
-    counter-face is periodic. Where the points of both maps can fall on one another they do, so that nothing
-    is interpolated.
+    Shifts are uniformly distributed up to |a - b| / 2 + (1 - overlap) min(a, b) along each axis, where a is
+    the side of the face and b the length of the rotated counter-face through its middle; a periodic
+    counter-face is shifted over its whole period. If the points of both maps can coincide, shifts are rounded
+    so that they do, and nothing is interpolated.
 
     Parameters
     ----------
     face, counter_face : DataArray (y, x), m
         from `level`.
     shifts : int
-        how many for each rotation.
+        number of shifts for each rotation.
     rotations : sequence of float, degree
         of the counter-face about its middle.
     overlap : float, 0 to 1
-        least share of each side of the smaller map that the other one covers.
+        minimum share of each side of the smaller map that the other one covers.
     seed : int
-        of the random numbers; more shifts or rotations leave those that were drawn before as they are.
+        of the random numbers; additional shifts or rotations do not change those drawn before.
 
     Returns
     -------
@@ -47,9 +47,9 @@ def relative_positions(
     Raises
     ------
     HeightMapError
-        a map and a profile.
+        for a map and a profile.
     SettingsError
-        an option that has no meaning.
+        for an invalid option.
 
     Examples
     --------
@@ -74,21 +74,21 @@ def relative_positions(
     for number, rotation in enumerate(rotations):
         turn = cosine_and_sine(rotation)
         drawn = np.random.default_rng([seed, number]).uniform(-1, 1, (shifts, 2))
-        reach = _reach(lower, upper, turn, overlap)
+        reach = _max_shift(lower, upper, turn, overlap)
         members += [
-            {"shift": _on_points(lower, upper, turn, row * reach), "rotation": float(rotation)}
+            {"shift": _aligned_shift(lower, upper, turn, row * reach), "rotation": float(rotation)}
             for row in drawn
         ]
     return members
 
 
-def _reach(lower: Face, upper: Face, turn: tuple[float, float], overlap: float) -> np.ndarray:
+def _max_shift(lower: Face, upper: Face, turn: tuple[float, float], overlap: float) -> np.ndarray:
     """Return the largest shift (y, x), m."""
     cosine, sine = (abs(v) for v in turn)
     reach = []
     for axis in (0, 1):
         along, across = upper.lengths[axis], upper.lengths[1 - axis]
-        # through the middle of the turned rectangle
+        # length of the rotated rectangle through its middle
         side = min(along / cosine if cosine else np.inf, across / sine if sine else np.inf)
         own = lower.lengths[axis]
         free = side / 2 if upper.periodic else abs(own - side) / 2 + (1 - overlap) * min(own, side)
@@ -96,10 +96,12 @@ def _reach(lower: Face, upper: Face, turn: tuple[float, float], overlap: float) 
     return np.array(reach)
 
 
-def _on_points(lower: Face, upper: Face, turn: tuple[float, float], shift: np.ndarray) -> tuple[float, ...]:
-    """Return the nearest shift that lays points on points, where there is one."""
+def _aligned_shift(
+    lower: Face, upper: Face, turn: tuple[float, float], shift: np.ndarray
+) -> tuple[float, ...]:
+    """Return the nearest shift for which the points of both maps coincide, or `shift` if there is none."""
     steps, points = along_axes(upper.step, turn), along_axes(upper.shape, turn)
-    if steps is None or points is None or not np.allclose(steps, lower.step, rtol=SAME_STEP, atol=0):
+    if steps is None or points is None or not np.allclose(steps, lower.step, rtol=STEP_TOLERANCE, atol=0):
         return tuple(map(float, shift))
     odd = [(n - m) % 2 / 2 for n, m in zip(lower.shape, points, strict=True)]
     return tuple(

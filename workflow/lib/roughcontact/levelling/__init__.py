@@ -1,4 +1,4 @@
-"""Levelling: outliers out, scan lines aligned, form and waviness off, missing points filled in.
+"""Levelling: rejects outliers, aligns scan lines, removes form and waviness, fills missing points.
 
-The verb is in `level`.
+The public function is in `level`.
 """

@@ -1,4 +1,4 @@
-"""Sphere and cylinder as the form of a map: least squares of the vertical distances, plain or robust."""
+"""Sphere and cylinder as the form of a map: least-squares or robust fit of the vertical distances."""
 
 from collections.abc import Mapping, Sequence
 
@@ -11,12 +11,12 @@ from roughcontact.levelling.robust import biweight, robust_scale
 
 _ITERATIONS = 60
 _CONVERGED = 1e-9  # change of the form between iterations, in standard deviations of the residual
-_CONVERGED_ROBUST = 1e-6  # the same where weights change with the residual
-_STEP = 1e-6  # of the numerical derivatives; lengths are in half the longer side of the map
-_START_POINTS = 50_000  # enough for a good start on a large map
-_CHUNK = 200_000  # points worked on at a time
-_TURN = 0.3  # rad; the axis of a cylinder that is nearly flat is poorly known and must not jump
-_STEEP = 1e3  # heights over half a side: beyond, no ball or roll
+_CONVERGED_ROBUST = 1e-6  # the same for the robust fit
+_DERIVATIVE_STEP = 1e-6  # of the numerical derivatives; lengths are in half the longer side of the map
+_START_POINTS = 50_000  # sufficient for the initial fit of a large map
+_CHUNK = 200_000  # points processed at a time
+_MAX_ROTATION = 0.3  # rad per step; the axis of a nearly flat cylinder is poorly determined and must not jump
+_MAX_ASPECT_RATIO = 1e3  # range of heights over half the longer side
 
 
 def fit_curved_form(
@@ -24,16 +24,17 @@ def fit_curved_form(
 ) -> tuple[np.ndarray, dict[str, dict]]:
     """Fit a sphere or a cylinder to a map that may have missing points.
 
-    Both go through the point (x0, y0, z0) in the middle of the map, with the slopes a and b and the normal n
-    there, and the centre or axis at the distance 1/kappa along n. With r from that point, d the direction of
-    the axis (0 for a sphere):
+    Both pass through the point (x0, y0, z0) in the middle of the map, with slopes a and b and normal n there,
+    and have their centre or axis at the distance 1/kappa along n. With r the vector from that point and d the
+    direction of the axis (0 for a sphere):
 
         kappa (|r|^2 - (r . d)^2) - 2 n . r = 0,
 
-    a quadratic equation for z(x, y). The sum of (h - z)^2 is least; with `robust` that of Tukey's biweight.
+    a quadratic equation for z(x, y). The fit minimises the sum of (h - z)^2, or with `robust` that of Tukey's
+    biweight.
 
     The method is that of Levenberg and Marquardt [1]_, started from the second-order polynomial. The
-    parameters stay finite where the radius does not: a flat map has kappa = 0.
+    parameters remain finite for a flat map, which has kappa = 0.
 
     Parameters
     ----------
@@ -41,24 +42,24 @@ def fit_curved_form(
         NaN where missing.
     coordinates : (y, x), arrays in m
     shape : {"sphere", "cylinder"}
-        a profile is fitted by a circle, whichever it is.
+        either fits a circle to a profile.
     robust : bool
-        deep valleys and high spikes have no weight.
+        whether deep valleys and high spikes have no weight.
 
     Returns
     -------
     form : array (ny, nx), m
     removed : dict
-        what the form is, each entry with value and units: `mean` (of the form over the map), `radius` (m; not
-        for a flat map), `curvature` (1/m, negative where the form is a hill), `height_middle` (z0), `slope_x`
-        and `slope_y` at the middle (`middle_x`, `middle_y`), of a sphere `centre_x`, `centre_y`, `centre_z`,
-        of a cylinder `axis_azimuth` (degree from x towards y, -90 to 90) and `axis_inclination` (degree from
-        the x, y plane, upwards in the direction of the azimuth).
+        parameters of the form, each with value and units: `mean` (of the form over the map), `radius` (m;
+        absent for a flat map), `curvature` (1/m, negative for a hill), `height_middle` (z0), `slope_x` and
+        `slope_y` at the middle (`middle_x`, `middle_y`), for a sphere `centre_x`, `centre_y`, `centre_z`, for
+        a cylinder `axis_azimuth` (degree from x towards y, -90 to 90) and `axis_inclination` (degree from the
+        x, y plane, upwards in the direction of the azimuth).
 
     Raises
     ------
     HeightMapError
-        where the map has points beyond the rim of the fitted ball or roll, or is far higher than wide.
+        where the map has points beyond the rim of the fitted sphere or cylinder, or is far higher than wide.
 
     References
     ----------
@@ -74,15 +75,15 @@ def fit_curved_form(
     5.0 -0.2
     """
     if min(values.shape) == 1:
-        shape = "sphere"  # of a profile: a circle, the section of either
+        shape = "sphere"  # of a profile: a circle, the cross-section of both shapes
     y, x = (np.asarray(c, dtype=float) for c in coordinates)
     middle_y, middle_x = ((c[0] + c[-1]) / 2 for c in (y, x))
     half = max(np.ptp(y), np.ptp(x)) / 2
     measured = ~np.isnan(values)
-    if (heights := np.ptp(values[measured])) > _STEEP * half:
+    if (heights := np.ptp(values[measured])) > _MAX_ASPECT_RATIO * half:
         raise HeightMapError(
-            f"level.form = {shape!r}: heights over {heights:g} m on sides of {2 * half:g} m are no {shape}: "
-            "check the unit, or take level.form: polynomial"
+            f"level.form = {shape!r}: a {shape} cannot have a range of heights of {heights:g} m on sides of "
+            f"{2 * half:g} m: check the unit, or use level.form: polynomial"
         )
     start_form, start = fit_polynomial(values, coordinates, order=2, robust=robust)
     reference = start["mean"]["value"]
@@ -102,7 +103,7 @@ def fit_curved_form(
     if beyond:
         raise HeightMapError(
             f"level.form = {shape!r}: {beyond} points lie beyond the rim of the fitted {shape}, where it has "
-            "no height: cut the map to the curved part, or take level.form: polynomial"
+            "no height: cut the map to the curved part, or use level.form: polynomial"
         )
     form = reference + half * fitted
     return form, _record(parameters, form, reference, half, (middle_y, middle_x))
@@ -116,7 +117,7 @@ def curved_form_from_record(removed: Mapping[str, Mapping], y: npt.ArrayLike, x:
     removed : dict
         the record.
     y, x : arrays (ny,) and (nx,), m
-        the map's own coordinates.
+        coordinates of the map.
 
     Returns
     -------
@@ -144,7 +145,7 @@ def _surface(
         along, dz = (direction[0] * x + direction[1] * y) / length, rise / length
     else:
         along, dz = 0.0, 0.0
-    # (k (1 - dz^2)) z^2 - 2 (1 + k along dz) z + c = 0; the root that goes to zero with c
+    # (k (1 - dz^2)) z^2 - 2 (1 + k along dz) z + c = 0; the root that vanishes with c
     c = k * (x**2 + y**2 - along**2) + 2 * (a * x + b * y)
     minus_half_b = 1 + k * along * dz
     discriminant = minus_half_b**2 - k * (1 - dz**2) * c
@@ -154,7 +155,7 @@ def _surface(
 def _start(
     polynomial: Mapping[str, Mapping], form: np.ndarray, reference: float, half: float, shape: str
 ) -> np.ndarray:
-    """Return the parameters of the ball or roll that touches the second-order polynomial in the middle."""
+    """Return the parameters of the shape that touches the second-order polynomial in the middle."""
     value = {name: entry["value"] for name, entry in polynomial.items()}
     mixed = value.get("c_1_1", 0.0) / (value["half_length_x"] * value["half_length_y"])
     hessian = np.array([[value["curvature_x"], mixed], [mixed, value["curvature_y"]]])
@@ -170,7 +171,7 @@ def _start(
 
 
 def _least_squares(parameters: np.ndarray, points: Sequence[np.ndarray], *, robust: bool) -> np.ndarray:
-    """Return the parameters of least (robust) squares; points are (y, x, z), each (n,)."""
+    """Return the least-squares or robust parameters; points are (y, x, z), each (n,)."""
     y, x, z = points
     damping = 1e-3
     residual = z - _surface(parameters, y, x)[0]
@@ -184,18 +185,18 @@ def _least_squares(parameters: np.ndarray, points: Sequence[np.ndarray], *, robu
             scale, weights = np.sqrt(np.mean(residual**2)), np.ones(z.size)
         matrix, rhs = _normal_equations(parameters, y, x, weights, residual)
         size = np.sqrt(np.diag(matrix))
-        size = np.maximum(size, 1e-12 * size.max())  # what changes nothing stays as it is
+        size = np.maximum(size, 1e-12 * size.max())  # parameters without influence do not change
         cost = np.sum(weights * residual**2)
         for _ in range(12):
             damped = matrix / np.outer(size, size) + damping * np.eye(len(size))
             step = np.linalg.lstsq(damped, rhs / size, rcond=1e-14)[0] / size
-            step[4:] = np.clip(step[4:], -_TURN, _TURN)
+            step[4:] = np.clip(step[4:], -_MAX_ROTATION, _MAX_ROTATION)
             trial = z - _surface(parameters + step, y, x)[0]
             if np.sum(weights * trial**2) <= cost:
                 break
             damping *= 10
         else:
-            return parameters  # no step makes it better: rounding
+            return parameters  # no step reduces the cost: limit of rounding
         change = np.abs(trial - residual).max()
         parameters, residual, damping = parameters + step, trial, max(damping / 30, 1e-12)
         enough = _CONVERGED_ROBUST if robust else _CONVERGED
@@ -207,7 +208,7 @@ def _least_squares(parameters: np.ndarray, points: Sequence[np.ndarray], *, robu
 def _normal_equations(
     parameters: np.ndarray, y: np.ndarray, x: np.ndarray, weights: np.ndarray, residual: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return J^T W J and J^T W residual with J the derivative of the heights by the parameters."""
+    """Return J^T W J and J^T W residual, with J the derivatives of the heights."""
     count = len(parameters)
     matrix, rhs = np.zeros((count, count)), np.zeros(count)
     for start in range(0, y.size, _CHUNK):
@@ -215,9 +216,9 @@ def _normal_equations(
         columns = []
         for index in range(count):
             step = np.zeros(count)
-            step[index] = _STEP
+            step[index] = _DERIVATIVE_STEP
             ahead, behind = (_surface(parameters + sign * step, y[part], x[part])[0] for sign in (1, -1))
-            columns.append((ahead - behind) / (2 * _STEP))
+            columns.append((ahead - behind) / (2 * _DERIVATIVE_STEP))
         jacobian = np.stack(columns)
         weighted = jacobian * weights[part]
         matrix += weighted @ jacobian.T
@@ -228,7 +229,7 @@ def _normal_equations(
 def _record(
     parameters: np.ndarray, form: np.ndarray, reference: float, half: float, middle: tuple[float, float]
 ) -> dict[str, dict]:
-    """Return the record of a sphere or cylinder, in the unit of the heights."""
+    """Return the record of a sphere or cylinder in SI units."""
     z0, a, b, k, *azimuth = map(float, parameters)
     steepness = np.sqrt(1 + a**2 + b**2)
     curvature = k / steepness / half

@@ -1,4 +1,4 @@
-"""Filling of missing points by a harmonic surface, the smoothest one that meets the rim of each hole."""
+"""Filling of missing points by a harmonic surface, the smoothest one that matches the rim of each hole."""
 
 from collections.abc import Sequence
 
@@ -7,14 +7,14 @@ import numpy as np
 from roughcontact.errors import HeightMapError
 
 _TOLERANCE = 1e-10  # residual of the Laplace equation, relative to its right-hand side
-_MOST_ITERATIONS = 500  # in a wide hole; tens are usual
-_WIDE = 8  # pixels from the rim to the middle of a hole from which on the fast Poisson solver pays
+_MAX_ITERATIONS = 500  # for a wide hole; tens are usual
+_WIDE_HOLE_RADIUS = 8  # pixels from rim to middle; for wider holes the fast Poisson solver is faster
 
 
 def find_holes(missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the numbered holes of a map: groups of missing points that do not touch its border.
+    """Return the labelled holes of a map: groups of missing points that do not touch its border.
 
-    Points of a group are connected by their edges.
+    Points are connected along their edges, not diagonally.
 
     Parameters
     ----------
@@ -23,8 +23,8 @@ def find_holes(missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     Returns
     -------
     labels : int array (ny, nx)
-        1 ... n in the n holes, 0 elsewhere: measured, or missing and open to the border. An axis of one
-        point has no border.
+        1 ... n in the n holes, 0 elsewhere: points measured, or missing and connected to the border. An axis
+        of one point has no border.
     sizes : int array (n,)
         points in each hole.
 
@@ -53,30 +53,30 @@ def find_holes(missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[float]) -> np.ndarray:
     """Return the map with its holes filled by the solution of Laplace's equation.
 
-    h_xx + h_yy = 0 in each hole, five-point stencil, with the measured heights around it as boundary values;
-    in a profile that is the straight line between the rims.
+    h_xx + h_yy = 0 in each hole, five-point stencil, with the surrounding measured heights as boundary
+    values; in a profile the solution is the straight line between the rims.
 
-    Narrow holes: conjugate gradients, whose iterations grow with the width of the hole only. Wide holes:
-    conjugate gradients preconditioned by a fast Poisson solver (discrete sine transform) on the box around
-    the hole, the fictitious-domain idea of [1]_.
+    Narrow holes are solved by conjugate gradients, whose iteration count grows only with the width of the
+    hole; wide holes by conjugate gradients preconditioned by a fast Poisson solver (discrete sine transform)
+    on the bounding box of the hole, a fictitious-domain method [1]_.
 
     Parameters
     ----------
     values : array (ny, nx), m
         NaN where missing.
     labels : int array (ny, nx)
-        holes as numbered by `find_holes`.
+        labels from `find_holes`.
     spacing : (dy, dx), m
 
     Returns
     -------
     array (ny, nx), m
-        NaN where missing points are open to the border.
+        NaN where missing points are connected to the border.
 
     Raises
     ------
     HeightMapError
-        where 500 iterations do not solve the equation of a wide hole.
+        where a wide hole does not converge within 500 iterations.
 
     References
     ----------
@@ -96,7 +96,7 @@ def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[floa
         return values.copy()
     if min(values.shape) == 1:
         return _fill_profile(values, inside)
-    # a common scale for heights and weights keeps the sums away from underflow
+    # heights and weights are scaled to avoid underflow
     offset, scale = np.nanmin(values), np.ptp(values[~np.isnan(values)]) or 1.0
     wy, wx = (min(spacing) / np.asarray(spacing)) ** 2
     filled = values - offset
@@ -112,7 +112,7 @@ def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[floa
 
         boxes = ndimage.find_objects(labels)
         for hole in wide:
-            # one more row and column on each side: the rim
+            # one row and column more on each side: the rim
             box = tuple(slice(s.start - 1, s.stop + 1) for s in boxes[hole - 1])
             part, mask = filled[box], labels[box] == hole
             part[mask] = _solve_wide(part, mask, (wy, wx))
@@ -123,7 +123,7 @@ def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[floa
 
 
 def _fill_profile(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
-    """Return a map of one row or column with its holes filled by straight lines."""
+    """Return a profile with its holes filled by straight lines."""
     flat, inside = values.ravel(), inside.ravel()
     where = np.arange(flat.size)
     known = ~np.isnan(flat)
@@ -133,15 +133,15 @@ def _fill_profile(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
 
 
 def _wide_holes(inside: np.ndarray, labels: np.ndarray) -> np.ndarray:
-    """Return the numbers of the holes with points farther than _WIDE pixels from their rim."""
+    """Return the labels of holes with points farther than `_WIDE_HOLE_RADIUS` pixels from their rim."""
     from scipy import ndimage
 
-    core = ndimage.binary_erosion(inside, iterations=_WIDE)
+    core = ndimage.binary_erosion(inside, iterations=_WIDE_HOLE_RADIUS)
     return np.unique(labels[core])
 
 
 def _right_hand_side(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) -> np.ndarray:
-    """Return the sum of the known neighbours, weighted, in each point of `mask` (never on the border)."""
+    """Return the weighted sum of known neighbours of each point of `mask`, which excludes the border."""
     known = np.where(mask | np.isnan(values), 0.0, values)
     wy, wx = weights
     total = np.zeros_like(known)
@@ -151,7 +151,7 @@ def _right_hand_side(values: np.ndarray, mask: np.ndarray, weights: Sequence[flo
 
 
 def _solve_narrow(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) -> np.ndarray:
-    """Return the heights in the points of `mask`, from one sparse system for all narrow holes."""
+    """Return the heights at the points of `mask`, from one sparse system for all narrow holes."""
     from scipy import sparse
     from scipy.sparse import linalg
 
@@ -164,7 +164,7 @@ def _solve_narrow(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]
     first = np.concatenate([number[:-1, :][below], number[:, :-1][right]])
     second = np.concatenate([number[1:, :][below], number[:, 1:][right]])
     weight = np.concatenate([np.full(int(below.sum()), -wy), np.full(int(right.sum()), -wx)])
-    del number, below, right  # of a large map there is no room for what is needed no more
+    del number, below, right  # memory may not hold more than is needed of a large map
     upper = sparse.coo_array((weight, (first, second)), shape=(count, count)).tocsr()
     matrix = (upper + upper.T + sparse.diags_array(np.full(count, 2 * (wy + wx)))).tocsr()
     rhs = _right_hand_side(values, mask, weights)
@@ -173,13 +173,13 @@ def _solve_narrow(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]
 
 
 def _solve_wide(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) -> np.ndarray:
-    """Return the heights in one hole; `values` and `mask` are cut out with one row and column of rim."""
+    """Return the heights in one hole; `values` and `mask` are its bounding box plus one point of rim."""
     from scipy.fft import dstn, idstn, next_fast_len
     from scipy.sparse import linalg
 
     wy, wx = weights
     box = mask[1:-1, 1:-1]
-    # any larger box serves as well: take one whose transform is fast
+    # a larger box is as good: take one with a fast transform
     ny, nx = (next_fast_len(n + 1, real=True) - 1 for n in box.shape)
     symbol = (
         4 * wy * np.sin(np.pi * np.arange(1, ny + 1) / (2 * ny + 2))[:, None] ** 2
@@ -187,7 +187,7 @@ def _solve_wide(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) 
     )
     box_in_larger = np.zeros((ny, nx), dtype=bool)
     box_in_larger[: box.shape[0], : box.shape[1]] = box
-    field = np.zeros(mask.shape)  # with a rim of zeros, so that neighbours need no care
+    field = np.zeros(mask.shape)  # includes a rim of zeros, so that all points have neighbours
 
     def operator(vector):
         field[mask] = vector
@@ -210,12 +210,12 @@ def _solve_wide(values: np.ndarray, mask: np.ndarray, weights: Sequence[float]) 
         linalg.LinearOperator(shape, operator, dtype=float),
         rhs,
         rtol=_TOLERANCE,
-        maxiter=_MOST_ITERATIONS,
+        maxiter=_MAX_ITERATIONS,
         M=linalg.LinearOperator(shape, precondition, dtype=float),
     )
     if not failed:
         return solution
     raise HeightMapError(
-        f"a hole of {rhs.size} missing points could not be filled (Laplace equation, {_MOST_ITERATIONS} "
+        f"a hole of {rhs.size} missing points could not be filled (Laplace equation, {_MAX_ITERATIONS} "
         "iterations): set level.fill to 'none', or cut the map to its measured part"
     )

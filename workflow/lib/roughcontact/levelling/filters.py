@@ -1,26 +1,26 @@
-"""Areal Gaussian filter of ISO 16610-61, fit for maps with edges and missing points.
+"""Areal Gaussian filter of ISO 16610-61 for maps with edges and missing points.
 
-A filter that takes away short waves is an S-filter, one that takes away long ones an L-filter (ISO 25178-3).
+A filter that removes short waves is an S-filter, one that removes long waves an L-filter (ISO 25178-3).
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
-# alpha = sqrt(ln 2 / pi) of ISO 16610-61: half of a wave as long as the nesting index passes
+# alpha = sqrt(ln 2 / pi) of ISO 16610-61: 50 % transmission at the nesting index
 _ALPHA_SQUARED = np.log(2) / np.pi
-_REACH = 1.25  # nesting indices; there the weight has fallen to exp(-pi (1.25 / alpha)^2) = 2e-10
-_STIFF = 1e-11  # of the variance of the positions; holds the slope where it is not determined
+_CUTOFF = 1.25  # radius in nesting indices, where the weight has fallen to exp(-pi (1.25 / alpha)^2) = 2e-10
+_REGULARISATION = 1e-11  # of the variance of the positions; sets undetermined slopes to zero
 
 
 def gaussian_mean_surface(values: np.ndarray, spacing: Sequence[float], nesting_index: float) -> np.ndarray:
     """Return the mean surface of a map: its long waves, the output of an areal Gaussian low-pass filter.
 
     The weight at the distance r is exp(-pi (r / (alpha lambda_c))^2), alpha^2 = ln 2 / pi, so that a wave of
-    wavelength lambda passes with 2^-((lambda_c / lambda)^2) of its amplitude: with half where lambda is the
-    nesting index lambda_c. At each point a plane is fitted to the measured points around, with these weights;
-    its height there is the mean surface. Away from edges and holes that is the weighted mean of the standard;
-    near them the weights are renormalised, and constants and planes still come out as they are.
+    wavelength lambda is transmitted with 2^-((lambda_c / lambda)^2) of its amplitude: one half where lambda
+    is the nesting index lambda_c. At each point a plane is fitted to the surrounding measured points with
+    these weights; its height at the point is the mean surface. Away from edges and holes this is the weighted
+    mean of the standard; near them the weights are renormalised, and constants and planes are reproduced.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def gaussian_mean_surface(values: np.ndarray, spacing: Sequence[float], nesting_
     >>> x = np.arange(400)
     >>> wave = np.cos(2 * np.pi * x / 40)[None, :]
     >>> mean = gaussian_mean_surface(wave, (1.0, 1.0), 40.0)
-    >>> print(round(np.ptp(mean[0, 100:300]) / 2, 3))  # away from the ends half of it passes
+    >>> print(round(np.ptp(mean[0, 100:300]) / 2, 3))  # away from the ends
     0.5
     """
     known = ~np.isnan(values)
@@ -70,9 +70,9 @@ def gaussian_mean_surface(values: np.ndarray, spacing: Sequence[float], nesting_
     mean = of_heights[0, 0] / weight
     # variances of the positions, and their covariances with the heights
     longest = max(n * d for n, d in zip(values.shape, spacing, strict=True))
-    stiff = _STIFF * min(_ALPHA_SQUARED * nesting_index**2 / (2 * np.pi), longest**2 / 12)
-    vyy = moment[2, 0] / weight - middle_y**2 + stiff
-    vxx = moment[0, 2] / weight - middle_x**2 + stiff
+    regularisation = _REGULARISATION * min(_ALPHA_SQUARED * nesting_index**2 / (2 * np.pi), longest**2 / 12)
+    vyy = moment[2, 0] / weight - middle_y**2 + regularisation
+    vxx = moment[0, 2] / weight - middle_x**2 + regularisation
     vxy = moment[1, 1] / weight - middle_y * middle_x
     cy = of_heights[1, 0] / weight - middle_y * mean
     cx = of_heights[0, 1] / weight - middle_x * mean
@@ -88,14 +88,14 @@ _MOMENTS = ((0, 0), (1, 0), (0, 1), (2, 0), (0, 2), (1, 1))  # powers of y and x
 
 def _kernels(points: int, pitch: float, nesting_index: float) -> list[np.ndarray]:
     """Return the weights along one axis, times the distance to the powers 0, 1, 2."""
-    reach = min(points - 1, int(np.ceil(_REACH * nesting_index / pitch)))
+    reach = min(points - 1, int(np.ceil(_CUTOFF * nesting_index / pitch)))
     distance = pitch * np.arange(-reach, reach + 1)
     weights = np.exp(-np.pi / _ALPHA_SQUARED * (distance / nesting_index) ** 2)
     return [weights * distance**power for power in range(3)]
 
 
 def _correlate(field: np.ndarray, kernel: np.ndarray, *, axis: int) -> np.ndarray:
-    """Return sum_k kernel[k] field[i + k] along an axis, nothing beyond the border."""
+    """Return sum_k kernel[k] field[i + k] along an axis, with zeros beyond the border."""
     from scipy.signal import oaconvolve
 
     if kernel.size == 1:
@@ -107,6 +107,6 @@ def _correlate(field: np.ndarray, kernel: np.ndarray, *, axis: int) -> np.ndarra
 def _moments(
     field: np.ndarray, kernels: list[list[np.ndarray]], powers: Sequence[tuple[int, int]]
 ) -> dict[tuple[int, int], np.ndarray]:
-    """Return the sums of the field times weight y^j x^i, over the surroundings of each point."""
+    """Return the sums of field times weight times y^j x^i over the surroundings of each point."""
     along_x = {i: _correlate(field, kernels[1][i], axis=1) for i in {i for _, i in powers}}
     return {(j, i): _correlate(along_x[i], kernels[0][j], axis=0) for j, i in powers}

@@ -1,4 +1,4 @@
-"""The form that was removed from a map, drawn again from its record."""
+"""Reconstruction of the form that levelling removed, from its record."""
 
 from collections.abc import Mapping
 
@@ -10,14 +10,14 @@ from roughcontact.levelling.polynomial import polynomial_from_record
 
 
 def form_from_record(removed: Mapping[str, Mapping], y: npt.ArrayLike, x: npt.ArrayLike) -> np.ndarray:
-    """Return the form that levelling took off, whichever it was.
+    """Return the form that levelling removed, of any kind.
 
     Parameters
     ----------
     removed : dict
-        the attribute `form_removed` of a levelled map, read from JSON; an empty one is a form of zero.
+        the attribute `form_removed` of a levelled map, read from JSON; an empty record gives zero.
     y, x : arrays (ny,) and (nx,), m
-        the map's own coordinates.
+        coordinates of that map.
 
     Returns
     -------
@@ -35,6 +35,6 @@ def form_from_record(removed: Mapping[str, Mapping], y: npt.ArrayLike, x: npt.Ar
     >>> bool(np.allclose(levelled + form, tilted))
     True
     """
-    # only a sphere or a cylinder is recorded by its point in the middle
+    # only the records of spheres and cylinders contain the height in the middle
     draw = curved_form_from_record if "height_middle" in removed else polynomial_from_record
     return draw(removed, y, x)

@@ -1,4 +1,4 @@
-"""Levelling: outliers out, lines aligned, form off, long and short waves off, holes filled; all recorded."""
+"""Levelling of a height map, with a record of every step."""
 
 import json
 
@@ -19,7 +19,7 @@ from roughcontact.levelling.scan_lines import find_scars, line_offsets
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.roughness.heights import height_parameters
 
-_FAR = 1e4  # times shorter than a pixel, or longer than a side: no nesting index that anybody means
+_MAX_SCALE_RATIO = 1e4  # pixel over nesting index, or nesting index over side: beyond it the unit is wrong
 
 
 def level(
@@ -43,49 +43,49 @@ def level(
     height : DataArray (y, x), m
         as measured; NaN where not measured.
     form : {"none", "mean", "plane", "polynomial", "sphere", "cylinder"}
-        what is taken off.
+        form to remove.
     order : int
         total order of the polynomial, 1 or more: x^i y^j with i + j <= order.
     robust : bool
-        fit so that deep valleys and high spikes have no weight (Tukey's biweight); else least squares.
+        whether the form is fitted robustly, without weight for deep valleys and high spikes (Tukey's
+        biweight), rather than by least squares.
     outlier_threshold : float or None
-        isolated spikes that stand off their surroundings by more than this many local standard deviations
-        are taken for missing; None keeps every point. See `roughcontact.levelling.outliers`.
+        isolated spikes that deviate from their surroundings by more than this number of local standard
+        deviations are rejected; None keeps every point. See `roughcontact.levelling.outliers`.
     line_alignment : {"auto", "none", "jitter", "median", "matched-steps"}
-        how rows (scan lines) are shifted to match one another; auto: as jitter where the rows show clearly
-        that they are shifted at random, else not at all. See `roughcontact.levelling.row_jitter` and
+        how rows (scan lines) are aligned; `auto`: as `jitter` if there is clear evidence of random row
+        shifts, otherwise as `none`. See `roughcontact.levelling.row_jitter` and
         `roughcontact.levelling.scan_lines`.
     scar_threshold : float or None
-        pieces of scan lines that stick out against the lines before and after by more than this many
-        standard deviations are taken for missing; None keeps every point.
+        pieces of scan lines that deviate from the lines before and after by more than this number of
+        standard deviations are rejected; None keeps every point.
     s_filter, l_filter : float or None, m
-        nesting indices: waves shorter than `s_filter` and longer than `l_filter` are taken off, by areal
-        Gaussian filters after the form. See `roughcontact.levelling.filters`.
+        nesting indices: areal Gaussian filters remove waves shorter than `s_filter` and longer than
+        `l_filter` after the form. See `roughcontact.levelling.filters`.
     fill : {"harmonic", "none"}
         how holes are filled. Missing regions that touch the border are never filled.
     max_missing : float, 0 to 1
-        largest share of the map that may be missing, rejected points included.
+        maximum share of missing points, rejected points included.
 
     Returns
     -------
     DataArray (y, x), m
         with the attributes of `height` and `form`, `form_removed` (JSON), `outlier_threshold` (0 where every
-        point was kept), `outliers_rejected`, `outlier_kinds` (JSON), `line_alignment` (what was done),
+        point was kept), `outliers_rejected`, `outlier_kinds` (JSON), `line_alignment` (as applied),
         `line_alignment_by` (default, user), `row_jitter` (rms shift of the rows over `Sq` without it) and
-        `row_jitter_evidence` (none, doubtful, clear), `line_shift_rms` (m),
-        `filters_removed` (JSON), `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, the
-        height parameters of the measured points (`Sa`, `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1),
-        and the coordinates `filled(y, x)`, where lines were aligned `line_offset(y)` (m, taken off each row),
-        and where points were rejected `rejected_height(y, x)` (m, what they would have if they were kept;
-        else NaN).
+        `row_jitter_evidence` (none, doubtful, clear), `line_shift_rms` (m), `filters_removed` (JSON),
+        `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, the height parameters of the
+        measured points (`Sa`, `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1), and the coordinates
+        `filled(y, x)`, for aligned lines `line_offset(y)` (m, subtracted from each row), and for rejected
+        points `rejected_height(y, x)` (m, levelled height of the rejected points; NaN elsewhere).
 
     Raises
     ------
     HeightMapError
-        a map without heights, of one pixel, or with more missing than `max_missing`; one that a sphere or
-        cylinder does not fit; an L-filter that leaves no wave.
+        for a map without heights, of one pixel, or with a larger share of missing points than `max_missing`;
+        for a map that a sphere or cylinder does not fit; for an L-filter that removes all waves.
     SettingsError
-        an option that has no meaning.
+        for an invalid option.
 
     Examples
     --------
@@ -108,13 +108,13 @@ def level(
     )
     if s_filter and l_filter and s_filter >= l_filter:
         raise SettingsError(
-            f"level.s_filter = {s_filter:g} m is not below level.l_filter = {l_filter:g} m: nothing would be "
-            "left",
+            f"level.s_filter = {s_filter:g} m is not below level.l_filter = {l_filter:g} m: no wave would "
+            "remain",
             keys=("level.s_filter", "level.l_filter"),
         )
     values = check_map(height)
     step = spacing(height)
-    _check_reach(height, s_filter=s_filter, l_filter=l_filter)
+    _check_nesting_indices(height, s_filter=s_filter, l_filter=l_filter)
 
     kinds: dict[str, int] = {}
     if outlier_threshold is not None:
@@ -122,7 +122,7 @@ def level(
     jitter, done, offsets = _alignment(values, height, line_alignment)
     if done != "none":
         values = values - offsets[:, None]
-        if outlier_threshold is not None:  # what the shifts of the lines had hidden
+        if outlier_threshold is not None:  # outliers that the shifts of the lines masked
             values = _without_outliers(values, outlier_threshold, kinds)
     if scar_threshold is not None:
         scars = find_scars(values, threshold=scar_threshold)
@@ -131,7 +131,7 @@ def level(
             values = np.where(scars, np.nan, values)
     missing = np.isnan(values)
     _check_missing(missing, height, kinds, max_missing)
-    # where points were rejected, and their heights: of a large map there is no room for more
+    # positions and heights of rejected points only: memory may not hold another copy of a large map
     rejected = missing & np.isfinite(height.values)
     kept = height.values[rejected].astype(float)
     kept -= np.broadcast_to(offsets[:, None], values.shape)[rejected]
@@ -143,7 +143,7 @@ def level(
         values = without_form(values, surface)
         del surface
     if kept.size and (s_filter or l_filter):
-        kept = _filter(_put(values.copy(), rejected, kept), step, s_filter, l_filter)[0][rejected]
+        kept = _filter(_with_points(values.copy(), rejected, kept), step, s_filter, l_filter)[0][rejected]
     values, filters = _filter(values, step, s_filter, l_filter)
     parameters = height_parameters(height.copy(data=values))
 
@@ -162,7 +162,7 @@ def level(
         "outlier_kinds": json.dumps(kinds),
         "line_alignment": done,
         "line_alignment_by": "default" if line_alignment == "auto" else "user",
-        "row_jitter": _over_roughness(jitter.rms, parameters["Sq"], aligned=done != "none"),
+        "row_jitter": _relative_jitter(jitter.rms, parameters["Sq"], aligned=done != "none"),
         "row_jitter_evidence": jitter.evidence,
         "line_shift_rms": float(np.sqrt(np.mean(offsets**2))),
         "filters_removed": json.dumps(filters),
@@ -175,12 +175,12 @@ def level(
     if done != "none":
         coords["line_offset"] = ("y", offsets)
     if kept.size:
-        coords["rejected_height"] = (("y", "x"), _put(np.full(values.shape, np.nan), rejected, kept))
+        coords["rejected_height"] = (("y", "x"), _with_points(np.full(values.shape, np.nan), rejected, kept))
     return xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs | parameters)
 
 
 def _check_options(form: str, order: int, line_alignment: str, fill: str, max_missing: float) -> None:
-    """Raise SettingsError where an option has no meaning."""
+    """Raise SettingsError for an invalid option."""
     check_choice("level.form", form, LevelForm)
     check_choice("level.line_alignment", line_alignment, LineAlignment)
     check_choice("level.fill", fill, Fill)
@@ -191,7 +191,7 @@ def _check_options(form: str, order: int, line_alignment: str, fill: str, max_mi
 
 
 def _check_positive(**options: float | None) -> None:
-    """Raise SettingsError where an option is neither positive nor None."""
+    """Raise SettingsError for an option that is neither positive nor None."""
     instead = {
         "outlier_threshold": "null to keep every point",
         "scar_threshold": "null to keep every point",
@@ -201,16 +201,16 @@ def _check_positive(**options: float | None) -> None:
     for name, value in options.items():
         if value is None:
             continue
-        # True is a number to Python
+        # bool is a subclass of int
         if isinstance(value, bool) or not (np.isreal(value) and 0 < value < np.inf):
             raise SettingsError(f"level.{name} = {value!r}: give a positive number, or {instead[name]}")
 
 
-def _check_reach(height: xr.DataArray, **nesting_indices: float | None) -> None:
-    """Raise SettingsError where a nesting index is far from any length of the map: a slip of the unit."""
+def _check_nesting_indices(height: xr.DataArray, **nesting_indices: float | None) -> None:
+    """Raise SettingsError where a nesting index is far from any length of the map: a wrong unit."""
     finest, longest = min(spacing(height)), max(side_lengths(height))
     for name, value in nesting_indices.items():
-        if value is not None and not finest / _FAR <= value <= longest * _FAR:
+        if value is not None and not finest / _MAX_SCALE_RATIO <= value <= longest * _MAX_SCALE_RATIO:
             raise SettingsError(
                 f"level.{name} = {value:g} m is far from the pixels of {finest:g} m and the sides of "
                 f"{longest:g} m of this map: check the unit",
@@ -219,8 +219,8 @@ def _check_reach(height: xr.DataArray, **nesting_indices: float | None) -> None:
 
 
 def _alignment(values: np.ndarray, height: xr.DataArray, wanted: str) -> tuple[RowJitter, str, np.ndarray]:
-    """Return what is known of shifted rows, how they are aligned, and the shifts (ny,) that are taken off."""
-    jitter = find_row_jitter(values, scanned=_line_by_line(height))
+    """Return the row jitter found, the alignment applied, and the offsets (ny,) to subtract."""
+    jitter = find_row_jitter(values, scanned=_is_scanned(height))
     done = wanted
     if wanted == "auto":
         done = "jitter" if jitter.evidence == "clear" else "none"
@@ -229,20 +229,20 @@ def _alignment(values: np.ndarray, height: xr.DataArray, wanted: str) -> tuple[R
     return jitter, done, jitter.offsets if done == "jitter" else line_offsets(values, method=done)
 
 
-def _line_by_line(height: xr.DataArray) -> bool:
+def _is_scanned(height: xr.DataArray) -> bool:
     """Return whether the file names an instrument that scans its maps line by line."""
     instrument = json.loads(height.attrs.get("instrument", "{}"))
     return of_name(instrument.get("kind")) in (PROBE, STYLUS)
 
 
-def _over_roughness(jitter: float, rms_height: float, *, aligned: bool) -> float:
+def _relative_jitter(jitter: float, rms_height: float, *, aligned: bool) -> float:
     """Return the rms shift of the rows over the rms height of the map without it."""
     without = rms_height if aligned else float(np.sqrt(max(rms_height**2 - jitter**2, 0.0)))
     return jitter / without if without > 0 else 0.0
 
 
 def _without_outliers(values: np.ndarray, threshold: float, kinds: dict[str, int]) -> np.ndarray:
-    """Return the heights with outliers missing, in place; what was found is added to `kinds`."""
+    """Return the heights with outliers set to NaN, in place; their counts are added to `kinds`."""
     outliers, found = find_outliers(values, threshold=threshold)
     for kind, count in found.items():
         kinds[kind] = kinds.get(kind, 0) + count
@@ -264,8 +264,8 @@ def _fit(
         raise HeightMapError(f"{height.attrs.get('source_file') or 'the map'}: {error}") from error
 
 
-def _put(whole: np.ndarray, where: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Return a map with the heights of some points put into it, in place."""
+def _with_points(whole: np.ndarray, where: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Return a map with the heights of some points replaced, in place."""
     whole[where] = points
     return whole
 
@@ -273,7 +273,7 @@ def _put(whole: np.ndarray, where: np.ndarray, points: np.ndarray) -> np.ndarray
 def _filter(
     values: np.ndarray, step: tuple[float, float], s_filter: float | None, l_filter: float | None
 ) -> tuple[np.ndarray, dict[str, dict]]:
-    """Return the heights without short and long waves, and what was taken off: index and rms, in m."""
+    """Return the filtered heights, and a record of what was removed: nesting index and rms, in m."""
     removed = {}
     for name, index in (("s_filter", s_filter), ("l_filter", l_filter)):
         if index is None:
@@ -281,8 +281,8 @@ def _filter(
         long = [d for n, d in zip(values.shape, step, strict=True) if n > 1]
         if name == "l_filter" and index < 2 * max(long):
             raise HeightMapError(
-                f"level.l_filter = {index:g} m is less than two pixels ({2 * max(long):g} m): it would leave "
-                "no wave"
+                f"level.l_filter = {index:g} m is less than two pixels ({2 * max(long):g} m): no wave would "
+                "remain"
             )
         smooth = gaussian_mean_surface(values, step, index)
         kept, off = (smooth, values - smooth) if name == "s_filter" else (values - smooth, smooth)
@@ -298,7 +298,7 @@ def _filter(
 def _check_missing(
     missing: np.ndarray, height: xr.DataArray, kinds: dict[str, int], max_missing: float
 ) -> None:
-    """Raise HeightMapError where more of the map is missing than is allowed."""
+    """Raise HeightMapError where too many points are missing."""
     share = missing.mean()
     if share <= max_missing and not missing.all():
         return

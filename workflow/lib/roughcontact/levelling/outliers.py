@@ -1,7 +1,7 @@
-"""Points that are no surface: isolated spikes, dead lines, and values that stand for 'not measured'.
+"""Outlier rejection: isolated spikes, dead lines, and sentinel values for 'not measured'.
 
-The rules are careful: a ridge, a step, a pit or a scratch is surface, however high. Only what cannot be a
-surface is taken out, since the highest points carry the load.
+The rules are conservative, because the highest points carry the load: ridges, steps, pits and scratches are
+kept, however high; only points that cannot belong to the surface are rejected.
 """
 
 import numpy as np
@@ -9,41 +9,41 @@ import numpy as np
 from roughcontact.levelling.polynomial import fit_polynomial
 from roughcontact.levelling.robust import robust_scale
 
-_SPIKE_SIZE = 12  # points; a larger group is structure (a pit, a particle)
-_FAR_SPIKE = 10  # thresholds
-_NEAR, _FAR = 2, 5  # half widths of the window of the median and of the ring around it, maps
-_FAR_PROFILE = 30  # half width of the ring in a profile, which has fewer points in it
-_SENTINEL_POINTS = 64  # in a smaller map one height may well lie far from the few others
-_LINE = 8  # points that a line must have to be called dead
-_BELL = 0.35  # mean of 4 f (1 - f) over a bump and its neighbours: see `_without_bumps`
-_LEAST_RING = 0.25  # share of the ring that must be measured to be the surroundings of a point
-_MOST_ROUNDS = 10  # what is disturbed through and through has no end
-_COUNTED = 2**20  # points that are counted at a time
-_AT_ONCE = 20_000  # neighbourhoods gathered at a time
-_PLANE_POINTS = 20_000  # enough to find the tilt of a map: outliers are the same as from 250 000
+_MAX_SPIKE_POINTS = 12  # a larger group is structure (a pit, a particle)
+_EXTREME_FACTOR = 10  # in units of the threshold
+_MEDIAN_HALF_WIDTH, _RING_HALF_WIDTH = 2, 5  # of the median window and of the ring around it, points
+_PROFILE_RING_HALF_WIDTH = 30  # wider in a profile, where the ring has fewer points
+_SENTINEL_POINTS = 64  # in a smaller map a single height may well lie far from the few others
+_MIN_LINE_POINTS = 8  # measured points of a line that may be dead
+_MIN_BUMP_SCORE = 0.35  # mean of 4 f (1 - f) over a bump and its neighbours: see `_without_bumps`
+_MIN_RING_SHARE = 0.25  # measured share of the ring that defines the surroundings of a point
+_MAX_ROUNDS = 10  # a thoroughly disturbed map may not converge
+_COUNT_CHUNK = 2**20  # points counted at a time
+_GATHER_CHUNK = 20_000  # neighbourhoods gathered at a time
+_PLANE_POINTS = 20_000  # sufficient for the tilt of a map: 250 000 give the same outliers
 
 
 def find_outliers(
     values: np.ndarray, *, threshold: float, bumps: bool = False
 ) -> tuple[np.ndarray, dict[str, int]]:
-    """Find points that are no surface.
+    """Find points that do not belong to the surface.
 
-    * `spike`: a point off the median of its 5 x 5 neighbourhood by more than `threshold` standard
-      deviations, both of this difference over the whole map and of the heights in the 11 x 11 ring around,
-      in a group of no more than 12 such points, all too high or all too low; or by ten times as much,
-      in a group of no more than 12 points that are so far off. In a profile the neighbourhood has 5 points,
-      the ring 56. The first standard deviation is 1.4826 times the median absolute deviation [1]_, the second
-      is the distance from their median that 90 % of the ring keep, over 1.645: the same for normal heights,
-      larger beside steps and ridges. A high group with the shape of a bump, whose sides come down over a few
-      points, is surface and stays, however narrow: it carries load. Where less than a quarter of the ring is
-      measured, the spread of all heights counts as well.
-    * `sentinel`: the lowest or the highest value, in at most a third of the points, farther from all others
-      than these are from each other. It stands for 'not measured' (a -1 among 440 ... 520).
-    * `dead_line`: whole rows or columns of one single value among others that vary, standing off their
-      neighbours by more than lines usually do.
+    * `spike`: a point that deviates from the median of its 5 x 5 neighbourhood by more than `threshold`
+      standard deviations, both of this difference over the whole map and of the heights in the surrounding
+      11 x 11 ring, in a group of no more than 12 such points, all too high or all too low; or by ten times
+      as much, in a group of no more than 12 points with such a deviation. In a profile the neighbourhood has
+      5 points, the ring 56. The first standard deviation is 1.4826 times the median absolute deviation [1]_;
+      the second is the 90 % quantile of the absolute deviation from the median of the ring, over 1.645: equal
+      for normal heights, larger beside steps and ridges. A high group with the shape of a bump, whose flanks
+      extend over a few points, is kept as surface, however narrow, because it carries load. If less than a
+      quarter of the ring is measured, the spread of all heights counts as well.
+    * `sentinel`: the lowest or the highest value, in at most a third of the points, if its distance from all
+      others exceeds their range. It stands for 'not measured' (a -1 among 440 ... 520).
+    * `dead_line`: whole rows or columns of one single value among others that vary, with a larger distance
+      from their neighbours than usual between lines.
 
-    The rules are applied to what they leave until they find nothing more, ten times at most: a far spike
-    hides a near one in the spread of its surroundings.
+    The rules are applied repeatedly to the remaining points until they find no more, at most ten times:
+    an extreme spike may mask a smaller one by widening the spread of its surroundings.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def find_outliers(
     threshold : float
         standard deviations.
     bumps : bool
-        take out high groups with the shape of a bump as well.
+        whether high groups with the shape of a bump are rejected as well.
 
     Returns
     -------
@@ -76,12 +76,12 @@ def find_outliers(
     """
     found: dict[str, int] = {}
     outliers = np.zeros(values.shape, dtype=bool)
-    for _ in range(_MOST_ROUNDS):
+    for _ in range(_MAX_ROUNDS):
         before = found.copy()
         for kind, finder in (
-            ("spike", lambda v, gone: _spikes(v, gone, threshold, bumps=bumps)),
-            ("sentinel", lambda v, gone: _sentinels(_left(v, gone))),
-            ("dead_line", lambda v, gone: _dead_lines(_left(v, gone))),
+            ("spike", lambda v, rejected: _spikes(v, rejected, threshold, bumps=bumps)),
+            ("sentinel", lambda v, rejected: _sentinels(_without_rejected(v, rejected))),
+            ("dead_line", lambda v, rejected: _dead_lines(_without_rejected(v, rejected))),
         ):
             new = finder(values, outliers)
             if new.any():
@@ -92,16 +92,16 @@ def find_outliers(
     return outliers, found
 
 
-def _left(values: np.ndarray, gone: np.ndarray) -> np.ndarray:
-    """Return the heights without those that are gone; the same array where none is."""
-    return np.where(gone, np.nan, values) if gone.any() else values
+def _without_rejected(values: np.ndarray, rejected: np.ndarray) -> np.ndarray:
+    """Return heights with rejected points removed (NaN); the same array if none is rejected."""
+    return np.where(rejected, np.nan, values) if rejected.any() else values
 
 
 def _sentinels(values: np.ndarray) -> np.ndarray:
-    """Return where a value stands that is farther from all others than these are from each other."""
+    """Return the mask of points whose value is farther from all others than the range of these."""
     result = np.zeros(values.shape, dtype=bool)
     found = values.size >= _SENTINEL_POINTS
-    while found:  # one after the other: a far one hides a near one
+    while found:  # one after the other: a distant sentinel masks a closer one
         found = False
         for sign in (1, -1):
             rest = sign * values[~result & ~np.isnan(values)]
@@ -115,38 +115,38 @@ def _sentinels(values: np.ndarray) -> np.ndarray:
 
 
 def _dead_lines(values: np.ndarray) -> np.ndarray:
-    """Return the rows and columns of one single value among others that vary."""
+    """Return the mask of rows and columns with a single value among others that vary."""
     return _dead_rows(values) | _dead_rows(values.T).T
 
 
 def _dead_rows(values: np.ndarray) -> np.ndarray:
-    """Return the rows of one single value that stand off their neighbours."""
+    """Return the mask of rows with a single value that deviate from their neighbours."""
     result = np.zeros(values.shape, dtype=bool)
     known = ~np.isnan(values)
-    measured = known.sum(axis=1) >= _LINE
+    measured = known.sum(axis=1) >= _MIN_LINE_POINTS
     rows = np.nonzero(measured)[0]
-    if rows.size < _LINE:
+    if rows.size < _MIN_LINE_POINTS:
         return result
     low = np.min(np.where(known, values, np.inf), axis=1)
     high = np.max(np.where(known, values, -np.inf), axis=1)
     constant = measured & (low == high)
     alive = np.nonzero(measured & ~constant)[0]
-    # lines that are all constant are a surface with an exact lay, or flat
+    # if all lines are constant, the surface is flat or has an exact lay
     if not constant.any() or alive.size < rows.size / 2:
         return result
-    usual = _step(values[alive[1:]], values[alive[:-1]])
+    usual = _median_distance(values[alive[1:]], values[alive[:-1]])
     usual = np.median(usual[~np.isnan(usual)])
     for row in np.nonzero(constant)[0]:
         after = np.searchsorted(alive, row)
         neighbours = alive[max(after - 1, 0) : after + 1]
-        steps = _step(values[neighbours], np.full(values.shape[1], low[row]))
+        steps = _median_distance(values[neighbours], np.full(values.shape[1], low[row]))
         if np.nanmin(steps) > usual:
             result[row] = known[row]
     return result
 
 
-def _step(lines: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Return the median distance of each line from its counterpart; NaN where they share no point."""
+def _median_distance(lines: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Return the median distance of each line from its counterpart; NaN without common points."""
     difference = np.abs(lines - others)
     result = np.full(len(difference), np.nan)
     some = ~np.isnan(difference).all(axis=1)
@@ -154,29 +154,29 @@ def _step(lines: np.ndarray, others: np.ndarray) -> np.ndarray:
     return result
 
 
-def _spikes(values: np.ndarray, gone: np.ndarray, threshold: float, *, bumps: bool) -> np.ndarray:
-    """Return the points that stand off their surroundings, alone or in small groups, of those not gone."""
+def _spikes(values: np.ndarray, rejected: np.ndarray, threshold: float, *, bumps: bool) -> np.ndarray:
+    """Return the mask of points, alone or in small groups, that deviate from their surroundings."""
     from scipy import ndimage
 
     result = np.zeros(values.shape, dtype=bool)
     profile = min(values.shape) == 1
-    if max(values.shape) <= 2 * _NEAR or (gone | np.isnan(values)).all():
+    if max(values.shape) <= 2 * _MEDIAN_HALF_WIDTH or (rejected | np.isnan(values)).all():
         return result
-    near = [min(_NEAR, n - 1) for n in values.shape]
-    far = [min(_FAR_PROFILE if profile else _FAR, n - 1) for n in values.shape]
-    # of a large map there is no room for what is needed no more, nor for what another array tells as well
-    residual = _without_tilt(_left(values, gone))
+    near = [min(_MEDIAN_HALF_WIDTH, n - 1) for n in values.shape]
+    far = [min(_PROFILE_RING_HALF_WIDTH if profile else _RING_HALF_WIDTH, n - 1) for n in values.shape]
+    # memory may not hold more than is needed of a large map: arrays are deleted or reused early
+    residual = _without_tilt(_without_rejected(values, rejected))
     missing = np.isnan(residual)
     heights = residual[~missing]
     floor = 1e-12 * np.ptp(heights)
     heights -= np.median(heights)
     everywhere = robust_scale(heights, overwrite=True)
     del heights
-    lending = _lending(missing)
-    padded = _beyond_the_border(_stand_ins(residual, lending, near), near, far)
+    reference = _reference_points(missing)
+    padded = _extended_beyond_border(_with_missing_replaced(residual, reference, near), near, far)
     del residual
-    surrounded = np.pad(lending, [(f, f) for f in far], mode="reflect")
-    del lending
+    is_reference = np.pad(reference, [(f, f) for f in far], mode="reflect")
+    del reference
     size = [2 * n + 1 for n in near]
     inner = tuple(slice(f, f + n) for f, n in zip(far, values.shape, strict=True))
     medians = ndimage.median_filter(padded, size=size)
@@ -184,8 +184,8 @@ def _spikes(values: np.ndarray, gone: np.ndarray, threshold: float, *, bumps: bo
     del medians
     signed[missing] = 0
     scale = robust_scale(signed[~missing], overwrite=True)
-    # far spikes stand out of patches that are disturbed as a whole, and too large for a group
-    for limit in (threshold, _FAR_SPIKE * threshold):
+    # extreme spikes exceed disturbed patches that are too large for a group
+    for limit in (threshold, _EXTREME_FACTOR * threshold):
         least = max(limit * scale, floor)
         groups = _small_groups(signed > least)
         if not bumps:
@@ -196,47 +196,49 @@ def _spikes(values: np.ndarray, gone: np.ndarray, threshold: float, *, bumps: bo
         del groups
         where = np.argwhere(found)
         if where.size:
-            spread, measured = _ring(padded, surrounded, where, near, far)
-            # what has no surroundings is held against the whole map
-            spread = np.where(measured < _LEAST_RING, np.maximum(spread, everywhere), spread)
+            spread, measured = _ring(padded, is_reference, where, near, far)
+            # points without surroundings are compared with the whole map
+            spread = np.where(measured < _MIN_RING_SHARE, np.maximum(spread, everywhere), spread)
             worst = np.abs(signed[tuple(where.T)]) > limit * spread
             result[tuple(where[worst & (spread > floor)].T)] = True
     return result
 
 
-def _lending(missing: np.ndarray) -> np.ndarray:
-    """Return the measured points that stand in for missing ones and surround others.
+def _reference_points(missing: np.ndarray) -> np.ndarray:
+    """Return the mask of measured points that may replace missing ones and form surroundings.
 
-    Islands as small as a spike do not: they would be their own surroundings.
+    Islands as small as a spike are excluded: they would be their own surroundings.
     """
     islands = _small_groups(~missing) > 0 if missing.any() else missing
-    lending = ~(missing | islands)
-    return lending if lending.any() else ~missing
+    reference = ~(missing | islands)
+    return reference if reference.any() else ~missing
 
 
-def _stand_ins(residual: np.ndarray, lending: np.ndarray, near: list[int]) -> np.ndarray:
-    """Return the heights with those of missing points replaced, for the medians only.
+def _with_missing_replaced(residual: np.ndarray, reference: np.ndarray, near: list[int]) -> np.ndarray:
+    """Return the heights with missing points replaced, for the median filter only.
 
-    The median of the nearest measured neighbourhood stands in.
+    A missing point takes the median of the nearest measured neighbourhood.
     """
     from scipy import ndimage
 
     missing = np.isnan(residual)
     if not missing.any():
         return residual
-    nearest = ndimage.distance_transform_edt(~lending, return_distances=False, return_indices=True)
-    lenders, which = np.unique(np.ravel_multi_index(nearest[:, missing], residual.shape), return_inverse=True)
+    nearest = ndimage.distance_transform_edt(~reference, return_distances=False, return_indices=True)
+    references, which = np.unique(
+        np.ravel_multi_index(nearest[:, missing], residual.shape), return_inverse=True
+    )
     del nearest
     steps = np.meshgrid(*(np.arange(-n, n + 1) for n in near), indexing="ij")
     offsets = np.stack(steps, axis=-1).reshape(-1, 2)
     bordered = np.pad(residual, [(n, n) for n in near], constant_values=np.nan)
-    bordered[tuple(slice(n, n + side) for n, side in zip(near, residual.shape, strict=True))][~lending] = (
+    bordered[tuple(slice(n, n + side) for n, side in zip(near, residual.shape, strict=True))][~reference] = (
         np.nan
     )
-    medians = np.empty(lenders.size)
-    for start in range(0, lenders.size, _AT_ONCE):
-        part = slice(start, start + _AT_ONCE)
-        places = np.stack(np.unravel_index(lenders[part], residual.shape), axis=-1)
+    medians = np.empty(references.size)
+    for start in range(0, references.size, _GATHER_CHUNK):
+        part = slice(start, start + _GATHER_CHUNK)
+        places = np.stack(np.unravel_index(references[part], residual.shape), axis=-1)
         index = places[:, None, :] + offsets[None, :, :] + np.asarray(near)
         medians[part] = np.nanmedian(bordered[index[..., 0], index[..., 1]], axis=1)
     filled = residual.copy()
@@ -244,11 +246,11 @@ def _stand_ins(residual: np.ndarray, lending: np.ndarray, near: list[int]) -> np
     return filled
 
 
-def _beyond_the_border(residual: np.ndarray, near: list[int], far: list[int]) -> np.ndarray:
-    """Return the heights with as many points beyond each border, reflected with the opposite sign.
+def _extended_beyond_border(residual: np.ndarray, near: list[int], far: list[int]) -> np.ndarray:
+    """Return the heights extended beyond each border by point reflection, which continues slopes.
 
-    A slope goes on beyond the border. What is reflected there is the median of neighbouring points on the
-    border, so that a spike on it stays alone.
+    The reflection is about the median of neighbouring border points, so that a spike on the border is not
+    repeated.
     """
     from scipy import ndimage
 
@@ -264,15 +266,15 @@ def _beyond_the_border(residual: np.ndarray, near: list[int], far: list[int]) ->
 
 
 def _small_groups(candidates: np.ndarray) -> np.ndarray:
-    """Return the numbered groups of candidates that are no larger than a spike; 0 elsewhere."""
+    """Return labels of the connected groups of candidates no larger than a spike; 0 elsewhere."""
     from scipy import ndimage
 
     groups, count = ndimage.label(candidates, structure=np.ones((3, 3)))
     sizes = np.zeros(count + 1, int)
-    for rows in np.array_split(groups, -(-groups.size // _COUNTED), axis=0):
+    for rows in np.array_split(groups, -(-groups.size // _COUNT_CHUNK), axis=0):
         found = np.bincount(rows.ravel())
         sizes[: found.size] += found
-    small = sizes <= _SPIKE_SIZE
+    small = sizes <= _MAX_SPIKE_POINTS
     small[0] = False
     groups[~small[groups]] = 0
     return groups
@@ -283,10 +285,11 @@ def _without_bumps(
 ) -> np.ndarray:
     """Return the groups that do not have the shape of a bump.
 
-    Heights around the highest point, f = 1 there and 0 on the median of the ring at a distance of three and
-    four points, make a bump where 4 f (1 - f) is `_BELL` or more in the mean over the points with f >= 1/2
-    that are connected with the highest and their neighbours: 1 half-way up, 0 at either end. A spike, and a
-    small block, has a value of 0; a bell whose standard deviation is a point or two lies well above.
+    Let f be the height relative to the highest point (f = 1) and to the median of the ring at a distance of
+    three and four points (f = 0). A group is a bump if the mean of 4 f (1 - f), which is 1 at half height and
+    0 at both ends, reaches `_MIN_BUMP_SCORE` over the points with f >= 1/2 that are connected with the
+    highest one, and their neighbours. The mean is 0 for a spike and for a small block, and well above it for
+    a bell with a standard deviation of one or two points.
     """
     from scipy import ndimage
 
@@ -295,18 +298,18 @@ def _without_bumps(
         return groups
     of_point = groups[tuple(where.T)]
     numbers, counts = np.unique(of_point, return_counts=True)
-    # each group from its lowest to its highest point, of equals the last one
+    # points sorted by height within each group; the last one is its peak
     order = np.lexsort((signed[tuple(where.T)], of_point))
     peaks = where[order[np.cumsum(counts) - 1]]
-    reach = [min(2 * _NEAR, f) for f in far]
+    reach = [min(2 * _MEDIAN_HALF_WIDTH, f) for f in far]
     steps = np.stack(np.meshgrid(*(np.arange(-r, r + 1) for r in reach), indexing="ij"))
-    ring = np.abs(steps).max(axis=0) > _NEAR
+    ring = np.abs(steps).max(axis=0) > _MEDIAN_HALF_WIDTH
     unmeasured = np.pad(missing, [(f, f) for f in far])
     cross = np.zeros((3, 3, 3), dtype=bool)
     cross[1] = ndimage.generate_binary_structure(2, 1)  # windows are not connected with one another
     is_bump = np.zeros(numbers.size, dtype=bool)
-    for start in range(0, numbers.size, _AT_ONCE):
-        part = slice(start, start + _AT_ONCE)
+    for start in range(0, numbers.size, _GATHER_CHUNK):
+        part = slice(start, start + _GATHER_CHUNK)
         index = peaks[part, :, None, None] + steps + np.reshape(far, (1, 2, 1, 1))
         window = padded[index[:, 0], index[:, 1]]
         base = np.median(window[:, ring], axis=1)[:, None, None]
@@ -315,33 +318,33 @@ def _without_bumps(
         tops, _ = ndimage.label(share >= 0.5, structure=cross)
         top = (tops == tops[:, reach[0], reach[1]][:, None, None]) & (tops > 0)
         around = ndimage.binary_dilation(top, structure=cross) & ~unmeasured[index[:, 0], index[:, 1]]
-        share = np.maximum(share, 0)  # a moat around it is no fault of a bump
+        share = np.maximum(share, 0)  # a moat around a bump does not count against it
         between = np.sum(4 * share * (1 - share) * around, axis=(1, 2))
-        is_bump[part] = between >= _BELL * np.maximum(around.sum(axis=(1, 2)), 1)
+        is_bump[part] = between >= _MIN_BUMP_SCORE * np.maximum(around.sum(axis=(1, 2)), 1)
     groups[tuple(where[np.isin(of_point, numbers[is_bump])].T)] = 0
     return groups
 
 
 def _ring(
-    padded: np.ndarray, surrounded: np.ndarray, where: np.ndarray, near: list[int], far: list[int]
+    padded: np.ndarray, is_reference: np.ndarray, where: np.ndarray, near: list[int], far: list[int]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the standard deviation of the heights in the ring around each point, and its measured share."""
+    """Return the standard deviation of the heights in the ring around each point, and the measured share."""
     steps = (np.arange(-f, f + 1) for f in far)
     offsets = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 2)
     offsets = offsets[(np.abs(offsets) > near).any(axis=1)]
     spread, measured = np.empty(len(where)), np.empty(len(where))
-    for start in range(0, len(where), _AT_ONCE):
-        part = slice(start, start + _AT_ONCE)
+    for start in range(0, len(where), _GATHER_CHUNK):
+        part = slice(start, start + _GATHER_CHUNK)
         index = where[part, None, :] + offsets[None, :, :] + np.asarray(far)
         ring = padded[index[..., 0], index[..., 1]]
         off = np.abs(ring - np.median(ring, axis=1, keepdims=True))
         spread[part] = np.quantile(off, 0.9, axis=1) / 1.645
-        measured[part] = surrounded[index[..., 0], index[..., 1]].mean(axis=1)
+        measured[part] = is_reference[index[..., 0], index[..., 1]].mean(axis=1)
     return spread, measured
 
 
 def _without_tilt(values: np.ndarray) -> np.ndarray:
-    """Return the heights less the tilt of the map, found on some of its points."""
+    """Return the heights less the tilt of the map, fitted to a subset of the points."""
     every = max(1, int(np.sqrt(values.size / _PLANE_POINTS)))
     coordinates = [np.arange(n, dtype=float) for n in values.shape]
     thin = values[::every, ::every]

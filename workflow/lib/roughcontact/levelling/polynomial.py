@@ -10,8 +10,8 @@ from numpy.polynomial import legendre
 from roughcontact.levelling.robust import biweight, robust_scale
 
 _ITERATIONS = 100
-_START_POINTS = 250_000  # enough points for a good start
-_ROUNDING = 16 * np.finfo(float).eps  # of a height less its form, relative to the form
+_START_POINTS = 250_000  # sufficient for the initial fit
+_ROUNDING = 16 * np.finfo(float).eps  # error of height less form, relative to the form
 _CONVERGED = 1e-6  # change of the form between iterations, in standard deviations of the residual
 
 
@@ -21,11 +21,11 @@ def fit_polynomial(
     """Fit a polynomial to a map that may have missing points.
 
     form(x, y) = sum c_ij P_i(X) P_j(Y), i + j <= order, with Legendre polynomials P and X, Y the
-    coordinates mapped to [-1, 1] over the map. The sum runs over c minimising sum (h - form)^2, or
+    coordinates mapped to [-1, 1] over the map. The coefficients c minimise sum (h - form)^2, or
     sum rho((h - form) / s) with Tukey's biweight and s from the median absolute residual.
 
-    The robust fit is by iteratively reweighted least squares [1]_, with the weights of the robust
-    filters [2]_. It starts from least absolute values, which valleys on one side do not carry away.
+    The robust fit uses iteratively reweighted least squares [1]_ with the weights of the robust
+    filters [2]_. It starts from the least absolute deviations, which one-sided valleys hardly bias.
 
     Parameters
     ----------
@@ -35,13 +35,13 @@ def fit_polynomial(
     order : int
         total order i + j; 0 fits the mean.
     robust : bool
-        deep valleys and high spikes have no weight.
+        whether deep valleys and high spikes have no weight.
 
     Returns
     -------
     form : array (ny, nx), m
     removed : dict
-        what the form is, each entry with value and units: `mean` (of the form over the map), from order 1
+        parameters of the form, each with value and units: `mean` (of the form over the map), from order 1
         on `slope_x`, `slope_y` and from order 2 on `curvature_x`, `curvature_y` (all at the middle of the
         map) and the coefficients `c_i_j` with `middle_x`, `middle_y`, `half_length_x`, `half_length_y`.
 
@@ -70,7 +70,7 @@ def fit_polynomial(
         coefficients = _fit_robust(heights, measured, axes, terms)
     else:
         coefficients = _fit_weighted(heights, measured.astype(float), axes, terms)
-    del heights  # of a large map there is no room for what is needed no more
+    del heights  # memory may not hold more than is needed of a large map
     form = _evaluate(coefficients, axes)
     form += reference
     coefficients = coefficients.copy()
@@ -79,19 +79,19 @@ def fit_polynomial(
 
 
 def without_form(values: np.ndarray, form: np.ndarray) -> np.ndarray:
-    """Return the heights less a form, in the memory of the form.
+    """Return the heights less a form, overwriting the form.
 
     Parameters
     ----------
     values : array (ny, nx), m
         NaN where missing.
     form : array (ny, nx), m
-        is lost.
+        overwritten.
 
     Returns
     -------
     array (ny, nx), m
-        zero where nothing is left but rounding: a plane, or a map that never varied, is flat.
+        exactly zero if only rounding errors remain, as for a plane or a constant map.
 
     Examples
     --------
@@ -108,7 +108,7 @@ def without_form(values: np.ndarray, form: np.ndarray) -> np.ndarray:
 
 
 def share_of_form(values: np.ndarray, coordinates: Sequence[np.ndarray], *, order: int = 2) -> float:
-    """Return which share of the mean square height (mean off) a polynomial form makes up.
+    """Return the contribution of a polynomial form to the mean square height (about the mean).
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def share_of_form(values: np.ndarray, coordinates: Sequence[np.ndarray], *, orde
     >>> print(round(share_of_form((x**2)[None, :], (np.zeros(1), x)), 6))
     1.0
     """
-    rough = values - values.flat[0]  # exactly zero for a flat map, wherever it lies
+    rough = values - values.flat[0]  # exactly zero for a flat map, whatever its height
     rough -= rough.mean()
     total = float(np.mean(rough**2))
     if total == 0:
@@ -145,9 +145,9 @@ def polynomial_from_record(removed: Mapping[str, Mapping], y: npt.ArrayLike, x: 
     Parameters
     ----------
     removed : dict
-        the record; an empty one is a form of zero.
+        the record; an empty one gives zero.
     y, x : arrays (ny,) and (nx,), m
-        the map's own coordinates.
+        coordinates of the map.
 
     Returns
     -------
@@ -194,24 +194,24 @@ class _Axis:
         self.products = (self.basis[:, :, None] * self.basis[:, None, :]).reshape(coordinate.size, -1)
 
     def thinned(self, every: int) -> "_Axis":
-        """Return the same polynomials on every n-th point."""
+        """Return the same polynomials at every n-th point."""
         thin = copy.copy(self)
         thin.basis, thin.products = self.basis[::every], self.products[::every]
         return thin
 
 
 def _evaluate(coefficients: np.ndarray, axes: list[_Axis]) -> np.ndarray:
-    """Return the polynomial on the points of both axes."""
+    """Return the polynomial at the grid points of both axes."""
     return axes[0].basis @ coefficients @ axes[1].basis.T
 
 
 def _fit_weighted(
     heights: np.ndarray, weights: np.ndarray, axes: list[_Axis], terms: list[tuple[int, int]]
 ) -> np.ndarray:
-    """Return c (j, i) that minimises sum w (h - form)^2, in two passes: the second mends the rounding."""
+    """Return c (j, i) that minimises sum w (h - form)^2; a second pass corrects rounding errors."""
     y, x = axes
     ky, kx = y.order + 1, x.order + 1
-    # moments of all products, axis by axis: sums over the map cost one matrix product
+    # moments of all products, axis by axis: two matrix products for all sums over the map
     moments = (y.products.T @ weights @ x.products).reshape(ky, ky, kx, kx)
     index_y, index_x = (np.array(index) for index in zip(*terms, strict=True))
     matrix = moments[index_y[:, None], index_y[None, :], index_x[:, None], index_x[None, :]]
@@ -229,7 +229,7 @@ def _fit_weighted(
 def _fit_robust(
     heights: np.ndarray, measured: np.ndarray, axes: list[_Axis], terms: list[tuple[int, int]]
 ) -> np.ndarray:
-    """Iterate on a thinned map first where the map is large: a few passes over all points are then enough."""
+    """Return the robust coefficients, started from a fit to a thinned map if the map is large."""
     every = int(np.sqrt(heights.size / _START_POINTS))
     if every > 1 and measured[::every, ::every].sum() > _START_POINTS / 4:
         start = _fit_robust(
@@ -252,7 +252,7 @@ def _reweight(
     *,
     least_absolute: bool,
 ) -> np.ndarray:
-    """Return the coefficients after fits whose weights follow the residuals, until they stand still."""
+    """Return the coefficients of iteratively reweighted least squares after convergence."""
     negligible = 1e-12 * np.ptp(heights[measured])
     for iteration in range(_ITERATIONS):
         residual = _evaluate(coefficients, axes)
@@ -276,7 +276,7 @@ def _reweight(
 
 
 def _record(coefficients: np.ndarray, axes: list[_Axis], order: int) -> dict[str, dict]:
-    """Return the record of a polynomial: mean, slopes and curvatures in the middle, coefficients."""
+    """Return the record of a polynomial: mean, slopes and curvatures at the middle, coefficients."""
     y, x = axes
     quantity = {"mean": (coefficients[0, 0], "m")}
 

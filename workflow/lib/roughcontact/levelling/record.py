@@ -1,4 +1,4 @@
-"""What levelling did to a map, in words: for whoever shows a result."""
+"""Textual summary of what levelling changed, for reports and the command line."""
 
 import json
 from collections.abc import Mapping
@@ -8,7 +8,7 @@ from roughcontact.quantities import several
 
 
 def removed_and_filled(levelled: Mapping[str, Any]) -> str:
-    """Return what levelling filled in and rejected.
+    """Return a summary of filled points, rejected points and row alignment.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def removed_and_filled(levelled: Mapping[str, Any]) -> str:
 
 
 def kinds_in_words(levelled: Mapping[str, Any]) -> str:
-    """Return how many points of each kind were rejected.
+    """Return the number of rejected points of each kind, as text.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def kinds_in_words(levelled: Mapping[str, Any]) -> str:
     Returns
     -------
     str
-        empty where none were.
+        empty if none were rejected.
 
     Examples
     --------

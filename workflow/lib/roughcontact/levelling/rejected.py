@@ -1,25 +1,25 @@
-"""The points that levelling rejected, put back into the map that it left."""
+"""Restoration of points that levelling rejected."""
 
 import numpy as np
 import xarray as xr
 
 
 def with_rejected(levelled: xr.DataArray, which: np.ndarray | None = None) -> xr.DataArray:
-    """Return a levelled map with rejected points put back where they were filled in.
+    """Return a levelled map with rejected points restored where they had been filled.
 
-    Those that are open to the border stay missing, so that the window is the same.
+    Rejected points connected to the border stay missing, so that the window does not change.
 
     Parameters
     ----------
     levelled : DataArray (y, x), m
         from `level`.
     which : bool array (ny, nx) or None
-        points to put back; all that were rejected where none are given.
+        points to restore; None restores all rejected points.
 
     Returns
     -------
     DataArray (y, x), m
-        the coordinate `filled` is 0 on the points put back.
+        the coordinate `filled` is 0 on restored points.
 
     Examples
     --------
@@ -32,18 +32,18 @@ def with_rejected(levelled: xr.DataArray, which: np.ndarray | None = None) -> xr
     >>> bool(np.allclose(with_rejected(levelled), height)), bool(np.allclose(levelled, height))
     (True, False)
     """
-    back = rejected_points(levelled)
+    restored = rejected_points(levelled)
     if which is not None:
-        back &= which
-    if not back.any():
+        restored &= which
+    if not restored.any():
         return levelled
-    values = np.where(back, _heights(levelled), levelled.values)
-    filled = np.where(back, 0, levelled["filled"].values).astype(np.int8)
+    values = np.where(restored, _heights(levelled), levelled.values)
+    filled = np.where(restored, 0, levelled["filled"].values).astype(np.int8)
     return levelled.copy(data=values).assign_coords(filled=(("y", "x"), filled))
 
 
 def rejected_points(levelled: xr.DataArray) -> np.ndarray:
-    """Return where a levelled map could have a rejected point put back.
+    """Return the mask of rejected points that can be restored.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def rejected_points(levelled: xr.DataArray) -> np.ndarray:
 
 
 def with_rejected_marked(levelled: xr.DataArray) -> xr.DataArray:
-    """Return a levelled map with all rejected points put back, and the coordinate `filled` 1 on these alone.
+    """Return a levelled map with rejected points restored, and the coordinate `filled` 1 on these alone.
 
     Parameters
     ----------
@@ -92,5 +92,5 @@ def with_rejected_marked(levelled: xr.DataArray) -> xr.DataArray:
 
 
 def _heights(levelled: xr.DataArray) -> np.ndarray:
-    """Return the heights that rejected points would have; those of a file are read anew and not kept."""
+    """Return the levelled heights of rejected points, without caching those read from a file."""
     return levelled["rejected_height"].copy(deep=False).values

@@ -1,9 +1,9 @@
-"""Robust statistics: the scale of residuals and the weight of each."""
+"""Robust statistics: scale and weights of residuals."""
 
 import numpy as np
 
-# Tukey's biweight gives 95 % of the efficiency of least squares on normal residuals with this many standard
-# deviations (Holland, Welsch, Comm. Statist. A6 (1977) 813).
+# Limit in standard deviations for which Tukey's biweight has 95 % of the efficiency of least squares on
+# normal residuals (Holland, Welsch, Comm. Statist. A6 (1977) 813).
 _BIWEIGHT = 4.685
 
 
@@ -13,9 +13,9 @@ def robust_scale(residual: np.ndarray, *, overwrite: bool = False) -> float:
     Parameters
     ----------
     residual : array
-        counted from zero.
+        deviations from zero.
     overwrite : bool
-        may work in `residual`, whose values are lost.
+        whether `residual` may be overwritten to save memory.
 
     Returns
     -------

@@ -1,24 +1,24 @@
-"""The material ratio curve of a levelled map, and what ISO 25178-2 reads off it: core, peaks, dales."""
+"""Material ratio curve of a levelled map and its ISO 25178-2 parameters: core, peaks, dales."""
 
 import math
 
 import numpy as np
 
-_CENTRAL = 0.4  # width of the central region of the curve, in material ratio
+_CENTRAL_WIDTH = 0.4  # of the central region of the curve, in material ratio
 _PEAK_RATIO, _DALE_RATIO = 0.1, 0.8  # material ratios that bound the core in the volume parameters
 
 
 def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
-    """Return core height, reduced peaks and dales, their material ratios, and the core and dale volumes.
+    """Return core height, reduced peak and dale heights, material ratios, core and dale volumes.
 
-    The curve c(mr), the height that a share mr of the points exceeds, goes straight from one measured height
-    to the next. Its central region, 40 % wide, is where its secant is least steep (the first of equals); the
-    straight line through it by least squares, drawn from 0 to 100 %, bounds the core [1]_. The parts of the
-    curve above and below become triangles of the same area:
+    The curve c(mr), the height exceeded by a share mr of the points, is linear between measured heights. Its
+    central region, 40 % wide, is where its secant has the smallest slope (the first one if several are
+    equal). The least-squares line through this region, extended from 0 to 100 %, bounds the core [1]_. The
+    parts of the curve above and below the core are replaced by triangles of equal area:
 
     * `Sk`: height of the core, `Spk`, `Svk`: heights of the triangles, m
     * `Smr1`, `Smr2`: material ratios where the curve enters and leaves the core
-    * `Vmc`: material between the ratios 10 % and 80 %, `Vvv`: void below 80 %, by area, m
+    * `Vmc`: material volume between the ratios 10 % and 80 %, `Vvv`: void volume below 80 %, per area, m
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     Returns
     -------
     dict of float
-        the ratios as shares from 0 to 1, NaN where all heights are equal.
+        ratios from 0 to 1, NaN where all heights are equal.
 
     References
     ----------
@@ -36,7 +36,7 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
 
     Examples
     --------
-    Heights spread evenly have a straight curve, all core:
+    Uniformly distributed heights have a straight curve, which is all core:
 
     >>> import numpy as np
     >>> found = bearing_parameters(np.linspace(0.0, 1e-6, 1001))
@@ -45,20 +45,20 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     """
     curve = np.negative(heights)
     curve.sort()
-    np.negative(curve, out=curve)  # in the order of memory, from the highest on
+    np.negative(curve, out=curve)  # contiguous in memory, in descending order
     curve -= curve[-1]
     if curve[0] == 0:
         nothing = dict.fromkeys(("Sk", "Spk", "Svk", "Vmc", "Vvv"), 0.0)
         return nothing | {"Smr1": math.nan, "Smr2": math.nan}
     ratio = np.linspace(0, 1, curve.size)
-    # as far as the window still fits in; rounding must not push the last one over the end
-    count = int(np.searchsorted(ratio, 1 - _CENTRAL + 1e-12, side="right"))
-    fall = np.interp(ratio[:count] + _CENTRAL, ratio, curve)
+    # positions where the window still fits; the allowance for rounding keeps the last one
+    count = int(np.searchsorted(ratio, 1 - _CENTRAL_WIDTH + 1e-12, side="right"))
+    fall = np.interp(ratio[:count] + _CENTRAL_WIDTH, ratio, curve)
     np.subtract(curve[:count], fall, out=fall)
     start = ratio[int(fall.argmin())]
-    del fall  # of a large map there is no room for what is needed no more
+    del fall  # memory may not hold more than is needed of a large map
     begin = int(np.searchsorted(ratio, start))
-    end = int(np.searchsorted(ratio, start + _CENTRAL + 1e-12, side="right"))
+    end = int(np.searchsorted(ratio, start + _CENTRAL_WIDTH + 1e-12, side="right"))
     middle, y = ratio[begin:end].mean(), curve[begin:end]
     x = ratio[begin:end] - middle
     slope = float(x @ y / (x @ x)) if x.size > 1 else 0.0
@@ -80,12 +80,12 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
 
 
 def _ratio_of(height: float, ratio: np.ndarray, curve: np.ndarray) -> float:
-    """Return the material ratio at which the curve has a height; 0 above and 1 below all of it."""
+    """Return the material ratio at which the curve has a height; 0 above and 1 below the curve."""
     return float(np.interp(height, curve[::-1], ratio[::-1]))
 
 
 def _material(at: float, ratio: np.ndarray, curve: np.ndarray) -> float:
-    """Return the area between the curve and its height at a material ratio, left of it."""
+    """Return the area between the curve and its height at a material ratio, at smaller ratios."""
     height = float(np.interp(at, ratio, curve))
     left = int(np.searchsorted(ratio, at))
     above = np.append(curve[:left], height)
@@ -94,7 +94,7 @@ def _material(at: float, ratio: np.ndarray, curve: np.ndarray) -> float:
 
 
 def _void(at: float, ratio: np.ndarray, curve: np.ndarray) -> float:
-    """Return the area between the curve and its height at a material ratio, right of it."""
+    """Return the area between the curve and its height at a material ratio, at larger ratios."""
     height = float(np.interp(at, ratio, curve))
     right = int(np.searchsorted(ratio, at, side="right"))
     below = np.insert(curve[right:], 0, height)

@@ -8,28 +8,28 @@ import xarray as xr
 from roughcontact.maps import spacing
 from roughcontact.roughness.bearing import bearing_parameters
 
-_ROWS = 128  # that are worked on at a time
+_ROWS_PER_BLOCK = 128
 
 
 def height_parameters(height: xr.DataArray) -> dict[str, float]:
-    """Return the height parameters of ISO 25178-2, and Sdq, of a levelled map that need not be periodic.
+    """Return the ISO 25178-2 height parameters, Sdq and Sdr of a levelled map, periodic or not.
 
     With z the height above the mean of all measured points:
 
     * `Sa` = mean |z|, `Sq` = sqrt(mean z^2), m
     * `Ssk` = mean z^3 / Sq^3, `Sku` = mean z^4 / Sq^4; NaN for a flat map
     * `Sp` = max z, `Sv` = -min z, `Sz` = Sp + Sv, m
-    * `Sdq` = sqrt(mean (dz/dx)^2 + mean (dz/dy)^2) with the differences of neighbouring points, each
-      direction averaged over its own pairs of measured points. It depends on the pitch
+    * `Sdq` = sqrt(mean (dz/dx)^2 + mean (dz/dy)^2) from the differences of neighbouring points, averaged in
+      each direction over its pairs of measured points. It depends on the pitch
       (`parameters.rms_gradient` is spectral).
-    * `Sdr` = developed area over the projected one, less 1: each cell between four measured points is the
-      mean of its two divisions into triangles.
+    * `Sdr` = developed area over projected area, less 1: the area of each cell between four measured points
+      is averaged over its two divisions into triangles.
     * `Sk`, `Spk`, `Svk`, `Smr1`, `Smr2`, `Vmc`, `Vvv` of `bearing.bearing_parameters`.
 
     Parameters
     ----------
     height : DataArray (y, x), m
-        NaN where missing; such points do not count.
+        NaN where missing; missing points are ignored.
 
     Returns
     -------
@@ -49,7 +49,7 @@ def height_parameters(height: xr.DataArray) -> dict[str, float]:
     """
     values = height.values
     z = values[~np.isnan(values)]
-    z = z - z[0]  # exactly zero for a flat map, wherever it lies
+    z = z - z[0]  # exactly zero for a flat map, whatever its height
     z -= z.mean()
     sq = math.sqrt(np.mean(z**2))
     slopes = 0.0
@@ -59,7 +59,7 @@ def height_parameters(height: xr.DataArray) -> dict[str, float]:
         steps /= pitch
         if steps.size:
             slopes += float(np.mean(np.square(steps, out=steps)))
-    del steps  # of a large map there is no room for what is needed no more
+    del steps  # memory may not hold more than is needed of a large map
     return {
         "Sa": float(np.mean(np.abs(z))),
         "Sq": sq,
@@ -74,17 +74,17 @@ def height_parameters(height: xr.DataArray) -> dict[str, float]:
 
 
 def _developed_excess(values: np.ndarray, steps: tuple[float, float]) -> float:
-    """Return the area of a surface over its projection, less 1, of its cells without missing points."""
+    """Return developed over projected area, less 1, of the cells without missing points."""
     if 1 in values.shape:  # a profile: its length
         axis = int(np.argmax(values.shape))
         slopes = np.diff(values, axis=axis) / steps[axis]
         return float(np.nanmean(_excess(slopes**2))) if not np.isnan(slopes).all() else 0.0
     corners = np.empty((values.shape[0] - 1, values.shape[1] - 1))
-    for first in range(0, len(corners), _ROWS):  # a large map has no room for so many arrays as large as it
-        rows = values[first : first + _ROWS + 1]
+    for first in range(0, len(corners), _ROWS_PER_BLOCK):  # in blocks, to save memory
+        rows = values[first : first + _ROWS_PER_BLOCK + 1]
         slope_y, slope_x = (np.diff(rows, axis=axis) / steps[axis] for axis in (0, 1))
-        # each corner of a cell is half a triangle of either division, with one edge along x and one along y
-        corners[first : first + _ROWS] = sum(
+        # each corner of a cell belongs to one triangle, with one edge along x and one along y
+        corners[first : first + _ROWS_PER_BLOCK] = sum(
             _excess(along_x**2 + along_y**2)
             for along_x in (slope_x[:-1], slope_x[1:])
             for along_y in (slope_y[:, :-1], slope_y[:, 1:])
@@ -93,5 +93,5 @@ def _developed_excess(values: np.ndarray, steps: tuple[float, float]) -> float:
 
 
 def _excess(squares: np.ndarray) -> np.ndarray:
-    """Return sqrt(1 + s) - 1 without losing the digits of a small s."""
+    """Return sqrt(1 + s) - 1 without cancellation for small s."""
     return squares / (np.sqrt(1 + squares) + 1)

@@ -1,8 +1,8 @@
 """Roughness parameters of a periodic height map.
 
-Slopes and curvatures are spectral (Parseval), the same as the solver's half-space sees: in full contact the
-standard deviation of the pressure is E* g / 2 with the rms gradient g below, exactly. A map that is not
-periodic gets the step at its seam counted as roughness; use its periodic window instead.
+Slopes and curvatures are spectral (Parseval), consistent with the half-space of the solver: in full contact
+the standard deviation of the pressure is exactly E* g / 2 with the rms gradient g below. For a map that is not
+periodic the step at its seam counts as roughness; use its periodic window instead.
 """
 
 import math
@@ -17,11 +17,11 @@ from roughcontact.kernels.fft import make_plan
 from roughcontact.kernels.waves import over_waves, wave_power
 from roughcontact.maps import spacing
 
-# The cut-off of a spectrum: beyond it lies at most this share of the mean square gradient ...
+# At most this share of the mean square gradient lies beyond the cut-off of a spectrum, ...
 _SHARE_BEYOND_CUTOFF = 1e-2
-# ... and it ends where the gradient per wavenumber falls below this share of that just before.
-_CLIFF = 0.1
-_LINES = 128  # that are transformed together
+# ... which is extended until the gradient per wavenumber drops to this share of its previous mean.
+_EDGE_DROP = 0.1
+_LINES_PER_BLOCK = 128
 
 
 def rms_height(height: xr.DataArray) -> float:
@@ -41,20 +41,20 @@ def rms_height(height: xr.DataArray) -> float:
     >>> rms_height(height_map([[1.0, 3.0], [3.0, 1.0]], 1.0))
     1.0
     """
-    return float(np.std(_from_first_point(height.values)))
+    return float(np.std(_relative_to_first_point(height.values)))
 
 
 def rms_gradient(height: xr.DataArray, *, threads: int = 1) -> float:
     """Return the root mean square gradient g = sqrt(sum |q|^2 |h(q)|^2), spectral.
 
-    The waves at the Nyquist limit count with their |q|, as they do in the half-space.
+    Waves at the Nyquist limit count with their |q|, as in the half-space.
 
     Parameters
     ----------
     height : DataArray (y, x), m
         periodic.
     threads : int
-        that the transform may take.
+        for the transform.
 
     Returns
     -------
@@ -69,7 +69,7 @@ def rms_gradient(height: xr.DataArray, *, threads: int = 1) -> float:
     """
     given = np.require(height.values, dtype=float, requirements=["C", "A", "W"])
     values, kernels = empty(given, DOUBLE), kernels_for(given, threads=threads)
-    kernels.make_dimensionless(given, given.flat[0], 1.0, values)  # a flat map is then exactly zero
+    kernels.make_dimensionless(given, given.flat[0], 1.0, values)  # makes a flat map exactly zero
     spectrum = make_plan(values, DOUBLE, threads=threads).forward(values)
     weights = fourier.halfplane_weights(height.shape)[0]
     qy, qx = fourier.wavevectors(height.shape, spacing(height))
@@ -79,9 +79,9 @@ def rms_gradient(height: xr.DataArray, *, threads: int = 1) -> float:
 def interior_rms_gradient(height: xr.DataArray) -> float:
     """Return the root mean square gradient of a map that is not periodic, spectral.
 
-    That of the map and its mirror images, which meet without a step: along each axis the sum of
-    (pi k / (n d))^2 |c_k|^2 over the cosine series c of the lines. What happens inside counts as in
-    `rms_gradient`, a step from one edge to the other does not.
+    It is that of the map continued by its mirror images, without a step: along each axis the sum of
+    (pi k / (n d))^2 |c_k|^2 over the cosine series c of the lines. The interior counts as in `rms_gradient`,
+    a step from one edge to the other does not.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def interior_rms_gradient(height: xr.DataArray) -> float:
     >>> round(interior_rms_gradient(tilted), 2), round(rms_gradient(tilted), 2)
     (0.1, 1.66)
     """
-    values = _from_first_point(height.values)
+    values = _relative_to_first_point(height.values)
     total = 0.0
     for axis, pitch in enumerate(spacing(height)):
         lines = np.moveaxis(values, axis, -1)
@@ -108,10 +108,8 @@ def interior_rms_gradient(height: xr.DataArray) -> float:
         q = 2 * np.pi * np.fft.rfftfreq(points, pitch)
         weights = fourier.halfplane_weights((1, points))
         of_lines = np.empty(count)
-        for first in range(
-            0, count, _LINES
-        ):  # a large map has no room for the transforms of all of its lines
-            part = slice(first, first + _LINES)
+        for first in range(0, count, _LINES_PER_BLOCK):  # in blocks, to save memory
+            part = slice(first, first + _LINES_PER_BLOCK)
             mirrored = np.concatenate([lines[part], lines[part, ::-1]], axis=-1)
             of_lines[part] = np.abs(np.fft.rfft(mirrored)) ** 2 * weights @ q**2
         total += float(of_lines.mean()) / points**2
@@ -119,17 +117,17 @@ def interior_rms_gradient(height: xr.DataArray) -> float:
 
 
 def steepest_share(height: xr.DataArray, *, share: float = 0.01) -> float:
-    """Return how much of the mean square gradient of a periodic map its steepest points make up.
+    """Return the contribution of the steepest points to the mean square gradient of a periodic map.
 
-    The gradient is that of the steps to the next point along x and y. Of a map with normally distributed
-    slopes, alike in all directions, the steepest 1 % of the points make up 0.01 (1 - ln 0.01) = 5.6 %.
+    The gradient is computed from the steps to the next points along x and y. For isotropic, normally
+    distributed slopes the steepest 1 % of the points contribute 0.01 (1 - ln 0.01) = 5.6 %.
 
     Parameters
     ----------
     height : DataArray (y, x), m
         periodic.
     share : float, 0 to 1
-        of the points; at least one point is taken.
+        of the points; at least one point counts.
 
     Returns
     -------
@@ -150,7 +148,7 @@ def steepest_share(height: xr.DataArray, *, share: float = 0.01) -> float:
         steps -= height.values
         steps /= pitch
         squares += np.square(steps, out=steps)
-    del steps  # of a large map there is no room for what is needed no more
+    del steps  # memory may not hold more than is needed of a large map
     total = squares.sum()
     if total == 0:
         return 0.0
@@ -185,9 +183,9 @@ def rms_curvature(height: xr.DataArray) -> float:
 def spectral_moments(height: xr.DataArray) -> tuple[float, float, float]:
     """Return Nayak's moments: variances of height, slope and curvature of profiles [1]_, [2]_.
 
-    m0 = sum |h(q)|^2, m2 = sum |q|^2 |h(q)|^2 / 2, m4 = 3/8 sum |q|^4 |h(q)|^2. They are the mean over
-    profiles in all directions (mean cos^2 = 1/2, mean cos^4 = 3/8), for an isotropic surface the same in
-    each. For a profile they are its own: no factors.
+    m0 = sum |h(q)|^2, m2 = sum |q|^2 |h(q)|^2 / 2, m4 = 3/8 sum |q|^4 |h(q)|^2. They are averaged over
+    profiles in all directions (mean cos^2 = 1/2, mean cos^4 = 3/8); for an isotropic surface all directions
+    are equal. The moments of a profile are its own, without these factors.
 
     Parameters
     ----------
@@ -212,14 +210,14 @@ def spectral_moments(height: xr.DataArray) -> tuple[float, float, float]:
     >>> [round(moment, 6) for moment in spectral_moments(wave)]
     [0.5, 0.5, 0.5]
     """
-    return _of_profiles(height, *_moments(height, wave_power(height.values)))
+    return _profile_moments(height, *_moments(height, wave_power(height.values)))
 
 
 def nayak_parameter(height: xr.DataArray) -> float:
     """Return Nayak's bandwidth parameter m0 m4 / m2^2 [1]_.
 
-    1.5 is the least for an isotropic surface (a single wavelength), 1 for a profile; the wider the band the
-    larger.
+    Its minimum, for a single wavelength, is 1.5 for an isotropic surface and 1 for a profile; it increases
+    with the bandwidth.
 
     Parameters
     ----------
@@ -245,13 +243,13 @@ def nayak_parameter(height: xr.DataArray) -> float:
 
 
 def shortest_wavelength(height: xr.DataArray) -> float:
-    """Return the shortest wavelength that the map holds.
+    """Return the shortest wavelength of the map, from the cut-off of its spectrum.
 
-    2 pi / q_s, where the waves with |q| > q_s carry at most 1 % of the mean square gradient; from there q_s
-    goes on up to the edge of the spectrum, where the gradient per wavenumber falls below a tenth of its mean
-    over the third of an octave before. For a surface with a sharp cut-off that is the cut-off, also after
-    it was cut out and made periodic; for a measured map whose spectrum reaches the Nyquist limit it is two
-    pixels.
+    It is 2 pi / q_s. Waves with |q| > q_s contribute at most 1 % of the mean square gradient; from there q_s
+    is increased up to the edge of the spectrum, where the gradient per wavenumber falls below a tenth of its
+    mean over the preceding third of an octave. For a surface with a sharp cut-off this is the cut-off, also
+    after cutting out and periodisation; for a measured map whose spectrum reaches the Nyquist limit it is
+    two pixels.
 
     Parameters
     ----------
@@ -274,10 +272,10 @@ def shortest_wavelength(height: xr.DataArray) -> float:
 
 
 def points_per_shortest_wavelength(height: xr.DataArray) -> float:
-    """Return how many points sample the shortest wave that the map holds.
+    """Return the number of points per shortest wavelength of the map.
 
-    The wavelength of `shortest_wavelength`, taken in pixels along each axis, so that it counts the points in
-    the direction that samples the map worst where the pixels are not square.
+    The wavelength is determined as in `shortest_wavelength`, with lengths in pixels along each axis. For
+    rectangular pixels the result is the number of points in the direction with the poorest sampling.
 
     Parameters
     ----------
@@ -300,14 +298,14 @@ def points_per_shortest_wavelength(height: xr.DataArray) -> float:
 
 
 def roughness_parameters(height: xr.DataArray, power: np.ndarray | None = None) -> dict[str, float]:
-    """Return the parameters of a periodic map that its statistics name.
+    """Return the roughness parameters of a periodic map for its statistics.
 
     Parameters
     ----------
     height : DataArray (y, x), m
         periodic.
     power : array (ny, nx // 2 + 1), m^2, optional
-        of its waves (`roughcontact.kernels.waves.wave_power`), where that is known already.
+        from `roughcontact.kernels.waves.wave_power`; computed where it is not given.
 
     Returns
     -------
@@ -328,13 +326,13 @@ def roughness_parameters(height: xr.DataArray, power: np.ndarray | None = None) 
         "rms_height": rms_height(height),
         "rms_gradient": math.sqrt(gradient),
         "rms_curvature": math.sqrt(laplacian) / 2,
-        "nayak_parameter": _bandwidth(*_of_profiles(height, m0, gradient, laplacian)),
+        "nayak_parameter": _bandwidth(*_profile_moments(height, m0, gradient, laplacian)),
         "points_per_shortest_wavelength": _cutoff_wavelength(height, power, (1.0, 1.0)),
     }
 
 
-def _from_first_point(values: np.ndarray) -> np.ndarray:
-    """Return the heights above the first one: exactly zero for a flat map, wherever it lies."""
+def _relative_to_first_point(values: np.ndarray) -> np.ndarray:
+    """Return the heights relative to the first point: exactly zero for a flat map."""
     return values - values.flat[0]
 
 
@@ -349,7 +347,7 @@ def _moments(height: xr.DataArray, power: np.ndarray) -> tuple[float, float, flo
     return m0, gradient, laplacian
 
 
-def _of_profiles(
+def _profile_moments(
     height: xr.DataArray, m0: float, gradient: float, laplacian: float
 ) -> tuple[float, float, float]:
     """Return the moments of profiles from those of the surface."""
@@ -364,9 +362,9 @@ def _bandwidth(m0: float, m2: float, m4: float) -> float:
 
 
 def _cutoff_wavelength(height: xr.DataArray, power: np.ndarray, unit: tuple[float, float]) -> float:
-    """Return the shortest wavelength, lengths measured with the pitch `unit` = (dy, dx)."""
-    # shells one fundamental wide, each named by its middle, so that a cut-off at a whole number of waves
-    # comes out as just that
+    """Return the shortest wavelength in a system of lengths in which the pitch is `unit` = (dy, dx)."""
+    # shells as wide as the fundamental, centred on its multiples, so that a cut-off at a whole number of
+    # waves is reproduced exactly
     fundamental = 2 * np.pi / max(n * d for n, d in zip(height.shape, unit, strict=True) if n > 1)
     qy, qx = fourier.wavevectors(height.shape, unit)
     last = int(np.rint(np.sqrt((qy**2).max() + qx[0, -1] ** 2) / fundamental))
@@ -375,7 +373,7 @@ def _cutoff_wavelength(height: xr.DataArray, power: np.ndarray, unit: tuple[floa
         over_waves(power, height.shape, spacing(height)), over_waves(power, height.shape, unit), strict=True
     )
     for (squared, both), (squared_in_unit, _) in waves:
-        # half-way between two shells is in the lower one, however it is rounded
+        # the boundary between two shells belongs to the lower one, whatever the rounding
         shell = np.ceil(np.sqrt(squared_in_unit) / fundamental - (0.5 + 1e-9)).astype(int)
         share += np.bincount(shell.ravel(), weights=(squared * both).ravel(), minlength=last + 1)
     total = share.sum()
@@ -385,7 +383,7 @@ def _cutoff_wavelength(height: xr.DataArray, power: np.ndarray, unit: tuple[floa
     beyond = np.cumsum(share[::-1])[::-1]
     edge = int(np.nonzero(beyond > _SHARE_BEYOND_CUTOFF)[0][-1])
     before = share[int(np.ceil(edge / 2 ** (1 / 3))) : edge + 1].mean()
-    while edge + 1 < share.size and share[edge + 1] > _CLIFF * before:
+    while edge + 1 < share.size and share[edge + 1] > _EDGE_DROP * before:
         edge += 1
     cutoff = fundamental * edge
     pitch = min(d for n, d in zip(height.shape, unit, strict=True) if n > 1)

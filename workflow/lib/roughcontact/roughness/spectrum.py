@@ -1,4 +1,4 @@
-"""Power spectra of a periodic map: areal and radially averaged."""
+"""Power spectra of a periodic map: areal, radially averaged and angular."""
 
 import math
 
@@ -11,7 +11,7 @@ from roughcontact.maps import spacing
 
 
 def areal_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the power spectrum of a periodic map for every wave, C(q) = A |h(q)|^2 [1]_.
+    """Return the areal power spectrum of a periodic map, C(q) = A |h(q)|^2 [1]_.
 
     h(q) are the amplitudes of h(r) = sum h(q) exp(i q.r) and A is the area of the map (for a profile its
     length), so that the mean square height is the sum of C(q) / A, or the integral of C(q) d^2q / (2 pi)^2.
@@ -52,10 +52,10 @@ def areal_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray, np.nda
 
 
 def isotropic_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the radially averaged power spectrum C(q): the mean of C over all waves of about the same |q|.
+    """Return the radially averaged power spectrum C(q): the mean of C over shells of |q|.
 
-    The shells are one fundamental wave of the longer side wide; the last is the largest that fits between the
-    Nyquist limits. q is the mean of |q| in the shell.
+    The width of a shell is the fundamental wavenumber of the longer side; the last shell is the largest one
+    within both Nyquist limits. q is the mean of |q| in the shell.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def isotropic_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
     Returns
     -------
     q : array (shells,), rad/m
-        rising.
+        in ascending order.
     power : array (shells,), m^4; of a profile m^3
 
     Examples
@@ -101,20 +101,20 @@ def _in_shells(shell: np.ndarray, values: np.ndarray, last: int) -> np.ndarray:
 def angular_spectrum(
     height: xr.DataArray, power: np.ndarray | None = None, *, step: float = 0.5
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return how the power of a periodic map is spread over the directions of its waves.
+    """Return the angular power spectrum of a periodic map.
 
     f(theta) = integral of C(q) q dq along the ray in the direction theta, from the first wave of the shorter
-    side to the smaller Nyquist limit, C interpolated between the waves of the map. Waves that are longer than
-    the shorter side all run along the longer one: such a map does not tell waves from one another whose
-    directions differ by less than what lies between two neighbours, atan(q1/q), q1 the first wave of the
-    shorter side. Their power is spread over that angle to either side, falling linearly.
+    side to the smaller Nyquist limit, with C interpolated between the waves of the map. Waves longer than the
+    shorter side all run along the longer side: the map resolves their direction only to the angle atan(q1/q)
+    between neighbouring waves, with q1 the first wave of the shorter side. Their power is distributed over
+    that angle to either side, with linearly decreasing weight.
 
     Parameters
     ----------
     height : DataArray (y, x), m
         periodic; not a profile.
     power : array (ny, nx // 2 + 1), m^2, optional
-        of its waves (`roughcontact.kernels.waves.wave_power`), where that is known already.
+        from `roughcontact.kernels.waves.wave_power`; computed where it is not given.
     step : float, degree
         between the directions.
 
@@ -123,7 +123,7 @@ def angular_spectrum(
     theta : array, degree
         from x towards y, 0 to 180.
     power : array, m^2 per radian
-        both ends of the wavevector counted.
+        waves q and -q together.
 
     Examples
     --------
@@ -145,10 +145,12 @@ def angular_spectrum(
     across = np.deg2rad(theta)[:, None]
     rows = np.minimum(radius * np.sin(across) / dqy, (ny - 1) // 2)
     columns = np.minimum(radius * np.cos(across) / dqx, (nx - 1) // 2)
-    # C(-q) = C(q): what lies on the other side of the half-plane
+    # C(-q) = C(q): values outside the half-plane
     rows = np.where(columns < 0, -rows, rows) + ny // 2
     spectrum = np.fft.fftshift(power, axes=0)
-    longer = _taken_out(spectrum, height.shape, math.ceil(most / least * (1 - 1e-9)) - 1, along_x=dqx < dqy)
+    longer = _removed_waves(
+        spectrum, height.shape, math.ceil(most / least * (1 - 1e-9)) - 1, along_x=dqx < dqy
+    )
     rays = map_coordinates(spectrum, [rows, np.abs(columns)], order=1, mode="nearest")
     found = 2 * _area(height) * (rays * radius).sum(axis=1) * least / (2 * np.pi) ** 2
     off = np.deg2rad(theta if dqx < dqy else theta - 90)
@@ -159,14 +161,14 @@ def angular_spectrum(
     return theta, found
 
 
-def _taken_out(spectrum: np.ndarray, shape: tuple[int, ...], number: int, *, along_x: bool) -> np.ndarray:
-    """Take the first waves along x or y out of a spectrum, in place, and return their mean squares.
+def _removed_waves(spectrum: np.ndarray, shape: tuple[int, ...], number: int, *, along_x: bool) -> np.ndarray:
+    """Set the first waves along x or y to zero in a spectrum and return their mean squares.
 
-    `number` waves, or as many as there are; the `spectrum` is the half-plane with row 0 in the middle, that
-    of a map of the `shape`.
+    At most `number` waves are removed. The `spectrum` is the half-plane of a map of size `shape`, with
+    frequency zero in the middle row.
     """
     middle = shape[0] // 2
-    # of both signs the one that the highest frequency of an even side has
+    # the sign that includes the highest frequency of an even side
     line = spectrum[middle] if along_x else spectrum[middle::-1, 0]
     weights = fourier.halfplane_weights(shape if along_x else shape[::-1])[0]
     taken = (weights * line)[1 : number + 1]
@@ -178,5 +180,5 @@ def _taken_out(spectrum: np.ndarray, shape: tuple[int, ...], number: int, *, alo
 
 
 def _area(height: xr.DataArray) -> float:
-    """Return the area of a map, of a profile its length."""
+    """Return the area of a map, or the length of a profile."""
     return math.prod(n * d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1)

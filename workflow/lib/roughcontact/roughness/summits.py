@@ -10,14 +10,14 @@ from roughcontact.kernels.arrays import DOUBLE
 from roughcontact.kernels.fft import make_plan
 from roughcontact.maps import spacing
 
-_BLOCK = 2**16  # points that are looked at a time: few enough to stay in the cache
+_POINTS_PER_BLOCK = 2**16  # few enough to stay in the cache
 
 
 def summit_statistics(height: xr.DataArray) -> dict[str, float]:
-    """Return what the model of Greenwood and Williamson [1]_ asks about the summits of a map.
+    """Return the summit statistics for the model of Greenwood and Williamson [1]_.
 
-    A summit is a point higher than its eight neighbours, over the periodic boundary; its curvature is the
-    spectral mean curvature -(h_xx + h_yy) / 2 there.
+    A summit is a point higher than its eight neighbours, with periodic boundaries; its curvature is the
+    spectral mean curvature -(h_xx + h_yy) / 2 at the point.
 
     Parameters
     ----------
@@ -28,8 +28,8 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
     -------
     dict of float
         `density` (m^-2), `mean_radius` (m, 1 / mean curvature), `height_std` (m, standard deviation of the
-        summit heights), `mean_height` (m, above the mean plane). A profile has no summits: all NaN; so are
-        the last three where there is no summit.
+        summit heights), `mean_height` (m, above the mean plane). All are NaN for a profile, and the last
+        three without summits.
 
     References
     ----------
@@ -66,8 +66,8 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
 
 
 def _is_summit(values: np.ndarray) -> np.ndarray:
-    """Return where a point is higher than its eight neighbours; of equal neighbours one counts."""
-    (ny, nx), step = values.shape, max(1, _BLOCK // values.shape[1])
+    """Return the mask of points higher than their eight neighbours; of equal neighbours one counts."""
+    (ny, nx), step = values.shape, max(1, _POINTS_PER_BLOCK // values.shape[1])
     summit = np.ones(values.shape, dtype=bool)
     columns = np.arange(-1, nx + 1) % nx
     for start in range(0, ny, step):

@@ -1,4 +1,4 @@
-"""Texture of a periodic map: how far heights are correlated, and in which direction the lay runs."""
+"""Texture of a periodic map: autocorrelation, its decay length, aspect ratio and direction."""
 
 import math
 from collections.abc import Sequence
@@ -12,34 +12,34 @@ from roughcontact.kernels.waves import wave_power
 from roughcontact.maps import spacing
 from roughcontact.roughness.spectrum import angular_spectrum
 
-DECAY = 0.2  # of the autocorrelation, where Sal and Str are taken (ISO 25178-3)
-LAY = 0.5  # the texture aspect ratio from which on a surface counts as one without a lay
+DECAY = 0.2  # level of the autocorrelation that defines Sal and Str (ISO 25178-3)
+LAY = 0.5  # texture aspect ratio below which a surface has a lay
 _RAYS = 360  # directions over half a turn
-_PER_PIXEL = 4  # points along a ray
+_POINTS_PER_PIXEL = 4  # along a ray
 
 
 def autocorrelation(height: xr.DataArray, power: np.ndarray | None = None) -> np.ndarray:
     """Return the autocorrelation of a periodic map.
 
-    R(t) = mean z(r) z(r + t) / mean z^2, z the height above the mean, over the periodic boundary.
+    R(t) = mean z(r) z(r + t) / mean z^2, with z the height above the mean and periodic boundaries.
 
     Parameters
     ----------
     height : DataArray (y, x), m
         periodic.
     power : array (ny, nx // 2 + 1), m^2, optional
-        of its waves (`roughcontact.kernels.waves.wave_power`), where that is known already.
+        from `roughcontact.kernels.waves.wave_power`; computed where it is not given.
 
     Returns
     -------
     array (ny, nx), -1 to 1
-        1 at no shift; that is in the middle, [ny // 2, nx // 2]. NaN for a flat map.
+        with zero shift, where it is 1, at [ny // 2, nx // 2]. NaN for a flat map.
 
     Examples
     --------
     >>> from roughcontact.references.synthetic import westergaard_surface
     >>> wave = westergaard_surface((1, 8), 1.0, amplitude=5.0, wavelength=4.0)
-    >>> print(np.abs(np.round(autocorrelation(wave), 6)))  # every fourth point alike
+    >>> print(np.abs(np.round(autocorrelation(wave), 6)))  # period of four points
     [[1. 0. 1. 0. 1. 0. 1. 0.]]
     """
     power = wave_power(height.values) if power is None else power
@@ -54,29 +54,29 @@ def autocorrelation(height: xr.DataArray, power: np.ndarray | None = None) -> np
 def texture_parameters(height: xr.DataArray, power: np.ndarray | None = None) -> dict[str, float]:
     """Return the spatial parameters of ISO 25178-2 [1]_ of a periodic map.
 
-    * `Sal`, m: the shortest distance over which the autocorrelation falls to 0.2, in the directions in which
-      it does within half the map.
-    * `Str`, 0 to 1: Sal over the longest such distance; near 0 with a lay, near 1 without. Where the
-      autocorrelation stays above 0.2 out to half the map, that distance counts, and Str is an upper bound;
-      one above 0.5 would say nothing, and is none.
-    * `Std`, degree from x towards y, 0 to 180: the direction in which the waves are strongest (where the
-      angular power spectrum is largest). Grooves run across it: the lay is at Std + 90 degree.
+    * `Sal`, m: the shortest distance over which the autocorrelation falls to 0.2, among the directions in
+      which it does so within half the map.
+    * `Str`, 0 to 1: Sal over the longest such distance; near 0 with a lay, near 1 without. If the
+      autocorrelation stays above 0.2 up to half the map in some direction, half the map is used and Str is
+      an upper bound; a bound above 0.5 is meaningless and given as NaN.
+    * `Std`, degree from x towards y, 0 to 180: the direction of the strongest waves (maximum of the angular
+      power spectrum). Grooves are perpendicular to it: the lay is at Std + 90 degree.
 
-    A map of few correlation lengths scatters: none is better known than the number of patches of the size of
-    Sal on the map allows.
+    The statistical error of all three depends on the number of areas of the size of Sal in the map: maps of
+    few correlation lengths scatter.
 
     Parameters
     ----------
     height : DataArray (y, x), m
         periodic.
     power : array (ny, nx // 2 + 1), m^2, optional
-        of its waves (`roughcontact.kernels.waves.wave_power`), where that is known already.
+        from `roughcontact.kernels.waves.wave_power`; computed where it is not given.
 
     Returns
     -------
     dict of float
-        `Sal`, `Str`, `Std`. A profile has no `Str` and no `Std`: NaN; a flat map has none of the three, and
-        a map that is too narrow for the waves along its longer side no `Str`.
+        `Sal`, `Str`, `Std`. NaN: `Str` and `Std` of a profile, all three for a flat map, and `Str` of a map
+        too narrow for the waves along its longer side.
 
     References
     ----------
@@ -110,8 +110,9 @@ def texture_parameters(height: xr.DataArray, power: np.ndarray | None = None) ->
 def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[float, float, bool]:
     """Return the shortest and the longest distance over which the autocorrelation falls to 0.2.
 
-    Along rays from the middle, between points by cubic splines. A ray on which it never does, over half the
-    map, says nothing of the shortest distance, and of the longest that it is no less than the ray.
+    It is evaluated along rays from the middle, with cubic splines between the points. A ray on which the
+    autocorrelation stays above 0.2 up to half the map does not count for the shortest distance, and is a
+    lower bound of the longest one.
 
     Parameters
     ----------
@@ -122,9 +123,9 @@ def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[fl
     Returns
     -------
     shortest, longest : float, m
-        NaN for the shortest where it falls on no ray.
+        the shortest is NaN if the autocorrelation does not fall to 0.2 on any ray.
     known : bool
-        whether it falls on all rays; else the longest distance may be longer.
+        whether it does so on all rays; otherwise the longest distance is a lower bound.
 
     Examples
     --------
@@ -137,7 +138,7 @@ def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[fl
     from scipy.ndimage import find_objects, label, map_coordinates, spline_filter
 
     centre = [n // 2 for n in correlation.shape]
-    # what is connected to the middle, with a rim for the splines
+    # bounding box of the region connected to the middle, with a margin for the splines
     regions, _ = label(correlation > DECAY)
     box = find_objects(regions)[regions[tuple(centre)] - 1]
     box = [
@@ -145,7 +146,7 @@ def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[fl
     ]
     peak = correlation[tuple(box)]
     for axis, (side, n) in enumerate(zip(box, correlation.shape, strict=True)):
-        if side.stop - side.start == n > 1:  # all of an axis: the other end of its period, too
+        if side.stop - side.start == n > 1:  # a whole period: add its other end
             peak = np.concatenate([peak, peak.take([0], axis)], axis)
     splines = spline_filter(peak, order=3)
     middle = [c - s.start for c, s in zip(centre, box, strict=True)]
@@ -166,7 +167,7 @@ def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[fl
             for n, m, d, u in zip(peak.shape, middle, spacing, direction, strict=True)
             if abs(u) > 1e-12
         )
-        distance = np.arange(0, min(reach, inside) + pitch / _PER_PIXEL / 2, pitch / _PER_PIXEL)
+        distance = np.arange(0, min(reach, inside) + pitch / _POINTS_PER_PIXEL / 2, pitch / _POINTS_PER_PIXEL)
         places = [m + distance * u / d for m, d, u in zip(middle, spacing, direction, strict=True)]
         ray = map_coordinates(splines, places, order=3, prefilter=False, mode="nearest")
         below = np.nonzero(ray <= DECAY)[0]
