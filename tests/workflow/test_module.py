@@ -138,12 +138,12 @@ def test_a_hosted_source_needs_the_package(other):
 
 
 def test_a_hosted_source_of_another_version_is_refused(other, served):
-    with (served / "workflow/scripts/level.py").open("a") as script:
+    with (served / "workflow/scripts/prepare.py").open("a") as script:
         script.write("further = 1\n")
     done = snakemake(other, "--snakefile", other / "Snakefile", "--dry-run")
     assert done.returncode != 0
     assert "is another version than roughcontact" in done.stderr
-    assert "(level.py differs): pip install" in done.stderr
+    assert "(prepare.py differs): pip install" in done.stderr
 
 
 @pytest.mark.parametrize("drawing", ["--rulegraph", "--dag", "--filegraph"])
