@@ -31,10 +31,13 @@ class Points:
 class Drawn:
     """What a chart shows, everything in the order in which it is drawn.
 
+    `x_ends` and `y_ends` are the values at the left and the right edge, and at the lower and the upper one;
     `top` gives for a value of x what the axis above says, `legend` the colour and style of each label.
     """
 
     texts: list[str]
+    x_ends: np.ndarray
+    y_ends: np.ndarray
     lines: list[Points]
     marks: list[Points]
     bars: list[Points]
@@ -59,7 +62,7 @@ def read_chart(source: str, *, log: str = "") -> Drawn:
     assert kind == "data:image/svg+xml"
     root = ElementTree.fromstring(unquote(text))
     area = root.find(f"{_SVG}svg")
-    left, upper_edge, height = (float(area.get(name)) for name in ("x", "y", "height"))
+    left, upper_edge, width, height = (float(area.get(name)) for name in ("x", "y", "width", "height"))
     ticks = {"below": [], "above": [], "beside": []}
     edges = {round(upper_edge + height + 18, 1): "below", round(upper_edge - 9, 1): "above"}
     for each in root.iter(f"{_SVG}text"):
@@ -87,6 +90,8 @@ def read_chart(source: str, *, log: str = "") -> Drawn:
     kinds = [(kind, np.array(places)) for kind, places in marks.items()]
     return Drawn(
         [each.text for each in root.iter(f"{_SVG}text")],
+        to_x(np.array([0.0, width])),
+        to_y(np.array([height, 0.0])),
         lines,
         [Points(*kind, to_x(places[:, 0]), to_y(places[:, 1])) for kind, places in kinds],
         bars,

@@ -11,7 +11,13 @@ import xarray as xr
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import InputFileError
 from roughcontact.maps import height_map
-from roughcontact.results.collect import _SUFFIX, collect_statistics, pairs_table, summary_table
+from roughcontact.results.collect import (
+    _SUFFIX,
+    collect_statistics,
+    pairs_table,
+    summary_table,
+    with_failures,
+)
 from roughcontact.results.selection import read_statistics
 from roughcontact.results.storage import read_dataset, write_dataset, write_table
 from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
@@ -163,6 +169,19 @@ def test_missing_file_is_named(tmp_path):
         collect_statistics([{"surface": "a", "case": None, "statistics": tmp_path / "gone.nc"}])
 
 
+@pytest.mark.parametrize("case", [None, "steel"])
+def test_what_failed_stands_below_with_its_case_and_its_reason(case):
+    of_case = {"case": [case]} if case else {}
+    summary = pd.DataFrame(of_case | {"surface": ["ground"], "mean_gap_m": [2e-7], "verdict": ["trust"]})
+    failure = {"surface": "turned", "case": case, "reason": "turned.txt: is empty"}
+    table = with_failures(summary, [failure])
+    assert list(table.columns) == [*summary.columns, "reasons"]
+    expected = {"surface": "turned", "verdict": "failed", "reasons": "turned.txt: is empty"}
+    last = table.iloc[-1].dropna().to_dict()
+    assert last == expected | ({"case": case} if case else {})
+    assert with_failures(summary, []) is summary
+
+
 def test_pairs_have_mean_and_spread_over_their_members():
     summary = pd.DataFrame(
         {
@@ -264,6 +283,13 @@ def test_loads_are_selected_by_their_pressure(two_surfaces):
 def test_a_load_that_a_surface_does_not_have_is_refused(two_surfaces, asked, error):
     with pytest.raises(KeyError, match=error):
         read_statistics(two_surfaces).sel(**asked)
+
+
+def test_numbers_of_other_loads_are_not_taken_from_one_another(two_surfaces):
+    one, other = (read_statistics(two_surfaces).sel(surface=name)["relative_contact_area"] for name in "ba")
+    assert (one - one).values.tolist() == [0, 0, 0]
+    with pytest.raises(NotImplementedError, match="alignment"):
+        one - other
 
 
 def test_another_way_of_selecting_is_refused(two_surfaces):

@@ -102,12 +102,17 @@ def test_loads_belong_together_by_value():
     assert different(statistics(), others, share=1e-6) == [("mean_pressure", 1e6), ("mean_pressure", 1e4)]
 
 
-def test_loads_of_other_bodies_belong_together_by_their_relative_pressure():
-    relative = {"relative_pressure": ("load", [0.01, 0.05])}
-    before, after = (statistics(loads=loads).assign(relative) for loads in (LOADS, [3e6, 15e6]))
-    table = compare_statistics(before, after, share=1e-6)
+@pytest.mark.parametrize("share", [1e-6, None])
+def test_loads_of_other_bodies_belong_together_by_their_relative_pressure(share):
+    """And are named by the pressure that they had in the run before."""
+    before = statistics().assign(relative_pressure=("load", [0.01, 0.05]))
+    after = statistics(gaps=(1e-7, 2e-7), area=(0.3, 0.1), loads=[15e6, 3e6])
+    after = after.assign(relative_pressure=("load", [0.05, 0.01]))
+    table = compare_statistics(before, after, share=share)
     assert list(table["mean_pressure"].unique()) == LOADS
     assert not table["differs"].any()
+    lost = compare_statistics(before, after.drop_vars(["mean_gap", "mean_gap_uncertainty"]), share=share)
+    assert list(lost["mean_pressure"].unique()) == LOADS
 
 
 def test_surfaces_belong_together_by_name(tmp_path):

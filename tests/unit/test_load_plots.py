@@ -45,6 +45,16 @@ def assert_bars(bars, x, lower, upper):
     assert bars.upper == near(upper)
 
 
+def assert_room(drawn, *, least=1.05, most=3.0):
+    """All marks lie within the axes, and the axes do not go on for long beyond them."""
+    for ends, values in (
+        (drawn.x_ends, np.concatenate([one.x for one in drawn.marks])),
+        (drawn.y_ends, np.concatenate([one.y for one in drawn.marks])),
+    ):
+        assert least < values.min() / ends[0] < most
+        assert least < ends[1] / values.max() < most
+
+
 def test_contact_area_and_theories_against_the_load():
     window = self_affine_surface(
         (64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=32e-6, rms_gradient=0.1, seed=1
@@ -53,6 +63,8 @@ def test_contact_area_and_theories_against_the_load():
     assert {"mean pressure p̄ (MPa)", "contact area A/A₀ (%)"} <= set(drawn.texts)
     assert "relative pressure p′ = p̄ / (E* g)" in drawn.texts
     assert drawn.top(LOADS / 1e6) == near(LOADS / 1e9)
+    assert drawn.x_ends == near([1 / 1.5, 200 * 1.5])
+    assert_room(drawn, most=6.0)  # the theories lie below these areas
     for label, areas in (("solved, corrected", AREAS), ("solved, pixels counted", 1.25 * AREAS)):
         marks = drawn.labelled(label)
         assert marks.x == near(LOADS / 1e6)
@@ -84,6 +96,7 @@ def test_surfaces_side_by_side():
     drawn = read_chart(load_plots.compare_areas(series, ends=ends, pressure=Unit(1e-6, "MPa")), log="xy")
     assert "mean pressure p̄ (MPa)" in drawn.texts
     assert "Persson" not in drawn.legend  # over the pressure itself there is no line that fits all
+    assert_room(drawn)
     for (name, load, area), bars in zip(series, drawn.bars, strict=True):
         marks, order = drawn.labelled(name), np.argsort(load)
         assert marks.x == near(load[order] / 1e6)
@@ -97,6 +110,7 @@ def test_surfaces_side_by_side():
 def test_surfaces_side_by_side_relative_to_their_gradients():
     drawn = read_chart(load_plots.compare_areas([("ground", LOADS / 1e9, AREAS)]), log="xy")
     assert "relative pressure p′ = p̄ / (E* g)" in drawn.texts
+    assert_room(drawn)
     assert drawn.labelled("ground").x == near(LOADS / 1e9)
     assert not drawn.bars
     persson = next(line for line in drawn.lines if line.style == drawn.legend["Persson"][1])
@@ -134,6 +148,7 @@ def test_the_median_of_many_surfaces():
 def test_gap_against_the_load():
     drawn = read_chart(load_plots.gap_against_load(numbers()), log="xy")
     assert {"mean gap ū (µm)", "mean pressure p̄ (MPa)"} <= set(drawn.texts)
+    assert_room(drawn)
     marks = drawn.labelled("mean gap")
     assert (marks.x, marks.y) == (near(LOADS / 1e6), near([2.0, 1.0, 0.1]))
     assert_bars(drawn.bars[0], LOADS / 1e6, [1.8, 0.9, 0.09], [2.4, 1.2, 0.12])
@@ -144,6 +159,7 @@ def test_gap_against_the_load():
 def test_pressures_against_the_load_end_at_the_hardness():
     drawn = read_chart(load_plots.pressure_against_load(numbers(hardness=1e9)), log="xy")
     assert {"pressure in contact (MPa)", "mean pressure p̄ (MPa)"} <= set(drawn.texts)
+    assert_room(drawn)
     largest, mean = drawn.labelled("largest"), drawn.labelled("mean over the contact")
     assert (largest.x, largest.y) == (near(LOADS / 1e6), near([800, 900, 1000]))
     assert (mean.x, mean.y) == (near(LOADS / 1e6), near([250, 250, 400]))
@@ -166,6 +182,9 @@ def test_distributions_are_shares_by_a_factor_of_e():
     found["pressure_density"] = (("load", "pressure_bin"), shares / widths)
     drawn = read_chart(load_plots.pressure_distribution(found, [0, 1]), log="x")
     assert {"contact pressure p (MPa)", "p P(p), share of the contact per factor e"} <= set(drawn.texts)
+    # the bins that hold some of the contact, and room for the last step and the legend
+    assert drawn.x_ends == near([100, 100 * np.exp(2) * 1.15])
+    assert drawn.y_ends == pytest.approx([0, 1.35], abs=0.01)
     for label, heights in (("p̄ = 1.00 MPa", [0.6, 0.4]), ("p̄ = 5.00 MPa", [0.0, 1.0])):
         line = drawn.labelled(label)
         inside = np.searchsorted(line.x, 100 * np.exp([0.5, 1.5]))  # the ends of the steps behind the middles

@@ -202,3 +202,9 @@ def test_the_answers_at_a_glance(left_out, conducts):
         Cell("876 MPa", "the hardness"),
         conducts,
     ]
+
+
+def test_a_largest_pressure_below_the_hardness_has_its_interval():
+    limits = {"hardness": 1e9, "max_pressure_lower": ("load", [8.6e8]), "max_pressure_upper": ("load", [9e8])}
+    (row,) = glance_rows(one_load(**limits))
+    assert row[6] == Cell("876 MPa", "−16 +24")

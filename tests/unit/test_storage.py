@@ -99,6 +99,13 @@ def test_a_full_disk_is_named_and_what_was_there_stays(disk):
     before = (small_disk / "gap.nc").read_bytes()
     with pytest.raises(OutputFileError, match=r"gap.nc: cannot be written, the disk is full \(.* MB free\)"):
         write_dataset(large, small_disk / "gap.nc")
+    height = height_map(np.zeros((100, 200)), 1e-6)
+    maps = large.rename(gap="pressure").expand_dims(load=1).assign_coords(height.coords)
+    with (
+        pytest.raises(OutputFileError, match=r"contact.nc: cannot be written, the disk is full"),
+        written_load_by_load(small_disk / "contact.nc", [1.0], height) as file,
+    ):
+        file.keep(maps.assign_coords(mean_pressure=("load", [1.0])))
     with pytest.raises(OutputFileError, match=r"a.txt: cannot be written, the disk is full"):
         write_text("a" * 100_000, small_disk / "a.txt")
     assert [path.name for path in small_disk.iterdir()] == ["gap.nc"]
@@ -132,6 +139,8 @@ def test_a_damaged_result_is_named(tmp_path):
 
 
 def test_a_file_says_what_it_is_and_what_computed_it():
+    settings = [{"level": 1, "contact": 2}, {"contact": 2, "level": 1}]
+    assert provenance(settings[0]) == provenance(settings[1])
     first = provenance({}, stage="height", of="ground")
     made = provenance({}, stage="window", of="ground", history=first["history"])
     assert made["title"] == "Periodic window: ground"
@@ -219,6 +228,15 @@ def test_maps_are_read_as_they_were_whoever_reads_them(tmp_path, shape, dtype):
                 assert found[name].dtype == values.dtype
                 np.testing.assert_array_equal(found[name][load], sign * values)
                 np.testing.assert_array_equal(other[name][load], sign * values)
+
+
+def test_what_repeats_takes_little_room(tmp_path):
+    height = height_map(np.zeros((512, 1024)), 1e-6)
+    maps = xr.Dataset({"pressure": (("load", "y", "x"), np.ones((1, 512, 1024)))}, coords=height.coords)
+    with written_load_by_load(tmp_path / "contact.nc", [1.0], height) as file:
+        file.keep(maps.assign_coords(mean_pressure=("load", [1.0])))
+        file.complete(xr.Dataset(coords={"mean_pressure": ("load", [1.0])}))
+    assert (tmp_path / "contact.nc").stat().st_size < 0.02 * maps["pressure"].nbytes
 
 
 def test_a_solution_that_fails_half_way_leaves_no_file(tmp_path):

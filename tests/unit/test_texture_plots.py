@@ -1,7 +1,9 @@
 """The figures of spectrum and texture show what they say."""
 
 import base64
+import html
 import io
+import json
 import re
 from urllib.parse import unquote
 from xml.etree import ElementTree
@@ -17,13 +19,14 @@ from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.report import texture_plots
 from roughcontact.report.charts import COLOURS, DASHED, DOTTED
 from roughcontact.roughness.parameters import shortest_wavelength
-from roughcontact.roughness.spectrum import isotropic_spectrum
+from roughcontact.roughness.spectrum import areal_spectrum, isotropic_spectrum
+from roughcontact.roughness.texture import autocorrelation, decay_lengths
 from roughcontact.window.periodic_window import periodic_window
 
 
-def window(shape=(96, 128), **options):
+def window(shape=(96, 128), *, longest=60e-6, **options):
     rough = self_affine_surface(
-        shape, 1e-6, hurst=0.8, shortest=6e-6, longest=60e-6, rms_height=2e-7, stretch=4.0, seed=2
+        shape, 1e-6, hurst=0.8, shortest=6e-6, longest=longest, rms_height=2e-7, stretch=4.0, seed=2
     )
     return periodic_window(level(rough, outlier_threshold=None), **options)
 
@@ -96,6 +99,55 @@ def test_waves_along_x_light_up_along_x():
     along_x = brightness[middle_y - 1 : middle_y + 2, :].mean()
     along_y = brightness[:, middle_x - 1 : middle_x + 2].mean()
     assert along_x > 1.3 * along_y
+
+
+def reading(uri):
+    """Return what a script reads values of a picture by."""
+    return json.loads(html.unescape(re.search("data-reading='([^']*)'", svg(uri))[1]))
+
+
+def test_pictures_of_waves_and_shifts_have_their_middle_at_zero():
+    """And end half a wave, or half a step, beyond the last one that is drawn."""
+    made = window(longest=16e-6)
+    for draw, label, step in (
+        (
+            texture_plots.directional_spectrum,
+            "q along {} (rad/µm)",
+            [2 * np.pi / n for n in made.shape[::-1]],
+        ),
+        (texture_plots.autocorrelation_map, "shift along {} (µm)", [1.0, 1.0]),
+    ):
+        read = reading(draw(made))
+        for axis, points, width in zip("xy", read["points"], step, strict=True):
+            name, low, high = read[axis]
+            assert name == label.format(axis)
+            assert sorted((low, high)) == pytest.approx([-points * width / 2, points * width / 2], rel=1e-6)
+
+
+def test_the_autocorrelation_is_drawn_to_three_decay_lengths_and_its_line_at_the_longest():
+    made = window(longest=16e-6)
+    shortest, longest = decay_lengths(autocorrelation(made), (1e-6, 1e-6))
+    read = reading(texture_plots.autocorrelation_map(made))
+    assert read["value"][0] == "autocorrelation"
+    assert read["value"][2] == 1.0
+    assert max(read["x"][1:]) == pytest.approx(3e6 * longest, abs=1.0)
+    (line,) = [
+        one for one in read_chart(texture_plots.autocorrelation_map(made)).lines if one.colour == "#ffffff"
+    ]
+    distance = np.hypot(line.x, line.y)
+    assert distance.min() == pytest.approx(1e6 * shortest, abs=0.5)
+    near = distance[distance < 2e6 * longest]
+    assert near.max() == pytest.approx(1e6 * longest, abs=1.0)
+
+
+def test_colours_of_the_waves_span_six_powers_of_ten():
+    made = window()
+    _, low, high = reading(texture_plots.directional_spectrum(made))["value"]
+    assert high - low == pytest.approx(6)
+    # the mean over 3 x 3 waves of m^4, in nm² µm²
+    _, _, power = areal_spectrum(made)
+    smooth = sum(np.roll(power, (i, j), (0, 1)) for i in (-1, 0, 1) for j in (-1, 0, 1)) / 9
+    assert high == pytest.approx(np.log10(smooth.max() * 1e30), rel=1e-6)
 
 
 @pytest.mark.parametrize("shape", [(1, 300), (300, 1)])
