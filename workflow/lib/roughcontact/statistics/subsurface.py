@@ -16,6 +16,7 @@ _DEEPEST = 2  # longer sides: there less than 1e-4 of any wave is left
 # Between two depths the stress at a point follows the polynomial through so many, linear in so many parts.
 _FITTED = 6
 _PARTS = 16
+_NEAR = 0.8  # of a limit: where the stress is less at two depths, it does not reach the limit between them
 # Beside a depth with so much less than the largest stress there may be a larger one, of another point, too.
 _BESIDE = 0.02
 _FAR = 0.8  # of the largest stress of Tresca so far: less is not worth its eigenvalues
@@ -276,29 +277,28 @@ def _volume_above(limit: float, maps: Sequence[np.ndarray], depths: np.ndarray, 
 
 def _layer_above(limit: float, maps: Sequence[np.ndarray], depths: np.ndarray, layer: int) -> float:
     """Return the volume by area above a limit in one of the layers between depths, each with its map."""
-    thickness = float(depths[layer + 1] - depths[layer])
+    near = np.maximum(maps[layer], maps[layer + 1]) > _NEAR * limit
+    stress = np.array([values[near] for values in maps])
     # a smooth curve leaves its chord by an eighth of its second difference; twice that is allowed for
-    bend = np.abs(np.diff(maps[max(layer - 1, 0) : layer + 3], 2, axis=0)).max(axis=0) / 4
-    above = np.minimum(maps[layer], maps[layer + 1]) - bend > limit
-    near = ~above & (np.maximum(maps[layer], maps[layer + 1]) + bend > limit)
-    if not near.any():
-        return thickness * float(above.mean())
+    bend = np.abs(np.diff(stress[max(layer - 1, 0) : layer + 3], 2, axis=0)).max(axis=0) / 4
+    least, most = np.sort(stress[layer : layer + 2], axis=0) + np.stack([-bend, bend])
+    volume = float(depths[layer + 1] - depths[layer]) * np.count_nonzero(least > limit)
+    stress = stress[:, (least <= limit) & (most > limit)]
     # the polynomial through values at 0, 1, 2 ...
     places, ends = np.arange(float(_FITTED)), layer + np.linspace(0, 1, _PARTS + 1)
     fit = np.vander(ends, _FITTED) @ np.linalg.inv(np.vander(places))
     # by einsum: for so many points a product of matrices would wake the threads of BLAS
-    stress = np.array([values[near] for values in maps])
-    upper, volume = np.einsum("i,ij", fit[0], stress), 0.0
-    for weights, height in zip(fit[1:], np.diff(fit @ depths), strict=True):
+    upper = np.einsum("i,ij", fit[0], stress)
+    for weights, thickness in zip(fit[1:], np.diff(fit @ depths), strict=True):
         lower = np.einsum("i,ij", weights, stress)
-        volume += float(height) * _share_above(upper, lower, limit)
+        volume += float(thickness) * _points_above(upper, lower, limit)
         upper = lower
-    return thickness * float(above.mean()) + volume * float(near.mean())
+    return volume / near.size
 
 
-def _share_above(upper: np.ndarray, lower: np.ndarray, limit: float) -> float:
-    """Return the share of a layer above a limit, of stresses that change linearly between its two faces."""
+def _points_above(upper: np.ndarray, lower: np.ndarray, limit: float) -> float:
+    """Return how many points of a layer are above a limit, of stresses linear between its two faces."""
     least, most = np.minimum(upper, lower), np.maximum(upper, lower)
     steep = most > least
     share = np.divide(most - limit, most - least, out=(most > limit).astype(float), where=steep)
-    return float(np.clip(share, 0.0, 1.0).mean())
+    return float(np.clip(share, 0.0, 1.0).sum())
