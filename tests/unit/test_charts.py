@@ -114,6 +114,12 @@ def test_values_beyond_the_ends_have_the_colours_of_the_ends():
     assert above == high == (252, 253, 191)
 
 
+def test_a_title_stands_above_the_middle_of_the_chart():
+    (title,) = [text for text in drawn(chart(title="area")).iter(f"{SVG}text") if text.text == "area"]
+    assert (title.get("x"), title.get("text-anchor")) == ("150.0", "middle")
+    assert 0 < float(title.get("y")) < 20  # above the margin
+
+
 def test_a_colour_bar_rises_evenly_from_the_first_colour_to_the_last():
     made = chart()
     made.colour_bar(Axis("height", 0.0, 8.0), ["#000000", "#777777", "#999999", "#ffffff"])
