@@ -105,6 +105,47 @@ def test_every_point_of_a_large_map_is_in_its_picture():
     assert np.abs(drawn - expected)[~missing].max() <= 14  # as the scale, and half a step of it
 
 
+def test_values_beyond_the_ends_have_the_colours_of_the_ends():
+    source = coloured(np.array([[-3.0, 0.0, 1.0, 7.0]]), (0.0, 1.0), "magma")[0]
+    picture = Image.open(io.BytesIO(base64.b64decode(source.partition(",")[2]))).convert("RGB")
+    below, low, high, above = (picture.getpixel((column, 0)) for column in range(4))
+    assert below == low == (0, 0, 4)
+    assert above == high == (252, 253, 191)
+
+
+def test_a_title_stands_above_the_middle_of_the_chart():
+    (title,) = [text for text in drawn(chart(title="area")).iter(f"{SVG}text") if text.text == "area"]
+    assert (title.get("x"), title.get("text-anchor")) == ("150.0", "middle")
+    assert 0 < float(title.get("y")) < 20  # above the margin
+
+
+def test_a_colour_bar_rises_evenly_from_the_first_colour_to_the_last():
+    made = chart()
+    made.colour_bar(Axis("height", 0.0, 8.0), ["#000000", "#777777", "#999999", "#ffffff"])
+    (gradient,) = drawn(made).iter(f"{SVG}linearGradient")
+    assert [gradient.get(end) for end in ("x1", "y1", "x2", "y2")] == ["0", "1", "0", "0"]  # upwards
+    assert [(float(stop.get("offset")), stop.get("stop-color")) for stop in gradient] == [
+        (0.0, "#000000"),
+        (pytest.approx(1 / 3, abs=1e-3), "#777777"),
+        (pytest.approx(2 / 3, abs=1e-3), "#999999"),
+        (1.0, "#ffffff"),
+    ]
+
+
+@pytest.mark.parametrize("corner", ["upper left", "upper right", "lower left", "lower right", "below"])
+def test_a_label_of_the_legend_stands_beside_its_sample(corner):
+    made = chart()
+    for name, colour in (("one", "#123456"), ("two", "#654321")):
+        made.line(np.array([1.0, 9.0]), np.array([1.0, 1.0]), colour=colour, label=name)
+    parts = list(drawn(made, legend=corner))
+    for name, colour in (("one", "#123456"), ("two", "#654321")):
+        (text,) = [part for part in parts if part.text == name]
+        (sample,) = [part for part in parts if part.get("stroke") == colour]
+        x, y = (float(value) for value in re.match(r"M([\d.]+) ([\d.]+)h26$", sample.get("d")).groups())
+        assert 26 < float(text.get("x")) - x < 40
+        assert 0 < float(text.get("y")) - y < 6  # the foot of letters of 11 pixels
+
+
 @pytest.mark.parametrize("shape", [(1449, 1449), (2, 20000), (3000, 100)])
 def test_a_picture_is_no_larger_than_a_browser_draws(shape):
     source = coloured(np.zeros(shape), (0, 1), "magma")[0]

@@ -149,6 +149,10 @@ def test_between_which_loads_the_gap_closes(is_open, said):
     assert facts(**loads)["Gap closes"] == said
 
 
+def test_of_a_profile_nothing_is_said_of_closing():
+    assert "Gap closes" not in facts(Std=np.nan)
+
+
 @pytest.mark.parametrize(("aspect", "lay"), [(0.5, "60°"), (0.51, "none")])
 def test_half_as_long_across_as_along_is_a_lay(aspect, lay):
     assert facts(Str=aspect)["Sal, Str, lay"].split(", ")[2] == lay

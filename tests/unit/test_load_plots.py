@@ -156,6 +156,13 @@ def test_gap_against_the_load():
     assert drawn.top(LOADS / 1e6) == near(LOADS / 1e9)
 
 
+def test_a_gap_that_closes_leaves_the_axis_to_those_that_are_open():
+    closed = numbers().assign(mean_gap=("load", [2e-6, 1e-6, 0.0]), mean_gap_lower=("load", [np.nan, 0, 0]))
+    drawn = read_chart(load_plots.gap_against_load(closed), log="xy")
+    assert drawn.labelled("mean gap").y == near([2.0, 1.0])
+    assert drawn.y_ends == near([0.12 / 1.6, 2.4 * 1.6])  # from the upper end of the closed one
+
+
 def test_pressures_against_the_load_end_at_the_hardness():
     drawn = read_chart(load_plots.pressure_against_load(numbers(hardness=1e9)), log="xy")
     assert {"pressure in contact (MPa)", "mean pressure p̄ (MPa)"} <= set(drawn.texts)

@@ -104,6 +104,9 @@ def test_profiles_are_lines_along_their_length(shape, axis):
     drawn = read_chart(map_plots.height_map(height, unit=Unit(1e9, "nm"), along=Unit(1e3, "mm")))
     assert {f"{axis} (mm)", "height (nm)"} <= set(drawn.texts)
     (line,) = drawn.lines
+    room = 0.06 * 1e9 * np.ptp(height.values)
+    assert drawn.y_ends == pytest.approx([line.y.min() - room, line.y.max() + room], abs=20)
+    assert drawn.x_ends == pytest.approx([0, 2e-3 * 59], abs=1e-4)
     assert line.x == pytest.approx(2e-3 * np.arange(60), abs=2e-4)
     assert line.y == pytest.approx(1e9 * height.values.ravel(), abs=20)
     gap = np.abs(np.sin(np.arange(60.0))).reshape(shape) * 1e-6

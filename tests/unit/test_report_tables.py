@@ -126,7 +126,7 @@ def test_every_number_is_in_the_unit_of_its_column():
     assert list(found)[-2:] == ["error bound of the pressure", "contact on filled points"]
     titles = ["Contact", "Pressure", "Stress below the surface", "Gap and conductance", "Sealing", "Solution"]
     assert [table["title"] for table in tables] == titles
-    profile = number_tables(one_load(Std=np.nan), [[]])
+    profile = number_tables(one_load(Std=np.nan, window_length_y=np.nan), [[]])
     assert [table["title"] for table in profile] == [title for title in titles if title != "Sealing"]
 
 

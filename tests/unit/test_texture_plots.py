@@ -126,7 +126,7 @@ def test_pictures_of_waves_and_shifts_have_their_middle_at_zero():
 
 def test_the_autocorrelation_is_drawn_to_three_decay_lengths_and_its_line_at_the_longest():
     made = window(longest=16e-6)
-    shortest, longest = decay_lengths(autocorrelation(made), (1e-6, 1e-6))
+    shortest, longest, *_ = decay_lengths(autocorrelation(made), (1e-6, 1e-6))
     read = reading(texture_plots.autocorrelation_map(made))
     assert read["value"][0] == "autocorrelation"
     assert read["value"][2] == 1.0
