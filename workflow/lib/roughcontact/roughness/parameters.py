@@ -1,8 +1,8 @@
 """Roughness parameters of a periodic height map.
 
 Slopes and curvatures are spectral (Parseval), consistent with the half-space of the solver: in full contact
-the standard deviation of the pressure is exactly E* g / 2 with the rms gradient g below. For a map that is not
-periodic the step at its seam counts as roughness; use its periodic window instead.
+the standard deviation of the pressure is exactly E* g / 2 with the rms gradient g below. For a map that is
+not periodic the step at its seam counts as roughness; use its periodic window instead.
 """
 
 import math
