@@ -41,7 +41,7 @@ def by_direct_sums(field, lengths, symbol):
 
 @pytest.fixture(params=["compiled", "scipy"])
 def transforms(request, monkeypatch):
-    monkeypatch.setattr(fft, "FEWEST", {"compiled": 1, "scipy": math.inf}[request.param])
+    monkeypatch.setattr(fft, "MIN_SIDE", {"compiled": 1, "scipy": math.inf}[request.param])
 
 
 @pytest.mark.parametrize("dtype", PRECISIONS)

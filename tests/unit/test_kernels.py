@@ -38,7 +38,7 @@ OFFSET = 0.1
 
 @pytest.fixture(autouse=True)
 def _threads_for_fields_of_any_size(monkeypatch):
-    monkeypatch.setattr(job_threads, "SMALL", 1)
+    monkeypatch.setattr(job_threads, "MIN_POINTS", 1)
 
 
 def make_fields(shape, factors, precisions, cap):
@@ -219,7 +219,7 @@ def test_plain_and_compiled_agree(name, shape, factors, precisions, cap):
 
 def test_compiled_kernels_are_chosen_for_numpy_arrays_and_threads_for_large_ones(monkeypatch):
     field = np.zeros((6, 7))
-    monkeypatch.setattr(job_threads, "SMALL", field.size)
+    monkeypatch.setattr(job_threads, "MIN_POINTS", field.size)
     assert kernels_for(field, threads=2).threads == 2
     assert kernels_for(field[1:], threads=2).threads == 1
     assert kernels_for(array_api_strict.asarray(field)) is array_api
@@ -229,7 +229,7 @@ def test_plain_kernels_serve_where_there_is_no_library(monkeypatch, tmp_path):
     field = np.zeros((6, 7))
     monkeypatch.setattr(compiled, "LIBRARY", tmp_path / "none.so")
     compiled.library.cache_clear()
-    choose.library_is_there.cache_clear()
+    choose.library_available.cache_clear()
     try:
         with pytest.warns(UserWarning, match="none.so.*Install a C compiler"):
             assert kernels_for(field) is array_api
@@ -238,7 +238,7 @@ def test_plain_kernels_serve_where_there_is_no_library(monkeypatch, tmp_path):
             assert kernels_for(field) is array_api
     finally:
         compiled.library.cache_clear()
-        choose.library_is_there.cache_clear()
+        choose.library_available.cache_clear()
 
 
 def test_a_library_of_other_sources_is_not_used(monkeypatch):

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.kernels.memory import SMALLEST, Store, store
+from roughcontact.kernels.memory import MIN_BYTES, Store, store
 from roughcontact.references.synthetic import self_affine_surface
 
-MANY = 2 * SMALLEST
+MANY = 2 * MIN_BYTES
 
 
 def test_an_array_takes_the_memory_that_another_has_left():
@@ -21,12 +21,12 @@ def test_an_array_takes_the_memory_that_another_has_left():
     beside = store.empty((MANY,), np.uint8)
     assert beside.ctypes.data >= address + MANY
     del first
-    assert store.lent() == MANY
+    assert store.bytes_in_use() == MANY
     larger = store.empty((2 * MANY,), np.uint8)
     assert larger.ctypes.data >= beside.ctypes.data + MANY
     second = store.empty((2, MANY // 8), np.float32)
     assert second.ctypes.data == address
-    assert store.lent() == 4 * MANY
+    assert store.bytes_in_use() == 4 * MANY
     assert second.shape == (2, MANY // 8)
     assert second.dtype == np.float32
     assert second.flags.writeable
@@ -39,7 +39,7 @@ def test_rooms_that_touch_are_one_room():
     for number in (2, 1, 3):
         held[number] = None
     assert store.empty((3 * MANY,), np.uint8).ctypes.data == start
-    assert store.lent() == 2 * MANY
+    assert store.bytes_in_use() == 2 * MANY
 
 
 @pytest.mark.parametrize(
@@ -53,22 +53,22 @@ def test_memory_that_a_view_uses_is_not_lent_again(look_at):
     array[...] = 1.0
     view = look_at(array)
     del array
-    assert store.lent() == MANY
+    assert store.bytes_in_use() == MANY
     store.empty((2, MANY // 16), np.float64)[...] = 2.0
     assert (np.asarray(view).view(np.float64) == 1.0).all()
     del view
-    assert store.lent() == 0
+    assert store.bytes_in_use() == 0
 
 
 def test_small_arrays_and_those_without_room_lie_elsewhere():
     store = Store(limit=4 * MANY)
-    held = [store.empty((size,), np.uint8) for size in (SMALLEST - 8, 4 * MANY + 8)]
-    assert store.lent() == 0
+    held = [store.empty((size,), np.uint8) for size in (MIN_BYTES - 8, 4 * MANY + 8)]
+    assert store.bytes_in_use() == 0
     held += [store.empty((size,), np.uint8) for size in (3 * MANY, 2 * MANY, MANY)]
-    assert store.lent() == 4 * MANY
-    assert [array.size for array in held] == [SMALLEST - 8, 4 * MANY + 8, 3 * MANY, 2 * MANY, MANY]
+    assert store.bytes_in_use() == 4 * MANY
+    assert [array.size for array in held] == [MIN_BYTES - 8, 4 * MANY + 8, 3 * MANY, 2 * MANY, MANY]
     del held
-    assert store.lent() == 0
+    assert store.bytes_in_use() == 0
 
 
 @pytest.mark.skipif(
@@ -103,7 +103,7 @@ def test_a_clear_leaves_arrays_alone():
     del gone
     store.clear()
     assert (array == 7).all()
-    assert store.lent() == MANY
+    assert store.bytes_in_use() == MANY
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no processes are forked here")
@@ -126,7 +126,7 @@ def test_who_finds_the_store_in_use_does_without():
         worker.start()
         worker.join()
     assert found[0].size == MANY
-    assert store.lent() == 0
+    assert store.bytes_in_use() == 0
 
 
 def test_threads_never_share_the_memory_of_an_array():
@@ -158,10 +158,10 @@ def test_the_next_solve_takes_up_the_memory_of_the_last_and_leaves_its_result_al
     pressure, gap = first.pressure.values.copy(), first.gap.values.copy()
     store.clear()
     assert (solve(3e6).pressure.values == pressure).all()
-    before = store.lent()
+    before = store.bytes_in_use()
     # a solve works on two pressures in turn: the last one may be either
     places = [solve(load).pressure.values.ctypes.data for load in 3 * (5e6, 5e6, 4e6)]
     assert len(set(places)) <= 2
-    assert store.lent() == before
+    assert store.bytes_in_use() == before
     assert (first.pressure.values == pressure).all()
     assert (first.gap.values == gap).all()

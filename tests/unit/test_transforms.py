@@ -25,7 +25,7 @@ def plan_of(field, precision, *, allowed=1):
 
 @pytest.fixture(autouse=True)
 def _threads_for_fields_of_any_size(monkeypatch):
-    monkeypatch.setattr(threads, "SMALL", 1)
+    monkeypatch.setattr(threads, "MIN_POINTS", 1)
 
 
 @pytest.mark.parametrize("precision", [SINGLE, DOUBLE])

@@ -1,1 +1,1 @@
-"""Passes over the points of a grid and Fourier transforms, for any array library; memory and threads."""
+"""Grid kernels and Fourier transforms for any array library; their memory and threads."""

@@ -1,8 +1,8 @@
-"""The passes over the grid that the iteration is made of, for any array library.
+"""The grid kernels of the iteration, for any array library.
 
-They ask their arrays for the library they belong to (the Python array API: NumPy, CuPy and others) and write
-into arrays that are there already: an implementation of `roughcontact.kernels.protocol.Kernels`, and the
-definition of what each kernel computes.
+They use the library of their arrays (Python array API standard: NumPy, CuPy and others) and write to
+preallocated arrays. This module implements `roughcontact.kernels.protocol.Kernels` and defines what each
+kernel computes.
 """
 
 from collections.abc import Sequence
@@ -11,8 +11,8 @@ from typing import Any
 from roughcontact.kernels.arrays import Array
 from roughcontact.kernels.protocol import Arrangement, Factors, Weights
 
-CLOSED = 1e-30  # stands for a gap of zero at a point of the active set
-SPECK = 1e-5  # share of the load of a refined cell that is none: it would be rounding alone
+CLOSED = 1e-30  # replaces a gap of zero at a point of the active set
+NEGLIGIBLE_LOAD = 1e-5  # share of the load of a cell; smaller loads of its parts are rounding errors
 _ALL_BUT_MEAN = (0, slice(1, None)), (slice(1, None), slice(None))  # of a spectrum
 
 
@@ -36,7 +36,7 @@ def multiply(spectrum: Array, symbol: Array) -> None:
     Parameters
     ----------
     spectrum : array (ny, nx//2 + 1), complex
-        is multiplied in place.
+        multiplied in place.
     symbol : array (ny, nx//2 + 1)
         of an operator.
     """
@@ -51,11 +51,11 @@ def divide(spectrum: Array, symbol: Array, weights: Array) -> float:
     Parameters
     ----------
     spectrum : array (ny, nx//2 + 1), complex
-        is divided in place.
+        divided in place.
     symbol : array (ny, nx//2 + 1)
         of an operator.
     weights : array (nx//2 + 1,)
-        how often the waves of a column count.
+        number of waves of the full plane per column.
 
     Returns
     -------
@@ -75,16 +75,16 @@ def _power(xp: Any, spectrum: Array) -> Array:
 
 
 def slope_power(spectrum: Array, weights: Array, along_y: Array, along_x: Array) -> float:
-    """Return the sum of |s|^2 (y + x) over the waves, in double precision.
+    """Return the weighted sum of |s|^2 (y + x) over the waves, in double precision.
 
-    y is the entry of `along_y` for the row; the entries for the column, x of `along_x` and how often the wave
-    counts of `weights`, come in float64 too.
+    y is the value of `along_y` for the row, x that of `along_x` for the column; both and `weights` are in
+    float64.
 
     Parameters
     ----------
     spectrum : array (ny, nx//2 + 1), complex
     weights : array (nx//2 + 1,)
-        how often the waves of a column count.
+        number of waves of the full plane per column.
     along_y : array (ny,)
         by row.
     along_x : array (nx//2 + 1,)
@@ -99,9 +99,9 @@ def slope_power(spectrum: Array, weights: Array, along_y: Array, along_x: Array)
 
 
 def extent(field: Array) -> tuple[float, float, int]:
-    """Return the least and the largest value, and how many are infinite or no number.
+    """Return the smallest and the largest value, and the number of non-finite values.
 
-    Where there are any of those, the other two tell nothing.
+    The first two are meaningless if there are non-finite values.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def extent(field: Array) -> tuple[float, float, int]:
     -------
     least, largest : float
     missing : int
-        how many are infinite or no number.
+        number of infinite values and NaN.
     """
     xp = field.__array_namespace__()
     finite = xp.isfinite(field)
@@ -120,18 +120,18 @@ def extent(field: Array) -> tuple[float, float, int]:
 
 
 def make_dimensionless(heights: Array, reference: float, unit: float, out: Array) -> None:
-    """Put (`heights` - `reference`) / `unit` into `out`.
+    """Write (`heights` - `reference`) / `unit` to `out`.
 
     Parameters
     ----------
     heights : array (ny, nx)
         in their own unit.
     reference : float
-        height that counts as zero.
+        height of zero in dimensionless units.
     unit : float
-        height that counts as one.
+        unit of height.
     out : array
-        is written.
+        output.
     """
     xp = heights.__array_namespace__()
     out[...] = xp.astype((heights - reference) / unit, out.dtype)
@@ -148,29 +148,29 @@ def measure(
     pressure: Array,
     cap: float,
 ) -> Array:
-    """Take the heights off the displacement that `separation` holds; return what that pass can tell.
+    """Turn a displacement into the separation, by subtracting the heights, and return sums over the grid.
 
-    A height counts as (height - `reference`) / `unit`. The separation itself is in `separation` afterwards.
-    Six sums, in double precision: pressure x displacement; displacement squared; separation over the free
-    contact {0 < p < cap}, and the number of its points; change of pressure x separation `before`, and after,
-    both less `offset`, which drops out but for rounding. The change is that from the pressure `start`.
+    The dimensionless height is (height - `reference`) / `unit`. The six sums, in double precision, are:
+    pressure x displacement; displacement squared; separation over the free contact {0 < p < cap}, and the
+    number of its points; change of pressure x separation `before` the step, and after it, both less `offset`,
+    which cancels except for rounding. The change of pressure is relative to `start`.
 
     Parameters
     ----------
     separation : array (ny, nx)
-        holds the displacement; becomes the separation.
+        displacement; overwritten by the separation.
     heights : array (ny, nx)
         in their own unit.
     reference : float
-        height that counts as zero.
+        height of zero in dimensionless units.
     unit : float
-        height that counts as one.
+        unit of height.
     start : array (ny, nx)
         pressure before the last step.
     before : array (ny, nx)
         separation before the last step.
     offset : float
-        separation that counts as closed.
+        separation of a closed gap.
     pressure : array (ny, nx)
         dimensionless.
     cap : float
@@ -197,10 +197,10 @@ def measure(
 
 
 def masked_residual(pressure: Array, separation: Array, offset: float, cap: float, values: Array) -> int:
-    """Put the gap over the active set into `values`, zero elsewhere; return the number of its points.
+    """Write the gap on the active set to `values`, zero elsewhere; return the number of active points.
 
-    The active set is where the gap should vanish: `active_set`. A gap that does vanish there stands as
-    `CLOSED`, so that the values are zero at inactive points alone.
+    See `active_set`. A gap of zero on the active set is replaced by `CLOSED`, so that the values are zero at
+    inactive points only.
 
     Parameters
     ----------
@@ -209,11 +209,11 @@ def masked_residual(pressure: Array, separation: Array, offset: float, cap: floa
     separation : array (ny, nx)
         displacement less height.
     offset : float
-        separation that counts as closed.
+        separation of a closed gap.
     cap : float
         largest pressure allowed.
     values : array (ny, nx)
-        is written.
+        output.
 
     Returns
     -------
@@ -230,11 +230,11 @@ def masked_residual(pressure: Array, separation: Array, offset: float, cap: floa
 def predict_active(
     pressure: Array, residual: Array, weights: Weights, stiffness: float, cap: float, values: Array
 ) -> int:
-    """Make `values` zero where a point is foreseen to lose its contact; return how many are left.
+    """Set `values` to zero where a point is predicted to lose contact; return the number of active points.
 
-    What is foreseen is the pressure p - `stiffness` (residual - mean of its eight neighbours), as in a
-    primal-dual active-set method [1]_, with a stiffness for what one point has more than those around it.
-    Points at the cap stay.
+    The predicted pressure is p - `stiffness` (residual - mean over its eight neighbours), as in a primal-dual
+    active-set method [1]_, with the stiffness of a single point relative to its neighbours. Points at the cap
+    remain active.
 
     Parameters
     ----------
@@ -245,11 +245,11 @@ def predict_active(
     weights : (float, float, float)
         of a neighbour across y, across x, and diagonal.
     stiffness : float
-        pressure over the gap by which a point stands out.
+        pressure over the height of a point above its neighbours.
     cap : float
         largest pressure allowed.
     values : array (ny, nx)
-        zero at inactive points; is written.
+        zero at inactive points; updated.
 
     Returns
     -------
@@ -271,18 +271,18 @@ def predict_active(
 def advance(
     pressure: Array, correction: Array, mean: float, length: float, cap: float, out: Array, values: Array
 ) -> None:
-    """Put p - length (correction - mean), projected onto [0, `cap`], into `out`.
+    """Write p - length (correction - mean), projected onto [0, `cap`], to `out`.
 
-    Of the inactive points, those at the cap keep their pressure, in the precision of `out`; the others have
-    none afterwards. What all that took away comes into `correction`. `values` become 1 between the bounds, 0
-    elsewhere.
+    Inactive points at the cap keep their pressure, in the precision of `out`; the pressure of the others
+    becomes zero. The pressure removed by the projection is written to `correction`. `values` become 1 between
+    the bounds, 0 elsewhere.
 
     Parameters
     ----------
     pressure : array (ny, nx)
         dimensionless.
     correction : array (ny, nx)
-        of the pressure; written over.
+        of the pressure; overwritten.
     mean : float
         of the correction over the active set.
     length : float
@@ -290,9 +290,9 @@ def advance(
     cap : float
         largest pressure allowed.
     out : array
-        is written.
+        output.
     values : array (ny, nx)
-        zero at inactive points; is written.
+        zero at inactive points; overwritten.
     """
     xp = pressure.__array_namespace__()
     active, full = values != 0, pressure >= cap
@@ -309,28 +309,28 @@ def advance(
 def redistribute(
     field: Array, passed: Array, coarse: Array, factors: Factors, free: Array, cap: float
 ) -> tuple[float, float]:
-    """Add `passed` and `coarse`, shared out, to `field` where `free` is not zero.
+    """Add `passed`, and `coarse` distributed over its fine cells, to `field` where `free` is not zero.
 
     Parameters
     ----------
     field : array (ny, nx)
-        gets the load.
+        receives the load.
     passed : array (ny, nx)
-        what neighbours pass back.
+        load from the neighbours.
     coarse : array
         over the coarse cells.
     factors : (int, int)
         fy and fx, from the fine grid to the coarse one.
     free : array (ny, nx)
-        where it is zero the field gets load.
+        nonzero where the field may receive load.
     cap : float
         largest pressure allowed.
 
     Returns
     -------
     outside, total : float
-        how much of the field lies outside of 0 and `cap`, and the sum of it projected between them, in double
-        precision.
+        sum of the absolute excess of the field beyond [0, `cap`], and sum of the field projected onto this
+        interval, in double precision.
     """
     xp = field.__array_namespace__()
     shared = repeat(coarse, factors, field.shape) / (factors[0] * factors[1])
@@ -340,20 +340,20 @@ def redistribute(
 
 
 def project(field: Array, cap: float, taken: Array, free: Array) -> None:
-    """Project `field` onto [0, `cap`]; what that takes away comes into `taken`.
+    """Project `field` onto [0, `cap`] and write the removed part to `taken`.
 
     `free` becomes 1 between the bounds and 0 elsewhere.
 
     Parameters
     ----------
     field : array (ny, nx)
-        is written over.
+        overwritten.
     cap : float
         largest pressure allowed.
     taken : array (ny, nx)
-        is written.
+        output.
     free : array (ny, nx)
-        is written.
+        output.
     """
     xp = field.__array_namespace__()
     projected = xp.clip(field, 0, None if cap == float("inf") else cap)
@@ -363,12 +363,12 @@ def project(field: Array, cap: float, taken: Array, free: Array) -> None:
 
 
 def rescale(field: Array, factor: float, cap: float) -> None:
-    """Project `field` onto [0, `cap`] and multiply it by a number.
+    """Project `field` onto [0, `cap`] and multiply it by `factor`.
 
     Parameters
     ----------
     field : array (ny, nx)
-        is written over.
+        overwritten.
     factor : float
     cap : float
         largest pressure allowed.
@@ -378,7 +378,7 @@ def rescale(field: Array, factor: float, cap: float) -> None:
 
 
 def project_residual(pressure: Array, separation: Array, offset: float, cap: float, values: Array) -> float:
-    """Project `values` onto what a certificate allows: at most the gap where p = 0, at least it at the cap.
+    """Project `values` onto the residuals admitted by a certificate: <= gap where p = 0, >= gap at the cap.
 
     Parameters
     ----------
@@ -387,16 +387,16 @@ def project_residual(pressure: Array, separation: Array, offset: float, cap: flo
     separation : array (ny, nx)
         displacement less height.
     offset : float
-        separation that counts as closed.
+        separation of a closed gap.
     cap : float
         largest pressure allowed.
     values : array (ny, nx)
-        is written over.
+        overwritten.
 
     Returns
     -------
     float
-        sum of the squares of what that changes.
+        sum of the squared changes.
     """
     xp = pressure.__array_namespace__()
     gap = xp.astype(separation - offset, values.dtype)
@@ -410,27 +410,27 @@ def project_residual(pressure: Array, separation: Array, offset: float, cap: flo
 def restore_units(
     pressure: Array, gap: Array, offset: float, pressure_unit: float, gap_unit: float, contact: Array
 ) -> tuple[float, float]:
-    """Take `offset` off the gap, multiply it and the pressure by their units, and mark the contact.
+    """Subtract `offset` from the gap, multiply gap and pressure by their units, and mark the contact.
 
     Parameters
     ----------
     pressure : array (ny, nx)
-        is multiplied in place.
+        multiplied in place.
     gap : array (ny, nx)
-        is multiplied in place.
+        multiplied in place.
     offset : float
-        separation that counts as closed.
+        separation of a closed gap.
     pressure_unit : float
-        pressure that counts as one.
+        unit of pressure.
     gap_unit : float
-        gap that counts as one.
+        unit of gap.
     contact : array (ny, nx)
-        is written: 1 where the pressure is positive.
+        receives 1 where the pressure is positive, 0 elsewhere.
 
     Returns
     -------
     least_gap, load : float
-        least gap and sum of the pressure, in their units and in double precision.
+        smallest gap and sum of the pressure, in their units and in double precision.
     """
     xp = pressure.__array_namespace__()
     gap -= offset
@@ -441,9 +441,9 @@ def restore_units(
 
 
 def block_mean(field: Array, factors: Factors, out: Array) -> None:
-    """Put the means of `field` over blocks of `factors` cells into `out`.
+    """Write the means of `field` over blocks of `factors` cells to `out`.
 
-    The last block of a row or a column may lack cells: they count as zero.
+    Missing cells in the last block of a row or a column count as zero.
 
     Parameters
     ----------
@@ -451,7 +451,7 @@ def block_mean(field: Array, factors: Factors, out: Array) -> None:
     factors : (int, int)
         fy and fx, from the fine grid to the coarse one.
     out : array
-        over the coarse cells; is written.
+        over the coarse cells; output.
     """
     xp = field.__array_namespace__()
     for axis in (0, 1):
@@ -464,16 +464,16 @@ def block_mean(field: Array, factors: Factors, out: Array) -> None:
 
 
 def active_share(active: Array, factors: Factors, out: Array) -> None:
-    """Put the share of points where `active` is not zero, over blocks of `factors` cells, into `out`.
+    """Write the share of points where `active` is not zero, over blocks of `factors` cells, to `out`.
 
     Parameters
     ----------
     active : array (ny, nx)
-        not zero on the active set.
+        nonzero on the active set.
     factors : (int, int)
         fy and fx, from the fine grid to the coarse one.
     out : array
-        over the coarse cells; is written.
+        over the coarse cells; output.
     """
     xp = active.__array_namespace__()
     block_mean(xp.astype(active != 0, out.dtype), factors, out)
@@ -482,29 +482,29 @@ def active_share(active: Array, factors: Factors, out: Array) -> None:
 def weigh(
     weight: Array, share: Array, factors: Factors, arrangement: Arrangement, empty: Array, gain: Array
 ) -> None:
-    """Make the weight of every cell of the mean weight of its parts; put the ratio of the two into `gain`.
+    """Compute the weight of every cell from the mean weight of its parts; write their ratio to `gain`.
 
-    The linear size of a contact that covers the `share` of a cell is the root of that, if it is in one piece,
-    and the sum of the sizes of its parts, if they are far apart; the nearer they are, the more they shield
-    each other. Where it is not known how contacts lie, something between is taken. The displacement beside a
-    line contact goes with the logarithm of the distance: each coarser grid adds a constant to the reciprocal
-    of its weight, and contacts add up as conductors in parallel do.
-    What the weight leaves of 1 goes into `empty`. All hold for cells out of contact, whose weight is zero.
+    The weight is the relative linear size of the contact in a cell. If the contact covers the area `share` in
+    one piece, this is the root of the share; if its parts are far apart, it is the sum of their sizes,
+    reduced by mutual shielding at smaller distances. For an unknown arrangement the geometric mean is used.
+    The displacement beside a line contact varies as the logarithm of the distance: each coarser grid adds a
+    constant to the reciprocal of the weight, and contacts add like conductors in parallel.
+    1 - weight is written to `empty`. Cells out of contact, with zero weight, are included.
 
     Parameters
     ----------
     weight : array
-        mean weight of the parts of every cell; becomes that of the cell.
+        mean weight of the parts of every cell; overwritten by that of the cell.
     share : array
-        of every cell that is in contact.
+        share of every cell in contact.
     factors : (int, int)
         fy and fx, from the fine grid to the coarse one.
     arrangement : Arrangement
         of the contacts in the cells.
     empty : array
-        is written.
+        output.
     gain : array
-        is written.
+        output.
     """
     xp, parts = share.__array_namespace__(), factors[0] * factors[1]
     gain[...] = 1 / xp.where(weight > 0, weight, xp.ones_like(weight))
@@ -519,7 +519,7 @@ def weigh(
 
 
 def weighted_mean(field: Array, factors: Factors, gain: Array, out: Array) -> None:
-    """Put `gain` x the means of `field` over blocks of `factors` cells into `out`.
+    """Write `gain` x the means of `field` over blocks of `factors` cells to `out`.
 
     Parameters
     ----------
@@ -529,32 +529,32 @@ def weighted_mean(field: Array, factors: Factors, gain: Array, out: Array) -> No
     gain : array
         by cell.
     out : array
-        over the coarse cells; is written.
+        over the coarse cells; output.
     """
     block_mean(field, factors, out)
     out *= gain
 
 
 def mix(values: Array, empty: Array, coarse: Array, factors: Factors, out: Array) -> None:
-    """Put `values` + `empty` x `coarse`, each coarse cell repeated `factors` times, into `out`.
+    """Write `values` + `empty` x `coarse`, each coarse cell repeated `factors` times, to `out`.
 
     Parameters
     ----------
     values : array (ny, nx)
     empty : array
-        share of a cell that counts as gap.
+        1 - weight of each cell.
     coarse : array
         over the coarse cells.
     factors : (int, int)
         fy and fx, from the fine grid to the coarse one.
     out : array
-        is written.
+        output.
     """
     out[...] = values + empty * repeat(coarse, factors, values.shape)
 
 
 def neighbours(field: Array, weights: Weights, out: Array) -> None:
-    """Put the weighted means of the eight neighbours, over the periodic boundary, into `out`.
+    """Write the weighted means of the eight neighbours, with periodic boundaries, to `out`.
 
     Parameters
     ----------
@@ -562,7 +562,7 @@ def neighbours(field: Array, weights: Weights, out: Array) -> None:
     weights : (float, float, float)
         of a neighbour across y, across x, and diagonal.
     out : array
-        is written.
+        output.
     """
     xp = field.__array_namespace__()
     across_y, across_x, diagonal = weights
@@ -572,19 +572,19 @@ def neighbours(field: Array, weights: Weights, out: Array) -> None:
 
 
 def fill(values: Array, empty: Array, mixed: Array, weights: Weights, out: Array) -> None:
-    """Put `values` + `empty` x the neighbours' means of `mixed` into `out`.
+    """Write `values` + `empty` x the neighbours' means of `mixed` to `out`.
 
     Parameters
     ----------
     values : array (ny, nx)
     empty : array
-        share of a cell that counts as gap.
+        1 - weight of each cell.
     mixed : array (ny, nx)
-        field whose neighbours are taken.
+        field whose neighbours are averaged.
     weights : (float, float, float)
         of a neighbour across y, across x, and diagonal.
     out : array
-        is written.
+        output.
     """
     neighbours(mixed, weights, out)
     out[...] = values + empty * out
@@ -593,7 +593,7 @@ def fill(values: Array, empty: Array, mixed: Array, weights: Weights, out: Array
 def fill_from(
     values: Array, active: Array, coarse: Array, factors: Factors, weights: Weights, out: Array
 ) -> None:
-    """Put `values` + empty x the neighbours' means of the mixture of `values` and `coarse` into `out`.
+    """Write `values` + empty x the neighbours' means of the mixture of `values` and `coarse` to `out`.
 
     The mixture is `values` + empty x `coarse`, each coarse cell repeated `factors` times, with empty 1 where
     `active` is zero and 0 elsewhere.
@@ -602,7 +602,7 @@ def fill_from(
     ----------
     values : array (ny, nx)
     active : array (ny, nx)
-        not zero on the active set.
+        nonzero on the active set.
     coarse : array
         over the coarse cells.
     factors : (int, int)
@@ -610,40 +610,40 @@ def fill_from(
     weights : (float, float, float)
         of a neighbour across y, across x, and diagonal.
     out : array
-        is written.
+        output.
     """
     empty = _zeros_of(active)
     fill(values, empty, values + empty * repeat(coarse, factors, values.shape), weights, out)
 
 
 def empty_neighbours(field: Array, empty: Array, weights: Weights, out: Array) -> None:
-    """Put the neighbours' means of `empty` x `field` into `out`, the transpose of filling.
+    """Write the neighbours' means of `empty` x `field` to `out`, the transpose of filling.
 
     Parameters
     ----------
     field : array (ny, nx)
     empty : array
-        share of a cell that counts as gap.
+        1 - weight of each cell.
     weights : (float, float, float)
         of a neighbour across y, across x, and diagonal.
     out : array
-        is written.
+        output.
     """
     neighbours(empty * field, weights, out)
 
 
 def gather(field: Array, empty: Array, factors: Factors, out: Array) -> None:
-    """Put the sums of `empty` x `field` over blocks of cells into `out`, the transpose of mixing.
+    """Write the sums of `empty` x `field` over blocks of cells to `out`, the transpose of mixing.
 
     Parameters
     ----------
     field : array (ny, nx)
     empty : array
-        share of a cell that counts as gap.
+        1 - weight of each cell.
     factors : (int, int)
         fy and fx, from the fine grid to the coarse one.
     out : array
-        over the coarse cells; is written.
+        over the coarse cells; output.
     """
     block_mean(empty * field, factors, out)
     out *= factors[0] * factors[1]
@@ -652,23 +652,23 @@ def gather(field: Array, empty: Array, factors: Factors, out: Array) -> None:
 def empty_from(
     field: Array, active: Array, weights: Weights, passed: Array, factors: Factors, coarse: Array
 ) -> None:
-    """Put the neighbours' means of empty x `field` into `passed`, and gather that into `coarse`.
+    """Write the neighbours' means of empty x `field` to `passed`, and gather them into `coarse`.
 
-    Empty as in `fill_from`, of which this is, with `finish_restriction`, the transpose.
+    `empty` is defined as in `fill_from`; together with `finish_restriction` this is the transpose of that.
 
     Parameters
     ----------
     field : array (ny, nx)
     active : array (ny, nx)
-        not zero on the active set.
+        nonzero on the active set.
     weights : (float, float, float)
         of a neighbour across y, across x, and diagonal.
     passed : array (ny, nx)
-        is written.
+        output.
     factors : (int, int)
         fy and fx, from the fine grid to the coarse one.
     coarse : array
-        over the coarse cells; is written.
+        over the coarse cells; output.
     """
     empty = _zeros_of(active)
     empty_neighbours(field, empty, weights, passed)
@@ -676,12 +676,12 @@ def empty_from(
 
 
 def spread(field: Array, gain: Array, coarse: Array, factors: Factors) -> None:
-    """Add `coarse`, each cell shared out among its fine ones, to `field`, and multiply that by `gain`.
+    """Add `coarse`, distributed over its fine cells, to `field`, and multiply the sum by `gain`.
 
     Parameters
     ----------
     field : array (ny, nx)
-        is written over.
+        overwritten.
     gain : array
         by cell.
     coarse : array
@@ -694,20 +694,20 @@ def spread(field: Array, gain: Array, coarse: Array, factors: Factors) -> None:
 
 
 def finish_restriction(field: Array, passed: Array, coarse: Array, factors: Factors, active: Array) -> float:
-    """Add `passed` and `coarse`, shared out, to `field` where `active` is not zero; elsewhere make it zero.
+    """Add `passed` and distributed `coarse` to `field` on the active set; set it to zero elsewhere.
 
     Parameters
     ----------
     field : array (ny, nx)
-        is written over.
+        overwritten.
     passed : array (ny, nx)
-        what neighbours pass back.
+        load from the neighbours.
     coarse : array
         over the coarse cells.
     factors : (int, int)
         fy and fx, from the fine grid to the coarse one.
     active : array (ny, nx)
-        not zero on the active set.
+        nonzero on the active set.
 
     Returns
     -------
@@ -729,14 +729,14 @@ def refine(
     cap: float,
     out: Array,
 ) -> None:
-    """Put the pressure `coarse` onto a grid `factors` times finer, into `out`, with edges and detail.
+    """Prolongate the pressure `coarse` to a grid `factors` times finer, with contact edges and fine detail.
 
     Towards the edge of a contact the pressure falls as the root of the distance (Johnson 1985, chapter 4), so
-    that its square is linear there and can be continued beyond: it is interpolated linearly, and its root
-    shares out the load of every coarse cell among its fine ones. To that comes what the finer grid adds: a
-    height that stands out from the mean of its neighbours takes `stiffness` times as much pressure. What all
-    parts of a cell have too much is taken off evenly, but for those that come to zero, and what they have
-    beyond the cap is handed to its other parts: each cell keeps its load.
+    that its square is linear there and can be extrapolated beyond the edge: the square is interpolated
+    linearly, and its root distributes the load of every coarse cell over its fine cells. Fine detail is
+    added: the height above the mean of the neighbours, times `stiffness`. The excess load of a cell is
+    subtracted evenly from its parts, those that reach zero excepted, and load beyond the cap is passed to
+    other parts of the cell: each cell keeps its load.
 
     Parameters
     ----------
@@ -749,11 +749,11 @@ def refine(
     weights : (float, float, float)
         of a neighbour across y, across x, and diagonal.
     stiffness : float
-        pressure over the height that stands out.
+        pressure over the height above the neighbours.
     cap : float
         largest pressure allowed.
     out : array
-        is written.
+        output.
     """
     xp = coarse.__array_namespace__()
     square = _continued(xp, coarse * coarse)
@@ -771,10 +771,10 @@ def refine(
     parts *= (load / xp.where(total == 0, xp.ones_like(total), total))[:, None, :, None]
     parts += detail
     parts -= _level(xp, parts, load)
-    parts *= xp.astype(parts > (SPECK * load)[:, None, :, None], parts.dtype)
+    parts *= xp.astype(parts > (NEGLIGIBLE_LOAD * load)[:, None, :, None], parts.dtype)
     total = xp.sum(parts, axis=(1, 3))
     parts *= (load / xp.where(total == 0, xp.ones_like(total), total))[:, None, :, None]
-    lost = xp.where(total == 0, coarse, xp.zeros_like(coarse))  # where rounding leaves nothing
+    lost = xp.where(total == 0, coarse, xp.zeros_like(coarse))  # where rounding leaves no load
     parts += lost[:, None, :, None]
     if cap < float("inf"):
         parts = _held(xp, parts, load, cap)
@@ -783,9 +783,9 @@ def refine(
 
 
 def _level(xp: Any, parts: Array, load: Array) -> Array:
-    """Return the number to take off the parts of every cell so that what is left above zero is its `load`."""
+    """Return the level whose subtraction from the parts of every cell leaves its `load` above zero."""
     level = xp.full_like(load, -float("inf"))[:, None, :, None]
-    for _ in range(parts.shape[1] * parts.shape[3]):  # each time the lowest parts fall out, if any
+    for _ in range(parts.shape[1] * parts.shape[3]):  # each round excludes the lowest parts
         above = xp.astype(parts > level, parts.dtype)
         count = xp.sum(above, axis=(1, 3))
         some = xp.where(count == 0, xp.ones_like(count), count)
@@ -795,9 +795,9 @@ def _level(xp: Any, parts: Array, load: Array) -> Array:
 
 
 def _held(xp: Any, parts: Array, load: Array, cap: float) -> Array:
-    """Return the parts of every cell held at the cap; its others carry what is missing in its `load`."""
+    """Return the parts of every cell limited to the cap; its other parts carry the remaining `load`."""
     count = parts.shape[1] * parts.shape[3]
-    for _ in range(count):  # each time more of them may reach the cap
+    for _ in range(count):  # each round more parts may reach the cap
         below = parts < cap
         number = xp.sum(xp.astype(below, load.dtype), axis=(1, 3))
         rest = xp.clip(load - cap * (count - number), 0, None)
@@ -814,7 +814,7 @@ def _held(xp: Any, parts: Array, load: Array, cap: float) -> Array:
 
 
 def _continued(xp: Any, square: Array) -> Array:
-    """Return `square`, continued linearly from the contact {> 0} into the cells beside it, below zero."""
+    """Return `square`, extrapolated linearly from the contact {> 0} to negative values in the next cells."""
     total, count = xp.zeros_like(square), xp.zeros_like(square)
     for ey in (-1, 0, 1):
         for ex in (-1, 0, 1):
@@ -835,7 +835,7 @@ def _between(xp: Any, field: Array, offset: float, axis: int) -> Array:
 
 
 def repeat(field: Array, factors: Factors, shape: tuple[int, ...]) -> Array:
-    """Return `field` with every cell repeated `factors` times, as far as a field of `shape` goes.
+    """Return `field` with every cell repeated `factors` times, cropped to `shape`.
 
     Parameters
     ----------
@@ -854,16 +854,16 @@ def repeat(field: Array, factors: Factors, shape: tuple[int, ...]) -> Array:
 
 
 def active_set(pressure: Array, gap: Array, cap: float) -> Array:
-    """Return the active set: the points where the gap should vanish and may not yet.
+    """Return the active set: the points whose gap must vanish in the solution, as far as is known.
 
-    They carry a pressure below the cap, overlap without pressure, or gape at the cap.
+    They carry a pressure below the cap, overlap without pressure, or have a positive gap at the cap.
 
     Parameters
     ----------
     pressure : array (ny, nx)
         dimensionless.
     gap : array (ny, nx)
-        is multiplied in place.
+        separation less offset.
     cap : float
         largest pressure allowed.
 
@@ -886,7 +886,7 @@ def _sum(xp: Any, field: Array) -> float:
 
 
 def small_grids(grids: Sequence[Any], stores: Sequence[Array], ends: Sequence[int]) -> None:
-    """Return None: every grid of a hierarchy is passed over by itself.
+    """Return None: these kernels process every grid of a hierarchy separately.
 
     Parameters
     ----------
@@ -895,10 +895,10 @@ def small_grids(grids: Sequence[Any], stores: Sequence[Array], ends: Sequence[in
     stores : list of array
         memory of its fields.
     ends : list of int
-        where each grid ends in it.
+        end of each grid in that memory.
 
     Returns
     -------
     None
-        where nothing passes over several grids in one call; else a `SmallGrids`.
+        other implementations return a `SmallGrids`.
     """

@@ -1,4 +1,4 @@
-"""Arrays of any library: their precision, and new ones like them."""
+"""Arrays of any library: precision, allocation and conversion."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from roughcontact.kernels.memory import store
 
-Array = Any  # of any library that keeps to the Python array API; its standard has no type to name yet
+Array = Any  # of any library that follows the Python array API standard, which defines no type for it
 SINGLE, DOUBLE = "float32", "float64"  # precisions, by the names that every array library uses
 
 
@@ -27,21 +27,20 @@ def precision_of(field: Array) -> str:
 
 
 def empty(like: Array, precision: str, shape: tuple[int, ...] | None = None) -> Array:
-    """Return a new array of a precision, of the library and on the device of `like`, and of its shape.
+    """Return an uninitialised array of the library and on the device of `like`.
 
     Parameters
     ----------
     like : array
-        of the library and the device.
+        array that determines library, device and default shape.
     precision : str
         `SINGLE` or `DOUBLE`.
     shape : tuple of int, optional
-        where it is another one.
+        shape; that of `like` by default.
 
     Returns
     -------
     array
-        its content undefined.
     """
     shape = like.shape if shape is None else shape
     if isinstance(like, np.ndarray):
@@ -51,7 +50,7 @@ def empty(like: Array, precision: str, shape: tuple[int, ...] | None = None) -> 
 
 
 def in_precision(field: Array, precision: str, *, copy: bool = True) -> Array:
-    """Return `field` in a precision; itself where it has that already and no `copy` is wanted.
+    """Return `field` in a precision.
 
     Parameters
     ----------
@@ -59,7 +58,7 @@ def in_precision(field: Array, precision: str, *, copy: bool = True) -> Array:
     precision : str
         `SINGLE` or `DOUBLE`.
     copy : bool
-        whether it must be a new array.
+        whether a field that already has the precision is copied.
 
     Returns
     -------

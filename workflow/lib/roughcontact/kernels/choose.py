@@ -1,4 +1,4 @@
-"""Which implementation of the kernels serves an array."""
+"""Choice of the kernel implementation for an array."""
 
 import warnings
 from functools import cache
@@ -12,28 +12,27 @@ from roughcontact.kernels.threads import threads_for
 
 
 def kernels_for(field: Array, *, threads: int = 1) -> Kernels:
-    """Return the kernels for arrays like one: compiled for NumPy's, where they were built.
+    """Return the kernels for arrays like `field`: the compiled ones for NumPy arrays, if available.
 
     Parameters
     ----------
     field : array (ny, nx)
-        of the library and the size that the fields will have.
+        array of the library and size of the fields.
     threads : int
-        allowed.
+        maximum number.
 
     Returns
     -------
     Kernels
-        an implementation.
     """
-    if isinstance(field, np.ndarray) and library_is_there():
+    if isinstance(field, np.ndarray) and library_available():
         return compiled.Compiled(threads_for(field.size, threads))
     return array_api
 
 
 @cache
-def library_is_there() -> bool:
-    """Return whether the compiled kernels can be used here; say so, once, where they cannot.
+def library_available() -> bool:
+    """Return whether the compiled kernels are available; warn, once, if they are not.
 
     Returns
     -------

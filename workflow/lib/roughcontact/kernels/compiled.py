@@ -1,8 +1,8 @@
-"""The kernels of `roughcontact.kernels.array_api` in C: one sweep through memory each.
+"""The kernels of `roughcontact.kernels.array_api` in C: one pass through memory each.
 
-What they compute is said there; tests compare the two. The source lies in the folder `c`; its library, built
-when the package is installed, knows nothing of Python and shares the rows of a pass among threads by itself.
-Arrays must lie in memory without gaps: others are refused.
+That module defines what they compute; tests compare the two. The sources are in the folder `c`. Their
+library, built when the package is installed, does not depend on Python and distributes the rows of a pass
+over its own threads. Arrays must be contiguous in memory: others are rejected.
 """
 
 import ctypes
@@ -20,11 +20,11 @@ from roughcontact.kernels.threads import threads_for
 LIBRARY = Path(__file__).with_name(
     "libkernels" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 )
-_SOURCES = "c"  # the folder beside this file: named here, it counts among what results depend on
-# What a pass is given, as its struct in C says: first arrays, a letter each, then numbers (d) and whole
-# numbers (q). Arrays of one letter have one precision, whichever; c: complex numbers of the precision of r;
-# D: 8 bytes, b: one byte an entry.
-_GIVEN = {
+_SOURCES = "c"  # folder beside this file; naming it here includes it in the digest of the sources
+# Arguments of each pass, as in its struct in C: first arrays, a letter each, then floats (d) and integers
+# (q). Arrays with the same letter have the same precision; c: complex numbers of the precision of r; D: 8
+# bytes, b: one byte an item.
+_ARGUMENTS = {
     "multiply": ("cr", "q"),
     "divide": ("crr", "q"),
     "slope_power": ("cDDD", "q"),
@@ -62,10 +62,10 @@ _GIVEN = {
     "columns": ("cr", "qqq"),
     "run_around": ("rDD", "dqq"),
 }
-_structs = {name: Struct("P" * len(arrays) + rest) for name, (arrays, rest) in _GIVEN.items()}
+_structs = {name: Struct("P" * len(arrays) + rest) for name, (arrays, rest) in _ARGUMENTS.items()}
 _pack = {name: struct.pack for name, struct in _structs.items()}
-SMALL_GRID = 64 * 64  # cells up to which the grids of a hierarchy are passed over in one call
-_Found = ctypes.c_double * 8  # six sums, the least and the largest value
+SMALL_GRID = 64 * 64  # cells; coarser grids of a hierarchy are processed in one call
+_Found = ctypes.c_double * 8  # six sums, the smallest and the largest value
 _view, _address = (ctypes.c_char * 0).from_buffer, ctypes.addressof
 
 
@@ -80,17 +80,18 @@ def library() -> ctypes.CDLL:
     Raises
     ------
     OSError
-        where there is none, or none that was built from these sources.
+        where it is missing, or was built from other sources.
     """
     found = ctypes.CDLL(str(LIBRARY))
     try:
         find = found.find_pass_given
         find.argtypes, find.restype = (ctypes.c_char_p, ctypes.c_int64), ctypes.c_void_p
-        # in single precision: a letter for each kind of array
+        # name of the pass in single precision: a letter for each kind of array
         types = {
-            name: "f" * len(set(arrays.replace("c", "r")) - set("Db")) for name, (arrays, _) in _GIVEN.items()
+            name: "f" * len(set(arrays.replace("c", "r")) - set("Db"))
+            for name, (arrays, _) in _ARGUMENTS.items()
         }
-        fits = all(find(f"{name}_{types[name]}".encode(), _structs[name].size) for name in _GIVEN)
+        fits = all(find(f"{name}_{types[name]}".encode(), _structs[name].size) for name in _ARGUMENTS)
     except AttributeError:
         fits = False
     if not fits:
@@ -102,12 +103,12 @@ def library() -> ctypes.CDLL:
 
 @cache
 def _find(name, widths):
-    """Return the address of the pass over arrays whose entries have so many bytes."""
+    """Return the address of the pass for the given item sizes of its arrays."""
     bytes_of = {"D": 8, "b": 1}
-    for letter, width in zip(_GIVEN[name][0], widths, strict=True):
+    for letter, width in zip(_ARGUMENTS[name][0], widths, strict=True):
         key, real_width = ("r", width // 2) if letter == "c" else (letter, width)
         if bytes_of.setdefault(key, real_width) != real_width:
-            raise TypeError(f"{name}: arrays whose entries have {widths} bytes do not go together")
+            raise TypeError(f"{name}: arrays with items of {widths} bytes cannot be combined")
     types = "".join({4: "f", 8: "d"}[width] for key, width in bytes_of.items() if key not in "Db")
     address = library().find_pass_given(f"{name}_{types}".encode(), _structs[name].size)
     if address is None:
@@ -247,13 +248,13 @@ class Compiled:
         self._run("refine", ny, scratch, arrays, *weights, stiffness, cap, ny, nx, fy, fx)
 
     def _run(self, name, rows, scratch, arrays, *numbers):
-        """Run a pass over `rows` rows, shared among threads where its first array is large."""
+        """Run a pass over `rows` rows, distributed over threads if its first array is large."""
         threads = threads_for(arrays[0].size, self.threads)
         return run_pass(name, rows, scratch, arrays, *numbers, threads=threads)
 
 
 class Regions:
-    """The regions of a periodic map that is cut off at a level.
+    """Connected regions of a periodic map above a level.
 
     Parameters
     ----------
@@ -267,7 +268,7 @@ class Regions:
         self._trees = np.empty((2, ny * (nx // 2 + 1)), np.int64)
 
     def run_around(self, level: float) -> tuple[bool, bool]:
-        """Return whether any region of the points at least so high runs around the period.
+        """Return whether a connected region of points at or above `level` percolates through the period.
 
         Parameters
         ----------
@@ -284,7 +285,7 @@ class Regions:
 
 
 class CompiledSmallGrids:
-    """The grids of a hierarchy from number `first` on, in the form that one call takes."""
+    """The grids of a hierarchy from number `first` on, as arguments of a single call."""
 
     def __init__(self, grids, stores, ends, first):
         self.first = first
@@ -309,36 +310,36 @@ class CompiledSmallGrids:
 
 
 def run_pass(name, rows, scratch, arrays, *numbers, threads=1):
-    """Run a pass over some rows; return what it found.
+    """Run a pass over a number of rows and return its reductions.
 
     Parameters
     ----------
     name : str
         of the pass.
     rows : int
-        rows, as the pass counts them.
+        number of rows, as defined by the pass.
     scratch : int
-        how many numbers each thread needs to work with.
+        number of floats that each thread needs as work memory.
     arrays : sequence of array
-        what it works on.
+        input and output.
     *numbers : float or int
-        what else it is given.
+        further arguments.
     threads : int
-        allowed.
+        maximum number.
 
     Returns
     -------
     sequence of float
-        six sums, the least and the largest value.
+        six sums, the smallest and the largest value.
 
     Raises
     ------
     MemoryError
-        where there is no memory to work with.
+        where the work memory cannot be allocated.
     """
     given = _pack[name](*[_address(_view(array)) for array in arrays], *numbers)
     address = _find(name, tuple([array.itemsize for array in arrays]))
     found = _Found()
     if library().run_pass(address, threads, rows, 8 * scratch, given, found):
-        raise MemoryError(f"no memory for the rows of the pass {name}")
+        raise MemoryError(f"no work memory for the pass {name}")
     return found

@@ -1,8 +1,8 @@
-"""One interface to the real two-dimensional FFT, whoever computes it.
+"""Common interface to the real two-dimensional FFT of several libraries.
 
-Fields of NumPy are transformed in C like all other passes (`kernels/c/transforms.h`), where the library was
-built and the sides of the grid have no other prime factors than 2, 3 and 5; by SciPy elsewhere. Arrays of
-another library (CuPy, say) are transformed by that library.
+NumPy arrays are transformed by the compiled kernels (`kernels/c/transforms.h`) if these are available and the
+sides of the grid have no prime factors other than 2, 3 and 5, otherwise by SciPy. Arrays of another library
+(such as CuPy) are transformed by that library.
 """
 
 from collections.abc import Callable
@@ -13,30 +13,30 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from roughcontact.kernels.arrays import Array, empty
-from roughcontact.kernels.choose import library_is_there
+from roughcontact.kernels.choose import library_available
 from roughcontact.kernels.compiled import run_pass
 from roughcontact.kernels.memory import store
 from roughcontact.kernels.threads import threads_for
 
-FEWEST = 16  # points along a side that is transformed in C: below that most lanes of its vectors are empty
+MIN_SIDE = 16  # points, for transforms in C: for shorter sides most vector lanes are empty
 
 
 class Plan:
-    """Transforms of real fields, by the library that they belong to.
+    """Transforms of real fields by their own library.
 
     Parameters
     ----------
     like : array (ny, nx)
-        of the shape, the library and the device of the fields.
+        array of the shape, library and device of the fields.
     precision : str
         of the fields.
     threads : int
-        allowed.
+        maximum number.
 
     Attributes
     ----------
     scratch : array (ny, nx)
-        like the fields; every transform may overwrite it.
+        work array that every transform may overwrite.
     """
 
     def __init__(self, like: Array, precision: str, *, threads: int = 1):
@@ -45,7 +45,7 @@ class Plan:
         self.scratch = empty(like, precision)
 
     def forward(self, field: Array) -> Array:
-        """Return the spectrum (ny, nx//2 + 1) in the layout of `numpy.fft.rfft2`, lost with the next call.
+        """Return the spectrum in the layout of `numpy.fft.rfft2`; the next call may overwrite it.
 
         Parameters
         ----------
@@ -59,22 +59,23 @@ class Plan:
         return field.__array_namespace__().fft.rfftn(field, axes=(0, 1))
 
     def inverse(self, spectrum: Array, out: Array) -> None:
-        """Put the field, with the factor 1/(ny nx), into `out`; the spectrum may be lost.
+        """Write the inverse transform, with the factor 1/(ny nx), to `out`.
 
         Parameters
         ----------
         spectrum : array (ny, nx//2 + 1), complex
+            may be overwritten.
         out : array (ny, nx)
-            is written.
+            receives the field.
         """
         out[...] = out.__array_namespace__().fft.irfftn(spectrum, s=self.shape, axes=(0, 1))
 
 
 class PlanInPlace(Plan):
-    """The same for NumPy's arrays, between arrays that are there already.
+    """Transforms of NumPy arrays in preallocated memory.
 
-    The spectrum lies in the memory of the plan `share`, where one of the same shape and higher precision is
-    given, and the scratch array in that of the spectrum.
+    If a plan `share` of the same shape and higher precision is given, the spectrum uses its memory. The
+    scratch array uses the memory of the spectrum.
     """
 
     def __init__(self, like: Array, precision: str, *, threads: int = 1, share: "PlanInPlace | None" = None):
@@ -89,15 +90,16 @@ class PlanInPlace(Plan):
 
 
 class ScipyPlan(PlanInPlace):
-    """By SciPy.
+    """Transforms by SciPy.
 
-    Its own rfft2 puts every result into memory that the system has to wipe first, and takes up to twice as
-    long for that. So rows are transformed a few at a time, which stay in the cache until they are copied, and
-    columns in place. SciPy is imported when it is wanted: that takes a fifth of the time to a first solution.
+    `scipy.fft.rfft2` allocates new memory for every result, which the system must clear first; that takes up
+    to twice as long. Therefore rows are transformed in blocks that stay in the cache until they are copied,
+    and columns in place. SciPy is imported on demand: the import takes a fifth of the time to a first
+    solution.
     """
 
-    BLOCK = 2**18  # bytes of a spectrum that are transformed along the rows at a time, for each thread
-    LARGE = 2**22  # points from which its threads, woken for every block, save time
+    BLOCK = 2**18  # bytes of the spectrum per thread in a block of rows
+    LARGE = 2**22  # points above which SciPy's threads, woken for every block, save time
 
     def __init__(self, like: Array, precision: str, *, threads: int = 1, share: PlanInPlace | None = None):
         super().__init__(like, precision, threads=threads if like.size >= self.LARGE else 1, share=share)
@@ -122,13 +124,13 @@ class ScipyPlan(PlanInPlace):
         return transform(spectrum, axis=0, workers=self.threads, overwrite_x=True)
 
     def _blocks(self) -> list[slice]:
-        """Return slices of few rows each."""
+        """Return slices of a few rows each."""
         step = max(1, self.threads * self.BLOCK // self.spectrum[0].nbytes)
         return [slice(start, start + step) for start in range(0, self.shape[0], step)]
 
 
 class CompiledPlan(PlanInPlace):
-    """By the passes in C, which take two rows, or one column, in each lane of a vector."""
+    """Transforms by the compiled kernels, with two rows or one column in each vector lane."""
 
     def forward(self, field: Array) -> Array:
         field = np.require(field, self.scratch.dtype, ["C", "A", "W"])
@@ -150,7 +152,7 @@ class CompiledPlan(PlanInPlace):
         self._run("columns", waves * spectrum.itemsize, ny, (spectrum, roots), ny, waves, backward)
 
     def _run(self, name: str, breadth: int, length: int, *given: Any) -> None:
-        """Run a pass over lines of so many points, side by side over so many bytes: in blocks of 128."""
+        """Run a pass over lines of `length` points that span `breadth` bytes, in blocks of 128 bytes."""
         run_pass(name, -(-breadth // 128), 32 * length + 8, *given, threads=self.threads)
 
 
@@ -163,7 +165,7 @@ def _roots(n: int, precision: str) -> np.ndarray:
 
 
 def _has_few_factors(n: int) -> bool:
-    """Return whether a number has no other prime factors than 2, 3 and 5."""
+    """Return whether a number has no prime factors other than 2, 3 and 5."""
     for factor in (2, 3, 5):
         while n % factor == 0:
             n //= factor
@@ -171,20 +173,18 @@ def _has_few_factors(n: int) -> bool:
 
 
 def make_plan(like: Array, precision: str, *, threads: int = 1, share: Plan | None = None) -> Plan:
-    """Return the fastest plan for fields like the array `like`.
-
-    A plan that may lie in the memory of `share`, of the same shape and higher precision, does.
+    """Return the fastest available plan for fields like the array `like`.
 
     Parameters
     ----------
     like : array (ny, nx)
-        of the shape, the library and the device of the fields.
+        array of the shape, library and device of the fields.
     precision : str
         `SINGLE` or `DOUBLE`.
     threads : int
-        to be used at most.
+        maximum number.
     share : Plan, optional
-        whose memory may be used.
+        plan of the same shape and higher precision whose memory is used if possible.
 
     Returns
     -------
@@ -193,11 +193,11 @@ def make_plan(like: Array, precision: str, *, threads: int = 1, share: Plan | No
     if not isinstance(like, np.ndarray):
         return Plan(like, precision, threads=threads)
     shared = share if isinstance(share, PlanInPlace) else None
-    in_c = library_is_there() and min(like.shape) >= FEWEST and all(map(_has_few_factors, like.shape))
+    in_c = library_available() and min(like.shape) >= MIN_SIDE and all(map(_has_few_factors, like.shape))
     return (CompiledPlan if in_c else ScipyPlan)(like, precision, threads=threads, share=shared)
 
 
 def _within(memory: np.ndarray, shape: tuple[int, ...], dtype: DTypeLike) -> np.ndarray:
-    """Return an array of `shape` and `dtype` that begins where the array `memory` begins."""
+    """Return an array of `shape` and `dtype` at the start of the memory of the array `memory`."""
     size = int(np.prod(shape)) * np.dtype(dtype).itemsize
     return memory.reshape(-1).view(np.uint8)[:size].view(dtype).reshape(shape)

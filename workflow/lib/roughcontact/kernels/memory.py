@@ -1,11 +1,11 @@
-"""Memory that one solve leaves and the next one takes up again.
+"""Memory pool for arrays that are allocated again in every solve.
 
-The system hands memory out page by page, each wiped at its first touch: with fresh arrays a solve takes a
-fifth to a third longer (256 to 1024 points a side; CPU time), and two threads wait for each other there. Here
-arrays lie side by side in one range of pages, and their memory is lent again when an array and all views of
-it are gone. What is simpler was measured: such a range for each solve, given back after it, costs 3 to 10 %,
-and twice the time of the solve where the system has no large pages at hand; lists of arrays by size take as
-long as this, and 68 bytes a point instead of 41.
+The system supplies memory page by page and clears each page at its first access: with newly allocated arrays
+a solve takes a fifth to a third longer (256 to 1024 points a side; CPU time), and two threads wait for each
+other there. The pool places arrays side by side in one range of pages, and reuses their memory once an array
+and all its views are deleted. Simpler solutions were measured: one such range per solve, released after it,
+costs 3 to 10 %, and doubles the time of the solve where the system has no large pages available; lists of
+arrays by size are as fast as the pool, but take 68 bytes a point instead of 41.
 """
 
 import mmap
@@ -19,32 +19,32 @@ from threading import Lock
 import numpy as np
 from numpy.typing import DTypeLike
 
-# Bytes of a store: maps up to 2048 x 2048 points fit whole, and a larger map puts elsewhere what does not.
+# Bytes of the pool: sufficient for maps up to 2048 x 2048 points; further arrays are allocated outside.
 LIMIT = 256 * 2**20
-SMALLEST = 2**16  # bytes: below that the memory allocator of the process keeps arrays itself
+MIN_BYTES = 2**16  # smaller arrays are cached by the memory allocator of the process
 
 
 class Store:
-    """Memory for arrays; the system gives what has been used of it, and no more.
+    """Memory pool for arrays; only pages that have been accessed occupy memory.
 
     Parameters
     ----------
     limit : int
-        bytes.
+        size in bytes.
     """
 
     def __init__(self, limit: int = LIMIT):
         self.limit = limit
         self._pages: mmap.mmap | None = None
-        # (start, end) of every range that no array uses, in order, none beside the next
+        # (start, end) of every unused range, sorted, adjacent ranges merged
         self._free: list[tuple[int, int]] = []
-        # by the id of a weak reference to each array: that reference, and its range
-        self._lent: dict[int, tuple[weakref.ref, tuple[int, int]]] = {}
-        self._returned: deque[tuple[int, int]] = deque()  # ranges that came back since the last call
+        # id of a weak reference to an array -> that reference, and the range of the array
+        self._in_use: dict[int, tuple[weakref.ref, tuple[int, int]]] = {}
+        self._returned: deque[tuple[int, int]] = deque()  # ranges of arrays deleted since the last call
         self._turn = Lock()
 
     def empty(self, shape: tuple[int, ...], dtype: DTypeLike) -> np.ndarray:
-        """Return a new array, its content undefined.
+        """Return a new array, uninitialised.
 
         Parameters
         ----------
@@ -57,49 +57,49 @@ class Store:
         """
         dtype = np.dtype(dtype)
         size = prod(shape) * dtype.itemsize
-        # never waits: whoever finds another thread here (one that a fork has left behind, too) does without
-        if size < SMALLEST or not self._turn.acquire(blocking=False):
+        # never waits: if another thread holds the lock (or held it at a fork), the pool is not used
+        if size < MIN_BYTES or not self._turn.acquire(blocking=False):
             return np.empty(shape, dtype)
         try:
-            if size > self.limit:  # where memory is short nothing is kept
-                self._give_back()
+            if size > self.limit:  # a large array may need the memory of the pool
+                self._release_free()
                 return np.empty(shape, dtype)
-            found, pages = self._take(size), self._pages
+            found, pages = self._allocate(size), self._pages
             if found is None or pages is None:
                 return np.empty(shape, dtype)
         finally:
             self._turn.release()
-        # a view holds on to the last array in its chain of bases: this one, because its base is none
+        # views keep a reference to this array, the last one in their chain of bases that is an array
         array = np.frombuffer(pages, dtype, prod(shape), found[0])
-        reference = weakref.ref(array, self._end)
-        self._lent[id(reference)] = reference, found
+        reference = weakref.ref(array, self._array_freed)
+        self._in_use[id(reference)] = reference, found
         return array.reshape(shape)
 
-    def _end(self, reference: weakref.ref) -> None:
-        self._returned.append(self._lent.pop(id(reference))[1])
+    def _array_freed(self, reference: weakref.ref) -> None:
+        self._returned.append(self._in_use.pop(id(reference))[1])
 
-    def lent(self) -> int:
-        """Return the bytes that arrays use, in whole pages.
+    def bytes_in_use(self) -> int:
+        """Return the number of bytes in use by arrays, in whole pages.
 
         Returns
         -------
         int
         """
         with self._turn:
-            self._take_back()
+            self._reclaim_returned()
             return self._size() - sum(end - start for start, end in self._free)
 
     def clear(self) -> None:
-        """Give back to the system what no array uses."""
+        """Return unused memory to the system."""
         with self._turn:
-            self._give_back()
+            self._release_free()
 
     def _size(self) -> int:
         return 0 if self._pages is None else len(self._pages)
 
-    def _take(self, size: int) -> tuple[int, int] | None:
-        """Take the first free range of `size` bytes or more from the list; None if there is none."""
-        self._take_back()
+    def _allocate(self, size: int) -> tuple[int, int] | None:
+        """Allocate from the first free range of `size` bytes or more; None if there is none."""
+        self._reclaim_returned()
         if self._pages is None:
             self._pages = _new_pages(self.limit)
             self._free = [(0, len(self._pages))]
@@ -110,7 +110,7 @@ class Store:
                 return start, start + size
         return None
 
-    def _take_back(self) -> None:
+    def _reclaim_returned(self) -> None:
         while self._returned:
             insort(self._free, self._returned.popleft())
         ranges, self._free = self._free, []
@@ -118,8 +118,8 @@ class Store:
             touching = self._free and self._free[-1][1] == start
             self._free.append((self._free.pop()[0] if touching else start, end))
 
-    def _give_back(self) -> None:
-        self._take_back()
+    def _release_free(self) -> None:
+        self._reclaim_returned()
         if self._free == [(0, self._size())]:
             self._pages, self._free = None, []
         elif self._pages is not None and hasattr(mmap, "MADV_DONTNEED"):  # not on Windows
@@ -128,10 +128,10 @@ class Store:
 
 
 def _new_pages(size: int) -> mmap.mmap:
-    """Return `size` bytes, in whole pages, of which a child process that is forked gets a copy of its own."""
+    """Return at least `size` bytes in whole pages, which are copied, not shared, when a process forks."""
     private = {"flags": mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS} if hasattr(mmap, "MAP_PRIVATE") else {}
     pages = mmap.mmap(-1, _in_whole_pages(size), **private)
-    if hasattr(mmap, "MADV_HUGEPAGE"):  # Linux: one fault for 512 pages, in kernels that are built for it
+    if hasattr(mmap, "MADV_HUGEPAGE"):  # Linux: one page fault for 512 pages, where the kernel supports it
         with suppress(OSError):
             pages.madvise(mmap.MADV_HUGEPAGE)
     return pages

@@ -1,9 +1,9 @@
-"""What the solver asks of the passes over a grid, whoever makes them.
+"""Interface of the grid kernels that the solver uses.
 
-`roughcontact.kernels.array_api` says what each kernel computes, for the arrays of any library;
-`roughcontact.kernels.compiled` computes the same in C, for those of NumPy. Every kernel writes into
-arrays that are there already; `cap` is the largest pressure allowed, `factors` = (fy, fx) are those from a
-fine grid to a coarse one, `weights` those of a neighbour across y, across x, and diagonal.
+`roughcontact.kernels.array_api` defines what each kernel computes, for the arrays of any library;
+`roughcontact.kernels.compiled` computes the same in C, for NumPy arrays. Every kernel writes to preallocated
+arrays. `cap` is the upper limit of the pressure, `factors` = (fy, fx) are the coarsening factors from a fine
+grid to a coarse one, `weights` those of a neighbour across y, across x, and diagonal.
 """
 
 from collections.abc import Sequence
@@ -14,10 +14,10 @@ from roughcontact.kernels.arrays import Array
 
 
 class Arrangement(IntEnum):
-    """How contacts lie in the cells of a coarse grid: what a cell weighs that is in contact in part."""
+    """Arrangement of contacts in a coarse cell, which determines the weight of a cell in partial contact."""
 
     UNKNOWN = 0
-    SCATTERED = 1  # far apart, as those of rough surfaces do in large cells
+    SCATTERED = 1  # far apart, as for rough surfaces in large cells
     ALONG_A_LINE = 2  # of a profile: each is a line contact
 
 
@@ -135,16 +135,16 @@ class Kernels(Protocol):
 
 
 class SmallGrids(Protocol):
-    """The coarsest grids of a hierarchy, from number `first` on, passed over in one call.
+    """The coarsest grids of a hierarchy, from number `first` on, processed in one call.
 
-    For kernels whose calls cost more than their work on few cells; None stands for kernels that take each
-    grid by itself.
+    For kernels whose call overhead exceeds their work on few cells; None stands for kernels that process each
+    grid separately.
     """
 
     first: int
 
     def weigh(self) -> None:
-        """Weigh the cells of each grid by what the next finer one has in contact."""
+        """Compute the weights of the cells of each grid from the contact on the next finer one."""
 
     def prolong(self, sweeps: int, work: Array, other: Array) -> None:
         """Interpolate from the coarsest of the grids to the first.
@@ -152,11 +152,11 @@ class SmallGrids(Protocol):
         Parameters
         ----------
         sweeps : int
-            of smoothing on each grid.
+            number of smoothing sweeps on each grid.
         work : array
-            the values of all grids, one after another; is written over.
+            values of all grids, one after another; overwritten.
         other : array, like `work`
-            scratch; is written over.
+            work memory; overwritten.
         """
 
     def restrict(self, sweeps: int, work: Array, other: Array) -> None:
@@ -165,9 +165,9 @@ class SmallGrids(Protocol):
         Parameters
         ----------
         sweeps : int
-            of smoothing on each grid.
+            number of smoothing sweeps on each grid.
         work : array
-            the values of all grids, one after another; is written over.
+            values of all grids, one after another; overwritten.
         other : array, like `work`
-            scratch; is written over.
+            work memory; overwritten.
         """

@@ -1,29 +1,28 @@
-"""How many threads a pass over a grid takes."""
+"""Number of threads for a pass over a grid."""
 
 import os
 
-SMALL = 2**15  # points; below that handing out shares costs more than it saves
+MIN_POINTS = 2**15  # of a grid for several threads: for fewer points distributing the work costs more
 _here = {"forked": False}
 
 
 def threads_for(size: int, threads: int) -> int:
-    """Return the number of threads for a grid of `size` points where `threads` are allowed.
+    """Return the number of threads for a grid of `size` points.
 
-    One in a process that was forked from another: threads do not live on in it, and waiting for them would
-    take for ever.
+    It is 1 in a forked process: worker threads do not survive a fork, and waiting for them would never end.
 
     Parameters
     ----------
     size : int
         points of the grid.
     threads : int
-        allowed.
+        maximum number.
 
     Returns
     -------
     int
     """
-    return threads if size >= SMALL and not _here["forked"] else 1
+    return threads if size >= MIN_POINTS and not _here["forked"] else 1
 
 
 if hasattr(os, "register_at_fork"):

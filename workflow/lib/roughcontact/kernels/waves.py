@@ -1,4 +1,4 @@
-"""The power of each wave of a map, and passes over all waves that take next to no memory."""
+"""Power of each wave of a map, and iteration over all waves in blocks, to save memory."""
 
 from collections.abc import Iterator, Sequence
 
@@ -8,11 +8,11 @@ from roughcontact import fourier
 from roughcontact.kernels.arrays import DOUBLE
 from roughcontact.kernels.fft import make_plan
 
-_BLOCK = 2**17  # waves that are passed over at a time: few enough to stay in the cache
+_BLOCK = 2**17  # waves per block: few enough to stay in the cache
 
 
 def wave_power(field: np.ndarray) -> np.ndarray:
-    """Return |c(q)|^2 of each wave of a periodic field f(r) = sum c(q) exp(i q.r), its mean left out.
+    """Return |c(q)|^2 of each wave of a periodic field f(r) = sum c(q) exp(i q.r), without the mean.
 
     Parameters
     ----------
@@ -22,8 +22,8 @@ def wave_power(field: np.ndarray) -> np.ndarray:
     Returns
     -------
     array (ny, nx // 2 + 1), the square of that unit
-        in the layout of `numpy.fft.rfft2`, each wave of the half-plane by itself; zero at the zero frequency,
-        and everywhere for a constant field, whatever its value.
+        in the layout of `numpy.fft.rfft2`, for the waves of the half-plane only; zero at the zero frequency,
+        and exactly zero everywhere for a constant field.
 
     Examples
     --------
@@ -116,7 +116,7 @@ def over_wavevectors(
 
 
 def _blocks(shape: tuple[int, ...]) -> Iterator[slice]:
-    """Yield slices of few rows each."""
+    """Yield slices of a few rows each."""
     step = max(1, _BLOCK // shape[1])
     for start in range(0, shape[0], step):
         yield slice(start, start + step)

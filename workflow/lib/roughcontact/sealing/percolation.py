@@ -3,7 +3,7 @@
 import numpy as np
 
 from roughcontact.connectivity import runs_around
-from roughcontact.kernels.choose import library_is_there
+from roughcontact.kernels.choose import library_available
 from roughcontact.kernels.compiled import Regions
 
 _SAMPLE = 4096  # points, by which the levels are narrowed down before all that lie between are sorted
@@ -96,7 +96,7 @@ def _best_half(gap: np.ndarray) -> float:
 
 def _levels(gap: np.ndarray, *, axes: tuple[int, ...] = (0, 1), above: float = 0.0) -> list[float]:
     """Return the critical constriction along y and along x; `above` where it is no larger."""
-    compiled = Regions(gap) if library_is_there() else None
+    compiled = Regions(gap) if library_available() else None
 
     def run_around(level: float) -> tuple[bool, bool]:
         """Return whether what is at least so high runs around along y, and along x."""

@@ -1,4 +1,4 @@
-/* The step: STATE, INNER and OUT are the precisions of the pressure before, of the correction and of the pressure. */
+/* The step: STATE, INNER and OUT are the precisions of the old pressure, the correction and the new pressure. */
 
 PASS(advance, {
     const STATE *pressure;
@@ -20,10 +20,10 @@ PASS(advance, {
         for (int64_t j = 0; j < given->nx; j++) {
             const STATE p = pressure[j];
             const int active = values[j] != 0;
-            const INNER own = active ? length : 0;      /* inactive points keep what they have ... */
-            const OUT start = p >= cap ? most : (OUT)p; /* a rounded cap stands for the cap */
+            const INNER own = active ? length : 0;      /* inactive points at the cap keep their pressure ... */
+            const OUT start = p >= cap ? most : (OUT)p; /* the cap, in the precision OUT */
             const OUT moved = start - own * (correction[j] - mean);
-            const OUT held = active | (p >= cap) ? HELD(moved, most) : 0; /* ... or lose it, if it is below the cap */
+            const OUT held = active | (p >= cap) ? HELD(moved, most) : 0; /* ... the others become zero */
             out[j] = held;
             correction[j] = (INNER)(moved - held);
             values[j] = FREE(held, most) ? (INNER)1 : (INNER)0;

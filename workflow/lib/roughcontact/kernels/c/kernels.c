@@ -1,7 +1,7 @@
-/* The passes over the grid that the iteration is made of: one sweep through memory each.
+/* The grid kernels of the iteration: one pass through memory each.
 
-   `array_api.py` says what they compute, `compiled.py` calls them. Nothing here knows of Python: arrays come as
-   addresses, rows one after the other without gaps. */
+   `array_api.py` defines what they compute, `compiled.py` calls them. Nothing here depends on Python: arrays are
+   passed as addresses, in C order and contiguous. */
 
 #include <math.h>
 #include <stddef.h>
@@ -11,20 +11,20 @@
 
 #include "threads.h"
 
-#define CLOSED 1e-30 /* stands for a gap of zero at a point of the active set; as in array_api.py */
-#define SPECK 1e-5   /* share of the load of a cell that is none; as in array_api.py */
+#define CLOSED 1e-30           /* replaces a gap of zero at a point of the active set; as in array_api.py */
+#define NEGLIGIBLE_LOAD 1e-5   /* share of the load of a cell that is set to zero; as in array_api.py */
 
 enum { UNKNOWN, SCATTERED, ALONG_A_LINE }; /* `Arrangement` of protocol.py */
 
-#define SMALLER(a, b) ((a) < (b) ? (a) : (b)) /* of a number and none: b */
+#define SMALLER(a, b) ((a) < (b) ? (a) : (b)) /* b if one of them is NaN */
 #define LARGER(a, b) ((a) > (b) ? (a) : (b))
 #define FREE(p, cap) (((p) > 0) & ((p) < (cap)))
-/* Whether the gap should vanish and may not yet: see `active_set` in array_api.py. */
+/* Whether a point belongs to the active set: see `active_set` in array_api.py. */
 #define ACTIVE(p, gap, cap) \
     ((((p) <= 0) & ((gap) < 0)) | (((p) >= (cap)) & ((gap) > 0)) | FREE(p, cap))
 
-/* Loops that become vector instructions. Only sums that are named here may be reordered, which their vectors
-   need: everything else is computed as it is written. */
+/* Vectorised loops. Only the sums named here may be reordered, as vectorisation requires; everything else is
+   computed in the order of the source. */
 #define DO_PRAGMA(text) _Pragma(#text)
 #define VECTOR DO_PRAGMA(omp simd)
 #define SUM(a) DO_PRAGMA(omp simd reduction(+ : a))
@@ -53,10 +53,10 @@ struct Weights {
 struct Entry {
     const char *name;
     Pass *pass;
-    size_t size; /* of what it is given */
+    size_t size; /* of its arguments */
 };
 
-/* Held between 0 and the largest pressure; no number stays none. */
+/* Clip to the range from 0 to the cap; NaN stays NaN. */
 #define HELD(value, cap) _Generic((value), float: held_f, double: held_d)(value, cap)
 #define ROOT(value) _Generic((value), float: sqrtf, double: sqrt)(value)
 
@@ -75,7 +75,7 @@ static inline double held_d(double value, double cap)
 static inline int64_t before(int64_t i, int64_t n) { return i > 0 ? i - 1 : n - 1; }
 static inline int64_t after(int64_t i, int64_t n) { return i < n - 1 ? i + 1 : 0; }
 
-/* An index at most two periods off, brought back into the period. */
+/* Wrap an index into the period. */
 static inline int64_t wrap(int64_t i, int64_t n)
 {
     while (i < 0)
@@ -85,9 +85,9 @@ static inline int64_t wrap(int64_t i, int64_t n)
     return i;
 }
 
-/* Regions of a periodic map, put together from runs: stretches of a row without a gap. They are trees: `parent` of a run
-   is 1 more than the number of its parent, or for a root less the number of its runs. `copies` says in which copy of
-   the map, along y and x, a run lies, seen from its parent. */
+/* Connected regions of a periodic map, as a union-find forest of runs (uninterrupted pieces of a row). `parent` of a
+   run is the number of its parent plus 1, or for a root minus the number of runs in its tree. `copies` is the periodic
+   image of the map, along y and x, in which a run lies relative to its parent. */
 struct Copy {
     int32_t y, x;
 };
@@ -95,7 +95,7 @@ struct Copy {
 struct Regions {
     int64_t *parent;
     struct Copy *copies;
-    double *around; /* whether one of them runs around along y, and along x */
+    double *around; /* whether a region percolates through the period along y, and along x */
 };
 
 struct Run {
@@ -104,10 +104,10 @@ struct Run {
 
 struct Row {
     struct Run *runs;
-    int64_t begin, count; /* number of its first run among all, and of its runs */
+    int64_t begin, count; /* index of its first run among all runs, number of its runs */
 };
 
-/* Return the root of a run, and in which copy of the map the run lies, seen from there. */
+/* Return the root of a run, and the periodic image of the run relative to the root. */
 static int64_t root_of(int64_t run, int64_t *parent, struct Copy *copies, struct Copy *seen)
 {
     int64_t root = run;
@@ -117,7 +117,7 @@ static int64_t root_of(int64_t run, int64_t *parent, struct Copy *copies, struct
         whole.x += copies[root].x;
     }
     *seen = whole;
-    while (parent[run] > 0) { /* the way is short the next time */
+    while (parent[run] > 0) { /* path compression */
         const int64_t next = parent[run] - 1;
         const struct Copy step = copies[run];
         parent[run] = root + 1;
@@ -129,18 +129,18 @@ static int64_t root_of(int64_t run, int64_t *parent, struct Copy *copies, struct
     return root;
 }
 
-/* Join the regions of two runs, of which the other lies `step` copies of the map away. A region that so meets itself
-   in another copy runs around. */
+/* Join the regions of two runs, of which the second lies `step` periodic images away. A region that meets itself in
+   another image percolates. */
 static void join(const struct Regions *regions, int64_t run, int64_t neighbour, struct Copy step)
 {
     int64_t *parent = regions->parent;
     struct Copy own, other;
     const int64_t root = root_of(run, parent, regions->copies, &own);
     const int64_t beside = root_of(neighbour, parent, regions->copies, &other);
-    /* in which copy the other root lies, seen from this one */
+    /* periodic image of the other root relative to this one */
     const struct Copy apart = {own.y + step.y - other.y, own.x + step.x - other.x};
     if (root != beside) {
-        const int larger = parent[root] <= parent[beside]; /* both less a number of runs */
+        const int larger = parent[root] <= parent[beside]; /* both are negative numbers of runs */
         const int64_t over = larger ? root : beside, under = larger ? beside : root;
         parent[over] += parent[under];
         parent[under] = over + 1;
@@ -153,7 +153,7 @@ static void join(const struct Regions *regions, int64_t run, int64_t neighbour, 
         regions->around[1] = 1;
 }
 
-/* Join the runs of a row to those of the next that they touch. */
+/* Join the runs of a row with the runs of the next row that they touch. */
 static void join_rows(const struct Regions *regions, const struct Row *row, const struct Row *next, struct Copy step)
 {
     for (int64_t a = 0, b = 0; a < row->count && b < next->count;) {
@@ -173,7 +173,7 @@ static void join_rows(const struct Regions *regions, const struct Row *row, cons
 #undef LANE_BYTES
 #undef LEVEL
 
-/* The same once more for processors with wider vectors. */
+/* The same for processors with wider vectors. */
 #if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
 #define WIDE
 #include <cpuid.h>
@@ -208,7 +208,7 @@ static void join_rows(const struct Regions *regions, const struct Row *row, cons
 #pragma GCC pop_options
 #endif
 
-/* Return 2 with AVX-512, 1 with AVX2 and FMA, else 0; the system must save their registers, too. */
+/* Return 2 for AVX-512, 1 for AVX2 and FMA, else 0, if the operating system saves their registers. */
 static int vectors(void)
 {
     unsigned a, b, c, d, low, high;
@@ -224,7 +224,7 @@ static int vectors(void)
 }
 #endif
 
-/* Return the pass of a name, such as measure_df, for this processor; NULL if there is none that is given so many
+/* Return a pass by its name, such as measure_df, for this processor; NULL if there is none with arguments of `size`
    bytes. */
 EXPORT const void *find_pass_given(const char *name, int64_t size)
 {

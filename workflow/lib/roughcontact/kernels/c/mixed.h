@@ -1,4 +1,4 @@
-/* The passes over fields of two precisions: OUTER that of the state, INNER that of what corrects it. */
+/* Passes over fields of two precisions: OUTER is that of the state, INNER that of the correction. */
 
 PASS(make_dimensionless, { const OUTER *heights; INNER *out; double reference, scale; int64_t nx; })
 {
@@ -12,7 +12,7 @@ PASS(make_dimensionless, { const OUTER *heights; INNER *out; double reference, s
     }
 }
 
-/* INNER: the precision of the heights as they were given. */
+/* Here INNER is the precision of the heights as given by the user. */
 PASS(measure, {
     OUTER *separation;
     const INNER *heights;

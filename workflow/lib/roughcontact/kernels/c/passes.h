@@ -1,14 +1,14 @@
-/* The passes over fields of one precision, REAL. Included once for each precision and each kind of processor.
+/* Passes over fields of one precision, REAL. Included once for each precision and each kind of processor.
 
-   What they compute is said in `array_api.py`. Every pass works on the rows from `first` to `last`; those that
-   join a fine and a coarse grid count the rows of the coarse one. `scratch` is memory of its own for rows. */
+   `array_api.py` defines what they compute. Every pass processes the rows from `first` to `last`; passes between a
+   fine and a coarse grid count the rows of the coarse one. `scratch` is work memory of the thread. */
 
 /* ---- rows ---- */
 
-/* Return how many cells a row of `n` points has when `factor` make a cell; the last one may lack some. */
+/* Return the number of cells of `factor` points in a row of `n` points; the last cell may have fewer points. */
 static inline int64_t NAME(cells_of)(int64_t n, int64_t factor) { return (n + factor - 1) / factor; }
 
-/* Put the sums of `factor` neighbours among `n`, times `share`, into `out`. */
+/* Write the sums over groups of `factor` among `n` points, times `share`, to `out`. */
 static inline void NAME(fold_by)(const REAL *columns, int64_t n, int64_t factor, REAL share, REAL *out)
 {
     VECTOR
@@ -28,7 +28,7 @@ static inline void NAME(fold_by)(const REAL *columns, int64_t n, int64_t factor,
 
 static void NAME(fold)(const REAL *columns, int64_t n, int64_t factor, REAL share, REAL *out)
 {
-    /* a number known to the compiler becomes vector instructions */
+    /* a compile-time factor allows vectorisation */
     switch (factor) {
     case 1: NAME(fold_by)(columns, n, 1, share, out); return;
     case 2: NAME(fold_by)(columns, n, 2, share, out); return;
@@ -36,7 +36,7 @@ static void NAME(fold)(const REAL *columns, int64_t n, int64_t factor, REAL shar
     }
 }
 
-/* Put every entry of `coarse`, times `share`, into `out`, `factor` times, up to `n` entries. */
+/* Write every value of `coarse`, times `share`, `factor` times to `out`, up to `n` values. */
 static inline void NAME(unfold_by)(const REAL *coarse, int64_t n, int64_t factor, REAL share, REAL *out)
 {
     VECTOR
@@ -56,7 +56,7 @@ static void NAME(unfold)(const REAL *coarse, int64_t n, int64_t factor, REAL sha
     }
 }
 
-/* Put the weighted means of the eight neighbours of the row `here` into `result`; `row`: nx + 2 entries. */
+/* Write the weighted means of the eight neighbours of the row `here` to `result`; `row`: work memory, nx + 2. */
 static inline void NAME(around)(const REAL *up, const REAL *here, const REAL *down, const struct Weights *weights,
                                 REAL *row, REAL *result, int64_t nx)
 {
@@ -130,8 +130,8 @@ PASS(slope_power, { const REAL *spectrum; const double *weights, *along_y, *alon
 
 /* ---- regions ---- */
 
-/* Whether a region of those points of a periodic map that are at least as high as `level` runs around the period along
-   y and along x: the first and the second sum. Regions are made of runs, stretches of a row: see `join`. */
+/* Whether a connected region of the points at or above `level` percolates through the period along y and along x: the
+   first and the second sum. Regions consist of runs, uninterrupted pieces of a row: see `join`. */
 PASS(run_around, { const REAL *field; const int64_t *parent, *copies; double level; int64_t ny, nx; })
 {
     const int64_t ny = given->ny, nx = given->nx;
@@ -140,7 +140,7 @@ PASS(run_around, { const REAL *field; const int64_t *parent, *copies; double lev
     (void)first, (void)last;
     for (int64_t i = 0; i < ny; i++) {
         const REAL *field = given->field + i * nx;
-        /* the first row is kept for the last one, each of the others for the next */
+        /* the first row is kept for the last one, every other row for the next one */
         struct Row row = {(struct Run *)scratch + (i ? 1 + i % 2 : 0) * (nx / 2 + 1), above.begin + above.count, 0};
         for (int64_t j = 0; j < nx; j++) {
             if (!(field[j] >= given->level))
@@ -166,7 +166,7 @@ PASS(run_around, { const REAL *field; const int64_t *parent, *copies; double lev
 PASS(extent, { const REAL *field; int64_t nx; })
 {
     const int64_t nx = given->nx;
-    REAL *least = scratch, *most = least + nx; /* of every column: that becomes vector instructions */
+    REAL *least = scratch, *most = least + nx; /* of every column, which allows vectorisation */
     int64_t missing = 0;
     memcpy(least, given->field + first * nx, (size_t)nx * sizeof(REAL));
     memcpy(most, least, (size_t)nx * sizeof(REAL));
@@ -178,7 +178,7 @@ PASS(extent, { const REAL *field; int64_t nx; })
             const REAL value = field[j];
             least[j] = SMALLER(value, least[j]);
             most[j] = LARGER(value, most[j]);
-            strange += value - value != 0; /* of infinities and NaN alone */
+            strange += value - value != 0; /* only for infinities and NaN */
         }
         missing += strange;
     }
@@ -269,7 +269,7 @@ PASS(active_share, { const REAL *active; REAL *out; int64_t ny, nx, fy, fx; })
     }
 }
 
-/* What array_api.py says of `weigh`; the arrangement is one of its numbers. */
+/* `weigh` of array_api.py; the arrangement is passed as an integer. */
 PASS(weigh, { REAL *weight; const REAL *share; REAL *empty, *gain; int64_t nx, fy, fx, arrangement; })
 {
     const REAL parts = (REAL)(given->fy * given->fx), root = (REAL)sqrt((double)(given->fy * given->fx));
@@ -352,7 +352,7 @@ PASS(fill_from, {
 })
 {
     const int64_t ny = given->ny, nx = given->nx, cells = NAME(cells_of)(nx, given->fx);
-    /* mixed: the row before, this one and the next, in turns */
+    /* mixed: cyclic buffer of the previous, the current and the next row */
     REAL *mixed = scratch, *result = mixed + 3 * nx, *row = result + nx;
     for (int64_t i = first - 1; i <= last; i++) {
         const int64_t at = i < 0 ? ny - 1 : i == ny ? 0 : i;
@@ -364,7 +364,7 @@ PASS(fill_from, {
             next[j] = values[j] + (active[j] == 0 ? result[j] : (REAL)0);
         if (i <= first)
             continue;
-        /* the row before this one has both its neighbours now */
+        /* now both neighbours of the previous row are known */
         const REAL *own = given->values + (i - 1) * nx, *own_active = given->active + (i - 1) * nx;
         REAL *out = given->out + (i - 1) * nx;
         NAME(around)(mixed + (i + 2) % 3 * nx, mixed + i % 3 * nx, next, &given->weights, row, result, nx);
@@ -426,7 +426,7 @@ PASS(empty_from, {
             next[j] = active[j] == 0 ? field[j] : (REAL)0;
         if (i <= start)
             continue;
-        /* the row before this one has both its neighbours now */
+        /* now both neighbours of the previous row are known */
         const REAL *own_active = given->active + (i - 1) * nx;
         REAL *passed = given->passed + (i - 1) * nx;
         NAME(around)(gaps + (i + 2) % 3 * nx, gaps + i % 3 * nx, next, &given->weights, row, passed, nx);
@@ -482,7 +482,7 @@ PASS(finish_restriction, { REAL *field; const REAL *passed, *coarse, *active; in
 
 /* ---- the small grids of a hierarchy, all in one pass ---- */
 
-/* Stores of `count` grids, one after the other; `table`: ny, nx, fy, fx, start and arrangement of each. */
+/* Fields of `count` grids, one grid after another; `table`: ny, nx, fy, fx, start and arrangement of each. */
 struct NAME(Small) {
     REAL *empty, *gain, *means, *work;
     const int64_t *table;
@@ -506,7 +506,7 @@ static struct NAME(Grid) NAME(grid)(const struct NAME(Small) *small, int64_t num
                                {weights[0], weights[1], weights[2]}};
 }
 
-/* Return the sum of `field` over that of the weights, which `empty` leaves of 1. */
+/* Return the sum of `field` over the sum of the weights, 1 - `empty`. */
 static REAL NAME(mean_over_contact)(const REAL *field, const REAL *empty, int64_t cells)
 {
     REAL total = 0, weight = 0;
@@ -616,13 +616,13 @@ PASS(restrict_small, { REAL *one, *other; struct NAME(Small) small; int64_t swee
     }
 }
 
-/* ---- a pressure onto a finer grid ---- */
+/* ---- prolongation of a pressure to a finer grid ---- */
 
 PASS(continue_square, { const REAL *coarse; REAL *square; int64_t ny, nx; })
 {
     const int64_t ny = given->ny, nx = given->nx;
     const REAL *coarse = given->coarse;
-    REAL *most = scratch; /* of the three cells in each column, one beyond each end */
+    REAL *most = scratch; /* maximum of three cells in each column, one column beyond each end */
     for (int64_t i = first; i < last; i++) {
         const REAL *up = coarse + before(i, ny) * nx, *row = coarse + i * nx, *down = coarse + after(i, ny) * nx;
         REAL *square = given->square + i * nx;
@@ -636,7 +636,7 @@ PASS(continue_square, { const REAL *coarse; REAL *square; int64_t ny, nx; })
         most[nx + 1] = most[1];
         for (int64_t j = 0; j < nx; j++) {
             if (row[j] > 0 || !(most[j] > 0 || most[j + 1] > 0 || most[j + 2] > 0))
-                continue; /* in contact, or far from any */
+                continue; /* in contact, or without a neighbour in contact */
             REAL total = 0;
             int count = 0;
             for (int64_t ey = -1; ey <= 1; ey++)
@@ -654,11 +654,11 @@ PASS(continue_square, { const REAL *coarse; REAL *square; int64_t ny, nx; })
     }
 }
 
-/* Make of the `count` parts of a cell what lies above a level, such that `load` is left. */
+/* Subtract a level from the `count` parts of a cell and clip them at zero, such that `load` remains. */
 static void NAME(cut_to_load)(REAL *parts, int64_t count, REAL load)
 {
     REAL level = -INFINITY, total = 0;
-    for (int64_t k = 0, above = count; k < count && above > 0; k++) { /* each time the lowest fall out, if any */
+    for (int64_t k = 0, above = count; k < count && above > 0; k++) { /* each round excludes the lowest parts */
         REAL sum = 0;
         above = 0;
         for (int64_t j = 0; j < count; j++)
@@ -668,14 +668,14 @@ static void NAME(cut_to_load)(REAL *parts, int64_t count, REAL load)
             }
         level = above ? (sum - load) / (REAL)above : level;
     }
-    const REAL nothing = (REAL)SPECK * load;
+    const REAL nothing = (REAL)NEGLIGIBLE_LOAD * load;
     for (int64_t k = 0; k < count; k++)
         total += parts[k] = parts[k] - level > nothing ? parts[k] - level : 0;
-    for (int64_t k = 0; k < count; k++) /* where rounding leaves nothing, all alike */
+    for (int64_t k = 0; k < count; k++) /* equal parts where rounding leaves no load */
         parts[k] = total > 0 ? parts[k] * (load / total) : load / (REAL)count;
 }
 
-/* Hold the `count` parts of a cell at the cap at most: the others carry what is missing in `load`. */
+/* Limit the `count` parts of a cell to the cap; the other parts carry the remaining `load`. */
 static void NAME(hold)(REAL *parts, int64_t count, REAL load, REAL cap)
 {
     for (int64_t beyond = 1; beyond > 0;) {
@@ -750,7 +750,7 @@ PASS(refine, {
             if (cap < INFINITY)
                 NAME(hold)(parts, fy * fx, load, cap);
             for (int64_t k = 0; pressure >= cap && k < fy * fx; k++)
-                parts[k] = cap; /* to the last digit */
+                parts[k] = cap; /* exactly */
             for (int64_t ky = 0; ky < fy; ky++)
                 memcpy(given->out + (i * fy + ky) * width + j * fx, parts + ky * fx, (size_t)fx * sizeof(REAL));
         }

@@ -1,9 +1,9 @@
-/* Threads that take shares of passes.
+/* Worker threads for passes.
 
-   They are started when they are first wanted, and stay. A pass is cut into shares, more than there are threads,
-   and whoever is free takes the next one: the caller itself never waits for a thread that has not yet woken up
-   or has no processor at present. One caller has the threads at a time; another one meanwhile does all its
-   shares itself. None is left in a process that was forked: callers there must ask for one thread. */
+   They are started on first use and persist. A pass is divided into more shares than threads, and idle threads
+   take the next share (work sharing): the caller never waits for a thread that is still asleep or has no
+   processor at the moment. Only one caller uses the threads at a time; another caller meanwhile runs all its
+   shares itself. A forked process has no worker threads: callers there must request one thread. */
 
 #include "threads.h"
 
@@ -13,31 +13,31 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-#define MOST 64        /* threads */
-#define SHARES 4       /* of each thread */
-#define PATIENCE 20000 /* looks at what another thread does before this one lies down: up to a millisecond */
+#define MAX_THREADS 64
+#define SHARES_PER_THREAD 4
+#define SPIN_COUNT 20000 /* polls before a thread sleeps: up to a millisecond */
 
 struct Job {
     Pass *pass;
     const void *given;
     int64_t rows, shares, scratch;
     char *scratches; /* of each thread */
-    struct Found parts[MOST * SHARES];
+    struct Found parts[MAX_THREADS * SHARES_PER_THREAD];
 };
 
 static pthread_mutex_t turn = PTHREAD_MUTEX_INITIALIZER; /* of callers */
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of those who lie down and those who wake them */
-static pthread_cond_t wake = PTHREAD_COND_INITIALIZER, rest = PTHREAD_COND_INITIALIZER;
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* for sleeping and waking */
+static pthread_cond_t wake = PTHREAD_COND_INITIALIZER, finished = PTHREAD_COND_INITIALIZER;
 static struct Job *job;
-/* From the highest bits: number of the job, its threads, its shares, and the first of those that nobody has. */
+/* From the highest bits: number of the job, its threads, its shares, and the first share not yet taken. */
 static atomic_uint_fast64_t offer;
 #define OFFER(number, threads, shares) ((uint_fast64_t)(number) << 36 | (uint_fast64_t)(threads) << 24 | \
                                         (uint_fast64_t)(shares) << 12)
 #define NUMBER(offer) ((offer) >> 36)
-static atomic_int_fast64_t pending; /* shares that are not done */
+static atomic_int_fast64_t pending; /* unfinished shares */
 static atomic_int_fast64_t asleep;  /* threads that wait for `wake` */
-static atomic_int waits;            /* whether the caller waits for `rest` */
-static int64_t started;             /* threads, the caller not counted */
+static atomic_int waits;            /* whether the caller waits for `finished` */
+static int64_t started;             /* threads, without the caller */
 
 static inline void wait_a_little(void)
 {
@@ -56,13 +56,13 @@ static void do_share(struct Job *of, int64_t share, int64_t thread)
         of->pass(of->given, first, last, of->scratches + thread * of->scratch, &of->parts[share]);
 }
 
-/* Return whether there is a share for a thread in what was `seen` on offer. */
+/* Return whether the offer `seen` has a share for a thread. */
 static inline int is_open(uint_fast64_t seen, int64_t thread)
 {
     return (seen & 0xfff) < (seen >> 12 & 0xfff) && thread < (int64_t)(seen >> 24 & 0xfff);
 }
 
-/* Do shares as long as there are any; whoever has one keeps the job alive. */
+/* Run shares until none is left; the job stays valid as long as any share is unfinished. */
 static void do_shares(int64_t thread)
 {
     uint_fast64_t seen = atomic_load(&offer);
@@ -72,7 +72,7 @@ static void do_shares(int64_t thread)
         do_share(job, (int64_t)(seen & 0xfff), thread);
         if (atomic_fetch_sub(&pending, 1) == 1 && atomic_load(&waits)) {
             pthread_mutex_lock(&lock);
-            pthread_cond_signal(&rest);
+            pthread_cond_signal(&finished);
             pthread_mutex_unlock(&lock);
         }
         seen = atomic_load(&offer);
@@ -83,7 +83,7 @@ static void *work(void *number)
 {
     const int64_t thread = (int64_t)(intptr_t)number;
     for (;;) {
-        for (int looks = 0; looks < PATIENCE && !is_open(atomic_load(&offer), thread); looks++)
+        for (int spins = 0; spins < SPIN_COUNT && !is_open(atomic_load(&offer), thread); spins++)
             wait_a_little();
         if (!is_open(atomic_load(&offer), thread)) {
             pthread_mutex_lock(&lock);
@@ -103,7 +103,7 @@ static void start_threads(int64_t threads)
     while (started < threads - 1) {
         pthread_t thread;
         if (pthread_create(&thread, NULL, work, (void *)(intptr_t)(started + 1)))
-            return; /* the others do its shares */
+            return; /* the other threads run its shares */
         pthread_detach(thread);
         started++;
     }
@@ -121,13 +121,13 @@ static void do_together(struct Job *given, int64_t threads)
         pthread_mutex_unlock(&lock);
     }
     do_shares(0);
-    for (int looks = 0; looks < PATIENCE && atomic_load(&pending); looks++)
+    for (int spins = 0; spins < SPIN_COUNT && atomic_load(&pending); spins++)
         wait_a_little();
     if (atomic_load(&pending)) {
         pthread_mutex_lock(&lock);
         atomic_store(&waits, 1);
         while (atomic_load(&pending))
-            pthread_cond_wait(&rest, &lock);
+            pthread_cond_wait(&finished, &lock);
         atomic_store(&waits, 0);
         pthread_mutex_unlock(&lock);
     }
@@ -137,11 +137,11 @@ EXPORT int run_pass(const void *pass, int64_t threads, int64_t rows, int64_t scr
                     struct Found *found)
 {
     struct Job own;
-    threads = threads < 1 ? 1 : threads > MOST ? MOST : threads;
+    threads = threads < 1 ? 1 : threads > MAX_THREADS ? MAX_THREADS : threads;
     own.pass = (Pass *)pass;
     own.given = given;
     own.rows = rows;
-    own.shares = threads == 1 ? 1 : threads * SHARES;
+    own.shares = threads == 1 ? 1 : threads * SHARES_PER_THREAD;
     own.scratch = (scratch + 63) / 64 * 64;
     own.scratches = NULL;
     if (scratch && !(own.scratches = malloc((size_t)(threads * own.scratch))))

@@ -1,4 +1,4 @@
-/* Passes over rows, shared among threads. */
+/* Passes over rows, distributed over threads. */
 
 #ifndef THREADS_H
 #define THREADS_H
@@ -11,16 +11,16 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-/* What a pass tells of its rows; that of shares is put together by minimum, maximum and sum. */
+/* Reductions of a pass over its rows; those of shares are combined by minimum, maximum and sum. */
 struct Found {
     double sums[6], least, most;
 };
 
-/* Work on the rows from `first` to `last`, with `scratch` to work in. */
+/* Process the rows from `first` to `last`, with `scratch` as work memory. */
 typedef void Pass(const void *given, int64_t first, int64_t last, void *scratch, struct Found *found);
 
-/* Run `pass` over `rows` rows by up to `threads` threads, each with `scratch` bytes to work in. What it finds comes
-   into `found`, which is the same however many threads there were in the end. Returns 0, or 1 without memory. */
+/* Run `pass` over `rows` rows with up to `threads` threads, each with `scratch` bytes of work memory. The reductions
+   go to `found`; they do not depend on the number of threads that took part. Returns 0, or 1 if memory is short. */
 EXPORT int run_pass(const void *pass, int64_t threads, int64_t rows, int64_t scratch, const void *given,
                     struct Found *found);
 

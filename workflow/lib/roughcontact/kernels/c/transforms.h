@@ -1,8 +1,8 @@
-/* Fourier transforms of many lines at a time, each in a lane of its own of the vectors.
+/* Fourier transforms of several lines at a time, one in each vector lane.
 
-   Stockham's algorithm: stages of a small factor of the length each, from one buffer to another, in natural
-   order at the end [1]. Two real lines are the two parts of a complex one. Backwards is forwards with real and
-   imaginary parts exchanged, before and after.
+   Stockham's algorithm: one stage for each small factor of the length, from one buffer to another, with the result in
+   natural order [1]. Two real lines are transformed as real and imaginary parts of a complex one. The backward
+   transform is the forward one with real and imaginary parts exchanged before and after.
 
    [1] Van Loan (1992), Computational Frameworks for the Fast Fourier Transform, section 1.7. */
 
@@ -102,7 +102,7 @@ static inline __attribute__((always_inline)) void NAME(stage)(const int64_t radi
         }
 }
 
-/* Transform the `n` numbers of every lane at `from`; return where they are then: there or at `to`.
+/* Transform the `n` numbers of every lane at `from`; return the buffer with the result: `from` or `to`.
 
    `roots`: exp(-2 pi i k / n) for k from 0 to n - 1. */
 static COMPLEX *NAME(transform)(COMPLEX *from, COMPLEX *to, int64_t n, const REAL *roots)
@@ -124,18 +124,18 @@ static COMPLEX *NAME(transform)(COMPLEX *from, COMPLEX *to, int64_t n, const REA
     return from;
 }
 
-/* Return the start of `scratch` on a boundary of vectors. */
+/* Return the start of `scratch`, aligned to vectors. */
 static inline COMPLEX *NAME(buffer)(void *scratch)
 {
     return (COMPLEX *)(((uintptr_t)scratch + LANE_BYTES - 1) / LANE_BYTES * LANE_BYTES);
 }
 
-/* The rows of these passes are blocks of 128 bytes of rows of the field, or of 64 bytes of its columns: two lines
-   for each lane of the widest vectors, or one. */
-#define IN_BLOCK (2 * LANES) /* lines that are transformed at a time */
+/* A "row" of these passes is a block of 128 bytes of rows of the field (two lines per lane of the widest vectors), or
+   of 64 bytes of its columns (one line per lane). */
+#define IN_BLOCK (2 * LANES) /* lines transformed at a time */
 #define ROWS ((int64_t)(128 / sizeof(REAL)))
 #define COLUMNS ((int64_t)(64 / sizeof(REAL)))
-#define TILE ((int64_t)(64 / sizeof(REAL))) /* entries of a line that are moved at a time */
+#define TILE ((int64_t)(64 / sizeof(REAL))) /* entries of a line moved at a time */
 
 /* Put real and imaginary parts of the lanes into pairs, and back. */
 static inline void NAME(pair)(const V *re, const V *im, REAL *out)
@@ -211,7 +211,7 @@ PASS(rows_backward, { REAL *field; const REAL *spectrum; const REAL *roots; doub
                 COMPLEX one, other;
                 NAME(part)(tile[k], &one.re, &one.im);
                 NAME(part)(tile[k] + IN_BLOCK, &other.re, &other.im);
-                if (wave == 0 || wave == mirrored) { /* real: what is imaginary there is rounding */
+                if (wave == 0 || wave == mirrored) { /* real: imaginary parts are rounding errors */
                     from[wave] = (COMPLEX){other.re, one.re};
                     continue;
                 }
@@ -236,7 +236,7 @@ PASS(columns, { REAL *spectrum; const REAL *roots; int64_t ny, waves, backward; 
     COMPLEX *from = NAME(buffer)(scratch), *to = from + ny;
     for (int64_t start = first * COLUMNS; start < SMALLER(last * COLUMNS, waves); start += LANES) {
         const int64_t count = SMALLER(LANES, waves - start);
-        REAL few[2 * LANE_BYTES / sizeof(REAL)] = {0}; /* where there are less columns than lanes */
+        REAL few[2 * LANE_BYTES / sizeof(REAL)] = {0}; /* for fewer columns than lanes */
         for (int64_t i = 0; i < ny; i++) {
             const REAL *in = given->spectrum + 2 * (i * waves + start);
             if (count < LANES)
