@@ -555,19 +555,9 @@ def _why_not_written(folder: Path, error: Exception, size: int) -> str | None:
     """Return why nothing can be written to a folder, and the way out; None where it is for another reason."""
     code = getattr(error, "errno", None)
     there = next(path for path in (folder, *folder.absolute().parents) if path.is_dir())
-<<<<<<< HEAD
     free, may_write = shutil.disk_usage(there).free, os.access(there, os.W_OK)
     # of a full disk netCDF says as well that it has no permission
     if code in (errno.ENOSPC, errno.EDQUOT) or (may_write and free < size):
-=======
-    free = shutil.disk_usage(there).free
-    full = code in (errno.ENOSPC, errno.EDQUOT) or free < size
-    # netCDF says of a disk without any room that it has no permission
-    refused = code == errno.EROFS or (code in (errno.EACCES, errno.EPERM) and not full)
-    if refused or not os.access(there, os.W_OK):
-        return f"the folder {there} is read-only for you: choose another one (with the workflow: --directory)"
-    if full:
->>>>>>> rules
         left = f"the disk is full ({free / 1e6:.3g} MB free)"
         return f"{left}: make room and run again, what is done is not done again"
     if code in (errno.EROFS, errno.EACCES, errno.EPERM) or not may_write:
