@@ -32,7 +32,7 @@ ROOT = HERE.parent
 LIBRARY = ROOT / "workflow/lib"
 SLOPE = 0.1  # rms gradient of the maps, whose points are 1 um apart
 MODULUS = 1e9  # Pa
-STAGES = ("ingest", "level", "window", "uncertainty", "solve", "statistics", "panel", "collect", "report")
+STAGES = ("prepare", "contact", "report")
 FEW, MANY = [0.01, 0.05, 0.2], np.geomspace(0.003, 0.3, 8).tolist()  # over E* and the rms gradient
 CASES = {
     "hard": {},
@@ -167,7 +167,7 @@ def measure_scripts(
     bare, budget = take([*own, *plain], work), take(own, work)
     contact = {"contact_modulus": MODULUS, "mean_pressure": loads}
     chain = workflow(study(work / "chain", files=[file], settings={"contact": contact}))
-    once = ("", "collect", "report", "run")  # whatever the number of surfaces
+    once = ("", "report", "run")  # whatever the number of surfaces
     jobs = sum(process["cpu"] for process in chain["processes"] if stage_of(process) not in once)
     found = {"without error budget": bare, "with error budget": budget, "whole chain": chain}
     known = {"map": name, "points": " × ".join(map(str, np.load(file, mmap_mode="r").shape))}
