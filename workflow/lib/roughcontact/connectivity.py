@@ -1,28 +1,28 @@
-"""Which points of a periodic map belong together, and which of their regions run around the period."""
+"""Connected regions of a periodic map, and those that percolate through the period."""
 
 import numpy as np
 
-_BLOCK = 2**20  # points that are counted at a time
+_BLOCK = 2**20  # points counted at a time
 
 
 def connected_regions(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the regions of a periodic map and along which axes each of them runs around the period.
+    """Return the connected regions of a periodic map and the axes along which each one percolates.
 
-    Points join over shared edges (not corners) and over the seams of the period. Regions that touch a seam
-    are laid out in the plane, one copy of the map after the other, as seams are crossed. A region that meets
-    itself in another copy runs around: along each axis in which the two copies differ.
+    Points are connected over shared edges (not corners) and over the seams of the period. Regions that touch
+    a seam are continued into the neighbouring periodic image of the map. A region that meets itself in
+    another image percolates, or runs around the period, along each axis in which the two images differ.
 
     Parameters
     ----------
     inside : bool array (ny, nx)
-        True for the points that count.
+        True for the points of the regions.
 
     Returns
     -------
     region : int array (ny, nx)
         0 outside, else 1 to the number of regions.
     around : bool array (regions + 1, 2)
-        whether a region runs around along y and along x; the first row, that of the outside, is False.
+        whether a region percolates along y and along x; the first row, for the outside, is False.
 
     Examples
     --------
@@ -40,21 +40,21 @@ def connected_regions(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def region_sizes(inside: np.ndarray) -> np.ndarray:
-    """Return the number of points of each region of a periodic map.
+    """Return the number of points of each connected region of a periodic map.
 
     Parameters
     ----------
     inside : bool array (ny, nx)
-        True for the points that count; they join as in `connected_regions`.
+        True for the points of the regions, connected as in `connected_regions`.
 
     Returns
     -------
     int array (regions)
-        empty where there is no point.
+        empty without such points.
 
     Examples
     --------
-    The two ends of the row are one region over the period.
+    The two ends of the row are connected over the period.
 
     >>> import numpy as np
     >>> region_sizes(np.array([[True, False, True, False, True]]))
@@ -71,12 +71,12 @@ def region_sizes(inside: np.ndarray) -> np.ndarray:
 
 
 def runs_around(inside: np.ndarray) -> tuple[bool, bool]:
-    """Return whether any region of a periodic map runs around the period along y, and along x.
+    """Return whether any region of a periodic map percolates through the period along y, and along x.
 
     Parameters
     ----------
     inside : bool array (ny, nx)
-        True for the points that count; they join as in `connected_regions`.
+        True for the points of the regions, connected as in `connected_regions`.
 
     Returns
     -------
@@ -84,7 +84,7 @@ def runs_around(inside: np.ndarray) -> tuple[bool, bool]:
 
     Examples
     --------
-    A diagonal runs around along both axes where its points share edges, along none where they do not.
+    A diagonal percolates along both axes if its points share edges, along none if they do not.
 
     >>> import numpy as np
     >>> corners = np.eye(4, dtype=bool)
@@ -96,29 +96,29 @@ def runs_around(inside: np.ndarray) -> tuple[bool, bool]:
 
 
 def _joined_over_seams(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return labels (ny, nx) without the seams, the root of each label, and whether roots run around."""
+    """Return labels (ny, nx) that ignore seams, the root of each label, and whether roots percolate."""
     from scipy.ndimage import label
 
     labels, count = label(inside)
-    # of labels at a seam: another label of their region, and in which copy of the map they lie, seen from it
+    # label at a seam -> another label of its region, and its periodic image relative to that one
     above: dict[int, tuple[int, int, int]] = {}
     around = np.zeros((count + 1, 2), bool)
 
     def root_of(name: int) -> tuple[int, int, int]:
-        """Return the root of a label, and the copy of the map in which the label lies, seen from it."""
+        """Return the root of a label, and the periodic image of the label relative to the root."""
         root, y, x = name, 0, 0
         while root in above:
             root, more_y, more_x = above[root]
             y, x = y + more_y, x + more_x
         if root != name:
-            above[name] = root, y, x  # the way is short the next time
+            above[name] = root, y, x  # path compression
         return root, y, x
 
     for axis, last, first in ((0, labels[-1], labels[0]), (1, labels[:, -1], labels[:, 0])):
         both = (last > 0) & (first > 0)
         for a, b in np.unique(np.stack([last[both], first[both]], axis=1), axis=0).tolist():
             (root, y, x), (other, other_y, other_x) = root_of(a), root_of(b)
-            # the seam leads from `a` into the next copy of `b`
+            # the seam connects `a` with the next periodic image of `b`
             apart = y - other_y + (axis == 0), x - other_x + (axis == 1)
             if root == other:
                 around[root] |= np.array(apart) != 0

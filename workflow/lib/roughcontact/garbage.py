@@ -1,16 +1,16 @@
-"""Collection of garbage in a process that imports much, keeps it, and lives for seconds."""
+"""Garbage collection in short-lived processes that import large libraries."""
 
 import atexit
 import gc
 
 
 def collect_rarely() -> None:
-    """Look for unreachable objects rarely, and not once more through all that is left at the end.
+    """Reduce the frequency of garbage collection, and skip it at exit.
 
-    Python looks through its objects each time that some hundreds of them have come up, and several times
-    while it ends. Nearly all of them are modules, classes and functions, which stay: a third of the time of a
-    process that imports xarray and SciPy goes into that. Arrays are given back as before, as soon as nobody
-    refers to them.
+    By default Python searches for unreachable objects whenever some hundreds of new objects exist, and
+    several times at exit. Nearly all objects are modules, classes and functions, which are never freed: the
+    search takes a third of the time of a process that imports xarray and SciPy. Arrays are not affected:
+    reference counting frees them at once.
 
     Examples
     --------

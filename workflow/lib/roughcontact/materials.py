@@ -1,7 +1,7 @@
-"""What real materials are like: ranges of moduli, loads and hardness, and values in which a unit has slipped.
+"""Plausible ranges of moduli, loads and hardness of real materials, and detection of wrong units.
 
-What lies outside is mostly a number that was meant in another unit. A doubt says so and names what may have
-been meant; whoever raises it decides whether to go on.
+A value outside its range was mostly meant in another unit. A `Doubt` says so and suggests the intended value;
+the caller decides whether it is an error.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,9 +12,9 @@ from roughcontact.quantities import number, quantity
 # Young's moduli: the softest gels and tissues (Levental, Georges and Janmey 2007, Soft Matter 3, 299) to
 # diamond, 1.14e12 Pa (Klein and Cardinale 1993, Diamond Relat. Mater. 2, 918), with some room
 SOFTEST, STIFFEST = 1e3, 1.5e12
-RIGID = 1e15  # a Young's modulus from which on nobody means a material
-GEL = 1e6  # below, solids are mostly water
-GEL_POISSONS_RATIO = 0.45  # of these: like water, they hardly change their volume
+RIGID = 1e15  # Young's modulus that stands for a rigid body, not for a material
+GEL = 1e6  # softer solids are mostly water
+GEL_POISSONS_RATIO = 0.45  # minimum for gels: like water, they are nearly incompressible
 # Below, solids are rubber-like (or foams) and take strains of order one; above, strains of a few percent at
 # most (Ashby 2011, Materials Selection in Mechanical Design, chart of modulus and strength)
 RUBBER = 1e8
@@ -24,20 +24,20 @@ RUBBER = 1e8
 # makes 0.005 to 0.05 E*: mild steel on steel bears 0.013, hardened 0.065. Below the surface yield begins
 # sooner, at a largest pressure of 1.6 yield stresses: the largest shear is 0.31 of it (Johnson, section 3.4)
 METALS = (0.01, 0.03)
-HARDEST = 0.1  # that no material exceeds; diamond, glasses and glassy polymers come near
-LEAST_HARDNESS = 1e-4  # that all exceed; pure indium and lead have about 0.001
+HARDEST = 0.1  # upper limit for all materials; diamond, glasses and glassy polymers come close
+LEAST_HARDNESS = 1e-4  # lower limit for all materials; pure indium and lead have about 0.001
 # a mean pressure of 100 Pa is the weight of a centimetre of water, or of a sheet of metal
 LEAST_LOAD = 100.0
 LEAST_RELATIVE_LOAD = 1e-8  # mean pressure over contact modulus: 1 kPa on steel
-# the same, from which on a load of less than `LEAST_LOAD` is none too small: on real surfaces a thousandth of
-# the area touches there
+# the same; above this value a load below `LEAST_LOAD` is plausible: on real surfaces a thousandth of the area
+# is in contact
 SOFT_RELATIVE_LOAD = 1e-4
 
 _GIGA, _MEGA, _KILO = 1e9, 1e6, 1e3
 
 
 class Doubt(NamedTuple):
-    """Why a value is hardly meant, and what may have been meant."""
+    """Reason why a value is implausible, and the values that may have been intended."""
 
     reason: str
     meant: tuple[float, ...]
@@ -80,7 +80,7 @@ def contact_modulus(bodies: Sequence[Mapping[str, float]]) -> float:
 
 
 def doubt_of_modulus(modulus: float) -> Doubt | None:
-    """Return why a contact modulus is hardly meant.
+    """Return a doubt about an implausible contact modulus, or None.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def doubt_of_modulus(modulus: float) -> Doubt | None:
 
 
 def doubt_of_gel(modulus: float, pressures: Sequence[float]) -> Doubt | None:
-    """Return why a contact modulus is hardly that of a gel, as it says.
+    """Return a doubt about a contact modulus in the range of gels that the loads contradict, or None.
 
     Many gels are as soft, so that the number alone is no evidence; a pressure that goes with it may be.
 
@@ -143,7 +143,7 @@ def doubt_of_gel(modulus: float, pressures: Sequence[float]) -> Doubt | None:
 
 
 def doubt_of_body(youngs_modulus: float, poissons_ratio: float) -> Doubt | None:
-    """Return why the Young's modulus of a body is hardly meant.
+    """Return a doubt about an implausible Young's modulus of a body, or None.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def doubt_of_body(youngs_modulus: float, poissons_ratio: float) -> Doubt | None:
 
 
 def doubt_of_load(mean_pressure: float, contact_modulus: float) -> Doubt | None:
-    """Return why a mean pressure is hardly meant.
+    """Return a doubt about an implausible mean pressure, or None.
 
     Parameters
     ----------
@@ -220,7 +220,7 @@ def doubt_of_load(mean_pressure: float, contact_modulus: float) -> Doubt | None:
 
 
 def doubt_of_hardness(hardness: float, modulus: float) -> Doubt | None:
-    """Return why a hardness is hardly meant.
+    """Return a doubt about an implausible hardness, or None.
 
     Parameters
     ----------
@@ -252,5 +252,5 @@ def doubt_of_hardness(hardness: float, modulus: float) -> Doubt | None:
 
 
 def _within(value: float, factors: Sequence[float], least: float, most: float) -> tuple[float, ...]:
-    """Return what a value is in other units, where that lies within a range."""
+    """Return the value in other units, as far as it lies within a range."""
     return tuple(value * factor for factor in factors if least <= value * factor <= most)

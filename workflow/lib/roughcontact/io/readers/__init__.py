@@ -1,4 +1,4 @@
-"""The formats: each module of this folder is one reader, and `roughcontact.io.registry` finds it here.
+"""Readers of file formats: one per module, found by `roughcontact.io.registry`.
 
-A module says in `READER` how its format is recognised and how it is read; nothing else names it.
+`READER` of a module defines how its format is recognised and read; nothing else names the module.
 """

@@ -16,7 +16,7 @@ from roughcontact.io.interface import Reader, ToldBy
 from roughcontact.io.units import is_length
 
 _MARK = b"Gwyddion Simple Field 1.0\n"
-_LONGEST = 2**20  # bytes of the header
+_MAX_HEADER_BYTES = 2**20  # bytes of the header
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -59,7 +59,7 @@ def read(path: Path) -> MeasuredFile:
     """
     check_line_ends(path)
     with path.open("rb") as stream:
-        text, zero, _ = stream.read(_LONGEST).partition(b"\0")
+        text, zero, _ = stream.read(_MAX_HEADER_BYTES).partition(b"\0")
         lines = text.removeprefix(_MARK).decode("utf-8", "replace").splitlines()
         said = {key.strip(): value.strip() for key, equals, value in (line.partition("=") for line in lines)}
         try:

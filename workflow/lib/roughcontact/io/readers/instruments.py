@@ -1,4 +1,4 @@
-"""Instrument files that are told by their first bytes, through SurfaceTopography.
+"""Instrument files recognised by their first bytes, read through SurfaceTopography.
 
 To add one that the library reads, add a row to `roughcontact.io.instruments.formats`.
 """

@@ -139,7 +139,7 @@ def _read(
 
 
 def _instrument(said: dict[str, Any]) -> dict[str, Any]:
-    """Return what the attributes of a measurement say of the instrument."""
+    """Return the instrument metadata from the attributes of a measurement."""
     return instrument_words(
         {
             "kind": instrument_kinds.PROBE.name,

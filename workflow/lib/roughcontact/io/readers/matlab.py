@@ -62,7 +62,7 @@ def read(path: Path) -> MeasuredFile:
     from scipy.io import whosmat
 
     try:
-        _refuse_bomb(path)
+        _check_unpacked_size(path)
         variables = whosmat(str(path))
     except InputFileError:
         raise
@@ -99,7 +99,7 @@ def _read(path: Path, name: str, shape: tuple[int, int]) -> np.ndarray:
     return as_heights(values.reshape(shape), str(path))
 
 
-def _refuse_bomb(path: Path) -> None:
+def _check_unpacked_size(path: Path) -> None:
     """Refuse a file that was cut off, or whose variables, unpacked piece by piece, are more than 1 GiB."""
     total, size = 0, path.stat().st_size
     with path.open("rb") as stream:

@@ -1,4 +1,4 @@
-"""Formats that are known and not read: each is refused by its name, with the way to a file that is read."""
+"""Formats that are recognised but not supported: rejected by name, with advice on conversion."""
 
 from pathlib import Path
 from typing import NoReturn

@@ -1,6 +1,7 @@
-"""NetCDF: each variable over two axes, in the units that it and its coordinates carry.
+"""NetCDF: each variable with two axes, in the units of the variable and its coordinates.
 
-y grows upwards: row 0 is the line of the smallest y, and without positions it is taken as the lowest one.
+y increases upwards: row 0 is the line of the smallest y; without positions it is assumed to be the lowest
+one.
 """
 
 import json
@@ -78,7 +79,7 @@ def read(path: Path) -> MeasuredFile:
     arrays = hdf5.datasets(path) if head.startswith(hdf5.MARK) else {}
     # In a classic file that was cut off, the netCDF library reads zeros; SciPy misses the bytes.
     engine = "scipy" if head.startswith(_CLASSIC) else "netcdf4"
-    too_long = {} if engine == "scipy" else _too_long(path)
+    too_long = {} if engine == "scipy" else _oversized_variables(path)
     with _opened(path, engine, too_long) as dataset:
         opener = partial(_opened, path, engine, too_long)
         variables = (_variable(dataset, name, path, opener) for name in dataset.data_vars)
@@ -86,9 +87,9 @@ def read(path: Path) -> MeasuredFile:
         attributes = dict(dataset.attrs)
         own = dict(dataset["height"].attrs) if "height" in dataset else {}
         names = sorted(map(str, dataset.variables))
-    channels += [_unread(name, shape) for name, shape in too_long.items()]
+    channels += [_oversized_channel(name, shape) for name, shape in too_long.items()]
     if not channels:
-        raise InputFileError(_nothing_in(path, arrays, names))
+        raise InputFileError(_no_map_message(path, arrays, names))
     channels.sort(key=lambda channel: channel.name not in ("height", "heights", "z"))
     return MeasuredFile(
         "netCDF",
@@ -101,7 +102,7 @@ def read(path: Path) -> MeasuredFile:
 
 @contextmanager
 def _opened(path: Path, engine: Any, left_out: Iterable[str]) -> Iterator[Any]:
-    """Open a file as a dataset, with every error as one of this project, also those within the block."""
+    """Open a file as a dataset; errors, also those within the block, are raised as `InputFileError`."""
     import xarray as xr
 
     try:
@@ -115,8 +116,8 @@ def _opened(path: Path, engine: Any, left_out: Iterable[str]) -> Iterator[Any]:
         raise InputFileError(f"{path}: damaged or cut off netCDF file ({brief(error)})") from error
 
 
-def _too_long(path: Path) -> dict[str, tuple[int, ...]]:
-    """Return the shapes of variables of more points than are read: opening alone would read coordinates."""
+def _oversized_variables(path: Path) -> dict[str, tuple[int, ...]]:
+    """Return the shapes of variables above the size limit, since opening alone would read coordinates."""
     import netCDF4
 
     try:
@@ -127,15 +128,15 @@ def _too_long(path: Path) -> dict[str, tuple[int, ...]]:
     return {name: shape for name, shape in shapes.items() if prod(shape) > MAX_POINTS}
 
 
-def _unread(name: str, shape: tuple[int, ...]) -> Channel:
-    """Return a channel of more points than are read."""
+def _oversized_channel(name: str, shape: tuple[int, ...]) -> Channel:
+    """Return a channel above the size limit, which cannot be read."""
     why = f"{' x '.join(map(str, shape))} points, more than the {MAX_POINTS} that are read; crop the map"
     doubt = f"variable {name!r} has {why}"
     return Channel(name, (1, prod(shape)), unreadable(doubt), no_height=why, doubt=doubt)
 
 
-def _nothing_in(path: Path, arrays: dict[str, tuple[int, ...]], names: list[str]) -> str:
-    """Return what to say of a file without a map."""
+def _no_map_message(path: Path, arrays: dict[str, tuple[int, ...]], names: list[str]) -> str:
+    """Return the error message for a file without a map."""
     if arrays:
         listed = ", ".join(
             f"{name} ({' x '.join(map(str, shape)) or '1'})" for name, shape in sorted(arrays.items())[:5]
@@ -158,7 +159,7 @@ def _is_hdf5(path: Path) -> bool:
 
 
 def _instrument(own: Any, attributes: dict) -> dict:
-    """Return what this project wrote of the instrument, else what the attributes of the file say of it."""
+    """Return the instrument metadata that this project wrote, otherwise those in the file attributes."""
     try:
         stated = json.loads(own)
     except (TypeError, ValueError, RecursionError):
@@ -167,7 +168,7 @@ def _instrument(own: Any, attributes: dict) -> dict:
 
 
 def _variable(dataset: Any, name: Any, path: Path, opener: Callable[[], Any]) -> Channel | None:
-    """Return one variable as a channel that reads itself, None where it is no map or profile."""
+    """Return one variable as a channel that is read on demand, or None if it is no map or profile."""
     variable = dataset[name]
     dims = _axes(variable)
     if dims is None:
@@ -175,7 +176,7 @@ def _variable(dataset: Any, name: Any, path: Path, opener: Callable[[], Any]) ->
     y, x = dims
     ny, nx = variable.sizes[y] if y else 1, variable.sizes[x]
     if ny * nx > MAX_POINTS:
-        return _unread(str(name), (ny, nx))
+        return _oversized_channel(str(name), (ny, nx))
     unit = _unit(variable)
     no_height = ""
     if variable.dtype.kind not in "iuf":
@@ -204,7 +205,7 @@ def _variable(dataset: Any, name: Any, path: Path, opener: Callable[[], Any]) ->
     return Channel(
         str(name),
         (ny, nx),
-        partial(_turned, read, turned),
+        partial(_flipped, read, turned),
         dx=dx,
         dy=dy,
         first_x=first_x,
@@ -214,8 +215,8 @@ def _variable(dataset: Any, name: Any, path: Path, opener: Callable[[], Any]) ->
     )
 
 
-def _turned(read: Callable[[], np.ndarray], turned: tuple[slice, slice]) -> np.ndarray:
-    """Return what is read, with axes that run backwards turned."""
+def _flipped(read: Callable[[], np.ndarray], turned: tuple[slice, slice]) -> np.ndarray:
+    """Return the values read, with reversed axes flipped."""
     return read()[turned].copy()
 
 
@@ -266,13 +267,13 @@ def _off_grid(
 
 
 def _unit(variable: Any) -> str | None:
-    """Return what a variable says of its unit, None where it says nothing."""
+    """Return the unit of a variable, or None if it has none."""
     unit = variable.attrs.get("units", variable.attrs.get("unit"))
     return None if unit is None or not str(unit).strip() else str(unit)
 
 
 def _axis(dataset: Any, name: str | None) -> tuple[float | None, float | None, bool]:
-    """Return step, first position, and whether the axis runs backwards, of a coordinate."""
+    """Return step and first position of a coordinate, and whether the axis is reversed."""
     if name is None or name not in dataset.coords or dataset[name].dtype.kind not in "iuf":
         return None, None, False
     positions = dataset[name].values.astype(float)

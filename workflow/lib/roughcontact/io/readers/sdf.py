@@ -1,7 +1,7 @@
 """SDF, ISO 25178-71: a header and one map, in text or binary, in metres.
 
-In the standard y grows from row to row in a right-handed system, so row 0 is the lowest line of the map and
-is drawn at the bottom.
+In the standard y increases from row to row in a right-handed system, so that row 0 is the lowest line of the
+map and is drawn at the bottom.
 """
 
 from pathlib import Path
@@ -15,7 +15,7 @@ from roughcontact.io.interface import Reader, ToldBy
 from roughcontact.io.metadata import instrument_words
 
 _MARKS = (b"aISO-", b"bISO-", b"aBCR-", b"bBCR-", b"\xef\xbb\xbfaISO-")
-_BYTES_PER_BYTE = 12  # memory for each byte of a file: numbers as text, their pieces, in double precision
+_MEMORY_PER_BYTE = 12  # memory for each byte of a file: numbers as text, their pieces, in double precision
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -59,7 +59,7 @@ def read(path: Path) -> MeasuredFile:
     import sdfio
 
     size = path.stat().st_size
-    check_memory(size * _BYTES_PER_BYTE, f"{size} bytes of SDF", path)
+    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of SDF", path)
     try:
         file = sdfio.read(path)
     except (sdfio.SdfError, ValueError, ArithmeticError) as error:

@@ -1,7 +1,7 @@
 """Text files: matrices of heights, lists of points x y z, profiles x z, with or without a header.
 
-A matrix is a picture: its first line is the upper one, as programs write it; without a header of such a
-program that is assumed. Where positions are given, in a list of points or beside a matrix, y grows upwards.
+The first line of a matrix is the upper one, as in the files of instrument software; without a header this is
+an assumption. Where positions are given, in a list of points or beside a matrix, y increases upwards.
 """
 
 from pathlib import Path
@@ -36,11 +36,11 @@ from roughcontact.io.text.table import (
 )
 from roughcontact.io.units import is_length, metres, same_length
 
-_BYTES_PER_BYTE = 12  # memory for each byte of text: lines, their pieces, numbers
-_SIZES = {"length_x", "length_y", "dx", "dy", "step", "nx", "ny"}  # what a header says of a map's size
-_LONGEST_NARROW = 1000  # rows of two or three columns that may be a map
-_BLANKS = (1.70141e38, 3.40282e38)  # what Surfer and others write for missing points: no height in any unit
-_DEPTHS = ("depth", "tiefe", "profond", "profund")  # how a heading begins that may count downwards
+_MEMORY_PER_BYTE = 12  # bytes of memory per byte of text: lines, their cells, numbers
+_SIZES = {"length_x", "length_y", "dx", "dy", "step", "nx", "ny"}  # header entries on the size of a map
+_MAX_NARROW_ROWS = 1000  # rows of two or three columns that may be a map
+_MISSING_VALUES = (1.70141e38, 3.40282e38)  # written by Surfer and others for missing points
+_DEPTHS = ("depth", "tiefe", "profond", "profund")  # prefixes of headings that may be positive downwards
 # word of `roughcontact.io.metadata` -> what the header calls it
 _INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquisition_time": "date"}
 
@@ -84,7 +84,7 @@ def read(path: Path) -> MeasuredFile:
         For a file that is cut off, holds no table of numbers, or may be read in two ways.
     """
     size = path.stat().st_size
-    check_memory(size * _BYTES_PER_BYTE, f"{size} bytes of text", path)
+    check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of text", path)
     header, body = unquoted(*split_header(lines_of(path), path))
     first = len(header) + 1
     delimiter, decimal_comma = separators(body, path)
@@ -93,7 +93,7 @@ def read(path: Path) -> MeasuredFile:
     said = parse_header(header)
     if said.get("missing") is not None:
         table.values[table.values == float(said["missing"])] = np.nan
-    for blank in _BLANKS:
+    for blank in _MISSING_VALUES:
         table.values[np.abs(np.abs(table.values) / blank - 1) < 1e-5] = np.nan
     file = _file(table, header, said, counts, delimiter, path)
     file.instrument = instrument_words({word: said.get(key) for word, key in _INSTRUMENT.items()})
@@ -108,7 +108,7 @@ def _file(
     delimiter: str | None,
     path: Path,
 ) -> MeasuredFile:
-    """Return what the table is: what header and headings say counts, then what the columns look like."""
+    """Return the file contents; header and headings decide on its kind, then the form of the columns."""
     values = table.values
     columns = headed(header, values.shape[1], delimiter)
     if "height_unit" not in said and (unit := unit_of_heights(header)):
@@ -126,9 +126,9 @@ def _file(
         return file
     _refuse_cut_table(values.shape, said, counts, path)
     if columns is not None:
-        chosen = _by_name(columns)
+        chosen = _columns_by_name(columns)
         if chosen is not None:
-            return _listed(values, columns, chosen, said, path)
+            return _point_list(values, columns, chosen, said, path)
     rows, count = values.shape
     if count == 1 and rows > 1 and not _SIZES & set(said):
         return _one_column(values, columns, said, path)
@@ -136,11 +136,11 @@ def _file(
         _refuse_unnamed_points(values, said, path)
         return _matrix(values, said, path)
     columns = columns or [Column("", None, "")] * count
-    return _listed(values, columns, list(range(count)), said, path, named=False)
+    return _point_list(values, columns, list(range(count)), said, path, named=False)
 
 
-def _by_name(columns: list[Column]) -> list[int] | None:
-    """Return which columns are positions and heights by their names, None where the names do not say it."""
+def _columns_by_name(columns: list[Column]) -> list[int] | None:
+    """Return the columns of positions and heights by their names, or None if the names do not tell."""
     roles = [column.role for column in columns]
     places = {role: roles.index(role) for role in ("x", "y", "z") if roles.count(role) == 1}
     if len(places) == 3:
@@ -153,7 +153,7 @@ def _by_name(columns: list[Column]) -> list[int] | None:
     return data
 
 
-def _listed(
+def _point_list(
     values: np.ndarray,
     columns: list[Column],
     chosen: list[int],
@@ -162,7 +162,7 @@ def _listed(
     *,
     named: bool = True,
 ) -> MeasuredFile:
-    """Return a list of points or a profile, of the columns that are chosen."""
+    """Return a list of points or a profile, from the selected columns."""
     listed = values[:, chosen]
     for place, column in enumerate(columns):
         if column.role == "valid":
@@ -251,7 +251,7 @@ def _refuse_cut_table(shape: tuple[int, ...], said: dict[str, Any], counts: list
 def _one_column(
     values: np.ndarray, columns: list[Column] | None, said: dict[str, Any], path: Path
 ) -> MeasuredFile:
-    """Return one height in each line: a profile, or a map of one column where the user gives both steps."""
+    """Return one height per line: a profile, or a map of one column if the user gives both steps."""
     unit = said.get("height_unit", columns[0].unit if columns else said.get("unit"))
     heights, words = _heights(values.T, said, unit)
     matrix = _matrix(values, said, path)
@@ -263,7 +263,7 @@ def _one_column(
 
 
 def _matrix(table: np.ndarray, said: dict[str, Any], path: Path) -> MeasuredFile:
-    """Return a matrix of heights, whose header says the steps or the size."""
+    """Return a matrix of heights, with steps or size from the header."""
     ny, nx = table.shape
     for word, found, name in (("nx", nx, "columns"), ("ny", ny, "rows")):
         if said.get(word) is not None and said[word] != found:
@@ -297,14 +297,14 @@ def _matrix(table: np.ndarray, said: dict[str, Any], path: Path) -> MeasuredFile
 def _profile(
     table: np.ndarray, units: list[str | None], said: dict[str, Any], path: Path, whole: np.ndarray | None
 ) -> MeasuredFile:
-    """Return a profile of positions and heights, in any order of the points."""
+    """Return a profile from positions and heights in any order."""
     x, z = table[np.argsort(table[:, 0], kind="stable")].T
     _refuse_lost_lines((1, x.size), said, path)
     lateral_unit, height_unit = _units(units, said, path)
     heights, words = _heights(z[None, :], said, height_unit)
     words["lateral_unit"] = lateral_unit
     try:
-        step, notes = _even_or_rounded(x)
+        step, notes = _even_step(x)
         channel = Channel(
             shape=heights.shape, read=lambda: heights, dx=step, first_x=float(x[0]), notes=notes, **words
         )
@@ -314,8 +314,8 @@ def _profile(
     return MeasuredFile("text profile (x, z)", [channel], first_row="bottom")
 
 
-def _even_or_rounded(x: np.ndarray) -> tuple[float, list[str]]:
-    """Return the step of positions that are even, or are so up to the last digit that was written."""
+def _even_step(x: np.ndarray) -> tuple[float, list[str]]:
+    """Return the step of positions that are evenly spaced, at least within their rounding."""
     try:
         return even_step(x, "x"), []
     except UnevenPositionsError:
@@ -329,7 +329,7 @@ def _even_or_rounded(x: np.ndarray) -> tuple[float, list[str]]:
 def _points(
     table: np.ndarray, units: list[str | None], said: dict[str, Any], path: Path, whole: np.ndarray | None
 ) -> MeasuredFile:
-    """Return a list of points on the even grid that it forms, or as it is."""
+    """Return a list of points on the regular grid that it forms, or as an irregular list."""
     x, y, z = table.T
     lateral_unit, height_unit = _units(units, said, path)
     z, words = _heights(z, said, height_unit)
@@ -362,7 +362,7 @@ def _points(
             shape=matrix.shape,
             read=unreadable(str(error)),
             otherwise=matrix,
-            doubt=_without(error, path),
+            doubt=_without_path(error, path),
             **words,
         )
     return MeasuredFile("text list of points (x, y, z)", [channel], first_row="bottom")
@@ -380,20 +380,20 @@ def _refuse_lost_lines(shape: tuple[int, ...], said: dict[str, Any], path: Path)
             )
 
 
-def _without(error: Exception, path: Path) -> str:
+def _without_path(error: Exception, path: Path) -> str:
     """Return a message without the path at its beginning."""
     return str(error).removeprefix(f"{path}: ")
 
 
 def _as_matrix(table: np.ndarray, said: dict[str, Any]) -> Channel | None:
-    """Return a table as a matrix, in case its columns are no positions; None where it can be none."""
+    """Return a table as a matrix, in case its columns are not positions; None if it cannot be a matrix."""
     rows, columns = table.shape
     if columns == 2:
         positions = bool(np.all(np.diff(table[:, 0]) > 0))
     else:  # each position along x and along y occurs several times: the lines of a scan
         along_x, along_y = (np.unique(table[:, place]).size for place in (0, 1))
         positions = max(along_x, along_y) <= rows / 2 <= along_x * along_y
-    if positions or rows > _LONGEST_NARROW:
+    if positions or rows > _MAX_NARROW_ROWS:
         return None
     heights, words = _heights(table, said, said.get("height_unit", said.get("unit")))
     return Channel(
@@ -406,7 +406,7 @@ def _as_matrix(table: np.ndarray, said: dict[str, Any]) -> Channel | None:
 
 
 def _steps(said: dict[str, Any], points: dict[str, int], path: Path) -> tuple[dict[str, float], str | None]:
-    """Return the steps that a header says, by axis, and their unit."""
+    """Return the steps in the header, by axis, and their unit."""
     steps, units = {}, []
     for axis, count in points.items():
         for word, share in (("d" + axis, 1), ("step", 1), ("length_" + axis, count)):
@@ -424,7 +424,7 @@ def _steps(said: dict[str, Any], points: dict[str, int], path: Path) -> tuple[di
 def _heights(
     numbers: np.ndarray, said: dict[str, Any], unit: str | None
 ) -> tuple[np.ndarray, dict[str, Any]]:
-    """Return the heights, and the words of their channel: its name, their unit, why they are none."""
+    """Return the heights and the arguments of their channel: name, unit, reason if they are not heights."""
     if said.get("z_factor") is not None:  # the numbers are counts or phases; the factor makes them lengths
         numbers, unit = numbers * said["z_factor"], said.get("z_factor_unit", unit)
     wrong = unit is not None and not is_length(unit)

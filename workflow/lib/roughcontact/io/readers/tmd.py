@@ -20,7 +20,7 @@ from roughcontact.io.text.lines import looks_like_text
 _MARK = b"Binary TrueMap Data File"
 _VERSION = b"v2.0"
 _HEADER = struct.Struct("<2I4f")
-_LONGEST = 4096  # bytes of mark and comment
+_MAX_HEADER_BYTES = 4096  # bytes of mark and comment
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -63,7 +63,7 @@ def read(path: Path) -> MeasuredFile:
     """
     check_line_ends(path)
     with path.open("rb") as stream:
-        words = stream.read(_LONGEST).split(b"\0", 2)
+        words = stream.read(_MAX_HEADER_BYTES).split(b"\0", 2)
         if len(words) < 3 or not words[0].removeprefix(_MARK).strip().startswith(_VERSION):
             raise InputFileError(
                 f"{path}: looks like TrueMap TMD, but is damaged or of another version than 2.0; export the "

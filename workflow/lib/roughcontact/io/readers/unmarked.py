@@ -1,4 +1,4 @@
-"""The last resort: instrument files without a mark, told only by the attempt to read them."""
+"""Instrument files without a mark, recognised only by trying to read them; the last reader asked."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from roughcontact.io.interface import Reader, ToldBy, head_of
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return True: whatever no other reader took is tried.
+    """Return True: all files that no other reader recognised are tried.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """X3P, ISO 25178-72: a ZIP archive of one main.xml and its data, in metres.
 
-In the standard y grows from row to row in a right-handed system, so row 0 is the lowest line of the map and
-is drawn at the bottom.
+In the standard y increases from row to row in a right-handed system, so that row 0 is the lowest line of the
+map and is drawn at the bottom.
 """
 
 import hashlib
@@ -82,13 +82,13 @@ def read(path: Path) -> MeasuredFile:
     return MeasuredFile(
         format="X3P (ISO 25178-72)",
         channels=channels,
-        first_row="top" if _begins_at_the_top(main, file) else "bottom",
+        first_row="top" if _starts_at_top(main, file) else "bottom",
         instrument=_instrument(file.metadata),
         stale=stale,
     )
 
 
-def _begins_at_the_top(main: bytes, file: Any) -> bool:
+def _starts_at_top(main: bytes, file: Any) -> bool:
     """Return whether the first line is the upper one: <Origin>NW</Origin>, as x3ptools writes it.
 
     Where the increment along y is negative the lines are in rising order by then.
@@ -101,9 +101,9 @@ def _parsed(path: Path, name: str, main: bytes) -> tuple[Any, str]:
     import x3pio
 
     try:
-        return x3pio.read(_tidied(path, name, main, verify=True)), ""
+        return x3pio.read(_normalised_archive(path, name, main, verify=True)), ""
     except x3pio.X3pChecksumError as error:
-        return x3pio.read(_tidied(path, name, main, verify=False), verify=False), brief(error)
+        return x3pio.read(_normalised_archive(path, name, main, verify=False), verify=False), brief(error)
 
 
 def _main_xmls(path: Path) -> list[str]:
@@ -117,19 +117,19 @@ def _main_xmls(path: Path) -> list[str]:
 
 
 def _depth(name: str) -> int:
-    """Return in how many folders a member of an archive lies."""
+    """Return the folder depth of a member of an archive."""
     return name.replace("\\", "/").count("/")
 
 
 def _check_claimed_size(main: bytes, path: Path) -> None:
-    """Refuse a map that says that it is too large, before it is read."""
+    """Refuse a map whose stated size is above the limit, before it is read."""
     sizes = [re.search(rb"<Size%s>\s*(\d{1,15})\s*<" % axis, main) for axis in (b"X", b"Y")]
     nx, ny = (int(size[1]) if size else 0 for size in sizes)
     check_points((ny, nx), path)
 
 
-def _tidied(path: Path, name: str, main: bytes, *, verify: bool) -> Path | io.BytesIO:
-    """Return what x3pio can read: the file itself, or the archive repacked in memory.
+def _normalised_archive(path: Path, name: str, main: bytes, *, verify: bool) -> Path | io.BytesIO:
+    """Return an archive that x3pio can read: the file itself, or one repacked in memory.
 
     Repacked are archives whose main.xml lies more than one folder deep, and those whose root element is not
     called ISO5436_2 (written by some tools). The checksum of main.xml is compared before it is changed; those
@@ -234,7 +234,7 @@ def _rotation_notes(placement: Any) -> list[str]:
 
 
 def _instrument(metadata: Any) -> dict:
-    """Return what the metadata say of the instrument."""
+    """Return the instrument metadata."""
     if metadata is None:
         return {}
     instrument, probe = metadata.instrument, metadata.probing_system

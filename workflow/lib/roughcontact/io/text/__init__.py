@@ -1,1 +1,1 @@
-"""Text with numbers in it: what its header says, the table below it, and points put on their grid."""
+"""Numeric text files: metadata of the header, table of numbers, and points on a grid."""

@@ -1,4 +1,4 @@
-"""The columns of a table of text by their headings: what each one holds, and in which unit."""
+"""Roles and units of the columns of a text table, from their headings."""
 
 import re
 from collections.abc import Sequence
@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from roughcontact.io.units import is_length
 
-_LONGEST = 4096  # characters of a line of headings
-_NEAR = 20  # lines above the table in which headings are looked for
+_MAX_LINE_LENGTH = 4096  # characters of a line of headings
+_MAX_DISTANCE = 20  # lines above the table that may contain headings
 
 # what a column holds -> how headings call it (lower case, letters only)
 _ROLES = {
@@ -84,7 +84,7 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
     """
     units: list[str | None] = [None] * count
     nearest = None
-    for line in reversed(lines[-_NEAR:]):
+    for line in reversed(lines[-_MAX_DISTANCE:]):
         cells = _cells(line, count, delimiter)
         if cells is None:
             continue
@@ -121,9 +121,13 @@ def unit_of_heights(lines: Sequence[str]) -> str | None:
     >>> unit_of_heights(["Monday", "Height Sensor(nm)"]), unit_of_heights(["Height: 12 nm"])
     ('nm', None)
     """
-    for line in reversed(lines[-_NEAR:]):
+    for line in reversed(lines[-_MAX_DISTANCE:]):
         text = line.strip(' \r\n\t"#%')
-        if len(text) <= _LONGEST and text.endswith((")", "]")) and not set(text) & set(":=0123456789"):
+        if (
+            len(text) <= _MAX_LINE_LENGTH
+            and text.endswith((")", "]"))
+            and not set(text) & set(":=0123456789")
+        ):
             column = _column(text)
             if column.role == "z" and is_length(column.unit):
                 return column.unit
@@ -131,7 +135,7 @@ def unit_of_heights(lines: Sequence[str]) -> str | None:
 
 
 def _indexed(columns: list[Column]) -> list[Column]:
-    """Return the columns; a first one without a heading beside others that have one counts the rows."""
+    """Return the columns; a first column without a heading among others with headings is a row index."""
     first = columns[0]
     if first.name or first.unit or not all(column.name for column in columns[1:]):
         return columns
@@ -139,9 +143,9 @@ def _indexed(columns: list[Column]) -> list[Column]:
 
 
 def _cells(line: str, count: int, delimiter: str | None) -> list[str] | None:
-    """Return the cells of a line, None where there are not as many as columns."""
+    """Return the cells of a line, or None if their number is not that of the columns."""
     text = line.strip(" \r\n").lstrip("#%").strip(" " if delimiter == "\t" else None)
-    if len(text) > _LONGEST or not text:
+    if len(text) > _MAX_LINE_LENGTH or not text:
         return None
     delimited = delimiter is not None and delimiter in text
     cells = text.split(delimiter) if delimited else re.split(r"\t|\s\s+", text)

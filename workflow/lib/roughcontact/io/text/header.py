@@ -1,4 +1,4 @@
-"""What the header of a text file says: sizes, steps, numbers of points, units, and of the instrument."""
+"""Metadata from the header of a text file: sizes, steps, numbers of points, units, instrument."""
 
 import re
 from collections.abc import Iterable
@@ -7,8 +7,8 @@ from typing import Any
 
 from roughcontact.io.units import is_length
 
-_LONGEST = 4096  # characters of a line; what is longer is no statement on the map
-_MOST = 100_000  # lines
+_MAX_LINE_LENGTH = 4096  # characters; longer lines contain no metadata
+_MAX_LINES = 100_000  # lines
 
 # what a line of the header may say: meaning -> spellings (lower case, without _ and -)
 _HEADER_WORDS = {
@@ -153,7 +153,7 @@ _WORDS = (
     "date",
 )
 _UNIT_IN_NAME = {"bit2nm": "nm"}  # words that name the unit of their number: counts to nanometres
-_BOTH = {"size": ("width", "height"), "step": ("dx", "dy")}  # where one line says both: what it stands for
+_BOTH = {"size": ("width", "height"), "step": ("dx", "dy")}  # entries that give two values in one line
 _MEANING = {word: meaning for meaning, words in _HEADER_WORDS.items() for word in words}
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
@@ -188,21 +188,21 @@ def parse_header(lines: Iterable[str]) -> dict[str, Any]:
     {'step': 692.3, 'step_unit': 'nm'}
     """
     said: dict[str, Any] = {}
-    for line in islice(lines, _MOST):
-        if len(line) > _LONGEST or not (plain := line.strip().lstrip("#%;!\\*/ \t").strip()):
+    for line in islice(lines, _MAX_LINES):
+        if len(line) > _MAX_LINE_LENGTH or not (plain := line.strip().lstrip("#%;!\\*/ \t").strip()):
             continue
         text = re.sub(r"(\d),(\d)", r"\1.\2", plain)
         pairs = _pairs(text)
         if len(pairs) > 1:  # "h=305 w=75"
             for key, value in pairs:
-                _note(said, key, "", value)
+                _record_entry(said, key, "", value)
         elif (end := min((text.find(sign) for sign in ":=\t" if sign in text), default=-1)) > 0:
             key, unit = _key_and_unit(text[:end])
-            _note(said, key, unit, text[end + 1 :].strip())
+            _record_entry(said, key, unit, text[end + 1 :].strip())
         elif any(sign in plain for sign in ";,") and (entry := _row(plain)):
-            _note(said, *entry)
+            _record_entry(said, *entry)
         elif len(words := text.split()) == 2:
-            _note(said, words[0], "", words[1])
+            _record_entry(said, words[0], "", words[1])
     return said
 
 
@@ -218,7 +218,7 @@ def _pairs(text: str) -> list[tuple[str, str]]:
 
 
 def _key_and_unit(key: str) -> tuple[str, str]:
-    """Return a key without its brackets, and what these say of the unit."""
+    """Return a key without its brackets, and the unit in these."""
     name, opening, rest = key.replace("[", "(").partition("(")
     unit = rest.replace("]", ")").partition(")")[0].strip() if opening else ""
     return name, unit.removeprefix("->").strip()
@@ -237,12 +237,12 @@ def _row(text: str) -> tuple[str, str, str] | None:
 
 
 def _meaning(key: str) -> str | None:
-    """Return what a key means, None where it is none of the known ones."""
+    """Return the meaning of a key, or None for an unknown key."""
     return _MEANING.get(re.sub(r"[\s_-]+", " ", key).strip().strip('"').lower())
 
 
-def _note(said: dict[str, Any], key: str, unit: str, value: str) -> None:
-    """Note in `said` what one entry of the header means, unless it means nothing or was said before."""
+def _record_entry(said: dict[str, Any], key: str, unit: str, value: str) -> None:
+    """Record the meaning of one header entry in `said`, unless it is unknown or already recorded."""
     meaning, value = _meaning(key), value.strip().strip('"').strip()
     if meaning is None or meaning in said:
         return
@@ -252,29 +252,29 @@ def _note(said: dict[str, Any], key: str, unit: str, value: str) -> None:
         return
     both = re.split(r" x |(?<=\d)x(?=\d)", value.replace("×", "x").replace("*", "x"))
     if len(both) == 2 and meaning in _BOTH:
-        _note_both(said, _BOTH[meaning], *both)
+        _record_pair(said, _BOTH[meaning], *both)
         return
     match = re.match(rf"({_NUMBER})\s*(.*)$", value)
     if match and meaning != "size":
         said[meaning] = float(match[1])
         if meaning.startswith("length"):
-            said[meaning + "_rounding"] = _rounding(match[1])
+            said[meaning + "_rounding"] = _half_last_digit(match[1])
         unit = match[2].strip().strip("()[]") or unit or _UNIT_IN_NAME.get(key.strip().lower(), "")
         unit = re.sub(r"\s*/\s*(pixel|px|point|pt|sample)s?$", "", unit, flags=re.IGNORECASE)
         if unit:
             said[meaning + "_unit"] = unit
 
 
-def _note_both(said: dict[str, Any], keys: tuple[str, str], along_x: str, along_y: str) -> None:
-    """Note lengths along x and along y, as of ``20 µm x 18 µm``; numbers without a unit count points."""
+def _record_pair(said: dict[str, Any], keys: tuple[str, str], along_x: str, along_y: str) -> None:
+    """Record lengths along x and y, as in ``20 µm x 18 µm``; without a unit, numbers of points."""
     unit = re.sub(rf"^{_NUMBER}\s*", "", along_y.strip())
     for key, value in zip(keys, (along_x, along_y), strict=True):
         if is_length(unit):
-            _note(said, key, unit, value)
+            _record_entry(said, key, unit, value)
 
 
-def _rounding(number: str) -> float:
-    """Return half a unit of the last digit of a number; one without decimals is taken as exact."""
+def _half_last_digit(number: str) -> float:
+    """Return half a unit of the last digit of a number; 0 for a number without decimals."""
     mantissa, _, exponent = number.lower().partition("e")
     if "." not in mantissa:
         return 0.0

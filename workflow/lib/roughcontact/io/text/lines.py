@@ -1,12 +1,12 @@
-"""Text files as lines: which files are text, and in which code."""
+"""Lines of text files: recognition of text, and its encoding."""
 
 from pathlib import Path
 
 from roughcontact.errors import InputFileError
 
 _BYTE_ORDER_MARKS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb\xbf": "utf-8-sig"}
-_LONGEST = 2**30  # bytes
-_SIGNS = bytes([*b"\t\n\r\f", *range(32, 127), *range(128, 256)])
+_MAX_BYTES = 2**30  # bytes
+_TEXT_BYTES = bytes([*b"\t\n\r\f", *range(32, 127), *range(128, 256)])
 
 
 def looks_like_text(head: bytes) -> bool:
@@ -27,7 +27,7 @@ def looks_like_text(head: bytes) -> bool:
     """
     if head.startswith(tuple(_BYTE_ORDER_MARKS)) or _unmarked_utf16(head):
         return True
-    return bool(head) and not head.translate(None, _SIGNS)
+    return bool(head) and not head.translate(None, _TEXT_BYTES)
 
 
 def is_text(path: Path) -> bool:
@@ -42,11 +42,11 @@ def is_text(path: Path) -> bool:
     bool
     """
     with path.open("rb") as stream:
-        return all(not piece.translate(None, _SIGNS) for piece in iter(lambda: stream.read(2**20), b""))
+        return all(not piece.translate(None, _TEXT_BYTES) for piece in iter(lambda: stream.read(2**20), b""))
 
 
 def _unmarked_utf16(head: bytes) -> str | None:
-    """Return the code of text in UTF-16 without a byte order mark, as far as it is that of plain English."""
+    """Return the encoding of UTF-16 text without a byte order mark, if it is mostly ASCII; else None."""
     for code, high in (("utf-16-le", head[1::2]), ("utf-16-be", head[::2])):
         if len(head) >= 16 and high.count(0) > 0.9 * len(high):
             text = head[: len(head) // 2 * 2].decode(code, "replace")
@@ -75,7 +75,7 @@ def lines_of(path: Path) -> list[str]:
 
 def _decode(data: bytes, path: Path) -> str:
     """Return the text by its byte order mark, else as UTF-8, else as Latin-1."""
-    if len(data) > _LONGEST:
+    if len(data) > _MAX_BYTES:
         raise InputFileError(f"{path}: {len(data)} bytes of text; convert the map to X3P, SDF or netCDF")
     for mark, encoding in _BYTE_ORDER_MARKS.items():
         if data.startswith(mark):

@@ -1,4 +1,4 @@
-"""Lists of points x, y, z put on the even grid that they form."""
+"""Conversion of lists of points x, y, z to the regular grid that they form."""
 
 from pathlib import Path
 
@@ -59,7 +59,7 @@ def points_on_grid(
 
 
 def _on_grid(x, y, z, path):
-    """Return what `points_on_grid` does, where the points do form a grid."""
+    """Return the result of `points_on_grid`, for points that form a grid."""
     along_x, column = _grid_lines(x, "x")
     along_y, row = _grid_lines(y, "y")
     nx, ny = along_x.size, along_y.size
@@ -79,7 +79,7 @@ def _on_grid(x, y, z, path):
 
 
 def _same_position(path: Path) -> InputFileError:
-    """Return the error for a list in which several points have one position."""
+    """Return the error for a list with several points at the same position."""
     return InputFileError(f"{path}: several points of the list have the same position")
 
 

@@ -1,4 +1,4 @@
-"""The table of numbers of a text file: where it starts, how it is separated, what its tokens mean."""
+"""The table of numbers of a text file: its first line, delimiters and tokens."""
 
 import csv
 import re
@@ -19,11 +19,11 @@ _MISSING = {
     *("1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan", "nan(ind)", "-nan(ind)", "1.#inf", "-1.#inf"),  # of C
     *("#n/a", "#nv", "#null!", "#num!", "#div/0!", "#value!", "#wert!"),  # of spreadsheets
 }
-_FILLING = "-*?"  # signs that stand for a missing point, as many as there may be
+_FILLING = "-*?"  # characters that stand for a missing point, repeated any number of times
 _FORTRAN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)")  # double precision, 1.5D-03
-_MOST_LINES = 100_000  # of a header that are not empty
-_PIECE = 2**20  # characters of a line that are taken apart at once
-_HEAD_OF_LINE = 2**16  # characters by which a line is known as one of numbers
+_MAX_HEADER_LINES = 100_000  # without empty lines
+_CHUNK_CHARACTERS = 2**20  # of a line, split at a time
+_MAX_PREFIX = 2**16  # characters of a line that decide whether it contains numbers
 _WHITE = re.compile(r"\s")
 
 
@@ -77,10 +77,10 @@ def split_header(lines: list[str], path: Path) -> tuple[list[str], list[str]]:
         if _is_data(line):
             return lines[:number], lines[number:]
         filled += 1
-        if filled > _MOST_LINES:
+        if filled > _MAX_HEADER_LINES:
             break
     first = next((line.strip() for line in lines if line.strip()), "")
-    within = f" in its first {_MOST_LINES} lines" if filled > _MOST_LINES else ""
+    within = f" in its first {_MAX_HEADER_LINES} lines" if filled > _MAX_HEADER_LINES else ""
     raise InputFileError(f"{path}: text without a table of numbers{within}; it starts with {first[:60]!r}")
 
 
@@ -114,7 +114,7 @@ def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str
     cells = re.split(r"[;,\s]+", alone)
     if len(alone) > 40 or len(cells) > 2 or not all(cell.isdecimal() for cell in cells):
         return [], body
-    if len(row[:_HEAD_OF_LINE].split(delimiter)) <= len(cells):
+    if len(row[:_MAX_PREFIX].split(delimiter)) <= len(cells):
         return [], body
     return [int(cell) for cell in cells], body[filled[0] + 1 :]
 
@@ -137,7 +137,7 @@ def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
     (['x;z'], ['1,5;2,5'])
     """
     first = next((line for line in body if line.strip()), "")
-    if '"' not in first[:_HEAD_OF_LINE]:
+    if '"' not in first[:_MAX_PREFIX]:
         return header, body
     delimiter = next((sign for sign in ";\t" if sign in first), ",")
     try:
@@ -149,7 +149,7 @@ def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
 
 
 def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
-    """Return what separates the columns, and whether the decimal sign is a comma.
+    """Return the delimiter of the columns, and whether the decimal sign is a comma.
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ def parse_table(
     >>> table.empty_right
     1
     """
-    closed = _closed(body, delimiter)
+    closed = _ends_with_delimiter(body, delimiter)
     try:
         return _parse(body, delimiter, decimal_comma, path, first, closed)
     except _UnequalRowsError:
@@ -241,7 +241,7 @@ class _UnequalRowsError(InputFileError):
     """Rows of different lengths."""
 
 
-def _closed(body: list[str], delimiter: str | None) -> bool:
+def _ends_with_delimiter(body: list[str], delimiter: str | None) -> bool:
     """Return whether a separator at the end of a line closes it, rather than leaving its last cell empty.
 
     It does where all lines end in one, and where the last one alone does: that one is not whole.
@@ -256,13 +256,13 @@ def _closed(body: list[str], delimiter: str | None) -> bool:
 def _parse(
     body: list[str], delimiter: str | None, decimal_comma: bool, path: Path, first: int, closed: bool
 ) -> Table:
-    """Return the numbers of a table, whose lines may be closed by a separator."""
+    """Return the numbers of a table, whose lines may end with a delimiter."""
     numbers, counts = array("d"), array("q")
     left = right = None
     corner, empty_rows = False, 0
     for number, line in enumerate(body, start=first):
         text = line.strip(" \r\f" if delimiter == "\t" else None)
-        if not text or text.isspace() or (text.lstrip()[0] in "#%" and not _begins_with_a_gap(text)):
+        if not text or text.isspace() or (text.lstrip()[0] in "#%" and not _starts_with_missing(text)):
             continue
         if decimal_comma:
             text = text.replace(",", ".")
@@ -298,7 +298,7 @@ def _parse(
 
 
 def _append(numbers: array, text: str, delimiter: str | None) -> tuple[int, int]:
-    """Append the numbers of a row; return how many cells at its beginning and at its end are empty."""
+    """Append the numbers of a row; return the numbers of empty cells at its beginning and at its end."""
     if "_" not in text:  # Python would read 1_000
         before = len(numbers)
         try:
@@ -318,14 +318,14 @@ def _append(numbers: array, text: str, delimiter: str | None) -> tuple[int, int]
 
 
 def _pieces(text: str, delimiter: str | None) -> Iterator[list[str]]:
-    """Yield the cells of a line, of a long one part by part: a list of them takes 30 times its memory."""
+    """Yield the cells of a line, in chunks for a long line: a list of all cells takes 30 times its memory."""
     start = 0
-    while len(text) - start > _PIECE:
+    while len(text) - start > _CHUNK_CHARACTERS:
         if delimiter is None:
-            found = _WHITE.search(text, start + _PIECE)
+            found = _WHITE.search(text, start + _CHUNK_CHARACTERS)
             end = found.start() if found else -1
         else:
-            end = text.find(delimiter, start + _PIECE)
+            end = text.find(delimiter, start + _CHUNK_CHARACTERS)
         if end < 0:
             break
         yield text[start:end].split(delimiter)
@@ -337,10 +337,10 @@ def _is_data(line: str) -> bool:
     """Return whether a line is a row of numbers."""
     if re.match(r";[-+.\d]", line) and ";" in line[1:]:  # an empty first cell, no comment
         line = line[1:]
-    if not line.strip() or (line.lstrip()[0] in "#%;!\\*/" and not _begins_with_a_gap(line)):
+    if not line.strip() or (line.lstrip()[0] in "#%;!\\*/" and not _starts_with_missing(line)):
         return False
-    tokens = re.split(r'[;\t,\s"]+', line[:_HEAD_OF_LINE].strip().strip(';,"'))
-    if len(line) > _HEAD_OF_LINE:
+    tokens = re.split(r'[;\t,\s"]+', line[:_MAX_PREFIX].strip().strip(';,"'))
+    if len(line) > _MAX_PREFIX:
         tokens.pop()  # it may be half a number
     try:
         values = [_number(token) for token in tokens]
@@ -350,9 +350,9 @@ def _is_data(line: str) -> bool:
     return bool(np.isfinite(values).any()) or (len(values) > 1 and not ruled)
 
 
-def _begins_with_a_gap(line: str) -> bool:
-    """Return whether a line begins with what stands for a missing point, as ``#N/A`` or ``***``."""
-    return _is_missing(re.split(r"[;\t,\s]", line[:_HEAD_OF_LINE].lstrip(), maxsplit=1)[0])
+def _starts_with_missing(line: str) -> bool:
+    """Return whether a line begins with a token for a missing point, such as ``#N/A`` or ``***``."""
+    return _is_missing(re.split(r"[;\t,\s]", line[:_MAX_PREFIX].lstrip(), maxsplit=1)[0])
 
 
 def _is_missing(word: str) -> bool:
