@@ -169,7 +169,7 @@ def test_a_gap_that_higher_heights_open_is_known_to_be_open_elsewhere():
     grown = solve_contact(higher, **problem, tolerance=1e-2, reduce=headline_and_answers)
     for name in ANSWERS[1:]:
         assert (solved[name] == 0).all()
-        assert (grown[name] > 1e-7).all()
+        assert (grown[name] > 4e-8).all()  # open, by a share of the heights of about 1e-6
         assert (found[f"{name}_up"] >= 1.25 * grown[name] * (1 - 1e-9)).all()
 
 

@@ -178,10 +178,10 @@ def test_profile():
 
 
 def test_filling_covers_what_holes_hide():
-    """The result of 16 maps with holes lies within the interval of filling from that without holes."""
+    """The result of 32 maps with holes lies within the interval of filling from that without holes."""
     problem = contact(0.1)
     inside = []
-    for seed in range(16):
+    for seed in range(32):
         complete = crop(surface(256, longest=64.0, seed=seed), 128, seed % 4)
         truth = solve_contact(periodic_window(level(complete)), **problem, reduce=headline)
         solved, found = processed(with_holes(complete, 40, seed=seed), problem)
