@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from roughcontact.maps import height_map as labelled
-from roughcontact.report.charts import Axis, Chart
+from roughcontact.report.charts import Axis, Chart, tick_text
 from roughcontact.report.colours import colour_scale, coloured
 from roughcontact.report.map_plots import height_map
 from roughcontact.report.units import unit_of
@@ -111,6 +111,32 @@ def test_values_beyond_the_ends_have_the_colours_of_the_ends():
     below, low, high, above = (picture.getpixel((column, 0)) for column in range(4))
     assert below == low == (0, 0, 4)
     assert above == high == (252, 253, 191)
+
+
+def test_a_million_is_a_power_of_ten():
+    assert [tick_text(value) for value in (-999999.0, 1e6, 1e-4, 1.5e-4)] == [
+        "−999999",
+        "10⁶",
+        "10⁻⁴",
+        "0.00015",
+    ]
+
+
+def test_a_label_that_has_no_room_below_the_chart_is_shortened():
+    made = chart()
+    made.line(np.array([1.0, 9.0]), np.array([1.0, 1.0]), colour="#123456", label=30 * "long ")
+    (text,) = [
+        part.text for part in drawn(made, legend="below", columns=2) if (part.text or "").startswith("long")
+    ]
+    assert text.endswith("…")
+    assert 10 < len(text) < 20  # in half of 300 pixels, of 6 pixels each
+
+
+def test_the_label_of_a_colour_bar_stays_within_the_picture():
+    made = chart()
+    made.colour_bar(Axis("height", 123456.1, 123456.9), ["#000000", "#ffffff"])
+    (label,) = [text for text in drawn(made).iter(f"{SVG}text") if text.text == "height"]
+    assert float(re.match(r"translate\(([\d.]+) ", label.get("transform"))[1]) <= 297
 
 
 def test_a_title_stands_above_the_middle_of_the_chart():

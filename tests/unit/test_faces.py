@@ -200,6 +200,9 @@ def test_profiles_shift_along_their_length():
         together.values[0], sum_of_both - np.polyval(np.polyfit(x, sum_of_both, 1), x), atol=1e-18
     )
     assert together.attrs["covered_share"] == pytest.approx(270 / 300)
+    drawn = np.array([each["shift"] for each in relative_positions(face, other)])
+    assert (drawn[:, 0] == 0).all()
+    assert (drawn[:, 1] != 0).any()
     for wrong in ({"rotation": 90}, {"shift": (1e-6, 0)}):
         with pytest.raises(SettingsError, match="profiles"):
             composite(face, other, **wrong)
@@ -219,6 +222,10 @@ def test_a_profile_gets_the_closer_points_of_the_other_one():
 def test_steps_that_agree_to_a_millionth_are_one(off):
     face, other = cut(rough(1), slice(40), slice(50)), cut(rough(2), slice(44), slice(54))
     stretched = other.assign_coords(x=other["x"] * (1 + off), y=other["y"] * (1 + off))
+    on_points = [
+        [each["shift"] for each in relative_positions(face, one, shifts=20)] for one in (other, stretched)
+    ]
+    np.testing.assert_allclose(*on_points, atol=1e-3 * STEP)
     together = composite(face, stretched)
     assert together.shape == face.shape
     np.testing.assert_allclose(together, composite(face, other), atol=1e-4 * float(np.abs(other).max()))

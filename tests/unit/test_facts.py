@@ -170,6 +170,7 @@ def test_what_the_captions_of_the_maps_say():
         "band_removed_rms_height": 3e-8,
         "band_removed_rms_gradient": 0.05,
     }
+    assert spectrum_caption(levelled[:1].assign_attrs(band), numbers()).startswith("Waves from 2.00 µm")
     assert spectrum_caption(levelled.assign_attrs(band), numbers()) == (
         "Mean over all directions. Waves from 2.00 µm to 100 µm are solved; "
         "taken out: rms height 0.0300 µm, rms gradient 0.0500."

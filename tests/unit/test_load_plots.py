@@ -179,23 +179,26 @@ def test_pressures_against_the_load_end_at_the_hardness():
 
 
 def test_distributions_are_shares_by_a_factor_of_e():
-    """Of 60 and 40 % of the contact in two bins of a factor of e, and of 100 % in the other one."""
-    bounds = 1e8 * np.exp(np.arange(-1.0, 3))
+    """Of 50, 30 and 20 % of the contact in three bins of a factor of e, and of 100 % in one of them."""
+    bounds = 1e8 * np.exp(np.arange(-2.0, 5))
     bins = np.column_stack([np.append(0, bounds[1:-1]), bounds[1:]])
     widths = np.diff(bins, axis=1).ravel()
     found = numbers().isel(load=slice(2))
     found["pressure_bin_bounds"] = (("pressure_bin", "bound"), bins)
-    shares = np.array([[0, 0.6, 0.4], [0, 0, 1.0]])
+    shares = np.array([[0, 0, 0.5, 0.3, 0.2, 0], [0, 0, 0, 1.0, 0, 0]])
     found["pressure_density"] = (("load", "pressure_bin"), shares / widths)
     drawn = read_chart(load_plots.pressure_distribution(found, [0, 1]), log="x")
     assert {"contact pressure p (MPa)", "p P(p), share of the contact per factor e"} <= set(drawn.texts)
     # the bins that hold some of the contact, and room for the last step and the legend
-    assert drawn.x_ends == near([100, 100 * np.exp(2) * 1.15])
+    assert drawn.x_ends == near([100, 100 * np.exp(3) * 1.15])
     assert drawn.y_ends == pytest.approx([0, 1.35], abs=0.01)
-    for label, heights in (("p̄ = 1.00 MPa", [0.6, 0.4]), ("p̄ = 5.00 MPa", [0.0, 1.0])):
+    for label, heights in (("p̄ = 1.00 MPa", [0.5, 0.3, 0.2]), ("p̄ = 5.00 MPa", [0.0, 1.0, 0.0])):
         line = drawn.labelled(label)
-        inside = np.searchsorted(line.x, 100 * np.exp([0.5, 1.5]))  # the ends of the steps behind the middles
+        inside = np.searchsorted(line.x, 100 * np.exp([0.5, 1.5, 2.5]))  # ends of steps behind the middles
         assert line.y[inside] == pytest.approx(heights, abs=0.01)
     means = [line for line in drawn.lines if line.style]
     assert [line.x[0] for line in means] == near([250, 250])
     assert drawn.legend["mean over the contact"][0] == means[1].colour
+    nothing = found.assign(pressure_density=0 * found["pressure_density"])
+    empty = read_chart(load_plots.pressure_distribution(nothing, [0, 1]), log="x")
+    assert empty.x_ends == near(1e-6 * bounds[[1, -1]] * [1, 1.15])

@@ -57,6 +57,12 @@ def test_the_frame_is_the_part_that_was_solved():
     assert _frame(mirrored) == pytest.approx((5e-6, 7e-6, 60e-6, 60e-6))
 
 
+@pytest.mark.parametrize(("points", "apart"), [(200, True), (300, False)])
+def test_of_a_coarse_map_every_point_is_a_rectangle(points, apart):
+    source = unquote(map_plots.height_map(height_map(np.eye(points), 1e-6)))
+    assert ("image-rendering:pixelated" in source) == apart
+
+
 @pytest.mark.parametrize(("ratio", "in_scale"), [(4.0, True), (4.1, False), (0.25, True), (0.24, False)])
 def test_a_long_map_says_that_it_is_not_to_scale(ratio, in_scale):
     source = map_plots.height_map(height_map(np.eye(10), (ratio * 1e-6, 1e-6)))

@@ -1043,6 +1043,22 @@ def test_of_many_surfaces_it_is_counted_how_many_differ_by_more_than_their_inter
     assert gaps["rows"][0][-1] == "0 % (0 to 0)"
 
 
+@pytest.mark.parametrize(("other", "clear"), [(0.1005, 1), (0.0995, 1), (0.10001, 0)])
+def test_a_small_difference_counts_where_it_is_beyond_its_interval(other, clear):
+    def surface(area):
+        ones = {n: ("load", [1.0]) for n in ("mean_contact_pressure", "max_pressure", "mean_gap")}
+        ends = {
+            f"relative_contact_area_{end}": ("load", [area + way])
+            for end, way in (("lower", -1e-4), ("upper", 1e-4))
+        }
+        return xr.Dataset(
+            {"mean_pressure": ("load", [1e6]), "relative_contact_area": ("load", [area])} | ones | ends
+        )
+
+    areas, *_ = case_medians([{"one": surface(0.1), "two": surface(other)}])["groups"]
+    assert areas["rows"][0][-1].endswith(f"; beyond ± {clear} of 1")
+
+
 @pytest.mark.browser
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
 def test_a_printed_index_has_its_heads_on_every_page(study, tmp_path):

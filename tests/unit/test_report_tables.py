@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from roughcontact.maps import height_map
-from roughcontact.report.glance import Cell, glance_rows
+from roughcontact.report.glance import Cell, glance_rows, loads_to_compare
 from roughcontact.report.tables import crosscheck_table, number_tables, pair_table, score_table
 from roughcontact.results.storage import write_dataset, write_table
 
@@ -202,6 +202,15 @@ def test_the_answers_at_a_glance(left_out, conducts):
         Cell("876 MPa", "the hardness"),
         conducts,
     ]
+
+
+def test_surfaces_are_compared_at_the_load_that_is_nearest_by_ratio():
+    """Of 10 % of contact; one without contact is the farthest away."""
+    one, other = (
+        xr.Dataset({"relative_contact_area": ("load", areas)}) for areas in ([0.0, 0.03, 0.25], [0.01, 0.2])
+    )
+    assert loads_to_compare([one, other]) == [2, 1]
+    assert loads_to_compare([one, one * 0.8]) == [2, 2]
 
 
 def test_a_largest_pressure_below_the_hardness_has_its_interval():

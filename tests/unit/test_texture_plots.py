@@ -77,6 +77,11 @@ def test_the_band_of_the_spectrum_is_marked_at_its_wavelengths():
     marked = {line.style: line.x for line in drawn.lines if line.style}
     assert marked[DASHED] == pytest.approx(2 * np.pi / 2, rel=0.01)  # of two pixels, 2 µm
     assert marked[DOTTED] == pytest.approx(2 * np.pi / (1e6 * shortest_wavelength(made)), rel=0.01)
+    longest, shortest = (2e-6 * np.pi / made.attrs[f"band_{end}"] for end in ("longest", "shortest"))
+    assert sorted(drawn.bands) == [
+        (pytest.approx(drawn.x_ends[0], rel=0.01), pytest.approx(longest, rel=0.02)),
+        (pytest.approx(shortest, rel=0.02), pytest.approx(drawn.x_ends[1], rel=0.01)),
+    ]
     (line,) = [each for each in drawn.lines if each.colour == COLOURS[0]]
     assert 2 * np.pi / line.x.max() == pytest.approx(12, rel=0.1)
     assert 2 * np.pi / line.x.min() == pytest.approx(40, rel=0.1)
