@@ -22,6 +22,7 @@ import pytest
 import xarray as xr
 from PIL import Image
 
+from roughcontact import materials
 from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import InputFileError
@@ -199,6 +200,34 @@ def test_metadata_of_the_instrument_stand_under_their_labels(page):
     panel = page.parent / "all" / "sparse" / "panel.html"
     said = "kind optical profiler, date 2011-07-23, numerical aperture 0.4"
     assert said in panel.read_text(encoding="utf-8")
+
+
+def test_the_page_says_at_which_limits_its_checks_ask_for_a_look(page):
+    text = " ".join(html.unescape(page.read_text(encoding="utf-8")).split())
+    legend = text.partition('id="legend"')[2]
+    for words, limit in (
+        ("fewer than {} points in contact", f"{checks.CONTACT_POINTS}"),
+        ("overstates their area by more than {};", f"{round(100 * checks.OVERCOUNT)} %"),
+        ("more than {} of the contact on points that were", f"{round(100 * checks.FILLED_IN_CONTACT[0])} %"),
+        (
+            "more than {} of the contact lies on points that were",
+            f"{round(100 * checks.FILLED_IN_CONTACT[1])} %",
+        ),
+        ("more than {} of the load on points that were rejected", f"{round(100 * checks.REJECTED_LOAD)} %"),
+        ("by more than {} of the rms height", f"{round(100 * checks.ROW_JITTER)} %"),
+        ("more than {} of the mean square height", f"{round(100 * checks.FORM)} %"),
+        ("heights changed by more than {},", f"{round(100 * checks.HEIGHT_CHANGE)} %"),
+        ("rms gradient by more than {}, when", f"{round(100 * checks.GRADIENT_CHANGE)} %"),
+        ("less than {} of the map used", f"{round(100 * checks.WINDOW_SHARE)} %"),
+        ("rms gradient above {},", f"{checks.STEEP}"),
+        ("or more than {} of its mean square on", f"{round(100 * checks.STEEP_PLACES)} %"),
+        ("a window shorter than {} autocorrelation lengths", f"{checks.LENGTHS}"),
+        ("mean pressure in contact above {} E*", f"{materials.METALS[0]}"),
+        ("largest pressure above {} E*, at which metals flow", f"{materials.METALS[1]}"),
+        ("the rms gradient is above {},", f"{checks.TOO_STEEP:.0f}"),
+        ("the mean pressure in contact exceeds {} E* with no hardness", f"{materials.HARDEST}"),
+    ):
+        assert words.format(limit) in legend
 
 
 def test_a_panel_says_of_itself_what_was_embedded():
@@ -945,6 +974,15 @@ def test_the_index_answers_for_all_surfaces_at_one_load(study):
         assert cells["contact area A/A₀"] == percent(float(numbers["relative_contact_area"]))
         assert cells["largest pressure"] == f"{number(float(numbers['max_pressure']) * 1e-6)} MPa"
         assert {cells["seals?"], cells["yields?"]} <= {"leaks", "seals", "not judged", "no", "yes"}
+        # by what a click on a heading sorts
+        keys = dict(re.findall(r'data-label="([^"]*)" data-key="([^"]*)"', row))
+        assert [float(key) for key in keys.values()] == [
+            pytest.approx(float(numbers[name]), rel=1e-12)
+            for name in (
+                *("rms_height", "rms_gradient", "mean_pressure", "relative_contact_area"),
+                *("mean_contact_pressure", "mean_gap", "max_pressure"),
+            )
+        ]
 
 
 def test_cases_are_compared_with_their_difference():
