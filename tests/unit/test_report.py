@@ -194,6 +194,22 @@ def test_numbers_of_the_page_are_those_of_the_file(page):
         assert row[2] == number(100 * float(area))
         assert row[4] == str(int(clusters))
     assert "remarks" in text
+    said = re.findall(r"<p><b>p̄ = (.*?) of the pixels touch</b></p>", text)
+    unit = 1e-6 * statistics["mean_pressure"].values, statistics["relative_contact_area_pixels"].values
+    assert said == [
+        f"{number(float(load))} MPa: {percent(float(area))}" for load, area in zip(*unit, strict=True)
+    ]
+
+
+def test_the_overview_has_the_weightiest_reason_and_counts_the_others(page):
+    text = html.unescape(page.read_text(encoding="utf-8"))
+    for name in SURFACES:
+        panel = page.parent / "all" / name / "panel.html"
+        reasons = summary_of(panel.read_text(encoding="utf-8"), panel)["reasons"]
+        row = re.search(rf'<a href="#surface-{name}">{name}</a> <span class="badge.*?</th>', text)[0]
+        more = re.search(r">(\d+) more reasons?</a>", row)
+        assert (int(more[1]) if more else 0) == max(len(reasons) - 1, 0)
+        assert reasons[0] in row if reasons else "All checks that could be made passed." in row
 
 
 def test_metadata_of_the_instrument_stand_under_their_labels(page):
@@ -905,6 +921,12 @@ def test_of_many_surfaces_there_is_an_index_and_a_page_each(study):
         page = (study.parent / name).read_text(encoding="utf-8")
         assert page.count(f'id="{anchor}"') == 1
         assert '<a href="../report.html">' in page
+        seed = int(re.search(r"s-(\d)\.html", link)[1])
+        beside = re.findall(r'<a href="s-(\d)\.html">(‹|s-\d ›)', page)
+        assert beside == [
+            *[(str(seed - 1), "‹")] * (seed > 0),
+            *[(str(seed + 1), f"s-{seed + 1} ›")] * (seed < 6),
+        ]
         files = re.findall(r'<a class="file" href="([^"]*)"', page)
         stem = name.removesuffix(".html").removeprefix("pages/")
         wanted = {f"../{case}/{stem}/{stage}.nc" for case in ("soft", "hard") for stage in STAGES}
