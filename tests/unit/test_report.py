@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import threading
 import zlib
+from collections import Counter
 from contextlib import suppress
 from pathlib import Path
 from urllib.parse import unquote
@@ -203,6 +204,10 @@ def test_numbers_of_the_page_are_those_of_the_file(page):
 
 def test_the_overview_has_the_weightiest_reason_and_counts_the_others(page):
     text = html.unescape(page.read_text(encoding="utf-8"))
+    verdicts = re.findall(r'<a href="#surface-\w+">\w+</a> <span class="badge \w+">([^<]*)<', text)
+    assert len(verdicts) == len(SURFACES)
+    counted = re.findall(r"(\d+) × ([^<]*)<", text.partition("<nav")[0])
+    assert {word: int(count) for count, word in counted} == Counter(verdicts)
     for name in SURFACES:
         panel = page.parent / "all" / name / "panel.html"
         reasons = summary_of(panel.read_text(encoding="utf-8"), panel)["reasons"]
@@ -259,6 +264,7 @@ def test_a_panel_says_of_itself_what_was_embedded():
         f'<section>{decoy}<script type="application/json" class="summary">{embedded(known)}</script>{decoy}'
     )
     assert summary_of(panel, "panel.html") == known
+    assert summary_of(f"<p>{10_000 * 'long '}</p>{panel}", "panel.html") == known
 
 
 def test_cases_stand_side_by_side(tmp_path):
@@ -907,7 +913,10 @@ def test_a_profile_has_no_answer_on_sealing_anywhere(page):
     assert "a profile does not tell" in text
     assert "narrowest place" not in part
     assert "flow factor" not in part
-    assert "narrowest place along x" in text.partition('id="surface-holes"')[2].partition("</section>")[0]
+    of_map = text.partition('id="surface-holes"')[2].partition("</section>")[0]
+    assert "narrowest place along x" in of_map
+    # nor colours, which only maps have
+    assert ("The colours of each map" in part, "The colours of each map" in of_map) == (False, True)
 
 
 def test_of_many_surfaces_there_is_an_index_and_a_page_each(study):
