@@ -53,6 +53,7 @@ def test_the_frame_is_the_part_that_was_solved():
         window_offset_x=5e-6, window_offset_y=7e-6
     )
     assert _frame(window) == pytest.approx((5e-6, 7e-6, 120e-6, 120e-6))
+    assert _frame(window.drop_attrs()) == pytest.approx((0, 0, 120e-6, 120e-6))
     mirrored = window.assign_attrs(periodisation="mirror")
     assert _frame(mirrored) == pytest.approx((5e-6, 7e-6, 60e-6, 60e-6))
 

@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import threading
 import zlib
+from collections import Counter
 from contextlib import suppress
 from pathlib import Path
 from urllib.parse import unquote
@@ -194,6 +195,26 @@ def test_numbers_of_the_page_are_those_of_the_file(page):
         assert row[2] == number(100 * float(area))
         assert row[4] == str(int(clusters))
     assert "remarks" in text
+    said = re.findall(r"<p><b>p̄ = (.*?) of the pixels touch</b></p>", text)
+    unit = 1e-6 * statistics["mean_pressure"].values, statistics["relative_contact_area_pixels"].values
+    assert said == [
+        f"{number(float(load))} MPa: {percent(float(area))}" for load, area in zip(*unit, strict=True)
+    ]
+
+
+def test_the_overview_has_the_weightiest_reason_and_counts_the_others(page):
+    text = html.unescape(page.read_text(encoding="utf-8"))
+    verdicts = re.findall(r'<a href="#surface-\w+">\w+</a> <span class="badge \w+">([^<]*)<', text)
+    assert len(verdicts) == len(SURFACES)
+    counted = re.findall(r"(\d+) × ([^<]*)<", text.partition("<nav")[0])
+    assert {word: int(count) for count, word in counted} == Counter(verdicts)
+    for name in SURFACES:
+        panel = page.parent / "all" / name / "panel.html"
+        reasons = summary_of(panel.read_text(encoding="utf-8"), panel)["reasons"]
+        row = re.search(rf'<a href="#surface-{name}">{name}</a> <span class="badge.*?</th>', text)[0]
+        more = re.search(r">(\d+) more reasons?</a>", row)
+        assert (int(more[1]) if more else 0) == max(len(reasons) - 1, 0)
+        assert reasons[0] in row if reasons else "All checks that could be made passed." in row
 
 
 def test_metadata_of_the_instrument_stand_under_their_labels(page):
@@ -243,6 +264,7 @@ def test_a_panel_says_of_itself_what_was_embedded():
         f'<section>{decoy}<script type="application/json" class="summary">{embedded(known)}</script>{decoy}'
     )
     assert summary_of(panel, "panel.html") == known
+    assert summary_of(f"<p>{10_000 * 'long '}</p>{panel}", "panel.html") == known
 
 
 def test_cases_stand_side_by_side(tmp_path):
@@ -890,7 +912,10 @@ def test_a_profile_has_no_answer_on_sealing_anywhere(page):
     assert "a profile does not tell" in text
     assert "narrowest place" not in part
     assert "flow factor" not in part
-    assert "narrowest place along x" in text.partition('id="surface-holes"')[2].partition("</section>")[0]
+    of_map = text.partition('id="surface-holes"')[2].partition("</section>")[0]
+    assert "narrowest place along x" in of_map
+    # nor colours, which only maps have
+    assert ("The colours of each map" in part, "The colours of each map" in of_map) == (False, True)
 
 
 def test_the_page_says_what_its_plus_minus_is(page):
@@ -937,6 +962,12 @@ def test_of_many_surfaces_there_is_an_index_and_a_page_each(study):
         page = (study.parent / name).read_text(encoding="utf-8")
         assert page.count(f'id="{anchor}"') == 1
         assert '<a href="../report.html">' in page
+        seed = int(re.search(r"s-(\d)\.html", link)[1])
+        beside = re.findall(r'<a href="s-(\d)\.html">(‹|s-\d ›)', page)
+        assert beside == [
+            *[(str(seed - 1), "‹")] * (seed > 0),
+            *[(str(seed + 1), f"s-{seed + 1} ›")] * (seed < 6),
+        ]
         files = re.findall(r'<a class="file" href="([^"]*)"', page)
         stem = name.removesuffix(".html").removeprefix("pages/")
         wanted = {f"../{case}/{stem}/{stage}.nc" for case in ("soft", "hard") for stage in STAGES}
