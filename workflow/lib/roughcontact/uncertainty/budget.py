@@ -1,5 +1,6 @@
 """The error budget: uncertainty of each headline quantity, by source and combined."""
 
+import json
 from collections.abc import Mapping, Sequence
 from typing import Any, get_args
 
@@ -9,6 +10,10 @@ import xarray as xr
 from roughcontact.checking import check_choice
 from roughcontact.choices import UncertaintySource
 from roughcontact.contact.solve import solve_contact
+from roughcontact.errors import HeightMapError
+from roughcontact.io.read import read_height_map
+from roughcontact.levelling.level import level
+from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.uncertainty.answers import (
     ANSWERS,
     answers_present,
@@ -17,15 +22,43 @@ from roughcontact.uncertainty.answers import (
 )
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, resolution_indicators
 from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.instrument import instrument_uncertainty
+from roughcontact.uncertainty.magnification import magnification_curve
 from roughcontact.uncertainty.processing import processing_uncertainty
 from roughcontact.uncertainty.rejected import rejected_load_share
+from roughcontact.uncertainty.scaling import scaling_uncertainty
 from roughcontact.uncertainty.solver import solver_uncertainty
+from roughcontact.uncertainty.transfer import eroded, reliability_length, restored, shortest_transmitted
+from roughcontact.uncertainty.unresolved import (
+    Growth,
+    expected_growth,
+    growth_by_finer_spectrum,
+    unresolved_uncertainty,
+)
 from roughcontact.uncertainty.window_sampling import window_uncertainty
 
 SOURCES: tuple[UncertaintySource, ...] = get_args(UncertaintySource)
 COMBINED = "combined"
 # endings of the variables that hold the results of ensemble members
 _ENSEMBLES: dict[UncertaintySource, str] = {"window": "parts", "processing": "choices"}
+# sources of the interval of this map in the band of waves that it holds
+_OF_THE_MAP: tuple[UncertaintySource, ...] = ("solver", "discretisation", "processing", "instrument", "material")
+# settings of the contact that are uncertainties, and the input whose they are
+_MATERIAL = {
+    "contact_modulus_uncertainty": "contact_modulus",
+    "mean_pressure_uncertainty": "mean_pressure",
+}
+_CHOSEN_BAND = 2.0  # shortest wave that the settings keep, over two pixels, from which on it defines the result
+INSTRUMENT = (
+    "noise",
+    "resolution",
+    "numerical_aperture",
+    "wavelength",
+    "tip_radius",
+    "amplification_z",
+    "amplification_xy",
+    "finer_spectrum",
+)
 _COMMENT = (
     "half-widths of 95 % intervals, in the unit of the quantity; the larger one where an interval is "
     "asymmetric; combined: root of the sum of squares of the sources given (for the pressure in contact the "
@@ -35,6 +68,8 @@ _COMMENT = (
 _ENDS = {
     "lower": "lower end of the 95 % interval, all sources combined",
     "upper": "upper end of the 95 % interval, all sources combined; NaN beside a lower end: not bounded",
+    "map_lower": "lower end of the 95 % interval of this map, for the waves that it holds",
+    "map_upper": "upper end of the 95 % interval of this map, for the waves that it holds; NaN: not bounded",
 }
 
 
@@ -87,6 +122,8 @@ def error_budget(
     ------
     SettingsError
         for an unknown source, or too few windows.
+    HeightMapError
+        for a map that has not been levelled.
     ConvergenceError
         where the solution of the window misses its tolerance.
 
@@ -105,7 +142,13 @@ def error_budget(
     """
     for source in sources:
         check_choice("uncertainty.sources", source, UncertaintySource)
-    contact = settings["contact"]
+    if "processing" in sources and "filled" not in levelled.coords and "periodisation" in window.attrs:
+        raise HeightMapError(
+            "error_budget needs the map as `level` returns it, with its record of filled points; this one has none: "
+            "pass level(height, ...), or leave the source 'processing' out"
+        )
+    contact = {key: value for key, value in settings["contact"].items() if key not in _MATERIAL}
+    material = {key: settings["contact"].get(name) for name, key in _MATERIAL.items()}
     coordinates = {"mean_pressure": ("load", np.asarray(contact["mean_pressure"], float))}
     # a load that does not converge gives NaN instead of ending the job
     lenient = {**contact, "on_failure": "flag"}
@@ -140,12 +183,28 @@ def error_budget(
             solved=solved,
             chosen=chosen,
         )
+    instrument = stated_instrument(levelled, settings.get("instrument"))
+    if "instrument" in sources:
+        found["instrument"] = instrument_uncertainty(
+            window,
+            contact=lenient,
+            solved=solved,
+            instrument=instrument,
+            s_filter=settings.get("level", {}).get("s_filter"),
+        )
+    if "material" in sources:
+        found["material"] = _material_uncertainty(solved, material)
+    curve = magnification_curve(window, contact=lenient, solved=solved) if "unresolved" in sources else None
+    if curve is not None:
+        found["unresolved"] = _unresolved(window, curve, solved, settings, instrument)
     found = {source: found[source] for source in SOURCES if source in sources}
     budget = (
         combine(found, solved, hardness=contact.get("hardness"))
         .assign_coords(coordinates)
         .assign({rejected.name: rejected})
     )
+    if curve is not None:
+        budget = budget.merge(curve.drop_vars("mean_pressure", errors="ignore"))
     for source, ending in _ENSEMBLES.items():
         if source in found:
             names = {f"{name}_members": f"{name}_{ending}" for name in (*QUANTITIES, *ANSWERS)}
@@ -209,35 +268,143 @@ def combine(
     most = {"relative_contact_area": 1.0, "max_pressure": limit, "mean_contact_pressure": limit}
     columns: dict[str, tuple] = {}
     for name in (*QUANTITIES, *answers_present(result)):
-        shown = np.full((load.size, len(SOURCES)), np.nan)
-        below, above, bias = np.zeros((3, *shown.shape))
-        for source, dataset in found.items():
-            if name not in dataset:  # the answers have no solver uncertainty
-                continue
-            column = SOURCES.index(source)
-            shown[:, column] = dataset[name].values
-            off = dataset[f"{name}_bias"].values if f"{name}_bias" in dataset else np.zeros(load.size)
-            bias[:, column] = off
-            for side, values in (("down", below), ("up", above)):
-                half_width = dataset.get(f"{name}_{side}", dataset[name]).values
-                values[:, column] = half_width - off
-        absent = np.isnan(shown)
-        down, up = (np.sqrt(np.sum(np.where(absent, 0, v) ** 2, axis=1)) for v in (below, above))
-        up = up + np.where(absent, 0, bias).sum(axis=1)
-        nothing = absent.all(axis=1)
-        down, up = (np.where(nothing, np.nan, half_width) for half_width in (down, up))
         value = result[name].values
+        parts = _components(name, found, load.size)
         # a result at a physical limit, up to rounding, stays inside its own interval
-        lower = np.maximum(value - down, np.minimum(value, least.get(name, 0.0)))
-        upper = np.minimum(value + up, np.maximum(value, most.get(name, np.inf)))
-        columns[_uncertainty(name)] = (
-            ("load", "source"),
-            _bounded(np.column_stack([shown, np.maximum(down, up)])),
-            {"comment": _COMMENT},
-        )
-        for end, values in (("lower", lower), ("upper", upper)):
-            columns[f"{name}_{end}"] = ("load", _bounded(values), {"comment": _ENDS[end]})
+        low, high = np.minimum(value, least.get(name, 0.0)), np.maximum(value, most.get(name, np.inf))
+        for ending, sources in (("", SOURCES), ("map_", _OF_THE_MAP)):
+            lower, upper = _ends(value, parts, [SOURCES.index(source) for source in sources])
+            if not ending:
+                both = np.maximum(value - lower, upper - value)
+                shown = _bounded(np.column_stack([parts["shown"], both]))
+                columns[_uncertainty(name)] = (("load", "source"), shown, {"comment": _COMMENT})
+            ends = {"lower": np.maximum(lower, low), "upper": np.minimum(upper, high)}
+            for end, values in ends.items():
+                comment = {"comment": _ENDS[f"{ending}{end}"]}
+                columns[f"{name}_{ending}{end}"] = ("load", _bounded(values), comment)
     return xr.Dataset(columns, coords={"source": [*SOURCES, COMBINED]})
+
+
+def _components(
+    name: str, found: Mapping[UncertaintySource, xr.Dataset], loads: int
+) -> dict[str, np.ndarray]:
+    """Return the parts (load, source) of the uncertainty of one quantity, NaN where a source says nothing.
+
+    `shown` is the larger half-width; `down` and `up` are the half-widths without the known `bias`, which is
+    added linearly above; `shift_down` and `shift_up` are one-sided.
+    """
+    parts = {key: np.zeros((loads, len(SOURCES))) for key in ("down", "up", "bias", "shift_down", "shift_up")}
+    parts["shown"] = np.full((loads, len(SOURCES)), np.nan)
+    for source, dataset in found.items():
+        if name not in dataset:  # the answers have no solver uncertainty
+            continue
+        column = SOURCES.index(source)
+        parts["shown"][:, column] = dataset[name].values
+        if f"{name}_bias" in dataset:
+            parts["bias"][:, column] = dataset[f"{name}_bias"].values
+        for side in ("down", "up"):
+            shift = dataset.get(f"{name}_shift_{side}")
+            if shift is not None:
+                parts[f"shift_{side}"][:, column] = shift.values
+            symmetric = dataset[name] if shift is None else xr.zeros_like(dataset[name])
+            width = dataset.get(f"{name}_{side}", symmetric)
+            parts[side][:, column] = width.values - parts["bias"][:, column]
+    absent = np.isnan(parts["shown"])
+    return {key: np.where(absent, 0.0, part) if key != "shown" else part for key, part in parts.items()}
+
+
+def _ends(value: np.ndarray, parts: Mapping[str, np.ndarray], columns: list[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the ends of the interval of some sources; NaN where none of them says anything."""
+    down, up = (np.sqrt(np.sum(parts[side][:, columns] ** 2, axis=1)) for side in ("down", "up"))
+    up = up + parts["bias"][:, columns].sum(axis=1)
+    lower, upper = value - down, value + up
+    positive = np.where(value > 0, value, 1.0)
+    with np.errstate(invalid="ignore"):
+        lower = np.where(
+            value > 0,
+            lower * np.prod(np.maximum(1 - parts["shift_down"][:, columns] / positive[:, None], 0.0), axis=1),
+            lower - parts["shift_down"][:, columns].sum(axis=1),
+        )
+        upper = np.where(
+            value > 0,
+            upper * np.prod(1 + parts["shift_up"][:, columns] / positive[:, None], axis=1),
+            upper + parts["shift_up"][:, columns].sum(axis=1),
+        )
+    nothing = np.isnan(parts["shown"][:, columns]).all(axis=1)
+    return np.where(nothing, np.nan, lower), np.where(nothing, np.nan, upper)
+
+
+def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return what is known of the instrument: from the settings, the table of surfaces, the file.
+
+    Parameters
+    ----------
+    levelled : DataArray (y, x), m
+        whose attributes `instrument_{name}` hold what the table says of this map, and whose attribute
+        `instrument` (JSON) what the file says; of the latter the numerical aperture counts.
+    settings : mapping or None
+        section `instrument`, over which the table prevails; the file comes last.
+
+    Returns
+    -------
+    dict
+        the names of `INSTRUMENT` that are known.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> height = rough_reference_surface(64).assign_attrs(instrument_noise=1e-9)
+    >>> stated_instrument(height, {"noise": 2e-9, "tip_radius": None})
+    {'noise': 1e-09}
+    """
+    known = dict(settings or {})
+    of_file = json.loads(levelled.attrs.get("instrument", "{}") or "{}").get("numerical_aperture")
+    optics = ("numerical_aperture", "resolution", "tip_radius")
+    table = {key: levelled.attrs[f"instrument_{key}"] for key in INSTRUMENT if f"instrument_{key}" in levelled.attrs}
+    known |= table
+    if of_file and not any(known.get(key) for key in optics):
+        known["numerical_aperture"] = float(of_file)
+    return {key: value for key, value in known.items() if value is not None}
+
+
+def _material_uncertainty(solved: xr.Dataset, material: Mapping[str, float | None]) -> xr.Dataset:
+    """Return the uncertainty due to modulus and load; NaN where neither is stated."""
+    inputs = {key: value for key, value in material.items() if value}
+    if inputs:
+        return scaling_uncertainty(solved, inputs)
+    nothing = np.full(solved.sizes["load"], np.nan)
+    return xr.Dataset({name: ("load", nothing) for name in (*QUANTITIES, *answers_present(solved))})
+
+
+def _unresolved(
+    window: xr.DataArray,
+    curve: xr.Dataset,
+    solved: xr.Dataset,
+    settings: Mapping[str, Mapping[str, Any]],
+    instrument: Mapping[str, Any],
+) -> xr.Dataset:
+    """Return the uncertainty due to waves that are not resolved; none where the settings leave them out."""
+    shortest = float(curve["cutoff_wavelength"][0])
+    band = [settings.get("level", {}).get("s_filter"), settings.get("window", {}).get("shortest_wavelength")]
+    if max(each or 0.0 for each in band) >= _CHOSEN_BAND * shortest:
+        zeros = {name: ("load", np.zeros(solved.sizes["load"])) for name in (*QUANTITIES, *answers_present(solved))}
+        return xr.Dataset(zeros)
+    resolved, reference = shortest_transmitted(instrument), window
+    if resolved > shortest:
+        reference = restored(window, instrument, noise=instrument.get("noise") or 0.0)
+    if tip_radius := instrument.get("tip_radius"):
+        resolved = max(resolved, reliability_length(window, tip_radius))
+        reference = eroded(window, tip_radius)
+    growth = expected_growth(curve, resolved=resolved, reference=rms_gradient(reference))
+    finer = instrument.get("finer_spectrum")
+    if finer is None:
+        return unresolved_uncertainty(curve, solved, growth)
+    if not isinstance(finer, xr.DataArray):
+        finer = read_height_map(finer)
+    known = growth_by_finer_spectrum(window, level(finer, form="plane"))
+    last = growth.gradient / growth.octaves if growth.octaves else 0.0
+    octaves = min(known / last, 4.0) if last > 0 else 0.0
+    return unresolved_uncertainty(curve, solved, Growth(known, octaves, growth.level), known=True)
 
 
 def _count(contact: xr.Dataset) -> xr.Dataset:
