@@ -19,7 +19,7 @@ from roughcontact.statistics.contact_statistics import SOLUTION_COLUMNS, statist
 from roughcontact.statistics.first_yield import with_first_yield
 from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.statistics.targets import wanted_loads
-from roughcontact.uncertainty.budget import error_budget
+from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
 from roughcontact.variables import describe
 from roughcontact.window.periodic_window import periodic_window
 
@@ -58,8 +58,8 @@ def run_chain(
     height : DataArray (y, x), m
         as `read_height_map` returns it.
     settings : mapping
-        the sections `level`, `window`, `contact`, `statistics`, `uncertainty`, complete, as `resolve` returns
-        them.
+        the sections `level`, `window`, `contact`, `statistics`, `uncertainty`, `instrument`, complete, as
+        `resolve` returns them.
     threads : int
         threads of the solver.
     progress : callable, optional
@@ -137,7 +137,7 @@ def bound_error(
     levelled, window : DataArray (y, x), m
         the map levelled, and the part that is solved.
     settings : mapping
-        the sections `level`, `window`, `uncertainty`.
+        the sections `level`, `window`, `contact`, `uncertainty`, `instrument`.
     solver : mapping
         from `solver_arguments`.
 
@@ -146,7 +146,10 @@ def bound_error(
     Dataset
         as of `error_budget`.
     """
-    verbs = {"level": settings["level"], "window": settings["window"], "contact": solver}
+    stated = {key: settings["contact"][key] for key in MATERIAL_UNCERTAINTIES}
+    verbs = {key: settings[key] for key in ("level", "window", "instrument")} | {
+        "contact": {**solver, **stated}
+    }
     return error_budget(levelled, window, verbs, **settings["uncertainty"])
 
 

@@ -13,8 +13,12 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
 
 from roughcontact.configuration.messages import NAME_RULE, is_name, nearest
+from roughcontact.configuration.models import Instrument
 from roughcontact.errors import SettingsError
 from roughcontact.units import carries_unit, in_base_unit
 
@@ -23,7 +27,10 @@ NUMBERS = ("dx", "dy")
 TEXTS = ("channel", "unit", "height_unit", "resample", "checksum", "first_row")
 PAIR = "counter_face"
 PAIR_FIRST_ROW = "counter_face_first_row"
-COLUMNS = (*REQUIRED, PAIR, PAIR_FIRST_ROW, *TEXTS, *NUMBERS)
+INSTRUMENT = tuple(
+    key for key in Instrument.model_fields if key != "finer_spectrum"
+)  # prevail over the settings
+COLUMNS = (*REQUIRED, PAIR, PAIR_FIRST_ROW, *TEXTS, *NUMBERS, *INSTRUMENT)
 
 
 @dataclass(frozen=True)
@@ -49,7 +56,7 @@ class Surface:
     name: str
     path: Path
     origin: str
-    given: dict[str, str | float]
+    given: dict[str, Any]
     counter_face: Path | None = None
     counter_face_first_row: str = ""
 
@@ -156,7 +163,10 @@ def read_surfaces(
         if any(cells[len(header) :]):
             mistakes.append(f"line {line}: {len(cells)} cells, the header has {len(header)}")
         mistakes += _mistakes_in_row(row, line, surfaces)
-        given: dict[str, str | float] = {key: row[key] for key in TEXTS if row.get(key)}
+        given: dict[str, Any] = {key: row[key] for key in TEXTS if row.get(key)}
+        stated, wrong = _instrument(row, line)
+        mistakes += wrong
+        given |= {"instrument": stated} if stated else {}
         given |= {
             key: row[key] if carries_unit(row[key]) else _number(row[key]) for key in NUMBERS if row.get(key)
         }
@@ -309,6 +319,18 @@ def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Sur
     if not row.get("path"):
         mistakes.append(f"line {line}, path: is empty; give the file of surface {name}")
     return mistakes
+
+
+def _instrument(row: Mapping[str, str], line: int) -> tuple[dict[str, float], list[str]]:
+    """Return what a row says of its instrument, in SI units, and what is wrong with it."""
+    cells = {key: row[key] for key in INSTRUMENT if row.get(key)}
+    try:
+        return Instrument.model_validate(cells).model_dump(exclude_none=True), []
+    except ValidationError as error:
+        return {}, [
+            f"line {line}, {detail['loc'][0]} = {cells[str(detail['loc'][0])]!r}: {detail['msg']}"
+            for detail in error.errors()
+        ]
 
 
 def _length(text: str) -> float:

@@ -42,13 +42,21 @@ COMBINED = "combined"
 # endings of the variables that hold the results of ensemble members
 _ENSEMBLES: dict[UncertaintySource, str] = {"window": "parts", "processing": "choices"}
 # sources of the interval of this map in the band of waves that it holds
-_OF_THE_MAP: tuple[UncertaintySource, ...] = ("solver", "discretisation", "processing", "instrument", "material")
-# settings of the contact that are uncertainties, and the input whose they are
-_MATERIAL = {
+_OF_THE_MAP: tuple[UncertaintySource, ...] = (
+    "solver",
+    "discretisation",
+    "processing",
+    "instrument",
+    "material",
+)
+# settings of the contact that are uncertainties -> the input whose they are
+MATERIAL_UNCERTAINTIES = {
     "contact_modulus_uncertainty": "contact_modulus",
     "mean_pressure_uncertainty": "mean_pressure",
 }
-_CHOSEN_BAND = 2.0  # shortest wave that the settings keep, over two pixels, from which on it defines the result
+_CHOSEN_BAND = (
+    2.0  # shortest wave that the settings keep, over two pixels, from which on it defines the result
+)
 INSTRUMENT = (
     "noise",
     "resolution",
@@ -144,11 +152,11 @@ def error_budget(
         check_choice("uncertainty.sources", source, UncertaintySource)
     if "processing" in sources and "filled" not in levelled.coords and "periodisation" in window.attrs:
         raise HeightMapError(
-            "error_budget needs the map as `level` returns it, with its record of filled points; this one has none: "
-            "pass level(height, ...), or leave the source 'processing' out"
+            "error_budget needs the map as `level` returns it, with its record of filled points: pass "
+            "level(height, ...), or leave the source 'processing' out"
         )
-    contact = {key: value for key, value in settings["contact"].items() if key not in _MATERIAL}
-    material = {key: settings["contact"].get(name) for name, key in _MATERIAL.items()}
+    contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
+    material = {key: settings["contact"].get(name) for name, key in MATERIAL_UNCERTAINTIES.items()}
     coordinates = {"mean_pressure": ("load", np.asarray(contact["mean_pressure"], float))}
     # a load that does not converge gives NaN instead of ending the job
     lenient = {**contact, "on_failure": "flag"}
@@ -313,7 +321,9 @@ def _components(
     return {key: np.where(absent, 0.0, part) if key != "shown" else part for key, part in parts.items()}
 
 
-def _ends(value: np.ndarray, parts: Mapping[str, np.ndarray], columns: list[int]) -> tuple[np.ndarray, np.ndarray]:
+def _ends(
+    value: np.ndarray, parts: Mapping[str, np.ndarray], columns: list[int]
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the ends of the interval of some sources; NaN where none of them says anything."""
     down, up = (np.sqrt(np.sum(parts[side][:, columns] ** 2, axis=1)) for side in ("down", "up"))
     up = up + parts["bias"][:, columns].sum(axis=1)
@@ -360,7 +370,11 @@ def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None
     known = dict(settings or {})
     of_file = json.loads(levelled.attrs.get("instrument", "{}") or "{}").get("numerical_aperture")
     optics = ("numerical_aperture", "resolution", "tip_radius")
-    table = {key: levelled.attrs[f"instrument_{key}"] for key in INSTRUMENT if f"instrument_{key}" in levelled.attrs}
+    table = {
+        key: levelled.attrs[f"instrument_{key}"]
+        for key in INSTRUMENT
+        if f"instrument_{key}" in levelled.attrs
+    }
     known |= table
     if of_file and not any(known.get(key) for key in optics):
         known["numerical_aperture"] = float(of_file)
@@ -373,7 +387,7 @@ def _material_uncertainty(solved: xr.Dataset, material: Mapping[str, float | Non
     if inputs:
         return scaling_uncertainty(solved, inputs)
     nothing = np.full(solved.sizes["load"], np.nan)
-    return xr.Dataset({name: ("load", nothing) for name in (*QUANTITIES, *answers_present(solved))})
+    return xr.Dataset(dict.fromkeys((*QUANTITIES, *answers_present(solved)), ("load", nothing)))
 
 
 def _unresolved(
@@ -387,7 +401,9 @@ def _unresolved(
     shortest = float(curve["cutoff_wavelength"][0])
     band = [settings.get("level", {}).get("s_filter"), settings.get("window", {}).get("shortest_wavelength")]
     if max(each or 0.0 for each in band) >= _CHOSEN_BAND * shortest:
-        zeros = {name: ("load", np.zeros(solved.sizes["load"])) for name in (*QUANTITIES, *answers_present(solved))}
+        zeros = {
+            name: ("load", np.zeros(solved.sizes["load"])) for name in (*QUANTITIES, *answers_present(solved))
+        }
         return xr.Dataset(zeros)
     resolved, reference = shortest_transmitted(instrument), window
     if resolved > shortest:

@@ -3,14 +3,18 @@
 The result is that of the map as measured; the interval reaches to where the truth may be.
 
 * Amplification (calibration of the scales) follows from the solved curve (`scaling`).
-* Noise adds to the gradient: g^2 = g_true^2 + g_noise^2, so that the area comes out too small and pressure and
+* Noise adds to the gradient: g^2 = g_true^2 + g_noise^2, so that the area comes out too small and pressure
+and
   gap too large. The window is solved once more with the same noise added; the exponent d ln Q/d ln g that
-  follows from it takes the result back from g to g_true (simulation and extrapolation, Cook and Stefanski 1994).
-  On 43 measured and made maps with noise of 1 to 10 % of Sq the truth lay at 1.2 times this shift in the median,
-  at twice the shift in the outer tenth: half of the shift is added to it, and half is its uncertainty.
-* A lens, or a stated resolution, attenuates short waves. The window is solved once more with the transfer undone
+  follows from it takes the result back from g to g_true (simulation and extrapolation, Cook and Stefanski
+  1994). On 43 measured and made maps with noise of 1 to 10 % of Sq the truth lay at 1.2 times this shift in
+  the median, at twice the shift in the outer tenth: half of the shift is added to it, and half is its
+  uncertainty.
+* A lens, or a stated resolution, attenuates short waves. The window is solved once more with the transfer
+undone
   (`transfer.restored`).
-* A tip rounds peaks. The window is solved once more as the eroded map (`transfer.eroded`), which undoes it where
+* A tip rounds peaks. The window is solved once more as the eroded map (`transfer.eroded`), which undoes it
+where
   the tip touched.
 
 The last three are one-sided: each shifts the end of the interval on its side (JCGM 100:2008, F.2.4.5).
@@ -23,6 +27,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.errors import SettingsError
+from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.uncertainty.answers import answers_present, headline_and_answers
 from roughcontact.uncertainty.ensemble import solve_member
@@ -64,11 +70,14 @@ def instrument_uncertainty(
     Returns
     -------
     Dataset
-        along `load`, `{name}`, `{name}_down`, `{name}_up`: half-widths; `{name}_shift_down`, `{name}_shift_up`:
-        one-sided shifts of the ends, infinite where noise hides the surface. NaN where nothing is stated.
+        along `load`, `{name}`, `{name}_down`, `{name}_up`: half-widths; `{name}_shift_down`,
+        `{name}_shift_up`: one-sided shifts of the ends, infinite where noise hides the surface. NaN where
+        nothing is stated.
 
     Raises
     ------
+    SettingsError
+        as of `check_instrument`.
     ConvergenceError
         as of `solve_contact`.
 
@@ -84,6 +93,7 @@ def instrument_uncertainty(
     >>> found["relative_contact_area_shift_up"].item() > 0 == found["relative_contact_area_shift_down"].item()
     True
     """
+    check_instrument(window, instrument)
     names = (*QUANTITIES, *answers_present(solved))
     stated = {key: value for key, value in instrument.items() if key != "finer_spectrum" and value}
     scales = {key: stated[key] for key in _AMPLIFICATIONS if key in stated}
@@ -100,13 +110,55 @@ def instrument_uncertainty(
     return added_up(parts, names, solved)
 
 
+def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> None:
+    """Refuse statements about an instrument that cannot be true of a map.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+    instrument : mapping
+        as of `instrument_uncertainty`.
+
+    Raises
+    ------
+    SettingsError
+        for negative values, a tip larger than the map, a resolution finer than two pixels, noise above the
+        rms height of the map.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> check_instrument(rough_reference_surface(64), {"tip_radius": 10.0})
+    Traceback (most recent call last): ... roughcontact.errors.SettingsError: instrument.tip_radius = 10 m:
+    larger than the map (1 m); give it in m ...
+    """
+    length = max(n * step for n, step in zip(window.shape, spacing(window), strict=True) if n > 1)
+    pixel = max(step for n, step in zip(window.shape, spacing(window), strict=True) if n > 1)
+    rms_height = float(window.std())
+    for key, value in instrument.items():
+        if key != "finer_spectrum" and value is not None and not value >= 0:
+            raise SettingsError(f"instrument.{key} = {value:g}: give a number of 0 or more")
+    for key, refused, reason in (
+        ("tip_radius", lambda v: v > length, f"larger than the map ({length:.3g} m)"),
+        ("resolution", lambda v: 0 < v < 2 * pixel, f"finer than two pixels of the map ({2 * pixel:.3g} m)"),
+        ("noise", lambda v: v > rms_height, f"larger than the rms height of the map ({rms_height:.3g} m)"),
+    ):
+        value = instrument.get(key)
+        if value is not None and refused(value):
+            raise SettingsError(
+                f"instrument.{key} = {value:g} m: {reason}; give it in m or with its unit (2 um)",
+                keys=[f"instrument.{key}"],
+            )
+
+
 def added_up(parts: list[xr.Dataset], names: tuple[str, ...], solved: xr.Dataset) -> xr.Dataset:
-    """Return several uncertainties as one: half-widths in quadrature, shifts as the product of their factors.
+    """Return the sum of uncertainties: half-widths in quadrature, shifts as the product of their factors.
 
     Parameters
     ----------
     parts : list of Dataset
-        along `load`: `{name}_down`, `{name}_up`, `{name}_shift_down`, `{name}_shift_up`, each where it is known.
+        along `load`: `{name}_down`, `{name}_up`, `{name}_shift_down`, `{name}_shift_up`, each where it is
+        known.
     names : tuple of str
         the quantities.
     solved : Dataset
@@ -131,7 +183,9 @@ def added_up(parts: list[xr.Dataset], names: tuple[str, ...], solved: xr.Dataset
         sides = []
         for side, sign in (("down", -1.0), ("up", 1.0)):
             widths = [part[f"{name}_{side}"].values for part in parts if f"{name}_{side}" in part]
-            width = np.sqrt(sum((np.nan_to_num(w, posinf=np.inf) ** 2 for w in widths), np.zeros(value.shape)))
+            width = np.sqrt(
+                sum((np.nan_to_num(w, posinf=np.inf) ** 2 for w in widths), np.zeros(value.shape))
+            )
             shift = np.zeros(value.shape)
             for part in parts:
                 if f"{name}_shift_{side}" in part:
@@ -172,7 +226,9 @@ def one_sided(solved: xr.Dataset, changes: Mapping[str, np.ndarray], uncertainty
     >>> round(found["mean_gap_shift_up"].item(), 12), found["mean_gap_shift_down"].item()
     (1.0, 0.0)
     """
-    extended = {name: (1 + uncertainty) * np.nan_to_num(c, nan=0.0, posinf=np.inf) for name, c in changes.items()}
+    extended = {
+        name: (1 + uncertainty) * np.nan_to_num(c, nan=0.0, posinf=np.inf) for name, c in changes.items()
+    }
     sides = {name: (np.maximum(-c, 0.0), np.maximum(c, 0.0)) for name, c in extended.items()}
     return half_widths(solved, sides, ending="_shift")
 
@@ -211,7 +267,9 @@ def log_change(solved: xr.Dataset, other: Mapping[str, np.ndarray]) -> dict[str,
     return changes
 
 
-def _solve_again(window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset) -> dict[str, np.ndarray]:
+def _solve_again(
+    window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset
+) -> dict[str, np.ndarray]:
     """Return the results of a changed window."""
     count = headline_and_answers if answers_present(solved) else headline
     return solve_member(window, contact, tolerance=_TOLERANCE, count=count).values

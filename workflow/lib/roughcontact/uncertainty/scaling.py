@@ -1,14 +1,15 @@
 """Uncertainty of load, contact modulus and amplification, from the solved curve alone.
 
 The elastic contact of a surface depends on one number, the load over modulus times slope. With heights a,
-lengths b, modulus c and load d times as large, every result follows from the solution at the load p d b/(c a):
+lengths b, modulus c and load d times as large, every result follows from the solution at the load p d b/(c
+a):
 
     A(p) = A0,   u = a u0,   p_c = p d/A,   p_max = (c a/b) p_max0,   K/E* = kappa0/b,   gap height = a c0
 
-(Persson 2001, J. Chem. Phys. 115, 3840, for the area; exact for a linear elastic half-space without hardness).
-The sensitivity of the logarithm of a result to the logarithm of an input is therefore its explicit power plus
-the power of the input in the load times s = d ln Q/d ln p, the slope of the solved curve. No further
-solution is needed.
+(Persson 2001, J. Chem. Phys. 115, 3840, for the area; exact for a linear elastic half-space without
+hardness). The sensitivity of the logarithm of a result to the logarithm of an input is therefore its explicit
+power plus the power of the input in the load times s = d ln Q/d ln p, the slope of the solved curve. No
+further solution is needed.
 """
 
 import numpy as np
@@ -75,7 +76,8 @@ def log_slopes(solved: xr.Dataset) -> dict[str, np.ndarray]:
     Returns
     -------
     dict
-        quantity -> array (load); 0 where the quantity vanishes. A single load takes the slopes of small loads.
+        quantity -> array (load); 0 where the quantity vanishes. A single load takes the slopes of small
+        loads.
 
     Examples
     --------
@@ -145,8 +147,8 @@ def scaling_uncertainty(solved: xr.Dataset, inputs: dict[str, float]) -> xr.Data
     Returns
     -------
     Dataset
-        along `load`, `{name}`, `{name}_down` and `{name}_up`: half-widths of the 95 % interval, in the unit of
-        the quantity.
+        along `load`, `{name}`, `{name}_down` and `{name}_up`: half-widths of the 95 % interval, in the unit
+        of the quantity.
 
     References
     ----------
@@ -184,8 +186,8 @@ def half_widths(
     solved : Dataset
         the result: quantities along `load`, with `mean_pressure`.
     logarithms : dict
-        quantity -> half-widths (load) below and above, of ln Q; of the area those of ln erfinv(A). The pressure
-        in contact is the load over the area.
+        quantity -> half-widths (load) below and above, of ln Q; of the area those of ln erfinv(A). The
+        pressure in contact is the load over the area.
     relative_load : float
         relative uncertainty of the load, which counts for the pressure in contact by itself.
     ending : str
@@ -194,7 +196,8 @@ def half_widths(
     Returns
     -------
     Dataset
-        along `load`: `{name}{ending}_down` and `{name}{ending}_up`, and without an ending `{name}`, the larger one.
+        along `load`: `{name}{ending}_down` and `{name}{ending}_up`, and without an ending `{name}`, the
+        larger one.
 
     Examples
     --------

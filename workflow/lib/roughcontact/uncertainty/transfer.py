@@ -1,4 +1,4 @@
-"""What an instrument does to the waves of a surface: transfer functions, their inverse, tips, measurement noise.
+"""Effects of an instrument on a surface: transfer functions and their inverse, tips, measurement noise.
 
 The terms are those of ISO 25178-600:2019: measurement noise N_M, topographic spatial resolution W_R.
 """
@@ -12,7 +12,7 @@ import xarray as xr
 from scipy.ndimage import grey_erosion
 
 from roughcontact.fourier import wavevectors
-from roughcontact.maps import height_map, spacing
+from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import rms_gradient
 
 WAVELENGTH = 550e-9  # m, of the light where none is stated: the middle of the visible spectrum
@@ -25,9 +25,9 @@ _MAX_TIP_POINTS = 24  # half-width of the part of a tip that can touch two place
 def transfer(frequency: np.ndarray, instrument: Mapping[str, Any]) -> np.ndarray:
     """Return the share of the amplitude of a wave that an instrument transmits.
 
-    A lens of numerical aperture NA in incoherent light of the wavelength L transmits (2/pi) (acos v - v sqrt(1
-    - v^2)), v = f L/(2 NA), of a wave of the frequency f [1]_. An instrument of which the topographic spatial
-    resolution W_R is stated is taken to be a Gaussian that transmits half at the wavelength W_R.
+    A lens of numerical aperture NA in incoherent light of the wavelength L transmits (2/pi) (acos v - v
+    sqrt(1 - v^2)), v = f L/(2 NA), of a wave of the frequency f [1]_. An instrument of which the topographic
+    spatial resolution W_R is stated is taken to be a Gaussian that transmits half at the wavelength W_R.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def shortest_transmitted(instrument: Mapping[str, Any]) -> float:
     Examples
     --------
     >>> f"{shortest_transmitted({'resolution': 1e-6}):.3g}"
-    '6.56e-07'
+    '6.57e-07'
     """
     scale = max(
         (instrument.get("wavelength") or WAVELENGTH) / instrument["numerical_aperture"]
@@ -94,9 +94,9 @@ def shortest_transmitted(instrument: Mapping[str, Any]) -> float:
 def restored(window: xr.DataArray, instrument: Mapping[str, Any], *, noise: float = 0.0) -> xr.DataArray:
     """Return a periodic map with the known transfer of its instrument undone as far as it carries signal.
 
-    Waves are divided by what is transmitted of them, by no less than a fifth, where the power of their ring in
-    the spectrum is at least twice that of white noise: of the stated one, or, where the lens transmits nothing
-    of the shortest waves of the map, of what is measured there.
+    Waves are divided by what is transmitted of them, by no less than a fifth, where the power of their ring
+    in the spectrum is at least twice that of white noise: of the stated one, or, where the lens transmits
+    nothing of the shortest waves of the map, of what is measured there.
 
     Parameters
     ----------
@@ -135,7 +135,9 @@ def restored(window: xr.DataArray, instrument: Mapping[str, Any], *, noise: floa
     return window.copy(data=np.fft.irfft2(spectrum * gain, s=values.shape))
 
 
-def with_noise(window: xr.DataArray, noise: float, *, s_filter: float | None = None) -> tuple[xr.DataArray, float]:
+def with_noise(
+    window: xr.DataArray, noise: float, *, s_filter: float | None = None
+) -> tuple[xr.DataArray, float]:
     """Return a map with white noise added to it, and the rms gradient of that noise.
 
     Parameters
@@ -155,6 +157,7 @@ def with_noise(window: xr.DataArray, noise: float, *, s_filter: float | None = N
     Examples
     --------
     >>> import numpy as np
+    >>> from roughcontact.maps import height_map
     >>> noisy, gradient = with_noise(height_map(np.zeros((64, 64)), 1.0), 0.1)
     >>> f"{float(noisy.std()):.2f} {gradient / (0.1 * np.pi * np.sqrt(2 / 3)):.2f}"
     '0.10 1.00'
@@ -188,6 +191,7 @@ def eroded(window: xr.DataArray, tip_radius: float) -> xr.DataArray:
     Examples
     --------
     >>> import numpy as np
+    >>> from roughcontact.maps import height_map
     >>> x = np.arange(-16, 16.0)
     >>> traced = height_map(-(x[None, :] ** 2) / (2 * 50.0), 1.0)  # a spike, traced by a tip of radius 50
     >>> peak = eroded(traced, 50.0).values

@@ -1,16 +1,16 @@
 """Uncertainty due to the waves that a map does not resolve: at most an octave beyond its shortest wave.
 
-Most surfaces are rough below the pixel of their map. The rms gradient g(lambda) of the waves longer than lambda
-grows octave by octave; let d1 and d2 be the growth of ln g over the last and the last but one resolved octave.
-The next octave is expected to add
+Most surfaces are rough below the pixel of their map. The rms gradient g(lambda) of the waves longer than
+lambda grows octave by octave; let d1 and d2 be the growth of ln g over the last and the last but one resolved
+octave. The next octave is expected to add
 
     d = 1.3 d1 min(max(d1/d2, 1), 2),
 
-since pixels average over their own area and so hide a part of the last octave as well. On 27 measured maps with
-their pixels merged 2 x 2, d was between 0.6 and 1.9 times the gradient that was lost, 0.95 in the median. Each
-result may continue to change as it did over the last resolved octave, d/d1 times; the area by no less than Persson's
-law says, erfinv(A) ~ 1/g. The shifts are one-sided and widen the interval; they correct nothing. Two octaves
-cannot be extrapolated: errors then double.
+since pixels average over their own area and so hide a part of the last octave as well. On 27 measured maps
+with their pixels merged 2 x 2, d was between 0.6 and 1.9 times the gradient that was lost, 0.95 in the
+median. Each result may continue to change as it did over the last resolved octave, d/d1 times; the area by no
+less than Persson's law says, erfinv(A) ~ 1/g. The shifts are one-sided and widen the interval; they correct
+nothing. Two octaves cannot be extrapolated: errors then double.
 
 Where an instrument resolves less than its pixels (a lens, a tip), the trend is taken over the octaves that it
 does resolve, and continued to the pixels, at least one octave and at most two.
@@ -25,7 +25,6 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.maps import spacing
-from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.uncertainty.instrument import one_sided
 from roughcontact.uncertainty.scaling import AREA, PEAK, PRESSURE, effort
 
@@ -76,8 +75,8 @@ def expected_growth(curve: xr.Dataset, *, resolved: float = 0.0, reference: floa
     >>> import numpy as np
     >>> gradients = {"gradient_at_cutoff": ("cutoff", np.exp([0.0, -0.1, -0.2]))}
     >>> curve = xr.Dataset(coords={"cutoff_wavelength": ("cutoff", [2.0, 4.0, 8.0]), **gradients})
-    >>> round(expected_growth(curve).gradient, 3)
-    0.13
+    >>> f"{expected_growth(curve).gradient:.3f}"
+    '0.130'
     """
     wavelengths, gradients = curve["cutoff_wavelength"].values, curve["gradient_at_cutoff"].values
     if len(wavelengths) < 2 or not gradients.min() > 0:
@@ -87,8 +86,8 @@ def expected_growth(curve: xr.Dataset, *, resolved: float = 0.0, reference: floa
     logarithms = np.log(gradients[level:])
     last = max(logarithms[0] - logarithms[1], _SMALLEST_GROWTH)
     before = max(logarithms[1] - logarithms[2], _SMALLEST_GROWTH) if len(logarithms) > 2 else last
-    acceleration = min(max(last / before, 1.0), _LARGEST_ACCELERATION)
-    octaves = min(max(hidden, 1.0), _MAX_OCTAVES) * _MARGIN * acceleration
+    acceleration = float(np.clip(last / before, 1.0, _LARGEST_ACCELERATION))
+    octaves = float(np.clip(hidden, 1.0, _MAX_OCTAVES)) * _MARGIN * acceleration
     start = math.log((reference or gradients[0]) / gradients[level])
     return Growth(max(last * octaves - max(start, 0.0), 0.0), octaves, level)
 
@@ -97,8 +96,8 @@ def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> float
     """Return the growth of ln g by the waves that a finer map or profile of the same finish shows.
 
     Slopes along the lines of both are compared: up to the wavenumber q0 those of the window count, beyond it
-    those of the finer one. q0 is a quarter of the highest wavenumber of the window, where its pixels do not yet
-    attenuate, or the fourth wave of the finer line if that is shorter.
+    those of the finer one. q0 is a quarter of the highest wavenumber of the window, where its pixels do not
+    yet attenuate, or the fourth wave of the finer line if that is shorter.
 
     Parameters
     ----------
@@ -123,7 +122,7 @@ def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> float
     """
     own = [(q, c) for q, c in _line_spectra(window, periodic=True)]
     fine = _line_spectra(finer, periodic=False)
-    limit = max(min(q[-1] for q, _ in own) / 4, max(4 * q[1] for q, _ in fine))
+    limit = max([min(q[-1] for q, _ in own) / 4, *(4 * q[1] for q, _ in fine)])
     kept = sum(float(np.sum(c[q <= limit])) for q, c in own) / len(own)
     whole = sum(float(np.sum(c)) for _, c in own) / len(own)
     added = sum(float(np.sum(c[q > limit])) for q, c in fine) / len(fine)
@@ -132,7 +131,9 @@ def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> float
     return max(0.5 * math.log((kept + added) / whole), 0.0)
 
 
-def unresolved_uncertainty(curve: xr.Dataset, solved: xr.Dataset, growth: Growth, *, known: bool = False) -> xr.Dataset:
+def unresolved_uncertainty(
+    curve: xr.Dataset, solved: xr.Dataset, growth: Growth, *, known: bool = False
+) -> xr.Dataset:
     """Return one-sided uncertainties due to waves that are not resolved.
 
     Parameters
@@ -149,13 +150,14 @@ def unresolved_uncertainty(curve: xr.Dataset, solved: xr.Dataset, growth: Growth
     Returns
     -------
     Dataset
-        along `load` as of `one_sided`, with `{name}`; the largest pressure has no upper end (infinite) where the
-        gradient has not converged and is not known.
+        along `load` as of `one_sided`, with `{name}`; the largest pressure has no upper end (infinite) where
+        the gradient has not converged and is not known.
 
     Examples
     --------
     >>> import numpy as np
-    >>> solved = xr.Dataset({name: ("load", [0.1]) for name in QUANTITIES} | {"mean_pressure": ("load", [1.0])})
+    >>> from roughcontact.uncertainty.headline import QUANTITIES
+    >>> solved = xr.Dataset({name: ("load", [0.1]) for name in (*QUANTITIES, "mean_pressure")})
     >>> levels = {f"{name}_at_cutoff": (("load", "cutoff"), [[0.1, 0.12]]) for name in QUANTITIES}
     >>> found = unresolved_uncertainty(xr.Dataset(levels), solved, Growth(0.5, 1.3, 0))
     >>> found["max_pressure_shift_up"].item(), found["relative_contact_area_shift_down"].item() > 0.03
@@ -171,7 +173,8 @@ def unresolved_uncertainty(curve: xr.Dataset, solved: xr.Dataset, growth: Growth
             changes[name] = np.zeros(levels.shape[0])
             continue
         fine, coarse = (
-            np.nan_to_num(effort(v) if name == AREA else v) for v in levels[:, growth.level : growth.level + 2].T
+            np.nan_to_num(effort(v) if name == AREA else v)
+            for v in levels[:, growth.level : growth.level + 2].T
         )
         usable = (fine > 0) & (coarse > 0)
         change = np.log(np.where(usable, fine, 1.0)) - np.log(np.where(usable, coarse, 1.0))
@@ -192,7 +195,7 @@ def unresolved_uncertainty(curve: xr.Dataset, solved: xr.Dataset, growth: Growth
 
 
 def _line_spectra(height: xr.DataArray, *, periodic: bool) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return, for each axis with lines, wavenumbers and the contributions of their waves to the mean square slope."""
+    """Return for each axis with lines the wavenumbers and their contributions to the mean square slope."""
     found = []
     for axis, step in enumerate(spacing(height)):
         points = height.shape[axis]
