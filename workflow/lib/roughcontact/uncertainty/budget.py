@@ -266,7 +266,7 @@ def combine(
     >>> result["mean_pressure"] = ("load", [0.2])
     >>> found = combine({"solver": solver, "discretisation": pixels}, result)
     >>> found["mean_gap_uncertainty"].values
-    array([[0.3, 0.4, nan, nan, 0.5]])
+    array([[0.3, 0.4, nan, nan, nan, nan, nan, 0.5]])
     >>> [round(found[f"relative_contact_area_{end}"].item(), 2) for end in ("lower", "upper")]
     [0.1, 1.0]
     """

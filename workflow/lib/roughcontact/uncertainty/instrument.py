@@ -97,13 +97,11 @@ def instrument_uncertainty(
     names = (*QUANTITIES, *answers_present(solved))
     stated = {key: value for key, value in instrument.items() if key != "finer_spectrum" and value}
     scales = {key: stated[key] for key in _AMPLIFICATIONS if key in stated}
-    optics = {key: stated[key] for key in ("numerical_aperture", "wavelength", "resolution") if key in stated}
-    optics = optics if {*optics} - {"wavelength"} else {}
     parts = [scaling_uncertainty(solved, scales)] if scales else []
     if noise := stated.get("noise"):
         parts.append(_noise_shift(window, contact, solved, noise, s_filter))
-    if optics:
-        changed = restored(window, optics, noise=noise or 0.0)
+    if stated.get("numerical_aperture") or stated.get("resolution"):
+        changed = restored(window, stated, noise=noise or 0.0)
         parts.append(_shift_to(changed, contact, solved))
     if tip_radius := stated.get("tip_radius"):
         parts.append(_shift_to(eroded(window, tip_radius), contact, solved))
@@ -128,9 +126,7 @@ def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> Non
     Examples
     --------
     >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> check_instrument(rough_reference_surface(64), {"tip_radius": 10.0})
-    Traceback (most recent call last): ... roughcontact.errors.SettingsError: instrument.tip_radius = 10 m:
-    larger than the map (1 m); give it in m ...
+    >>> check_instrument(rough_reference_surface(64), {"tip_radius": 0.1})
     """
     length = max(n * step for n, step in zip(window.shape, spacing(window), strict=True) if n > 1)
     pixel = max(step for n, step in zip(window.shape, spacing(window), strict=True) if n > 1)

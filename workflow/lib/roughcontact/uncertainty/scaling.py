@@ -217,7 +217,7 @@ def half_widths(
         else:
             with np.errstate(over="ignore"):
                 widths[name] = -value * np.expm1(-down), _product(value, np.expm1(up))
-    found = {}
+    found: dict[str, tuple[str, np.ndarray]] = {}
     for name, (down, up) in widths.items():
         found |= {f"{name}{ending}_down": ("load", down), f"{name}{ending}_up": ("load", up)}
         if not ending:
