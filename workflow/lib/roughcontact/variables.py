@@ -198,6 +198,11 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     # the magnification curve
     "cutoff_wavelength": ("m", "shortest wave that is kept"),
     "gradient_at_cutoff": ("1", "spectral root mean square gradient of the waves that are kept"),
+    # the components of the intervals
+    "degrees_of_freedom": ("1", "degrees of freedom of each uncertainty source"),
+    "coverage_factor": ("1", "expanded over standard uncertainty of each source"),
+    "evaluation_type": (None, "A: evaluated by statistics, B: by other means (JCGM 100, 2.3)"),
+    "input": (None, "input that a result is sensitive to"),
     # labels
     "source": (None, "what an uncertainty comes from; combined: root of the sum of their squares"),
     "choice": (None, "what was done otherwise than the settings say"),
@@ -221,11 +226,21 @@ _OF_INTERVALS = {
     "uncertainty": "half-width of the 95 % interval of the {}",
     "lower": "lower end of the 95 % interval of the {}",
     "upper": "upper end of the 95 % interval of the {}; none where nothing bounds it",
+    "estimate": "value of the {} that the components of its interval refer to",
+    "down": "components of the lower half-width of the {}, without a bias",
+    "up": "components of the upper half-width of the {}, without a bias",
+    "bias": "known bias of the {}, added to its upper end",
+    "shift_down": "one-sided shifts of the lower end of the {}",
+    "shift_up": "one-sided shifts of the upper end of the {}; NaN: without an end",
     "map_lower": "lower end of the 95 % interval of the {}, of this map and the waves that it holds",
     "map_upper": "upper end of the 95 % interval of the {}, of this map and the waves that it holds",
     "parts": "{} of each part of the window, solved by itself",
     "choices": "{} with other choices of processing",
     "at_cutoff": "{} of the waves that are kept, by the shortest of them",
+}
+VARIABLES |= {
+    f"{name}_sensitivity": ("1", f"d ln Q/d ln input of the {words}")
+    for name, (_, words) in _WITH_INTERVAL.items()
 }
 VARIABLES |= {
     f"{name}_{ending}": (unit, text.format(words))

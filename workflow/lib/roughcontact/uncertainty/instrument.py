@@ -20,6 +20,7 @@ where
 The last three are one-sided: each shifts the end of the interval on its side (JCGM 100:2008, F.2.4.5).
 """
 
+import json
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -40,6 +41,17 @@ _TOLERANCE = 1e-3  # of the pressure
 _NOISE_MARGIN = 0.5  # of the shift by noise, added to it and taken for its uncertainty
 _RESTORING_UNCERTAINTY = 0.25  # of the shift by a lens or a tip
 _MOST_NOISE = 0.95  # of g^2; a map with more noise says nothing of its surface
+# keys of the section `instrument`
+INSTRUMENT = (
+    "noise",
+    "resolution",
+    "numerical_aperture",
+    "wavelength",
+    "tip_radius",
+    "amplification_z",
+    "amplification_xy",
+    "finer_spectrum",
+)
 _AMPLIFICATIONS = ("amplification_z", "amplification_xy")
 
 
@@ -223,7 +235,8 @@ def one_sided(solved: xr.Dataset, changes: Mapping[str, np.ndarray], uncertainty
     (1.0, 0.0)
     """
     extended = {
-        name: (1 + uncertainty) * np.nan_to_num(c, nan=0.0, posinf=np.inf) for name, c in changes.items()
+        name: (1 + uncertainty) * np.nan_to_num(c, nan=0.0, posinf=np.inf, neginf=-np.inf)
+        for name, c in changes.items()
     }
     sides = {name: (np.maximum(-c, 0.0), np.maximum(c, 0.0)) for name, c in extended.items()}
     return half_widths(solved, sides, ending="_shift")
@@ -292,3 +305,40 @@ def _noise_shift(
     with np.errstate(invalid="ignore"):
         without = {name: np.where(change == 0, 0.0, -change * back) for name, change in changes.items()}
     return one_sided(solved, without, 2 * _NOISE_MARGIN)
+
+
+def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return what is known of the instrument: from the settings, the table of surfaces, the file.
+
+    Parameters
+    ----------
+    levelled : DataArray (y, x), m
+        whose attributes `instrument_{name}` hold what the table says of this map, and whose attribute
+        `instrument` (JSON) what the file says; of the latter the numerical aperture counts.
+    settings : mapping or None
+        section `instrument`, over which the table prevails; the file comes last.
+
+    Returns
+    -------
+    dict
+        the names of `INSTRUMENT` that are known.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> height = rough_reference_surface(64).assign_attrs(instrument_noise=1e-9)
+    >>> stated_instrument(height, {"noise": 2e-9, "tip_radius": None})
+    {'noise': 1e-09}
+    """
+    known = dict(settings or {})
+    of_file = json.loads(levelled.attrs.get("instrument", "{}") or "{}").get("numerical_aperture")
+    optics = ("numerical_aperture", "resolution", "tip_radius")
+    table = {
+        key: levelled.attrs[f"instrument_{key}"]
+        for key in INSTRUMENT
+        if f"instrument_{key}" in levelled.attrs
+    }
+    known |= table
+    if of_file and not any(known.get(key) for key in optics):
+        known["numerical_aperture"] = float(of_file)
+    return {key: value for key, value in known.items() if value is not None}

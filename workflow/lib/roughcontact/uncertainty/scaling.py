@@ -71,7 +71,7 @@ def log_slopes(solved: xr.Dataset) -> dict[str, np.ndarray]:
     Parameters
     ----------
     solved : Dataset
-        `QUANTITIES` and answers along `load`, with `mean_pressure`.
+        `QUANTITIES` and answers along `load`, with `mean_pressure`, and `contact_modulus`.
 
     Returns
     -------
@@ -101,37 +101,65 @@ def log_slopes(solved: xr.Dataset) -> dict[str, np.ndarray]:
             kept = order[positive[order]]
             slope[kept] = np.gradient(np.log(values[kept]), load[kept])
         slopes[name] = np.where(positive, slope, 0.0)
+    if CONDUCTANCE in solved and "contact_modulus" in solved:
+        # of the gap it is exact: d u/d p = -1/K
+        stiffness = solved[CONDUCTANCE].values * float(solved["contact_modulus"])
+        gap = solved[GAP].values
+        usable = (gap > 0) & (stiffness > 0)
+        exact = -np.exp(load) / np.where(usable, stiffness * gap, 1.0)
+        slopes[GAP] = np.where(usable, exact, slopes[GAP])
     return slopes
 
 
-def log_sensitivities(solved: xr.Dataset, source: str) -> dict[str, np.ndarray]:
-    """Return d ln Q/d ln(input) of each result; of the area that of its effort.
-
-    Parameters
-    ----------
-    solved : Dataset
-        as of `log_slopes`.
-    source : str
-        input: `mean_pressure`, `contact_modulus`, `amplification_z` or `amplification_xy`.
-
-    Returns
-    -------
-    dict
-        quantity -> array (load), without the pressure in contact, which follows from the area.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> solved = xr.Dataset({name: ("load", [0.1, 0.2]) for name in QUANTITIES})
-    >>> solved["mean_pressure"] = ("load", [1.0, 2.0])
-    >>> log_sensitivities(solved, "contact_modulus")["max_pressure"].round(3).tolist()
-    [0.0, 0.0]
-    """
+def _sensitivities(solved: xr.Dataset, source: str) -> dict[str, np.ndarray]:
+    """Return d ln Q/d ln(input), of the area that of its effort; the pressure in contact follows from it."""
     found = {}
     for name, slope in log_slopes(solved).items():
         like = GAP if name in ANSWERS[1:] else name
         found[name] = _EXPLICIT_POWER.get((source, like), 0.0) + _POWER_IN_LOAD[source] * slope
     return found
+
+
+def log_sensitivities(solved: xr.Dataset) -> xr.Dataset:
+    """Return the sensitivity of each result to load, modulus and scales: percent by percent.
+
+    Parameters
+    ----------
+    solved : Dataset
+        as of `log_slopes`.
+
+    Returns
+    -------
+    Dataset
+        `{quantity}_sensitivity` (load, input), d ln Q/d ln(input).
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> solved = xr.Dataset({name: ("load", [0.01, 0.02]) for name in QUANTITIES})
+    >>> solved["mean_pressure"] = ("load", [1.0, 2.0])
+    >>> log_sensitivities(solved)["relative_contact_area_sensitivity"].round(2).values[0].tolist()
+    [1.0, -1.0, -1.0, 1.0]
+    """
+    inputs = list(_POWER_IN_LOAD)
+    area = solved[AREA].values
+    x = effort(area)
+    # d ln A/d ln x of A = erf(x)
+    slope = np.where(area > 0, 2 / np.sqrt(np.pi) * x * np.exp(-(x**2)) / np.where(area > 0, area, 1.0), 0.0)
+    columns: dict[str, list[np.ndarray]] = {}
+    for source in inputs:
+        found = _sensitivities(solved, source)
+        found[AREA] = slope * found[AREA]
+        found[PRESSURE] = _EXPLICIT_POWER.get((source, PRESSURE), 0.0) - found[AREA]
+        for name, values in found.items():
+            columns.setdefault(name, []).append(values)
+    return xr.Dataset(
+        {
+            f"{name}_sensitivity": (("load", "input"), np.stack(each, axis=1))
+            for name, each in columns.items()
+        },
+        coords={"input": inputs},
+    )
 
 
 def scaling_uncertainty(solved: xr.Dataset, inputs: dict[str, float]) -> xr.Dataset:
@@ -165,7 +193,7 @@ def scaling_uncertainty(solved: xr.Dataset, inputs: dict[str, float]) -> xr.Data
     """
     squares: dict[str, np.ndarray] = {}
     for source, width in inputs.items():
-        for name, sensitivity in log_sensitivities(solved, source).items():
+        for name, sensitivity in _sensitivities(solved, source).items():
             squares[name] = squares.get(name, 0.0) + (width * sensitivity) ** 2
     logarithms = {name: np.sqrt(square) for name, square in squares.items()}
     relative_load = inputs.get("mean_pressure", 0.0)
@@ -216,7 +244,8 @@ def half_widths(
             widths[PRESSURE] = _pressure_half_widths(solved, *widths[name], relative_load)
         else:
             with np.errstate(over="ignore"):
-                widths[name] = -value * np.expm1(-down), _product(value, np.expm1(up))
+                factor = np.expm1(up)
+            widths[name] = -value * np.expm1(-down), _product(value, factor)
     found: dict[str, tuple[str, np.ndarray]] = {}
     for name, (down, up) in widths.items():
         found |= {f"{name}{ending}_down": ("load", down), f"{name}{ending}_up": ("load", up)}
@@ -239,4 +268,5 @@ def _pressure_half_widths(
 
 def _product(value: np.ndarray, factor: np.ndarray) -> np.ndarray:
     """Return the product; zero times infinity is zero."""
-    return np.where(value == 0, 0.0, value * np.where(value == 0, 0.0, factor))
+    with np.errstate(over="ignore"):
+        return value * np.where(value == 0, 0.0, factor)

@@ -19,15 +19,25 @@ The spectrum of a finer map or profile of the same finish replaces the trend.
 """
 
 import math
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from roughcontact.io.read import read_height_map
+from roughcontact.levelling.level import level
 from roughcontact.maps import spacing
+from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.uncertainty.answers import answers_present
+from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.uncertainty.instrument import one_sided
 from roughcontact.uncertainty.scaling import AREA, PEAK, PRESSURE, effort
+from roughcontact.uncertainty.transfer import eroded, reliability_length, restored, shortest_transmitted
 
+_CHOSEN_BAND = (
+    2.0  # shortest wave that the settings keep, over two pixels, from which on it defines the result
+)
 _MARGIN = 1.3  # on the growth of the gradient over the next octave
 _LARGEST_ACCELERATION = 2.0  # of that growth, from octave to octave
 _MAX_OCTAVES = 2.0
@@ -156,7 +166,6 @@ def unresolved_uncertainty(
     Examples
     --------
     >>> import numpy as np
-    >>> from roughcontact.uncertainty.headline import QUANTITIES
     >>> solved = xr.Dataset({name: ("load", [0.1]) for name in (*QUANTITIES, "mean_pressure")})
     >>> levels = {f"{name}_at_cutoff": (("load", "cutoff"), [[0.1, 0.12]]) for name in QUANTITIES}
     >>> found = unresolved_uncertainty(xr.Dataset(levels), solved, Growth(0.5, 1.3, 0))
@@ -211,3 +220,56 @@ def _line_spectra(height: xr.DataArray, *, periodic: bool) -> list[tuple[np.ndar
         q = 2 * np.pi * np.fft.rfftfreq(points, step)
         found.append((q, power * q**2))
     return found
+
+
+def waves_not_resolved(
+    window: xr.DataArray,
+    curve: xr.Dataset,
+    solved: xr.Dataset,
+    settings: Mapping[str, Mapping[str, Any]],
+    instrument: Mapping[str, Any],
+) -> xr.Dataset:
+    """Return the uncertainty due to waves that a map does not resolve, by its trend or a finer spectrum.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+    curve : Dataset
+        from `magnification_curve`.
+    solved : Dataset
+        the result: quantities along `load`.
+    settings : mapping
+        sections `level` and `window`. Where they leave out the waves below four pixels (S-filter, band),
+        these define what is measured, and nothing is added for shorter ones.
+    instrument : mapping
+        what is known of it; `finer_spectrum` is a path or a map (y, x; m).
+
+    Returns
+    -------
+    Dataset
+        as of `unresolved_uncertainty`.
+    """
+    shortest = float(curve["cutoff_wavelength"][0])
+    band = [settings.get("level", {}).get("s_filter"), settings.get("window", {}).get("shortest_wavelength")]
+    if max(each or 0.0 for each in band) >= _CHOSEN_BAND * shortest:
+        zeros = {
+            name: ("load", np.zeros(solved.sizes["load"])) for name in (*QUANTITIES, *answers_present(solved))
+        }
+        return xr.Dataset(zeros)
+    resolved, reference = shortest_transmitted(instrument), window
+    if resolved > shortest:
+        reference = restored(window, instrument, noise=instrument.get("noise") or 0.0)
+    if tip_radius := instrument.get("tip_radius"):
+        resolved = max(resolved, reliability_length(window, tip_radius))
+        reference = eroded(window, tip_radius)
+    growth = expected_growth(curve, resolved=resolved, reference=rms_gradient(reference))
+    finer = instrument.get("finer_spectrum")
+    if finer is None:
+        return unresolved_uncertainty(curve, solved, growth)
+    if not isinstance(finer, xr.DataArray):
+        finer = read_height_map(finer)
+    known = growth_by_finer_spectrum(window, level(finer, form="plane"))
+    last = growth.gradient / growth.octaves if growth.octaves else 0.0
+    octaves = min(known / last, 4.0) if last > 0 else 0.0
+    return unresolved_uncertainty(curve, solved, Growth(known, octaves, growth.level), known=True)
