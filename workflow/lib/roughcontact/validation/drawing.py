@@ -1,6 +1,6 @@
 """The figures of the validation page."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -81,9 +81,7 @@ def error_chart(
     errors: Sequence[tuple[str, np.ndarray, float]],
     sizes: Sequence[int],
     *,
-    x: str,
     y: str,
-    title: str | None = None,
 ) -> str:
     """Draw errors against the number of points, logarithmic, with lines of slope 1 and 2 beside them.
 
@@ -118,16 +116,16 @@ def error_chart(
                 color=COLOURS[index],
                 label=f"{label}: {fitted:.2f}",
             )
-        axes.set(xscale="log", yscale="log", xlabel=x, ylabel=y)
+        axes.set(xscale="log", yscale="log", xlabel="points per wave", ylabel=y)
         axes.set_xticks(sizes, [str(size) for size in sizes])
         axes.minorticks_off()
-        figure.legend(loc="outside lower center", ncols=2, title=title, title_fontsize=8)
+        figure.legend(loc="outside lower center", ncols=2, title="fitted orders", title_fontsize=8)
         return as_svg(figure)
 
 
 def area_chart(
     line_loads: np.ndarray,
-    lines: Sequence[tuple[str, np.ndarray]],
+    theories: Mapping[str, np.ndarray],
     loads: np.ndarray,
     areas: np.ndarray,
 ) -> str:
@@ -137,7 +135,8 @@ def area_chart(
     ----------
     line_loads : array
         p' = p̄/(E* g) of the theories.
-    lines : list of (label, areas at those loads)
+    theories : dict
+        areas at those loads by label.
     loads : array (load)
         p' of the maps.
     areas : array (map, load)
@@ -149,7 +148,7 @@ def area_chart(
     """
     with new_figure(5.2, 3.8) as figure:
         axes = figure.add_subplot()
-        for index, (label, values) in enumerate(lines):
+        for index, (label, values) in enumerate(theories.items()):
             style = _KNOWN | {"color": _SHADES[index], "linestyle": _LINES[index]}
             axes.plot(line_loads, values / line_loads, label=label, **style)
         low, high = areas.min(axis=0) / loads, areas.max(axis=0) / loads
