@@ -26,22 +26,7 @@ _SHORTEST = 6.0  # points
 def master_surface(kind: Kind, points: int, *, longest: float, seed: int, hurst: float = 0.8) -> xr.DataArray:
     """Return a periodic surface of a kind, of unit side and rms gradient 0.1.
 
-    Parameters
-    ----------
-    kind : str
-        one of `KINDS`.
-    points : int
-        along each side.
-    longest : float
-        wavelength of the longest waves, of the side.
-    seed : int
-        of the random numbers.
-    hurst : float
-        Hurst exponent of the roughness.
-
-    Returns
-    -------
-    DataArray (y, x)
+    `longest` is the wavelength of the longest waves over the side; `hurst` is that of the roughness.
 
     Examples
     --------
@@ -79,20 +64,8 @@ def cut_out(
 ) -> xr.DataArray:
     """Return a map as an instrument would deliver it: cut out of a surface, tilted, with spots missing.
 
-    Parameters
-    ----------
-    master : DataArray (y, x)
-        periodic.
-    side : int
-        points along each side of the map.
-    generator : Generator
-        of place, tilt, spots and fault.
-    fault : str
-        "bow": a paraboloid, 0.4 rms heights high, on top; "spikes": ten points 6 to 20 rms heights off.
-
-    Returns
-    -------
-    DataArray (y, x)
+    `side` is in points; `generator` draws place, tilt, spots and fault. A bow is a paraboloid on top, 0.4 rms
+    heights high; spikes are ten points that are 6 to 20 rms heights off.
 
     Examples
     --------
