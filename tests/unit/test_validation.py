@@ -75,6 +75,14 @@ def test_the_evidence_of_every_line_is_there(parts):
         assert f"def {test}(" in (ROOT / file).read_text(), evidence.test
 
 
+def test_every_evidence_of_the_table_has_a_line(parts):
+    table = ROOT / "workflow/lib/roughcontact/validation/tables/evidence.tsv"
+    with table.open(newline="", encoding="utf-8") as file:
+        kept = [row[2:] for row in csv.reader(file, delimiter="\t", quoting=csv.QUOTE_NONE)][1:]
+    used = {line.evidence for part in parts.values() for line in part.lines}
+    assert {tuple(row) for row in kept} == {(e.formula, e.source, e.code, e.test) for e in used}
+
+
 def test_the_papers_figures_carry_their_deviation(parts):
     titles = [figure.title for figure in parts["paper"].figures]
     assert titles[:4] == ["Figure 1", "Figure 2", "Figure 3a", "Figure 3b"]
