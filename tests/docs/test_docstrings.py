@@ -11,10 +11,14 @@ from numpydoc.docscrape import NumpyDocString
 import roughcontact
 from roughcontact.kernels import array_api, compiled, protocol
 
+# programs, what is no module of Python, and the parts of the validation, which nobody else calls
+LEFT_OUT = ("__main__", "libkernels")
+PARTS_OF_THE_VALIDATION = "roughcontact.validation."
 MODULES = [
     module.name
     for module in pkgutil.walk_packages(roughcontact.__path__, "roughcontact.")
-    if not module.name.endswith(("__main__", "libkernels"))  # programs, and what is no module of Python
+    if not module.name.endswith(LEFT_OUT)
+    and (not module.name.startswith(PARTS_OF_THE_VALIDATION) or module.name.endswith(".parts"))
 ]
 IMPLEMENTED = {
     protocol.Kernels: array_api,
