@@ -78,10 +78,6 @@ def runs_around(inside: np.ndarray) -> tuple[bool, bool]:
     inside : bool array (ny, nx)
         True for the points of the regions, connected as in `connected_regions`.
 
-    Returns
-    -------
-    along_y, along_x : bool
-
     Examples
     --------
     A diagonal percolates along both axes if its points share edges, along none if they do not.

@@ -43,12 +43,7 @@ class Doubt(NamedTuple):
     meant: tuple[float, ...]
 
     def question(self) -> str:
-        """Return the doubt as the second half of a sentence.
-
-        Returns
-        -------
-        str
-        """
+        """Return the doubt as the second half of a sentence."""
         likely = " or ".join(quantity(value, "Pa") for value in self.meant[:2])
         return f"{self.reason}; did you mean {likely}?" if likely else self.reason
 
@@ -182,7 +177,6 @@ def doubt_of_load(mean_pressure: float, contact_modulus: float) -> Doubt | None:
 
     Parameters
     ----------
-    mean_pressure : float, Pa
     contact_modulus : float, Pa
         E*.
 
@@ -224,7 +218,6 @@ def doubt_of_hardness(hardness: float, modulus: float) -> Doubt | None:
 
     Parameters
     ----------
-    hardness : float, Pa
     modulus : float, Pa
         Young's modulus of the body, or the contact modulus, which is not above it by much.
 

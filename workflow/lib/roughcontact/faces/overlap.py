@@ -20,7 +20,6 @@ def check_pair(lower: Face, upper: Face, shift: Sequence[float], rotation: float
     lower, upper : Face
         face and counter-face.
     shift : (y, x), m
-    rotation : float, degree
 
     Raises
     ------
@@ -46,25 +45,12 @@ def check_pair(lower: Face, upper: Face, shift: Sequence[float], rotation: float
 
 
 def pair_name(lower: Face, upper: Face) -> str:
-    """Return the name of the pair, from both file names.
-
-    Parameters
-    ----------
-    lower, upper : Face
-
-    Returns
-    -------
-    str
-    """
+    """Return the name of the pair, from both file names."""
     return f"{lower.name} + {upper.name}"
 
 
 def cosine_and_sine(rotation: float) -> tuple[float, float]:
     """Return cosine and sine of an angle, exact at right angles.
-
-    Parameters
-    ----------
-    rotation : float, degree
 
     Returns
     -------
@@ -112,13 +98,8 @@ def common_period(lower: Face, upper: Face, turn: tuple[float, float]) -> bool:
 
     Parameters
     ----------
-    lower, upper : Face
     turn : (cosine, sine)
         of the rotation of the upper one.
-
-    Returns
-    -------
-    bool
     """
     lengths = along_axes(upper.lengths, turn)
     return bool(
@@ -138,7 +119,6 @@ def common_grid(
 
     Parameters
     ----------
-    lower, upper : Face
     turn : (cosine, sine)
         of the rotation of the upper one.
     shift : (y, x), m
@@ -185,7 +165,6 @@ def covered_share(lower: Face, positions: Sequence[np.ndarray]) -> float:
 
     Parameters
     ----------
-    lower : Face
     positions : [y, x], arrays in m
         from `common_grid`.
 

@@ -72,15 +72,10 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
 
     Parameters
     ----------
-    file : MeasuredFile
     request : Request
         Channel, steps, units and the way of resampling, as far as the user gives them.
     path : Path
         Named by the messages.
-
-    Returns
-    -------
-    Converted
 
     Raises
     ------

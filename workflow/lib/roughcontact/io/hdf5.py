@@ -25,10 +25,6 @@ _DEEPEST = 32  # groups within each other; the netCDF library goes down by recur
 def opened(path: Path) -> Iterator["h5py.File"]:
     """Open an HDF5 file to be read, with every error as one of this project.
 
-    Parameters
-    ----------
-    path : Path
-
     Yields
     ------
     h5py.File
@@ -51,10 +47,6 @@ def opened(path: Path) -> Iterator["h5py.File"]:
 
 def datasets(path: Path) -> dict[str, tuple[int, ...]]:
     """Return the shapes of all arrays of a file by their names, and refuse what lies outside it.
-
-    Parameters
-    ----------
-    path : Path
 
     Returns
     -------

@@ -43,10 +43,6 @@ ANY = Kind("", step=(1e-12, 1e-2), field=(1e-10, 1.0), span=(1e-12, 0.15))
 def of_name(name: str | None) -> Kind:
     """Return the kind that a file's `instrument` names.
 
-    Parameters
-    ----------
-    name : str or None
-
     Returns
     -------
     Kind

@@ -57,10 +57,6 @@ def recognised(path: Path) -> tuple[str, Reader]:
 def open_file(path: Path) -> MeasuredFile:
     """Open a measured file of any format: check what it is, recognise it, and read its channels.
 
-    Parameters
-    ----------
-    path : Path
-
     Returns
     -------
     MeasuredFile

@@ -25,7 +25,6 @@ def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channe
 
     Parameters
     ----------
-    channel : Channel
     request : Request
         Its steps are those of the grid.
     path : Path
@@ -96,10 +95,6 @@ def resampled(
         Of the even grid; None: the mean distance of the points, sqrt(area / number), the same along x and y.
     where : str or Path
         Named by the messages.
-
-    Returns
-    -------
-    tuple of Channel and str
 
     Raises
     ------

@@ -50,10 +50,6 @@ def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
     path : Path
         Named by the messages.
 
-    Returns
-    -------
-    Scale
-
     Raises
     ------
     InputFileError
@@ -93,7 +89,6 @@ def given_steps(request: Request, path: Path) -> tuple[float | None, float | Non
 
     Parameters
     ----------
-    request : Request
     path : Path
         Named by the message.
 
@@ -121,15 +116,10 @@ def unit_of_steps(request: Request, steps: str, path: Path) -> str:
 
     Parameters
     ----------
-    request : Request
     steps : str
         What is given, for the message, as in ``dx = 2``.
     path : Path
         Named by the messages.
-
-    Returns
-    -------
-    str
 
     Raises
     ------

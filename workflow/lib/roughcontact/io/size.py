@@ -26,10 +26,6 @@ def estimate_points(path: str | Path) -> int:
     Exact for NumPy's arrays and X3P, whose headers say it; counted in a piece of a text; for all others one
     for every four bytes, which is too many where a file holds several channels.
 
-    Parameters
-    ----------
-    path : str or Path
-
     Returns
     -------
     int

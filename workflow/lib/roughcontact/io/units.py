@@ -9,14 +9,6 @@ from roughcontact.units import unknown_unit, value_of
 def is_length(unit: object) -> TypeGuard[str]:
     """Return whether a text is one of the accepted spellings of a length unit.
 
-    Parameters
-    ----------
-    unit : str or None
-
-    Returns
-    -------
-    bool
-
     Examples
     --------
     >>> is_length("µm"), is_length("Microns"), is_length("V"), is_length(None)
@@ -60,10 +52,6 @@ def metres(unit: str, *, where: str = "unit", error: type[Exception] = InputFile
 
 def same_length(unit: str, other: str) -> bool:
     """Return whether two spellings stand for the same unit of length.
-
-    Parameters
-    ----------
-    unit, other : str
 
     Returns
     -------

@@ -15,10 +15,6 @@ def removed_and_filled(levelled: Mapping[str, Any]) -> str:
     levelled : mapping
         attributes of a map from `level`.
 
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> removed_and_filled({"filled_points": 9, "largest_hole": 4, "outlier_kinds": '{"dead_line": 3}'})

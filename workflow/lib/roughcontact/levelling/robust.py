@@ -41,7 +41,6 @@ def biweight(residual: np.ndarray, scale: float) -> np.ndarray:
 
     Parameters
     ----------
-    residual : array
     scale : float
         standard deviation s of the residuals.
 

@@ -68,10 +68,6 @@ def find_row_jitter(values: np.ndarray, *, scanned: bool = False) -> RowJitter:
     scanned : bool
         whether the map was measured line by line along x, as by a probe or a stylus.
 
-    Returns
-    -------
-    RowJitter
-
     References
     ----------
     .. [1] Wiener, N. (1949), Extrapolation, Interpolation, and Smoothing of Stationary Time Series.

@@ -22,10 +22,6 @@ def lay_period(values: np.ndarray, axis: int) -> float | None:
     axis : {0, 1}
         along y or x.
 
-    Returns
-    -------
-    float or None, points
-
     Examples
     --------
     >>> import numpy as np

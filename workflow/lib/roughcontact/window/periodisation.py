@@ -23,10 +23,6 @@ def is_periodic(values: np.ndarray) -> bool:
     values : array (ny, nx), m
         NaN where missing.
 
-    Returns
-    -------
-    bool
-
     Examples
     --------
     >>> import numpy as np

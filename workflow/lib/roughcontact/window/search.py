@@ -64,10 +64,6 @@ def search_window(
     fade : float
         share of the side over which the ends are blended.
 
-    Returns
-    -------
-    list of Candidate
-
     Examples
     --------
     >>> import numpy as np

@@ -14,14 +14,6 @@ _HALVING_BENEFIT = 0.02
 def is_friendly(side: int) -> bool:
     """Return whether a side has no prime factor above 5, or is at most 32 points long.
 
-    Parameters
-    ----------
-    side : int, points
-
-    Returns
-    -------
-    bool
-
     Examples
     --------
     >>> [side for side in range(30, 46) if is_friendly(side)]
@@ -38,7 +30,6 @@ def friendly_sides(longest: int, *, fade: float = 0.0) -> np.ndarray:
 
     Parameters
     ----------
-    longest : int, points
     fade : float
         width of the blending band of a cross-fade, which must fit as well, as a share of the side.
 
@@ -67,7 +58,6 @@ def band_points(side: int, fade: float) -> int:
 
     Parameters
     ----------
-    side : int, points
     fade : float
         width of the band as a share of the side.
 
@@ -93,10 +83,6 @@ def used_points(sides: Sequence[int], fade: float) -> int:
         of the window.
     fade : float
         width of the bands as a share of the side.
-
-    Returns
-    -------
-    int
 
     Examples
     --------

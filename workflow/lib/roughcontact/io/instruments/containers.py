@@ -26,10 +26,6 @@ def check_tiff(path: Path) -> None:
 
     A page is a count of its tags (2 bytes), 12 bytes for each of them, and the position of the next page.
 
-    Parameters
-    ----------
-    path : Path
-
     Raises
     ------
     InputFileError
@@ -62,10 +58,6 @@ def _number(data: bytes, layout: str) -> int:
 def formats_within(path: Path) -> set[str]:
     """Return the formats whose members a ZIP archive has.
 
-    Parameters
-    ----------
-    path : Path
-
     Returns
     -------
     set of str
@@ -80,7 +72,6 @@ def foreign(path: Path, head: bytes) -> str:
 
     Parameters
     ----------
-    path : Path
     head : bytes
         Its first bytes.
 

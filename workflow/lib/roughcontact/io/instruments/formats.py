@@ -65,10 +65,6 @@ class Format:
         ----------
         head : bytes
             the first bytes of a file.
-
-        Returns
-        -------
-        bool
         """
         return head.startswith(self.marks, self.offset) and (self.text_header or not looks_like_text(head))
 
@@ -79,10 +75,6 @@ class Format:
         ----------
         header : mapping
             fields that the library found.
-
-        Returns
-        -------
-        bool
         """
         return True
 
@@ -95,10 +87,6 @@ class Format:
             fields that the library found.
         points : int
             of a map.
-
-        Returns
-        -------
-        int
         """
         return 0
 
@@ -138,10 +126,6 @@ class Format:
     def instrument(self, path: Path) -> dict[str, Any]:
         """Return what the file says of the instrument beyond what the library finds.
 
-        Parameters
-        ----------
-        path : Path
-
         Returns
         -------
         dict
@@ -156,10 +140,6 @@ class Format:
         ----------
         header : mapping
             fields that the library found.
-
-        Returns
-        -------
-        list of str
         """
         return []
 

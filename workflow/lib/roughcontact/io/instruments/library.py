@@ -45,13 +45,8 @@ def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
 
     Parameters
     ----------
-    path : Path
     formats : sequence of Format
         With the mark of the file, or all without one.
-
-    Returns
-    -------
-    MeasuredFile
 
     Raises
     ------

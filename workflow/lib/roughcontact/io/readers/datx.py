@@ -14,13 +14,8 @@ def recognises(path: Path, head: bytes) -> bool:
 
     Parameters
     ----------
-    path : Path
     head : bytes
         its first bytes.
-
-    Returns
-    -------
-    bool
 
     Raises
     ------
@@ -35,14 +30,6 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a file with SurfaceTopography.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    MeasuredFile
 
     Raises
     ------

@@ -24,13 +24,8 @@ def recognises(path: Path, head: bytes) -> bool:
 
     Parameters
     ----------
-    path : Path
     head : bytes
         its first bytes.
-
-    Returns
-    -------
-    bool
 
     Examples
     --------
@@ -42,10 +37,6 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a file of one map.
-
-    Parameters
-    ----------
-    path : Path
 
     Returns
     -------

@@ -17,13 +17,8 @@ def recognises(path: Path, head: bytes) -> bool:
 
     Parameters
     ----------
-    path : Path
     head : bytes
         its first bytes.
-
-    Returns
-    -------
-    bool
     """
     found = [each for each in marked(head) if each.told_by is ToldBy.MARK]
     return bool(found) and not (found[0].binary_data and is_text(path))
@@ -31,14 +26,6 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a file by the first of the formats with its mark that can read it.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    MeasuredFile
 
     Raises
     ------

@@ -29,13 +29,8 @@ def recognises(path: Path, head: bytes) -> bool:
 
     Parameters
     ----------
-    path : Path
     head : bytes
         its first bytes.
-
-    Returns
-    -------
-    bool
 
     Raises
     ------
@@ -50,10 +45,6 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a file of one or more measurements; only sizes and scales are read.
-
-    Parameters
-    ----------
-    path : Path
 
     Returns
     -------

@@ -26,13 +26,8 @@ def recognises(path: Path, head: bytes) -> bool:
 
     Parameters
     ----------
-    path : Path
     head : bytes
         its first bytes.
-
-    Returns
-    -------
-    bool
 
     Examples
     --------
@@ -44,10 +39,6 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a file; only names and sizes of its variables are read.
-
-    Parameters
-    ----------
-    path : Path
 
     Returns
     -------

@@ -55,13 +55,8 @@ def recognises(path: Path, head: bytes) -> bool:
 
     Parameters
     ----------
-    path : Path
     head : bytes
         its first bytes.
-
-    Returns
-    -------
-    bool
 
     Examples
     --------
@@ -75,10 +70,6 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> NoReturn:
     """Refuse a file by the name of its format.
-
-    Parameters
-    ----------
-    path : Path
 
     Raises
     ------

@@ -39,13 +39,8 @@ def recognises(path: Path, head: bytes) -> bool:
 
     Parameters
     ----------
-    path : Path
     head : bytes
         its first bytes.
-
-    Returns
-    -------
-    bool
 
     Examples
     --------
@@ -57,10 +52,6 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a netCDF file; a map that this project wrote comes back as it was.
-
-    Parameters
-    ----------
-    path : Path
 
     Returns
     -------

@@ -15,13 +15,8 @@ def recognises(path: Path, head: bytes) -> bool:
 
     Parameters
     ----------
-    path : Path
     head : bytes
         its first bytes.
-
-    Returns
-    -------
-    bool
 
     Examples
     --------
@@ -33,10 +28,6 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a file of one real array, (ny, nx) or (nx,), without pickle.
-
-    Parameters
-    ----------
-    path : Path
 
     Returns
     -------

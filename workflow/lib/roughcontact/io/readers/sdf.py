@@ -23,13 +23,8 @@ def recognises(path: Path, head: bytes) -> bool:
 
     Parameters
     ----------
-    path : Path
     head : bytes
         its first bytes.
-
-    Returns
-    -------
-    bool
 
     Examples
     --------
@@ -41,10 +36,6 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open an SDF file with sdfio: ASCII and binary, the BCR and ISO revisions, bad points as missing.
-
-    Parameters
-    ----------
-    path : Path
 
     Returns
     -------

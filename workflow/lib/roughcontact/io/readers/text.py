@@ -50,13 +50,8 @@ def recognises(path: Path, head: bytes) -> bool:
 
     Parameters
     ----------
-    path : Path
     head : bytes
         its first bytes.
-
-    Returns
-    -------
-    bool
 
     Examples
     --------
@@ -68,10 +63,6 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a text file and find out by its content whether it is a matrix, a list of points or a profile.
-
-    Parameters
-    ----------
-    path : Path
 
     Returns
     -------

@@ -28,13 +28,8 @@ def recognises(path: Path, head: bytes) -> bool:
 
     Parameters
     ----------
-    path : Path
     head : bytes
         its first bytes.
-
-    Returns
-    -------
-    bool
 
     Examples
     --------
@@ -46,10 +41,6 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path) -> MeasuredFile:
     """Open a file of one map.
-
-    Parameters
-    ----------
-    path : Path
 
     Returns
     -------

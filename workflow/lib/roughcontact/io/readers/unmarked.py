@@ -13,27 +13,14 @@ def recognises(path: Path, head: bytes) -> bool:
 
     Parameters
     ----------
-    path : Path
     head : bytes
         its first bytes.
-
-    Returns
-    -------
-    bool
     """
     return True
 
 
 def read(path: Path) -> MeasuredFile:
     """Open a file by the first of the formats without a mark whose header agrees with it.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    MeasuredFile
 
     Raises
     ------

@@ -36,23 +36,14 @@ def recognises(path: Path, head: bytes) -> bool:
 
     Parameters
     ----------
-    path : Path
     head : bytes
         its first bytes.
-
-    Returns
-    -------
-    bool
     """
     return head.startswith(b"PK") and zipfile.is_zipfile(path) and bool(_main_xmls(path))
 
 
 def read(path: Path) -> MeasuredFile:
     """Open an X3P file with x3pio: checksums verified, integer and XML data, infinite heights as missing.
-
-    Parameters
-    ----------
-    path : Path
 
     Returns
     -------

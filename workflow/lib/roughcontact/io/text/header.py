@@ -164,10 +164,6 @@ def parse_header(lines: Iterable[str]) -> dict[str, Any]:
     Every line is read once from its beginning to its end. Lines of more than 4096 characters, and those after
     the first 100 000, are passed over.
 
-    Parameters
-    ----------
-    lines : iterable of str
-
     Returns
     -------
     dict

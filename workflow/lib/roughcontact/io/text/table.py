@@ -52,13 +52,8 @@ def split_header(lines: list[str], path: Path) -> tuple[list[str], list[str]]:
 
     Parameters
     ----------
-    lines : list of str
     path : Path
         Named by the message.
-
-    Returns
-    -------
-    tuple of list of str
 
     Raises
     ------
@@ -121,10 +116,6 @@ def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str
 
 def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
     """Return header and table without the quotes that spreadsheets put around cells.
-
-    Parameters
-    ----------
-    header, body : list of str
 
     Returns
     -------
@@ -209,10 +200,6 @@ def parse_table(
         Named by the messages.
     first : int
         Number of the first line in the file, for the messages.
-
-    Returns
-    -------
-    Table
 
     Raises
     ------
