@@ -13,13 +13,7 @@ _ANGLE_TOLERANCE = 1e-9  # sine or cosine below which two axes count as parallel
 
 
 def check_pair(lower: Face, upper: Face, shift: Sequence[float], rotation: float) -> None:
-    """Raise an error for two faces that cannot be combined in this relative position.
-
-    Parameters
-    ----------
-    lower, upper : Face
-        face and counter-face.
-    shift : (y, x), m
+    """Raise an error for two faces that cannot be combined at this shift (y, x; m) and rotation (degree).
 
     Raises
     ------
@@ -52,10 +46,6 @@ def pair_name(lower: Face, upper: Face) -> str:
 def cosine_and_sine(rotation: float) -> tuple[float, float]:
     """Return cosine and sine of an angle, exact at right angles.
 
-    Returns
-    -------
-    (cosine, sine)
-
     Examples
     --------
     >>> [tuple(map(float, cosine_and_sine(angle))) for angle in (0, 90, 180)]
@@ -69,19 +59,9 @@ def cosine_and_sine(rotation: float) -> tuple[float, float]:
 
 
 def along_axes(pair: Sequence, turn: tuple[float, float]) -> tuple | None:
-    """Return a pair of values of the counter-face in the order of the axes of the face.
+    """Return sides, steps or points (y, x) of the counter-face in the order of the axes of the face.
 
-    Parameters
-    ----------
-    pair : (y, x)
-        sides, steps or points of the counter-face.
-    turn : (cosine, sine)
-        of its rotation.
-
-    Returns
-    -------
-    (y, x) or None
-        None at an oblique angle.
+    `turn` is (cosine, sine) of its rotation; None at an oblique angle.
 
     Examples
     --------
@@ -96,10 +76,7 @@ def along_axes(pair: Sequence, turn: tuple[float, float]) -> tuple | None:
 def common_period(lower: Face, upper: Face, turn: tuple[float, float]) -> bool:
     """Return whether the sum of two faces is periodic with the period of the lower one.
 
-    Parameters
-    ----------
-    turn : (cosine, sine)
-        of the rotation of the upper one.
+    `turn` is (cosine, sine) of the rotation of the upper one.
     """
     lengths = along_axes(upper.lengths, turn)
     return bool(
@@ -113,21 +90,10 @@ def common_period(lower: Face, upper: Face, turn: tuple[float, float]) -> bool:
 def common_grid(
     lower: Face, upper: Face, turn: tuple[float, float], shift: Sequence[float]
 ) -> list[np.ndarray]:
-    """Return the grid on the overlap of both faces.
+    """Return the grid [y, x] (m, relative to the middle of the lower face) on the overlap of both faces.
 
-    It is the grid of the lower face, refined along an axis where the upper face has the smaller step.
-
-    Parameters
-    ----------
-    turn : (cosine, sine)
-        of the rotation of the upper one.
-    shift : (y, x), m
-        of the upper one.
-
-    Returns
-    -------
-    [y, x], arrays (ny,) and (nx,), m
-        positions relative to the middle of the lower face.
+    It is the grid of the lower face, refined along an axis where the upper face has the smaller step. `turn`
+    (cosine, sine) and `shift` (y, x; m) are those of the upper face.
 
     Raises
     ------
@@ -161,17 +127,7 @@ def common_grid(
 
 
 def covered_share(lower: Face, positions: Sequence[np.ndarray]) -> float:
-    """Return the share of the lower face that the common grid spans.
-
-    Parameters
-    ----------
-    positions : [y, x], arrays in m
-        from `common_grid`.
-
-    Returns
-    -------
-    float, 0 to 1
-    """
+    """Return the share (0 to 1) of the lower face that the positions of `common_grid` span."""
     shares = [
         1.0 if n == 1 else (p[-1] - p[0] + p[1] - p[0]) / ((n - 1) * d + p[1] - p[0])
         for p, n, d in zip(positions, lower.shape, lower.step, strict=True)

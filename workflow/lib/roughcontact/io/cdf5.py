@@ -16,16 +16,7 @@ _STREAMING = 2**64 - 1  # for the number of records: as many as there are
 
 
 def check_header(path: Path) -> None:
-    """Refuse a file whose header counts more than the file has, or places its numbers outside it.
-
-    Parameters
-    ----------
-    path : Path
-        of a file that begins with `MARK`.
-
-    Raises
-    ------
-    InputFileError
+    """Refuse a file with `MARK` whose header counts more than the file has, or places its numbers outside it.
 
     References
     ----------

@@ -52,13 +52,7 @@ class Converted:
     first_row_assumed: bool
 
     def centres(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the cell centres (x, y) in m, from where the file puts the first one or half a step.
-
-        Returns
-        -------
-        x, y : array
-            m, rising.
-        """
+        """Return the cell centres (x, y; m, rising), from the file's first one or half a step."""
         ny, nx = self.heights.shape
         factor = self.dx / self.channel.dx if self.channel.dx else None
         return (
@@ -68,14 +62,7 @@ class Converted:
 
 
 def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
-    """Return the map of a file that the user asks for, in metres.
-
-    Parameters
-    ----------
-    request : Request
-        Channel, steps, units and the way of resampling, as far as the user gives them.
-    path : Path
-        Named by the messages.
+    """Return the map of a file that the user asks for, in metres; messages name `path`.
 
     Raises
     ------
@@ -85,7 +72,7 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
     HeightMapError
         For a map without a measured point, of one point, or with heights that are no measurement.
     SettingsError
-        For a word of the user that has no meaning.
+        For an invalid argument of the user.
     """
     channel, choice = choose_channel(
         file, request.channel, str(path), unit_given=request.height_unit is not None

@@ -23,11 +23,7 @@ _DEEPEST = 32  # groups within each other; the netCDF library goes down by recur
 
 @contextmanager
 def opened(path: Path) -> Iterator["h5py.File"]:
-    """Open an HDF5 file to be read, with every error as one of this project.
-
-    Yields
-    ------
-    h5py.File
+    """Open an HDF5 file for reading.
 
     Raises
     ------
@@ -46,12 +42,7 @@ def opened(path: Path) -> Iterator["h5py.File"]:
 
 
 def datasets(path: Path) -> dict[str, tuple[int, ...]]:
-    """Return the shapes of all arrays of a file by their names, and refuse what lies outside it.
-
-    Returns
-    -------
-    dict
-        Name with its groups -> shape.
+    """Return the shapes of all arrays of a file by their full names, and refuse data outside the file.
 
     Raises
     ------

@@ -9,14 +9,7 @@ from typing import NamedTuple
 
 
 class Kind(NamedTuple):
-    """One kind of instrument, with the ranges that it can measure.
-
-    Attributes
-    ----------
-    name : str
-    step, field, span : tuple of float, m
-        Lowest and highest step, length of a side, and span of the heights.
-    """
+    """One kind of instrument, with the ranges (lowest, highest; m) of step, side and span of heights."""
 
     name: str
     step: tuple[float, float]
@@ -41,12 +34,7 @@ ANY = Kind("", step=(1e-12, 1e-2), field=(1e-10, 1.0), span=(1e-12, 0.15))
 
 
 def of_name(name: str | None) -> Kind:
-    """Return the kind that a file's `instrument` names.
-
-    Returns
-    -------
-    Kind
-        `ANY` where it names none.
+    """Return the kind that a file's `instrument` names, `ANY` where it names none.
 
     Examples
     --------

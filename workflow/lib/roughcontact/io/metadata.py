@@ -72,20 +72,15 @@ _LONGEST = 200  # characters; what is longer is no name
 
 
 def instrument_words(stated: Mapping[str, Any], header: Mapping | None = None) -> dict[str, Any]:
-    """Return what is known of the instrument, as plain JSON values in the order of `LABELS`.
+    """Return the known metadata of the instrument, as plain JSON values in the order of `LABELS`.
 
     Parameters
     ----------
     stated : mapping
-        What a reader found under the words of this module. It wins over the header.
+        Values that a reader found, by the keys of this module. They win over the header.
     header : mapping, optional
-        The file's own header, searched (two levels deep) for the usual spellings of the words. Sections on
-        software are passed over: their serial number is that of a licence.
-
-    Returns
-    -------
-    dict
-        Word -> text or number; only what is known.
+        The file's own header, searched (two levels deep) for the usual spellings of the keys. Sections on
+        software are skipped: their serial number is that of a licence.
 
     Examples
     --------
@@ -142,17 +137,7 @@ def _plain(value: Any) -> str | float | None:
 
 
 def labelled(instrument: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return what is known of the instrument, for people.
-
-    Parameters
-    ----------
-    instrument : mapping
-        As `instrument_words` returns it.
-
-    Returns
-    -------
-    list of (str, str)
-        Labels and texts.
+    """Return the metadata from `instrument_words` for people, as labels and texts.
 
     Examples
     --------

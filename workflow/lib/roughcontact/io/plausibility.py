@@ -17,21 +17,10 @@ SPIKES_ADVICE = "level.outlier_threshold finds isolated ones"  # before anything
 
 
 def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = ANY) -> list[str]:
-    """Return what looks wrong in a map.
+    """Return a sentence for each implausible property of a map, with the numbers it rests on.
 
-    Parameters
-    ----------
-    height : array (ny, nx)
-        Heights, m; NaN where not measured; at least one point is measured.
-    dx, dy : float
-        Steps, m.
-    kind : Kind
-        The kind of instrument, with the ranges that it can measure.
-
-    Returns
-    -------
-    list of str
-        One sentence per suspicion, each with the numbers it rests on.
+    `height` (ny, nx; m) is NaN where not measured and has at least one measured point; the steps are in m;
+    `kind` gives the ranges that the instrument can measure.
 
     Examples
     --------
@@ -59,23 +48,10 @@ def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = ANY) ->
 
 
 def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float, float]:
-    """Return rms height (m) and rms gradient of a map off its mean plane, missing points left out.
+    """Return rms height (m) and rms gradient of a map (ny, nx; m) off its mean plane, without missing points.
 
     The plane is that of least squares; the gradient, sqrt(var(dh/dx) + var(dh/dy)), is taken between
-    neighbouring measured points.
-
-    Parameters
-    ----------
-    height : array (ny, nx), m
-        NaN where not measured.
-    dx, dy : float, m
-        Steps.
-
-    Returns
-    -------
-    rms_height : float, m
-    rms_gradient : float
-        NaN where no neighbours are measured.
+    neighbouring measured points, and is NaN where there are none.
 
     Examples
     --------
@@ -109,19 +85,9 @@ def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float
 
 
 def quantisation_step(height: np.ndarray) -> float | None:
-    """Return the step of which all heights are multiples.
+    """Return the step (m) of which all heights (m, NaN where not measured) are multiples, or None.
 
     It is the usual distance of neighbouring levels, if the levels lie on its lattice to a tenth of it.
-
-    Parameters
-    ----------
-    height : array (ny, nx), m
-        NaN where not measured.
-
-    Returns
-    -------
-    float or None, m
-        None where there is no such step.
 
     Examples
     --------

@@ -21,30 +21,17 @@ _REACH = 2.0  # steps from the nearest point, beyond which a grid point counts a
 
 
 def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channel, Request, list[str]]:
-    """Return the channel on an even grid: as it is, or resampled where the user asks for that.
+    """Return the channel on an even grid: as it is, or resampled where the user asks for it.
 
-    Parameters
-    ----------
-    request : Request
-        Its steps are those of the grid.
-    path : Path
-        Named by the messages.
-
-    Returns
-    -------
-    channel : Channel
-        On the grid.
-    request : Request
-        Of a resampled channel: without the steps, which are now those of the channel.
-    done : list of str
-        A sentence that says what was done; empty where nothing was.
+    `request` gives the steps of the grid. It is returned without them for a resampled channel, which has
+    them itself. A sentence says how the channel was resampled; the list is empty where it was not.
 
     Raises
     ------
     InputFileError
         Where the points form no even grid and the user does not ask for one.
     SettingsError
-        For a word or step of the user that has no meaning.
+        For an invalid argument or step of the user.
     HeightMapError
         For points that make no map.
     """
@@ -80,21 +67,12 @@ def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channe
 def resampled(
     channel: Channel, points: Points, steps: tuple[float | None, float | None], where: str | Path
 ) -> tuple[Channel, str]:
-    """Return a channel on an even grid and a sentence that says what was done.
+    """Return a channel on an even grid and a sentence that says how it was resampled.
 
     Heights are linear within the triangles of Delaunay's triangulation [1]_ (of a profile: between
     neighbours). Outside them, and further than two steps from any point, the grid stays without heights.
-
-    Parameters
-    ----------
-    channel : Channel
-        With the name and the units.
-    points : Points
-        In these units.
-    steps : (dx, dy), in the channel's lateral unit
-        Of the even grid; None: the mean distance of the points, sqrt(area / number), the same along x and y.
-    where : str or Path
-        Named by the messages.
+    `points` and `steps` (dx, dy) are in the channel's units; a step of None is the mean distance of the
+    points, sqrt(area / number), the same along x and y.
 
     Raises
     ------

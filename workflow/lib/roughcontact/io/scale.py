@@ -20,7 +20,7 @@ _FEWEST_LINES = 10  # of a matrix that shows by its pixels that it was cut off
 
 @dataclass(frozen=True)
 class Scale:
-    """Steps and unit of heights of one map.
+    """Steps and height unit of one map.
 
     Attributes
     ----------
@@ -29,7 +29,7 @@ class Scale:
     height_factor : float, m
         Metres per unit of the file's heights.
     notes : list of str
-        Sentences on where the user's word stands against that of the file.
+        A sentence for each argument of the user that contradicts the file.
     """
 
     dx: float
@@ -39,16 +39,7 @@ class Scale:
 
 
 def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
-    """Return the scale of a channel on an even grid.
-
-    Parameters
-    ----------
-    channel : Channel
-        With the steps and units that the file states.
-    request : Request
-        With the steps and units that the user gives.
-    path : Path
-        Named by the messages.
+    """Return the scale of a channel on an even grid, from the arguments of the user and the file.
 
     Raises
     ------
@@ -56,7 +47,7 @@ def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
         Where neither the file nor the user says a step or a unit, the channel holds no heights, or the size
         that the file states does not suit its number of lines.
     SettingsError
-        For a step that is no positive number, is given without a unit, or an unknown unit.
+        For a step that is no positive number or is given without a unit, or an unknown unit.
 
     Examples
     --------
@@ -85,17 +76,7 @@ def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
 
 
 def given_steps(request: Request, path: Path) -> tuple[float | None, float | None]:
-    """Return the steps that the user gives.
-
-    Parameters
-    ----------
-    path : Path
-        Named by the message.
-
-    Returns
-    -------
-    dx, dy : float or None
-        In `unit_of_steps`; None where there is none.
+    """Return the steps (dx, dy) that the user gives, in `unit_of_steps`; None where there is none.
 
     Raises
     ------
@@ -114,12 +95,7 @@ def given_steps(request: Request, path: Path) -> tuple[float | None, float | Non
 def unit_of_steps(request: Request, steps: str, path: Path) -> str:
     """Return the unit of the steps that the user gives: m where one of them carries its own.
 
-    Parameters
-    ----------
-    steps : str
-        What is given, for the message, as in ``dx = 2``.
-    path : Path
-        Named by the messages.
+    `steps` are named in the message, as in ``dx = 2``.
 
     Raises
     ------

@@ -21,15 +21,11 @@ _BYTES_PER_POINT = 4
 
 
 def estimate_points(path: str | Path) -> int:
-    """Return about how many points the map in a measured file has.
+    """Return the approximate number of points of the map in a measured file, 0 where there is no file.
 
-    Exact for NumPy's arrays and X3P, whose headers say it; counted in a piece of a text; for all others one
-    for every four bytes, which is too many where a file holds several channels.
-
-    Returns
-    -------
-    int
-        0 where there is no such file, and never more than are read.
+    Exact for NumPy's arrays and X3P, whose headers say it; extrapolated from a piece of a text; one for every
+    four bytes for all others, which is too many where a file holds several channels. It never exceeds the
+    number of points that are read at most.
 
     Examples
     --------

@@ -20,22 +20,12 @@ _LIGHT_WAVELENGTH = 550e-9  # m, assumed: files do not state it reliably
 
 
 def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
-    """Return the shortest wavelength that a map resolves reliably, and what limits it.
+    """Return the shortest wavelength (m) that a map resolves reliably, and what limits it.
 
     It is two pixels (of the coarser pitch) or, if that is longer and the file states the numerical aperture
-    NA of the lens, the wavelength at which the lens passes half of the contrast, 1.24 L / NA for green
-    light, L = 550 nm: the lateral period limit [1]_ of a diffraction-limited lens in incoherent light [2]_.
-
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        with the attribute `instrument` (JSON) from `read_height_map`.
-
-    Returns
-    -------
-    wavelength : float, m
-    reason : str
-        what sets the limit.
+    NA of the lens (attribute `instrument`, JSON), the wavelength at which the lens passes half of the
+    contrast, 1.24 L / NA for green light, L = 550 nm: the lateral period limit [1]_ of a diffraction-limited
+    lens in incoherent light [2]_.
 
     References
     ----------
@@ -75,8 +65,6 @@ def limit_band(
 
     Parameters
     ----------
-    window : DataArray (y, x), m
-        periodic.
     shortest, longest : float or None, m
         limiting wavelengths; None sets no limit.
     reliable : bool

@@ -22,13 +22,9 @@ _MEMBERS = {
 
 
 def check_tiff(path: Path) -> None:
-    """Refuse a TIFF whose pages go in circles or lie outside it: a library that follows them never ends.
+    """Refuse a TIFF whose pages form a loop or lie outside it: a library that follows them would never end.
 
     A page is a count of its tags (2 bytes), 12 bytes for each of them, and the position of the next page.
-
-    Raises
-    ------
-    InputFileError
     """
     size = path.stat().st_size
     seen: set[int] = set()
@@ -56,30 +52,13 @@ def _number(data: bytes, layout: str) -> int:
 
 
 def formats_within(path: Path) -> set[str]:
-    """Return the formats whose members a ZIP archive has.
-
-    Returns
-    -------
-    set of str
-        Empty where it is an archive of another kind.
-    """
+    """Return the formats whose members a ZIP archive has; empty for an archive of another kind."""
     names = [name.lower() for name in _members(path)]
     return {each for end, each in _MEMBERS.items() if any(name.endswith(end) for name in names)}
 
 
 def foreign(path: Path, head: bytes) -> str:
-    """Return what a container is that no reader knows, and the way out.
-
-    Parameters
-    ----------
-    head : bytes
-        Its first bytes.
-
-    Returns
-    -------
-    str
-        Empty where nothing can be said.
-    """
+    """Return the name of a container format without a reader, and how to convert it; empty where unknown."""
     if head.startswith(TIFF):
         return (
             "a TIFF picture, but none of Park Systems, JPK or Olympus LEXT: nothing says its heights; "

@@ -59,88 +59,34 @@ class Format:
     told_by: ToldBy = ToldBy.MARK
 
     def has_mark(self, head: bytes) -> bool:
-        """Return whether a file that begins with `head` has the mark of this format.
-
-        Parameters
-        ----------
-        head : bytes
-            the first bytes of a file.
-        """
+        """Return whether a file that begins with `head` has the mark of this format."""
         return head.startswith(self.marks, self.offset) and (self.text_header or not looks_like_text(head))
 
     def is_plausible(self, header: Header) -> bool:
-        """Return whether the fields of a header can be of this format: guards against chance matches.
-
-        Parameters
-        ----------
-        header : mapping
-            fields that the library found.
-        """
+        """Return whether a header from the library can be of this format: guards against chance matches."""
         return True
 
     def claimed_bytes(self, header: Header, points: int) -> int:
-        """Return how many bytes a file with maps of so many points has by its header; 0: not said.
-
-        Parameters
-        ----------
-        header : mapping
-            fields that the library found.
-        points : int
-            of a map.
-        """
+        """Return the size in bytes of a file with maps of so many points by its header; 0 where unknown."""
         return 0
 
     def steps(self, header: Header, steps: np.ndarray) -> np.ndarray:
-        """Return the steps (dx, dy), from those that the library found.
-
-        Parameters
-        ----------
-        header : mapping
-            fields that the library found.
-        steps : array (2,)
-            dx and dy that the library found.
-
-        Returns
-        -------
-        array (2,)
-        """
+        """Return the steps (dx, dy), from those that the library found."""
         return steps
 
     def not_measured(self, header: Header, heights: np.ndarray) -> np.ndarray | None:
-        """Return which points (ny, nx) carry a code for a missing point that the library does not know.
+        """Return a mask (ny, nx) of points with a code for missing points that the library does not know.
 
-        Parameters
-        ----------
-        header : mapping
-            fields that the library found.
-        heights : array (ny, nx)
-            as the library read them.
-
-        Returns
-        -------
-        array (ny, nx) of bool, or None
-            None where nothing is known of such codes.
+        None where no such code is known.
         """
         return None
 
     def instrument(self, path: Path) -> dict[str, Any]:
-        """Return what the file says of the instrument beyond what the library finds.
-
-        Returns
-        -------
-        dict
-            label -> what the file says.
-        """
+        """Return the file's metadata of the instrument beyond those that the library finds, by label."""
         return {}
 
     def sign_notes(self, header: Header) -> list[str]:
-        """Return a sentence where the header says that heights were inverted, or are those of an imprint.
-
-        Parameters
-        ----------
-        header : mapping
-            fields that the library found.
-        """
+        """Return a sentence where the header says that heights were inverted, or are those of an imprint."""
         return []
 
 
@@ -266,17 +212,7 @@ FORMATS = (
 
 
 def marked(head: bytes) -> list[Format]:
-    """Return the formats whose mark a file has.
-
-    Parameters
-    ----------
-    head : bytes
-        Its first bytes.
-
-    Returns
-    -------
-    list of Format
-        In the order in which they are tried; empty where there is none.
+    """Return the formats whose mark a file has, in the order in which they are tried.
 
     Examples
     --------

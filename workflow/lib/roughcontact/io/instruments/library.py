@@ -43,10 +43,7 @@ _NO_HEIGHT_NAME = re.compile(
 def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
     """Open a file by the first of some formats that can read it.
 
-    Parameters
-    ----------
-    formats : sequence of Format
-        With the mark of the file, or all without one.
+    The formats are those whose mark the file has, or all formats without a mark.
 
     Raises
     ------

@@ -10,18 +10,7 @@ from roughcontact.io.interface import Reader, ToldBy, head_of
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file is HDF5 with the group that Zygo's have.
-
-    Parameters
-    ----------
-    head : bytes
-        its first bytes.
-
-    Raises
-    ------
-    InputFileError
-        For an HDF5 file that cannot be opened, whoever wrote it.
-    """
+    """Return whether a file is HDF5 with the group that Zygo's have."""
     if not head.startswith(hdf5.MARK):
         return False
     with hdf5.opened(path) as file:
@@ -29,13 +18,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a file with SurfaceTopography.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged, cut off, refers to other files, or holds no map.
-    """
+    """Open a file with SurfaceTopography."""
     hdf5.datasets(path)
     return read_as(path, marked(head_of(path)))
 

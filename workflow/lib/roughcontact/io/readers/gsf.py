@@ -22,11 +22,6 @@ _MAX_HEADER_BYTES = 2**20  # bytes of the header
 def recognises(path: Path, head: bytes) -> bool:
     r"""Return whether a file begins with the mark.
 
-    Parameters
-    ----------
-    head : bytes
-        its first bytes.
-
     Examples
     --------
     >>> recognises(Path("map.dat"), b"Gwyddion Simple Field 1.0\nXRes = 2\n")
@@ -36,18 +31,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a file of one map.
-
-    Returns
-    -------
-    MeasuredFile
-        One channel. Lengths and units that the header leaves out stay unsaid.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged or cut off.
-    """
+    """Open a file of one map; lengths and units that the header omits stay unknown."""
     check_line_ends(path)
     with path.open("rb") as stream:
         text, zero, _ = stream.read(_MAX_HEADER_BYTES).partition(b"\0")

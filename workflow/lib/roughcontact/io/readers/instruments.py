@@ -13,25 +13,13 @@ from roughcontact.io.text.lines import is_text
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file begins with the mark of an instrument's format.
-
-    Parameters
-    ----------
-    head : bytes
-        its first bytes.
-    """
+    """Return whether a file begins with the mark of an instrument's format."""
     found = [each for each in marked(head) if each.told_by is ToldBy.MARK]
     return bool(found) and not (found[0].binary_data and is_text(path))
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a file by the first of the formats with its mark that can read it.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged, cut off, or holds no map.
-    """
+    """Open a file by the first of the formats with its mark that can read it."""
     return read_as(path, marked(head_of(path)))
 
 

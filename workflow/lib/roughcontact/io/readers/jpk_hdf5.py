@@ -25,18 +25,7 @@ _HEIGHTS = ("measuredHeight", "height", "capacitiveSensorHeight")  # the measure
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file is HDF5 that says that it is a scan of JPK's.
-
-    Parameters
-    ----------
-    head : bytes
-        its first bytes.
-
-    Raises
-    ------
-    InputFileError
-        For an HDF5 file that cannot be opened, whoever wrote it.
-    """
+    """Return whether a file is HDF5 whose attributes name it a JPK scan."""
     if not head.startswith(hdf5.MARK):
         return False
     with hdf5.opened(path) as file:
@@ -46,15 +35,7 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path) -> MeasuredFile:
     """Open a file of one or more measurements; only sizes and scales are read.
 
-    Returns
-    -------
-    MeasuredFile
-        One channel for each quantity, direction and frame; the measured heights first.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged, refers to other files, or holds no map.
+    There is one channel for each quantity, direction and frame; the measured heights come first.
     """
     hdf5.datasets(path)
     channels: list[tuple[int, Channel]] = []

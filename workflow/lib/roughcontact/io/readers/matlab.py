@@ -22,12 +22,7 @@ _NUMBERS = ("double", "single", "int8", "uint8", "int16", "uint16", "int32", "ui
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file begins as MATLAB's do.
-
-    Parameters
-    ----------
-    head : bytes
-        its first bytes.
+    """Return whether a file begins with MATLAB's mark.
 
     Examples
     --------
@@ -40,15 +35,7 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path) -> MeasuredFile:
     """Open a file; only names and sizes of its variables are read.
 
-    Returns
-    -------
-    MeasuredFile
-        One channel for each real matrix or vector; those called height, heights or z first.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged, unpacks to too much, or holds no matrix.
+    There is one channel for each real matrix or vector; those named height, heights or z come first.
     """
     from scipy.io import whosmat
 

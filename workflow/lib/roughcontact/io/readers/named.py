@@ -53,11 +53,6 @@ _KNOWN_TEXTS = {
 def recognises(path: Path, head: bytes) -> bool:
     r"""Return whether a file begins as one of the formats that are refused by name.
 
-    Parameters
-    ----------
-    head : bytes
-        its first bytes.
-
     Examples
     --------
     >>> recognises(Path("map.sur"), b"DSCOMPRESSED\0\0"), recognises(Path("map.txt"), b"BZh is a name")
@@ -69,13 +64,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> NoReturn:
-    """Refuse a file by the name of its format.
-
-    Raises
-    ------
-    InputFileError
-        Always, with the way out.
-    """
+    """Refuse a file by the name of its format, and say how to convert it."""
     head = head_of(path)
     what = next(what for mark, what in (_KNOWN | _KNOWN_TEXTS).items() if head.startswith(mark))
     raise InputFileError(f"{path}: this is {what}")

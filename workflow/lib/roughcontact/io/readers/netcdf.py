@@ -35,12 +35,7 @@ _MARKS = (*_CLASSIC, cdf5.MARK, hdf5.MARK)
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    r"""Return whether a file begins as netCDF does; HDF5 of other kinds is told by its contents before.
-
-    Parameters
-    ----------
-    head : bytes
-        its first bytes.
+    r"""Return whether a file begins as netCDF does; other HDF5 is recognised before, by its contents.
 
     Examples
     --------
@@ -51,18 +46,10 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a netCDF file; a map that this project wrote comes back as it was.
+    """Open a netCDF file; a map that this project wrote is restored unchanged.
 
-    Returns
-    -------
-    MeasuredFile
-        One channel for each variable over two axes (y, x), or over one that is no time or load; those called
-        height, heights or z first.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged, cut off, or has no such variable.
+    There is one channel for each variable over two axes (y, x), or over one that is no time or load; those
+    named height, heights or z come first.
     """
     head = head_of(path)
     if head.startswith(cdf5.MARK):

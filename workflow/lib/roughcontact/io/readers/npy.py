@@ -11,12 +11,7 @@ from roughcontact.io.interface import Reader, ToldBy
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    r"""Return whether a file begins as NumPy's do.
-
-    Parameters
-    ----------
-    head : bytes
-        its first bytes.
+    r"""Return whether a file begins with NumPy's mark.
 
     Examples
     --------
@@ -27,18 +22,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a file of one real array, (ny, nx) or (nx,), without pickle.
-
-    Returns
-    -------
-    MeasuredFile
-        One channel, without steps and units.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged or holds no map.
-    """
+    """Open a file of one real array, (ny, nx) or (nx,), without pickle; it has no steps and units."""
     try:
         values = np.load(path, mmap_mode="r", allow_pickle=False)
     except Exception as error:  # NumPy parses the header as Python text and may fail in any way of the parser

@@ -21,11 +21,6 @@ _MEMORY_PER_BYTE = 12  # memory for each byte of a file: numbers as text, their 
 def recognises(path: Path, head: bytes) -> bool:
     """Return whether a file begins with one of the revisions of the format.
 
-    Parameters
-    ----------
-    head : bytes
-        its first bytes.
-
     Examples
     --------
     >>> recognises(Path("map.dat"), b"aISO-1.0"), recognises(Path("map.sdf"), b"1.0 2.0")
@@ -35,18 +30,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open an SDF file with sdfio: ASCII and binary, the BCR and ISO revisions, bad points as missing.
-
-    Returns
-    -------
-    MeasuredFile
-        One channel.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged or cut off.
-    """
+    """Open an SDF file with sdfio: ASCII and binary, the BCR and ISO revisions, bad points as missing."""
     import sdfio
 
     size = path.stat().st_size

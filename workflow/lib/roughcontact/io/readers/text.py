@@ -48,11 +48,6 @@ _INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquis
 def recognises(path: Path, head: bytes) -> bool:
     """Return whether a file begins as readable text.
 
-    Parameters
-    ----------
-    head : bytes
-        its first bytes.
-
     Examples
     --------
     >>> recognises(Path("map.dat"), b"Width: 2 mm"), recognises(Path("map.txt"), bytes(8))
@@ -62,17 +57,10 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a text file and find out by its content whether it is a matrix, a list of points or a profile.
+    """Open a text file and decide by its content whether it is a matrix, a list of points or a profile.
 
-    Returns
-    -------
-    MeasuredFile
-        One channel, with the steps and units that header and column names say.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is cut off, holds no table of numbers, or may be read in two ways.
+    The channel has the steps and units of the header and the column names. A file that can be read in two
+    ways is refused.
     """
     size = path.stat().st_size
     check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of text", path)

@@ -24,12 +24,7 @@ _MAX_HEADER_BYTES = 4096  # bytes of mark and comment
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    r"""Return whether a file begins as TrueMap's do.
-
-    Parameters
-    ----------
-    head : bytes
-        its first bytes.
+    r"""Return whether a file begins with TrueMap's mark.
 
     Examples
     --------
@@ -40,18 +35,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a file of one map.
-
-    Returns
-    -------
-    MeasuredFile
-        One channel.
-
-    Raises
-    ------
-    InputFileError
-        For another version, and a file that is damaged or cut off.
-    """
+    """Open a file of one map; other versions are refused."""
     check_line_ends(path)
     with path.open("rb") as stream:
         words = stream.read(_MAX_HEADER_BYTES).split(b"\0", 2)

@@ -9,13 +9,7 @@ from roughcontact.io.interface import Reader, ToldBy, head_of
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return True: all files that no other reader recognised are tried.
-
-    Parameters
-    ----------
-    head : bytes
-        its first bytes.
-    """
+    """Return True: all files that no other reader recognised are tried."""
     return True
 
 

@@ -32,28 +32,14 @@ _KINDS = {"NonContacting": instrument_kinds.OPTICAL, "Contacting": instrument_ki
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file is an archive with a main.xml, in whatever folder of it.
-
-    Parameters
-    ----------
-    head : bytes
-        its first bytes.
-    """
+    """Return whether a file is an archive with a main.xml, in whatever folder of it."""
     return head.startswith(b"PK") and zipfile.is_zipfile(path) and bool(_main_xmls(path))
 
 
 def read(path: Path) -> MeasuredFile:
     """Open an X3P file with x3pio: checksums verified, integer and XML data, infinite heights as missing.
 
-    Returns
-    -------
-    MeasuredFile
-        One channel for each layer.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged, was changed, or holds no map.
+    There is one channel for each layer.
     """
     import x3pio
 

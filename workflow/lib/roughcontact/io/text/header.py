@@ -159,19 +159,18 @@ _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
 
 def parse_header(lines: Iterable[str]) -> dict[str, Any]:
-    """Return what the header says.
+    """Return the entries of the header that are understood.
 
     Every line is read once from its beginning to its end. Lines of more than 4096 characters, and those after
-    the first 100 000, are passed over.
+    the first 100 000, are skipped.
 
     Returns
     -------
     dict
-        Meaning -> value; meaning with ``_unit`` appended -> unit of that value; meaning with ``_rounding``
-        appended -> half a unit of the last digit of a length. The meanings are `length_x`, `length_y`,
-        `step`, `dx`, `dy`, `nx`, `ny`, `count`, `z_factor`, `missing` (numbers), `height_unit`,
-        `lateral_unit`, `unit`, `channel`, `instrument`, `serial`, `lens`, `date` (words). What is said twice
-        counts as it is said first.
+        The keys are `length_x`, `length_y`, `step`, `dx`, `dy`, `nx`, `ny`, `count`, `z_factor`, `missing`
+        (numbers), `height_unit`, `lateral_unit`, `unit`, `channel`, `instrument`, `serial`, `lens`, `date`
+        (texts); a key with ``_unit`` appended gives the unit of that value; with ``_rounding`` appended,
+        half a unit of the last digit of a length. Of repeated entries the first one counts.
 
     Examples
     --------

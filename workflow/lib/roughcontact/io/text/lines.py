@@ -43,7 +43,7 @@ def lines_of(path: Path) -> list[str]:
     Raises
     ------
     InputFileError
-        For more than 1 GiB, for what is damaged, and for binary data behind a beginning of text.
+        For a file that is larger than 1 GiB or damaged, and for binary data after a beginning of text.
     """
     return _decode(path.read_bytes(), path).replace("−", "-").splitlines()
 

@@ -50,11 +50,6 @@ class Table(NamedTuple):
 def split_header(lines: list[str], path: Path) -> tuple[list[str], list[str]]:
     """Return the lines of the header and those of the table.
 
-    Parameters
-    ----------
-    path : Path
-        Named by the message.
-
     Raises
     ------
     InputFileError
@@ -82,20 +77,8 @@ def split_header(lines: list[str], path: Path) -> tuple[list[str], list[str]]:
 def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str]]:
     """Return the whole numbers that stand alone in a line above the table, and the table without them.
 
-    They count the points, as a line ``23`` above 23 rows, or ``256 192`` above a map.
-
-    Parameters
-    ----------
-    body : list of str
-        Lines of the table.
-    delimiter : str or None
-        What separates the columns; None for white space.
-
-    Returns
-    -------
-    counts : list of int
-        One or two; empty where the first line is a row as the others are.
-    body : list of str
+    They count the points, as a line ``23`` above 23 rows, or ``256 192`` above a map. There are one or two;
+    none where the first line is a row as the others are. A `delimiter` of None stands for white space.
 
     Examples
     --------
@@ -117,10 +100,7 @@ def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str
 def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
     """Return header and table without the quotes that spreadsheets put around cells.
 
-    Returns
-    -------
-    tuple of list of str
-        With semicolons between the cells where there were quotes; else as they are.
+    Where there were quotes, semicolons separate the cells.
 
     Examples
     --------
@@ -140,20 +120,7 @@ def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
 
 
 def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
-    """Return the delimiter of the columns, and whether the decimal sign is a comma.
-
-    Parameters
-    ----------
-    body : list of str
-        Lines of the table.
-    path : Path
-        Named by the message.
-
-    Returns
-    -------
-    delimiter : str or None
-        None for white space.
-    decimal_comma : bool
+    """Return the delimiter of the columns (None for white space), and whether the decimal sign is a comma.
 
     Raises
     ------
@@ -186,20 +153,10 @@ def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
 def parse_table(
     body: list[str], delimiter: str | None, decimal_comma: bool, path: Path, *, first: int = 1
 ) -> Table:
-    """Return the numbers of a table.
+    """Return the numbers of a table; empty lines and comments are left out.
 
-    Parameters
-    ----------
-    body : list of str
-        Its lines; empty ones and comments are left out.
-    delimiter : str or None
-        What separates the columns; None for white space.
-    decimal_comma : bool
-        Whether the decimal sign is a comma.
-    path : Path
-        Named by the messages.
-    first : int
-        Number of the first line in the file, for the messages.
+    A `delimiter` of None stands for white space; `first` is the number of the first line in the file, for the
+    messages.
 
     Raises
     ------
