@@ -1,4 +1,4 @@
-"""Which reader knows a file: told by its content, never by its name."""
+"""Choice of the reader for a file, by its content, never by its name."""
 
 from importlib import import_module
 from pathlib import Path
@@ -14,8 +14,8 @@ _READERS = "roughcontact.io.readers"
 def readers() -> list[tuple[str, Reader]]:
     """Return the readers and the names of their modules, in the order in which they are asked.
 
-    Every module of the folder `readers` is one. The order is that of `roughcontact.io.interface.ToldBy`,
-    which gives the reasons, and alphabetical among equals.
+    Every module of the folder `readers` is one. The order is that of `io.interface.RecognisedBy`, which
+    gives the reasons, and alphabetical among equals.
 
     Examples
     --------
@@ -25,7 +25,7 @@ def readers() -> list[tuple[str, Reader]]:
     package = import_module(_READERS)
     names = sorted(module.name for module in iter_modules(package.__path__))
     found = [(name, import_module(f"{_READERS}.{name}").READER) for name in names]
-    return sorted(found, key=lambda named: named[1].told_by)
+    return sorted(found, key=lambda named: named[1].recognised_by)
 
 
 def recognised(path: Path) -> tuple[str, Reader]:

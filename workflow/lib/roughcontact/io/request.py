@@ -1,4 +1,4 @@
-"""What the user says of a file beside its path."""
+"""The user's arguments for a file, beside its path."""
 
 import math
 from dataclasses import dataclass, fields
@@ -33,7 +33,7 @@ class Request:
 
 
 def _is_empty(value: object) -> bool:
-    """Return whether a value is what an empty cell of a table hands over."""
+    """Return whether a value stands for an empty cell of a table."""
     if isinstance(value, str):
         return not value.strip()
     return value is None or (isinstance(value, Real) and math.isnan(value))

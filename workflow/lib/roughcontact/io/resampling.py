@@ -1,6 +1,6 @@
-"""Points that lie on no even grid, interpolated to one: only where the user asks for it.
+"""Interpolation of irregular points to an even grid, only where the user asks for it.
 
-Interpolation between points lowers slopes and with them the pressures, so it never happens by itself.
+Interpolation between points lowers slopes and with them the pressures, so it is never done by default.
 """
 
 from dataclasses import replace
@@ -17,7 +17,7 @@ from roughcontact.io.request import Request
 from roughcontact.io.scale import given_steps, unit_of_steps
 from roughcontact.io.units import is_length, metres
 
-_REACH = 2.0  # steps from the nearest point, beyond which a grid point counts as not measured
+_REACH = 2.0  # steps from the nearest point beyond which a grid point counts as not measured
 
 
 def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channel, Request, list[str]]:
@@ -52,7 +52,7 @@ def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channe
         )
     check_choice(f"{path}: resample", request.resample, Resampling)
     steps = given_steps(request, path)
-    if any(steps):  # the steps are in `unit`: so shall be the positions
+    if any(steps):  # the steps are in `unit`: convert the positions
         unit = unit_of_steps(request, f"dx = {request.dx}, dy = {request.dy}", path)
         own = metres(unit, where=f"{path}: unit", error=SettingsError)
         if is_length(channel.lateral_unit):
@@ -144,7 +144,7 @@ def _map(x, y, z, steps, where):
     dy = dy or dx
     along_x, along_y = _grid(x, dx, where), _grid(y, dy, where)
     check_points((along_y.size, along_x.size), where)
-    # in steps and from the middle, so that triangles are those of the grid and rounding is small
+    # in steps from the middle: the triangulation matches the grid, and rounding errors are small
     scaled = np.column_stack([(x - x.mean()) / dx, (y - y.mean()) / dy])
     grid = np.meshgrid((along_x - x.mean()) / dx, (along_y - y.mean()) / dy)
     try:

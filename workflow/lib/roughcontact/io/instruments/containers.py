@@ -1,4 +1,4 @@
-"""Containers that many formats share (TIFF, ZIP, OLE): checked before they are opened, named if foreign."""
+"""Containers of many formats (TIFF, ZIP, OLE): checks before opening, and names of unsupported ones."""
 
 import struct
 import zipfile
@@ -11,7 +11,7 @@ TIFF = (b"II*\0", b"MM\0*")
 ZIP = (b"PK\x03\x04",)
 OLE = (b"\xd0\xcf\x11\xe0",)
 _MOST_PAGES = 10_000
-# a member of the archive -> the format of SurfaceTopography that it belongs to
+# member of an archive -> its format in SurfaceTopography
 _MEMBERS = {
     "index.xml": "plux",
     ".dsc": "nmm",
@@ -34,7 +34,7 @@ def check_tiff(path: Path) -> None:
         while position:
             if position in seen or len(seen) == _MOST_PAGES:
                 raise InputFileError(
-                    f"{path}: damaged TIFF: its pages go in circles, or are more than {_MOST_PAGES}"
+                    f"{path}: damaged TIFF: its pages form a loop, or are more than {_MOST_PAGES}"
                 )
             seen.add(position)
             stream.seek(min(position, size))
@@ -70,7 +70,7 @@ def foreign(path: Path, head: bytes) -> str:
 
 
 def _archive(names: list[str]) -> str:
-    """Return what an archive of these files is, and the way out."""
+    """Return the kind of an archive with these files, and how to convert it."""
     if any(name.startswith("xl/") for name in names):
         return "an Excel workbook, but not one of Mitutoyo's profiles; save the sheet as CSV or text"
     if any(name.startswith(("word/", "ppt/")) for name in names):

@@ -1,7 +1,7 @@
-"""The instrument formats: their marks, who writes them, and what the library passes over in their headers.
+"""The instrument formats: their marks, vendors, and header entries that the library skips.
 
-Only formats that can be told by their content are here; the library's readers that accept any bytes (hgt, h5,
-mat, npz, xyz, asc) are not.
+Only formats with recognisable content are here; the library's readers that accept any bytes (hgt, h5, mat,
+npz, xyz, asc) are not.
 """
 
 import mmap
@@ -16,7 +16,7 @@ import numpy as np
 
 from roughcontact.io.instrument_kinds import ANY, OPTICAL, PROBE, STYLUS, Kind
 from roughcontact.io.instruments.containers import OLE, TIFF, ZIP
-from roughcontact.io.interface import ToldBy
+from roughcontact.io.interface import RecognisedBy
 from roughcontact.io.text.lines import looks_like_text
 
 Header = Mapping[str, Any]
@@ -29,23 +29,23 @@ class Format:
     Attributes
     ----------
     name : str
-        What the library calls it.
+        Its name in the library.
     marks : tuple of bytes
-        Its first bytes; several formats may share one. Without a mark only the attempt to read tells it.
+        Its first bytes; several formats may share one. Without a mark only an attempt to read tells.
     kind : Kind
         The kind of instrument that writes it.
     vendor : str
-        Where the format has but one.
+        Where only one vendor uses the format.
     offset : int
-        Where the mark lies, bytes.
+        Position of the mark, bytes.
     text_header : bool
-        Whether the header is plain text. All others are binary from the start, so that a text that begins
-        with their mark is a text.
+        Whether the header is plain text. All other formats are binary from the start, so that a text that
+        begins with their mark is a text.
     binary_data : bool
-        Whether the data behind a header in plain text are always binary: what is text to its end is an
-        export, which begins with the same header.
-    told_by : ToldBy
-        `ToldBy.CONTENTS` where the mark is that of a container, in which another reader looks for this
+        Whether the data after a header in plain text are always binary: a file that is text to its end is
+        an export, which begins with the same header.
+    recognised_by : RecognisedBy
+        `RecognisedBy.CONTENTS` where the mark is that of a container, in which another reader looks for this
         format.
     """
 
@@ -56,7 +56,7 @@ class Format:
     offset: int = 0
     text_header: bool = False
     binary_data: bool = False
-    told_by: ToldBy = ToldBy.MARK
+    recognised_by: RecognisedBy = RecognisedBy.MARK
 
     def has_mark(self, head: bytes) -> bool:
         """Return whether a file that begins with `head` has the mark of this format."""
@@ -116,7 +116,7 @@ class _MetroPro(Format):
 
 class _MicroProf(Format):
     def not_measured(self, header, heights):
-        # counts below the first and above the last valid one are codes, of which the library knows one
+        # counts below the first or above the last valid one are codes; the library knows only one
         scale = (header.get("0x6c") or {}).get("height_scale_factor")
         limits = header.get("0x70")
         if not scale or not limits:
@@ -125,7 +125,7 @@ class _MicroProf(Format):
         return (counts < limits["first_valid"]) | (counts > limits["last_valid"])
 
 
-_DATE_OF_NANOFOCUS = 1076  # where the header has it, bytes
+_DATE_OF_NANOFOCUS = 1076  # position in the header, bytes
 
 
 class _NanoFocus(Format):
@@ -155,7 +155,7 @@ class _Wyko(Format):
     def instrument(self, path):
         """Return lens and numerical aperture, where a file of the newer kind holds them.
 
-        They are among the named values of its block MeasurementSet, which the library passes over: the length
+        They are among the named values of its block MeasurementSet, which the library skips: the length
         of the name (4 bytes), the name, then 0x12 0x01, a length and a text, or 0x0d and a double.
         """
         with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
@@ -175,7 +175,7 @@ class _Wyko(Format):
 
 _BCR = ("fileformat".encode("utf-16-le"), "\ufefffileformat".encode("utf-16-le"))
 
-# In the order in which those that share a mark, or have none, are tried.
+# Formats with the same mark, or without one, are tried in this order.
 FORMATS = (
     Format("di", (b"\\*",), PROBE, "Bruker", text_header=True, binary_data=True),
     Format("ezd", (b"[DataSet]",), PROBE, "Nanosurf", text_header=True),
@@ -190,7 +190,7 @@ FORMATS = (
     Format("zon", (b"KPK0", b"KPK1"), OPTICAL, "Keyence"),
     Format("vk", (b"VK3_", b"VK4_", b"VK6", b"VK7"), OPTICAL, "Keyence"),
     Format("opdx", (b"VCA DATA",), STYLUS, "Bruker"),
-    Format("datx", (b"\x89HDF",), OPTICAL, "Zygo", told_by=ToldBy.CONTENTS),
+    Format("datx", (b"\x89HDF",), OPTICAL, "Zygo", recognised_by=RecognisedBy.CONTENTS),
     Format("mnt", OLE),
     Format("oir", (b"OLYMPUSRAWFORMAT",), OPTICAL, "Olympus"),
     Format("ps", TIFF, PROBE, "Park Systems"),

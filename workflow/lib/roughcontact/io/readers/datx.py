@@ -6,7 +6,7 @@ from roughcontact.io import hdf5
 from roughcontact.io.channels import MeasuredFile
 from roughcontact.io.instruments.formats import marked
 from roughcontact.io.instruments.library import read_as
-from roughcontact.io.interface import Reader, ToldBy, head_of
+from roughcontact.io.interface import Reader, RecognisedBy, head_of
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -23,4 +23,4 @@ def read(path: Path) -> MeasuredFile:
     return read_as(path, marked(head_of(path)))
 
 
-READER = Reader(ToldBy.CONTENTS, recognises, read)
+READER = Reader(RecognisedBy.CONTENTS, recognises, read)

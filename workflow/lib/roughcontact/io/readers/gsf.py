@@ -12,7 +12,7 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_line_ends, check_points
-from roughcontact.io.interface import Reader, ToldBy
+from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.units import is_length
 
 _MARK = b"Gwyddion Simple Field 1.0\n"
@@ -76,4 +76,4 @@ def read(path: Path) -> MeasuredFile:
     return MeasuredFile("Gwyddion Simple Field", [channel], first_row="top")
 
 
-READER = Reader(ToldBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, recognises, read)

@@ -8,13 +8,13 @@ from pathlib import Path
 from roughcontact.io.channels import MeasuredFile
 from roughcontact.io.instruments.formats import marked
 from roughcontact.io.instruments.library import read_as
-from roughcontact.io.interface import Reader, ToldBy, head_of
+from roughcontact.io.interface import Reader, RecognisedBy, head_of
 from roughcontact.io.text.lines import is_text
 
 
 def recognises(path: Path, head: bytes) -> bool:
     """Return whether a file begins with the mark of an instrument's format."""
-    found = [each for each in marked(head) if each.told_by is ToldBy.MARK]
+    found = [each for each in marked(head) if each.recognised_by is RecognisedBy.MARK]
     return bool(found) and not (found[0].binary_data and is_text(path))
 
 
@@ -23,4 +23,4 @@ def read(path: Path) -> MeasuredFile:
     return read_as(path, marked(head_of(path)))
 
 
-READER = Reader(ToldBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, recognises, read)

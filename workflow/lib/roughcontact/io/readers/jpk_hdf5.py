@@ -15,8 +15,8 @@ from roughcontact.errors import InputFileError
 from roughcontact.io import hdf5, instrument_kinds
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_points
-from roughcontact.io.interface import Reader, ToldBy
-from roughcontact.io.metadata import instrument_words
+from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 
 _SCALE = "net-encoder.scaling."
@@ -112,7 +112,7 @@ def _read(
 
 def _instrument(said: dict[str, Any]) -> dict[str, Any]:
     """Return the instrument metadata from the attributes of a measurement."""
-    return instrument_words(
+    return instrument_metadata(
         {
             "kind": instrument_kinds.PROBE.name,
             "vendor": "JPK",
@@ -130,4 +130,4 @@ def _text(value: Any) -> str:
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 
-READER = Reader(ToldBy.CONTENTS, recognises, read)
+READER = Reader(RecognisedBy.CONTENTS, recognises, read)

@@ -13,7 +13,7 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, unreadable
 from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, brief, check_points
-from roughcontact.io.interface import Reader, ToldBy
+from roughcontact.io.interface import Reader, RecognisedBy
 
 _MARK = b"MATLAB 5.0 MAT-file"
 _HEADER_BYTES = 128
@@ -101,4 +101,4 @@ def _check_unpacked_size(path: Path) -> None:
                     )
 
 
-READER = Reader(ToldBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, recognises, read)

@@ -1,4 +1,4 @@
-"""NumPy arrays (`.npy`): heights without units. Row 0 is taken as the lowest line, which no array says."""
+"""NumPy arrays (`.npy`): heights without units. Row 0 is assumed to be the lowest line."""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import brief, check_points
-from roughcontact.io.interface import Reader, ToldBy
+from roughcontact.io.interface import Reader, RecognisedBy
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -41,4 +41,4 @@ def read(path: Path) -> MeasuredFile:
     return MeasuredFile("NumPy array", [channel], first_row="bottom", first_row_assumed=True)
 
 
-READER = Reader(ToldBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, recognises, read)

@@ -13,8 +13,8 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_line_ends, check_points
-from roughcontact.io.interface import Reader, ToldBy
-from roughcontact.io.metadata import instrument_words
+from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.text.lines import looks_like_text
 
 _MARK = b"Binary TrueMap Data File"
@@ -71,8 +71,10 @@ def read(path: Path) -> MeasuredFile:
         dy=length_y / ny,
         lateral_unit="mm",
     )
-    instrument = instrument_words({"vendor": "TrueMap" if "TrueMap" in comment else "", "comment": comment})
+    instrument = instrument_metadata(
+        {"vendor": "TrueMap" if "TrueMap" in comment else "", "comment": comment}
+    )
     return MeasuredFile("TrueMap TMD", [channel], first_row="top", instrument=instrument)
 
 
-READER = Reader(ToldBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, recognises, read)

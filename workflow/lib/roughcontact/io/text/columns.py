@@ -9,7 +9,7 @@ from roughcontact.io.units import is_length
 _MAX_LINE_LENGTH = 4096  # characters of a line of headings
 _MAX_DISTANCE = 20  # lines above the table that may contain headings
 
-# what a column holds -> how headings call it (lower case, letters only)
+# role of a column -> headings (lower case, letters only)
 _ROLES = {
     "index": ("index", "idx", "no", "nr", "number", "nummer", "numéro", "point", "punkt", "id", "n", "row"),
     "valid": ("valid", "validity", "isvalid", "gültig", "flag"),

@@ -9,7 +9,7 @@ from roughcontact.io.channels import UnevenPositionsError, even_step
 from roughcontact.io.guards import check_points
 
 
-@np.errstate(all="ignore")  # positions beyond all numbers form no grid
+@np.errstate(all="ignore")  # infinite positions form no grid
 def points_on_grid(
     x: np.ndarray, y: np.ndarray, z: np.ndarray, path: Path
 ) -> tuple[np.ndarray, dict[str, float | None], tuple[float, float]]:

@@ -16,8 +16,8 @@ from roughcontact.quantities import several
 
 _MISSING = {
     *("nan", "na", "n/a", "bad", "null", "none", "void", "nodata", "invalid", "inf", "+inf", "-inf", ""),
-    *("1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan", "nan(ind)", "-nan(ind)", "1.#inf", "-1.#inf"),  # of C
-    *("#n/a", "#nv", "#null!", "#num!", "#div/0!", "#value!", "#wert!"),  # of spreadsheets
+    *("1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan", "nan(ind)", "-nan(ind)", "1.#inf", "-1.#inf"),  # by C
+    *("#n/a", "#nv", "#null!", "#num!", "#div/0!", "#value!", "#wert!"),  # by spreadsheets
 }
 _FILLING = "-*?"  # characters that stand for a missing point, repeated any number of times
 _FORTRAN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)")  # double precision, 1.5D-03
@@ -33,8 +33,7 @@ class Table(NamedTuple):
     Attributes
     ----------
     values : array (rows, columns)
-        NaN for words that stand for a missing point, and for empty cells. Rows of empty cells below the
-        last number are left out.
+        NaN for missing points and empty cells. Rows of empty cells below the last number are left out.
     empty_left, empty_right : int
         Columns of nothing but empty cells on both sides.
     empty_corner : bool
@@ -188,7 +187,7 @@ class _UnequalRowsError(InputFileError):
 def _ends_with_delimiter(body: list[str], delimiter: str | None) -> bool:
     """Return whether a separator at the end of a line closes it, rather than leaving its last cell empty.
 
-    It does where all lines end in one, and where the last one alone does: that one is not whole.
+    It does where all lines end in one, and where only the last line does, which is incomplete then.
     """
     if delimiter is None:
         return True
@@ -300,12 +299,12 @@ def _starts_with_missing(line: str) -> bool:
 
 
 def _is_missing(word: str) -> bool:
-    """Return whether a word without blanks around it stands for a missing point."""
+    """Return whether a token without blanks around it stands for a missing point."""
     return word.lower() in _MISSING or not word.strip(_FILLING)
 
 
 def _number(token: str) -> float:
-    """Return the value of a token, NaN for a word that stands for a missing point."""
+    """Return the value of a token, NaN for one that stands for a missing point."""
     token = token.strip()
     if _is_missing(token):
         return np.nan
