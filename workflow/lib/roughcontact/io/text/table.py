@@ -201,16 +201,9 @@ def _parse(
 ) -> Table:
     """Return the numbers of a table, whose lines may end with a delimiter."""
     numbers, counts = array("d"), array("q")
-    left = right = None
+    sides: tuple[int, int] | None = None
     corner, empty_rows = False, 0
-    for number, line in enumerate(body, start=first):
-        text = line.strip(" \r\f" if delimiter == "\t" else None)
-        if not text or text.isspace() or (text.lstrip()[0] in "#%" and not _starts_with_missing(text)):
-            continue
-        if decimal_comma:
-            text = text.replace(",", ".")
-        if delimiter is not None and closed:
-            text = text.rstrip().removesuffix(delimiter)
+    for number, text in _rows(body, delimiter, decimal_comma, first, closed):
         before = len(numbers)
         try:
             empty = _append(numbers, text, delimiter)
@@ -222,22 +215,40 @@ def _parse(
         counts.append(len(numbers) - before)
         empty_rows = empty_rows + 1 if empty[0] == counts[-1] else 0
         if not empty_rows:
-            left, right = (
-                empty if left is None or right is None else (min(left, empty[0]), min(right, empty[1]))
-            )
+            sides = empty if sides is None else (min(sides[0], empty[0]), min(sides[1], empty[1]))
         corner = corner or (len(counts) == 1 and empty[0] > 0)
     if empty_rows and empty_rows < len(counts):
         del numbers[len(numbers) - sum(counts[-empty_rows:]) :], counts[-empty_rows:]
+    _refuse_unequal_rows(counts, path)
+    shape = len(counts), counts[0]
+    check_points(shape, path)
+    return Table(np.array(numbers).reshape(shape), *(sides or (0, 0)), corner)
+
+
+def _rows(
+    body: list[str], delimiter: str | None, decimal_comma: bool, first: int, closed: bool
+) -> Iterator[tuple[int, str]]:
+    """Yield the number and the text, with decimal points, of each line that is not empty and no comment."""
+    for number, line in enumerate(body, start=first):
+        text = line.strip(" \r\f" if delimiter == "\t" else None)
+        if not text or text.isspace() or (text.lstrip()[0] in "#%" and not _starts_with_missing(text)):
+            continue
+        if decimal_comma:
+            text = text.replace(",", ".")
+        if delimiter is not None and closed:
+            text = text.rstrip().removesuffix(delimiter)
+        yield number, text
+
+
+def _refuse_unequal_rows(counts: array, path: Path) -> None:
+    """Refuse rows of different lengths."""
     widths = Counter(counts)
     if len(widths) > 1:
         width = widths.most_common(1)[0][0]
         bad = next(index for index, count in enumerate(counts) if count != width)
-        cut = "; the last line is not whole: the file was cut off" if bad == len(counts) - 1 else ""
-        what = several(counts[bad], "number")
-        raise _UnequalRowsError(f"{path}: row {bad + 1} has {what} where the others have {width}{cut}")
-    shape = len(counts), counts[0]
-    check_points(shape, path)
-    return Table(np.array(numbers).reshape(shape), left or 0, right or 0, corner)
+        cut = "; the last line is incomplete: the file was cut off" if bad == len(counts) - 1 else ""
+        found = several(counts[bad], "number")
+        raise _UnequalRowsError(f"{path}: row {bad + 1} has {found} where the others have {width}{cut}")
 
 
 def _append(numbers: array, text: str, delimiter: str | None) -> tuple[int, int]:
