@@ -150,7 +150,7 @@ def test_the_recipes_name_files_and_functions_that_exist():
     named = set(re.findall(r"`([^`\n]+)`", re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)))
     source = "\n".join(path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py"))
     files = {name for name in named if re.fullmatch(r"[\w./*-]+\.(py|md)", name) and "NAME" not in name}
-    functions = {name for name in named if re.fullmatch(r"[a-z_]+_[a-z_]+|PartName|Check|ToldBy", name)}
+    functions = {name for name in named if re.fullmatch(r"[a-z_]+_[a-z_]+|PartName|Check|RecognisedBy", name)}
     functions -= {"data_samples", *(path.name for path in PACKAGE.iterdir())}
     assert len(files) > 15
     assert len(functions) > 4

@@ -171,7 +171,7 @@ def tiff(order, following):
 @pytest.mark.parametrize("order", ["<", ">"])
 def test_pages_of_a_tiff_without_an_end(tmp_path, order):
     start = time.process_time()
-    with pytest.raises(InputFileError, match="damaged TIFF: its pages go in circles"):
+    with pytest.raises(InputFileError, match="damaged TIFF: its pages form a loop"):
         read_height_map(saved(tmp_path, tiff(order, 8)))
     with pytest.raises(InputFileError, match="a page lies outside the file"):
         read_height_map(saved(tmp_path, tiff(order, 10**8)))

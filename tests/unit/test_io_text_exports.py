@@ -99,8 +99,8 @@ def test_empty_cells_around_a_table(tmp_path):
     np.testing.assert_array_equal(
         np.isnan(height.values[::-1]), np.array([[0, 0, 0, 0], [0, 0, 0, 1], [1, 0, 0, 0]], dtype=bool)
     )
-    # but where the last line alone ends so, it is not whole
-    with pytest.raises(InputFileError, match="the last line is not whole"):
+    # but where the last line alone ends so, it is incomplete
+    with pytest.raises(InputFileError, match="the last line is incomplete"):
         read_height_map(saved(tmp_path, "1;2;3;4\n5;6;7;8\n9;8;7;"), dx=1, dy=1, unit="um")
 
 

@@ -12,11 +12,6 @@ def connected_regions(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     a seam are continued into the neighbouring periodic image of the map. A region that meets itself in
     another image percolates, or runs around the period, along each axis in which the two images differ.
 
-    Parameters
-    ----------
-    inside : bool array (ny, nx)
-        True for the points of the regions.
-
     Returns
     -------
     region : int array (ny, nx)
@@ -40,17 +35,7 @@ def connected_regions(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def region_sizes(inside: np.ndarray) -> np.ndarray:
-    """Return the number of points of each connected region of a periodic map.
-
-    Parameters
-    ----------
-    inside : bool array (ny, nx)
-        True for the points of the regions, connected as in `connected_regions`.
-
-    Returns
-    -------
-    int array (regions)
-        empty without such points.
+    """Return the number of points of each connected region (`connected_regions`) of a periodic map.
 
     Examples
     --------
@@ -71,16 +56,7 @@ def region_sizes(inside: np.ndarray) -> np.ndarray:
 
 
 def runs_around(inside: np.ndarray) -> tuple[bool, bool]:
-    """Return whether any region of a periodic map percolates through the period along y, and along x.
-
-    Parameters
-    ----------
-    inside : bool array (ny, nx)
-        True for the points of the regions, connected as in `connected_regions`.
-
-    Returns
-    -------
-    along_y, along_x : bool
+    """Return whether any region (`connected_regions`) of a periodic map percolates along y, and along x.
 
     Examples
     --------

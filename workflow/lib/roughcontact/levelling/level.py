@@ -106,12 +106,6 @@ def level(
         s_filter=s_filter,
         l_filter=l_filter,
     )
-    if s_filter and l_filter and s_filter >= l_filter:
-        raise SettingsError(
-            f"level.s_filter = {s_filter:g} m is not below level.l_filter = {l_filter:g} m: no wave would "
-            "remain",
-            keys=("level.s_filter", "level.l_filter"),
-        )
     values = check_map(height)
     step = spacing(height)
     _check_nesting_indices(height, s_filter=s_filter, l_filter=l_filter)
@@ -125,10 +119,7 @@ def level(
         if outlier_threshold is not None:  # outliers that the shifts of the lines masked
             values = _without_outliers(values, outlier_threshold, kinds)
     if scar_threshold is not None:
-        scars = find_scars(values, threshold=scar_threshold)
-        if scars.any():
-            kinds["scar"] = int(scars.sum())
-            values = np.where(scars, np.nan, values)
+        values = _without_scars(values, scar_threshold, kinds)
     missing = np.isnan(values)
     _check_missing(missing, height, kinds, max_missing)
     # positions and heights of rejected points only: memory may not hold another copy of a large map
@@ -207,7 +198,13 @@ def _check_positive(**options: float | None) -> None:
 
 
 def _check_nesting_indices(height: xr.DataArray, **nesting_indices: float | None) -> None:
-    """Raise SettingsError where a nesting index is far from any length of the map: a wrong unit."""
+    """Raise SettingsError for indices in the wrong order, or far from any length of the map: a wrong unit."""
+    short, long = nesting_indices["s_filter"], nesting_indices["l_filter"]
+    if short and long and short >= long:
+        raise SettingsError(
+            f"level.s_filter = {short:g} m is not below level.l_filter = {long:g} m: no wave would remain",
+            keys=("level.s_filter", "level.l_filter"),
+        )
     finest, longest = min(spacing(height)), max(side_lengths(height))
     for name, value in nesting_indices.items():
         if value is not None and not finest / _MAX_SCALE_RATIO <= value <= longest * _MAX_SCALE_RATIO:
@@ -248,6 +245,15 @@ def _without_outliers(values: np.ndarray, threshold: float, kinds: dict[str, int
         kinds[kind] = kinds.get(kind, 0) + count
     values[outliers] = np.nan
     return values
+
+
+def _without_scars(values: np.ndarray, threshold: float, kinds: dict[str, int]) -> np.ndarray:
+    """Return the heights with scars set to NaN; their count is added to `kinds`."""
+    scars = find_scars(values, threshold=threshold)
+    if not scars.any():
+        return values
+    kinds["scar"] = int(scars.sum())
+    return np.where(scars, np.nan, values)
 
 
 def _fit(
