@@ -36,7 +36,7 @@ from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.page import write_report
 from roughcontact.report.panel import write_panel
-from roughcontact.report.summary import embedded, summary_of
+from roughcontact.report.summary import read_summary, write_summary
 from roughcontact.report.template import template
 from roughcontact.results.collect import collect_statistics, summary_table, with_failures
 from roughcontact.results.storage import provenance, read_dataset, table_text, write_dataset, write_table
@@ -210,7 +210,7 @@ def test_the_overview_has_the_weightiest_reason_and_counts_the_others(page):
     assert {word: int(count) for count, word in counted} == Counter(verdicts)
     for name in SURFACES:
         panel = page.parent / "all" / name / "panel.html"
-        reasons = summary_of(panel.read_text(encoding="utf-8"), panel)["reasons"]
+        reasons = read_summary(panel)["reasons"]
         row = re.search(rf'<a href="#surface-{name}">{name}</a> <span class="badge.*?</th>', text)[0]
         more = re.search(r">(\d+) more reasons?</a>", row)
         assert (int(more[1]) if more else 0) == max(len(reasons) - 1, 0)
@@ -251,20 +251,20 @@ def test_the_page_says_at_which_limits_its_checks_ask_for_a_look(page):
         assert words.format(limit) in legend
 
 
-def test_a_panel_says_of_itself_what_was_embedded():
+def test_the_summary_of_a_panel_lies_beside_it(page, tmp_path):
     known = {
         "identifier": "one",
         "name": "one</script><p class='summary'>& \"two\"",
+        "surface": "one",
         "verdict": "look",
         "reasons": ["Form: <b> & ±"],
         "not_judged": ["Band"],
     }
-    decoy = '<script type="application/json" class="other">{}</script>'
-    panel = (
-        f'<section>{decoy}<script type="application/json" class="summary">{embedded(known)}</script>{decoy}'
-    )
-    assert summary_of(panel, "panel.html") == known
-    assert summary_of(f"<p>{10_000 * 'long '}</p>{panel}", "panel.html") == known
+    write_summary(known, tmp_path / "panel.html")
+    assert read_summary(tmp_path / "panel.html") == known
+    found = json.loads((page.parent / "all" / "holes" / "panel.json").read_text(encoding="utf-8"))
+    assert found["identifier"] == "holes"
+    assert "<script" not in (page.parent / "all" / "holes" / "panel.html").read_text(encoding="utf-8")
 
 
 def test_cases_stand_side_by_side(tmp_path):
@@ -275,10 +275,13 @@ def test_cases_stand_side_by_side(tmp_path):
         assert f"one · {case}" in text
 
 
-def test_something_else_is_no_panel(page, tmp_path):
+@pytest.mark.parametrize("beside", [None, "", "[]", '{"name": "one"}', "\xff"])
+def test_a_panel_without_its_summary_is_refused(page, tmp_path, beside):
     wrong = tmp_path / "wrong.html"
     wrong.write_text("<p>no panel</p>", encoding="utf-8")
-    with pytest.raises(InputFileError, match=r"wrong\.html"):
+    if beside is not None:
+        wrong.with_suffix(".json").write_text(beside, encoding="latin-1")
+    with pytest.raises(InputFileError, match=r"wrong\.json: no summary .* run again"):
         write_report(
             tmp_path / "r.html",
             panels=[wrong],

@@ -20,7 +20,7 @@ from roughcontact.configuration.resolve import resolve
 from roughcontact.results.storage import read_dataset
 
 EACH = ["height.nc", "levelled.nc", "window.nc", "contact.nc", "uncertainty.nc", "statistics.nc"]
-EACH += ["panel.html"]
+EACH += ["panel.html", "panel.json"]
 FILES = [
     "statistics.nc",
     "summary.csv",

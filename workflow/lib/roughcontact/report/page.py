@@ -4,7 +4,6 @@ import base64
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
 from roughcontact.report.glance import HEADINGS, glance_rows, glance_units, loads_to_compare
 from roughcontact.report.load_plots import compare_areas, spread_of_areas
-from roughcontact.report.summary import Summary, summary_of
+from roughcontact.report.summary import Summary, read_summary
 from roughcontact.report.tables import pair_table
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
@@ -61,7 +60,7 @@ def write_report(
     path : path
         where to write.
     panels : sequence of paths
-        what `write_panel` wrote, in the order they shall appear.
+        what `write_panel` wrote, in the order they shall appear, each with its summary beside it.
     statistics : path
         what `collect_statistics` put together.
     title : str
@@ -78,7 +77,7 @@ def write_report(
     Raises
     ------
     InputFileError
-        for a file that is not readable, or is no panel.
+        for a file that is not readable, or a panel without its summary.
     """
     many = len(panels) + len(failures) > ONE_PAGE
     folder = Path(path).parent if folder is None else Path(folder)
@@ -89,8 +88,7 @@ def write_report(
         by_surface.setdefault(surface, {})[case or ""] = data
     known = {_name(*key): data for key, data in series.items()}
     case_of = {_name(*key): key[1] for key in series}
-    read = partial(Path.read_text, encoding="utf-8")
-    summaries = [summary_of(read(Path(panel)), panel) for panel in panels]
+    summaries = [read_summary(panel) for panel in panels]
     units = glance_units(list(known.values()))
     places = dict(zip(known, loads_to_compare(list(known.values())), strict=True))
     rows = [

@@ -15,7 +15,7 @@ from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
 from roughcontact.report.files import beside
 from roughcontact.report.glance import by_weight, shown_loads
-from roughcontact.report.summary import embedded
+from roughcontact.report.summary import write_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
@@ -36,12 +36,12 @@ def write_panel(
     crosscheck: str | Path | None = None,
     counter_face: str | Path | None = None,
 ) -> None:
-    """Write one surface's part of the report, an HTML fragment with its images inside.
+    """Write one surface's part of the report, an HTML fragment with its images inside, and its summary beside it.
 
     Parameters
     ----------
     path : path
-        where to write.
+        of the fragment; its summary, for the table of all surfaces, has the ending `.json` instead.
     surface, case : str
         names; `case` is None in a run without cases.
     height, levelled, window, contact, statistics : path
@@ -74,6 +74,7 @@ def write_panel(
     identifier = surface if case is None else f"{case}--{surface}"
     verdict = checks.verdict(outcome)
     doubts = by_weight(checks.reasons(outcome))
+    not_judged = [check for check in outcome if check.outcome == checks.NOT_MADE]
     told = facts.surface_facts(measured, plane, solved, numbers)
     maps = _maps(measured, plane, solved, numbers, counter_face)
     source = measured.attrs.get("source_sha256", "")
@@ -86,7 +87,7 @@ def write_panel(
         verdict=verdict,
         verdict_words=checks.VERDICTS[verdict],
         doubts=doubts,
-        not_judged=[check for check in outcome if check.outcome == checks.NOT_MADE],
+        not_judged=not_judged,
         sound=[check for check in outcome if check.outcome == checks.PASSED],
         facts=told,
         maps=maps,
@@ -109,21 +110,22 @@ def write_panel(
                 "all numbers": statistics,
             },
         ),
-        summary=embedded(
-            {
-                "identifier": identifier,
-                "name": name,
-                "surface": surface,
-                "verdict": verdict,
-                "reasons": [checks.reason(check) for check in doubts],
-                "not_judged": [check.name for check in outcome if check.outcome == checks.NOT_MADE],
-            }
-        ),
         settings=json.dumps(settings, indent=1, sort_keys=True),
         versions=facts.versions(numbers),
         source_sha256=source,
     )
     write_text(html, path)
+    write_summary(
+        {
+            "identifier": identifier,
+            "name": name,
+            "surface": surface,
+            "verdict": verdict,
+            "reasons": [checks.reason(check) for check in doubts],
+            "not_judged": [check.name for check in not_judged],
+        },
+        path,
+    )
 
 
 def _read_map(path: str | Path) -> xr.DataArray:

@@ -76,7 +76,7 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
 def _is_of_this_run(plan: Plan, run: Run) -> bool:
     """Return whether all files of a result are there, and of this run."""
     stages = [Path(plan.file(stage, *run)) for stage in ("height", "levelled", "window", "statistics")]
-    files = [*stages, Path(plan.panel(*run))]
+    files = [*stages, Path(plan.panel(*run)), Path(plan.summary(*run))]
     try:
         dates = [file.stat().st_mtime_ns for file in files]
         _, attrs = read_arrays(stages[-1])
