@@ -320,7 +320,7 @@ def test_a_good_surface_passes_every_check(good):
     found, verdict = outcomes(good)  # of a file that does not say what the instrument resolves
     assert {name for name, check in found.items() if check.outcome != checks.PASSED} == {"Band"}
     assert found["Band"].outcome == checks.NOT_MADE
-    assert checks.VERDICTS[verdict] == "trust"
+    assert checks.VERDICTS[verdict] == "use"
 
 
 def test_each_check_can_ask_for_a_look(good):
@@ -353,7 +353,7 @@ def test_each_check_can_ask_for_a_look(good):
     )
     looks = {name for name, check in found.items() if check.outcome == checks.LOOK}
     assert looks == set(found) - {"Solver", "Load range", "Longest wave", "Band", "Plasticity", "Units"}
-    assert checks.VERDICTS[verdict] == "look at"
+    assert checks.VERDICTS[verdict] == "review"
     assert "down to 50" in found["Points in contact"].sentence
     assert "−15.0 %" in found["Periodic window"].sentence
     assert "5.00 %" in found["Missing points"].sentence
@@ -379,7 +379,7 @@ def test_slopes_that_no_surface_has_are_not_to_be_trusted(good):
     good = good.copy(deep=True)
     good["rms_gradient"] = 20.0
     found, verdict = outcomes(good)
-    assert checks.VERDICTS[verdict] == "do not trust"
+    assert checks.VERDICTS[verdict] == "do not use"
     assert "Check the units" in found["Slopes"].sentence
 
 
@@ -464,7 +464,7 @@ def test_contact_on_filling_and_missed_tolerance_are_not_to_be_trusted(good):
     filled["contact_on_filled_points"][:] = 0.2
     found, verdict = outcomes(filled, height={"missing_share": 0.3}, levelled={"filled_share": 0.3})
     assert found["Missing points"].outcome == checks.FAILED
-    assert checks.VERDICTS[verdict] == "do not trust"
+    assert checks.VERDICTS[verdict] == "do not use"
     missed = good.copy(deep=True)
     missed["converged"][1] = 0
     missed["error_bound"][1] = 0.02

@@ -3,6 +3,7 @@
 `describe` hangs units and a sentence on every variable of a dataset, so that no file leaves without them.
 """
 
+import numpy as np
 import xarray as xr
 
 from roughcontact.errors import RoughContactError
@@ -32,6 +33,7 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "max_penetration": ("m", "largest overlap that the solution leaves anywhere"),
     "load_error": ("1", "relative difference of the mean of the pressure from the prescribed one"),
     "converged": ("1", "1 where error_bound <= tolerance, 0 elsewhere"),
+    "verdict": ("1", "worst outcome of all checks at this load: 0 use, 1 review, 2 do not use"),
     # statistics, per load
     "relative_contact_area": ("1", "share of the area in contact, corrected by the perimeter rule"),
     "relative_contact_area_pixels": ("1", "share of the pixels in contact, uncorrected"),
@@ -283,6 +285,9 @@ _COMMENTS = {
     ),
 }
 
+# meanings of the values 0, 1, 2 ... of a flag
+_FLAGS = {"verdict": ("use", "review", "do_not_use")}
+
 # CF has this standard name for distances on a plane; without it checkers take an axis for a longitude
 _AXES = {
     "x": {"axis": "X", "standard_name": "projection_x_coordinate"},
@@ -295,7 +300,8 @@ def describe(dataset: xr.Dataset) -> xr.Dataset:
     """Return a dataset with `units` and `long_name` on every variable, from the table `VARIABLES`.
 
     What takes more than a line to say has a `comment`. The bounds of bins are described by the bins, as the
-    CF conventions have it; `x`, `y` and `depth` get their `axis`.
+    CF conventions have it; `x`, `y` and `depth` get their `axis`, flags their `flag_values` and
+    `flag_meanings`.
 
     Parameters
     ----------
@@ -333,6 +339,9 @@ def describe(dataset: xr.Dataset) -> xr.Dataset:
             variable.attrs["units"] = units
         if name in _COMMENTS:
             variable.attrs["comment"] = _COMMENTS[str(name)]
+        if name in _FLAGS:
+            variable.attrs["flag_values"] = np.arange(len(_FLAGS[str(name)]), dtype=variable.dtype)
+            variable.attrs["flag_meanings"] = " ".join(_FLAGS[str(name)])
         if name in dataset.dims:
             variable.attrs |= _AXES.get(str(name), {})
     return dataset

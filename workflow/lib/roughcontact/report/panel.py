@@ -36,7 +36,7 @@ def write_panel(
     crosscheck: str | Path | None = None,
     counter_face: str | Path | None = None,
 ) -> None:
-    """Write one surface's part of the report, an HTML fragment with its images inside, and its summary beside it.
+    """Write one surface's part of the report: an HTML fragment with its images inside, and its summary.
 
     Parameters
     ----------

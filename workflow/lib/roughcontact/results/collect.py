@@ -73,8 +73,8 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         coordinates `surface` and `case`; `surface_name` and `case_name` are the same. Loads and bins may
         differ between surfaces: shorter ones are padded with NaN, and `mean_pressure`, the centres and the
         bounds of the bins depend on the surface. The attributes are JSON: `source_sha256` has the checksum
-        of every measured file, `verdicts` what each file says of its loads, by case ("" where there are
-        none) and surface.
+        of every measured file, `verdicts` and `reasons` those of each file, by case ("" where there are none)
+        and surface.
 
     Raises
     ------
@@ -85,12 +85,12 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     cases = list(dict.fromkeys(entry["case"] for entry in entries))
     datasets: dict[tuple[int, int], dict[str, Array]] = {}
     checksums = {}
-    verdicts: dict[str, dict[str, Any]] = {case or "": {} for case in cases}
+    attributes: dict[str, dict[str, dict[str, Any]]] = {case or "": {} for case in cases}
     for entry in entries:
         arrays, attrs = read_arrays(entry["statistics"])
         datasets[cases.index(entry["case"]), surfaces.index(entry["surface"])] = arrays
         checksums[entry["surface"]] = attrs.get("source_sha256", "")
-        verdicts[entry["case"] or ""][entry["surface"]] = json.loads(attrs.get("verdicts", "null"))
+        attributes[entry["case"] or ""][entry["surface"]] = attrs
     sizes: dict[str, int] = {}
     dims: dict[str, tuple[str, ...]] = {}
     for arrays in datasets.values():
@@ -117,11 +117,25 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
             first = next(arrays for arrays in datasets.values() if name in arrays)
             collected = collected.assign_coords({name: first[name].values.astype(kind)})
     collected.attrs["source_sha256"] = json.dumps(checksums, sort_keys=True)
-    if all(found for of_case in verdicts.values() for found in of_case.values()):
-        collected.attrs["verdicts"] = json.dumps(verdicts, ensure_ascii=False)
+    collected.attrs |= _judgements(attributes)
     if cases == [None]:
         return collected.isel(case=0)
     return collected.assign_coords(_labels("case", cases))
+
+
+def _judgements(attributes: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> dict[str, str]:
+    """Return as JSON the verdicts and reasons of all files, by case and surface, where all have them."""
+    return {
+        name: json.dumps(
+            {
+                case: {surface: json.loads(attrs[name]) for surface, attrs in of_case.items()}
+                for case, of_case in attributes.items()
+            },
+            ensure_ascii=False,
+        )
+        for name in ("verdicts", "reasons")
+        if all(name in attrs for of_case in attributes.values() for attrs in of_case.values())
+    }
 
 
 def _labels(dim: str, names: Sequence[str | None]) -> dict[str, Any]:
@@ -162,7 +176,8 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     names = [
         name
         for name in map(str, statistics.variables)
-        if not name.endswith("_name") and not _NOT_IN_TABLE & set(statistics[name].dims)
+        # the verdict stands there in words
+        if not name.endswith("_name") and name != "verdict" and not _NOT_IN_TABLE & set(statistics[name].dims)
     ]
     names.sort(key=lambda name: _LEADING.index(name) if name in _LEADING else len(_LEADING))
     order = [dim for dim in ("case", "surface", "load") if dim in statistics.dims]

@@ -14,8 +14,8 @@ _LABELS = ("case", "surface")
 # two loads are the same where one of these agrees to a thousandth
 _LOADS = ("mean_pressure", "relative_pressure")
 _SAME_LOAD = 1e-3
-# how a load was solved, not what came out
-_WORK = {
+# how a load was solved and judged, not results
+_NOT_COMPARED = {
     "iterations",
     "operator_applications",
     "error_bound",
@@ -23,6 +23,7 @@ _WORK = {
     "max_penetration",
     "load_error",
     "converged",
+    "verdict",
 }
 _BUDGET = ("_uncertainty", "_lower", "_upper", "_parts")
 
@@ -151,7 +152,7 @@ def _numbers(old: xr.Dataset) -> list[str]:
         for name in map(str, old.data_vars)
         if not old[name].dims
         and old[name].dtype.kind in "fiu"
-        and name not in _WORK
+        and name not in _NOT_COMPARED
         and not name.endswith(_BUDGET)
     ]
 

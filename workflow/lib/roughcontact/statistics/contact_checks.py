@@ -380,9 +380,8 @@ def load_range(statistics: xr.Dataset) -> Check:
     full = int((statistics["relative_contact_area_pixels"] == 1).sum())
     loads = statistics.sizes["load"]
     if full == loads:
-        return Check(
-            "Load range", LOOK, "Full contact at every load: lower ones would show how it comes about."
-        )
+        where = "Full contact at every load" if loads > 1 else "Full contact"
+        return Check("Load range", LOOK, f"{where}: lower loads would show how it comes about.")
     low, high = (float(f(statistics["relative_contact_area"])) for f in (np.min, np.max))
     text = f"The contact covers {percent(low)} to {percent(high)} of the area."
     return Check("Load range", PASSED, text)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 PASSED, LOOK, FAILED = "passed", "look", "failed"
 NOT_MADE = "not made"  # what it takes is not known; it speaks neither for nor against a result
 _SHORT = 80  # letters of a sentence that says what there is, while the next one says what it means
-VERDICTS = {PASSED: "trust", LOOK: "look at", FAILED: "do not trust"}
+VERDICTS = {PASSED: "use", LOOK: "review", FAILED: "do not use"}  # in the order of the flag `verdict`
 
 
 class Check(NamedTuple):
