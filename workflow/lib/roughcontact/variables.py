@@ -1,6 +1,6 @@
 """The table of output variables: one entry per name that a result file can hold.
 
-`describe` hangs units and a sentence on every variable of a dataset, so that no file leaves without them.
+`describe` adds units and a sentence to every variable of a dataset, so that each file has them.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""All surfaces of a run in one dataset, one table, one page."""
+"""The results of all surfaces of a run: one dataset, one table, one page."""
 
 import json
 from collections.abc import Mapping, Sequence

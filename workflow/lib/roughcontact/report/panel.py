@@ -1,4 +1,4 @@
-"""The panel of a surface: its part of the report, with its checks, pictures and numbers."""
+"""The panel of a surface: its section of the report, with checks, pictures and numbers."""
 
 import json
 from collections.abc import Sequence

@@ -1,4 +1,7 @@
-"""The figures of the report that show the waves of a surface: spectra and autocorrelation."""
+"""Charts of the waves of a surface: spectra and autocorrelation.
+
+Each is a data URI, drawn from a periodic window (y, x; m) that is not flat.
+"""
 
 import numpy as np
 import xarray as xr
@@ -22,15 +25,7 @@ _FEWEST = 8  # waves or points to each side of the middle that are shown at leas
 def spectrum(window: xr.DataArray) -> str:
     """Draw the radially averaged power spectrum of a window, with the band that it holds.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic, not flat, with the attributes that `periodic_window` leaves.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
+    The window has the attributes of `periodic_window`.
 
     References
     ----------
@@ -86,19 +81,9 @@ def _mark_band(chart: Chart, window: xr.DataArray, first: float, unit_q: float) 
 
 
 def directional_spectrum(window: xr.DataArray) -> str:
-    """Draw the power of the waves of a window over their direction, logarithmic, the longest in the middle.
+    """Draw the power of the waves of a window by direction, logarithmic, the longest in the middle.
 
     The mean over 3 x 3 waves is drawn, out to the waves that carry 99 % of the mean square gradient.
-
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic, not flat, no profile.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
     """
     from scipy.ndimage import uniform_filter
 
@@ -121,16 +106,6 @@ def directional_spectrum(window: xr.DataArray) -> str:
 
 def autocorrelation_map(window: xr.DataArray) -> str:
     """Draw the autocorrelation of a window for shifts around zero, with the line where it falls to 0.2.
-
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic, not flat; a profile is drawn as a line.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
 
     References
     ----------

@@ -220,19 +220,9 @@ def _with_columns_of_the_budget(statistics: xr.Dataset) -> xr.Dataset:
 
 
 def with_failures(summary: pd.DataFrame, failures: Sequence[Failure]) -> pd.DataFrame:
-    """Return the table of all surfaces with a row for each one that has no results.
+    """Return the table of all surfaces with a last row for each `Failure`.
 
-    Parameters
-    ----------
-    summary : DataFrame
-        from `summary_table`.
-    failures : sequence of dict
-        ``{"surface": name, "case": name or None, "reason": sentence}``.
-
-    Returns
-    -------
-    DataFrame
-        rows of failures come last, without numbers: `verdict` is "failed" and `reasons` says why.
+    Such a row has no numbers: `verdict` is "failed" and `reasons` has the reason.
 
     Examples
     --------
@@ -260,7 +250,7 @@ def pairs_table(summary: pd.DataFrame, pairs: Mapping[str, str]) -> pd.DataFrame
     """Return one row per pair of faces (, case) and load: mean and spread over the members of its ensemble.
 
     Loads are taken in order, first with first: where they are relative, the mean pressure of the members
-    differs a little, and its mean and spread stand in the table as well.
+    differs a little, and the table has its mean and spread as well.
 
     Parameters
     ----------

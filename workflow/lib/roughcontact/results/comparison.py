@@ -1,4 +1,4 @@
-"""Two runs side by side: which of their numbers differ by more than their uncertainties."""
+"""Comparison of two runs: the numbers that differ by more than their uncertainties."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -111,7 +111,7 @@ def _surfaces(statistics: xr.Dataset) -> Surfaces:
 
 
 def _pairs(before: list[xr.Dataset], after: list[xr.Dataset]) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
-    """Yield the loads that belong together; one that stands alone comes beside an empty dataset."""
+    """Yield the loads of both that belong together; one without a partner comes with an empty dataset."""
     left = list(after)
     for old in before:
         place = next((place for place, new in enumerate(left) if _same_load(old, new)), None)
@@ -129,7 +129,7 @@ def _same_load(old: xr.Dataset, new: xr.Dataset) -> bool:
 
 
 def _judged(old: xr.Dataset, new: xr.Dataset, share: float | None) -> Iterator[dict[str, Any]]:
-    """Yield a row for each number of one load that can be judged, or one for a load that stands alone."""
+    """Yield a row for each number of a load that can be judged, or one for a load without a partner."""
     pressures = [float(side["mean_pressure"]) if "mean_pressure" in side else np.nan for side in (old, new)]
     if np.isnan(pressures).any():
         yield _row(np.nanmax(pressures), "mean_pressure", *pressures, allowed=0.0)
@@ -146,7 +146,7 @@ def _judged(old: xr.Dataset, new: xr.Dataset, share: float | None) -> Iterator[d
 
 
 def _numbers(old: xr.Dataset) -> list[str]:
-    """Return the names of the numbers that say something of the surface."""
+    """Return the names of the numbers that describe the surface."""
     return [
         name
         for name in map(str, old.data_vars)
@@ -158,7 +158,7 @@ def _numbers(old: xr.Dataset) -> list[str]:
 
 
 def _half_width(side: xr.Dataset, name: str, other: float) -> float:
-    """Return the half-width of a number's interval on the side where the other run's number lies."""
+    """Return the half-width of a number's interval on the side of the other run's number."""
     end = f"{name}_upper" if other > float(side[name]) else f"{name}_lower"
     if end in side:
         reach = abs(float(side[end]) - float(side[name]))

@@ -1,7 +1,7 @@
-"""A finished run as a research object: an RO-Crate that says what its files hold and how they came about.
+"""A finished run as a research object: an RO-Crate with the content and origin of its files.
 
-The crate follows RO-Crate 1.1 and the profile Process Run Crate 0.5: one action, this program as its
-instrument, the measured files and the settings as what it worked on, the files of the folder as its results.
+The crate follows RO-Crate 1.1 and the profile Process Run Crate 0.5: one action, with this program as its
+instrument, the measured files and the settings as its objects, and the files of the folder as its results.
 """
 
 import json
@@ -141,7 +141,7 @@ def _files(folder: Path) -> Iterator[Path]:
 
 
 def _add(crate: "ROCrate", identifier: str, properties: dict[str, Any]) -> Any:
-    """Add to a crate what is no file of it."""
+    """Add to a crate an entity that is no file of it."""
     from rocrate.model.contextentity import ContextEntity
 
     return crate.add(ContextEntity(crate, identifier, properties=properties))

@@ -1,9 +1,9 @@
-"""What to trust: every check of a surface's result, and the words that warn of single loads.
+"""All checks of a surface, their verdict, and the warnings of single loads.
 
-A check passes, asks for a look (the number may be off, and the sentence says by what), or fails (do not use
-the number); one that could not be made says so and never passes. The verdict on a surface, or on one load of
-it, is that of its worst check. The checks stand with their limits in
-`contact_checks` and `map_checks`; who shows them finds all that is needed here.
+A check passes, warns (`look`: review the result, the sentence says by how much it may be off), or fails (do
+not use it); one that cannot be made says so and never passes. The verdict on a surface, or on one of its
+loads, is that of the worst check. The checks and their limits stand in `contact_checks` and `map_checks`;
+this module exports all that is needed to show them.
 """
 
 import json
@@ -112,7 +112,7 @@ def surface_checks(
 
 
 def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
-    """Return for each load the words that warn of its numbers (mostly none).
+    """Return the warnings of each load in a word or two (mostly none).
 
     Parameters
     ----------

@@ -107,18 +107,10 @@ def first_yield_pressure(
 def with_first_yield(
     statistics: xr.Dataset, window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1
 ) -> xr.Dataset:
-    """Return the statistics of a surface with the load of first yield beside them.
+    """Return the statistics of a surface with the load of first yield.
 
-    Parameters
-    ----------
-    statistics : Dataset
-        of all its loads, as `contact_statistics` returns them.
-    window : DataArray (y, x), m
-        the map that was solved.
-    contact : mapping
-        the settings it was solved with, of which `tolerance`, `influence` and `precision` count here.
-    threads : int
-        of the solutions.
+    `statistics` are those of all loads, as of `contact_statistics`, `window` (y, x; m) is the solved map,
+    `contact` the settings, of which `tolerance`, `influence` and `precision` count here.
 
     Returns
     -------

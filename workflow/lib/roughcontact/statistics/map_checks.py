@@ -1,4 +1,8 @@
-"""Checks of the map: whether the window that was solved stands for the surface that was measured."""
+"""Checks of the map: whether the solved window stands for the surface that was measured.
+
+`statistics` is as `contact_statistics` returns it; `height`, `levelled` and `window` are the attributes of
+the map as measured, levelled and made periodic.
+"""
 
 import json
 from collections.abc import Mapping
@@ -31,21 +35,7 @@ Attributes = Mapping[str, Any]
 
 
 def missing_points(statistics: xr.Dataset, height: Attributes, levelled: Attributes) -> Check:
-    """Check that next to no contact lies on points that were not measured.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it.
-    height : mapping
-        attributes of the map as measured.
-    levelled : mapping
-        attributes of the levelled map.
-
-    Returns
-    -------
-    Check
-    """
+    """Check that hardly any contact lies on points that were not measured."""
     missing, rejected = height.get("missing_share", 0.0), levelled.get("outliers_rejected", 0)
     filled = levelled.get("filled_share", 0.0)
     in_contact = float(statistics["contact_on_filled_points"].max())
@@ -66,18 +56,7 @@ def missing_points(statistics: xr.Dataset, height: Attributes, levelled: Attribu
 
 
 def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
-    """Check that next to no load would lie on points that were rejected.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it, with `rejected_load_share`.
-    levelled : mapping
-        attributes of the levelled map.
-
-    Returns
-    -------
-    Check
+    """Check that hardly any load would lie on rejected points, by `rejected_load_share`.
 
     Examples
     --------
@@ -112,16 +91,7 @@ def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
 def scan_lines(levelled: Attributes, statistics: xr.Dataset | None = None) -> Check:
     """Check that the rows of the map are not shifted against one another, or that the user aligned them.
 
-    Parameters
-    ----------
-    levelled : mapping
-        attributes of the levelled map.
-    statistics : Dataset, optional
-        as `contact_statistics` returns it: `Str` and `Std` tell of a lay along the rows, which hides shifts.
-
-    Returns
-    -------
-    Check
+    `Str` and `Std` of the statistics show a lay along the rows, which hides shifts.
 
     Examples
     --------
@@ -165,17 +135,6 @@ def _lay_along_rows(statistics: xr.Dataset) -> bool:
 def form(levelled: Attributes, window: Attributes) -> Check:
     """Check that no bow decides where the surfaces touch.
 
-    Parameters
-    ----------
-    levelled : mapping
-        attributes of the levelled map.
-    window : mapping
-        attributes of the periodic window.
-
-    Returns
-    -------
-    Check
-
     Examples
     --------
     >>> form({"form": "plane"}, {"form_share": 0.9}).outcome
@@ -196,15 +155,6 @@ def form(levelled: Attributes, window: Attributes) -> Check:
 
 def periodicity(window: Attributes) -> Check:
     """Check that making the window periodic changed neither heights nor gradient by much.
-
-    Parameters
-    ----------
-    window : mapping
-        attributes of the periodic window.
-
-    Returns
-    -------
-    Check
 
     Examples
     --------
@@ -235,15 +185,6 @@ def periodicity(window: Attributes) -> Check:
 def window_share(window: Attributes) -> Check:
     """Check that the window covers most of the measured map.
 
-    Parameters
-    ----------
-    window : mapping
-        attributes of the periodic window.
-
-    Returns
-    -------
-    Check
-
     Examples
     --------
     >>> window_share({"window_share": 0.81}).sentence
@@ -258,17 +199,7 @@ def window_share(window: Attributes) -> Check:
 
 
 def longest_wave(statistics: xr.Dataset) -> Check:
-    """Check that the window holds the longest waves of the surface.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it.
-
-    Returns
-    -------
-    Check
-    """
+    """Check that the window holds the longest waves of the surface."""
     length = float(statistics["Sal"])
     sides = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
     side = float(np.nanmin(sides))  # a profile has a length alone
@@ -285,16 +216,9 @@ def longest_wave(statistics: xr.Dataset) -> Check:
 
 
 def sample(statistics: xr.Dataset) -> Check:
-    """Check that the map tells how far its results stand for the surface beyond it.
+    """Check that the map shows how far its results hold for the surface beyond it.
 
-    Parameters
-    ----------
-    statistics : Dataset
-        as `with_uncertainty` returns it: its attribute `window_flag` says what is wrong.
-
-    Returns
-    -------
-    Check
+    The attribute `window_flag` of `with_uncertainty` names the reason why it does not.
 
     Examples
     --------
@@ -313,15 +237,6 @@ def sample(statistics: xr.Dataset) -> Check:
 
 def band(window: Attributes) -> Check:
     """Check that no wave is solved that the instrument is known not to resolve.
-
-    Parameters
-    ----------
-    window : mapping
-        attributes of the periodic window.
-
-    Returns
-    -------
-    Check
 
     Examples
     --------
@@ -346,15 +261,6 @@ def band(window: Attributes) -> Check:
 def slope(statistics: xr.Dataset) -> Check:
     """Check that the slopes are small, as the half-space theory assumes.
 
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it.
-
-    Returns
-    -------
-    Check
-
     Examples
     --------
     >>> import xarray as xr
@@ -374,15 +280,6 @@ def slope(statistics: xr.Dataset) -> Check:
 
 def steep_places(window: Attributes) -> Check:
     """Check that a few steep places do not make up the rms gradient.
-
-    Parameters
-    ----------
-    window : mapping
-        attributes of the periodic window.
-
-    Returns
-    -------
-    Check
 
     Examples
     --------
@@ -408,15 +305,6 @@ def steep_places(window: Attributes) -> Check:
 
 def reading(height: Attributes, levelled: Attributes) -> Check:
     """Check that the file was read without a warning.
-
-    Parameters
-    ----------
-    height, levelled : mapping
-        attributes of the map as measured, and levelled.
-
-    Returns
-    -------
-    Check
 
     Examples
     --------

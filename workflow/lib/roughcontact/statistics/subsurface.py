@@ -1,4 +1,4 @@
-"""Where below the surface a contact strains its material most."""
+"""Stresses below the surface of a contact, and the load at which they make a body yield."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -26,22 +26,11 @@ Bodies = Sequence[Mapping[str, float | None]]
 
 
 def profile_depths(shape: Sequence[int], steps: tuple[float, float]) -> np.ndarray:
-    """Return the depths at which stresses are looked for: from the surface to twice the longer side.
+    """Return the depths (m) at which stresses are computed: from the surface to twice the longer side.
 
     The stress below a wave is largest at about 1/q: the shortest waves have it within the first pixel, the
     longest one at a sixth of the longer side, whatever the load. At the last depth the mean pressure acts
-    alone.
-
-    Parameters
-    ----------
-    shape : (ny, nx)
-        of the map.
-    steps : (dy, dx), m
-        pitch of the points.
-
-    Returns
-    -------
-    array (depths), m
+    alone. `steps` are (dy, dx) in m.
 
     Examples
     --------
@@ -57,15 +46,6 @@ def profile_depths(shape: Sequence[int], steps: tuple[float, float]) -> np.ndarr
 
 def strained_body(bodies: Bodies | None) -> Mapping[str, float | None] | None:
     """Return the body that yields first: that of the lower yield stress, else of the lower Young's modulus.
-
-    Parameters
-    ----------
-    bodies : sequence of two mappings, or None
-        `poissons_ratio`, and as far as known `yield_stress` (Pa) and `youngs_modulus` (Pa).
-
-    Returns
-    -------
-    mapping or None
 
     Examples
     --------
@@ -164,23 +144,12 @@ def stress_columns(
 
 
 def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.Dataset:
-    """Return the statistics with the mean pressure at which a body begins to yield below its surface.
+    """Return the statistics with the mean pressure (Pa) at which a body begins to yield below its surface.
 
-    There the largest stress of von Mises reaches the yield stress. Between the two loads that have it between
-    them, stress and load are interpolated as powers of one another.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        `max_von_mises_stress` (load) Pa, coordinate `mean_pressure` (load) Pa.
-    bodies : sequence of two mappings, or None
-        of which one at least states a `yield_stress` (Pa).
-
-    Returns
-    -------
-    Dataset
-        with `first_subsurface_yield_pressure` (Pa), NaN where no load has it and no two have it between
-        them; unchanged without stresses or without a yield stress.
+    There `max_von_mises_stress` (load) reaches the lower `yield_stress` (Pa) of the bodies. Between two
+    loads, stress and load are interpolated as powers of one another: `first_subsurface_yield_pressure` is NaN
+    where no two loads have it between them and none is there; the statistics are unchanged without stresses
+    or without a yield stress.
 
     Examples
     --------
