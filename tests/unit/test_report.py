@@ -358,7 +358,7 @@ def test_each_check_can_ask_for_a_look(good):
     assert "−15.0 %" in found["Periodic window"].sentence
     assert "5.00 %" in found["Missing points"].sentence
     assert "by 10.0 % of the rms height (rms); they were aligned (jitter)" in found["Scan lines"].sentence
-    assert "138 points were rejected as no surface (138 in spikes)" in found["Outliers"].sentence
+    assert "138 points were rejected as outliers (138 in spikes)" in found["Outliers"].sentence
     assert "they would carry 11.0 % of the load at most" in found["Outliers"].sentence
     assert "level.form" in found["Form"].sentence
     assert "make up 70.0 % of the mean square gradient" in found["Steep places"].sentence
@@ -370,9 +370,9 @@ def test_a_single_rejected_point_is_spoken_of_in_the_singular():
     shares = xr.Dataset({"rejected_load_share": ("load", [0.11])})
     said = map_checks.outliers(shares, {"outliers_rejected": 1, "outlier_kinds": '{"spike": 1}'}).sentence
     assert said.startswith(
-        "1 point was rejected as no surface (1 spike). If it were kept, it would carry 11.0 %"
+        "1 point was rejected as an outlier (1 spike). If it were kept, it would carry 11.0 %"
     )
-    assert "its being a fault of the measurement. See where it lies" in said
+    assert "whether it is an error of the measurement. See where it lies" in said
 
 
 def test_slopes_that_no_surface_has_are_not_to_be_trusted(good):
@@ -446,7 +446,7 @@ def test_rejections_are_judged_by_the_load_they_would_carry(good):
 def test_advice_on_spikes_knows_the_threshold_that_was_applied(good):
     steep = {"steepest_share": 0.7}
     found, _ = outcomes(good, window=steep | {"outlier_threshold": 6.0})
-    assert "Spikes beyond 6.0 standard deviations are out already" in found["Steep places"].sentence
+    assert "Spikes beyond 6.0 standard deviations are removed already" in found["Steep places"].sentence
     for window in (steep, steep | {"outlier_threshold": 0.0}):
         assert "with level.outlier_threshold" in outcomes(good, window=window)[0]["Steep places"].sentence
 

@@ -209,7 +209,7 @@ def per_load(modulus, mean, largest, **others):
         (1e8, 0.05, 0.1, checks.LOOK, "At 1.00 MPa metals would flow"),
         (5e6, 0.9, 2.0, checks.NOT_MADE, "rubber-like solids (E* below 100 MPa) bear that"),
         (5e6, 1.1, 2.0, checks.LOOK, "More than rubber bears"),
-        # 115000, which is steel in MPa: nothing speaks against a gel but what a metal would do there
+        # 115000, which is steel in MPa: only the yield of a metal casts doubt on a gel
         (
             1.154e5,
             0.02,
@@ -333,7 +333,7 @@ def test_what_was_not_made_neither_helps_nor_harms():
             1.15e11,
             [1.0, 1e6],
             checks.LOOK,
-            "At 1 of 2 loads the mean pressure is hardly meant: 1.00 Pa is next",
+            "At 1 of 2 loads the mean pressure is implausible: 1.00 Pa is next",
         ),
         (1.15e11, [1e12], checks.LOOK, "more than any contact bears"),
         (1.15e11, [1e6, 1e8], checks.PASSED, "115 GPa and loads of 1.00 MPa to 100 MPa"),

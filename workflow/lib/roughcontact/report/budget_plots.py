@@ -10,7 +10,7 @@ from roughcontact.quantities import number, with_interval
 from roughcontact.report.charts import COLOURS, MARKERS, Axis, Chart
 from roughcontact.report.units import unit_of
 
-# what each quantity is called on the page
+# names of the quantities on the page
 _SHOWN = {
     "relative_contact_area": "contact area A/A₀",
     "mean_gap": "mean gap ū",

@@ -126,7 +126,7 @@ def spectrum_caption(window: xr.DataArray, numbers: xr.Dataset) -> str:
     band = f"Waves from {shortest} to {longest} are solved"
     if removed := window.attrs["band_removed_rms_height"]:
         gradient = number(window.attrs["band_removed_rms_gradient"])
-        band += f"; taken out: rms height {unit_of(numbers, 'm').text(removed)}, rms gradient {gradient}"
+        band += f"; removed: rms height {unit_of(numbers, 'm').text(removed)}, rms gradient {gradient}"
     return f"{band}." if 1 in window.shape else f"Mean over all directions. {band}."
 
 
@@ -274,7 +274,7 @@ def _filters(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
     names = {"s_filter": "S-filter", "l_filter": "L-filter"}
     return "; ".join(
         f"{names[name]} {quantity(entry['nesting_index']['value'], 'm')}, "
-        f"{unit_of(numbers, 'm').text(entry['rms_removed']['value'])} rms taken off"
+        f"{unit_of(numbers, 'm').text(entry['rms_removed']['value'])} rms removed"
         for name, entry in json.loads(levelled.attrs.get("filters_removed", "{}")).items()
     )
 

@@ -41,7 +41,7 @@ def write_results(
     folder : path
         where they are written.
     finished : sequence of dict
-        what there is, in the order it shall be listed; one at least.
+        the finished surfaces, in the order of the tables; one at least.
     title : str
         of the page.
     settings, settings_of_statistics : dict

@@ -49,7 +49,7 @@ def write_panel(
     settings : dict
         the settings of the run.
     crosscheck : path or None
-        what another code found, where the run was cross-checked.
+        the results of another code, where the run was cross-checked.
     counter_face : path or None
         the other measured file of a pair of faces.
 
@@ -75,7 +75,7 @@ def write_panel(
     verdict = checks.verdict(outcome)
     doubts = by_weight(checks.reasons(outcome))
     not_judged = [check for check in outcome if check.outcome == checks.NOT_MADE]
-    told = facts.surface_facts(measured, plane, solved, numbers)
+    known = facts.surface_facts(measured, plane, solved, numbers)
     maps = _maps(measured, plane, solved, numbers, counter_face)
     source = measured.attrs.get("source_sha256", "")
     del measured, plane  # large maps leave no room for them beside the solution
@@ -89,7 +89,7 @@ def write_panel(
         doubts=doubts,
         not_judged=not_judged,
         sound=[check for check in outcome if check.outcome == checks.PASSED],
-        facts=told,
+        facts=known,
         maps=maps,
         scores=tables.score_table(solved),
         profile=1 in solved.shape,
@@ -150,7 +150,7 @@ def _maps(
     numbers: xr.Dataset,
     counter_face: str | Path | None,
 ) -> list[tuple[str, str, str]]:
-    """Return (title, image, caption) of the heights after each stage; of a pair, what was measured twice."""
+    """Return (title, image, caption) of the heights after each stage; of a pair, both measured faces."""
     if counter_face:
         faces = [("Face, as measured", measured), ("Counter-face, as measured", _read_map(counter_face))]
     else:
@@ -201,7 +201,7 @@ def _fields(
 
 
 def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, str]]:
-    """Return (title, image, caption) of the pictures of the waves of a window that is not flat."""
+    """Return (title, image, caption) of the waves of a window that is not flat."""
     profile = 1 in window.shape
     pictures = [("Power spectrum", texture_plots.spectrum(window), facts.spectrum_caption(window, numbers))]
     if not profile:
@@ -215,7 +215,7 @@ def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, st
 def _charts(
     numbers: xr.Dataset, window: xr.DataArray, shown: Sequence[int]
 ) -> list[tuple[str, str, str, str]]:
-    """Return (title, image, what it shows, how to read it) of the charts of a window that is not flat."""
+    """Return (title, image, result, reading) of the charts of a window that is not flat."""
     bars = captions.reading_of(numbers)
     charts = [
         (

@@ -36,7 +36,7 @@ def spectrum(window: xr.DataArray) -> str:
     unit_q, length = _inverse_length(window)
     # C is height^2 times area (of a profile times length)
     power = power * (_HEIGHT.factor**2 * unit_q ** -(1 if profile else 2))
-    inside = power > 1e-20 * power.max()  # below lies the rounding of waves that were taken out
+    inside = power > 1e-20 * power.max()  # below lies the rounding of waves that were removed
     seen = power[inside]
     step = min(d for n, d in zip(window.shape, spacing(window), strict=True) if n > 1)
     ends = q[0] * unit_q / 1.3, np.pi / step * unit_q * 1.3
@@ -56,7 +56,7 @@ def spectrum(window: xr.DataArray) -> str:
 
 
 def _mark_band(chart: Chart, window: xr.DataArray, first: float, unit_q: float) -> None:
-    """Show which waves were taken out, which are reliable, and which is the shortest one of the map.
+    """Mark the waves that were removed, the reliable ones, and the shortest one of the map.
 
     `first` is the smallest wavenumber that is drawn, `unit_q` the factor from 1/m to its unit.
     """
@@ -66,7 +66,7 @@ def _mark_band(chart: Chart, window: xr.DataArray, first: float, unit_q: float) 
     if window.attrs["band_shortest"] > 2 * step * 1.01:
         outside.append((shortest, chart.x.high))
     for index, span in enumerate(outside):
-        chart.band(*span, label="" if index else "taken out")
+        chart.band(*span, label="" if index else "removed")
     chart.across(
         x=2 * np.pi / window.attrs["reliable_wavelength"] * unit_q,
         colour=COLOURS[1],

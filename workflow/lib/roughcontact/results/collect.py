@@ -51,7 +51,7 @@ class Entry(TypedDict):
 
 
 class Failure(TypedDict):
-    """A surface and case without results, and why."""
+    """A surface and case without results, and the reason."""
 
     surface: str
     case: str | None

@@ -25,7 +25,7 @@ from roughcontact.variables import describe
 if TYPE_CHECKING:
     import netCDF4
 
-_FORMULA = tuple("=+-@\t\r")  # what a spreadsheet takes for the beginning of one
+_FORMULA = tuple("=+-@\t\r")  # first letters of a formula in a spreadsheet
 
 
 class Array(NamedTuple):
@@ -36,17 +36,15 @@ class Array(NamedTuple):
 
 
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
-_CHECKED: dict[str, Any] = {"fletcher32": True}  # so that a turned bit is an error, not a number
+_CHECKED: dict[str, Any] = {"fletcher32": True}  # a flipped bit becomes an error, not a number
 _COMPRESSION = _CHECKED | {"zlib": True, "complevel": 1, "shuffle": True}
-_PIECE = (1, 512, 1024)  # points that lie together in a map for each load, which is read alone
-_AS_NOISE = (
-    "gap",
-)  # whose digits hardly repeat: compressing them takes longer than solving, and saves a sixth
-_CACHE = 2**20  # bytes of a variable that are kept in memory: less than a piece
+_PIECE = (1, 512, 1024)  # chunk of a map: loads are read one by one
+_AS_NOISE = ("gap",)  # nearly random digits: compression takes longer than the solution, and saves a sixth
+_CACHE = 2**20  # bytes of a variable that are kept in memory: less than a chunk
 _BYTES_OF_MAPS = 17  # at most, of a point under one load: pressure, gap and contact
 
 
-# what may have had a part in a number, as far as it is installed; Snakemake started the jobs
+# packages that may affect a number, as far as they are installed; Snakemake started the jobs
 _PACKAGES = [
     "numpy",
     "scipy",
@@ -59,7 +57,7 @@ _PACKAGES = [
     "x3pio",
 ]
 _PACKAGES += ["sdfio", "matplotlib", "snakemake"]
-# what each file of a surface holds
+# titles of the files of a surface
 _TITLES = {
     "height": "Heights as measured",
     "levelled": "Levelled heights",
@@ -132,7 +130,7 @@ def _commit() -> str:
     with suppress(OSError):
         return (package / "_commit.txt").read_text(encoding="ascii").strip()
     checkout = package.parents[2]
-    if not (checkout / ".git").exists():  # an environment within a folder of somebody else's
+    if not (checkout / ".git").exists():  # an environment within another project
         return ""
     command = ["git", "-C", str(checkout), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
     with suppress(OSError, subprocess.SubprocessError):
@@ -190,7 +188,7 @@ def _write(dataset: xr.Dataset, path: Path, *, mode: Literal["w", "a"] = "w") ->
 
 
 def _packed(name: str, variable: xr.Variable | xr.DataArray) -> dict[str, Any]:
-    """Return how a large variable is stored; maps of loads in pieces of one, which is read alone."""
+    """Return the encoding of a large variable; maps of loads in chunks of one load."""
     packed = _CHECKED if name in _AS_NOISE else _COMPRESSION
     if variable.dims[1:] != ("y", "x"):
         return packed
@@ -233,7 +231,7 @@ class LoadByLoad:
         return xr.Dataset()
 
     def _made_for(self, maps: xr.Dataset) -> "netCDF4.Dataset":
-        """Make the file, with room for the maps of all loads, and leave it open."""
+        """Create the file, with room for the maps of all loads, and leave it open."""
         from netCDF4 import Dataset
 
         with _uncached():

@@ -137,9 +137,9 @@ def _against_hardness(statistics: xr.Dataset) -> Check:
     index = modulus * float(statistics["rms_gradient"]) / hardness
     text = (
         f"{_loads(yielded, statistics)} points carry {bears} and flow: up to {percent(load_share[worst])} of "
-        f"the load on {percent(area_share[worst])} of the contact area. The pressure is limited there, the "
-        f"shape after it is not known.{first} Plasticity index E* g / H = {number(index, digits=2)} (mostly "
-        "elastic below 0.3, mostly plastic above 3)."
+        f"the load on {percent(area_share[worst])} of the contact area. The pressure is limited there, "
+        f"the shape after yielding is not known.{first} Plasticity index E* g / H = "
+        f"{number(index, digits=2)} (mostly elastic below 0.3, mostly plastic above 3)."
     )
     return Check("Plasticity", LOOK, text)
 
@@ -259,7 +259,7 @@ def units(statistics: xr.Dataset) -> Check:
         return Check("Units", LOOK, f"Contact modulus: {doubt.question().rstrip('.')}")
     doubts = [doubt for load in loads if (doubt := materials.doubt_of_load(float(load), modulus))]
     if doubts:
-        text = f"At {len(doubts)} of {loads.size} loads the mean pressure is hardly meant: "
+        text = f"At {len(doubts)} of {loads.size} loads the mean pressure is implausible: "
         return Check("Units", LOOK, text + doubts[0].question())
     low, high = (pressure_unit(modulus).text(float(f(loads))) for f in (np.min, np.max))
     span = low if low == high else f"{low} to {high}"

@@ -69,20 +69,21 @@ def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
     if not rejected:
         return Check("Outliers", PASSED, "No point was rejected.")
     named = kinds_in_words(levelled)
-    they, was = ("it", "was") if rejected == 1 else ("they", "were")
-    text = f"{several(rejected, 'point')} {was} rejected as no surface" + (f" ({named})" if named else "")
+    they, was, kind = ("it", "was", "an outlier") if rejected == 1 else ("they", "were", "outliers")
+    text = f"{several(rejected, 'point')} {was} rejected as {kind}" + (f" ({named})" if named else "")
     shares = statistics["rejected_load_share"].values if "rejected_load_share" in statistics else np.nan
     if np.isnan(shares).all():
-        unknown = f"What load {they} would carry if {they} were kept is not known."
+        unknown = f"The load that {they} would carry if {they} were kept is not known."
         return Check("Outliers", LOOK, f"{text}. {unknown}")
     share = float(np.nanmax(shares))
     text += f". If {they} were kept, {they} would carry {percent(share)} of the load"
     text += " at most" if statistics.sizes["load"] > 1 else ""
     if share <= REJECTED_LOAD:
         return Check("Outliers", PASSED, f"{text}.")
-    faults, lie = ("its being a fault", "it lies") if rejected == 1 else ("their being faults", "they lie")
+    are = "it is an error" if rejected == 1 else "they are errors"
+    lie = "it lies" if rejected == 1 else "they lie"
     text += (
-        f": the result rests on {faults} of the measurement. See where {lie}; "
+        f": the result depends on whether {are} of the measurement. See where {lie}; "
         "level.outlier_threshold: null keeps every point."
     )
     return Check("Outliers", LOOK, text)
@@ -149,7 +150,7 @@ def form(levelled: Attributes, window: Attributes) -> Check:
     if levelled.get("form") in ("polynomial", "sphere", "cylinder"):
         way_out = "It came with the periodic window: compare another window.method."
     else:
-        way_out = "Take it off with level.form: polynomial, unless it belongs to the contact."
+        way_out = "Remove it with level.form: polynomial, unless it belongs to the contact."
     return Check("Form", LOOK, f"{text}: form, not roughness, decides where the surfaces touch. {way_out}")
 
 
@@ -165,7 +166,7 @@ def periodicity(window: Attributes) -> Check:
     if method == "none":
         return Check("Periodic window", PASSED, "The window was periodic already: nothing was changed.")
     before, after = window["rms_gradient_before"], window["rms_gradient_after"]
-    # waves that were taken out afterwards, on request, are no fault of periodisation
+    # waves removed afterwards, on request, are not due to periodisation
     after = float(np.hypot(after, window.get("band_removed_rms_gradient", 0.0)))
     change = after / before - 1 if before > 0 else 0.0
     relative = window.get("periodisation_relative_change", 0.0)
@@ -176,7 +177,7 @@ def periodicity(window: Attributes) -> Check:
     if abs(change) > GRADIENT_CHANGE:
         text += " Peak pressures follow the gradient."
     if relative > HEIGHT_CHANGE:
-        text += " Opposite edges do not fit together, and closing them moved the contact."
+        text += " Opposite edges do not match, and joining them moved the contact."
     if abs(change) > GRADIENT_CHANGE or relative > HEIGHT_CHANGE:
         return Check("Periodic window", LOOK, f"{text} Compare another window.method.")
     return Check("Periodic window", PASSED, text)
@@ -204,12 +205,12 @@ def longest_wave(statistics: xr.Dataset) -> Check:
     sides = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
     side = float(np.nanmin(sides))  # a profile has a length alone
     if np.isnan(length):
-        return Check("Longest wave", PASSED, "The map is flat: there is no wave to be too long.")
+        return Check("Longest wave", PASSED, "The map is flat: there is no wave.")
     text = f"The window is {number(side / length, digits=2)} autocorrelation lengths (Sal) long"
     if side < LENGTHS * length:
         text += (
-            ": it is shorter than the longest waves of the surface, which another window would show "
-            "otherwise. Measure a larger field, or take long waves off (level.l_filter)."
+            ": it is shorter than the longest waves of the surface, and another window would give other "
+            "numbers. Measure a larger field, or remove long waves (level.l_filter)."
         )
         return Check("Longest wave", LOOK, text)
     return Check("Longest wave", PASSED, f"{text}: it holds the longest waves.")
@@ -227,11 +228,11 @@ def sample(statistics: xr.Dataset) -> Check:
     'look'
     """
     if "window_flag" not in statistics.attrs:
-        text = "Not made: the surface beyond the map is no part of the error budget (uncertainty.sources)."
+        text = "Not made: the surface beyond the map is not in the error budget (uncertainty.sources)."
         return Check("Sample", NOT_MADE, text)
     if flag := statistics.attrs["window_flag"]:
         return Check("Sample", LOOK, flag)
-    text = "Nothing in the map says that the surface beyond it is unlike the map: see what the ± is made of."
+    text = "The map gives no sign that the surface beyond it differs: see the sources of the ±."
     return Check("Sample", PASSED, text)
 
 
@@ -253,7 +254,7 @@ def band(window: Attributes) -> Check:
         return Check("Band", PASSED, "No wave is solved that the instrument is known not to resolve.")
     text = (
         f"Waves down to {quantity(shortest, 'm')} are solved; {reason} resolves {quantity(reliable, 'm')}. "
-        "What is shorter is partly noise, and peaks are partly rounded off: compare window.reliable_band."
+        "Shorter waves are partly noise, and peaks are partly smoothed: compare window.reliable_band."
     )
     return Check("Band", LOOK, text)
 
@@ -292,9 +293,9 @@ def steep_places(window: Attributes) -> Check:
         return Check("Steep places", PASSED, f"{text}.")
     threshold = window.get("outlier_threshold")
     spikes = (
-        f"Spikes beyond {number(threshold, digits=2)} standard deviations are out already."
+        f"Spikes beyond {number(threshold, digits=2)} standard deviations are removed already."
         if threshold
-        else "Take spikes out with level.outlier_threshold."
+        else "Remove spikes with level.outlier_threshold."
     )
     text += (
         ": steps, defects or dust. A load relative to the gradient is high for the rest of the surface. Give "
@@ -315,6 +316,6 @@ def reading(height: Attributes, levelled: Attributes) -> Check:
     if warnings:
         text = " ".join(f"{warning[0].upper()}{warning[1:].rstrip('.')}." for warning in warnings)
         if levelled.get("outlier_threshold"):
-            text = text.replace(SPIKES_ADVICE, "isolated ones were looked for and taken out")
+            text = text.replace(SPIKES_ADVICE, "isolated ones were searched for and removed")
         return Check("Reading the file", LOOK, text)
     return Check("Reading the file", PASSED, "Read without a warning.")

@@ -17,10 +17,10 @@ _DEEPEST = 2  # longer sides: there less than 1e-4 of any wave is left
 _FITTED = 6
 _PARTS = 16
 _NEAR = 0.8  # of a limit: where the stress is less at two depths, it does not reach the limit between them
-# Beside a depth with so much less than the largest stress there may be a larger one, of another point, too.
+# Peaks within this share of the largest stress are refined, too: another point may exceed it in between.
 _BESIDE = 0.02
-_FAR = 0.8  # of the largest stress of Tresca so far: less is not worth its eigenvalues
-_FINE = 0.01  # to which share a load has the stress that is looked for
+_FAR = 0.8  # of the largest stress of Tresca so far: below it no eigenvalues are computed
+_FINE = 0.01  # relative difference from the wanted stress at which a load counts as having it
 
 Bodies = Sequence[Mapping[str, float | None]]
 
@@ -46,6 +46,8 @@ def profile_depths(shape: Sequence[int], steps: tuple[float, float]) -> np.ndarr
 
 def strained_body(bodies: Bodies | None) -> Mapping[str, float | None] | None:
     """Return the body that yields first: that of the lower yield stress, else of the lower Young's modulus.
+
+    The bodies state `poissons_ratio`, and as far as known `yield_stress` and `youngs_modulus` (Pa).
 
     Examples
     --------
@@ -169,7 +171,7 @@ def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.D
     order = np.argsort(statistics["mean_pressure"].values)
     load, stress = (statistics[name].values[order] for name in ("mean_pressure", "max_von_mises_stress"))
     nearest = int(np.argmin(np.abs(stress / limit - 1)))
-    if abs(stress[nearest] / limit - 1) < _FINE:  # a load that was looked for, just beside it
+    if abs(stress[nearest] / limit - 1) < _FINE:  # a target of the loads, found to a tolerance
         return statistics.assign(first_subsurface_yield_pressure=float(load[nearest]))
     first = int(np.argmax(stress >= limit))  # 0 also where none is
     pair = slice(first - 1, first + 1)
