@@ -28,7 +28,7 @@ _LENGTHS = {
     2.54e-8: ("uin", "μin", "microinch", "microinches"),
 }
 _POUND_PER_SQUARE_INCH = 0.45359237 * 9.80665 / 0.0254**2
-# mPa is left out: it is a millipascal, and mostly meant for MPa
+# mPa is left out: it is a millipascal, and mostly a misspelt MPa
 _PRESSURES = {
     1.0: ("Pa", "pascal", "N/m2"),
     1e2: ("hPa", "mbar"),
@@ -73,7 +73,7 @@ _TABLES = {
     "Pa s": _by_name(_VISCOSITIES),
     "J m-2": _by_name(_WORKS),
 }
-# what a message offers
+# spellings offered in a message
 _USUAL = {
     "m": "m, mm, um, µm, nm, Å, pm, inch, mil, uin and the written-out words",
     "Pa": "Pa, kPa, MPa, GPa, N/mm2, bar, psi",

@@ -16,13 +16,13 @@ _COMPARED = (
     ("max_pressure", "largest pressure", "Pa"),
     ("mean_gap", "mean gap ū", "m"),
 )
-_PERCENT = Unit(1.0, "%")  # of what is in percent already
+_PERCENT = Unit(1.0, "%")  # of numbers in percent
 _SPREAD = (0.1, 0.9)  # quantiles over the surfaces
 
 _DUST = 1e-9  # percent: a difference that small is rounding
 
 Group = dict[str, Any]
-Ways = tuple[float, float]  # how far an interval reaches down, and up
+Ways = tuple[float, float]  # half-widths of an interval, down and up
 
 
 def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
@@ -166,7 +166,7 @@ def _difference(first: float, of_first: Ways, other: float, ways: Ways) -> str:
     if not first > 0:
         return "–"
     change, (down, up) = _change(first, of_first, other, ways)
-    # nothing falls by more than all of it; min() keeps what is not known
+    # no number falls by more than 100 %; min() keeps NaN
     return _in_brackets(change, min(down, 100 + change), up, "%")
 
 

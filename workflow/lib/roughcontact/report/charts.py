@@ -24,14 +24,14 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#0
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 INK = "#222222"
-GREY = "#444444"  # of lines that are there for comparison
+GREY = "#444444"  # of lines for comparison
 DASHED, DOTTED, DASH_DOTTED = "6 3", "2 2.5", "7 3 2 3"
 _GRID = "#dddddd"
 _FONT = "system-ui,'Segoe UI','DejaVu Sans',sans-serif"
 _SIZE = 12.0  # of the text, in units of the chart (pixels where it is shown at its own size)
 _SMALL = 11.0  # of legends
 _WIDE = 0.56  # of a letter, on average, in units of the size of the text
-_MOST_POINTS = 1500  # of a line; of more the least and the largest of each few are drawn
+_MOST_POINTS = 1500  # of a line; of longer ones the extremes of each few points are drawn
 
 # outlines of the marks around (0, 0), for a radius of 1
 _OUTLINES = {
@@ -159,7 +159,7 @@ class Chart:
     grid : bool
         whether lines go through from the ticks.
     reading : dict
-        what it takes to read values from a picture (`map_plots.framed`); it goes with the chart as JSON.
+        the scales from which a script reads values of a picture (`map_plots.framed`), written as JSON.
     """
 
     x: Axis
@@ -393,7 +393,7 @@ def data_uri(svg: str) -> str:
 
 
 def _stroke(colour: str, width: float, dash: str) -> str:
-    """Return how a line is drawn."""
+    """Return the SVG attributes of a line."""
     dashes = f' stroke-dasharray="{dash}"' if dash else ""
     return f'stroke="{colour}" stroke-width="{width:g}" stroke-linejoin="round"{dashes}'
 
@@ -459,7 +459,7 @@ def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float 
     ]
     longest = max(map(len, texts), default=1) * _WIDE * _SIZE
     label = edge - 18 - longest if side == "left" else edge + 22 + longest
-    half = len(axis.label) * _WIDE * _SIZE / 2  # beside a low picture nothing of it may be cut off above
+    half = len(axis.label) * _WIDE * _SIZE / 2  # it must not be cut off above a low picture
     middle = max(top + height / 2, half)
     label = min(max(label, 12.0), within - 4)
     return [*parts, _text(label, middle, axis.label, anchor="middle", turned=True)]

@@ -112,7 +112,7 @@ def levelled_caption(levelled: xr.DataArray) -> str:
 
 
 def spectrum_caption(window: xr.DataArray, numbers: xr.Dataset) -> str:
-    """Return the band of waves of a window that is solved, and the roughness of the waves taken out.
+    """Return the band of waves of a window that is solved, and the roughness of the removed waves.
 
     Examples
     --------

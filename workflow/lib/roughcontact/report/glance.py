@@ -12,7 +12,7 @@ from roughcontact.report.units import middle_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 from roughcontact.statistics.outcome import FAILED, Check
 
-AREAS = (0.01, 0.1, 0.3)  # contact areas whose nearest loads are shown
+AREAS = (0.01, 0.1, 0.3)  # the loads with contact areas nearest to these are shown
 NOT_JUDGED = "not judged"
 HEADINGS = (
     "mean pressure\N{NO-BREAK SPACE}p̄",
@@ -41,7 +41,7 @@ _UNITS = {
     "conductance_per_conductivity": "m-1",
 }
 
-# what is wrong with the map comes first, what the material makes of the pressure after it
+# checks by importance: errors of the map come before limits of the material
 _WEIGHT = (
     "Units",
     "Solver",

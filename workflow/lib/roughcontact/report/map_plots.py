@@ -46,7 +46,7 @@ def height_map(
             height, [(height.values.ravel(), "height", COLOURS[0])], label="height", unit=unit, along=along
         )
     values = height.values - np.nanmean(height.values)
-    lowest, highest = np.nanpercentile(values, [0.1, 99.9])  # spikes must not take all the colours
+    lowest, highest = np.nanpercentile(values, [0.1, 99.9])  # a few spikes must not take up the colour scale
     return _map(
         height,
         values,
@@ -139,7 +139,7 @@ def gap_map(
             ((height.values + gap).ravel(), "deformed surface", COLOURS[1]),
         ]
         return _profile(height, faces, label="height", unit=unit)
-    # full contact leaves no gap to scale by
+    # in full contact there is no gap for the scale
     widest = widest or gap[pressure == 0].max(initial=0.0) or float(np.ptp(height.values))
     return _map(
         height,
@@ -178,7 +178,7 @@ def framed(
     bad : str
         colour of bad points.
     bad_word : str
-        what they are, for who reads values from the picture; empty where there are none.
+        their meaning, shown with the values read from the picture; empty where there are none.
     extend : (bool, bool)
         whether there are values below, and above, those of the colours.
 

@@ -14,8 +14,7 @@ from roughcontact.report.gather import Finished, write_results
 from roughcontact.results.collect import Failure
 from roughcontact.results.storage import read_arrays
 
-# date of partial results: before any script was written, so that Snakemake takes them for older than the
-# script that makes them, and makes them again
+# date of partial results: older than the script that makes them, so that Snakemake makes them again
 _LONG_AGO = 315_532_800  # 1980-01-01, s
 
 

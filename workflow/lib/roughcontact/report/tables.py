@@ -15,8 +15,8 @@ from roughcontact.statistics.contact_checks import rubber_like
 from roughcontact.variables import VARIABLES
 from roughcontact.window.score import WEIGHTS
 
-# the tables of numbers: what each is about, and of its columns variable, short name, unit (a share is given
-# in percent); those that the statistics lack are left out
+# the tables of numbers: title, and for each column variable, short name, unit (a share is given in percent);
+# columns that the statistics lack are left out
 _LOAD = ("mean_pressure", "mean pressure p̄", "Pa")
 _GROUPS = {
     "Contact": (
@@ -63,10 +63,10 @@ _GROUPS = {
 }
 _COLUMNS = (_LOAD, *(column for columns in _GROUPS.values() for column in columns))
 
-# what the units of a surface depend on, with its own
+# variables that the units of a surface depend on, with their own
 _SETS_UNITS = {"contact_modulus": "Pa", "rms_height": "m"}
 
-# of these, those of the table of pairs
+# columns of the table of pairs
 _OF_PAIRS = ("mean_pressure", "relative_contact_area", "mean_contact_pressure", "max_pressure", "mean_gap")
 
 # the parts of the score of a window, as `WEIGHTS` names them, and whether in percent
@@ -79,7 +79,7 @@ _SCORE_PARTS = (
     ("size", "sampling error", True),
 )
 
-# what has the hardness over modulus of `bearing.HARDNESS_OVER_MODULUS`
+# materials with the hardness over modulus of `bearing.HARDNESS_OVER_MODULUS`
 _MATERIALS = (
     "annealed pure metals",
     "structural steels, aluminium alloys",

@@ -11,7 +11,7 @@ import xarray as xr
 
 from roughcontact.quantities import Unit, height_unit, pressure_unit
 
-# what has the same unit on every page; a leak is by length of the seal
+# units that are the same on every page; a leak is by length of the seal
 _FIXED = {
     "%": Unit(100.0, "%"),
     "1": Unit(1.0, ""),

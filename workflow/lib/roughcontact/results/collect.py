@@ -12,7 +12,7 @@ import xarray as xr
 from roughcontact.results.storage import Array, read_arrays
 from roughcontact.variables import VARIABLES
 
-# how a unit is spelled in a column's name
+# ending of a column's name for its unit
 _SUFFIX: dict[str | None, str] = {
     "1": "",
     "m": "_m",
@@ -100,7 +100,7 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
             dims[name] = array.dims
     columns = {}
     for name, of in dims.items():
-        # a dimension's own coordinate cannot vary by surface
+        # the coordinate of a dimension cannot vary by surface
         if name in sizes and name != "depth":
             continue
         values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in of)), np.nan)
@@ -147,8 +147,8 @@ def _labels(dim: str, names: Sequence[str | None]) -> dict[str, Any]:
 def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     """Return one row per (case,) surface and load of `collect_statistics`, every column named with its unit.
 
-    Densities stay in the netCDF file. Of the error budget there is the combined uncertainty of each quantity,
-    and what each source adds to that of the contact area. Loads that only pad a shorter list are left out.
+    Densities stay in the netCDF file. The error budget has the combined uncertainty of each quantity, and the
+    contributions to that of the contact area. The padding of shorter lists of loads is left out.
     The last columns are the `verdict` on each load and its `reasons`, joined by " | ", where they are known.
 
     Parameters

@@ -98,7 +98,7 @@ def compare_statistics(before: xr.Dataset, after: xr.Dataset, *, share: float | 
 
 
 def _surfaces(statistics: xr.Dataset) -> Surfaces:
-    """Return the loads of each surface by its labels, without those that only pad a shorter list."""
+    """Return the loads of each surface by its labels, without the padding of shorter lists."""
     labels = [dim for dim in _LABELS if dim in statistics.dims]
     found: Surfaces = {}
     for place in np.ndindex(*(statistics.sizes[dim] for dim in labels)):

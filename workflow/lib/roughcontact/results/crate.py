@@ -43,7 +43,7 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS, author: str = "",
     folder : str or Path
         the folder `results` of a run.
     terms : str
-        what others may do with the results: the address of a licence, or words.
+        of use of the results: the address of a licence, or words.
     author, publisher : str
         the person who made the run, and the organisation that publishes it: a name, and where there is one
         the address of an ORCID or ROR in angle brackets after it. An empty text says nothing of them.
@@ -133,7 +133,7 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS, author: str = "",
 
 
 def _files(folder: Path) -> Iterator[Path]:
-    """Yield the files of a run, without those that are hidden and an earlier crate."""
+    """Yield the files of a run, without hidden ones and an earlier crate."""
     for path in folder.rglob("*"):
         inside = path.relative_to(folder)
         if path.is_file() and inside != Path(_NAME) and not any(part[0] == "." for part in inside.parts):

@@ -30,7 +30,7 @@ def conductance_columns(
     Returns
     -------
     dict of array, of the shape of `stiffness`
-        `conductance_per_conductivity` (m-1), and where both bodies state what it takes `thermal_conductance`
+        `conductance_per_conductivity` (m-1), and where both bodies state the property `thermal_conductance`
         (W m-2 K-1) and `electrical_conductance` (S m-2).
 
     References

@@ -10,7 +10,7 @@ from roughcontact import materials
 from roughcontact.quantities import number, percent, pressure_unit, quantity
 from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, PASSED, Check
 
-CONTACT_POINTS = 100  # fewer: the contact is a handful of pixels
+CONTACT_POINTS = 100  # fewer contact points are too few for statistics
 _RUBBER = quantity(materials.RUBBER, "Pa", digits=1)
 OVERCOUNT = 0.2  # excess of the counted over the corrected area: patches are a few pixels across
 

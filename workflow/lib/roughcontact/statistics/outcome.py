@@ -5,8 +5,8 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 PASSED, LOOK, FAILED = "passed", "look", "failed"
-NOT_MADE = "not made"  # what it takes is not known; it speaks neither for nor against a result
-_SHORT = 80  # letters of a sentence that says what there is, while the next one says what it means
+NOT_MADE = "not made"  # for lack of data; it does not affect the verdict
+_SHORT = 80  # letters of a first sentence that is followed by its interpretation
 VERDICTS = {PASSED: "use", LOOK: "review", FAILED: "do not use"}  # in the order of the flag `verdict`
 
 

@@ -268,7 +268,7 @@ def _crossing(
                 return None
             low, high = low - step, low
     if steady:
-        from scipy.optimize import brentq  # takes longer to import than a small map to solve
+        from scipy.optimize import brentq  # imported late: it takes longer than solving a small map
 
         return math.exp(brentq(at, low, high, xtol=_CLOSE / 2))
     while high - low > _CLOSE:
