@@ -922,11 +922,11 @@ def test_a_profile_has_no_answer_on_sealing_anywhere(page):
 
 
 def test_the_page_says_what_its_plus_minus_is(page):
-    """Two arms that differ by up to a tenth are one ±, the longer one: as the page says, so the code does."""
-    rule = "the longer of its two arms where these differ by up to a tenth of it"
+    """Two halves that differ by up to a tenth are one ±, the larger one, as the page says."""
+    rule = "the larger half where the two differ by up to a tenth of it"
     text = page.read_text(encoding="utf-8")
     assert text.partition("How to read this page")[2].count(rule) == 1
-    assert "the longer of two arms that differ by up to a tenth" in text
+    assert "the larger half where the two differ by up to a tenth;" in text
     assert with_interval(10.0, 9.09, 11.0) == "10.0 ± 1.0"
     assert with_interval(10.0, 9.0, 10.91) == "10.0 ± 1.0"
     assert with_interval(10.0, 9.11, 11.0) == "10.00 −0.89 +1.0"
@@ -1202,7 +1202,7 @@ window.addEventListener("load", () => {
   });
   set("reason", "");
   said.wide = document.documentElement.scrollWidth - window.innerWidth;
-  button(5).click(); button(6).click(); set("case", "soft"); set("find", "look");
+  button(5).click(); button(6).click(); set("case", "soft"); set("find", "review");
   sessionStorage.said = JSON.stringify([said, state()]);
   location.reload();
 });

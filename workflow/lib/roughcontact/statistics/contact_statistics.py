@@ -434,7 +434,8 @@ def theory_columns(
     -------
     dict
         name -> array (load). NaN where a theory does not apply: those of asperities on a single row or
-        column, which has ridges and no summits, and where they exceed full contact. p' of a flat map is infinite.
+        column, which has ridges and no summits, and where they exceed full contact. p' is infinite for a
+        flat map.
 
     Examples
     --------
