@@ -275,17 +275,7 @@ class Plan:
         return f"{self.folder}/{name}.html".format(surface=surface, case=case)
 
     def summary(self, surface: str, case: str = "") -> str:
-        """Return the summary of the panel that the report shows: verdict and reasons, as JSON.
-
-        Parameters
-        ----------
-        surface, case : str
-
-        Returns
-        -------
-        str
-            its path.
-        """
+        """Return the path of the summary of `panel`: verdict and reasons, as JSON."""
         return self.panel(surface, case).removesuffix("html") + "json"
 
     def outputs(self, part: Part, kind: Kind, *, whole: bool = False) -> dict[str, str]:
