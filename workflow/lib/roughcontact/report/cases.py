@@ -77,7 +77,7 @@ def case_medians(surfaces: Sequence[Mapping[str, xr.Dataset]]) -> dict[str, Any]
 
     Each of `surfaces` maps names of cases to statistics, loads rising; those that lack a case are left out.
     The result is as of `case_table`, each cell with the 10th and 90th percentile, a difference also with the
-    number of surfaces of which it is larger than its ±, where that is known; `surfaces` is how many were
+    number of surfaces for which it exceeds its ±, where that is known; `surfaces` is the number of surfaces
     compared. None where there is a single case, or no surface under all of them.
     """
     names = list(dict.fromkeys(name for surface in surfaces for name in surface))

@@ -1,4 +1,4 @@
-"""What the page must know of a panel: a JSON file beside it, from which verdicts and links are made."""
+"""Summary of a panel: a JSON file beside it, from which the page makes its table of verdicts and links."""
 
 import json
 from pathlib import Path

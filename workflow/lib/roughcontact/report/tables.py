@@ -130,7 +130,7 @@ def _column(numbers: xr.Dataset, name: str, title: str, unit: str) -> tuple[tupl
 
 
 def material_table(numbers: xr.Dataset, shown: Sequence[int]) -> Table | None:
-    """Return yield for the hardness of some classes of materials, if the softer body were of them.
+    """Return the table of yield for the hardnesses of some classes of materials.
 
     `shown` has the indices of the loads whose shares are given. The table has a `header` and `rows`, the
     cells of each hardness; None where a hardness is stated, and for rubber-like bodies.

@@ -18,7 +18,7 @@ from roughcontact.roughness.texture import DECAY, autocorrelation, decay_lengths
 _HEIGHT = Unit(1e9, "nm")  # of spectra, which are in nm² by the square of a length
 _DECADES = 6  # of power below the strongest wave that the colours show
 _SHELLS = 120  # points of the drawn curve per factor of ten in q
-_LENGTHS = 3  # decay lengths of the autocorrelation shown to each side, of the longest
+_LENGTHS = 3  # range of the autocorrelation to each side, in units of its longest decay length
 _FEWEST = 8  # waves or points to each side of the middle that are shown at least
 
 
