@@ -1,4 +1,4 @@
-"""Bound the error, solve, count, draw: window.nc to uncertainty.nc, contact.nc, statistics.nc, panel.html."""
+"""Bound the error, solve, count, draw: window.nc to uncertainty.nc, contact.nc, statistics.nc, panel.*."""
 
 from _job import FILES, link, progress, save, snakemake
 from _preparing import prepare

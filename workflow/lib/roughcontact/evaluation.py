@@ -38,8 +38,10 @@ def evaluate(
     -------
     Dataset
         dims (load, ...), the content of statistics.nc: `{quantity}` for each load, `{quantity}_uncertainty`
-        (load, source), `{quantity}_lower` and `{quantity}_upper` (load), numbers of the map, SI units. Its
-        attributes hold settings, versions and, for a file, its checksum.
+        (load, source), `{quantity}_lower` and `{quantity}_upper` (load), numbers of the map, SI units, and
+        the flag `verdict` (load): 0 use, 1 review, 2 do not use. Its attributes hold settings, versions, for
+        a file its checksum, and `reasons`, JSON: a list of ``{"check", "loads", "text"}``, the checks that
+        did not pass, each with the indices of the loads concerned and a sentence.
 
     Raises
     ------
@@ -64,6 +66,8 @@ def evaluate(
     '0.21'
     >>> bool(found["mean_gap_lower"] <= found["mean_gap"])
     True
+    >>> int(found["verdict"].item()), found["verdict"].attrs["flag_meanings"]
+    (2, 'use review do_not_use')
     """
     given = {
         "level": level,

@@ -234,7 +234,7 @@ def complete_statistics(
     -------
     Dataset
         with the load of first yield, the intervals, the stresses below the surface, and the verdict on each
-        load in the attribute `verdicts`.
+        load with its reasons.
     """
     yielding = with_first_yield(counted, window, settings["contact"], threads=threads)
     complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])

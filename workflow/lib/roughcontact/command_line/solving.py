@@ -91,7 +91,7 @@ def _plain_numbers(
     statistics: xr.Dataset, flags: list[list[str]], verdicts: list[tuple[str, list[str]]]
 ) -> dict[str, Any]:
     """Return the numbers of a surface, those of its loads, and the units of both, as plain values."""
-    names = [str(name) for name in statistics.variables]
+    names = [str(name) for name in statistics.variables if name != "verdict"]  # which stands there in words
     surface, per_load = ([n for n in names if statistics[n].dims == dims] for dims in ((), ("load",)))
     uncertain = [name for name in names if name.endswith("_uncertainty")]
     by_source = {name: statistics[name].values.tolist() for name in uncertain}

@@ -274,6 +274,10 @@ class Plan:
         name = "panel-crosschecked" if checked else "panel"
         return f"{self.folder}/{name}.html".format(surface=surface, case=case)
 
+    def summary(self, surface: str, case: str = "") -> str:
+        """Return the path of the summary of `panel`: verdict and reasons, as JSON."""
+        return self.panel(surface, case).removesuffix("html") + "json"
+
     def outputs(self, part: Part, kind: Kind, *, whole: bool = False) -> dict[str, str]:
         """Return the files of a job, name -> path with wildcards.
 
@@ -292,7 +296,8 @@ class Plan:
             *(PREPARED[kind] if part == "prepare" or whole else ()),
             *(SOLVED if part == "contact" else ()),
         )
-        return {name: f"{self.folder}/{name}.{'html' if name == 'panel' else 'nc'}" for name in names}
+        files = {name: f"{self.folder}/{name}.{'html' if name == 'panel' else 'nc'}" for name in names}
+        return files | ({"summary": f"{self.folder}/panel.json"} if part == "contact" else {})
 
     def links(self) -> list[str]:
         """Return the links of all cases, so that every folder is complete.
