@@ -58,7 +58,10 @@ def arguments(function):
 
 @pytest.mark.parametrize("name", MODULES)
 def test_every_public_function_describes_its_arguments_and_what_it_gives(name):
+    whole = name.removeprefix("roughcontact.") in generated.MODULES
     for function_name, function, of_class in public_functions(importlib.import_module(name)):
+        if not whole and function_name not in roughcontact.__all__:
+            continue
         docstring = docstring_of(function, of_class)
         described = {
             one.strip().lstrip("*") for entry in docstring["Parameters"] for one in entry.name.split(",")
