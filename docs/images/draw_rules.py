@@ -35,12 +35,12 @@ WIDTH, LETTER, BOX, GAP, ROW = 360, 6.8, 28, 14, 64
 
 
 def rule_graph() -> set[tuple[str, str]]:
-    """Return the arrows of `snakemake --rulegraph`, each from a rule to one that reads its files."""
+    """Return the arrows of `snakemake all --rulegraph`, each from a rule to one that reads its files."""
     with tempfile.TemporaryDirectory() as folder:
         np.save(f"{folder}/a.npy", np.zeros((16, 16)))
         Path(folder, "settings.yaml").write_text(yaml.safe_dump(SETTINGS))
         Path(folder, "surfaces.tsv").write_text("\n".join(TABLE) + "\n")
-        words = ["--snakefile", ROOT / "Snakefile", "--configfile", "settings.yaml", "--rulegraph", "all"]
+        words = ["all", "--snakefile", ROOT / "Snakefile", "--configfile", "settings.yaml", "--rulegraph"]
         command = [sys.executable, "-m", "snakemake", *words]
         text = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout
     names = dict(re.findall(r'(\d+)\[label = "(\w+)"', text))
