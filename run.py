@@ -6,7 +6,7 @@ and again only after pyproject.toml, setup.py or the C source has changed. Furth
 (`python3 run.py -n`) or, after `test`, to pytest (`python3 run.py test tests/unit`; `python3 run.py test -m
 slow` for those that take long by their nature). `python3 run.py lint` does only the checks of the source that
 `test` begins with, and `python3 run.py docs` builds the documentation. `python3 run.py lowest` runs the tests
-of package and workflow with the lowest versions that pyproject.toml admits.
+of package and workflow with the lowest versions that pyproject.toml admits, in .venv-lowest.
 """
 
 import hashlib
@@ -18,6 +18,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
+LOWEST = ROOT / ".venv-lowest"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PACKAGE = ROOT / "workflow/lib/roughcontact"
 MOST_WORKERS = 4  # of the tests; each of them keeps a few hundred megabytes
@@ -98,9 +99,13 @@ def lint():
 def test(*arguments):
     """Check the source, then run the tests side by side."""
     failed = lint()
+    return failed | int(run([BIN / "python", "-m", "pytest", *side_by_side(), *arguments]) != 0)
+
+
+def side_by_side():
+    """Return the options of pytest for as many workers as there are cores, up to a limit."""
     workers = str(min(os.cpu_count() or 1, MOST_WORKERS))
-    side_by_side = ["-n", workers, "--dist", "loadfile", "--no-loadscope-reorder"]
-    return failed | int(run([BIN / "python", "-m", "pytest", *side_by_side, *arguments]) != 0)
+    return ["-n", workers, "--dist", "loadfile", "--no-loadscope-reorder"]
 
 
 def docs():
@@ -112,20 +117,21 @@ def docs():
 
 
 def lowest(*arguments):
-    """Run all tests but those of the docs with the lowest versions, in an environment of their own."""
-    folder = ROOT / ".venv-lowest"
-    python = folder / BIN.name / "python"
+    """Run the tests of package and workflow with the lowest versions, in an environment of their own."""
+    programs = LOWEST / BIN.name
+    python = programs / "python"
     wanted = ["--resolution", "lowest-direct", "--editable", f"{ROOT}[workflow]", "--group", "test"]
+    tests = ["tests/unit", "tests/property", "tests/workflow", *side_by_side(), *arguments]
     return (
-        run([sys.executable, "-m", "venv", "--clear", folder])
+        run([sys.executable, "-m", "venv", "--clear", LOWEST])
         or run([BIN / "uv", "pip", "install", "--quiet", "--python", python, *wanted])
-        or run([python, "-m", "pytest", "tests/unit", "tests/property", "tests/workflow", *arguments])
+        or run([python, "-m", "pytest", *tests], programs)
     )
 
 
-def run(command):
-    """Run a command with the environment's programs first on the path, and return its exit status."""
-    environment = os.environ | {"PATH": f"{BIN}{os.pathsep}{os.environ.get('PATH', '')}"}
+def run(command, programs=BIN):
+    """Run a command with an environment's programs first on the path, and return its exit status."""
+    environment = os.environ | {"PATH": f"{programs}{os.pathsep}{os.environ.get('PATH', '')}"}
     process = subprocess.Popen(command, env=environment)
     while True:
         try:

@@ -63,6 +63,13 @@ def test_the_table_of_the_layout_explains_every_folder_once(architecture, folder
     assert sorted(named) == sorted(folders)
 
 
+def test_the_graph_of_the_rules_is_that_of_snakemake(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs/images")
+    draw_rules = importlib.import_module("draw_rules")
+    drawn = draw_rules.PICTURE.read_text(encoding="utf-8")
+    assert drawn == draw_rules.drawing(draw_rules.rule_graph()), "run python docs/images/draw_rules.py"
+
+
 def test_every_setting_has_a_row(generated):
     page = generated.settings()
     for name, field in Settings.model_fields.items():

@@ -137,7 +137,7 @@ def _report_error(kind: type[BaseException], error: BaseException, trace: Traceb
     elif isinstance(error, OSError) and error.errno in _DISK:
         text = f"{error.filename or 'a file'}: {_DISK[error.errno]}"
     else:
-        text = f"{kind.__NAME__}: {error} (not foreseen, please report it with {snakemake.log[0]})"
+        text = f"{kind.__name__}: {error} (not foreseen, please report it with {snakemake.log[0]})"
     line = f"[{_NAME}] ERROR: {text}"
     recorded = _record(f"{line}\n")  # for the partial report and the screen as well
     if not (_SCREEN and recorded):
