@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PACKAGE = ROOT / "workflow/lib/roughcontact"
-MOST_WORKERS = 4  # of the tests; each of them keeps a few hundred megabytes
+MAX_WORKERS = 4  # of the tests; each of them keeps a few hundred megabytes
 
 
 def main(arguments):
@@ -98,7 +98,7 @@ def lint():
 def test(*arguments):
     """Check the source, then run the tests side by side."""
     failed = lint()
-    workers = str(min(os.cpu_count() or 1, MOST_WORKERS))
+    workers = str(min(os.cpu_count() or 1, MAX_WORKERS))
     side_by_side = ["-n", workers, "--dist", "loadfile", "--no-loadscope-reorder"]
     return failed | int(run([BIN / "python", "-m", "pytest", *side_by_side, *arguments]) != 0)
 

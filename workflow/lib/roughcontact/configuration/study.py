@@ -14,7 +14,7 @@ from roughcontact.configuration.surfaces import PAIR_FIRST_ROW, Surface, find, r
 from roughcontact.errors import SettingsError
 from roughcontact.units import unknown_unit, value_of
 
-_MOST_VALUES = 100_000  # of a configuration: a thousand times what a large study has
+_MAX_VALUES = 100_000  # of a configuration: a thousand times what a large study has
 
 
 def read_study(
@@ -91,7 +91,7 @@ def _members_each(config: Mapping[str, Any]) -> int:
 def _check_size(config: Mapping[str, Any]) -> None:
     """Refuse more values than any study has: a few lines of aliases stand for a billion of them."""
     waiting: list[Any] = [config]
-    for _ in range(_MOST_VALUES):
+    for _ in range(_MAX_VALUES):
         if not waiting:
             return
         value = waiting.pop()
@@ -100,7 +100,7 @@ def _check_size(config: Mapping[str, Any]) -> None:
         elif isinstance(value, list):
             waiting += value
     raise SettingsError(
-        f"the configuration has more than {_MOST_VALUES} values: look for aliases (*name) that stand for one "
+        f"the configuration has more than {_MAX_VALUES} values: look for aliases (*name) that stand for one "
         "another, and write out what is meant"
     )
 

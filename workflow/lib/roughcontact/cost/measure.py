@@ -20,9 +20,9 @@ QUANTITIES = {
 }  # each with the order of its error in the number of points, see the validation
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
 _REFERENCE_TOLERANCE = 1e-6
-_MOST_POINTS = 2048**2  # of the reference
-_MOST_REFINED = 4  # per axis: finer than that tells nothing new of a measured map
-_FEWEST_POINTS = 32  # per axis
+_MAX_POINTS = 2048**2  # of the reference
+_MAX_REFINEMENT = 4  # per axis: finer than that tells nothing new of a measured map
+_MIN_POINTS = 32  # per axis
 _REPEAT_BELOW = 0.3  # seconds: shorter sweeps are timed three times, the fastest counts
 
 
@@ -108,8 +108,8 @@ def run_time_against_error(
 def _finest(window: xr.DataArray) -> xr.DataArray:
     """Return the map on the finest grid: its Fourier series at 4, 2 or 1 times as many points per axis."""
     axes = sum(n > 1 for n in window.shape)
-    factor = _MOST_REFINED
-    while factor > 1 and window.size * factor**axes > _MOST_POINTS:
+    factor = _MAX_REFINEMENT
+    while factor > 1 and window.size * factor**axes > _MAX_POINTS:
         factor //= 2
     return refined(window, factor)
 
@@ -117,7 +117,7 @@ def _finest(window: xr.DataArray) -> xr.DataArray:
 def _every_second(grid: xr.DataArray) -> xr.DataArray | None:
     """Return every second point along each axis; None where that is no periodic grid or too coarse a one."""
     sides = [n for n in grid.shape if n > 1]
-    if any(n % 2 or n // 2 < _FEWEST_POINTS for n in sides):
+    if any(n % 2 or n // 2 < _MIN_POINTS for n in sides):
         return None
     return grid[tuple(slice(None, None, 2 if n > 1 else 1) for n in grid.shape)]
 

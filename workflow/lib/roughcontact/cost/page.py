@@ -13,7 +13,7 @@ from roughcontact.report.figures import as_svg, new_figure
 from roughcontact.report.template import template
 from roughcontact.results.storage import write_text
 
-_LEAST_DRAWN = 1e-8  # of an error, on a logarithmic axis
+_MIN_DRAWN = 1e-8  # of an error, on a logarithmic axis
 _TEMPLATES = Path(__file__).with_name("templates")
 
 
@@ -70,7 +70,7 @@ def chart(table: pd.DataFrame, quantity: str) -> str:
         for index, (_, rows) in enumerate(grids):
             sides = rows[["points_x", "points_y"]].iloc[0]
             axes.plot(
-                100 * np.maximum(rows[f"{quantity}_error"], _LEAST_DRAWN),
+                100 * np.maximum(rows[f"{quantity}_error"], _MIN_DRAWN),
                 rows["seconds"],
                 marker=MARKERS[index % len(MARKERS)],
                 markersize=5,

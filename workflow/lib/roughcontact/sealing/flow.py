@@ -10,8 +10,8 @@ import scipy.sparse as sp
 from roughcontact.connectivity import connected_regions
 from roughcontact.sealing.multigrid import minimised, multigrid
 
-_MOST_STEPS = 500
-_STEPS_TO_TRUST = 4  # steps that together must gain no more than the tolerance
+_MAX_STEPS = 500
+_STEPS_COMPARED = 4  # steps that together must gain no more than the tolerance
 
 
 def flow_columns(gap: np.ndarray, steps: tuple[float, float], *, tolerance: float = 1e-5) -> dict[str, float]:
@@ -144,15 +144,15 @@ def _tensor(gap: np.ndarray, steps: tuple[float, float], axes: np.ndarray, toler
     ).tocsr()
     drops *= root[:, None]
     energy = (drops**2).sum(axis=0)
-    gains: deque[np.ndarray] = deque(maxlen=_STEPS_TO_TRUST)
+    gains: deque[np.ndarray] = deque(maxlen=_STEPS_COMPARED)
     matrix, cycle = multigrid(difference, np.argwhere(is_open))
     solutions = minimised(matrix, -(difference.T @ drops), cycle)
     for step, (pressure, gain) in enumerate(solutions):
         gains.append(gain)
         energy -= gain
-        if len(gains) == _STEPS_TO_TRUST and (sum(gains) <= tolerance * energy).all():
+        if len(gains) == _STEPS_COMPARED and (sum(gains) <= tolerance * energy).all():
             drops += difference @ pressure
             return drops.T @ drops / (gap.size * steps[0] * steps[1])
-        if step == _MOST_STEPS:
+        if step == _MAX_STEPS:
             break
     return np.full((axes.size, axes.size), np.nan)
