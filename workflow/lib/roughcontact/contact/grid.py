@@ -30,7 +30,7 @@ MAX_PASSES, SMALL_REST = 12, 0.01
 LONG, MAX_PASSES_OF_LONG, SMALL_REST_OF_LONG = 8.0, 50, 1e-3
 MAX_PASSES_OF_PROFILES, SMALL_REST_OF_PROFILES = 100, 1e-5
 MAX_SCALING = 2.0  # factor up to which the points below the cap make up for missing load
-# Share of the local stiffness that predicts which points lose their contact: those around them yield as well.
+# Share of the local stiffness that predicts which points lose their contact: those around them yield, too.
 STIFFNESS_SHARE = 0.25
 SMALL_CHANGE = 0.1  # of the residual's norm; smaller changes are added to it
 
