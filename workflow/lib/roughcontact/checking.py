@@ -145,7 +145,7 @@ def check_positive(name: str, value: Any, *, unit: str) -> float:
         raise SettingsError(f"{name} = {number:g} must be a positive finite number in {unit}", keys=[name])
     if not SMALLEST <= number <= LARGEST:
         raise SettingsError(
-            f"{name} = {number:g} is beyond what can be computed; check the number and its unit ({unit})",
+            f"{name} = {number:g} is beyond the computable range; check the number and its unit ({unit})",
             keys=[name],
         )
     return number

@@ -127,7 +127,7 @@ def run_workflow(arguments: Sequence[str]) -> int:
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(workflow_file())]
     if not any(word.split("=")[0] in _SHOW for word in arguments):
         command += ["--logger", "roughcontact"]
-    # the profile of a run on this machine says no more than this, but Snakemake announces it each time
+    # as in the default profile, which Snakemake would announce each time
     command += ["--rerun-incomplete", "--keep-going"]
     if not any(word.split("=")[0] in _PROFILES for word in arguments):
         command += ["--workflow-profile", "none"]
@@ -274,7 +274,7 @@ def _held(folder: Path, *, dry: bool) -> Iterator[tuple[list[int], str]]:
             yield [], ""
             return
         line = f"{socket.gethostname()} {run}\n".encode()
-        # in place, then cut: a kill in between leaves the computer's name
+        # in place, then truncated: after a kill in between the computer's name is there
         with path.open("r+b", buffering=0) as content:
             content.write(line)
             content.truncate(len(line))

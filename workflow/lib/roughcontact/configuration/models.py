@@ -401,7 +401,7 @@ class Crosscheck(Section):
     """Cross-check of every result by another code, an outside program; see docs/explanation/validation.md."""
 
     code: Literal["none", OutsideCode] = Field(
-        default="none", description="the other code; its differences stand in the report, load by load"
+        default="none", description="the other code; the report shows its differences, load by load"
     )
     python: str | None = Field(
         default=None,

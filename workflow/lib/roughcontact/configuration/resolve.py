@@ -116,7 +116,7 @@ def _unit_errors_in_valid_settings(
             rest.pop(section, None)
     try:
         settings = Settings.model_validate(rest).model_dump(mode="json", exclude={"cases"})
-    except ValidationError:  # what is left does not stand by itself
+    except ValidationError:  # the remaining settings are not valid by themselves
         return []
     return [implausible(name, overrides, *found) for found in suspicious_units(rest, settings)]
 

@@ -14,7 +14,7 @@ from roughcontact.configuration.surfaces import PAIR_FIRST_ROW, Surface, find, r
 from roughcontact.errors import SettingsError
 from roughcontact.units import unknown_unit, value_of
 
-_MAX_VALUES = 100_000  # of a configuration: a thousand times what a large study has
+_MAX_VALUES = 100_000  # of a configuration: a thousand times as many as in a large study
 
 
 def read_study(
@@ -100,7 +100,7 @@ def _check_size(config: Mapping[str, Any]) -> None:
             waiting += value
     raise SettingsError(
         f"the configuration has more than {_MAX_VALUES} values: look for aliases (*name) that stand for one "
-        "another, and write out what is meant"
+        "another, and write out their values"
     )
 
 

@@ -20,7 +20,7 @@ _LENGTHS = (
     ("window", "shortest_wavelength"),
     ("window", "longest_wavelength"),
 )
-_WAY_OUT = "A bare number is in {unit}: write the unit behind it, also where it is meant as it stands"
+_WAY_OUT = "A bare number is in {unit}: write the unit behind it, even if the number is correct"
 _NO_PRESSURE = (
     "is in units of E* x rms gradient, in which contact is full from about 1 on; did you mean mean_pressure?"
 )

@@ -54,7 +54,7 @@ def relative_bound(halfspace: HalfSpace, state: State, residual_norm: float) -> 
     infinite for a uniform pressure with a residual, which has no relative error.
     """
     if state.norm == 0:
-        # a uniform pressure: right where it leaves no residual, else no relative error exists
+        # a uniform pressure: exact without a residual, otherwise without relative error
         return 0.0 if residual_norm == 0 else np.inf
     return residual_norm * (1 + _SINGLE_SLACK) / state.norm + rounding_floor(halfspace, state)
 

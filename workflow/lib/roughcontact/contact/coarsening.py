@@ -18,7 +18,7 @@ from roughcontact.kernels.protocol import Factors, Weights
 
 # Ratio of the pitches above which lines along the finer axis are treated as contacts of their own.
 ELONGATED = 3.0
-SMALLEST = 4  # cells along an axis up to which a hierarchy goes
+MIN_CELLS = 4  # along an axis, of the coarsest grid of a hierarchy
 _SQUARE = 1.5  # ratio of the pitches up to which cells count as square
 
 
@@ -79,7 +79,7 @@ def halving_factors(pitches: tuple[float, float], shape: tuple[int, int]) -> tup
     (ny, nx), (dy, dx) = shape, pitches
     finest = min(p for p, n in zip(pitches, shape, strict=True) if n > 1)
     short = ny if dy < dx else nx
-    if min(shape) > 1 and short <= SMALLEST and max(pitches) > ELONGATED * finest:
+    if min(shape) > 1 and short <= MIN_CELLS and max(pitches) > ELONGATED * finest:
         return ((ny, 1) if dy < dx else (1, nx)), True
     fy, fx = (2 if n > 1 and p <= _SQUARE * finest else 1 for n, p in zip(shape, pitches, strict=True))
     return (fy, fx), False
@@ -98,7 +98,7 @@ def hierarchy(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[Coa
     pitches = pitches_of(shape, lengths)
     while True:
         (fy, fx), collapses = halving_factors(pitches, shape)
-        if max(shape) <= SMALLEST and not collapses:
+        if max(shape) <= MIN_CELLS and not collapses:
             return tuple(grids)
         pitches = pitches[0] * fy, pitches[1] * fx
         shape = -(-shape[0] // fy), -(-shape[1] // fx)

@@ -192,8 +192,8 @@ class Iterate:
 
     def choose_precision(self) -> None:
         """Choose the precision of the next step: that of the result if it is predicted to be the last."""
-        foreseen = self.bound * min(1.0, max(TYPICAL, self.bound / self._bound_before))
-        if PREDICTION_MARGIN * foreseen <= self.tolerance or self.bound <= 30 * self._single_floor:
+        predicted = self.bound * min(1.0, max(TYPICAL, self.bound / self._bound_before))
+        if PREDICTION_MARGIN * predicted <= self.tolerance or self.bound <= 30 * self._single_floor:
             self.precision = self.finish
 
     def advance(self) -> None:

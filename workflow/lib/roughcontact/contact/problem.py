@@ -112,14 +112,14 @@ def pose(window: xr.DataArray, *, precision: str = DOUBLE, threads: int = 1) -> 
     if heights_reach > LARGEST or not SMALLEST <= min(steps) <= max(steps) <= LARGEST:
         raise HeightMapError(
             f"heights of up to {heights_reach:g} m on pixels of {steps[1]:g} m x {steps[0]:g} m are beyond "
-            "what can be computed; check the units"
+            "the computable range; check the units"
         )
     unit = float(np.sqrt(lengths[0] * lengths[1]))
     gradient = rms_gradient(window, threads=threads)
     if most > least and not SMALLEST <= gradient <= LARGEST:
         raise HeightMapError(
-            f"heights from {least:g} m to {most:g} m have an rms gradient of {gradient:g}, beyond what can "
-            "be computed; check the units"
+            f"heights from {least:g} m to {most:g} m have an rms gradient of {gradient:g}, beyond the "
+            "computable range; check the units"
         )
     return Problem(
         heights=heights,

@@ -65,7 +65,8 @@ def solve_contact(
         ``sampled``: 2/|q| at the waves of the grid; ``elements``: pressures constant on every pixel
         (`roughcontact.elasticity.influence`).
     zero_frequency : {"zero", "nogi-kato", "lattice"}
-        what q = 0 adds to the approach (`roughcontact.elasticity.halfspace.zero_frequency_compliance`).
+        rule for the mean displacement (q = 0) in the approach
+        (`roughcontact.elasticity.halfspace.zero_frequency_compliance`).
     precision : {"double", "single"}
         of the result; ``single`` for maps that fill the memory: `rounding_floor` is then the lowest bound
         that can be reached.
@@ -74,7 +75,7 @@ def solve_contact(
     fields : bool
         keep `pressure`, `gap`, `contact` and `height` in the result.
     reduce : callable, optional
-        called with the dataset of each load (fields included); what it returns replaces the fields, so that
+        called with the dataset of each load (fields included); its result replaces the fields, so that
         statistics need not keep them: ``reduce=contact_statistics``. Its variables must be among those of
         `roughcontact.variables`: another name is refused after the first load.
     threads : int
@@ -152,8 +153,8 @@ def solve_contact(
     problem, window = pose(window, precision=working, threads=threads), on_host(window)
     if zero_frequency != "zero" and 1 in window.shape:
         raise SettingsError(
-            f"zero_frequency = {zero_frequency!r} is for maps: below a profile, which goes on across without "
-            "end, the mean displacement has none; use 'zero'",
+            f"zero_frequency = {zero_frequency!r} is for maps: the mean displacement below an infinitely wide "
+            "profile is infinite; use 'zero'",
             keys=["zero_frequency"],
         )
     compliance = zero_frequency_compliance(zero_frequency, lengths=problem.lengths_in_metres) / modulus

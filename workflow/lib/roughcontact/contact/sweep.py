@@ -141,7 +141,7 @@ def _full_contact(grids: Sequence[Grid], load: float) -> tuple[Array | None, flo
     least, most = float(xp.min(fluctuation)), float(xp.max(fluctuation))
     if load + most > grids[0].cap:
         return None, np.inf
-    # A load that closes the last gap exactly is full contact whatever the last digit says.
+    # A load that closes the last gap exactly is full contact, whatever its rounding.
     return fluctuation, -least - 1e-13 * (most - least)
 
 

@@ -79,8 +79,8 @@ def advice(table: pd.DataFrame) -> list[str]:
             best = options.iloc[options[f"{quantity}_error"].argmin()]
             left = percent(best[f"{quantity}_error"])
             sentences.append(
-                f"For {100 * missed[0]:g} % in {words}, no grid that was tried is fine enough; the best, "
-                f"{in_words(best)}, leaves {left}."
+                f"For {100 * missed[0]:g} % in {words}, no grid of this comparison is fine enough; the best, "
+                f"{in_words(best)}, has {left}."
             )
     return sentences
 

@@ -79,7 +79,7 @@ def _elements_over_sampled(aspect: float) -> "RectBivariateSpline":
     half_y, half_x = 0.5 * angles[:, None], 0.5 * angles[None, :]
     total = np.zeros((angles.size, angles.size))
     orders = np.arange(-_IMAGES, _IMAGES + 1)
-    # the signs of the terms alternate: the outermost count half, which leaves the mean of two partial sums
+    # the signs of the terms alternate: half of the outermost terms gives the mean of two partial sums
     weights = np.where(np.abs(orders) == _IMAGES, 0.5, 1.0)
     own = np.hypot(2 * half_y / dy, 2 * half_x / dx)
     for m, weight_y in zip(orders, weights, strict=True):

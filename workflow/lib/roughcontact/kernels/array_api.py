@@ -149,8 +149,8 @@ def predict_active(
     xp = pressure.__array_namespace__()
     mean_around = xp.empty_like(residual)
     neighbours(residual, weights, mean_around)
-    foreseen = pressure - stiffness * (residual - mean_around)
-    active = (values != 0) & ((foreseen > 0) | (pressure >= cap))
+    predicted = pressure - stiffness * (residual - mean_around)
+    active = (values != 0) & ((predicted > 0) | (pressure >= cap))
     values[...] = xp.where(active, values, xp.zeros_like(values))
     return int(xp.count_nonzero(active))
 
