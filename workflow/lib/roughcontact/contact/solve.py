@@ -153,7 +153,7 @@ def solve_contact(
     problem, window = pose(window, precision=working, threads=threads), on_host(window)
     if zero_frequency != "zero" and 1 in window.shape:
         raise SettingsError(
-            f"zero_frequency = {zero_frequency!r} is for maps: the mean displacement below an infinitely wide "
+            f"zero_frequency = {zero_frequency!r} is for maps: the mean displacement of an infinitely wide "
             "profile is infinite; use 'zero'",
             keys=["zero_frequency"],
         )
