@@ -40,6 +40,10 @@ _TABLE_EXAMPLE = "# ground\tmeasured/ground.x3p\n"
 def workflow_file() -> Path:
     """Return the Snakefile: that inside the installed package, otherwise that of the checkout.
 
+    Returns
+    -------
+    Path
+
     Examples
     --------
     >>> workflow_file().name
