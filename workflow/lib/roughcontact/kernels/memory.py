@@ -3,11 +3,12 @@
 The system supplies memory page by page and clears each page at its first access. The pool places arrays side
 by side in one range of pages, and reuses their memory once an array and all its views are deleted.
 
-Measured at a relative pressure of 0.03 (medians of five processes): with newly allocated arrays a repeated
-solve takes longer, on one thread 14.8 instead of 13.0 ms at 256 x 256 points, 35 instead of 27 ms at 512 x
-512 and 166 instead of 99 ms at 1024 x 1024, and on two threads by 20 to 40 %. The first solve of a process
-gains nothing, and the peak memory is the same within 4 MB. Simpler solutions were worse: one range of pages
-per solve costs 3 to 10 %, and lists of arrays by size take 68 bytes a point instead of 41.
+At a relative pressure of 0.03 (medians of five processes) a repeated solve takes 13.0 ms with the pool and
+14.8 ms with newly allocated arrays at 256 x 256 points, 27.1 and 34.6 ms at 512 x 512, 99 and 166 ms at 1024
+x 1024, on one thread; on two threads new arrays take 20 to 40 % longer. The first solve of a process is not
+faster with the pool (37 and 38, 68 and 52, 214 and 199 ms), and the peak memory is the same within 4 MB.
+Simpler solutions were worse in earlier measurements: one range of pages per solve costs 3 to 10 %, and lists
+of arrays by size take 68 bytes a point instead of 41.
 """
 
 import mmap
