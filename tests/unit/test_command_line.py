@@ -276,7 +276,10 @@ def test_a_profile_is_solved(capsys):
             "--body[0].youngs_modulus = '210': 210 Pa is softer than any gel",
         ),
         (["solve", PERIODIC, *("--body", "210GPa") * 2], "--body 210GPa: has 1 values; give Young's modulus"),
-        (["inspect", GROUND, "--dx", "one"], "argument --dx: 'one' is no number, nor one with its unit"),
+        (
+            ["inspect", GROUND, "--dx", "one"],
+            "argument --dx: 'one' is neither a number nor a number with its unit",
+        ),
         (["inspect", GROUND, "--dx", "1parsec"], "dx = '1parsec': unknown length unit 'parsec'"),
     ],
 )

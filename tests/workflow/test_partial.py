@@ -114,7 +114,7 @@ def test_the_command_says_what_is_missing(done):
         text=True,
         check=True,
     )
-    assert run.stderr.startswith("Not finished: ground. The lines with ERROR above say why")
+    assert run.stderr.startswith("Not finished: ground. The lines with ERROR above give the reasons")
     assert "results/report.html and results/summary.csv have the others" in run.stderr
     failed = json.loads(read_dataset(done.path("results/statistics.nc")).attrs["failed"])
     assert failed[0]["reason"] == "killed; out of memory"

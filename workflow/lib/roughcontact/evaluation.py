@@ -29,8 +29,8 @@ def evaluate(
     source : str, Path or DataArray (y, x), m
         a measured file, or a height map as `read_height_map` returns it.
     level, window, contact, statistics, uncertainty : mapping, optional
-        what the sections of the configuration hold, numbers possibly as text with a unit ("115 GPa"); what is
-        left out has its default. `contact` states the elasticity, as `contact_modulus` or `bodies`.
+        sections of the configuration, with numbers possibly as text with a unit ("115 GPa"); missing keys
+        have their defaults. `contact` states the elasticity, as `contact_modulus` or `bodies`.
     threads : int
         threads of the solver.
 
@@ -46,7 +46,7 @@ def evaluate(
     Raises
     ------
     SettingsError
-        for settings that the configuration would not take.
+        for settings that the configuration does not accept.
     InputFileError
         for a file that cannot be read.
     HeightMapError

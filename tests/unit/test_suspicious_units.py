@@ -86,7 +86,7 @@ def test_a_load_in_megapascal_is_asked_for(material, load):
     assert "write the unit" in question
 
 
-def test_both_slips_of_a_run_are_asked_for_at_once():
+def test_both_unit_errors_of_a_run_are_reported_at_once():
     modulus, load = lines({"contact_modulus": 115, "mean_pressure": 1})
     assert modulus.startswith("contact.contact_modulus = 115: 115 Pa is softer than any gel")
     assert "did you mean 115 GPa or 115 MPa?" in modulus
@@ -120,7 +120,7 @@ def test_modulus_and_load_in_megapascal_are_asked_for_together():
     resolve({"contact": {"contact_modulus": "115 kPa", "mean_pressure": "2 Pa"}})
 
 
-def test_slips_are_named_beside_mistakes_of_other_kinds():
+def test_unit_errors_are_named_beside_mistakes_of_other_kinds():
     named = lines({"contact_modulus": 115, "mean_pressure": [1, 2], "tolerance": 2}, level={"from": "plane"})
     assert [line.split(" = ")[0].split(":")[0].strip() for line in named] == [
         "level.from",
@@ -187,7 +187,7 @@ def test_a_number_with_a_unit_is_taken_wherever_a_quantity_is_set():
         ({"contact_modulus": "115 Gpa"}, {}, "did you mean 'GPa'?"),
     ],
 )
-def test_other_slips(contact, sections, words):
+def test_other_unit_errors(contact, sections, words):
     (line,) = lines(contact, **sections)
     assert words in line
 
