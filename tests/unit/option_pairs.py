@@ -1,7 +1,7 @@
 """Pairwise testing: few cases that combine every value of an option with every value of every other option.
 
-Most mistakes that depend on options at all depend on one or two of them (Kuhn, Wallace and Gallo 2004,
-doi:10.1109/TSE.2004.24), so that the product of all options finds hardly more in many times as many cases.
+Most errors that depend on options depend on one or two of them (Kuhn, Wallace and Gallo 2004,
+doi:10.1109/TSE.2004.24): the product of all options finds hardly more, with many times as many cases.
 """
 
 from itertools import product

@@ -154,12 +154,12 @@ CALLS = {
         f["coarse_pressure"], factors, f["field"], WEIGHTS, 0.6, cap, f["inner_out"]
     ),
 }
-# those that the cap changes
+# kernels whose result depends on the cap
 BOUNDED = [
     *("measure", "masked_residual", "predict_active", "advance", "redistribute", "project", "rescale"),
     *("project_residual", "refine"),
 ]
-# those that know no coarser grid
+# kernels without a coarser grid
 ONE_GRID = [
     *("multiply", "divide", "measure", "slope_power", "extent", "restore_units", "make_dimensionless"),
     *("masked_residual", "advance", "predict_active", "project", "rescale", "project_residual"),
@@ -439,7 +439,7 @@ def test_neighbours_of_a_wave(engine):
     every_pair(GRIDS, list(ENGINES), ["float32", "float64"], [0.7, np.inf]),
     ids=str,
 )
-def test_refined_pressure_keeps_the_load_of_every_cell_below_the_cap(grid, engine, precision, cap):
+def test_refined_pressure_keeps_the_load_of_every_cell_and_the_cap(grid, engine, precision, cap):
     (shape, factors), precision = grid, np.dtype(precision).type
     fields = make_fields(shape, factors, (precision, precision), np.inf)
     coarse, fine = np.minimum(fields["coarse_pressure"], precision(cap)), np.full(shape, np.nan, precision)
