@@ -100,22 +100,19 @@ def test_a_modulus_in_megapascal_is_asked_for_where_the_load_or_the_hardness_spe
         resolve({"contact": {"contact_modulus": 115000, "mean_pressure": load}})
     for load in (1e6, "1 MPa", [1e5, 1e8]):
         (question,) = lines({"contact_modulus": 115000, "mean_pressure": load})
-        assert question.startswith("contact.contact_modulus = 115000: 115 kPa is as soft as a gel, which")
+        assert question.startswith("contact.contact_modulus = 115000: 115 kPa ")
         assert "did you mean 115 GPa" in question
     (question,) = lines({"contact_modulus": 115000, "relative_pressure": 0.1, "hardness": "2 GPa"})
     assert "does not bear 2.00 GPa; did you mean 115 GPa?" in question
     # meant, and then it is the load that is asked for
     (question,) = lines({"contact_modulus": "115 kPa", "mean_pressure": 1e6})
-    assert question.startswith(
-        "contact.mean_pressure[0] = 1000000.0: 1.00 MPa is more than any contact bears"
-    )
+    assert question.startswith("contact.mean_pressure[0] = 1000000.0: 1.00 MPa ")
 
 
 def test_modulus_and_load_in_megapascal_are_asked_for_together():
     (line,) = lines({"contact_modulus": 115_000, "mean_pressure": 2})
-    assert (
-        "2.00 Pa is next to no load on a contact modulus of 115 kPa (115 GPa, were it given in MPa)" in line
-    )
+    assert ": 2.00 Pa " in line
+    assert "115 kPa (115 GPa, were it given in MPa)" in line
     resolve({"contact": {"contact_modulus": 115_000, "mean_pressure": 20}})  # a laboratory may load a gel so
     resolve({"contact": {"contact_modulus": "115 kPa", "mean_pressure": "2 Pa"}})
 
