@@ -3,14 +3,14 @@
 A check passes, asks for a look (the number may be off, and the sentence says by what), or fails (do not use
 the number); one that could not be made says so and never passes. The verdict on a surface, or on one load of
 it, is that of its worst check. The checks stand with their limits in
-`contact_checks` and `map_checks`; who shows them finds all that is needed here.
+`contact_checks`, `map_checks` and `instrument_checks`; who shows them finds all that is needed here.
 """
 
 import json
 
 import xarray as xr
 
-from roughcontact.statistics import contact_checks, map_checks
+from roughcontact.statistics import contact_checks, instrument_checks, map_checks
 from roughcontact.statistics.contact_checks import CONTACT_POINTS, OVERCOUNT, overcount
 from roughcontact.statistics.map_checks import (
     FILLED_IN_CONTACT,
@@ -91,6 +91,9 @@ def surface_checks(
         contact_checks.convergence(statistics),
         contact_checks.contact_points(statistics, points),
         contact_checks.resolution(statistics),
+        instrument_checks.smoothed(window),
+        instrument_checks.noise(statistics, window),
+        instrument_checks.isolated_peak(statistics),
         map_checks.missing_points(statistics, height, levelled),
         map_checks.outliers(statistics, levelled),
         map_checks.scan_lines(levelled, statistics),
@@ -104,6 +107,8 @@ def surface_checks(
         contact_checks.load_range(statistics),
         map_checks.slope(statistics),
         map_checks.steep_places(window),
+        instrument_checks.height_unit(height, window),
+        instrument_checks.pixel_size(height, window),
         map_checks.reading(height, levelled),
     ]
 
