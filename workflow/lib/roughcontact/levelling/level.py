@@ -75,8 +75,9 @@ def level(
         point was kept), `outliers_rejected`, `outlier_kinds` (JSON), `line_alignment` (as applied),
         `line_alignment_by` (default, user), `row_jitter` (rms shift of the rows over `Sq` without it) and
         `row_jitter_evidence` (none, doubtful, clear), `line_shift_rms` (m), `filters_removed` (JSON),
-        `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, `repeated_heights` (see
-        `roughcontact.roughness.traces`), the height parameters of the measured points (`Sa`, `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1), and the coordinates
+        `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, `repeated_heights` (1 for
+        quantised heights, more after a median filter), the height parameters of the measured points (`Sa`,
+        `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1), and the coordinates
         `filled(y, x)`, for aligned lines `line_offset(y)` (m, subtracted from each row), and for rejected
         points `rejected_height(y, x)` (m, levelled height of the rejected points; NaN elsewhere).
 

@@ -25,6 +25,7 @@ _HALF, _TOP = (0.5, 0.6), (0.85, 1.0)  # frequencies of the highest octave
 _SMALLEST = 0.001  # quantile of the steps between neighbours that is a quantum, where there is one
 _FEW_STEPS = 0.03  # of the median step between neighbours: steps up to it are counted beside those of zero
 _QUANTA = 0.7  # scale of the exponential distribution of steps in units of their median: ln 2
+_COARSE = 0.4  # quantum over median step from which on most steps of zero are those of the quantisation
 _SAME = 1e-6  # of the median step: equal, but for rounding
 
 
@@ -105,7 +106,8 @@ def repeated_heights(values: np.ndarray) -> float:
     Returns
     -------
     float
-        about 1 for quantised heights, 0 where no height is repeated; 0 for fewer than 1000 steps.
+        about 1 for quantised heights, 0 where no height is repeated; 0, not known, for fewer than 1000 steps or
+        coarsely quantised heights.
 
     Examples
     --------
@@ -121,6 +123,8 @@ def repeated_heights(values: np.ndarray) -> float:
         return 0.0
     other = step[step > _SAME * np.median(step[step > 0])]
     median, quantum = np.median(other), np.quantile(other, _SMALLEST)
+    if quantum > _COARSE * median:
+        return 0.0
     few = np.count_nonzero(other <= max(_FEW_STEPS * median, 1.5 * quantum))
     expected = 0.5 * np.exp(_QUANTA * quantum / median)
     return float((step.size - other.size) / few / expected)

@@ -2,8 +2,8 @@
 
 A map that was smoothed or is noisy looks like any other. What shows is its spectrum near the pixel, the
 curvature of its peaks, repeated heights, and one peak that carries what many should
-(`roughcontact.roughness.traces`). The limits were set on every second map of `benchmarks/instrument_checks.py`
-and tried on the others.
+(`roughcontact.roughness.traces`). The limits were set on every second map of
+`benchmarks/instrument_checks.py` and tried on the others.
 """
 
 import json
@@ -18,8 +18,8 @@ from roughcontact.roughness.traces import STEEPEST
 from roughcontact.statistics.map_checks import Attributes
 from roughcontact.statistics.outcome import LOOK, NOT_MADE, PASSED, Check
 
-# Self-affine surfaces fall with an exponent of -2 to -4, and down to -6 where curvature is bounded, as on
-# polished and fused ones; measured maps that no filter touched reach -5.7. Filters and lenses reach -8 and more.
+# Self-affine surfaces fall with an exponent of -2 to -4, those with a bounded curvature with -6; measured
+# maps that no filter touched reach -5.7. Filters, lenses and interpolation reach -8 to -20.
 SPECTRUM_ENDS = STEEPEST
 # Powers of two by which peaks are blunter than valleys. Measured maps reach 0.3, worn surfaces with deep
 # scratches 0.3; a tip that changes the area by more than 5 % mostly gives 1 to 3.
@@ -30,12 +30,13 @@ REPEATED = 1.45
 # largest in any other patch: 1 to 1.4, for the highest peaks of a surface are about equally sharp.
 PEAK_OVER_MEAN, PEAK_OVER_OTHERS = 8.0, 2.0
 PEAK_AREA = 0.25  # largest contact area at which a peak has a patch of its own
-# Exponent down to the pixel above which the Hurst exponent would be negative: noise, or waves it folds back
+# Exponent above which the Hurst exponent would be negative: noise, or shorter waves folded back by sampling
 WHITE = -2.0
 NOISE_SHARE = 0.2  # share of the mean square gradient that makes areas 11 % too small
 # Noise between neighbouring pixels below which nothing measures: averaging interferometers reach 0.05 nm,
 # the quietest probe microscopes 5 pm
 QUIETEST, QUIETEST_PROBE = 5e-11, 5e-12
+_SQUARE = "mean square gradient"
 _PROBE_PIXEL = 1e-7  # a smaller pixel is that of a probe microscope, whatever the file says
 _CAMERA = (1e-6, 6e-5)  # pitch of camera pixels, binned ones included
 
@@ -45,10 +46,10 @@ _MADE = "Not made: the map is periodic as it is, as no measured one is."
 def smoothed(window: Attributes) -> Check:
     """Check that the map was measured down to its pixels.
 
-    Three traces are looked for: a spectrum that ends before the pixel (lens, Gaussian filter, interpolation), peaks
-    that are blunter than valleys (tip of a stylus), and repeated heights (median filter). What the settings
-    state or remove is no fault: the attributes `instrument_resolution` and `instrument_tip_radius` (m), an
-    S-filter, or a limit of the band.
+    Three traces are looked for: a spectrum that ends before the pixel (lens, Gaussian filter, interpolation),
+    peaks that are blunter than valleys (tip of a stylus), and repeated heights (median filter). What the
+    settings state or remove is no fault: the attributes `instrument_resolution` and `instrument_tip_radius`
+    (m), an S-filter, or a limit of the band.
 
     Parameters
     ----------
@@ -63,7 +64,7 @@ def smoothed(window: Attributes) -> Check:
     --------
     >>> sharp = {"spectrum_exponent": -3.6, "spectrum_end": 2e-6, "rounded_peaks": 0.0}
     >>> smoothed(sharp).sentence
-    'The spectrum reaches down to the pixels: its steepest fall is q^-3.6.'
+    'The spectrum reaches down to the pixels: its steepest fall is q^−3.6.'
     >>> smoothed(sharp | {"spectrum_exponent": -11.0, "pixel_pitch": 5e-7}).outcome
     'look'
     """
@@ -79,9 +80,9 @@ def smoothed(window: Attributes) -> Check:
             known.append(f"Waves below {quantity(end, 'm', digits=2)} are missing, as the settings say")
         else:
             found.append(
-                f"Next to nothing was measured below a wavelength of {_in_pixels(end, window)}: the spectrum "
-                f"falls as {exponent} there, which no rough surface does, but a lens, a filter of the "
-                "instrument's software and interpolation do"
+                f"Nothing was measured below a wavelength of {_in_pixels(end, window)}: the spectrum ends "
+                f"there, falling as {exponent}. A lens, a filter of the instrument's software or "
+                "interpolation does this; of surfaces only one without any shorter waves"
             )
     if window["rounded_peaks"] > ROUNDED:
         radius = window["sharpest_peak_radius"]
@@ -89,13 +90,13 @@ def smoothed(window: Attributes) -> Check:
             known.append("Peaks are rounded, as the stated tip radius says")
         else:
             found.append(
-                f"Peaks are rounded, with radii from {quantity(radius, 'm', digits=2)}, and valleys are sharp: a "
-                "tip traces a surface so"
+                f"Peaks are rounded, to radii of {quantity(radius, 'm', digits=2)} and more, and valleys are "
+                "sharp: the tip of a stylus or probe does this"
             )
     if window.get("repeated_heights", 0.0) > REPEATED:
         found.append(
-            "Neighbouring points often have the same height: a median filter leaves that, and measures nothing "
-            "below about five pixels"
+            "Neighbouring points often have exactly the same height: a median filter does this, and leaves "
+            "little of waves below about five pixels"
         )
     if found:
         return Check("Smoothed", LOOK, ". ".join([*found, _SMOOTHED_MEANS]))
@@ -106,9 +107,9 @@ def smoothed(window: Attributes) -> Check:
 
 
 _SMOOTHED_MEANS = (
-    "Contact areas are too large and pressures too small. State what the instrument resolves "
-    "(instrument.resolution, instrument.numerical_aperture or instrument.tip_radius), export the map without "
-    "filters, or take the missing waves out of the question with level.s_filter or coarser pixels."
+    "Contact areas are then too large and pressures too small. Export the map without filters, state what "
+    "the instrument resolves (instrument.resolution, instrument.numerical_aperture or instrument.tip_radius), "
+    "or limit the question to longer waves with level.s_filter or coarser pixels."
 )
 
 
@@ -172,9 +173,10 @@ def isolated_peak(statistics: xr.Dataset) -> Check:
     if elsewhere[at] > 0:
         others = f"{number(over_others[at], digits=2)} times the largest in any other patch"
     text = (
-        f"One peak stands out: its pressure is {times}, and {others}. Dust and burrs look like that. The largest "
-        "pressure, and areas and gaps at low loads, are those of this peak. Look at the map of the pressure: clean "
-        "and measure again, cut the map, or lower level.outlier_threshold, unless the peak belongs to the surface."
+        f"One peak stands out: its pressure is {times}, and {others}. Dust and burrs look like this. The "
+        "largest pressure, and gaps at low loads, are those of this peak. See where it lies in the map of "
+        "pressure: unless it belongs to the surface, clean and measure again, cut the map, or lower "
+        "level.outlier_threshold."
     )
     return Check("Isolated peak", LOOK, text)
 
@@ -210,7 +212,7 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
     share, stated = float(window["noise_gradient_share"]), float(window.get("instrument_noise", 0.0))
     if stated and window["noise_floor"] > 0:
         share *= (stated / window["noise_floor"]) ** 2
-        text = f"The stated noise of {quantity(stated, 'm')} makes up {_share(share)} of the mean square gradient"
+        text = f"The stated noise of {quantity(stated, 'm')} makes up {_share(share)} of the {_SQUARE}"
         return _judged_noise(text, share, " Average several maps, or remove short waves with level.s_filter.")
     exponent = window["top_exponent"]
     if exponent <= WHITE:
@@ -218,12 +220,13 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
             f"The spectrum falls down to the pixels, as q^{number(exponent, digits=2)}: no white noise shows."
         )
         return Check("Noise", PASSED, text)
+    floor = quantity(window["noise_floor"], "m", digits=2)
     text = (
-        f"The spectrum is flat down to the pixels; white noise of {quantity(window['noise_floor'], 'm', digits=2)} "
-        f"(rms) would explain it, and make up {_share(share)} of the mean square gradient"
+        f"The spectrum is flat at its end, as with a white noise of {floor} (rms), which would make up "
+        f"{_share(share)} of the {_SQUARE}"
     )
     way_out = (
-        " It is noise, or waves shorter than the pixel: one map cannot say which. Measure twice and state the "
+        " It may be noise, or waves shorter than the pixel: one map cannot tell. Measure twice and state the "
         "noise (instrument.noise), or remove short waves with level.s_filter."
     )
     return _judged_noise(text, share, way_out)
@@ -274,8 +277,8 @@ def height_unit(height: Attributes, window: Attributes) -> Check:
     text = f"Neighbouring points differ as with a noise of {quantity(rough, 'm', digits=2)}"
     if rough < quietest:
         text += (
-            f", less than {'a probe microscope' if probe else 'any profiler'} has ({quantity(quietest, 'm', digits=1)}). "
-            "Check the unit of the heights: were µm read as nm?"
+            f", less than that of the quietest {'probe microscopes' if probe else 'profilers'} "
+            f"({quantity(quietest, 'm', digits=1)}). Check the unit of the heights: were µm read as nm?"
         )
         return Check("Height unit", LOOK, text)
     return Check("Height unit", PASSED, f"{text}: an instrument can measure that.")
