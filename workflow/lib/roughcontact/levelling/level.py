@@ -18,6 +18,7 @@ from roughcontact.levelling.row_jitter import RowJitter, find_row_jitter
 from roughcontact.levelling.scan_lines import find_scars, line_offsets
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.roughness.heights import height_parameters
+from roughcontact.roughness.traces import repeated_heights
 
 _MAX_SCALE_RATIO = 1e4  # pixel over nesting index, or nesting index over side: beyond it the unit is wrong
 
@@ -74,8 +75,9 @@ def level(
         point was kept), `outliers_rejected`, `outlier_kinds` (JSON), `line_alignment` (as applied),
         `line_alignment_by` (default, user), `row_jitter` (rms shift of the rows over `Sq` without it) and
         `row_jitter_evidence` (none, doubtful, clear), `line_shift_rms` (m), `filters_removed` (JSON),
-        `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, the height parameters of the
-        measured points (`Sa`, `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1), and the coordinates
+        `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, `repeated_heights` (1 for
+        quantised heights, more after a median filter), the height parameters of the measured points (`Sa`,
+        `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1), and the coordinates
         `filled(y, x)`, for aligned lines `line_offset(y)` (m, subtracted from each row), and for rejected
         points `rejected_height(y, x)` (m, levelled height of the rejected points; NaN elsewhere).
 
@@ -161,6 +163,7 @@ def level(
         "filled_share": float(filled.mean()),
         "largest_hole": int(sizes.max(initial=0)),
         "fill_method": fill,
+        "repeated_heights": repeated_heights(height.values),
     }
     coords = {"y": height["y"], "x": height["x"], "filled": (("y", "x"), filled)}
     if done != "none":

@@ -2,7 +2,8 @@
 
 A check passes, warns (`look`: review the result, the sentence says by how much it may be off), or fails (do
 not use it); one that cannot be made says so and never passes. The verdict on a surface, or on one of its
-loads, is that of the worst check. The checks and their limits stand in `contact_checks` and `map_checks`;
+loads, is that of the worst check. The checks and their limits stand in `contact_checks`, `map_checks` and
+`instrument_checks`;
 this module exports all that is needed to show them.
 """
 
@@ -12,7 +13,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.statistics import contact_checks, map_checks
+from roughcontact.statistics import contact_checks, instrument_checks, map_checks
 from roughcontact.statistics.contact_checks import CONTACT_POINTS, OVERCOUNT, overcount
 from roughcontact.statistics.map_checks import (
     FILLED_IN_CONTACT,
@@ -94,6 +95,9 @@ def surface_checks(
         contact_checks.convergence(statistics),
         contact_checks.contact_points(statistics, points),
         contact_checks.resolution(statistics),
+        instrument_checks.smoothed(window),
+        instrument_checks.noise(statistics, window),
+        instrument_checks.isolated_peak(statistics),
         map_checks.missing_points(statistics, height, levelled),
         map_checks.outliers(statistics, levelled),
         map_checks.scan_lines(levelled, statistics),
@@ -107,6 +111,8 @@ def surface_checks(
         contact_checks.load_range(statistics),
         map_checks.slope(statistics),
         map_checks.steep_places(window),
+        instrument_checks.height_unit(height, window),
+        instrument_checks.pixel_size(height, window),
         map_checks.reading(height, levelled),
     ]
 
