@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Set up everything and run: `python3 run.py` the main job, `python3 run.py test` the tests.
+"""Set up the environment and run: `python3 run.py` the workflow, `python3 run.py test` the tests.
 
-Needs nothing but Python 3.11 or later. The environment lies in .venv beside this file; it is installed once,
-and again only after pyproject.toml, setup.py or the C source has changed. Further arguments go to Snakemake
+Needs only Python 3.11 or later. The environment is .venv beside this file; it is installed once, and again
+only after pyproject.toml, setup.py or the C source has changed. Further arguments are passed to Snakemake
 (`python3 run.py -n`) or, after `test`, to pytest (`python3 run.py test tests/unit`; `python3 run.py test -m
-slow` for those that take long by their nature). `python3 run.py lint` does only the checks of the source that
-`test` begins with, and `python3 run.py docs` builds the documentation. `python3 run.py lowest` runs the tests
-of package and workflow with the lowest versions that pyproject.toml admits.
+slow` for long tests). `python3 run.py lint` runs only the checks of the source with which `test` begins,
+`python3 run.py docs` builds the documentation, and `python3 run.py lowest` runs the tests of package and
+workflow with the lowest versions that pyproject.toml allows, in .venv-lowest.
 """
 
 import hashlib
@@ -18,13 +18,14 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
+LOWEST = ROOT / ".venv-lowest"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PACKAGE = ROOT / "workflow/lib/roughcontact"
-MOST_WORKERS = 4  # of the tests; each of them keeps a few hundred megabytes
+MAX_WORKERS = 4  # of the tests; each of them uses a few hundred megabytes
 
 
 def main(arguments):
-    """Do what the first argument names, in an environment that is made where it is not there."""
+    """Run the job named by the first argument, in an environment that is created if necessary."""
     check_python()
     jobs = {"test": test, "lint": lint, "docs": docs, "lowest": lowest}
     if arguments and arguments[0] in jobs:
@@ -36,21 +37,22 @@ def main(arguments):
 
 
 def check_python():
-    """Leave with a sentence where this Python is too old or cannot make environments."""
+    """Exit with a sentence if this Python is too old or cannot create environments."""
     version = f"{sys.version_info[0]}.{sys.version_info[1]}"
-    if sys.version_info < (3, 11):  # noqa: UP036 - this file runs before anything has asked
+    if sys.version_info < (3, 11):  # noqa: UP036 - this file runs before any other check
         sys.exit(f"Python 3.11 or later is needed, this is {version}: try `python3.11 run.py` or later")
     if not (importlib.util.find_spec("venv") and importlib.util.find_spec("ensurepip")):
         sys.exit(
-            f"This Python cannot make environments. On Debian, Ubuntu: `apt install python{version}-venv`;\n"
-            "elsewhere take the Python of python.org or of conda. Then run this again."
+            "This Python cannot create environments. On Debian, Ubuntu: "
+            f"`apt install python{version}-venv`;\n"
+            "elsewhere use the Python of python.org or of conda. Then run this again."
         )
 
 
 def install(group):
-    """Install the package (editable) and a group of pyproject.toml into .venv, unless that is done."""
+    """Install the package (editable) and a group of pyproject.toml into .venv, unless installed already."""
     if not (VENV.exists() or os.access(ROOT, os.W_OK)):
-        sys.exit(f"{ROOT} is read-only, yet .venv is made in it: copy it to a folder of yours")
+        sys.exit(f"{ROOT} is read-only, but .venv is created in it: copy it to a writable folder")
     sources = sorted((PACKAGE / "kernels/c").glob("*.[ch]"))
     files = [ROOT / "pyproject.toml", ROOT / "setup.py", *sources]
     settings = b"".join(file.read_bytes() for file in files) + sys.version.encode() + str(ROOT).encode()
@@ -64,9 +66,9 @@ def install(group):
     steps = [] if current else [[sys.executable, "-m", "venv", "--clear", VENV]]
     wanted = ["--editable", f"{ROOT}[workflow]"]
     if group:
-        steps.append([*pip, "pip>=25.1"])  # the first that knows groups
+        steps.append([*pip, "pip>=25.1"])  # the first version with groups
         wanted += ["--group", f"{ROOT / 'pyproject.toml'}:{group}"]
-    # an editable package is compiled by nobody else where the environment says PYTHONDONTWRITEBYTECODE
+    # with PYTHONDONTWRITEBYTECODE nothing else compiles an editable package
     compiled = [BIN / "python", "-m", "compileall", "-qq", PACKAGE.parent]
     for step in [*steps, [*pip, *wanted], compiled]:
         if run(step):
@@ -81,7 +83,7 @@ def work(*arguments):
 
 
 def lint():
-    """Check format, style, docstrings, types and the order of the folders; return 1 where one fails."""
+    """Check format, style, docstrings, types and the order of the folders; return 1 if a check fails."""
     checks = [
         [BIN / "ruff", "format", "--check", "."],
         [BIN / "ruff", "check", "."],
@@ -91,20 +93,24 @@ def lint():
         [BIN / "snakefmt", "--check", "Snakefile", "workflow/Snakefile", "workflow/rules"],
         [BIN / "snakemake", "--lint"],
     ]
-    codes = [run(check) for check in checks]  # all of them, also after one that fails
+    codes = [run(check) for check in checks]  # all of them, even after a failure
     return int(any(codes))
 
 
 def test(*arguments):
     """Check the source, then run the tests side by side."""
     failed = lint()
-    workers = str(min(os.cpu_count() or 1, MOST_WORKERS))
-    side_by_side = ["-n", workers, "--dist", "loadfile", "--no-loadscope-reorder"]
-    return failed | int(run([BIN / "python", "-m", "pytest", *side_by_side, *arguments]) != 0)
+    return failed | int(run([BIN / "python", "-m", "pytest", *side_by_side(), *arguments]) != 0)
+
+
+def side_by_side():
+    """Return the options of pytest for as many workers as there are cores, up to a limit."""
+    workers = str(min(os.cpu_count() or 1, MAX_WORKERS))
+    return ["-n", workers, "--dist", "loadfile", "--no-loadscope-reorder"]
 
 
 def docs():
-    """Build the documentation and say where it begins."""
+    """Build the documentation and print the path of its first page."""
     failed = run([BIN / "sphinx-build", "-W", "--keep-going", "-b", "html", "docs", "build/docs"])
     if not failed:
         print(ROOT / "build/docs/index.html")
@@ -112,20 +118,21 @@ def docs():
 
 
 def lowest(*arguments):
-    """Run all tests but those of the docs with the lowest versions, in an environment of their own."""
-    folder = ROOT / ".venv-lowest"
-    python = folder / BIN.name / "python"
+    """Run the tests of package and workflow with the lowest versions, in an environment of their own."""
+    programs = LOWEST / BIN.name
+    python = programs / "python"
     wanted = ["--resolution", "lowest-direct", "--editable", f"{ROOT}[workflow]", "--group", "test"]
+    tests = ["tests/unit", "tests/property", "tests/workflow", *side_by_side(), *arguments]
     return (
-        run([sys.executable, "-m", "venv", "--clear", folder])
+        run([sys.executable, "-m", "venv", "--clear", LOWEST])
         or run([BIN / "uv", "pip", "install", "--quiet", "--python", python, *wanted])
-        or run([python, "-m", "pytest", "tests/unit", "tests/property", "tests/workflow", *arguments])
+        or run([python, "-m", "pytest", *tests], programs)
     )
 
 
-def run(command):
-    """Run a command with the environment's programs first on the path, and return its exit status."""
-    environment = os.environ | {"PATH": f"{BIN}{os.pathsep}{os.environ.get('PATH', '')}"}
+def run(command, programs=BIN):
+    """Run a command with an environment's programs first on the path, and return its exit status."""
+    environment = os.environ | {"PATH": f"{programs}{os.pathsep}{os.environ.get('PATH', '')}"}
     process = subprocess.Popen(command, env=environment)
     while True:
         try:

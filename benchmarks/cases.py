@@ -33,17 +33,9 @@ def surface(size: int, seed: int = 0) -> np.ndarray:
     Self-affine with random phases: |h_q| ~ |q|^-(1 + H), H = 0.8, from 4 to size/8 waves per side, zero
     elsewhere. The larger the map, the more of the spectrum is in it: eight points per shortest wave always.
     """
-    ky = np.fft.fftfreq(size, 1 / size)[:, None]
-    kx = np.fft.rfftfreq(size, 1 / size)[None, :]
-    k = np.hypot(ky, kx)
-    inside = (k >= LONGEST) & (k <= size / POINTS_PER_SHORTEST_WAVE)
-    noise = np.fft.rfft2(np.random.default_rng(seed).standard_normal((size, size)))
-    spectrum = np.zeros_like(noise)
-    spectrum[inside] = noise[inside] / np.abs(noise[inside]) * k[inside] ** -(1 + HURST)
-    columns = np.full(kx.shape, 2.0)  # of the full plane that a column of the half plane stands for
-    columns[0, 0] = columns[0, -1] = 1
-    gradient = np.sqrt((columns * (2 * np.pi * k * np.abs(spectrum)) ** 2).sum())
-    return np.fft.irfft2(spectrum / gradient * size**2, s=(size, size))
+    band = {"shortest": POINTS_PER_SHORTEST_WAVE / size, "longest": 1 / LONGEST}
+    made = self_affine_surface((size, size), 1 / size, hurst=HURST, rms_gradient=1.0, seed=seed, **band)
+    return made.values
 
 
 def measured_maps(folders: Sequence[Path]) -> Iterator[tuple[str, xr.DataArray, xr.DataArray | None]]:

@@ -2,6 +2,7 @@
 
     python benchmarks/intervals.py FOLDER ... --write
     python benchmarks/intervals.py FOLDER --only plu-1.plu      # one map, printed
+    python benchmarks/intervals.py --answers --seeds 1 2 3      # conductance and narrowest places
 
 Every map in the folders that is read without being told anything, and has at least 400 points along each
 side, is solved whole, by default settings: that is the truth, of the pressure in contact the load over the
@@ -9,9 +10,13 @@ contact area. It is cut into 3 x 3 parts, and each part is processed as if it we
 error budget included, at the same mean pressures. Maps that are smaller, from 192 points on, make a second
 group. Made surfaces of eight kinds, with waves from an eighth to three times the length of the map, are cut
 in the same way, some with faults.
+
+`--answers` holds the ± of conductance and narrowest places against such made surfaces, two small maps of
+each, and counts the intervals without an upper end, which hold the truth where it is not below the lower one.
 """
 
 import argparse
+import itertools
 import json
 import sys
 import warnings
@@ -29,6 +34,7 @@ from roughcontact.contact.loads import plan_loads
 from roughcontact.errors import RoughContactError
 from roughcontact.statistics import checks
 from roughcontact.statistics.contact_statistics import with_uncertainty
+from roughcontact.uncertainty.answers import ANSWERS, headline_and_answers
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.validation.masters import FAULTS, KINDS, cut_out, master_surface
 
@@ -43,8 +49,9 @@ LOADS = (0.02, 0.1, 0.4)  # of E* times the rms gradient of the whole map
 CUTS = 3
 LARGE, SMALL = 400, 192  # points along each side, at least
 LONGEST = (1 / 8, 1 / 3, 1, 3)  # waves of made surfaces, of the length of the map
-MADE_SIDE = 192
-PLACES = 4  # maps of each made surface
+MADE_SIDE, ANSWERS_SIDE = 192, 96
+PLACES, ANSWERS_PLACES = 4, 2  # maps of each made surface
+GROOVED = ("ground", "honed")
 WORK = Path(__file__).parent / "work" / "coverage.json"
 
 
@@ -69,18 +76,12 @@ def measure(height, loads, truth) -> dict:
     outcome = checks.surface_checks(
         statistics, height=height.attrs, levelled=levelled.attrs, window=window.attrs, points=window.size
     )
-    return {
-        "asked": [check.name for check in checks.reasons(outcome)],
-        **{
-            name: {
-                "truth": truth[name],
-                "result": statistics[name].values.tolist(),
-                "lower": statistics[f"{name}_lower"].values.tolist(),
-                "upper": statistics[f"{name}_upper"].values.tolist(),
-            }
-            for name in QUANTITIES
-        },
-    }
+    row: dict = {"asked": [check.name for check in checks.reasons(outcome)]}
+    for name in QUANTITIES:
+        columns = {"result": name, "lower": f"{name}_lower", "upper": f"{name}_upper"}
+        found = {key: statistics[column].values.tolist() for key, column in columns.items()}
+        row[name] = {"truth": truth[name]} | found
+    return row
 
 
 def truth_of(statistics) -> dict:
@@ -132,6 +133,43 @@ def made_map(kind: str, longest: float, seed: int) -> dict:
         for place in range(PLACES)
     ]
     return {"group": "made", "name": kind, "longest": longest, "seed": seed, "parts": rows}
+
+
+def answers_held(kind: str, longest: float, seed: int) -> list[dict]:
+    """Return for each answer and load of some maps whether the interval holds, and has no upper end."""
+    surface, loads = made_surface(kind, longest, seed, ANSWERS_SIDE)
+    problem = {"contact_modulus": 1.0, "mean_pressure": loads}
+    truth = rc.solve_contact(surface, **problem, tolerance=1e-3, reduce=headline_and_answers)
+    generator = np.random.default_rng(seed)
+    waves = "up to the map" if longest <= 1 else "three times the map"
+    rows = []
+    for _ in range(ANSWERS_PLACES):
+        levelled = rc.level(cut_out(surface, ANSWERS_SIDE, generator, fault="none"))
+        settings = {"level": {}, "window": {}, "contact": problem}
+        budget = rc.error_budget(levelled, rc.periodic_window(levelled), settings)
+        for name in (*ANSWERS, "mean_gap"):
+            ends = (budget[f"{name}_{end}"].values for end in ("lower", "upper"))
+            for lower, upper, true in zip(*ends, truth[name].values, strict=True):
+                if np.isfinite(true) and np.isfinite(lower):  # the conductance of full contact is not
+                    held = {"inside": lower <= true and not upper < true, "open": np.isnan(upper)}
+                    rows.append({"quantity": shown(name, kind), "waves": waves} | held)
+    return rows
+
+
+def shown(name: str, kind: str) -> str:
+    """Return the name of an answer in the table: narrowest places stand apart for kinds with grooves."""
+    if name.startswith("critical_constriction"):
+        return f"narrowest places, {'with' if kind in GROOVED else 'without'} grooves"
+    return "mean gap" if name == "mean_gap" else "conductance"
+
+
+def answers(seeds: list[int]) -> dict[str, pd.DataFrame]:
+    """Return the table of the answers, of all kinds and longest waves."""
+    cases = itertools.product(KINDS, LONGEST, seeds)
+    rows = pd.DataFrame([row for case in cases for row in answers_held(*case)])
+    shares = 100 * rows.groupby(["quantity", "waves"])[["inside", "open"]].mean()
+    table = shares.rename(columns={"inside": "inside (%)", "open": "without an upper end (%)"}).reset_index()
+    return {"answers": pages.text(table, dict.fromkeys(table.columns[2:], ".0f"))}
 
 
 def results_of(found: list[dict]) -> pd.DataFrame:
@@ -188,16 +226,10 @@ def tables(found: list[dict]) -> dict[str, pd.DataFrame]:
             counted(some) | {"surface": name} for name, some in of_group.groupby("surface", sort=False)
         ]
         rows += [{"group": group} | row for row in (*surfaces, counted(of_group) | {"surface": "all"})]
-        medians = (
-            pd.DataFrame(surfaces)
-            .filter(like=" width")
-            .median()
-            .rename(lambda name: name.removesuffix(" width"))
-        )
+        medians = pd.DataFrame(surfaces).filter(like=" width").median()
+        medians = {name.removesuffix(" width"): width for name, width in medians.items()}
         calm = of_group[~of_group["flagged"] & (of_group["quantity"] != "peak")]
-        widths.append(
-            {"group": group} | dict(medians) | {"inside without a flag (%)": 100 * calm["inside"].mean()}
-        )
+        widths.append({"group": group} | medians | {"inside without a flag (%)": 100 * calm["inside"].mean()})
         if group in results["group"].values:
             shares = 100 * of_group.groupby(["quantity", "load"], sort=False)["inside"].mean().unstack()
             loads.append(shares.rename(columns=str).reset_index().assign(group=group))
@@ -224,11 +256,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folders", nargs="*", type=Path, help="folders of instrument files")
     parser.add_argument("--only", nargs="+", help="names of files; they are printed and not kept")
+    parser.add_argument("--answers", action="store_true", help="conductance and narrowest places alone")
     parser.add_argument("--seeds", nargs="*", type=int, default=[1], help="of the made surfaces")
     parser.add_argument("--work", type=Path, default=WORK, help="where the rows are kept")
     parser.add_argument("--write", action="store_true", help="write the tables and their page; else print")
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")
+    finish = partial(pages.publish, "coverage") if arguments.write else pages.show
+    if arguments.answers:
+        finish(answers(arguments.seeds))
+        return
     files = sorted({path for folder in arguments.folders for path in folder.iterdir() if path.is_file()})
     if arguments.only:
         found = [real_map(path) for path in files if path.name in arguments.only]
@@ -236,12 +273,9 @@ def main() -> None:
         return
     kept = json.loads(arguments.work.read_text()) if arguments.work.exists() else []
     jobs = [(path.name, partial(real_map, path)) for path in files]
-    jobs += [
-        (f"{kind}, waves of {longest:.3g}, seed {seed}", partial(made_map, kind, longest, seed))
-        for seed in arguments.seeds
-        for kind in KINDS
-        for longest in LONGEST
-    ]
+    for seed, kind, longest in itertools.product(arguments.seeds, KINDS, LONGEST):
+        name = f"{kind}, waves of {longest:.3g}, seed {seed}"
+        jobs.append((name, partial(made_map, kind, longest, seed)))
     done = {each["job"] for each in kept}
     arguments.work.parent.mkdir(parents=True, exist_ok=True)
     for job, run in jobs:
@@ -251,11 +285,7 @@ def main() -> None:
         kept.append(rows | {"job": job})
         print(job, rows["group"], flush=True)
         arguments.work.write_text(json.dumps(kept))
-    found = tables([each for each in kept if each["group"] != "none"])
-    if arguments.write:
-        pages.publish("coverage", found)
-    else:
-        pages.show(found)
+    finish(tables([each for each in kept if each["group"] != "none"]))
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ from typing import get_args
 import numpy as np
 import pages
 import pandas as pd
+from scipy.ndimage import fourier_gaussian
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 
@@ -29,6 +30,7 @@ from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics.contact_geometry import PERIMETER_CORRECTION
+from roughcontact.validation.masters import grooves
 
 METHODS = get_args(WindowMethod)
 KINDS = ("isotropic", "anisotropic", "turned", "bimodal")
@@ -66,35 +68,16 @@ def master(kind: str, seed: int, points: int, *, longest: float | None = None, s
     elif kind == "anisotropic":
         heights = waves(shortest, longest / 2, stretch=6.0)
     elif kind == "turned":
-        heights = waves(shortest, 8 * shortest, rms_height=0.25) + _grooves(points, seed, 4.7 * shortest)
-        heights = _smooth(heights, shortest / 4)
+        count = round(points / (4.7 * shortest))  # a whole number of grooves
+        turned = grooves(points, count, 0.1, np.random.default_rng(seed))
+        heights = waves(shortest, 8 * shortest, rms_height=0.25) + turned
+        heights = np.fft.ifft2(fourier_gaussian(np.fft.fft2(heights), shortest / 4)).real
     else:
         heights = waves(12.5 * shortest, 32 * shortest) + waves(
             shortest, 3 * shortest, seed=seed + 1000, rms_height=0.1
         )
     surface = height_map(heights - heights.mean(), 1.0)
     return surface / rms_gradient(surface)
-
-
-def _grooves(points, seed, feed):
-    """Return parabolic grooves (1, points) of unit depth, a whole number of them, about one feed apart."""
-    count = round(points / feed)
-    x = (np.arange(points) + 0.5) / points * count
-    depth = 0.1 * np.random.default_rng(seed).standard_normal(count)
-    groove = np.floor(x).astype(int)
-    # neighbouring passes cut into each other: the lowest parabola is what stays
-    passes = [4 * (x - groove - s - 0.5) ** 2 + depth[(groove + s) % count] for s in (-1, 0, 1)]
-    return np.min(passes, axis=0)[None, :]
-
-
-def _smooth(heights, deviation):
-    """Return the Gaussian mean of a periodic map."""
-    q = (
-        2
-        * np.pi
-        * np.hypot(np.fft.fftfreq(heights.shape[0])[:, None], np.fft.rfftfreq(heights.shape[1])[None, :])
-    )
-    return np.fft.irfft2(np.fft.rfft2(heights) * np.exp(-((q * deviation) ** 2) / 2), s=heights.shape)
 
 
 def solve(window, loads) -> np.ndarray:
@@ -112,13 +95,9 @@ def solve(window, loads) -> np.ndarray:
 
 def area(pressure, *, periodic=True) -> float:
     """Return the contact area, corrected by the perimeter, in parts of the whole."""
-    touching = pressure > 0
-    switches = 0
-    for lines in (touching, touching.T):
-        switches += np.count_nonzero(lines[1:] != lines[:-1])
-        if periodic:
-            switches += np.count_nonzero(lines[0] != lines[-1])
-    return (np.count_nonzero(touching) - PERIMETER_CORRECTION * switches) / pressure.size
+    touching = np.pad(pressure > 0, (0, 1), mode="wrap" if periodic else "edge")
+    switches = np.diff(touching[:, :-1], axis=0).sum() + np.diff(touching[:-1], axis=1).sum()
+    return (np.count_nonzero(pressure > 0) - PERIMETER_CORRECTION * switches) / pressure.size
 
 
 def rim_load(pressure) -> float:
@@ -142,11 +121,8 @@ def compare_methods(kind, seed, *, points, side) -> list[dict]:
                 window = rc.periodic_window(levelled, method=method)
                 images = 2 if method == "mirror" else 1
                 size = [n // images for n in window.shape]
-                corner = [
-                    start + round(window.attrs[f"window_offset_{axis}"])
-                    for start, axis in zip((y0, x0), "yx", strict=True)
-                ]
-                part = truth[:, corner[0] : corner[0] + size[0], corner[1] : corner[1] + size[1]]
+                top, left = (round(window.attrs[f"window_offset_{axis}"]) for axis in "yx")
+                part = truth[:, y0 + top :, x0 + left :][:, : size[0], : size[1]]
                 carried = part.mean(axis=(1, 2))
                 given, same = solve(window, LOADS), solve(window, carried)
                 for i, load in enumerate(LOADS):
@@ -298,10 +274,7 @@ def search_cost(rows: pd.DataFrame) -> float:
 def tables(results: dict) -> dict[str, pd.DataFrame]:
     """Return the tables of the page."""
     methods, placements = (pd.DataFrame(results[part]["rows"]) for part in PARTS)
-    three, two = (
-        dict.fromkeys(("area, same load", "area", "scatter"), ".3f"),
-        dict.fromkeys(RATIOS[1:], ".2f"),
-    )
+    forms = dict.fromkeys(("area, same load", "area", "scatter"), ".3f") | dict.fromkeys(RATIOS[1:], ".2f")
     cut = methods[methods["same_area"].notna()].sort_values("load", kind="stable")
     by_load = summary(cut, ["load", "method"])
     by_kind = summary(methods[methods["load"] == KINDS_LOAD], ["kind", "method"])
@@ -309,8 +282,8 @@ def tables(results: dict) -> dict[str, pd.DataFrame]:
     percent = (100 * misses(methods)).add_suffix(" (%)")
     decimals = {name: ".1f" if "%" in name else ".2f" if "cost" in name else ".3f" for name in placed}
     return {
-        "methods": pages.text(by_load.reset_index(names=["p̄ / E* g", "method"]), three | two),
-        "kinds": pages.text(by_kind.reset_index(names=["surface", "method"]), three | two),
+        "methods": pages.text(by_load.reset_index(names=["p̄ / E* g", "method"]), forms),
+        "kinds": pages.text(by_kind.reset_index(names=["surface", "method"]), forms),
         "misses": pages.text(percent.reset_index(), dict.fromkeys(percent, ".1f")),
         "placements": pages.text(placed, decimals),
     }

@@ -63,6 +63,13 @@ def test_the_table_of_the_layout_explains_every_folder_once(architecture, folder
     assert sorted(named) == sorted(folders)
 
 
+def test_the_graph_of_the_rules_is_that_of_snakemake(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs/images")
+    draw_rules = importlib.import_module("draw_rules")
+    drawn = draw_rules.PICTURE.read_text(encoding="utf-8")
+    assert drawn == draw_rules.drawing(draw_rules.rule_graph()), "run python docs/images/draw_rules.py"
+
+
 def test_every_setting_has_a_row(generated):
     page = generated.settings()
     for name, field in Settings.model_fields.items():
@@ -150,7 +157,7 @@ def test_the_recipes_name_files_and_functions_that_exist():
     named = set(re.findall(r"`([^`\n]+)`", re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)))
     source = "\n".join(path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py"))
     files = {name for name in named if re.fullmatch(r"[\w./*-]+\.(py|md)", name) and "NAME" not in name}
-    functions = {name for name in named if re.fullmatch(r"[a-z_]+_[a-z_]+|PartName|Check|ToldBy", name)}
+    functions = {name for name in named if re.fullmatch(r"[a-z_]+_[a-z_]+|PartName|Check|RecognisedBy", name)}
     functions -= {"data_samples", *(path.name for path in PACKAGE.iterdir())}
     assert len(files) > 15
     assert len(functions) > 4

@@ -127,7 +127,7 @@ def test_a_table_of_many_columns_is_made_without_a_word():
             "surface_name": ("surface", np.array(["a"], object)),
             "mean_pressure": (("surface", "load"), [[1e5, 2e5]]),
         },
-        attrs={"verdicts": json.dumps({"": {"a": [["trust", []], ["trust", []]]}})},
+        attrs={"verdicts": json.dumps({"": {"a": [["use", []], ["use", []]]}})},
     )
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -172,7 +172,7 @@ def test_missing_file_is_named(tmp_path):
 @pytest.mark.parametrize("case", [None, "steel"])
 def test_what_failed_stands_below_with_its_case_and_its_reason(case):
     of_case = {"case": [case]} if case else {}
-    summary = pd.DataFrame(of_case | {"surface": ["ground"], "mean_gap_m": [2e-7], "verdict": ["trust"]})
+    summary = pd.DataFrame(of_case | {"surface": ["ground"], "mean_gap_m": [2e-7], "verdict": ["use"]})
     failure = {"surface": "turned", "case": case, "reason": "turned.txt: is empty"}
     table = with_failures(summary, [failure])
     assert list(table.columns) == [*summary.columns, "reasons"]
@@ -210,18 +210,27 @@ def test_pairs_have_mean_and_spread_over_their_members():
 @pytest.mark.parametrize("cases", [[None], ["steel", "peek"]])
 def test_every_load_has_its_verdict_and_its_reasons(tmp_path, cases):
     said = {
-        ("a", None): [["look at", ["Plasticity: it flows", "Form: a bow, a dome"]], ["trust", []]],
-        ("b", None): [["do not trust", ["Solver: missed"]]],
+        ("a", None): [["review", ["Plasticity: it flows", "Form: a bow, a dome"]], ["use", []]],
+        ("b", None): [["do not use", ["Solver: missed"]]],
     }
     entries, expected = [], []
     for case in cases:
         for surface, loads in (("a", [1e5, 2e5]), ("b", [3e5])):
             path = write_statistics(tmp_path / f"{surface}-{case}.nc", loads)
             found = said[surface, None]
-            write_dataset(read_dataset(path).assign_attrs(verdicts=json.dumps(found)), path)
+            codes = [["use", "review", "do not use"].index(word) for word, _ in found]
+            judged = read_dataset(path).assign(verdict=("load", np.array(codes, np.int8)))
+            of_checks = [{"check": "Form", "loads": [0], "text": "A bow."}] if surface == "a" else []
+            words = {"verdicts": json.dumps(found), "reasons": json.dumps(of_checks)}
+            write_dataset(judged.assign_attrs(words), path)
             entries.append({"surface": surface, "case": case, "statistics": path})
             expected += [(word, " | ".join(reasons)) for word, reasons in found]
-    table = summary_table(collect_statistics(entries))
+    collected = collect_statistics(entries)
+    np.testing.assert_array_equal(
+        collected["verdict"].values, np.broadcast_to([[1, 0], [2, np.nan]], collected["verdict"].shape)
+    )
+    assert json.loads(collected.attrs["reasons"])[cases[0] or ""]["b"] == []
+    table = summary_table(collected)
     assert list(table.columns)[-2:] == ["verdict", "reasons"]
     assert list(zip(table["verdict"], table["reasons"], strict=True)) == expected
     write_table(table, tmp_path / "summary.csv")

@@ -440,5 +440,5 @@ def test_the_solve_runs_in_the_array_library_of_the_heights(mean_pressure, hardn
 def test_a_large_map_without_its_workspace_between_the_loads_has_the_same_solutions(monkeypatch):
     height, loads = synthetic.rough_reference_surface(128), [0.01, 0.05, 2.0]  # the last one closes the gap
     kept = rc.solve_contact(height, contact_modulus=1.0, mean_pressure=loads)
-    monkeypatch.setattr("roughcontact.contact.sweep.MOST_KEPT", 0)
+    monkeypatch.setattr("roughcontact.contact.sweep.MAX_KEPT_POINTS", 0)
     xr.testing.assert_identical(rc.solve_contact(height, contact_modulus=1.0, mean_pressure=loads), kept)

@@ -81,7 +81,7 @@ def test_hardness_above_the_peak_changes_nothing_and_a_low_one_makes_the_area_pl
 
 
 def test_a_load_that_no_contact_carries_is_refused():
-    with pytest.raises(rc.SettingsError, match=r"2e\+06 Pa is not below the hardness 1e\+06 Pa"):
+    with pytest.raises(rc.SettingsError, match=r"2e\+06 Pa .* 1e\+06 Pa"):
         rc.solve_contact(rough(), contact_modulus=MODULUS, mean_pressure=2e6, hardness=1e6)
     with pytest.raises(rc.SettingsError, match="hardness = -1"):
         rc.solve_contact(rough(), contact_modulus=MODULUS, mean_pressure=2e6, hardness=-1)

@@ -98,8 +98,8 @@ def test_advice_in_words():
         "For 5 % in contact area, solve at 64 with tolerance 1e-2: 0.20 s.",
         "For 1 % in contact area, solve at 128 with tolerance 1e-2: 0.46 s.",
         (
-            "For 0.2 % in contact area, no grid that was tried is fine enough; the best, 128 with tolerance "
-            "1e-2, leaves 0.400 %."
+            "For 0.2 % in contact area, no grid of this comparison is fine enough; the best, 128 with "
+            "tolerance 1e-2, has 0.400 %."
         ),
     ]
     assert len(sentences) == 9

@@ -32,19 +32,19 @@ def on_pixels(values, pixel):
         ({"hardness": PRESSURE * (1 + 1e-9)}, "1000000 Pa is less than one part in a million below"),
         ({"hardness": PRESSURE * (1 + 1e-12)}, "below the hardness 1000000 Pa: all of the surface"),
         ({"hardness": PRESSURE}, "is not below the hardness"),
-        ({"mean_pressure": 1e-300}, "mean_pressure = 1e-300 is beyond what can be computed"),
-        ({"mean_pressure": 5e-324}, "is beyond what can be computed"),
+        ({"mean_pressure": 1e-300}, "mean_pressure = 1e-300 is beyond the computable range"),
+        ({"mean_pressure": 5e-324}, "is beyond the computable range"),
         ({"mean_pressure": 1e-30}, "rounding allows 1e-10 to 1e"),
         ({"mean_pressure": 1e30}, "check the units of load, modulus and heights"),
-        ({"contact_modulus": 1e300}, "contact_modulus = 1e.300 is beyond what can be computed"),
-        ({"contact_modulus": 1e-300}, "contact_modulus = 1e-300 is beyond what can be computed"),
+        ({"contact_modulus": 1e300}, "contact_modulus = 1e.300 is beyond the computable range"),
+        ({"contact_modulus": 1e-300}, "contact_modulus = 1e-300 is beyond the computable range"),
         ({"contact_modulus": 1e60}, "rounding allows"),
         ({"tolerance": None}, "tolerance = None is not a number"),
-        ({"tolerance": "x"}, "tolerance = 'x' is not a number"),
-        ({"mean_pressure": True}, "mean_pressure = True is not a number"),
-        ({"mean_pressure": [1e6, True]}, "mean_pressure = True is not a number"),
-        ({"contact_modulus": True}, "contact_modulus = True is not a number"),
-        ({"hardness": True}, "hardness = True is not a number"),
+        ({"tolerance": "x"}, "tolerance = 'x'"),
+        ({"mean_pressure": True}, "mean_pressure = True"),
+        ({"mean_pressure": [1e6, True]}, "mean_pressure = True"),
+        ({"contact_modulus": True}, "contact_modulus = True"),
+        ({"hardness": True}, "hardness = True"),
         ({"mean_pressure": 1e6 + 1j}, "is not a number"),
     ],
 )
@@ -57,7 +57,7 @@ def test_a_setting_that_nothing_can_be_made_of(given, said):
     ("window", "said"),
     [
         (on_pixels(SURFACE.values, 1e-300), "on pixels of 1e-300 m x 1e-300 m are beyond"),
-        (on_pixels(SURFACE.values, 1e300), "are beyond what can be computed; check the units"),
+        (on_pixels(SURFACE.values, 1e300), "are beyond the computable range; check the units"),
         (SURFACE * 1e207, "heights of up to 5.30119e.200 m"),
         (SURFACE * 1e307, "check the units"),
         (on_pixels(np.where(SURFACE.values > 0, 5e-324, 0), 1e-6), "rms gradient of 0"),
@@ -96,7 +96,7 @@ def test_positions_in_words_are_refused(verb):
 
 
 def test_relative_loads_are_numbers_too():
-    with pytest.raises(SettingsError, match="relative_pressure = True is not a number"):
+    with pytest.raises(SettingsError, match="relative_pressure = True"):
         plan_loads(SURFACE, contact_modulus=MODULUS, relative_pressure=True)
 
 

@@ -81,7 +81,7 @@ def test_all_that_is_known_of_a_surface():
         "Missing points": "1.25 %",
         "Removed form": "plane: slope x −0.0200, mean 1.50 µm",
         "Scan lines": "aligned (median), shifts of 0.0250 µm rms",
-        "Filters": "S-filter 8.00 µm, 0.0300 µm rms taken off",
+        "Filters": "S-filter 8.00 µm, 0.0300 µm rms removed",
         "Sa, Sq, Sz": "0.300 µm, 0.400 µm, 5.00 µm",
         "Ssk, Sku, Sdq": "−0.500, 3.20, 0.200",
         "Sk, Spk, Svk": "0.900 µm, 0.200 µm, 0.600 µm",
@@ -173,5 +173,5 @@ def test_what_the_captions_of_the_maps_say():
     assert spectrum_caption(levelled[:1].assign_attrs(band), numbers()).startswith("Waves from 2.00 µm")
     assert spectrum_caption(levelled.assign_attrs(band), numbers()) == (
         "Mean over all directions. Waves from 2.00 µm to 100 µm are solved; "
-        "taken out: rms height 0.0300 µm, rms gradient 0.0500."
+        "removed: rms height 0.0300 µm, rms gradient 0.0500."
     )

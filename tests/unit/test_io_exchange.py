@@ -169,7 +169,7 @@ def test_npy_needs_units(tmp_path):
     path = tmp_path / "map.npy"
     for array in (HEIGHTS, np.asfortranarray(HEIGHTS)):
         np.save(path, array * 1e6)
-        with pytest.raises(InputFileError, match="does not say its size; give dx, dy, unit"):
+        with pytest.raises(InputFileError, match="give dx, dy, unit"):
             read_height_map(path)
         check(read_height_map(path, dx=2, dy=3, unit="um"))
         check(read_height_map(path, dx=2e-3, dy=3e-3, unit="mm", height_unit="micrometre"))
@@ -212,9 +212,9 @@ def test_npy_cut_off_or_claiming_too_much(tmp_path):
     path = tmp_path / "map.npy"
     np.save(path, np.ones((50, 50)))
     data = path.read_bytes()
-    with pytest.raises(InputFileError, match="not readable as a NumPy array"):
+    with pytest.raises(InputFileError, match="NumPy"):
         read_height_map(saved(tmp_path, data[: len(data) // 2]), dx=1, dy=1, unit="um")
-    with pytest.raises(InputFileError, match="not readable as a NumPy array"):
+    with pytest.raises(InputFileError, match="NumPy"):
         read_height_map(saved(tmp_path, data.replace(b"(50, 50)", b"(90000, 90000)")), dx=1, dy=1, unit="um")
     np.save(path, np.full((3, 3), np.nan))
     with pytest.raises(HeightMapError, match="all 9 points"):
@@ -290,9 +290,9 @@ def test_gwyddion_simple_field(tmp_path, title):
 def test_gwyddion_simple_field_that_leaves_things_out(tmp_path):
     with pytest.raises(InputFileError, match="give height_unit"):
         read_height_map(saved(tmp_path, gsf_bytes(ZUnits=None)))
-    with pytest.raises(InputFileError, match=r"does not say its size .*; give dx, dy, unit"):
+    with pytest.raises(InputFileError, match="give dx, dy, unit"):
         read_height_map(saved(tmp_path, gsf_bytes(XReal=None, YReal=None, XYUnits=None)))
-    with pytest.raises(InputFileError, match=r"holds heights .*values in 'V', no length"):
+    with pytest.raises(InputFileError, match="values in 'V'"):
         read_height_map(saved(tmp_path, gsf_bytes(ZUnits="V")))
 
 
@@ -322,11 +322,11 @@ def test_foreign_netcdf_without_units(tmp_path):
         read_height_map(path)
     check(read_height_map(path, unit="mm"))
     foreign(units=None).to_netcdf(path)
-    with pytest.raises(InputFileError, match="does not say the unit of its heights"):
+    with pytest.raises(InputFileError, match="give height_unit"):
         read_height_map(path)
     check(read_height_map(path, height_unit="nm"))
     foreign(units="K").to_netcdf(path)
-    with pytest.raises(InputFileError, match=r"no channel of this file holds heights .*values in 'K'"):
+    with pytest.raises(InputFileError, match="values in 'K'"):
         read_height_map(path)
     foreign(x=[1, 2, 3.4, 4]).to_netcdf(path)
     with pytest.raises(InputFileError, match="positions along x are not evenly spaced"):

@@ -63,7 +63,7 @@ def test_what_is_wrong_in_a_scan_is_named(tmp_path):
         read_height_map(scan(tmp_path / "short.h5-jpk", points=11))
     with pytest.raises(InputFileError, match="no channel of this file holds heights"):
         read_height_map(scan(tmp_path / "volts.h5-jpk", unit="V"))
-    with pytest.raises(InputFileError, match="cannot be; give dx, dy and unit"):
+    with pytest.raises(InputFileError, match="are impossible; give dx, dy and unit"):
         read_height_map(scan(tmp_path / "flat.h5-jpk", ulength=0.0))
     turned = read_height_map(scan(tmp_path / "turned.h5-jpk", theta=0.5))
     assert "the scan is turned" in turned.attrs["ingest_warnings"]

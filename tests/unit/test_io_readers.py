@@ -15,7 +15,7 @@ import xarray as xr
 
 from roughcontact.errors import InputFileError
 from roughcontact.io import readers as room
-from roughcontact.io.interface import ToldBy, head_of
+from roughcontact.io.interface import RecognisedBy, head_of
 from roughcontact.io.read import read_height_map
 from roughcontact.io.registry import open_file, readers, recognised
 
@@ -28,7 +28,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile
-from roughcontact.io.interface import Reader, ToldBy
+from roughcontact.io.interface import Reader, RecognisedBy
 
 
 def recognises(path, head):
@@ -47,7 +47,7 @@ def read(path):
     return MeasuredFile("another", [channel], first_row="top")
 
 
-READER = Reader(ToldBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, recognises, read)
 '''
 
 
@@ -148,21 +148,22 @@ def test_each_file_has_its_reader_whatever_the_order_among_equals(tmp_path, kind
     path = tmp_path / "file.dat"
     path.write_bytes(made())
     assert recognised(path)[0] == expected
-    claims = [(reader.told_by, name) for name, reader in readers() if reader.recognises(path, head_of(path))]
-    assert claims[-1] == (ToldBy.NOTHING, "unmarked")
+    head = head_of(path)
+    claims = [(reader.recognised_by, name) for name, reader in readers() if reader.recognises(path, head)]
+    assert claims[-1] == (RecognisedBy.NOTHING, "unmarked")
     for _, equals in groupby(claims, key=lambda claim: claim[0]):
         assert len(list(equals)) == 1
 
 
 def test_the_order_is_the_documented_one():
-    told_by = [reader.told_by for _, reader in readers()]
-    assert told_by == sorted(told_by)
-    assert list(ToldBy) == [ToldBy.CONTENTS, ToldBy.MARK, ToldBy.TEXT, ToldBy.NOTHING]
-    assert told_by.count(ToldBy.NOTHING) == 1
-    names = {rank: {name for name, reader in readers() if reader.told_by is rank} for rank in ToldBy}
-    assert names[ToldBy.CONTENTS] >= {"datx", "x3p"}
-    assert names[ToldBy.MARK] >= {"instruments", "netcdf", "npy", "sdf"}
-    assert names[ToldBy.TEXT] >= {"text"}
+    ranks = [reader.recognised_by for _, reader in readers()]
+    assert ranks == sorted(ranks)
+    assert [rank.name for rank in RecognisedBy] == ["CONTENTS", "MARK", "TEXT", "NOTHING"]
+    assert ranks.count(RecognisedBy.NOTHING) == 1
+    names = {rank: {name for name, reader in readers() if reader.recognised_by is rank} for rank in ranks}
+    assert names[RecognisedBy.CONTENTS] >= {"datx", "x3p"}
+    assert names[RecognisedBy.MARK] >= {"instruments", "netcdf", "npy", "sdf"}
+    assert names[RecognisedBy.TEXT] >= {"text"}
 
 
 @pytest.mark.parametrize(("before", "after"), [("x3p", "instruments"), ("datx", "netcdf"), ("sdf", "text")])

@@ -406,7 +406,7 @@ def test_another_channel_can_be_named():
     with pytest.raises(InputFileError, match="channel 'Friction#1' holds no heights"):
         read_height_map(DATA / "mi-1.mi", channel="Friction#1")
     amplitude = read_height_map(DATA / "spot_1-1000nm.ibw", channel="AmplitudeTrace")
-    assert "at the user's word (by its name no topography)" in amplitude.attrs["ingest_warnings"]
+    assert "read as heights on request (by its name no topography)" in amplitude.attrs["ingest_warnings"]
 
 
 def test_inspection_lists_channels_instrument_and_choice():

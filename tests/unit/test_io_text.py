@@ -173,7 +173,7 @@ def test_bare_numbers_are_refused_with_what_to_give(tmp_path):
         read_height_map(path)
     with pytest.raises(InputFileError, match="give dx, dy, unit"):
         read_height_map(path, unit="um")
-    with pytest.raises(InputFileError, match="does not say its size"):
+    with pytest.raises(InputFileError, match="give dx, dy, unit"):
         read_height_map(path, dx=1, unit="um")
     with pytest.raises(SettingsError, match="dx = 1 is given without a unit"):
         read_height_map(path, dx=1, dy=1)

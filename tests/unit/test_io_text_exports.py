@@ -99,8 +99,8 @@ def test_empty_cells_around_a_table(tmp_path):
     np.testing.assert_array_equal(
         np.isnan(height.values[::-1]), np.array([[0, 0, 0, 0], [0, 0, 0, 1], [1, 0, 0, 0]], dtype=bool)
     )
-    # but where the last line alone ends so, it is not whole
-    with pytest.raises(InputFileError, match="the last line is not whole"):
+    # but where the last line alone ends so, it is incomplete
+    with pytest.raises(InputFileError, match="the last line is incomplete"):
         read_height_map(saved(tmp_path, "1;2;3;4\n5;6;7;8\n9;8;7;"), dx=1, dy=1, unit="um")
 
 
@@ -177,7 +177,7 @@ def test_an_index_without_a_name_is_doubted(tmp_path):
 def test_one_height_in_each_line_is_a_profile(tmp_path):
     path = saved(tmp_path, "".join(f"{z:g}\n" for z in Z))
     found = inspect_file(path)
-    assert "a profile of 12 points that does not say its size; give dx, unit" in found["problem"]
+    assert "give dx, unit" in found["problem"]
     assert (found["channels"][0]["ny"], found["channels"][0]["nx"]) == (1, 12)
     height = read_height_map(path, dx=0.5, unit="mm", height_unit="um")
     np.testing.assert_allclose(height.values, Z[None, :] * 1e-6, rtol=1e-14)
@@ -192,9 +192,7 @@ def test_a_count_above_the_table(tmp_path):
         read_height_map(saved(tmp_path, "mm µm\n13\n" + trace(" ")))
     matrix = "4 3\n" + "1 2 3 5\n" * 3
     assert read_height_map(saved(tmp_path, matrix), dx=1, dy=1, unit="um").shape == (3, 4)
-    with pytest.raises(
-        InputFileError, match="says 4 and 3, the table has 2 rows of 4 numbers; it was cut off"
-    ):
+    with pytest.raises(InputFileError, match=r"4 and 3.* 2 rows of 4"):
         read_height_map(saved(tmp_path, matrix[:-8]), dx=1, dy=1, unit="um")
 
 
@@ -207,7 +205,7 @@ def test_a_declared_number_of_points_is_compared(tmp_path):
     ):
         read_height_map(saved(tmp_path, header + rows[: rows.index("0 2")]), unit="um")
     assert read_height_map(saved(tmp_path, "samples: 12\n" + trace()), unit="um").shape == (1, 12)
-    with pytest.raises(InputFileError, match="the header says 13 columns, the points make 12"):
+    with pytest.raises(InputFileError, match=r"13 columns.* 12"):
         read_height_map(saved(tmp_path, "samples: 13\n" + trace()), unit="um")
 
 
@@ -230,7 +228,7 @@ def matrix(rows, columns, width, height):
     ],
 )
 def test_a_matrix_of_lost_lines_is_refused(tmp_path, rows, columns, width, height):
-    with pytest.raises(InputFileError, match=r"seems to be cut off\. If it is whole, give dx, dy and unit"):
+    with pytest.raises(InputFileError, match="give dx, dy and unit"):
         read_height_map(saved(tmp_path, matrix(rows, columns, width, height)))
 
 
@@ -325,7 +323,7 @@ def test_real_exports(name, shape, step):
 
 @pytest.mark.shared_data
 def test_a_real_export_of_uneven_positions():
-    with pytest.raises(InputFileError, match=r"not evenly spaced.*resample = linear"):
+    with pytest.raises(InputFileError, match="resample = linear"):
         read_height_map(MORE / "xy-2.txt")
     height = read_height_map(MORE / "xy-2.txt", resample="linear")
     assert 1e-5 < float(height.x[0]) < float(height.x[-1]) < 4.3e-5

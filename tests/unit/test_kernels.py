@@ -7,6 +7,7 @@ from struct import Struct
 import array_api_strict
 import numpy as np
 import pytest
+from option_pairs import every_pair
 
 from roughcontact.kernels import array_api, choose, compiled
 from roughcontact.kernels import threads as job_threads
@@ -30,8 +31,8 @@ GRIDS = [
 # where the last cells lack parts, as in the hierarchy of the interpolation
 PARTIAL = [((9, 13), (2, 2)), ((1, 7), (1, 2)), ((5, 40), (2, 1)), ((7, 10), (5, 3))]
 SINGLE, DOUBLE = np.float32, np.float64
-# pressure and residual both single, both double, and the mixture of iterative refinement
-PRECISIONS = [(SINGLE, SINGLE), (DOUBLE, DOUBLE), (DOUBLE, SINGLE)]
+# of pressure and residual; mixed, as in iterative refinement
+PRECISIONS = {"single": (SINGLE, SINGLE), "double": (DOUBLE, DOUBLE), "mixed": (DOUBLE, SINGLE)}
 WEIGHTS = (0.11, 0.23, 0.08)
 OFFSET = 0.1
 
@@ -153,17 +154,21 @@ CALLS = {
         f["coarse_pressure"], factors, f["field"], WEIGHTS, 0.6, cap, f["inner_out"]
     ),
 }
-BOUNDED = (
-    "measure",
-    "masked_residual",
-    "predict_active",
-    "advance",
-    "redistribute",
-    "project",
-    "rescale",
-    "project_residual",
-    "refine",
-)
+# kernels whose result depends on the cap
+BOUNDED = [
+    *("measure", "masked_residual", "predict_active", "advance", "redistribute", "project", "rescale"),
+    *("project_residual", "refine"),
+]
+# kernels without a coarser grid
+ONE_GRID = [
+    *("multiply", "divide", "measure", "slope_power", "extent", "restore_units", "make_dimensionless"),
+    *("masked_residual", "advance", "predict_active", "project", "rescale", "project_residual"),
+    *("neighbours", "fill", "empty_neighbours"),
+]
+NESTED = ["refine"]  # grids of whole cells
+TWO_GRIDS = [name for name in CALLS if name not in ONE_GRID + NESTED]
+# all parities, long rows, one row, one column, two rows
+SHAPES = [grid for grid in GRIDS if grid[0] in {(8, 12), (40, 54), (7, 11), (1, 12), (15, 1), (2, 6)}]
 
 
 def outcome(name, engine, fields, factors, cap, convert=np.array):
@@ -196,14 +201,17 @@ def test_every_kernel_stands_here():
     assert all(callable(getattr(array_api, name)) for name in twins)
 
 
-@pytest.mark.parametrize("precisions", PRECISIONS, ids=lambda pair: "-".join(p.__name__ for p in pair))
-@pytest.mark.parametrize(("shape", "factors"), GRIDS + PARTIAL)
 @pytest.mark.parametrize(
-    ("name", "cap"), [(name, np.inf) for name in CALLS] + [(name, 0.9) for name in BOUNDED]
+    ("name", "grid", "precisions", "cap"),
+    [
+        (name, grid, precisions, cap if name in BOUNDED else np.inf)
+        for names, grids in ((ONE_GRID, SHAPES), (TWO_GRIDS, GRIDS + PARTIAL), (NESTED, GRIDS))
+        for name, grid, precisions, cap in every_pair(names, grids, list(PRECISIONS), [0.9, np.inf])
+    ],
+    ids=str,
 )
-def test_plain_and_compiled_agree(name, shape, factors, precisions, cap):
-    if name == "refine" and (shape, factors) in PARTIAL:
-        pytest.skip("nested grids have whole cells")
+def test_plain_and_compiled_agree(name, grid, precisions, cap):
+    (shape, factors), precisions = grid, PRECISIONS[precisions]
     fields = make_fields(shape, factors, precisions, cap)
     with np.errstate(all="raise"):
         expected = outcome(name, array_api, fields, factors, cap)
@@ -278,10 +286,11 @@ def test_the_same_bits_whatever_else_runs():
             assert set(pool.map(summed, [threads] * 40)) == {alone}
 
 
-ENGINES = [array_api, Compiled(1), Compiled(2)]
+ENGINES = {"plain": array_api, "one thread": Compiled(1), "two threads": Compiled(2)}
+of_every_engine = pytest.mark.parametrize("engine", ENGINES.values(), ids=ENGINES)
 
 
-@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@of_every_engine
 def test_the_active_set_is_where_the_gap_should_vanish(engine):
     # columns: no pressure, pressure below the cap, at the cap; rows: overlap, touch, gap
     pressure = np.array([[0.0, 0.5, 1.0]] * 3)
@@ -315,7 +324,7 @@ def test_the_active_set_is_where_the_gap_should_vanish(engine):
     np.testing.assert_array_equal(projected, [[-1, 0.5, 0.5], [0, 0.5, 0.5], [0.5, 0.5, 2]])
 
 
-@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@of_every_engine
 def test_points_that_are_foreseen_to_carry_nothing_leave_the_active_set(engine):
     """And give their load away in the next step; a point at the cap stays whatever is foreseen."""
     pressure = np.array([[0.0, 0.0, 0.1, 0.1, 0.5, 1.0]])
@@ -331,7 +340,7 @@ def test_points_that_are_foreseen_to_carry_nothing_leave_the_active_set(engine):
     np.testing.assert_array_equal(values, [[0, 0, 0, 0, 1, 0]])
 
 
-@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@of_every_engine
 @pytest.mark.parametrize("inner", [SINGLE, DOUBLE])
 @pytest.mark.parametrize("cap", [0.3, 0.9])
 def test_points_at_the_cap_are_there_in_the_precision_of_the_next_pressure(engine, inner, cap):
@@ -347,7 +356,7 @@ def test_points_at_the_cap_are_there_in_the_precision_of_the_next_pressure(engin
     np.testing.assert_array_equal(free, [[0, 1, 0, 1]])
 
 
-@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@of_every_engine
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 def test_missing_values_are_counted_wherever_they_lie(engine, value):
     for shape in ((1, 7), (5, 1), (6, 9)):
@@ -357,7 +366,7 @@ def test_missing_values_are_counted_wherever_they_lie(engine, value):
             assert engine.extent(field)[2] == (1 if place == (0, 0) else 2)
 
 
-@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@of_every_engine
 @pytest.mark.parametrize(("shape", "factors"), GRIDS + PARTIAL)
 def test_sums_and_means_are_transposes(engine, shape, factors):
     """Mixing and gathering, filling and its transpose: equal inner products with random fields."""
@@ -377,7 +386,7 @@ def test_sums_and_means_are_transposes(engine, shape, factors):
     assert np.vdot(means, f["coarse"]) == pytest.approx(np.vdot(f["field"], spread), rel=1e-12)
 
 
-@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@of_every_engine
 @pytest.mark.parametrize(("shape", "factors"), GRIDS)
 def test_passes_in_one_sweep_equal_the_passes_one_by_one(engine, shape, factors):
     f = make_fields(shape, factors, (DOUBLE, DOUBLE), np.inf)
@@ -395,7 +404,7 @@ def test_passes_in_one_sweep_equal_the_passes_one_by_one(engine, shape, factors)
     np.testing.assert_allclose(coarse, gathered, rtol=1e-13, atol=1e-13)
 
 
-@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@of_every_engine
 @pytest.mark.parametrize("arrangement", [Arrangement.UNKNOWN, Arrangement.SCATTERED])
 def test_weights_lie_between_one_piece_and_pieces_far_apart(engine, arrangement):
     # cells of 2 x 2 parts, in rows: none, one part, two, all four in contact, four with a hundredth each
@@ -412,7 +421,7 @@ def test_weights_lie_between_one_piece_and_pieces_far_apart(engine, arrangement)
     np.testing.assert_allclose(gain * parts, weight)
 
 
-@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@of_every_engine
 def test_neighbours_of_a_wave(engine):
     """A wave keeps its form: the means multiply it by the weights' own symbol."""
     ny, nx, ky, kx = 12, 15, 5, 3
@@ -425,29 +434,18 @@ def test_neighbours_of_a_wave(engine):
     np.testing.assert_allclose(found, symbol * wave, atol=1e-14)
 
 
-@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
-@pytest.mark.parametrize(("shape", "factors"), GRIDS)
-def test_refined_pressure_keeps_the_load_of_every_cell(engine, shape, factors):
-    fields = make_fields(shape, factors, (DOUBLE, DOUBLE), np.inf)
-    coarse, fine = fields["coarse_pressure"], np.full(shape, np.nan)
-    # detail that takes all between nothing and everything to the highest point of its cell
-    for stiffness in (0.0, 0.6, 1e3, 1e20):
-        engine.refine(coarse, factors, fields["field"], WEIGHTS, stiffness, np.inf, fine)
-        means = np.empty_like(coarse)
-        array_api.block_mean(fine, factors, means)
-        np.testing.assert_allclose(means, coarse, rtol=1e-13)
-        assert fine.min() >= 0
-
-
-@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
-@pytest.mark.parametrize("precision", [SINGLE, DOUBLE])
-@pytest.mark.parametrize(("shape", "factors"), GRIDS)
-def test_refined_pressure_keeps_the_load_of_every_cell_below_the_cap(engine, shape, factors, precision):
-    cap = 0.7
+@pytest.mark.parametrize(
+    ("grid", "engine", "precision", "cap"),
+    every_pair(GRIDS, list(ENGINES), ["float32", "float64"], [0.7, np.inf]),
+    ids=str,
+)
+def test_refined_pressure_keeps_the_load_of_every_cell_and_the_cap(grid, engine, precision, cap):
+    (shape, factors), precision = grid, np.dtype(precision).type
     fields = make_fields(shape, factors, (precision, precision), np.inf)
     coarse, fine = np.minimum(fields["coarse_pressure"], precision(cap)), np.full(shape, np.nan, precision)
-    for stiffness in (0.0, 0.6, 1e3):
-        engine.refine(coarse, factors, fields["field"], WEIGHTS, stiffness, cap, fine)
+    # detail that takes all between nothing and, without a cap, everything to the highest point of its cell
+    for stiffness in (0.0, 0.6, 1e3) if cap < np.inf else (0.0, 0.6, 1e3, 1e20):
+        ENGINES[engine].refine(coarse, factors, fields["field"], WEIGHTS, stiffness, cap, fine)
         means = np.empty_like(coarse)
         array_api.block_mean(fine, factors, means)
         np.testing.assert_allclose(means, coarse, rtol=64 * np.finfo(precision).eps)
@@ -457,7 +455,7 @@ def test_refined_pressure_keeps_the_load_of_every_cell_below_the_cap(engine, sha
         assert (fine[full] == precision(cap)).all()
 
 
-@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@of_every_engine
 def test_refined_pressure_of_a_cell_that_is_closed_or_touches_at_one_point(engine):
     """Under a wave of the shortest length: full contact where the load closes the gap, else only on top."""
     heights = np.tile([[0.3, -0.3]], (4, 6))
@@ -469,7 +467,7 @@ def test_refined_pressure_of_a_cell_that_is_closed_or_touches_at_one_point(engin
     np.testing.assert_allclose(fine, np.tile([[1.0, 0.0]], (4, 6)), rtol=1e-14)
 
 
-@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@of_every_engine
 def test_refined_pressure_finds_the_edge_between_the_cells(engine):
     """The pressure sqrt(a² - x²) under a cylinder: far nearer than by repeating the cells."""
     n, factor, edge = 32, 8, 0.3
@@ -488,7 +486,7 @@ def test_refined_pressure_finds_the_edge_between_the_cells(engine):
     assert abs(np.count_nonzero(fine) - np.count_nonzero(exact)) <= 4
 
 
-@pytest.mark.parametrize("engine", ENGINES, ids=["plain", "one thread", "two threads"])
+@of_every_engine
 def test_line_contacts_weigh_as_conductors_in_parallel_behind_the_logarithm_of_the_distance(engine):
     # one point in ever larger cells: the reciprocal of its weight grows by the same each time
     weight, empty, gain = np.ones((1, 1)), np.empty((1, 1)), np.empty((1, 1))

@@ -55,7 +55,13 @@ def test_the_numbers_are_those_of_the_verbs_one_by_one(rough):
     for name in ("mean_gap_lower", "mean_gap_upper", "relative_contact_area_uncertainty"):
         np.testing.assert_array_equal(found[name], budget[name], err_msg=name)
     assert (found["mean_gap_lower"] < found["mean_gap"]).all()
-    assert len(json.loads(found.attrs["verdicts"])) == 2
+    words = [word for word, _ in json.loads(found.attrs["verdicts"])]
+    meanings = found["verdict"].attrs["flag_meanings"].split()
+    assert [meanings[code].replace("_", " ") for code in found["verdict"].values] == words
+    listed = json.loads(found.attrs["reasons"])
+    assert all(entry.keys() == {"check", "loads", "text"} for entry in listed)
+    doubted = {load for entry in listed for load in entry["loads"]}
+    assert doubted == {load for load, word in enumerate(words) if word != "use"}
 
 
 def test_a_file_and_its_map_give_the_same(tmp_path, rough):

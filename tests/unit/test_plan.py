@@ -111,13 +111,15 @@ def test_every_file_is_made_once_before_it_is_read_and_every_folder_is_complete(
                 whole = part == "contact" and case not in made.preparing
                 files = made.outputs(part, kind, whole=whole)
                 job = made.job(part, name, case)
-                assert [*files] == sorted([*job.steps, *job.links], key=ALL.index)
+                expected = sorted([*job.steps, *job.links], key=ALL.index)
+                assert [*files] == expected + ["summary"] * (part == "contact")
                 jobs.append((job, [file.format(surface=name, case=case) for file in files.values()]))
                 written += jobs[-1][1]
     assert len(written) == len(set(written))
     assert set(made.links()) <= set(written)
     wanted = {made.file(stage, *run) for run in made.runs for stage in ("statistics", "window")}
     assert wanted | {made.panel(*run) for run in made.runs} <= set(written)
+    assert {made.summary(*run) for run in made.runs} <= set(written)
     there, waiting = {"ground.x3p", "seal-face.x3p", "other.x3p"}, jobs
     while waiting:
         ready = [job for job in waiting if set(job[0].inputs.values()) <= there]
@@ -137,6 +139,7 @@ def test_a_crosscheck_has_a_panel_of_its_own():
     assert plan().panel("ground") == "results/ground/panel.html"
     checked = plan(crosscheck={"code": "tamaas", "python": "python"})
     assert checked.panel("ground") == "results/ground/panel-crosschecked.html"
+    assert checked.summary("ground") == "results/ground/panel-crosschecked.json"
 
 
 def test_memory_and_time_grow_with_the_map(tmp_path):

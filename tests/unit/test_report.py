@@ -36,7 +36,7 @@ from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.page import write_report
 from roughcontact.report.panel import write_panel
-from roughcontact.report.summary import embedded, summary_of
+from roughcontact.report.summary import read_summary, write_summary
 from roughcontact.report.template import template
 from roughcontact.results.collect import collect_statistics, summary_table, with_failures
 from roughcontact.results.storage import provenance, read_dataset, table_text, write_dataset, write_table
@@ -210,7 +210,7 @@ def test_the_overview_has_the_weightiest_reason_and_counts_the_others(page):
     assert {word: int(count) for count, word in counted} == Counter(verdicts)
     for name in SURFACES:
         panel = page.parent / "all" / name / "panel.html"
-        reasons = summary_of(panel.read_text(encoding="utf-8"), panel)["reasons"]
+        reasons = read_summary(panel)["reasons"]
         row = re.search(rf'<a href="#surface-{name}">{name}</a> <span class="badge.*?</th>', text)[0]
         more = re.search(r">(\d+) more reasons?</a>", row)
         assert (int(more[1]) if more else 0) == max(len(reasons) - 1, 0)
@@ -251,20 +251,20 @@ def test_the_page_says_at_which_limits_its_checks_ask_for_a_look(page):
         assert words.format(limit) in legend
 
 
-def test_a_panel_says_of_itself_what_was_embedded():
+def test_the_summary_of_a_panel_lies_beside_it(page, tmp_path):
     known = {
         "identifier": "one",
         "name": "one</script><p class='summary'>& \"two\"",
+        "surface": "one",
         "verdict": "look",
         "reasons": ["Form: <b> & ±"],
         "not_judged": ["Band"],
     }
-    decoy = '<script type="application/json" class="other">{}</script>'
-    panel = (
-        f'<section>{decoy}<script type="application/json" class="summary">{embedded(known)}</script>{decoy}'
-    )
-    assert summary_of(panel, "panel.html") == known
-    assert summary_of(f"<p>{10_000 * 'long '}</p>{panel}", "panel.html") == known
+    write_summary(known, tmp_path / "panel.html")
+    assert read_summary(tmp_path / "panel.html") == known
+    found = json.loads((page.parent / "all" / "holes" / "panel.json").read_text(encoding="utf-8"))
+    assert found["identifier"] == "holes"
+    assert "<script" not in (page.parent / "all" / "holes" / "panel.html").read_text(encoding="utf-8")
 
 
 def test_cases_stand_side_by_side(tmp_path):
@@ -275,10 +275,13 @@ def test_cases_stand_side_by_side(tmp_path):
         assert f"one · {case}" in text
 
 
-def test_something_else_is_no_panel(page, tmp_path):
+@pytest.mark.parametrize("beside", [None, "", "[]", '{"name": "one"}', "\xff"])
+def test_a_panel_without_its_summary_is_refused(page, tmp_path, beside):
     wrong = tmp_path / "wrong.html"
     wrong.write_text("<p>no panel</p>", encoding="utf-8")
-    with pytest.raises(InputFileError, match=r"wrong\.html"):
+    if beside is not None:
+        wrong.with_suffix(".json").write_text(beside, encoding="latin-1")
+    with pytest.raises(InputFileError, match=r"wrong\.json: no summary .* run again"):
         write_report(
             tmp_path / "r.html",
             panels=[wrong],
@@ -317,7 +320,7 @@ def test_a_good_surface_passes_every_check(good):
     found, verdict = outcomes(good)  # of a file that does not say what the instrument resolves
     assert {name for name, check in found.items() if check.outcome != checks.PASSED} == {"Band"}
     assert found["Band"].outcome == checks.NOT_MADE
-    assert checks.VERDICTS[verdict] == "trust"
+    assert checks.VERDICTS[verdict] == "use"
 
 
 def test_each_check_can_ask_for_a_look(good):
@@ -350,12 +353,12 @@ def test_each_check_can_ask_for_a_look(good):
     )
     looks = {name for name, check in found.items() if check.outcome == checks.LOOK}
     assert looks == set(found) - {"Solver", "Load range", "Longest wave", "Band", "Plasticity", "Units"}
-    assert checks.VERDICTS[verdict] == "look at"
+    assert checks.VERDICTS[verdict] == "review"
     assert "down to 50" in found["Points in contact"].sentence
     assert "−15.0 %" in found["Periodic window"].sentence
     assert "5.00 %" in found["Missing points"].sentence
     assert "by 10.0 % of the rms height (rms); they were aligned (jitter)" in found["Scan lines"].sentence
-    assert "138 points were rejected as no surface (138 in spikes)" in found["Outliers"].sentence
+    assert "138 points were rejected as outliers (138 in spikes)" in found["Outliers"].sentence
     assert "they would carry 11.0 % of the load at most" in found["Outliers"].sentence
     assert "level.form" in found["Form"].sentence
     assert "make up 70.0 % of the mean square gradient" in found["Steep places"].sentence
@@ -367,16 +370,16 @@ def test_a_single_rejected_point_is_spoken_of_in_the_singular():
     shares = xr.Dataset({"rejected_load_share": ("load", [0.11])})
     said = map_checks.outliers(shares, {"outliers_rejected": 1, "outlier_kinds": '{"spike": 1}'}).sentence
     assert said.startswith(
-        "1 point was rejected as no surface (1 spike). If it were kept, it would carry 11.0 %"
+        "1 point was rejected as an outlier (1 spike). If it were kept, it would carry 11.0 %"
     )
-    assert "its being a fault of the measurement. See where it lies" in said
+    assert "whether it is an error of the measurement. See where it lies" in said
 
 
 def test_slopes_that_no_surface_has_are_not_to_be_trusted(good):
     good = good.copy(deep=True)
     good["rms_gradient"] = 20.0
     found, verdict = outcomes(good)
-    assert checks.VERDICTS[verdict] == "do not trust"
+    assert checks.VERDICTS[verdict] == "do not use"
     assert "Check the units" in found["Slopes"].sentence
 
 
@@ -443,7 +446,7 @@ def test_rejections_are_judged_by_the_load_they_would_carry(good):
 def test_advice_on_spikes_knows_the_threshold_that_was_applied(good):
     steep = {"steepest_share": 0.7}
     found, _ = outcomes(good, window=steep | {"outlier_threshold": 6.0})
-    assert "Spikes beyond 6.0 standard deviations are out already" in found["Steep places"].sentence
+    assert "Spikes beyond 6.0 standard deviations are removed already" in found["Steep places"].sentence
     for window in (steep, steep | {"outlier_threshold": 0.0}):
         assert "with level.outlier_threshold" in outcomes(good, window=window)[0]["Steep places"].sentence
 
@@ -461,7 +464,7 @@ def test_contact_on_filling_and_missed_tolerance_are_not_to_be_trusted(good):
     filled["contact_on_filled_points"][:] = 0.2
     found, verdict = outcomes(filled, height={"missing_share": 0.3}, levelled={"filled_share": 0.3})
     assert found["Missing points"].outcome == checks.FAILED
-    assert checks.VERDICTS[verdict] == "do not trust"
+    assert checks.VERDICTS[verdict] == "do not use"
     missed = good.copy(deep=True)
     missed["converged"][1] = 0
     missed["error_bound"][1] = 0.02
@@ -919,11 +922,11 @@ def test_a_profile_has_no_answer_on_sealing_anywhere(page):
 
 
 def test_the_page_says_what_its_plus_minus_is(page):
-    """Two arms that differ by up to a tenth are one ±, the longer one: as the page says, so the code does."""
-    rule = "the longer of its two arms where these differ by up to a tenth of it"
+    """Two halves that differ by up to a tenth are one ±, the larger one, as the page says."""
+    rule = "the larger half where the two differ by up to a tenth of it"
     text = page.read_text(encoding="utf-8")
     assert text.partition("How to read this page")[2].count(rule) == 1
-    assert "the longer of two arms that differ by up to a tenth" in text
+    assert "the larger half where the two differ by up to a tenth;" in text
     assert with_interval(10.0, 9.09, 11.0) == "10.0 ± 1.0"
     assert with_interval(10.0, 9.0, 10.91) == "10.0 ± 1.0"
     assert with_interval(10.0, 9.11, 11.0) == "10.00 −0.89 +1.0"
@@ -1199,7 +1202,7 @@ window.addEventListener("load", () => {
   });
   set("reason", "");
   said.wide = document.documentElement.scrollWidth - window.innerWidth;
-  button(5).click(); button(6).click(); set("case", "soft"); set("find", "look");
+  button(5).click(); button(6).click(); set("case", "soft"); set("find", "review");
   sessionStorage.said = JSON.stringify([said, state()]);
   location.reload();
 });

@@ -38,21 +38,21 @@ def test_init_writes_over_nothing(folder, capsys):
     (folder / "config").mkdir()
     (folder / "config/surfaces.tsv").write_text("mine")
     assert main(["init"]) == 2
-    assert "config/surfaces.tsv is there already" in capsys.readouterr().err
+    assert "config/surfaces.tsv already exists" in capsys.readouterr().err
     assert (folder / "config/surfaces.tsv").read_text() == "mine"
     assert not (folder / "config/config.yaml").exists()
 
 
 def test_init_names_a_file_that_is_not_there(folder, capsys):
     assert main(["init", "nowhere.x3p"]) == 2
-    assert "nowhere.x3p: there is no such file" in capsys.readouterr().err
+    assert "nowhere.x3p: no such file" in capsys.readouterr().err
     assert not (folder / "config").exists()
 
 
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--configfile", "nowhere.yaml"], "--configfile nowhere.yaml: there is no such file"),
+        (["--configfile", "nowhere.yaml"], "--configfile nowhere.yaml: no such file"),
         ([], "there is no config/config.yaml"),
     ],
 )
@@ -112,14 +112,14 @@ def test_a_dry_run_is_short_and_snakemake_has_its_own_screen_where_asked(folder,
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"a: [1,\n b: }\n", "settings.yaml, line 2: is no valid YAML"),
-        (b"contact:\n\tmean_pressure: 1\n", "settings.yaml, line 2: is no valid YAML"),
-        (b"contact: \xff\xfe\n", "settings.yaml: is no text in UTF-8"),
-        (b"a: " + b"[" * 20_000, "settings.yaml: is nested without end"),
+        (b"a: [1,\n b: }\n", "settings.yaml, line 2: is not valid YAML"),
+        (b"contact:\n\tmean_pressure: 1\n", "settings.yaml, line 2: is not valid YAML"),
+        (b"contact: \xff\xfe\n", "settings.yaml: is not UTF-8 text"),
+        (b"a: " + b"[" * 20_000, "settings.yaml: is nested too deeply"),
         (b"- 1\n- 2\n", "settings.yaml: has no keys at its top level"),
         (b"# nothing\n", "settings.yaml: is empty"),
-        (b"level: {order: 2}\ncontact: {}\nlevel: {fill: none}\n", "line 1: level stands twice in the same"),
-        (b"cases:\n  soft: {}\n  soft: {}\n", "line 2: soft stands twice"),
+        (b"level: {order: 2}\ncontact: {}\nlevel: {fill: none}\n", "line 1: level occurs twice in the same"),
+        (b"cases:\n  soft: {}\n  soft: {}\n", "line 2: soft occurs twice"),
     ],
 )
 def test_a_configuration_that_cannot_be_read_is_named(folder, capsys, content, said):
@@ -134,4 +134,4 @@ def test_a_configuration_of_aliases_is_looked_at_once(folder, capsys):
     lines += [f"a{n}: &a{n} [*a{n - 1}, *a{n - 1}]" for n in range(1, 60)]
     (folder / "settings.yaml").write_text("\n".join(lines))
     assert main(["run", "--configfile", "settings.yaml"]) == 2
-    assert "settings.yaml, line 1: mean_pressure stands twice in the same group" in capsys.readouterr().err
+    assert "settings.yaml, line 1: mean_pressure occurs twice in the same group" in capsys.readouterr().err

@@ -122,6 +122,18 @@ def test_a_job_that_has_failed_says_why_from_its_log(tmp_path):
     assert run.lines[1:] == ["[contact ground] ERROR: g.txt: is empty"]
 
 
+def test_a_failure_is_shown_once_for_each_try(tmp_path):
+    """Snakemake 9.22 reports it when it happens, and again when the run ends."""
+    (log := tmp_path / "contact.log").write_text("[contact ground] ERROR: no points\n")
+    run = Run()
+    run.begin()
+    for _ in range(2):
+        run.start(2, 0, log=[str(log)])
+        run.fail(2, log=[str(log)])
+        run.fail(2, log=[str(log)])
+    assert [line for line in run.lines if "ERROR" in line] == 2 * ["[contact ground] ERROR: no points"]
+
+
 @pytest.mark.parametrize(
     ("how", "said"),
     [

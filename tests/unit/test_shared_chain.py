@@ -31,19 +31,19 @@ OF_THE_PART = {"Longest wave", "Band", "Plasticity"}
 
 # What the checks must say of a file, beyond what is common to all: verdict, and checks that ask for a look.
 VERDICTS = {
-    "KautschukInfiniteFocus.x3p": ("trust", set()),
-    "tmd-1.tmd": ("trust", set()),
-    "matrix-3.txt": ("trust", set()),
-    "al3d-1.al3d": ("trust", set()),
+    "KautschukInfiniteFocus.x3p": ("use", set()),
+    "tmd-1.tmd": ("use", set()),
+    "matrix-3.txt": ("use", set()),
+    "al3d-1.al3d": ("use", set()),
     # made by hand: 4 x 4 points, heights of metres on a field of centimetres
-    "ISO5436-sample1.x3p": ("do not trust", {"Points in contact", "Reading the file"}),
-    "ISO5436-sample4_bin.x3p": ("do not trust", {"Points in contact", "Reading the file"}),
-    "mnt-2.mnt": ("look at", {"Form"}),  # a bow of 100 times the roughness
+    "ISO5436-sample1.x3p": ("do not use", {"Points in contact", "Reading the file"}),
+    "ISO5436-sample4_bin.x3p": ("do not use", {"Points in contact", "Reading the file"}),
+    "mnt-2.mnt": ("review", {"Form"}),  # a bow of 100 times the roughness
     # particles on a smooth surface
-    "spot_1-1000nm.ibw": ("look at", {"Steep places", "Reading the file", "Outliers"}),
-    "bcrf-1.bcrf": ("look at", {"Reading the file"}),  # 3000 points far off all others
-    "plu-1.plu": ("look at", {"Reading the file"}),  # steps of 4 nm on a roughness of 18 nm
-    "x3p-2.x3p": ("look at", {"Reading the file"}),  # pixels that are not square
+    "spot_1-1000nm.ibw": ("review", {"Steep places", "Reading the file", "Outliers"}),
+    "bcrf-1.bcrf": ("review", {"Reading the file"}),  # 3000 points far off all others
+    "plu-1.plu": ("review", {"Reading the file"}),  # steps of 4 nm on a roughness of 18 nm
+    "x3p-2.x3p": ("review", {"Reading the file"}),  # pixels that are not square
 }
 
 

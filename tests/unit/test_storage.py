@@ -102,11 +102,11 @@ def test_a_full_disk_is_named_and_what_was_there_stays(disk):
     height = height_map(np.zeros((100, 200)), 1e-6)
     maps = large.rename(gap="pressure").expand_dims(load=1).assign_coords(height.coords)
     with (
-        pytest.raises(OutputFileError, match=r"contact.nc: cannot be written, the disk is full"),
+        pytest.raises(OutputFileError, match=r"contact.nc: .*disk is full"),
         written_load_by_load(small_disk / "contact.nc", [1.0], height) as file,
     ):
         file.keep(maps.assign_coords(mean_pressure=("load", [1.0])))
-    with pytest.raises(OutputFileError, match=r"a.txt: cannot be written, the disk is full"):
+    with pytest.raises(OutputFileError, match=r"a.txt: .*disk is full"):
         write_text("a" * 100_000, small_disk / "a.txt")
     assert [path.name for path in small_disk.iterdir()] == ["gap.nc"]
     assert (small_disk / "gap.nc").read_bytes() == before

@@ -39,7 +39,7 @@ def test_the_mistakes_of_both_are_in_one_message(tmp_path):
         "mistakes in the table of surfaces",
         "  line 2, unit: unknown length unit 'torr'",
         "  line 2, resample = 'cubic': choose linear",
-        "  line 3, surface = ground: stands twice",
+        "  line 3, surface = ground: occurs twice",
         "  line 4, path = nowhere.x3p: no such file; correct the path or put # before the row",
     ):
         assert any(line.startswith(start) for line in lines), (start, lines)

@@ -46,9 +46,9 @@ def pixels(uri):
 
 
 def test_what_was_taken_out_is_shaded():
-    assert "taken out" not in svg(texture_plots.spectrum(window()))
+    assert "removed" not in svg(texture_plots.spectrum(window()))
     for options in ({"shortest_wavelength": 12e-6}, {"longest_wavelength": 30e-6}):
-        assert "taken out" in svg(texture_plots.spectrum(window(**options)))
+        assert "removed" in svg(texture_plots.spectrum(window(**options)))
     text = svg(texture_plots.spectrum(window()))
     assert "reliable: two pixels" in text
     assert re.search(r"wavelength \(.m\)", text)

@@ -18,22 +18,17 @@ from roughcontact.errors import DeviationError, SettingsError
 from roughcontact.maps import spacing
 from roughcontact.references import closed_forms, synthetic
 from roughcontact.validation import PARTS, convergence, page, paper
-from roughcontact.validation.lines import (
-    Evidence,
-    Line,
-    Part,
-    compare,
-    compare_largest,
-    compare_rms,
-    from_json,
-    to_json,
-)
+from roughcontact.validation.lines import Evidence, Line, Part, Wording, compare, from_json, to_json
 from roughcontact.validation.parts import validate
 
 ROOT = Path(__file__).parents[2]
 SAMPLE = ROOT / "data_samples/sandblasted.x3p"
 EVIDENCE = Evidence("1 + 1 = 2", "Peano (1889)", "closed_forms.hertz", "tests/unit/test_reference.py")
-KNOWN = {"tolerance": 0.1, "reason": "for the test", "evidence": EVIDENCE}
+
+
+def line_of(what, value, reference, *, measure="relative"):
+    """Return the line of a comparison with a tolerance of a tenth."""
+    return compare(Wording(what, measure, "for the test", EVIDENCE), value, reference, 0.1)
 
 
 _JOB = """
@@ -80,6 +75,14 @@ def test_the_evidence_of_every_line_is_there(parts):
         assert f"def {test}(" in (ROOT / file).read_text(), evidence.test
 
 
+def test_every_evidence_of_the_table_has_a_line(parts):
+    table = ROOT / "workflow/lib/roughcontact/validation/tables/evidence.tsv"
+    with table.open(newline="", encoding="utf-8") as file:
+        kept = [row[2:] for row in csv.reader(file, delimiter="\t", quoting=csv.QUOTE_NONE)][1:]
+    used = {line.evidence for part in parts.values() for line in part.lines}
+    assert {tuple(row) for row in kept} == {(e.formula, e.source, e.code, e.test) for e in used}
+
+
 def test_the_papers_figures_carry_their_deviation(parts):
     titles = [figure.title for figure in parts["paper"].figures]
     assert titles[:4] == ["Figure 1", "Figure 2", "Figure 3a", "Figure 3b"]
@@ -119,8 +122,7 @@ def test_the_table_keeps_every_digit(parts, tmp_path):
 
 
 def test_a_line_that_does_not_hold_is_marked_and_fails(tmp_path):
-    good = compare("right", 2.0, 2.0, **KNOWN)
-    bad = compare("wrong", 2.5, 2.0, **KNOWN)
+    good, bad = line_of("right", 2.0, 2.0), line_of("wrong", 2.5, 2.0)
     part = Part("sums", "Sums", "Sums of small numbers.", [good, bad])
     page.write_page(tmp_path / "page.html", [part])
     html = (tmp_path / "page.html").read_text()
@@ -132,19 +134,20 @@ def test_a_line_that_does_not_hold_is_marked_and_fails(tmp_path):
         page.check([part], "page.html")
 
 
-def test_a_deviation_that_is_no_number_does_not_hold():
-    assert not compare("nan", np.nan, 1.0, **KNOWN).holds
-    assert not compare_largest("nan", [1.0, np.nan], [1.0, 1.0], **KNOWN).holds
-    assert not compare_rms("nan", [1.0, np.nan], [1.0, 1.0], **KNOWN).holds
+@pytest.mark.parametrize("measure", ["largest", "rms"])
+def test_a_deviation_that_is_no_number_does_not_hold(measure):
+    assert not line_of("nan", np.nan, 1.0).holds
+    assert not line_of("nan", [1.0, np.nan], [1.0, 1.0], measure=measure).holds
 
 
 def test_measures_of_a_deviation():
-    assert compare("relative", 11.0, 10.0, **KNOWN).deviation == pytest.approx(0.1)
-    assert compare("absolute", 11.0, 10.0, measure="absolute", **KNOWN).deviation == pytest.approx(1.0)
-    largest = compare_largest("field", [1.0, 5.0, 2.0], [1.0, 4.0, 2.0], **KNOWN)
+    assert line_of("relative", 11.0, 10.0).deviation == pytest.approx(0.1)
+    assert line_of("absolute", 11.0, 10.0, measure="absolute").deviation == pytest.approx(1.0)
+    largest = line_of("field", [1.0, 5.0, 2.0], [1.0, 4.0, 2.0], measure="largest")
     assert (largest.reference, largest.value, largest.deviation) == (4.0, 5.0, 0.25)
-    rms = compare_rms("field", [3.0, 5.0], [3.0, 4.0], **KNOWN)
+    rms = line_of("field", [3.0, 5.0], [3.0, 4.0], measure="rms")
     assert rms.deviation == pytest.approx(np.sqrt(1 / 25))
+    assert (rms.reference, rms.value) == pytest.approx((np.sqrt(12.5), np.sqrt(17)))
     assert replace(rms, tolerance=rms.deviation).holds
 
 

@@ -209,7 +209,7 @@ def per_load(modulus, mean, largest, **others):
         (1e8, 0.05, 0.1, checks.LOOK, "At 1.00 MPa metals would flow"),
         (5e6, 0.9, 2.0, checks.NOT_MADE, "rubber-like solids (E* below 100 MPa) bear that"),
         (5e6, 1.1, 2.0, checks.LOOK, "More than rubber bears"),
-        # 115000, which is steel in MPa: nothing speaks against a gel but what a metal would do there
+        # 115000, which is steel in MPa: only the yield of a metal casts doubt on a gel
         (
             1.154e5,
             0.02,
@@ -271,12 +271,37 @@ def test_the_verdict_on_a_load_is_that_of_its_own_checks():
     )
     above, below = checks.load_verdicts(solved, window)
     assert [reason for reason in above[1] if "carry the hardness of 1200 MPa" in reason]
-    assert above[0] == "look at"
+    assert above[0] == "review"
     assert not [reason for reason in below[1] if reason.startswith("Plasticity")]
     worst = checks.surface_checks(solved, height={}, levelled={}, window=window.attrs, points=window.size)
-    assert checks.VERDICTS[checks.verdict(worst)] == "look at"
+    assert checks.VERDICTS[checks.verdict(worst)] == "review"
     written = checks.with_verdicts(solved, window)
     assert json.loads(written.attrs["verdicts"]) == [list(above), list(below)]
+    assert written["verdict"].dtype == np.int8
+    words = written["verdict"].attrs["flag_meanings"].split()
+    assert [words[code].replace("_", " ") for code in written["verdict"].values] == [above[0], below[0]]
+    assert written["verdict"].attrs["flag_values"].tolist() == [0, 1, 2]
+    listed = {entry["check"]: entry for entry in json.loads(written.attrs["reasons"])}
+    assert listed["Plasticity"]["loads"] == [0]
+    assert listed["Plasticity"]["text"].startswith("At 1 of 2 loads, from")
+    for load, (_, reasons) in enumerate((above, below)):
+        concerned = [name for name, entry in listed.items() if load in entry["loads"]]
+        assert concerned == [reason.partition(":")[0] for reason in reasons]
+
+
+def test_a_load_in_full_contact_is_a_reason_although_the_others_are_not():
+    window = rough()
+    solved = rc.solve_contact(
+        window, contact_modulus=MODULUS, mean_pressure=[1e-3 * MODULUS, MODULUS], reduce=contact_statistics
+    )
+    written = checks.with_verdicts(solved, window)
+    listed = {entry["check"]: entry for entry in json.loads(written.attrs["reasons"])}
+    assert listed["Load range"] == {
+        "check": "Load range",
+        "loads": [1],
+        "text": "Full contact: lower loads would show how it comes about.",
+    }
+    assert written["verdict"].values[1] == 2  # beyond what any material bears, too
 
 
 def test_words_of_a_load_without_a_hardness():
@@ -308,7 +333,7 @@ def test_what_was_not_made_neither_helps_nor_harms():
             1.15e11,
             [1.0, 1e6],
             checks.LOOK,
-            "At 1 of 2 loads the mean pressure is hardly meant: 1.00 Pa is next",
+            "At 1 of 2 loads the mean pressure is implausible: 1.00 Pa is next",
         ),
         (1.15e11, [1e12], checks.LOOK, "more than any contact bears"),
         (1.15e11, [1e6, 1e8], checks.PASSED, "115 GPa and loads of 1.00 MPa to 100 MPa"),

@@ -3,18 +3,21 @@
 # starts and stops. The cluster keeps no accounts, and kills a job that takes more memory than it asked for.
 #
 #     sudo apt-get install slurm-wlm munge
-#     sudo tests/workflow/slurm.sh
+#     sudo tests/workflow/slurm.sh                  # with the environment of run.py, .venv
+#     sudo tests/workflow/slurm.sh .venv-lowest     # with another one, here that of `run.py lowest`
 #
-# Needs root (the daemons), the environment of run.py, and a machine without a SLURM of its own. Everything lies in
+# Needs root (the daemons), the environment, and a machine without a SLURM of its own. Everything lies in
 # a temporary folder, on the loopback address, with a key of its own. Takes some minutes.
 set -euo pipefail
 
 checkout=$(cd "$(dirname "$0")/../.." && pwd)
+environment=$(cd "${1:-$checkout/.venv}" && pwd)
 # of a name that nobody can foresee and link elsewhere (this runs as root); all users of SLURM look into it
 folder=$(mktemp -d -t slurm.XXXXXX)
 chmod 755 "$folder"
 daemons=()
 stop() {
+    scancel --signal=KILL --full --user="$(id -un)" 2>/dev/null || true  # jobs of a run that was interrupted
     for daemon in "${daemons[@]}"; do kill "$daemon" 2>/dev/null || true; done
     wait
     if [ "$(readlink /etc/slurm/slurm.conf)" = "$folder/slurm.conf" ]; then rm /etc/slurm/slurm.conf; fi
@@ -61,7 +64,7 @@ SelectType=select/cons_tres
 SelectTypeParameters=CR_Core_Memory
 ReturnToService=2
 MpiDefault=none
-NodeName=$(hostname -s) NodeAddr=127.0.0.1 CPUs=$(nproc) RealMemory=$memory State=UNKNOWN
+NodeName=$(hostname -s) NodeAddr=127.0.0.1 CPUs=$(nproc --all) RealMemory=$memory State=UNKNOWN
 PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 CONF
 until [ -S "$folder/munge/socket" ]; do sleep 0.1; done
@@ -79,7 +82,7 @@ sinfo --noheader --format=%t | grep -q idle || { tail "$folder"/*.log; echo "the
 mkdir "$folder/run"
 cd "$folder/run"
 cp -r "$checkout/config" "$checkout/data_samples" "$checkout/Snakefile" "$checkout/workflow" .
-ln -s "$checkout/.venv" .venv
+ln -s "$environment" .venv  # the name that the page has
 cp config/config.yaml my.yaml
 command=$(sed -n '/^```bash/,/^```/{/^```/d;p}' "$checkout/docs/how-to/cluster.md" | grep -B1 slurm-no-account)
 killed() { cat "$folder"/slurmd.log $(find .snakemake/slurm_logs -name "*.log") 2>/dev/null | grep -ci "exceeded .*memory limit" || true; }
@@ -112,7 +115,7 @@ grep "^\[prepare periodic\] is tried again with 800 MB" "$folder/said"
 # four small maps, one of them without a point: the report has the others and says what it lacks
 rm -r results .snakemake
 mkdir maps
-"$checkout/.venv/bin/python" - >config/surfaces.tsv <<'PYTHON'
+"$environment/bin/python" - >config/surfaces.tsv <<'PYTHON'
 import numpy as np
 
 print("surface", "path", "unit", "dx", "dy", sep="\t")
@@ -136,7 +139,7 @@ complete
 rm -r results logs .snakemake
 one=$(sed -n '/^```bash/,/^```/{/^```/d;p}' "$checkout/docs/how-to/cluster.md" | grep "^sbatch")
 echo "$one"
-PATH="$checkout/.venv/bin:$PATH" bash -eu -c "${one/32/2}" && show
+PATH="$environment/bin:$PATH" bash -eu -c "${one/32/2}" && show
 cat slurm-*.out >"$folder/said"
 complete
 echo "four small maps, one of them bad, ran through SLURM, one by one and as a single job"

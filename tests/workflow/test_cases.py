@@ -54,7 +54,7 @@ def test_a_failure_stays_in_its_surface_its_case_and_its_part(run):
     ):
         assert re.search(said, project.last.stderr), project.last.stderr
     for case in ("base", "binned"):
-        for name in (*(f"{file}.nc" for file in FILES), "panel.html"):
+        for name in (*(f"{file}.nc" for file in FILES), "panel.html", "panel.json"):
             assert project.path(f"results/{case}/ground/{name}").exists(), (case, name)
     assert not project.path("results/soft/ground/contact.nc").exists()
     assert not project.path("results/base/empty/height.nc").exists()

@@ -5,14 +5,16 @@ import html
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
+import sys
 import time
 
 import numpy as np
 import psutil
 import pytest
-from small_project import SETTINGS, TABLE, counted
+from small_project import ROOT, SETTINGS, TABLE, counted
 
 from roughcontact.results.storage import read_dataset
 
@@ -86,6 +88,18 @@ def test_a_broken_surface_stops_itself_alone(project):
     assert "failed" not in project.path("results/summary.csv").read_text()
 
 
+def test_an_error_that_nobody_foresaw_is_one_sentence_too(project, tmp_path):
+    project.checkout = shutil.copytree(project.checkout, tmp_path / "edited")
+    script = project.checkout / "workflow/scripts/prepare.py"
+    script.write_text("import _job\n\nraise KeyError('surprise')\n")
+    run = project.run("results/ground/window.nc", "--logger", "roughcontact")
+    log = "logs/ground/prepare.log"
+    text = f"[prepare ground] ERROR: KeyError: 'surprise' (not foreseen, please report it with {log})"
+    assert text in run.stderr.splitlines()
+    assert "Traceback" not in run.stderr
+    assert "Traceback" in project.path(log).read_text()
+
+
 @pytest.mark.parametrize(
     ("settings", "table", "said"),
     [
@@ -114,11 +128,11 @@ def test_a_broken_surface_stops_itself_alone(project):
             ],
             [
                 "statistics.gap_bins = 0: must not be less than 1",
-                "line 4, surface = ground: stands twice",
+                "line 4, surface = ground: occurs twice",
                 "line 5, path = measured/nowhere.npy: no such file",
                 "line 5, unit: unknown length unit 'furlong'",
                 "line 5, dx = 'one': must be a number",
-                "line 6, surface = turned: stands twice",
+                "line 6, surface = turned: occurs twice",
             ],
         ),
     ],
@@ -189,3 +203,27 @@ def test_what_was_cut_off_leaves_nothing_and_is_taken_up_again(lengthy):
     assert lengthy.run("--unlock").returncode == 0
     assert counted(lengthy.run("results/ground/contact.nc", "--rerun-incomplete")) == {"contact": 1}
     assert not list(lengthy.path("results").rglob("*.partial"))
+
+
+JOB = """
+import sys
+from types import SimpleNamespace
+snakemake = SimpleNamespace(
+    rule="contact", wildcards=["ground"], output={}, input={}, resources={}, log=["job.log"]
+)
+sys.path.insert(0, sys.argv[1])
+import _job
+raise ZeroDivisionError("half of nothing")
+"""
+
+
+def test_an_unexpected_error_names_its_type_and_the_log(tmp_path):
+    command = [sys.executable, "-c", JOB, str(ROOT / "workflow/scripts")]
+    run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    hint = "(unexpected, please report it with job.log)"
+    line = f"[contact ground] ERROR: ZeroDivisionError: half of nothing {hint}"
+    assert run.returncode == 1
+    assert run.stderr.splitlines() == [line]
+    log = (tmp_path / "job.log").read_text()
+    assert log.startswith("Traceback")
+    assert log.endswith(f"{line}\n")

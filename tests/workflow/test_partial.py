@@ -71,10 +71,18 @@ def test_where_all_is_finished_nothing_is_written(done):
         lambda folder: (folder / "measured/turned.txt").write_text("1 2\n3 4\n"),
         lambda folder: os.utime(folder / "results/turned/window.nc"),
         lambda folder: (folder / "results/turned/panel.html").unlink(),
+        lambda folder: (folder / "results/turned/panel.json").unlink(),
         lambda folder: (folder / "results/turned/statistics.nc").write_bytes(b"not netCDF"),
         lambda folder: (folder / "logs/turned/contact.log").write_text("[contact turned] load 1 of 2\n"),
     ],
-    ids=["another measurement", "a newer window", "no panel", "a damaged file", "a job that was killed"],
+    ids=[
+        "another measurement",
+        "a newer window",
+        "no panel",
+        "no summary",
+        "a damaged file",
+        "a job that was killed",
+    ],
 )
 def test_a_result_that_is_not_of_this_run_is_not_in_it(done, edit):
     edit(done.folder)
@@ -106,7 +114,7 @@ def test_the_command_says_what_is_missing(done):
         text=True,
         check=True,
     )
-    assert run.stderr.startswith("Not finished: ground. The lines with ERROR above say why")
+    assert run.stderr.startswith("Not finished: ground. The lines with ERROR above give the reasons")
     assert "results/report.html and results/summary.csv have the others" in run.stderr
     failed = json.loads(read_dataset(done.path("results/statistics.nc")).attrs["failed"])
     assert failed[0]["reason"] == "killed; out of memory"

@@ -20,7 +20,7 @@ from roughcontact.configuration.resolve import resolve
 from roughcontact.results.storage import read_dataset
 
 EACH = ["height.nc", "levelled.nc", "window.nc", "contact.nc", "uncertainty.nc", "statistics.nc"]
-EACH += ["panel.html"]
+EACH += ["panel.html", "panel.json"]
 FILES = [
     "statistics.nc",
     "summary.csv",
@@ -83,12 +83,14 @@ def test_the_numbers_are_those_of_evaluate(finished):
     for name in found.variables:
         np.testing.assert_array_equal(found[name], written[name], err_msg=name)
     assert found.attrs["verdicts"] == written.attrs["verdicts"]
+    assert found.attrs["reasons"] == written.attrs["reasons"]
+    assert written["verdict"].attrs["flag_meanings"] == "use review do_not_use"
 
 
 def test_every_file_carries_settings_versions_and_checksum(finished):
     for surface, name in (("ground", "ground.npy"), ("turned", "turned.txt")):
         checksum = hashlib.sha256(finished.path(f"measured/{name}").read_bytes()).hexdigest()
-        for file in EACH[:-1]:
+        for file in EACH[:-2]:  # netCDF
             attrs = read_dataset(finished.path(f"results/{surface}/{file}")).attrs
             assert attrs["source_sha256"] == checksum
             assert json.loads(attrs["settings"])["surface"]["name"] == surface
@@ -114,11 +116,11 @@ def test_the_summary_has_a_row_for_each_surface_and_load(finished):
         assert 0 < float(row["relative_contact_area"]) < float(row["relative_contact_area_pixels"]) < 1
         assert float(row["error_bound"]) < 1e-6
     # E* = 1 GPa, no hardness: at p' = 0.2 and g = 0.1 metals would flow, and the table says so of every load
-    assert {row["verdict"] for row in rows} <= {"trust", "look at", "do not trust"}
+    assert {row["verdict"] for row in rows} <= {"use", "review", "do not use"}
     for row in rows:
         beyond = float(row["mean_contact_pressure_Pa"]) > 1e7 or float(row["max_pressure_Pa"]) > 3e7
         assert ("Plasticity: At " in row["reasons"]) == beyond
-        assert (row["verdict"] == "trust") == (row["reasons"] == "")
+        assert (row["verdict"] == "use") == (row["reasons"] == "")
     assert "metals would flow" in rows[-1]["reasons"]
 
 

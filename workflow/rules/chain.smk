@@ -86,6 +86,8 @@ rule report:
     input:
         statistics=[PLAN.file("statistics", *run) for run in PLAN.runs],
         panels=[PLAN.panel(*run) for run in PLAN.runs],
+        # which are read beside the panels
+        summaries=[PLAN.summary(*run) for run in PLAN.runs],
     output:
         **(
             {

@@ -9,6 +9,7 @@ if PLAN.common["crosscheck"]["code"] != "none":
         output:
             crosscheck=f"{PLAN.folder}/crosscheck.nc",
             panel=f"{PLAN.folder}/panel-crosschecked.html",
+            summary=f"{PLAN.folder}/panel-crosschecked.json",
         log:
             f"{PLAN.logs}/crosscheck.log",
         wildcard_constraints:

@@ -1,7 +1,7 @@
-"""What all scripts share: import path, log, short error messages, provenance of what is written.
+"""Common parts of all scripts: import path, log, short error messages, provenance of results.
 
-A script is run by Snakemake, which puts the object `snakemake` among its globals. Importing this module first
-opens the log of the job; an error then ends there with its traceback, and on the screen as one sentence. A
+A script is run by Snakemake, which adds the object `snakemake` to its globals. Importing this module first
+opens the log of the job, which receives the traceback of an error; the screen shows one sentence. A
 job whose run was killed ends as well, so that two runs never write to one file.
 """
 
@@ -19,7 +19,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, TextIO
 
-from __main__ import snakemake  # the global of the script; `snakemake.script` has it in few versions only
+from __main__ import snakemake  # the global of the script; only few versions have it in `snakemake.script`
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
 
@@ -32,31 +32,31 @@ if TYPE_CHECKING:
     from roughcontact.results.storage import LoadByLoad
 
 _NAME = " ".join([snakemake.rule, *map(str, snakemake.wildcards)])
-# name -> path of all that a job of the chain reads and makes
+# name -> path of all files that a job of the chain reads and writes
 FILES = dict(snakemake.output.items()) | dict(snakemake.input.items())
-# whether a screen shows what the log says: snakemake_logger_plugin_roughcontact
+# whether a screen shows the log: snakemake_logger_plugin_roughcontact
 _SCREEN = "ROUGHCONTACT_SCREEN" in os.environ
 
-_MEMORY = snakemake.resources.get("mem_mb")  # jobs that only link ask for none
+_MEMORY = snakemake.resources.get("mem_mb")  # jobs that only link request none
 _ASKED = (f"it had asked for {_MEMORY} MB; " if _MEMORY else "") + (
     "run fewer jobs at once (--cores 1), cut the map or measure it coarser, and run again"
 )
 _DISK = {
-    errno.ENOSPC: "the disk is full; make room and run again, what is done is not done again",
-    errno.EDQUOT: "your share of the disk is used up; make room and run again",
+    errno.ENOSPC: "the disk is full; make room and run again, finished jobs are not repeated",
+    errno.EDQUOT: "your disk quota is exceeded; make room and run again",
     errno.EROFS: "the folder is read-only; choose another one with --directory",
     errno.EACCES: "you may not read or write it; change its permissions",
 }
 
 
-try:  # a descriptor, not a file: nothing is kept back that a full disk refuses again when the job ends
+try:  # a descriptor, not a file: no buffer whose flush fails on a full disk when the job ends
     _LOG = os.open(snakemake.log[0], os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
 except OSError as cause:
     sys.exit(f"[{_NAME}] ERROR: {snakemake.log[0]}: cannot be written ({cause.strerror})")
 
 
 def _record(text: str) -> bool:
-    """Write to the log, and return whether that went well; a job does not fail for its log."""
+    """Write to the log, and return whether that succeeded; a job does not fail because of its log."""
     content = text.encode("utf-8", "replace")
     with suppress(OSError):
         return os.write(_LOG, content) == len(content)
@@ -64,21 +64,21 @@ def _record(text: str) -> bool:
 
 
 def link() -> None:
-    """Link what another case has computed into this case's folder."""
+    """Link files that another case has computed into this case's folder."""
     for name in snakemake.params.links:
         here = Path(snakemake.output[name])
         here.symlink_to(os.path.relpath(snakemake.input[name], here.parent))
 
 
 def say(text: str) -> None:
-    """Write one line to the log, and to the screen unless that has a line for each surface alone."""
+    """Write one line to the log, and to the screen unless that shows only a line for each surface."""
     _record(f"[{_NAME}] {text}\n")
     if not _SCREEN:
         print(f"[{_NAME}] {text}", file=sys.stderr, flush=True)
 
 
 def progress(done: int, total: int, text: str) -> None:
-    """Say how far a sweep over loads has come."""
+    """Report the progress of a sweep over loads."""
     say(f"load {done} of {total}: {text}")
 
 
@@ -90,20 +90,10 @@ def save(
     source: dict,
     into: "LoadByLoad | None" = None,
 ) -> None:
-    """Write a result with the settings behind it, the versions, and the checksum of the measured file.
+    """Write a result with its settings, the versions, and the checksum of the measured file.
 
-    Parameters
-    ----------
-    result : DataArray or Dataset
-        what the job computed.
-    path : str
-        where to write.
-    settings : dict
-        those that had a part in the result.
-    source : dict
-        attributes of the height map it was computed from, with `source_sha256`.
-    into : LoadByLoad, optional
-        the file of that name, where it is being written already.
+    `source` are the attributes of the height map from which it was computed, with `source_sha256`; `into` is
+    the file at `path`, if it is being written already.
     """
     from roughcontact.results.storage import provenance, write_dataset
 
@@ -125,7 +115,7 @@ def save(
 
 
 def _report_error(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
-    """Write the traceback to the log, and to the screen the one sentence that helps."""
+    """Write the traceback to the log, and one sentence to the screen."""
     sys.excepthook = sys.__excepthook__
     _record("".join(traceback.format_exception(kind, error, trace)))
     if kind is KeyboardInterrupt:  # by the user, who knows
@@ -137,7 +127,7 @@ def _report_error(kind: type[BaseException], error: BaseException, trace: Traceb
     elif isinstance(error, OSError) and error.errno in _DISK:
         text = f"{error.filename or 'a file'}: {_DISK[error.errno]}"
     else:
-        text = f"{kind.__NAME__}: {error} (not foreseen, please report it with {snakemake.log[0]})"
+        text = f"{kind.__name__}: {error} (unexpected, please report it with {snakemake.log[0]})"
     line = f"[{_NAME}] ERROR: {text}"
     recorded = _record(f"{line}\n")  # for the partial report and the screen as well
     if not (_SCREEN and recorded):
@@ -157,10 +147,9 @@ def _log_warning(
 
 
 def _end_with_the_run() -> None:
-    """End this job as soon as the run that started it is gone: by the file that `roughcontact run` holds."""
-    own = os.environ.get(
-        "ROUGHCONTACT_RUN"
-    )  # none of Snakemake by itself, or where no variables are handed on
+    """End this job as soon as the run that started it ends: by the file that `roughcontact run` holds."""
+    # unset if Snakemake was started by itself, or passes no variables on
+    own = os.environ.get("ROUGHCONTACT_RUN")
     try:
         import fcntl
 
@@ -169,9 +158,9 @@ def _end_with_the_run() -> None:
         return
 
     def run_at_work() -> bool:
-        """Tell whether the run that holds the file is there, and is the one that started this job."""
+        """Return whether the run that holds the file still runs, and is the one that started this job."""
         file.seek(0)
-        if own not in file.read().split()[1:]:  # the next run has begun
+        if own not in file.read().split()[1:]:  # the next run has started
             return False
         try:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
@@ -190,7 +179,7 @@ def _end_with_the_run() -> None:
 
 
 def _say_done() -> None:
-    """Write the last line of a log, which that of a job that was killed does not have."""
+    """Write the last line of a log, which a killed job does not have."""
     if sys.excepthook is _report_error:
         _record(f"[{_NAME}] done\n")
 

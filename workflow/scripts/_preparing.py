@@ -27,7 +27,7 @@ def height(settings: dict) -> None:
 
 
 def levelled(settings: dict) -> None:
-    """Remove form and outliers and fill in missing points; of a pair, lay one face on the other."""
+    """Remove form and outliers and fill in missing points; for a pair, add up its two faces."""
     if "face" in FILES:
         faces = [read_dataset(FILES[name])["height"] for name in ("face", "facing")]
         pair = settings["surface"]
@@ -41,7 +41,7 @@ def levelled(settings: dict) -> None:
 
 def window(settings: dict) -> None:
     """Cut out a window without missing points and make it periodic."""
-    with opened_dataset(FILES["levelled"]) as file:  # without what levelling has rejected, which is as large
+    with opened_dataset(FILES["levelled"]) as file:  # without the rejected heights, which are as large
         plane = file["height"].drop_vars("rejected_height", errors="ignore").load()
     found = periodic_window(plane, **settings["window"])
     save(found, FILES["window"], settings, source=plane.attrs)
@@ -51,7 +51,7 @@ STEPS = {"height": height, "levelled": levelled, "window": window}
 
 
 def prepare() -> None:
-    """Take those of these steps that the job is to take, one after the other."""
+    """Run the steps of this job, one after the other."""
     for name, step in STEPS.items():
         if name in snakemake.params.steps:
             step(snakemake.params.settings[name])

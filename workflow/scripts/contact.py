@@ -1,4 +1,4 @@
-"""Bound the error, solve, count, draw: window.nc to uncertainty.nc, contact.nc, statistics.nc, panel.html."""
+"""Bound the error, solve, count, draw: window.nc to uncertainty.nc, contact.nc, statistics.nc, panel.*."""
 
 from _job import FILES, link, progress, save, snakemake
 from _preparing import prepare
@@ -8,7 +8,7 @@ from roughcontact.report.panel import write_panel
 from roughcontact.results.storage import opened_dataset, read_dataset, written_load_by_load
 
 link()
-prepare()  # where this case has no job of its own for it
+prepare()  # if this case has no job of its own for it
 
 steps, of_step = snakemake.params.steps, snakemake.params.settings
 settings = of_step["panel"]  # all sections
@@ -17,7 +17,7 @@ if "statistics" in steps:
     solver = pipeline.solver_arguments(window, settings["contact"], threads=snakemake.threads)
 
 if "uncertainty" in steps:
-    with opened_dataset(FILES["levelled"]) as levelled:  # read when it is wanted, not beside the first solve
+    with opened_dataset(FILES["levelled"]) as levelled:  # read on demand, not beside the first solve
         budget = pipeline.bound_error(levelled["height"], window, settings, solver)
     save(budget, FILES["uncertainty"], of_step["uncertainty"], source=window.attrs)
 

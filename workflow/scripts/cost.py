@@ -1,4 +1,4 @@
-"""Draw run time against error of all surfaces: results/cost.html."""
+"""Plot run time against error of all surfaces: results/cost.html."""
 
 import pandas as pd
 from _job import snakemake

@@ -1,4 +1,4 @@
-"""What the verbs ask of a height map and of their options before they begin."""
+"""Checks of height maps and of arguments that the public functions make first."""
 
 import difflib
 from typing import TYPE_CHECKING, Any, get_args
@@ -7,25 +7,18 @@ import numpy as np
 
 from roughcontact.errors import HeightMapError, SettingsError
 
-if TYPE_CHECKING:  # a run with nothing to do imports this module, and nothing that takes long
+if TYPE_CHECKING:  # a run with nothing to do imports this module, but no large library
     import xarray as xr
 
-# what no length, pressure or ratio is beyond, far within what numbers hold: squares of products stay finite
+# limits of every length, pressure and ratio, so far within the range of floats that squares of products are
+# finite
 SMALLEST, LARGEST = 1e-100, 1e100
 
 
 def check_labelled(height: object) -> "xr.DataArray":
-    """Return a height map as it is, or say why it is none: no labels, no real numbers, no positions.
+    """Return a height map as it is, or raise an error: no labels, no real numbers, no positions.
 
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        the attribute `source_file` names it in the message.
-
-    Returns
-    -------
-    DataArray
-        the same.
+    The attribute `source_file` names it in the message.
 
     Raises
     ------
@@ -75,22 +68,12 @@ def check_labelled(height: object) -> "xr.DataArray":
 
 
 def check_map(height: "xr.DataArray") -> np.ndarray:
-    """Return the heights as float64, NaN where not finite, or say why they are no height map.
-
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        the attribute `source_file` names it in the message.
-
-    Returns
-    -------
-    array (ny, nx), m
-        a copy.
+    """Return a copy of the heights (m) as float64, NaN where not finite, or raise an error.
 
     Raises
     ------
     HeightMapError
-        what `check_labelled` finds, nothing measured, or heights that no surface has.
+        as `check_labelled`, without any measured point, or for heights beyond those of any surface.
 
     Examples
     --------
@@ -114,14 +97,7 @@ def check_map(height: "xr.DataArray") -> np.ndarray:
 def check_choice(key: str, value: object, choices: Any) -> None:
     """Raise an error, with the nearest valid word, where a value is not among the choices.
 
-    Parameters
-    ----------
-    key : str
-        what the setting or argument is called.
-    value : object
-        what was given.
-    choices : Literal type
-        the valid words, one of `roughcontact.choices`.
+    `key` is the name of the setting or argument, `choices` a type of `roughcontact.choices`.
 
     Raises
     ------
@@ -147,26 +123,12 @@ def check_choice(key: str, value: object, choices: Any) -> None:
 
 
 def check_positive(name: str, value: Any, *, unit: str) -> float:
-    """Return a value as a float where it is a finite positive number.
-
-    Parameters
-    ----------
-    name : str
-        what the setting or argument is called.
-    value : number or text
-        what was given.
-    unit : str
-        in which it is meant.
-
-    Returns
-    -------
-    float
-        the number.
+    """Return a value, a number or text, as a float where it is a finite positive number in `unit`.
 
     Raises
     ------
     SettingsError
-        where it is no number, infinite, NaN, zero, negative, or beyond what any quantity is.
+        where it is not a number, infinite, NaN, zero, negative, or beyond any physical quantity.
 
     Examples
     --------
@@ -183,7 +145,7 @@ def check_positive(name: str, value: Any, *, unit: str) -> float:
         raise SettingsError(f"{name} = {number:g} must be a positive finite number in {unit}", keys=[name])
     if not SMALLEST <= number <= LARGEST:
         raise SettingsError(
-            f"{name} = {number:g} is beyond what can be computed; check the number and its unit ({unit})",
+            f"{name} = {number:g} is beyond the computable range; check the number and its unit ({unit})",
             keys=[name],
         )
     return number

@@ -12,11 +12,6 @@ def connected_regions(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     a seam are continued into the neighbouring periodic image of the map. A region that meets itself in
     another image percolates, or runs around the period, along each axis in which the two images differ.
 
-    Parameters
-    ----------
-    inside : bool array (ny, nx)
-        True for the points of the regions.
-
     Returns
     -------
     region : int array (ny, nx)
@@ -40,17 +35,7 @@ def connected_regions(inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def region_sizes(inside: np.ndarray) -> np.ndarray:
-    """Return the number of points of each connected region of a periodic map.
-
-    Parameters
-    ----------
-    inside : bool array (ny, nx)
-        True for the points of the regions, connected as in `connected_regions`.
-
-    Returns
-    -------
-    int array (regions)
-        empty without such points.
+    """Return the number of points of each connected region (`connected_regions`) of a periodic map.
 
     Examples
     --------
@@ -70,17 +55,36 @@ def region_sizes(inside: np.ndarray) -> np.ndarray:
     return total[total > 0]
 
 
-def runs_around(inside: np.ndarray) -> tuple[bool, bool]:
-    """Return whether any region of a periodic map percolates through the period along y, and along x.
+def largest_elsewhere(values: np.ndarray) -> float:
+    """Return the largest value outside the region of positive values that holds the largest one.
 
     Parameters
     ----------
-    inside : bool array (ny, nx)
-        True for the points of the regions, connected as in `connected_regions`.
+    values : array (ny, nx)
+        of a periodic map, none negative; regions are connected as in `connected_regions`.
 
     Returns
     -------
-    along_y, along_x : bool
+    float
+        0 where there is no other region.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> largest_elsewhere(np.array([[3.0, 0.0, 2.0, 0.0, 5.0]]))
+    2.0
+    """
+    labels, roots, _ = _joined_over_seams(values > 0)
+    largest = np.zeros(roots.size)
+    np.maximum.at(largest, labels.ravel(), values.ravel())
+    of_region = np.zeros(roots.size)
+    np.maximum.at(of_region, roots, largest)
+    of_region[np.argmax(of_region)] = 0.0
+    return float(of_region.max())
+
+
+def runs_around(inside: np.ndarray) -> tuple[bool, bool]:
+    """Return whether any region (`connected_regions`) of a periodic map percolates along y, and along x.
 
     Examples
     --------

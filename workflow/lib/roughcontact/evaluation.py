@@ -30,8 +30,8 @@ def evaluate(
     source : str, Path or DataArray (y, x), m
         a measured file, or a height map as `read_height_map` returns it.
     level, window, contact, statistics, uncertainty, instrument : mapping, optional
-        what the sections of the configuration hold, numbers possibly as text with a unit ("115 GPa"); what is
-        left out has its default. `contact` states the elasticity, as `contact_modulus` or `bodies`.
+        sections of the configuration, with numbers possibly as text with a unit ("115 GPa"); missing keys
+        have their defaults. `contact` states the elasticity, as `contact_modulus` or `bodies`.
     threads : int
         threads of the solver.
 
@@ -39,13 +39,15 @@ def evaluate(
     -------
     Dataset
         dims (load, ...), the content of statistics.nc: `{quantity}` for each load, `{quantity}_uncertainty`
-        (load, source), `{quantity}_lower` and `{quantity}_upper` (load), numbers of the map, SI units. Its
-        attributes hold settings, versions and, for a file, its checksum.
+        (load, source), `{quantity}_lower` and `{quantity}_upper` (load), numbers of the map, SI units, and
+        the flag `verdict` (load): 0 use, 1 review, 2 do not use. Its attributes hold settings, versions, for
+        a file its checksum, and `reasons`, JSON: a list of ``{"check", "loads", "text"}``, the checks that
+        did not pass, each with the indices of the loads concerned and a sentence.
 
     Raises
     ------
     SettingsError
-        for settings that the configuration would not take.
+        for settings that the configuration does not accept.
     InputFileError
         for a file that cannot be read.
     HeightMapError
@@ -65,6 +67,8 @@ def evaluate(
     '0.21'
     >>> bool(found["mean_gap_lower"] <= found["mean_gap"])
     True
+    >>> int(found["verdict"].item()), found["verdict"].attrs["flag_meanings"]
+    (2, 'use review do_not_use')
     """
     given = {
         "level": level,

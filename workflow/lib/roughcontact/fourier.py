@@ -10,19 +10,13 @@ import numpy as np
 
 
 def wavevectors(shape: Sequence[int], spacing: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the angular wavevectors of a field's `rfft2`.
-
-    Parameters
-    ----------
-    shape : (ny, nx)
-        of the field.
-    spacing : (dy, dx), any unit of length
+    """Return the angular wavevectors of a field's `rfft2`, in rad per unit of the spacing (dy, dx).
 
     Returns
     -------
-    qy : array (ny, 1), rad per unit length
+    qy : array (ny, 1)
         the highest frequency of an even side is negative, as in `numpy.fft.fftfreq`.
-    qx : array (1, nx // 2 + 1), rad per unit length
+    qx : array (1, nx // 2 + 1)
         none is negative.
 
     Examples
@@ -39,17 +33,7 @@ def wavevectors(shape: Sequence[int], spacing: Sequence[float]) -> tuple[np.ndar
 
 
 def wavenumbers(shape: Sequence[int], spacing: Sequence[float]) -> np.ndarray:
-    """Return the length |q| of the angular wavevectors of a field's `rfft2`.
-
-    Parameters
-    ----------
-    shape : (ny, nx)
-        of the field.
-    spacing : (dy, dx), any unit of length
-
-    Returns
-    -------
-    array (ny, nx // 2 + 1), rad per unit length
+    """Return the length |q| of the `wavevectors`, (ny, nx // 2 + 1), in rad per unit of the spacing (dy, dx).
 
     Examples
     --------
@@ -63,17 +47,9 @@ def wavenumbers(shape: Sequence[int], spacing: Sequence[float]) -> np.ndarray:
 
 
 def halfplane_weights(shape: Sequence[int]) -> np.ndarray:
-    """Return how often each column of an `rfft2` stands in the full transform.
+    """Return how often each column of an `rfft2`, (1, nx // 2 + 1), stands in the full transform.
 
-    Parameters
-    ----------
-    shape : (ny, nx)
-        of the field.
-
-    Returns
-    -------
-    array (1, nx // 2 + 1)
-        2, but 1 at the zero frequency and at the Nyquist limit of an even side.
+    2, but 1 at the zero frequency and at the Nyquist limit of an even side.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Labelled height maps: how they are made, their pitches, and the same map on a finer grid."""
+"""Labelled height maps: construction, pitches, and interpolation to a finer grid."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -24,9 +24,9 @@ def height_map(
     spacing : float or (dy, dx), m
         pitch of the points, which are the centres of cells.
     channel : str
-        what the heights are called.
+        name of the heights.
     instrument : dict, optional
-        whatever describes how they came about; it is stored as JSON.
+        any description of the measurement; it is stored as JSON.
 
     Returns
     -------
@@ -61,15 +61,7 @@ def height_map(
 
 
 def pitches(spacing: float | Sequence[float]) -> tuple[float, float]:
-    """Return the pitches of both axes, from one pitch for both or from two.
-
-    Parameters
-    ----------
-    spacing : float or (dy, dx), any unit of length
-
-    Returns
-    -------
-    (dy, dx), in the same unit
+    """Return the pitches (dy, dx) of both axes, from one pitch for both or from two, in the same unit.
 
     Examples
     --------
@@ -81,20 +73,11 @@ def pitches(spacing: float | Sequence[float]) -> tuple[float, float]:
 
 
 def spacing(height: xr.DataArray) -> tuple[float, float]:
-    """Return the pitches of a map, from its coordinates.
+    """Return the pitches (dy, dx) of an evenly spaced map, from its coordinates and in their unit.
 
-    The pitch of an axis with a single cell is not in its coordinate; it is then that of the other axis
-    (a profile stands for a surface that does not vary across it, so the value only scales its width, on which
-    no result may depend).
-
-    Parameters
-    ----------
-    height : DataArray (y, x)
-        evenly spaced.
-
-    Returns
-    -------
-    (dy, dx), in the unit of the coordinates
+    The pitch of an axis with a single cell is not in its coordinate; it is then that of the other axis (a
+    profile represents a surface that does not vary across it, so the value only scales its width, on which no
+    result may depend).
 
     Examples
     --------
@@ -114,16 +97,9 @@ def spacing(height: xr.DataArray) -> tuple[float, float]:
 
 
 def side_lengths(height: xr.DataArray) -> tuple[float, float]:
-    """Return the lengths of both sides of a map, that of a single cell being its pitch.
+    """Return the lengths (y, x) of both sides of an evenly spaced map, in the unit of its coordinates.
 
-    Parameters
-    ----------
-    height : DataArray (y, x)
-        evenly spaced.
-
-    Returns
-    -------
-    (length y, length x), in the unit of the coordinates
+    That of a single cell is its pitch.
 
     Examples
     --------
@@ -136,21 +112,11 @@ def side_lengths(height: xr.DataArray) -> tuple[float, float]:
 
 
 def refined(window: xr.DataArray, factor: int) -> xr.DataArray:
-    """Return a periodic map at `factor` times as many points per axis, by its own Fourier series.
+    """Return a periodic map (y, x; m) at `factor` times as many points per axis, by its own Fourier series.
 
     Every `factor`-th point is a point of the map. The wave at the Nyquist limit of an even side is shared
-    between both signs, so that the series is real and goes through the points.
-
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic. An axis of one point keeps its point and its pitch.
-    factor : int
-        1 or more.
-
-    Returns
-    -------
-    DataArray (y, x), m
+    between both signs, so that the series is real and interpolates the points. An axis of one point keeps its
+    point and its pitch.
 
     Examples
     --------

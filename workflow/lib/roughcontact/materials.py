@@ -43,28 +43,15 @@ class Doubt(NamedTuple):
     meant: tuple[float, ...]
 
     def question(self) -> str:
-        """Return the doubt as the second half of a sentence.
-
-        Returns
-        -------
-        str
-        """
+        """Return the doubt as the second half of a sentence."""
         likely = " or ".join(quantity(value, "Pa") for value in self.meant[:2])
         return f"{self.reason}; did you mean {likely}?" if likely else self.reason
 
 
 def contact_modulus(bodies: Sequence[Mapping[str, float]]) -> float:
-    """Return the plane-strain contact modulus of two bodies, 1/E* = sum of (1 - nu^2)/E.
+    """Return the plane-strain contact modulus (Pa) of two bodies, 1/E* = sum of (1 - nu^2)/E.
 
-    Parameters
-    ----------
-    bodies : sequence of two mappings
-        each with `youngs_modulus` (Pa) and `poissons_ratio` (no unit).
-
-    Returns
-    -------
-    float
-        E*, Pa.
+    Each body has `youngs_modulus` (Pa) and `poissons_ratio`.
 
     References
     ----------
@@ -80,17 +67,7 @@ def contact_modulus(bodies: Sequence[Mapping[str, float]]) -> float:
 
 
 def doubt_of_modulus(modulus: float) -> Doubt | None:
-    """Return a doubt about an implausible contact modulus, or None.
-
-    Parameters
-    ----------
-    modulus : float, Pa
-        E*.
-
-    Returns
-    -------
-    Doubt or None
-        None where it is that of a real material.
+    """Return a doubt about an implausible contact modulus E* (Pa), or None.
 
     Examples
     --------
@@ -109,21 +86,10 @@ def doubt_of_modulus(modulus: float) -> Doubt | None:
 
 
 def doubt_of_gel(modulus: float, pressures: Sequence[float]) -> Doubt | None:
-    """Return a doubt about a contact modulus in the range of gels that the loads contradict, or None.
+    """Return a doubt about a contact modulus E* (Pa) in the range of gels that the loads contradict, or None.
 
-    Many gels are as soft, so that the number alone is no evidence; a pressure that goes with it may be.
-
-    Parameters
-    ----------
-    modulus : float, Pa
-        E*.
-    pressures : sequence of float, Pa
-        the loads, and the hardness where there is one.
-
-    Returns
-    -------
-    Doubt or None
-        None where the modulus is not that of a gel, or a gel bears the pressures.
+    Many gels are as soft, so that the number alone is no evidence; a pressure (Pa; the loads, and the
+    hardness where there is one) that no gel bears may be.
 
     Examples
     --------
@@ -143,19 +109,9 @@ def doubt_of_gel(modulus: float, pressures: Sequence[float]) -> Doubt | None:
 
 
 def doubt_of_body(youngs_modulus: float, poissons_ratio: float) -> Doubt | None:
-    """Return a doubt about an implausible Young's modulus of a body, or None.
+    """Return a doubt about an implausible Young's modulus (Pa) of a body, or None.
 
-    Parameters
-    ----------
-    youngs_modulus : float, Pa
-        a rigid body has `RIGID` or more.
-    poissons_ratio : float
-        which gels have near 0.5.
-
-    Returns
-    -------
-    Doubt or None
-        None where it is that of a real material, or rigid.
+    A rigid body has `RIGID` or more; gels have a Poisson's ratio near 0.5.
 
     Examples
     --------
@@ -178,18 +134,7 @@ def doubt_of_body(youngs_modulus: float, poissons_ratio: float) -> Doubt | None:
 
 
 def doubt_of_load(mean_pressure: float, contact_modulus: float) -> Doubt | None:
-    """Return a doubt about an implausible mean pressure, or None.
-
-    Parameters
-    ----------
-    mean_pressure : float, Pa
-    contact_modulus : float, Pa
-        E*.
-
-    Returns
-    -------
-    Doubt or None
-        None where a laboratory may apply it.
+    """Return a doubt about a mean pressure (Pa) that is implausible at this E* (Pa), or None.
 
     Examples
     --------
@@ -220,19 +165,10 @@ def doubt_of_load(mean_pressure: float, contact_modulus: float) -> Doubt | None:
 
 
 def doubt_of_hardness(hardness: float, modulus: float) -> Doubt | None:
-    """Return a doubt about an implausible hardness, or None.
+    """Return a doubt about an implausible hardness (Pa), or None.
 
-    Parameters
-    ----------
-    hardness : float, Pa
-    modulus : float, Pa
-        Young's modulus of the body, or the contact modulus, which is not above it by much.
-
-    Returns
-    -------
-    Doubt or None
-        None where a material may have it. The contact modulus is no upper limit: it may be that of the other
-        body.
+    The modulus (Pa) is Young's modulus of the body, or the contact modulus, which is not above it by much and
+    is no upper limit: it may be that of the other body.
 
     Examples
     --------

@@ -1,8 +1,8 @@
 """The chain from a height map to numbers: level, cut out a periodic window, solve and count, bound the error.
 
-The scripts of the workflow, `roughcontact solve` and `roughcontact.evaluate` all go this way, so that they
-give the same numbers. Reading, levelling and windowing are one verb each; what follows has several parts,
-which stand here.
+The scripts of the workflow, `roughcontact solve` and `roughcontact.evaluate` all use it, so that they give
+the same numbers. Reading, levelling and windowing are one function each; the later steps have several parts,
+which are here.
 """
 
 from collections.abc import Callable, Mapping
@@ -29,7 +29,7 @@ Count = Callable[[xr.Dataset], xr.Dataset]
 
 
 class Chain(NamedTuple):
-    """What the chain leaves of one map.
+    """The results of the chain for one map.
 
     Attributes
     ----------
@@ -65,10 +65,6 @@ def run_chain(
     progress : callable, optional
         called as ``progress(done, total, text)`` before each part, and after each load.
 
-    Returns
-    -------
-    Chain
-
     Raises
     ------
     RoughContactError
@@ -88,20 +84,9 @@ def run_chain(
 
 
 def solver_arguments(window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1) -> dict[str, Any]:
-    """Return the keyword arguments of `solve_contact` that the settings stand for.
+    """Return the keyword arguments of `solve_contact` from the section `contact` of the settings.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        the map to be solved, for loads relative to its rms gradient, and targets.
-    contact : mapping
-        the section `contact` of the settings.
-    threads : int
-
-    Returns
-    -------
-    dict
-        elasticity, loads (Pa), accuracy, threads.
+    The window is the map to be solved, for targets and for loads relative to its rms gradient.
 
     Raises
     ------
@@ -130,49 +115,37 @@ def solver_arguments(window: xr.DataArray, contact: Mapping[str, Any], *, thread
 def bound_error(
     levelled: xr.DataArray, window: xr.DataArray, settings: Settings, solver: Mapping[str, Any]
 ) -> xr.Dataset:
-    """Return the error budget of a solution that has yet to be made.
+    """Return the `error_budget` of a solution that has yet to be computed.
 
-    Parameters
-    ----------
-    levelled, window : DataArray (y, x), m
-        the map levelled, and the part that is solved.
-    settings : mapping
-        the sections `level`, `window`, `contact`, `uncertainty`, `instrument`.
-    solver : mapping
-        from `solver_arguments`.
-
-    Returns
-    -------
-    Dataset
-        as of `error_budget`.
+    Uses the levelled map, the window, the sections `level`, `window`, `contact`, `uncertainty`,
+    `instrument` of the settings, and the solver arguments of `solver_arguments`.
     """
     stated = {key: settings["contact"][key] for key in MATERIAL_UNCERTAINTIES}
-    verbs = {key: settings[key] for key in ("level", "window", "instrument")} | {
-        "contact": {**solver, **stated}
-    }
+    verbs = {key: settings[key] for key in ("level", "window", "instrument")}
+    verbs["contact"] = {**solver, **stated}
     return error_budget(levelled, window, verbs, **settings["uncertainty"])
 
 
 def solve_and_count(
     window: xr.DataArray, settings: Settings, solver: Mapping[str, Any], *, keep: Count | None = None
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """Solve the contact load by load, and count in each solution before the next one is made.
+    """Solve the contact load by load, and compute the statistics of each solution before the next one.
 
     Parameters
     ----------
     window : DataArray (y, x), m
         periodic.
     settings : mapping
-        the sections `contact` (of which `bodies` count here) and `statistics`.
+        the sections `contact` (only its `bodies` are used here) and `statistics`.
     solver : mapping
         from `solver_arguments`; `progress` may be added.
     keep : callable, optional
-        gets the solution of each load, with its fields: `LoadByLoad.keep`.
+        receives the solution of each load, with its fields: `LoadByLoad.keep`.
 
     Returns
     -------
     solution : Dataset
-        what the solver says of each load, without fields.
+        the numbers of the solver for each load, without fields.
     statistics : Dataset
         as of `contact_statistics`.
     """
@@ -180,7 +153,7 @@ def solve_and_count(
     counted: dict[float, xr.Dataset] = {}
 
     def take(piece: xr.Dataset) -> xr.Dataset:
-        """Keep and count one load; nothing of it stays in the solution."""
+        """Keep and count one load, and remove it from the solution."""
         if keep is not None:
             keep(piece)
         counted[float(piece["mean_pressure"][0])] = count(piece)
@@ -192,19 +165,10 @@ def solve_and_count(
 
 
 def counter(window: xr.DataArray, settings: Settings) -> Count:
-    """Return the function that counts in solutions of one map, whose own numbers are computed once.
+    """Return the function that computes the statistics of solutions of one map.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        that is solved.
-    settings : mapping
-        the sections `contact` and `statistics`.
-
-    Returns
-    -------
-    callable
-        Dataset of a solution with its fields -> Dataset, as of `contact_statistics`.
+    It takes the dataset of a solution with its fields and returns one as of `contact_statistics`. Numbers of
+    the map are computed once. The sections `contact` and `statistics` of the settings are used.
     """
     contact = settings["contact"]
     return statistics_of(
@@ -218,26 +182,20 @@ def counter(window: xr.DataArray, settings: Settings) -> Count:
 def complete_statistics(
     counted: xr.Dataset, window: xr.DataArray, budget: xr.Dataset, settings: Settings, *, threads: int = 1
 ) -> xr.Dataset:
-    """Return the statistics with all that belongs beside them.
+    """Return the statistics with first yield, intervals, subsurface stresses, verdicts and reasons.
 
     Parameters
     ----------
     counted : Dataset
         of `solve_and_count`.
     window : DataArray (y, x), m
-        that was solved, with the attributes that reading, levelling and windowing left.
+        the solved map, with the attributes of reading, levelling and windowing.
     budget : Dataset
         of `bound_error`, for the same loads.
     settings : mapping
         the section `contact`.
     threads : int
         of the solutions on the way to first yield.
-
-    Returns
-    -------
-    Dataset
-        with the load of first yield, the intervals, the stresses below the surface, and the verdict on each
-        load in the attribute `verdicts`.
     """
     yielding = with_first_yield(counted, window, settings["contact"], threads=threads)
     complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])

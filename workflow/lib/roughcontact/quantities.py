@@ -5,14 +5,14 @@ from typing import NamedTuple
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 _ROUNDING = 1e-12
-_AS_FAR = 0.1  # by which the two sides of an interval may differ and still be called ±
+_AS_FAR = 0.1  # largest relative difference of the two half-widths that are written as ±
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # units that take a prefix; composed ones are given in powers of ten
 _PREFIXED = ("m", "Pa", "J", "W", "S", "l")
 
 
 class Unit(NamedTuple):
-    """A unit in which numbers are shown: what values in SI are multiplied with, and its name."""
+    """A unit in which numbers are shown: the factor for values in SI, and its name."""
 
     factor: float
     shown: str
@@ -75,7 +75,7 @@ def prefix(value: float, unit: str) -> tuple[float, str]:
     Returns
     -------
     factor : float
-        what the value is to be multiplied with.
+        by which the value is to be multiplied.
     shown : str
         the unit with its prefix.
 
@@ -125,8 +125,8 @@ def quantity(value: float, unit: str = "1", *, digits: int = 3) -> str:
 def pressure_unit(contact_modulus: float) -> Unit:
     """Return the unit of all pressures between bodies of a contact modulus, whatever their size.
 
-    Loads, pressures and hardness of one contact so have the same unit, as have those of other surfaces of the
-    same bodies: what stands side by side compares.
+    So loads, pressures and hardness of one contact, and of other surfaces of the same bodies, have the same
+    unit and can be compared.
 
     Parameters
     ----------
@@ -233,10 +233,10 @@ def plus_minus(value: float, half_width: float) -> str:
 
 
 def with_interval(value: float, lower: float, upper: float) -> str:
-    """Return a value with its interval: ± where it reaches about as far to both sides, else − and +.
+    """Return a value with its interval: ± where it is about symmetric, else − and +.
 
-    An end that is the value itself, up to rounding, is left out: nothing is certain to ± 0. An upper end that
-    is not known beside a lower one that is reads "or more".
+    An end equal to the value, up to rounding, is left out, since nothing is certain to ± 0. An unknown upper
+    end beside a known lower one reads "or more".
 
     Parameters
     ----------

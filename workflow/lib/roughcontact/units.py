@@ -1,7 +1,8 @@
-"""Units: what a length, a pressure and so on may be given in, and numbers that carry their unit.
+"""Accepted units of lengths, pressures and other quantities, and numbers that carry their unit.
 
 Symbols are compared after compatibility normalisation (NFKC), which maps the micro sign U+00B5 to the Greek
-letter mu U+03BC, the angstrom sign U+212B to the letter U+00C5 and superscripts to digits.
+letter mu U+03BC, the angstrom sign U+212B to the letter U+00C5 and superscripts to digits. The base units are
+the keys of `_TABLES`.
 """
 
 import difflib
@@ -27,7 +28,7 @@ _LENGTHS = {
     2.54e-8: ("uin", "μin", "microinch", "microinches"),
 }
 _POUND_PER_SQUARE_INCH = 0.45359237 * 9.80665 / 0.0254**2
-# mPa is left out: it is a millipascal, and mostly meant for MPa
+# mPa is left out: it is a millipascal, and mostly a misspelt MPa
 _PRESSURES = {
     1.0: ("Pa", "pascal", "N/m2"),
     1e2: ("hPa", "mbar"),
@@ -72,7 +73,7 @@ _TABLES = {
     "Pa s": _by_name(_VISCOSITIES),
     "J m-2": _by_name(_WORKS),
 }
-# what a message offers
+# spellings offered in a message
 _USUAL = {
     "m": "m, mm, um, µm, nm, Å, pm, inch, mil, uin and the written-out words",
     "Pa": "Pa, kPa, MPa, GPa, N/mm2, bar, psi",
@@ -95,20 +96,9 @@ _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s
 
 
 def value_of(unit: object, base: str) -> float | None:
-    """Return how much of a base unit a unit is.
+    """Return a unit in its base unit, as a factor; None for any other unit.
 
-    Parameters
-    ----------
-    unit : str
-        its symbol, case-sensitive, or the word written out.
-    base : {"m", "Pa", "degree", "W m-1 K-1", "Ohm m", "Pa s", "J m-2"}
-        of a length, a pressure, an angle, a thermal conductivity, an electrical resistivity, a viscosity or a
-        work of adhesion.
-
-    Returns
-    -------
-    float or None
-        in `base`; None where it is no such unit.
+    `unit` is its symbol, case-sensitive, or the word written out.
 
     Examples
     --------
@@ -122,19 +112,7 @@ def value_of(unit: object, base: str) -> float | None:
 
 
 def unknown_unit(unit: object, base: str) -> str:
-    """Return what to say of a unit that is none.
-
-    Parameters
-    ----------
-    unit : object
-        what was given.
-    base : {"m", "Pa", "degree", "W m-1 K-1", "Ohm m"}
-        of what was meant.
-
-    Returns
-    -------
-    str
-        a sentence with the nearest valid spelling, where one is near, and the usual ones.
+    """Return the error message for an unknown unit: with the nearest valid spelling and the usual ones.
 
     Examples
     --------
@@ -148,17 +126,7 @@ def unknown_unit(unit: object, base: str) -> str:
 
 
 def carries_unit(value: object) -> bool:
-    """Return whether a value is a number with a unit behind it, as in ``"115 GPa"``.
-
-    Parameters
-    ----------
-    value : object
-        what was given.
-
-    Returns
-    -------
-    bool
-        False for a bare number, also one that is given as text.
+    """Return whether a value is a number followed by a unit, as in ``"115 GPa"``; False for a bare number.
 
     Examples
     --------
@@ -171,17 +139,7 @@ def carries_unit(value: object) -> bool:
 def in_base_unit(value: object, base: str) -> object:
     """Return a number that carries its unit as one in the base unit, and anything else as it is.
 
-    Parameters
-    ----------
-    value : object
-        what was given: ``"115 GPa"``, or a bare number, which is in the base unit already.
-    base : {"m", "Pa", "degree", "W m-1 K-1", "Ohm m", "Pa s", "J m-2"}
-        of a length, a pressure, an angle, a thermal conductivity, an electrical resistivity, a viscosity or a
-        work of adhesion.
-
-    Returns
-    -------
-    float, or `value` itself
+    A bare number is in the base unit already.
 
     Raises
     ------
@@ -209,7 +167,7 @@ def in_base_unit(value: object, base: str) -> object:
 
 
 def _clean(unit: object) -> str:
-    """Return the spelling that is compared."""
+    """Return the normalised spelling, for comparison."""
     name = unicodedata.normalize("NFKC", str(unit)).strip()
     return name.replace("^", "").replace(" / ", "/") if "/" in name else name
 

@@ -1,19 +1,20 @@
 """The table of output variables: one entry per name that a result file can hold.
 
-`describe` hangs units and a sentence on every variable of a dataset, so that no file leaves without them.
+`describe` adds units and a sentence to every variable of a dataset, so that each file has them.
 """
 
+import numpy as np
 import xarray as xr
 
 from roughcontact.errors import RoughContactError
 
-# name: (unit in UDUNITS spelling, what it is)
+# name: (unit in UDUNITS spelling, meaning)
 VARIABLES: dict[str, tuple[str | None, str]] = {
     # maps
     "height": ("m", "surface height, positive outwards; NaN where not measured"),
     "filled": ("1", "1 where the height was not measured but filled in, 0 elsewhere"),
-    "line_offset": ("m", "shift of each row (scan line) that levelling took off"),
-    "rejected_height": ("m", "height of a point that levelling rejected, were it kept; NaN elsewhere"),
+    "line_offset": ("m", "shift of each row (scan line) that levelling removed"),
+    "rejected_height": ("m", "height of a point rejected by levelling, as if it were kept; NaN elsewhere"),
     "pressure": ("Pa", "contact pressure"),
     "gap": ("m", "gap between the deformed surfaces"),
     "contact": ("1", "1 where the surfaces touch (pressure > 0), 0 elsewhere"),
@@ -26,12 +27,13 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "error_bound": ("1", "rigorous bound of the relative pressure error in the energy norm"),
     "rounding_floor": (
         "1",
-        "relative pressure error that rounding alone can make, in the precision solved in",
+        "relative pressure error that rounding alone can cause, in the precision of the solver",
     ),
     "yielded_area": ("1", "share of the area whose pressure has reached the hardness, where one is given"),
-    "max_penetration": ("m", "largest overlap that the solution leaves anywhere"),
+    "max_penetration": ("m", "largest overlap of the surfaces in the solution"),
     "load_error": ("1", "relative difference of the mean of the pressure from the prescribed one"),
     "converged": ("1", "1 where error_bound <= tolerance, 0 elsewhere"),
+    "verdict": ("1", "worst outcome of all checks at this load: 0 use, 1 review, 2 do not use"),
     # statistics, per load
     "relative_contact_area": ("1", "share of the area in contact, corrected by the perimeter rule"),
     "relative_contact_area_pixels": ("1", "share of the pixels in contact, uncorrected"),
@@ -45,6 +47,7 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "rejected_load_share": ("1", "share of the load that the rejected points would carry if they were kept"),
     "mean_contact_pressure": ("Pa", "mean pressure over the contact pixels"),
     "max_pressure": ("Pa", "largest pressure"),
+    "max_pressure_elsewhere": ("Pa", "largest pressure outside the contact patch that carries max_pressure"),
     "pressure_std": ("Pa", "standard deviation of the pressure over the contact pixels"),
     "mean_gap": ("m", "mean of the gap over the window"),
     "contact_stiffness": (
@@ -204,8 +207,8 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "evaluation_type": (None, "A: evaluated by statistics, B: by other means (JCGM 100, 2.3)"),
     "input": (None, "input that a result is sensitive to"),
     # labels
-    "source": (None, "what an uncertainty comes from; combined: root of the sum of their squares"),
-    "choice": (None, "what was done otherwise than the settings say"),
+    "source": (None, "source of an uncertainty; combined: root of the sum of their squares"),
+    "choice": (None, "processing choice that differs from the settings"),
     "surface": (None, "name of the surface, as in the table of surfaces"),
     "surface_name": (None, "name of the surface, as in the table of surfaces"),
     "case": (None, "name of the case, as in the settings"),
@@ -248,7 +251,7 @@ VARIABLES |= {
     for ending, text in _OF_INTERVALS.items()
 }
 
-# what takes more than a line
+# comments of variables that need more than a line
 _COMMENTS = {
     "approach": (
         "gap = displacement - height + approach, the displacement positive into the half-space. Its mean is "
@@ -256,6 +259,9 @@ _COMMENTS = {
         "is the mean gap plus the mean height where no point yields."
     ),
 }
+
+# meanings of the values 0, 1, 2 ... of a flag
+_FLAGS = {"verdict": ("use", "review", "do_not_use")}
 
 # CF has this standard name for distances on a plane; without it checkers take an axis for a longitude
 _AXES = {
@@ -268,8 +274,9 @@ _AXES = {
 def describe(dataset: xr.Dataset) -> xr.Dataset:
     """Return a dataset with `units` and `long_name` on every variable, from the table `VARIABLES`.
 
-    What takes more than a line to say has a `comment`. The bounds of bins are described by the bins, as the
-    CF conventions have it; `x`, `y` and `depth` get their `axis`.
+    Longer explanations are in the `comment`. The bounds of bins are described by the bins, as the
+    CF conventions have it; `x`, `y` and `depth` get their `axis`, flags their `flag_values` and
+    `flag_meanings`.
 
     Parameters
     ----------
@@ -284,7 +291,7 @@ def describe(dataset: xr.Dataset) -> xr.Dataset:
     Raises
     ------
     RoughContactError
-        where a variable is not in the table: a name that nobody explained must not reach a user's file.
+        where a variable is not in the table: no file has a variable without a description.
 
     Examples
     --------
@@ -307,6 +314,9 @@ def describe(dataset: xr.Dataset) -> xr.Dataset:
             variable.attrs["units"] = units
         if name in _COMMENTS:
             variable.attrs["comment"] = _COMMENTS[str(name)]
+        if name in _FLAGS:
+            variable.attrs["flag_values"] = np.arange(len(_FLAGS[str(name)]), dtype=variable.dtype)
+            variable.attrs["flag_meanings"] = " ".join(_FLAGS[str(name)])
         if name in dataset.dims:
             variable.attrs |= _AXES.get(str(name), {})
     return dataset

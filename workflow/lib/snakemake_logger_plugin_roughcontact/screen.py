@@ -165,6 +165,8 @@ class Screen:
         self.failed = True
         failed: dict[str, Any] = vars(record)
         number = failed["jobid"]
+        if number in self.again:  # Snakemake 9.22 lists the failed jobs once more at its end
+            return
         fields = self.jobs.pop(number, failed)
         self.clock.fail(number)
         self.again.add(number)

@@ -1,1 +1,1 @@
-"""The program `roughcontact`: what is in a file, and the contact of one map without any workflow."""
+"""The program `roughcontact`: inspect a file, solve one map without a workflow, run the workflow."""

@@ -1,4 +1,4 @@
-"""What the program prints, for people and for machines."""
+"""Output of the program, for people and for machines."""
 
 import json
 import math
@@ -23,15 +23,7 @@ _COLUMNS = (
 
 
 def as_json(value: object) -> str:
-    """Return JSON of plain values; what is not finite becomes null, which every reader knows.
-
-    Parameters
-    ----------
-    value : dict, list or plain value
-
-    Returns
-    -------
-    str
+    """Return JSON of plain values; infinities and NaN become null, which every reader accepts.
 
     Examples
     --------
@@ -44,7 +36,7 @@ def as_json(value: object) -> str:
 
 
 def _finite(value: object) -> object:
-    """Return plain values with null for what is not finite."""
+    """Return plain values with null for infinities and NaN."""
     if isinstance(value, dict):
         return {key: _finite(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
@@ -53,20 +45,7 @@ def _finite(value: object) -> object:
 
 
 def inspection(found: Mapping[str, Any], file: str) -> str:
-    """Return in plain words what `inspect_file` found.
-
-    Parameters
-    ----------
-    found : dict
-        as `inspect_file` returns it.
-    file : str
-        path of the file, as it was given.
-
-    Returns
-    -------
-    str
-        the path, and below it a line for each thing that is known.
-    """
+    """Return a description of the result of `inspect_file`: the path, and a line for each known property."""
     lines = [
         ("format", f"{found['format']}, {found['bytes']} bytes"),
         ("channel", found["channel_choice"] or found["channel"] or "none that holds heights"),
@@ -98,7 +77,7 @@ def _line(label: str, text: str) -> str:
 
 
 def _map_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return what is known of a map that can be read."""
+    """Return the properties of a map that can be read."""
     pitch = " × ".join(dict.fromkeys(quantity(found[step], "m", digits=4) for step in ("dx", "dy")))
     if found["ny"] == 1:
         points = f"profile of {found['nx']} points"
@@ -122,7 +101,7 @@ def _map_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def _silent_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return what is known of a map whose size or unit the file does not say."""
+    """Return the properties of a map whose size or unit is not in the file."""
     channel = next((each for each in found["channels"] if each["name"] == found["channel"]), None)
     if channel is None:
         return []
@@ -140,23 +119,13 @@ def _silent_lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def _channel(channel: Mapping[str, Any]) -> str:
-    """Return name, size and unit of a channel, or why it holds no heights."""
+    """Return name, size and unit of a channel, or the reason why it holds no heights."""
     what = f"in {channel['height_unit'] or 'a unit not said'}" if channel["is_height"] else channel["reason"]
     return f"{channel['name']!r}: {channel['nx']} × {channel['ny']} points, {what}"
 
 
 def solution(result: Mapping[str, Any]) -> str:
-    """Return the headline numbers of a solution as a table, with the checks that ask for a look.
-
-    Parameters
-    ----------
-    result : dict
-        as `solve_file` returns it.
-
-    Returns
-    -------
-    str
-    """
+    """Return the headline numbers of a result of `solve_file` as a table, and checks that did not pass."""
     surface, window = result["surface"], result["window"]
     lengths = [quantity(surface[f"window_length_{axis}"], "m") for axis in ("x", "y")]
     size = f"{window['nx']} × {window['ny']} points, {' × '.join(lengths)}"
@@ -186,7 +155,7 @@ def solution(result: Mapping[str, Any]) -> str:
 
 
 def _lines_of_hardness(surface: Mapping[str, Any]) -> list[str]:
-    """Return hardness and first yield, where a hardness is given."""
+    """Return hardness and first yield, if a hardness is given."""
     if "hardness" not in surface:
         return []
     first = f"mean pressure {quantity(surface['first_yield_pressure'], 'Pa')}"
@@ -194,7 +163,7 @@ def _lines_of_hardness(surface: Mapping[str, Any]) -> list[str]:
 
 
 def _about(uncertainty: Mapping[str, Any]) -> list[str]:
-    """Return the line that says what the ± is for, where the surface beyond the map is part of it."""
+    """Return the line with the range of validity of the ±, if it includes the surface beyond the map."""
     if "window" not in uncertainty["sources"]:
         return []
     times = number(uncertainty["extent"], digits=2)
@@ -202,7 +171,7 @@ def _about(uncertainty: Mapping[str, Any]) -> list[str]:
 
 
 def _cell(load: Mapping[str, Any], name: str, unit: str) -> str:
-    """Return a number of a load with its unit, and with its interval where there is one."""
+    """Return a number of a load with its unit, and with its interval if it has one."""
     value, *ends = (load.get(f"{name}{end}", math.nan) for end in ("", "_lower", "_upper"))
     if not ends[1] > ends[0]:
         return percent(value) if unit == "%" else quantity(value, unit, digits=4 if unit == "Pa" else 3)
@@ -225,18 +194,9 @@ def _table(loads: Iterable[Mapping[str, Any]]) -> list[str]:
 
 
 def comparison(rows: Sequence[Mapping[str, Any]], *, share: float | None = None) -> str:
-    """Return which numbers of two runs differ, a line each, and how many do.
+    """Return the numbers that differ between two runs, a line each, and their count.
 
-    Parameters
-    ----------
-    rows : list of dict
-        the rows of what `compare_statistics` returns.
-    share : float, optional
-        the largest change that was allowed, where it was not the ±.
-
-    Returns
-    -------
-    str
+    `rows` are those of `compare_statistics`, `share` is the allowed change if that is not the ±.
 
     Examples
     --------

@@ -1,6 +1,6 @@
 """The settings as options: `level.form` is `--level-form`, `contact.tolerance` is `--tolerance`.
 
-Names, meanings, defaults and checks are those of `roughcontact.configuration`; nothing is said twice here.
+Names, meanings, defaults and checks are those of `roughcontact.configuration`.
 """
 
 import os
@@ -13,7 +13,7 @@ from roughcontact.configuration.models import Contact, Level, Section, Uncertain
 from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import SettingsError
 
-# what only the workflow needs (where fields go), or has an option of its own here
+# settings for the workflow alone, or with an option of their own here
 _LEFT_OUT = {"bodies", "keep_fields"}
 _LISTS = {
     **dict.fromkeys(("mean_pressure", "relative_pressure", "target_area", "target_gap", "target"), "+"),
@@ -35,12 +35,7 @@ _HEADINGS = {
 
 
 def add_settings(parser: ArgumentParser) -> None:
-    """Add an option for each setting of the stages.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        of `roughcontact solve`.
+    """Add an option for each setting of the stages to the parser of `roughcontact solve`.
 
     Examples
     --------
@@ -71,8 +66,8 @@ def add_settings(parser: ArgumentParser) -> None:
         nargs="+",
         action="append",
         metavar=("E NU", "H"),
-        help="Young's modulus (Pa), Poisson's ratio and, where it is known, hardness (Pa) of one body; give "
-        "it twice; units may be written: 210GPa 0.3 2GPa",
+        help="Young's modulus (Pa), Poisson's ratio and, if known, hardness (Pa) of one body; give "
+        "it twice; units are allowed: 210GPa 0.3 2GPa",
     )
     parser.add_argument(
         "--threads",
@@ -84,22 +79,12 @@ def add_settings(parser: ArgumentParser) -> None:
 
 
 def chosen_settings(options: Namespace) -> dict:
-    """Return the full settings that the options stand for.
-
-    Parameters
-    ----------
-    options : Namespace
-        what the parser of `add_settings` read.
-
-    Returns
-    -------
-    dict
-        as `roughcontact.configuration.resolve` returns them, of a single case.
+    """Return the full settings of a single case, as `resolve` does, from options that `add_settings` added.
 
     Raises
     ------
     SettingsError
-        for values that the settings do not take.
+        for values that the settings do not accept.
 
     Examples
     --------
@@ -113,7 +98,7 @@ def chosen_settings(options: Namespace) -> dict:
     for section, key, _, _ in _options():
         value = getattr(options, f"{section}.{key}")
         if value is not None:
-            empty = [] if value == ["[]"] else value  # written as in a configuration
+            empty = [] if value == ["[]"] else value  # as in a configuration
             config[section][key] = None if value == "null" else empty
     if config["contact"].get("contact_modulus") is None and not options.body:
         raise SettingsError(
@@ -126,7 +111,7 @@ def chosen_settings(options: Namespace) -> dict:
         if wrong := [body for body in options.body if len(body) not in (2, 3)]:
             raise SettingsError(
                 f"--body {' '.join(wrong[0])}: has {len(wrong[0])} values; give Young's modulus, Poisson's "
-                "ratio and, where it is known, hardness"
+                "ratio and, if known, hardness"
             )
         names = ("youngs_modulus", "poissons_ratio", "hardness")
         config["contact"]["bodies"] = [dict(zip(names, body, strict=False)) for body in options.body]
@@ -136,15 +121,7 @@ def chosen_settings(options: Namespace) -> dict:
 def in_options(error: SettingsError) -> str:
     """Return the message of an error about settings as one sentence that names options.
 
-    Parameters
-    ----------
-    error : SettingsError
-        of `chosen_settings`, or of a stage that was given them.
-
-    Returns
-    -------
-    str
-        the mistakes side by side, each with its settings under the names that they have here.
+    Several mistakes are separated by semicolons.
 
     Examples
     --------
@@ -155,7 +132,7 @@ def in_options(error: SettingsError) -> str:
 
 
 def _with_options(mistake: SettingsError) -> str:
-    """Return the message of one mistake, the settings it names replaced by their options."""
+    """Return the message of one mistake, with its settings replaced by their options."""
     names = {"contact.bodies": "--body"}
     for section, key, option, _ in _options():
         names[f"{section}.{key}"] = option
@@ -168,7 +145,7 @@ def _with_options(mistake: SettingsError) -> str:
 
 
 def _options() -> Iterator[tuple[str, str, str, FieldInfo]]:
-    """Yield (section, key, option, field) of every setting that is offered."""
+    """Yield (section, key, option, field) of every setting with an option."""
     for section, model in _SECTIONS.items():
         for key, field in model.model_fields.items():
             if key not in _LEFT_OUT:

@@ -1,7 +1,7 @@
-"""The program `roughcontact`: its verbs, and how it ends.
+"""The program `roughcontact`: its commands and exit codes.
 
 Exit codes: 0 done, 1 a load missed the tolerance or two runs differ, 2 bad input (one sentence on standard
-error says what), 130 interrupted, 141 nobody reads the output any more.
+error), 130 interrupted, 141 the reader of the output has closed it.
 """
 
 import argparse
@@ -17,50 +17,41 @@ from roughcontact.garbage import collect_rarely
 if TYPE_CHECKING:
     import xarray as xr
 
-_BROKEN_PIPE = 141  # what a shell reports of a program that SIGPIPE has ended
+_BROKEN_PIPE = 141  # exit status that a shell reports for a program ended by SIGPIPE
 _DESCRIPTION = (
     "True contact area and contact pressures of measured surfaces: of one map, or of a whole study."
 )
 
-# what a file does not say: the arguments of read_height_map, the columns of the table of surfaces
+# information missing in a file: the arguments of read_height_map, the columns of the table of surfaces
 _FILE_OPTIONS = {
     "channel": "which channel of the file, by name",
     "dx": "step from point to point along x, in --unit, or with its own: 1.5um",
     "dy": "step from point to point along y, in --unit, or with its own: 1.5um",
     "unit": "unit of --dx and --dy, and of the heights without --height-unit: m, mm, um, nm, ...",
     "height-unit": "unit of the heights",
-    "resample": "linear: interpolate points that lie on no even grid to one",
+    "resample": "linear: interpolate points on an uneven grid to an even one",
     "checksum": "ignore: read a file that differs from the checksum in it (X3P edited by hand)",
-    "first-row": "top or bottom: where the first row of the file lies in the picture of the surface",
+    "first-row": "top or bottom: position of the first row of the file in the picture of the surface",
 }
 
 
-_RUN = """Run the workflow in the working directory, on all cores. Options go to Snakemake: -n tells what
-would be done, --cores 1 leaves the rest of the computer alone, --configfile FILE takes other settings than
+_RUN = """Run the workflow in the working directory, on all cores. Options are passed to Snakemake: -n lists
+the jobs without running them, --cores 1 uses a single core, --configfile FILE takes other settings than
 config/config.yaml, --directory FOLDER works there."""
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser that speaks in single sentences."""
+    """A parser that reports errors in single sentences."""
 
     def error(self, message: str) -> NoReturn:
-        """Leave with one sentence instead of the whole usage."""
+        """Exit with one sentence instead of the whole usage."""
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the program.
+    """Run the program and return its exit code, one of those at the head of this module.
 
-    Parameters
-    ----------
-    arguments : list of str, optional
-        those of the command line where none are given.
-
-    Returns
-    -------
-    int
-        exit code: 0 done, 1 a load missed the tolerance or two runs differ, 2 bad input, 130 interrupted,
-        141 nobody reads the output any more.
+    The arguments are by default those of the command line.
 
     Examples
     --------
@@ -74,7 +65,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         parser = _parser(settings=arguments[:1] == ["solve"])
         if arguments[:1] == ["run"] and not {"-h", "--help"} & set(arguments):
-            options = argparse.Namespace(run=_run, arguments=arguments[1:])  # all of them Snakemake's
+            options = argparse.Namespace(run=_run, arguments=arguments[1:])  # all for Snakemake
         else:
             options = parser.parse_args(arguments)
         code = options.run(options)
@@ -86,24 +77,24 @@ def main(arguments: list[str] | None = None) -> int:
         return _failed(error, 2)
     except KeyboardInterrupt:
         return _failed("interrupted", 130)
-    except BrokenPipeError:  # who reads has seen enough, as `head` does
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what is flushed at the end
+    except BrokenPipeError:  # the reader has closed the output, as `head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the final flush
         return _BROKEN_PIPE
 
 
 def _failed(error: RoughContactError | str, code: int) -> int:
-    """Say on standard error what went wrong, and return the exit code."""
+    """Print an error on standard error, and return the exit code."""
     print(f"roughcontact: {error}", file=sys.stderr)
     return code
 
 
 def _parser(*, settings: bool) -> argparse.ArgumentParser:
-    """Return the parser; the options of `solve` come from the settings, which take a moment to import."""
+    """Return the parser; the options of `solve` come from the settings, whose import takes a moment."""
     parser = _Parser(prog="roughcontact", description=_DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
     verbs = parser.add_subparsers(required=True, metavar="inspect | solve | init | run | compare | crate")
 
-    inspect = verbs.add_parser("inspect", help="say in plain words what is in a file")
+    inspect = verbs.add_parser("inspect", help="describe the contents of a file")
     inspect.add_argument("files", nargs="+", metavar="FILE", help="measured height maps, any format")
     _add_file_options(inspect)
     inspect.set_defaults(run=_inspect)
@@ -128,14 +119,16 @@ def _parser(*, settings: bool) -> argparse.ArgumentParser:
         description=_RUN,
     )
 
-    compare = verbs.add_parser("compare", help="say which numbers of two runs differ by more than their ±")
+    compare = verbs.add_parser(
+        "compare", help="list the numbers of two runs that differ by more than their ±"
+    )
     compare.add_argument("before", metavar="BEFORE", help="statistics.nc of one run")
     compare.add_argument("after", metavar="AFTER", help="statistics.nc of the other run")
     compare.add_argument(
         "--share",
         type=float,
         metavar="NUMBER",
-        help="compare every number, and let it change by this share of itself: 0.01 is 1 %%",
+        help="compare every number, and allow a relative change by this share: 0.01 is 1 %%",
     )
     _add_json(compare)
     compare.set_defaults(run=_compare)
@@ -147,7 +140,7 @@ def _parser(*, settings: bool) -> argparse.ArgumentParser:
     crate.add_argument(
         "--license",
         metavar="TEXT",
-        help="address of the licence under which others may use the results, or words",
+        help="address of the licence under which others may use the results, or its text",
     )
     crate.add_argument("--author", metavar="TEXT", help='who made the run: "Name <address of the ORCID>"')
     crate.add_argument(
@@ -158,8 +151,8 @@ def _parser(*, settings: bool) -> argparse.ArgumentParser:
 
 
 def _add_file_options(parser: argparse.ArgumentParser) -> None:
-    """Add what the verbs that read a map take: what its file does not say, and how to print."""
-    group = parser.add_argument_group("what the file does not say")
+    """Add options for information that is missing in a file, and for the output format."""
+    group = parser.add_argument_group("information missing in the file")
     for name, text in _FILE_OPTIONS.items():
         kind, shown = (_length, "LENGTH") if name in ("dx", "dy") else (str, "TEXT")
         group.add_argument(f"--{name}", help=text, type=kind, metavar=shown)
@@ -167,7 +160,7 @@ def _add_file_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _length(text: str) -> float | str:
-    """Return a number, or the text itself where it is one with a unit."""
+    """Return a number, or the text itself if it is a number with a unit."""
     from roughcontact.units import carries_unit
 
     if carries_unit(text):
@@ -175,11 +168,13 @@ def _length(text: str) -> float | str:
     try:
         return float(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is no number, nor one with its unit (1.5um)") from None
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is neither a number nor a number with its unit (1.5um)"
+        ) from None
 
 
 def _add_json(parser: argparse.ArgumentParser) -> None:
-    """Add how to print."""
+    """Add the option for the output format."""
     parser.add_argument(
         "--json", action="store_true", help="print for machines: SI units, names as in the files"
     )
@@ -192,7 +187,7 @@ def _given(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _inspect(options: argparse.Namespace) -> int:
-    """Print what is in each file; a file that is none is said, and the next one is looked at."""
+    """Print the contents of each file; files that cannot be read are reported and skipped."""
     from roughcontact.command_line.describe import as_json, inspection
     from roughcontact.io.inspection import inspect_file
 
@@ -227,7 +222,7 @@ def _solve(options: argparse.Namespace) -> int:
 
 
 def _init(options: argparse.Namespace) -> int:
-    """Write settings and table, and say how to go on."""
+    """Write settings and table, and print the next steps."""
     from roughcontact.command_line.running import write_project
 
     settings, table = write_project(options.files)
@@ -259,7 +254,7 @@ def _compare(options: argparse.Namespace) -> int:
 
 
 def _statistics_of(path: str) -> "xr.Dataset":
-    """Return the statistics of a run; what is no such file is refused in these words."""
+    """Return the statistics of a run, or raise an error for any other file."""
     from roughcontact.results.storage import read_dataset
 
     way_out = "name the statistics.nc of a run, of all surfaces or of one"
@@ -275,7 +270,7 @@ def _statistics_of(path: str) -> "xr.Dataset":
 
 
 def _crate(options: argparse.Namespace) -> int:
-    """Write the description of a run, and say where it is."""
+    """Write the description of a run, and print its path."""
     from roughcontact.results.crate import write_crate
 
     stated = {"terms": options.license, "author": options.author, "publisher": options.publisher}

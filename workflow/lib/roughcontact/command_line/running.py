@@ -1,4 +1,4 @@
-"""The workflow, from the command line: settings and table to begin with, and a run of it by Snakemake."""
+"""The workflow from the command line: initial settings and table, and runs of it by Snakemake."""
 
 import argparse
 import os
@@ -17,20 +17,20 @@ from roughcontact.errors import SettingsError
 PACKAGE = Path(__file__).parents[1]
 _PROFILES = ("--profile", "--workflow-profile", "--executor", "-e")
 _CORES = ("--cores", "-c", "--jobs", "-j", *_PROFILES)
-_TRIES = 20  # tenths of a second in which jobs notice that their run is gone
+_TRIES = 20  # tenths of a second in which jobs notice that their run has ended
 # with one of these the screen is Snakemake's own
 _SHOW = ("--logger", "--quiet", "-q", "--verbose", "--printshellcmds", "-p", "--debug-dag")
 _LOCKS = ".snakemake/locks/*.lock"  # those of Snakemake, while a run is at work
 _FILES = Path("config/config.yaml"), Path("config/surfaces.tsv")
 
 _SETTINGS_HEAD = """\
-# Settings of roughcontact with their defaults. A key that is left out has its default.
+# Settings of roughcontact with their defaults. A missing key has its default.
 # State your materials and loads under `contact`; list your files in config/surfaces.tsv; then
 # run `roughcontact run`.
 """
 _TABLE_HEAD = """\
 # One row for each surface: a name (letters, digits, -) and the file, separated by a tab.
-# A row that starts with # is left out. Further columns say what a file does not: dx and dy (steps
+# A row that starts with # is ignored. Further columns complete the files: dx and dy (steps
 # between points) and unit (theirs), height_unit, channel.
 surface\tpath
 """
@@ -38,7 +38,7 @@ _TABLE_EXAMPLE = "# ground\tmeasured/ground.x3p\n"
 
 
 def workflow_file() -> Path:
-    """Return the Snakefile: that inside the installed package, else that of the checkout.
+    """Return the Snakefile: that inside the installed package, otherwise that of the checkout.
 
     Returns
     -------
@@ -64,12 +64,12 @@ def write_project(files: Sequence[str | Path]) -> list[Path]:
     Returns
     -------
     list of Path
-        what was written.
+        the written files.
 
     Raises
     ------
     SettingsError
-        where there is one already, or a file is not there.
+        where one of them already exists, or a measured file is missing.
 
     Examples
     --------
@@ -85,10 +85,10 @@ def write_project(files: Sequence[str | Path]) -> list[Path]:
 
     for path in _FILES:
         if path.exists():
-            raise SettingsError(f"{path} is there already: change it, or go to another folder")
+            raise SettingsError(f"{path} already exists: change it, or go to another folder")
     for file in files:
         if not Path(file).is_file():
-            raise SettingsError(f"{file}: there is no such file")
+            raise SettingsError(f"{file}: no such file")
     rows = [f"{name}\t{file}\n" for name, file in zip(_names(files), files, strict=True)]
     texts = default_yaml(head=_SETTINGS_HEAD), _TABLE_HEAD + ("".join(rows) or _TABLE_EXAMPLE)
     for path, text in zip(_FILES, texts, strict=True):
@@ -97,7 +97,7 @@ def write_project(files: Sequence[str | Path]) -> list[Path]:
 
 
 def _names(files: Sequence[str | Path]) -> list[str]:
-    """Return a name for each file, of letters, digits and hyphens, no two alike."""
+    """Return a different name for each file, of letters, digits and hyphens."""
     names: list[str] = []
     for file in files:
         stem = re.sub(r"[^A-Za-z0-9]+", "-", Path(file).stem).strip("-") or "surface"
@@ -109,7 +109,7 @@ def _names(files: Sequence[str | Path]) -> list[str]:
 def run_workflow(arguments: Sequence[str]) -> int:
     """Run the workflow in the working directory, on all cores unless the arguments say otherwise.
 
-    A run that was killed before is gone on with; a bad file stops its own surface alone.
+    A run that was killed is continued; a bad file stops only its own surface.
 
     Parameters
     ----------
@@ -131,12 +131,12 @@ def run_workflow(arguments: Sequence[str]) -> int:
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(workflow_file())]
     if not any(word.split("=")[0] in _SHOW for word in arguments):
         command += ["--logger", "roughcontact"]
-    # the profile of a run on this machine says no more than this, but Snakemake announces it each time
+    # as in the default profile, which Snakemake would announce each time
     command += ["--rerun-incomplete", "--keep-going"]
     if not any(word.split("=")[0] in _PROFILES for word in arguments):
         command += ["--workflow-profile", "none"]
     if _left_locked(given.directory):
-        print("The last run in this folder was killed: going on where it ended.", file=sys.stderr, flush=True)
+        print("The last run in this folder was killed: it is continued.", file=sys.stderr, flush=True)
         _wait([*command, "--unlock", *arguments, "--quiet"], given.directory)
     if not any(word.split("=")[0] in _CORES for word in arguments):
         command += ["--cores", "all"]
@@ -149,7 +149,7 @@ def run_workflow(arguments: Sequence[str]) -> int:
 
 
 def _understood(arguments: Sequence[str]) -> argparse.Namespace:
-    """Return the words for Snakemake that are looked at here: the working directory, the configuration."""
+    """Return the arguments of Snakemake that are also used here: the working directory, the configuration."""
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--directory", "-d", type=Path, default=Path())
     parser.add_argument("--configfile", "--configfiles", type=Path, nargs="+", default=[])
@@ -157,7 +157,7 @@ def _understood(arguments: Sequence[str]) -> argparse.Namespace:
 
 
 def _check_start(given: argparse.Namespace) -> None:
-    """Raise where it is known beforehand that a run cannot begin."""
+    """Raise an error where it is known beforehand that a run cannot begin."""
     from importlib.util import find_spec
 
     if find_spec("snakemake") is None:
@@ -165,7 +165,7 @@ def _check_start(given: argparse.Namespace) -> None:
     for file in given.configfile:
         if not file.is_file():
             raise SettingsError(
-                f"--configfile {file}: there is no such file; `roughcontact init` writes one to change"
+                f"--configfile {file}: no such file; `roughcontact init` writes one to change"
             )
         _check_yaml(file)
     homes = given.directory, workflow_file().parent, workflow_file().parents[1]
@@ -181,27 +181,27 @@ def _check_start(given: argparse.Namespace) -> None:
     there = next(path for path in (folder, *folder.parents) if path.is_dir())
     if not os.access(there, os.W_OK):
         raise SettingsError(
-            f"{there} is read-only, results cannot be written there: name another folder with --directory"
+            f"{there} is read-only, results cannot be written there: choose another folder with --directory"
         )
 
 
 def _check_yaml(file: Path) -> None:
-    """Raise where a configuration cannot be read, or says a thing twice: YAML takes the last alone."""
+    """Raise an error for an unreadable configuration or duplicate keys, of which YAML takes only the last."""
     import yaml  # comes with Snakemake
 
     try:
         text = file.read_text(encoding="utf-8")
         root = yaml.compose(text, Loader=yaml.SafeLoader)
     except (OSError, UnicodeDecodeError) as error:
-        raise SettingsError(f"{file}: is no text in UTF-8 ({error}); save it as such") from error
+        raise SettingsError(f"{file}: is not UTF-8 text ({error}); save it as such") from error
     except yaml.YAMLError as error:
         mark, problem = (getattr(error, key, None) for key in ("problem_mark", "problem"))
         line = f", line {mark.line + 1}" if mark else ""
         raise SettingsError(
-            f"{file}{line}: is no valid YAML ({problem or error}); look at and above it"
+            f"{file}{line}: is not valid YAML ({problem or error}); check this line and those above it"
         ) from error
     except RecursionError:
-        raise SettingsError(f"{file}: is nested without end; write out what is meant") from None
+        raise SettingsError(f"{file}: is nested too deeply; write fewer levels") from None
     if root is None:
         raise SettingsError(f"{file}: is empty; `roughcontact init` writes one to change")
     if not isinstance(root, yaml.MappingNode):
@@ -220,16 +220,16 @@ def _check_yaml(file: Path) -> None:
             waiting.append(value)
             if keys.count(key.value) > 1 and "__use_yte__" not in text:
                 raise SettingsError(
-                    f"{file}, line {key.start_mark.line + 1}: {key.value} stands twice in the same group; "
-                    "leave one of them out"
+                    f"{file}, line {key.start_mark.line + 1}: {key.value} occurs twice in the same group; "
+                    "delete one of them"
                 )
 
 
 def _left_locked(folder: Path) -> bool:
-    """Tell whether Snakemake's locks in a working directory are those of a run that is gone.
+    """Return whether Snakemake's locks in a working directory are those of a run that has ended.
 
-    A run holds a lock on .snakemake/running, which the system frees when the run ends in whatever way. Where
-    the last run was on another computer nobody here can know.
+    A run holds a lock on .snakemake/running, which the system releases when the run ends in whatever way.
+    After a run on another computer this cannot be known.
     """
     if os.name == "nt" or not any(folder.glob(_LOCKS)):
         return False
@@ -248,17 +248,17 @@ def _left_locked(folder: Path) -> bool:
 def _held(folder: Path, *, dry: bool) -> Iterator[tuple[list[int], str]]:
     """Lock .snakemake/running as long as this process or the Snakemake that it starts lives.
 
-    The system frees the lock when both have ended, in whatever way: by this a job knows that its run is gone
-    (`_job.py`), and the next run that the locks of Snakemake are those of one that was killed. The file names
-    computer and run, so that a job of a run that was killed does not take the next one for its own. A run
-    that comes to its end leaves it empty.
+    The system releases the lock when both have ended, in whatever way: by this a job knows that its run has
+    ended (`_job.py`), and the next run that the locks of Snakemake are those of a killed run. The file names
+    computer and run, so that a job of a killed run does not mistake the next run for its own. A completed run
+    leaves the file empty.
 
     Yields
     ------
     files : list of int
-        what Snakemake has to inherit.
+        file descriptors that Snakemake has to inherit.
     run : str
-        the name of the run, empty where nothing is held: in a dry run, in a folder without locks, or beside
+        the name of the run, empty without a lock: in a dry run, in a folder without locks, or beside
         another run, where Snakemake refuses this one.
     """
     if dry or os.name == "nt":
@@ -278,7 +278,7 @@ def _held(folder: Path, *, dry: bool) -> Iterator[tuple[list[int], str]]:
             yield [], ""
             return
         line = f"{socket.gethostname()} {run}\n".encode()
-        # in place, then cut: a kill in between leaves the computer's name
+        # in place, then truncated: after a kill in between the computer's name is there
         with path.open("r+b", buffering=0) as content:
             content.write(line)
             content.truncate(len(line))
@@ -288,7 +288,7 @@ def _held(folder: Path, *, dry: bool) -> Iterator[tuple[list[int], str]]:
 
 
 def _locked(file: int, how: int) -> bool:
-    """Lock a file, after a moment if need be: the jobs of a run that was just killed have to notice it."""
+    """Lock a file, if necessary after a moment: the jobs of a run that was just killed have to notice it."""
     import fcntl
 
     for _ in range(_TRIES):
@@ -304,7 +304,7 @@ def _locked(file: int, how: int) -> bool:
 
 
 def _cache(folder: Path) -> dict[str, str]:
-    """Return the variable that puts caches into the working directory, where there is no home to write to."""
+    """Return the variable that puts caches into the working directory if there is no writable home."""
     try:
         home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
         Path(home).mkdir(parents=True, exist_ok=True)
@@ -314,7 +314,7 @@ def _cache(folder: Path) -> dict[str, str]:
 
 
 def _wait(command: Sequence[str], folder: Path, *, files: Sequence[int] = (), run: str = "") -> int:
-    """Run a command to its end, also after an interruption, which it has got as well."""
+    """Run a command to its end, even after an interruption, which the command has received as well."""
     variables = os.environ | _cache(folder) | {"ROUGHCONTACT_RUN": run}  # for its jobs
     process = subprocess.Popen(command, env=variables, pass_fds=files)
     while True:

@@ -1,4 +1,4 @@
-"""One file to numbers by the chain of the workflow, as plain values, with a bar for long work."""
+"""From one file to numbers by the chain of the workflow, as plain values, with a progress bar."""
 
 import json
 import sys
@@ -15,7 +15,7 @@ from roughcontact.pipeline import run_chain
 from roughcontact.statistics import checks
 from roughcontact.variables import VARIABLES
 
-# what levelling removed and filled, of the attributes that it leaves
+# attributes of the levelled map on removed and filled points
 _LEVELLED = (
     *("form", "outliers_rejected", "filled_points", "filled_share", "largest_hole"),
     *("line_alignment", "row_jitter"),
@@ -28,7 +28,7 @@ Progress = Callable[[int, int | None, str], None]
 def solve_file(
     path: str | Path, given: Mapping[str, Any], settings: Mapping[str, Any], *, threads: int = 1
 ) -> dict[str, Any]:
-    """Read, level, window and solve one map, and return the headline numbers.
+    """Read, level, window and solve one map, and return the headline numbers as plain values in SI units.
 
     Parameters
     ----------
@@ -43,8 +43,8 @@ def solve_file(
 
     Returns
     -------
-    dict of plain values, SI units
-        `file`, `source_sha256`, `measured`, `levelled` (what was removed and filled), `window` (numbers of
+    dict
+        `file`, `source_sha256`, `measured`, `levelled` (removed and filled points), `window` (numbers of
         points), `surface` (name -> number),
         `loads` (one dict per load, name -> number, `{name}_uncertainty` -> source -> half-width, with the
         words `flags`, `verdict` and `reasons`), `units` (name -> unit), `checks` (name, outcome, sentence),
@@ -53,7 +53,7 @@ def solve_file(
     Raises
     ------
     RoughContactError
-        for a file, a setting or a map that the stages refuse, or a load that misses the tolerance.
+        for a file, a setting or a map that a stage rejects, or a load that misses the tolerance.
     """
     with _progress() as show:
         show(0, None, "reading")
@@ -91,7 +91,7 @@ def _plain_numbers(
     statistics: xr.Dataset, flags: list[list[str]], verdicts: list[tuple[str, list[str]]]
 ) -> dict[str, Any]:
     """Return the numbers of a surface, those of its loads, and the units of both, as plain values."""
-    names = [str(name) for name in statistics.variables]
+    names = [str(name) for name in statistics.variables if name != "verdict"]  # which stands there in words
     surface, per_load = ([n for n in names if statistics[n].dims == dims] for dims in ((), ("load",)))
     uncertain = [name for name in names if name.endswith("_uncertainty")]
     by_source = {name: statistics[name].values.tolist() for name in uncertain}
@@ -119,7 +119,7 @@ def _progress() -> Iterator[Progress]:
     from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     columns = (
-        SpinnerColumn(),  # turns while a single load takes long
+        SpinnerColumn(),  # moves during a single long load
         TextColumn("{task.description}"),
         BarColumn(),
         TextColumn("{task.fields[loads]}"),
@@ -130,7 +130,7 @@ def _progress() -> Iterator[Progress]:
 
         def show(done: int, total: int | None, text: str) -> None:
             loads = f"{done} of {total} loads" if total else ""
-            # one load has no parts to count: the bar then only shows that work goes on
+            # one load has no parts to count: the bar then only shows activity
             several = total if total and total > 1 else None
             bar.update(task, completed=done, total=several, description=text, loads=loads)
 

@@ -1,7 +1,7 @@
-"""Settings and the table of surfaces: what may stand there, and what is said where it does not fit.
+"""Settings and the table of surfaces: their models, and the messages about mistakes in them.
 
-`models` (the sections) → `fields` (what a setting is made of) → `messages` (what is said about a mistake) →
-`resolve` (the settings of every case), `surfaces` (the table) → `study` (both); `generated` (default
-configuration, schema); `stages` and `dependencies` say which settings and which source files a stage depends
-on, `plan` which files each job of a run reads and writes, and what it needs.
+`models` (the sections) → `fields` (properties of a setting) → `messages` (error messages) → `resolve` (the
+settings of every case), `surfaces` (the table) → `study` (both); `generated` (default configuration, schema);
+`stages` and `dependencies` define the settings and source files on which a stage depends, `plan` the files
+that each job of a run reads and writes, and its resources.
 """

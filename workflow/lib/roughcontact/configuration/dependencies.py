@@ -1,4 +1,4 @@
-"""Which source files a script depends on: so that an edit reruns what it concerns and nothing else."""
+"""The source files on which a script depends, so that an edit reruns only the affected jobs."""
 
 import hashlib
 import re
@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
-# statements of the source, wherever they stand: parsing it takes five times as long
+# import statements anywhere in the source: parsing it takes five times as long
 _FROM = re.compile(r"^[ \t]*from[ \t]+([\w.]+)[ \t]+import[ \t]*(\([^)]*\)|[^\n]*)", re.MULTILINE)
 _IMPORT = re.compile(r"^[ \t]*import[ \t]+([^\n]*)", re.MULTILINE)
 _STRING = re.compile(r"""(["'])([A-Za-z_][\w.]*)\1""")
@@ -14,22 +14,13 @@ _COMMENT = re.compile(r"#[^\n]*")
 
 
 def source_digest(script: str | Path) -> str:
-    """Return a checksum of the modules that a script imports, directly or through one another.
+    """Return a checksum, 16 hexadecimal digits, of the modules that a script imports, directly or indirectly.
 
-    Only the modules of this package count, and those beside the script whose names start with _. Imports are
-    found in the source, also inside functions, without running anything. The files of a folder beside a
-    module that names it ("templates") count as well, and so do all modules of a folder of the package that a
-    module names in a string ("roughcontact.io.readers"), because they are found at run time.
-
-    Parameters
-    ----------
-    script : str or Path
-        a Python file; what it says itself does not count.
-
-    Returns
-    -------
-    str
-        16 hexadecimal digits.
+    Only the modules of this package count, and those beside the script whose names start with _; the script
+    itself does not. Imports are found in the source, also inside functions, without running anything. The
+    files of a folder beside a module that names it ("templates") count as well, and so do all modules of a
+    folder of the package that a module names in a string ("roughcontact.io.readers"), because they are found
+    at run time.
 
     Examples
     --------
@@ -75,13 +66,13 @@ def _imported(path: Path) -> tuple[Path, ...]:
 
 
 def _listed(text: str) -> list[str]:
-    """Return the names in the list of an import, without what they are called here."""
+    """Return the names in the list of an import, without their aliases."""
     entries = _COMMENT.sub("", text).strip().strip("()").split(",")
     return [words[0] for entry in entries if (words := entry.split())]
 
 
 def _named(text: str, beside: Path) -> list[Path]:
-    """Return the files of what a string names: a data folder beside its module, or a folder of the package.
+    """Return the files that a string names: a data folder beside its module, or a folder of the package.
 
     A folder is named by a string where its modules are found at run time, so that all of them are imported.
     """
@@ -97,7 +88,7 @@ def _named(text: str, beside: Path) -> list[Path]:
 
 
 def _files(name: str, beside: Path) -> list[Path]:
-    """Return the source files that importing the module `name` runs, as far as they are the project's own."""
+    """Return the source files of this project that importing the module `name` runs."""
     first, *rest = name.split(".")
     if first != PACKAGE.name:
         path = beside / f"{first}.py"

@@ -1,4 +1,4 @@
-"""What a setting is made of, read off its model: the section below it, its words, its description."""
+"""Properties of a setting, read from its model: the section below it, its choices, its description."""
 
 from collections.abc import Sequence
 from types import UnionType
@@ -10,17 +10,7 @@ from roughcontact.configuration.models import Section, Settings
 
 
 def section_of(field: FieldInfo) -> type[Section] | None:
-    """Return the section that a setting holds, alone or in a list.
-
-    Parameters
-    ----------
-    field : FieldInfo
-        a field of a section.
-
-    Returns
-    -------
-    type of Section or None
-        None where the setting is a plain value.
+    """Return the section that a setting holds, alone or in a list; None for a plain value.
 
     Examples
     --------
@@ -35,17 +25,7 @@ def section_of(field: FieldInfo) -> type[Section] | None:
 
 
 def words_of(field: FieldInfo) -> list[str]:
-    """Return the words that a setting, or each entry of its list, may be.
-
-    Parameters
-    ----------
-    field : FieldInfo
-        a field of a section.
-
-    Returns
-    -------
-    list of str
-        empty where the setting is no choice among words.
+    """Return the words that a setting, or each entry of its list, may be; none where any value may stand.
 
     Examples
     --------
@@ -60,17 +40,9 @@ def words_of(field: FieldInfo) -> list[str]:
 
 
 def fields_at(location: Sequence[str | int]) -> dict[str, FieldInfo]:
-    """Return the fields of the section at a location.
+    """Return the fields of the section at a location; none where there is no such section.
 
-    Parameters
-    ----------
-    location : sequence of str and int
-        keys from the top down; positions in lists are passed over.
-
-    Returns
-    -------
-    dict
-        key -> field; empty where there is no such section.
+    A location has the keys from the top down; positions in lists are skipped.
 
     Examples
     --------
@@ -85,17 +57,7 @@ def fields_at(location: Sequence[str | int]) -> dict[str, FieldInfo]:
 
 
 def field_at(location: Sequence[str | int]) -> FieldInfo | None:
-    """Return the field that a location names.
-
-    Parameters
-    ----------
-    location : sequence of str and int
-        keys from the top down; positions in lists are passed over.
-
-    Returns
-    -------
-    FieldInfo or None
-        None where there is no such setting.
+    """Return the field at a location, as in `fields_at`; None where there is no such setting.
 
     Examples
     --------

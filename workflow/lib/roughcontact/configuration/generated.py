@@ -11,11 +11,12 @@ from roughcontact.configuration.models import Section, Settings
 _HEAD = """\
 # yaml-language-server: $schema=../workflow/schemas/config.schema.json
 # Settings of roughcontact with their defaults, written by `python -m roughcontact.configuration`.
-# For a run of your own copy this file, change it, and hand it over with `--configfile`. A key
-# that is left out has its default. config/README.md explains settings and table of surfaces.
+# For a run of your own copy this file, change it, and name it with `--configfile`. A missing
+# key has its default. config/README.md explains settings and table of surfaces.
 """
 _WIDTH = 112  # of a comment with its indentation
-# what has no default but is set, so that the shipped configuration runs on the samples, and what it is
+# settings without a default that the shipped configuration sets for the samples, and their meaning
+# meaning
 _SHIPPED = {
     "bodies": "here steel and PEEK, a polymer of seals and plain bearings",
     "mean_pressure": "here what seals and plain bearings carry",
@@ -25,15 +26,7 @@ _SHIPPED = {
 def default_yaml(*, head: str = _HEAD) -> str:
     """Return the default configuration: every key with its default, its meaning and its unit.
 
-    Parameters
-    ----------
-    head : str
-        comment lines at its head.
-
-    Returns
-    -------
-    str
-        the text; with the head that is given by default, that of config/config.yaml.
+    It begins with the comment lines `head`, by default those of config/config.yaml.
 
     Examples
     --------
@@ -46,11 +39,6 @@ def default_yaml(*, head: str = _HEAD) -> str:
 def json_schema() -> str:
     """Return the JSON schema of the configuration, for editors that complete and check YAML.
 
-    Returns
-    -------
-    str
-        the text of workflow/schemas/config.schema.json.
-
     Examples
     --------
     >>> json.loads(json_schema())["$defs"]["Level"]["properties"]["fill"]["enum"]
@@ -62,12 +50,9 @@ def json_schema() -> str:
 
 
 def write_generated(root: Path) -> None:
-    """Write config/config.yaml and workflow/schemas/config.schema.json.
+    """Write config/config.yaml and workflow/schemas/config.schema.json below the folder `root`.
 
-    Parameters
-    ----------
-    root : Path
-        the folder below which they lie; what is missing of it is made.
+    Missing folders are created.
     """
     for name, text in (
         ("config/config.yaml", default_yaml()),

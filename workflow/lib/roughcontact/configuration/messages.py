@@ -1,4 +1,4 @@
-"""What is said about a mistake in the settings: the key, the value, the rule, the way out."""
+"""Error messages for mistakes in the settings: the key, the value, the rule, the way out."""
 
 import re
 from collections.abc import Collection, Mapping, Sequence
@@ -12,7 +12,7 @@ from roughcontact.errors import SettingsError
 
 NAME_RULE = "a name has letters, digits and hyphens only (it becomes a folder)"
 
-# the rule behind a mistake, by the name that pydantic gives it
+# the rule behind a mistake, by its name in pydantic
 _RULES = {
     "greater_than": "must be greater than {gt:g}",
     "greater_than_equal": "must not be less than {ge:g}",
@@ -25,7 +25,7 @@ _RULES = {
     "string_too_short": "must not be empty",
     "value_error": "{error}",
 }
-# the same for what is of another type, by the start of that name
+# the same for values of another type, by the start of that name
 _TYPES = {
     "bool": "must be true or false",
     "float": "must be a finite number",
@@ -36,17 +36,7 @@ _TYPES = {
 
 
 def is_name(text: str) -> bool:
-    """Return whether a surface or a case may have this name.
-
-    Parameters
-    ----------
-    text : str
-        the name.
-
-    Returns
-    -------
-    bool
-        True for letters, digits and hyphens, at least one.
+    """Return whether a surface or a case may have this name: letters, digits and hyphens, at least one.
 
     Examples
     --------
@@ -58,18 +48,6 @@ def is_name(text: str) -> bool:
 
 def nearest(word: object, valid: Collection[str]) -> str:
     """Return the end of a sentence that names the valid word nearest to a wrong one, or all of them.
-
-    Parameters
-    ----------
-    word : object
-        what was given.
-    valid : collection of str
-        what may be given.
-
-    Returns
-    -------
-    str
-        a question, or a list.
 
     Examples
     --------
@@ -83,21 +61,16 @@ def nearest(word: object, valid: Collection[str]) -> str:
 
 
 def mistake(case: str, overrides: Mapping[str, Any], detail: ErrorDetails) -> SettingsError:
-    """Return one mistake that pydantic found, in a sentence.
+    """Return the error for one mistake found by pydantic: key, value, rule and meaning of the setting.
 
     Parameters
     ----------
     case : str
         name of the case; empty where there are none.
     overrides : mapping
-        the settings of the case that differ from those above; a mistake in them is named as theirs.
+        the settings of the case that differ from the common ones; a mistake in them is named by the case.
     detail : ErrorDetails
         one entry of `ValidationError.errors()`.
-
-    Returns
-    -------
-    SettingsError
-        with key, value, rule, and what the setting means.
 
     Examples
     --------
@@ -108,31 +81,16 @@ def mistake(case: str, overrides: Mapping[str, Any], detail: ErrorDetails) -> Se
     return _named(case, overrides, detail["loc"], _reason(detail))
 
 
-def questioned(
+def implausible(
     case: str, overrides: Mapping[str, Any], location: Sequence[str | int], value: Any, question: str
 ) -> SettingsError:
-    """Return a value that is hardly meant as a mistake, in a sentence.
+    """Return the error for an implausible value, as written at a location, with a question.
 
-    Parameters
-    ----------
-    case : str
-        name of the case; empty where there are none.
-    overrides : mapping
-        the settings of the case that differ from those above.
-    location : sequence of str and int
-        of the setting, from the top down.
-    value : object
-        as it was written.
-    question : str
-        what may have been meant.
-
-    Returns
-    -------
-    SettingsError
+    `case` and `overrides` are those of `mistake`.
 
     Examples
     --------
-    >>> str(questioned("", {}, ("contact", "mean_pressure", 0), 1, "did you mean 1 MPa?"))
+    >>> str(implausible("", {}, ("contact", "mean_pressure", 0), 1, "did you mean 1 MPa?"))
     'contact.mean_pressure[0] = 1: did you mean 1 MPa?'
     """
     return _named(case, overrides, location, f" = {value!r}: {question}")
@@ -141,7 +99,7 @@ def questioned(
 def _named(
     case: str, overrides: Mapping[str, Any], location: Sequence[str | int], text: str
 ) -> SettingsError:
-    """Return a mistake under the name of its setting, where it stands."""
+    """Return an error with the name of its setting before the text."""
     setting = _dotted([part for part in location if not isinstance(part, int)][:2])
     key = _dotted(location)
     if case and location[0] in overrides and _given(overrides, location):
@@ -150,7 +108,7 @@ def _named(
 
 
 def _reason(detail: ErrorDetails) -> str:
-    """Return what a message says behind the key."""
+    """Return the part of a message after the key."""
     location = detail["loc"]
     field = field_at(location)
     meaning = (field.description if field else None) or ""
@@ -162,7 +120,7 @@ def _reason(detail: ErrorDetails) -> str:
 
 
 def _rule(detail: ErrorDetails) -> str:
-    """Return which rule a value breaks."""
+    """Return the rule that a value breaks."""
     kind, location = detail["type"], detail["loc"]
     field = field_at(location)
     if kind == "literal_error" and field:

@@ -1,8 +1,8 @@
-"""The settings: what may stand in the configuration, in which unit, with which default.
+"""The settings: the keys of the configuration, their units and defaults.
 
-A section is exactly the keyword arguments of its verb (`level(height, **settings["level"])`), so that there
-is one word for one thing. `resolve` checks a configuration against these models, `messages` says what does
-not fit, `generated` writes the default configuration and the JSON schema.
+A section is exactly the keyword arguments of its function (`level(height, **settings["level"])`), so that
+each quantity has one name. `resolve` checks a configuration against these models, `messages` describes the
+mistakes, `generated` writes the default configuration and the JSON schema.
 """
 
 from functools import partial
@@ -32,21 +32,21 @@ from roughcontact.units import carries_unit, in_base_unit
 
 
 def _not_boolean(value: Any) -> Any:
-    """Refuse true and false where a number is meant: Python takes them for 1 and 0."""
+    """Reject true and false for a number: Python takes them for 1 and 0."""
     if isinstance(value, bool):
         raise ValueError("must be a number")
     return value
 
 
 def _without_unit(value: Any) -> Any:
-    """Refuse a pressure where a load relative to the modulus is meant."""
+    """Reject a pressure for a load relative to the modulus."""
     if carries_unit(value):
         raise ValueError("has no unit; a load with one is mean_pressure")
     return value
 
 
 def _as_list(value: Any) -> Any:
-    """Take one load for a list of one."""
+    """Return a single value as a list of one."""
     return value if isinstance(value, list | tuple | NoneType) else [value]
 
 
@@ -54,7 +54,7 @@ Number = Annotated[float, BeforeValidator(_not_boolean)]
 Count = Annotated[int, BeforeValidator(_not_boolean)]
 Positive = Annotated[Number, Field(gt=0)]
 RelativeUncertainty = Annotated[Number, Field(ge=0, lt=1)]
-# what has a dimension: a bare number in SI units, or a number with its unit
+# quantities with a dimension: a bare number in SI units, or a number with its unit
 _POSITIVE = {"type": "number", "exclusiveMinimum": 0}
 _WITH_UNIT = {"anyOf": [_POSITIVE, {"type": "string"}]}
 Length = Annotated[Positive, BeforeValidator(partial(in_base_unit, base="m")), WithJsonSchema(_WITH_UNIT)]
@@ -97,80 +97,80 @@ class Section(BaseModel):
 
 
 class Level(Section):
-    """Levelling: outliers out, scan lines aligned, form and waviness off, missing points filled in."""
+    """Levelling: remove outliers, align scan lines, remove form and waviness, fill in missing points."""
 
-    form: LevelForm = Field(default="plane", description="what is fitted to the measured map and taken off")
+    form: LevelForm = Field(default="plane", description="form that is fitted to the map and subtracted")
     order: Count = Field(
         default=2, ge=1, description="total order of the polynomial, x^i y^j with i + j <= order"
     )
     robust: bool = Field(
         default=False,
-        description="fit so that deep valleys and high spikes have no weight (else least squares)",
+        description="fit without weight on deep valleys and high spikes (otherwise least squares)",
     )
     outlier_threshold: Positive | None = Field(
         default=6.0,
-        description="isolated spikes that stand off their surroundings by more than this many local standard "
-        "deviations are taken for missing; null keeps every point",
+        description="isolated spikes that deviate from their surroundings by more than this many local "
+        "standard deviations are treated as missing; null keeps every point",
     )
     line_alignment: LineAlignment = Field(
         default="auto",
-        description="how rows (scan lines) are shifted to match one another; jitter: by what jumps from row "
-        "to row at random; auto: as jitter where the rows show it clearly, else not; median: each row's "
-        "median to the same height; matched-steps: the median step from row to row to zero",
+        description="how rows (scan lines) are shifted to match one another; jitter: by their random jumps "
+        "from row to row; auto: as jitter where the rows clearly jump, otherwise not; median: the median of "
+        "each row to the same height; matched-steps: the median step from row to row to zero",
     )
     scar_threshold: Positive | None = Field(
         default=None,
-        description="for scanned maps: pieces of one to four rows that stick out against the rows before and "
-        "after by more than this many standard deviations are taken for missing (4 is a good start); narrow "
+        description="for scanned maps: pieces of one to four rows that deviate from the rows before and "
+        "after by more than this many standard deviations are treated as missing (4 is a good start); narrow "
         "grooves along x look the same; null keeps every point",
         examples=[4.0],
     )
     s_filter: Length | None = Field(
         default=None,
         description="nesting index of the S-filter (areal Gaussian, ISO 16610-61), m: shorter waves are "
-        "taken off; null keeps them",
+        "removed; null keeps them",
         examples=["2.5 um"],
     )
     l_filter: Length | None = Field(
         default=None,
-        description="nesting index of the L-filter (areal Gaussian, ISO 16610-61), m: longer waves are taken "
-        "off; null keeps them",
+        description="nesting index of the L-filter (areal Gaussian, ISO 16610-61), m: longer waves are "
+        "removed; null keeps them",
         examples=["0.8 mm"],
     )
     fill: Fill = Field(
         default="harmonic",
-        description="how missing points are filled in; those at the border are cut off instead",
+        description="how missing points are filled in; those at the border are cropped instead",
     )
     max_missing: Number = Field(
-        default=0.4, ge=0, le=1, description="largest share of missing points; a map with more is refused"
+        default=0.4, ge=0, le=1, description="largest share of missing points; a map with more is rejected"
     )
 
 
 class Composite(Section):
-    """Two measured faces that touch (column counter_face of the table): how they are laid on one another."""
+    """Relative positions of two measured faces that touch (column counter_face of the table)."""
 
     shifts: Count = Field(default=5, ge=1, description="random shifts for each rotation; each is solved")
     rotations: list[Angle] = Field(
         default_factory=lambda: [0.0],
         min_length=1,
-        description="angles by which the counter-face is turned on the face, degrees, from x towards y",
+        description="angles by which the counter-face is rotated on the face, degrees, from x towards y",
     )
     overlap: Number = Field(
         default=0.75,
         gt=0,
         le=1,
-        description="least share of each side of the smaller map that the other one covers",
+        description="minimum share of each side of the smaller map that the other one covers",
     )
     seed: Count = Field(default=0, ge=0, description="of the random shifts")
 
 
 class Window(Section):
-    """The periodic window that is solved."""
+    """The periodic window for the solver."""
 
     placement: Placement = Field(
         default="largest",
-        description="which part of the map is solved; largest: the largest rectangle without missing points; "
-        "search: the position and size with the best score, whole periods of a lay included",
+        description="part of the map that is solved; largest: the largest rectangle without missing points; "
+        "search: the position and size with the best score, including whole periods of a lay",
     )
     method: WindowMethod = Field(
         default="smooth-cross-fade",
@@ -180,30 +180,30 @@ class Window(Section):
         default=0.1,
         gt=0,
         le=0.5,
-        description="share of the side over which the two cross-fades blend or taper falls; no other method "
-        "has it",
+        description="share of the side over which the two cross-fades blend or taper falls; other methods "
+        "ignore it",
     )
     min_share: Number = Field(
         default=0.05,
         ge=0,
         le=1,
-        description="least share of the map that the window must have; else it is refused",
+        description="minimum share of the map that the window must cover; smaller ones are rejected",
     )
     shortest_wavelength: Length | None = Field(
         default=None,
-        description="shorter waves are taken out of the window, m; null keeps them; the cut is sharp, so "
-        "that steps and particles ring: level.s_filter is soft",
+        description="shorter waves are removed from the window, m; null keeps them; the cutoff is sharp, so "
+        "that steps and particles ring: level.s_filter is smooth",
         examples=["2 um"],
     )
     longest_wavelength: Length | None = Field(
         default=None,
-        description="longer waves are taken out of the window, m; null keeps them",
+        description="longer waves are removed from the window, m; null keeps them",
         examples=["100 um"],
     )
     reliable_band: bool = Field(
         default=False,
-        description="take out the waves that are shorter than the instrument resolves (two pixels, or the "
-        "limit of the lens where the file states its numerical aperture)",
+        description="remove waves that are shorter than the instrument resolves (two pixels, or the "
+        "limit of the lens if the file states its numerical aperture)",
     )
 
 
@@ -214,23 +214,23 @@ class Body(Section):
     poissons_ratio: Number = Field(gt=-1, le=0.5, description="Poisson's ratio, no unit", examples=[0.3])
     hardness: Pressure | None = Field(
         default=None,
-        description="largest pressure it bears before it flows (indentation hardness), Pa",
+        description="largest pressure that it carries before it yields (indentation hardness), Pa",
         examples=["2 GPa"],
     )
     yield_stress: Pressure | None = Field(
         default=None,
-        description="in tension, Pa: the stresses below the surface are then in the results, and the load at "
+        description="in tension, Pa: the results then include the stresses below the surface and the load at "
         "which it yields there",
         examples=["400 MPa"],
     )
     thermal_conductivity: Conductivity | None = Field(
         default=None,
-        description="W m-1 K-1, of both bodies: what the contact conducts of heat is then in the results",
+        description="W m-1 K-1, of both bodies: the results then include the thermal contact conductance",
         examples=[50.0],
     )
     electrical_resistivity: Resistivity | None = Field(
         default=None,
-        description="Ohm m, of both bodies: what the contact conducts of current is then in the results",
+        description="Ohm m, of both bodies: the results then include the electrical contact conductance",
         examples=[2.0e-7],
     )
 
@@ -249,7 +249,7 @@ class Contact(Section):
         min_length=2,
         max_length=2,
         description="the two bodies, instead of contact_modulus: Young's moduli (Pa), Poisson's ratios, and "
-        "what else is asked of them",
+        "optional properties",
         examples=[
             [
                 {
@@ -269,8 +269,8 @@ class Contact(Section):
     )
     mean_pressure: Loads | None = Field(
         default=None,
-        description="nominal pressure, Pa, one number or a list; where no load is given, loads are planned, "
-        "log-spaced",
+        description="nominal pressure, Pa, one number or a list; if no load is given, log-spaced loads are "
+        "planned",
         examples=[["1 MPa", "2 MPa", "5 MPa", "10 MPa", "20 MPa", "50 MPa"]],
     )
     relative_pressure: RelativeLoads | None = Field(
@@ -280,21 +280,21 @@ class Contact(Section):
     )
     target_area: Shares | None = Field(
         default=None,
-        description="relative contact area whose load is found and solved, beside the loads that are given; "
+        description="relative contact area whose load is found and solved, in addition to the given loads; "
         "one number or a list",
         examples=[[0.1]],
     )
     target_gap: Lengths | None = Field(
         default=None,
-        description="mean gap, m, whose load is found and solved, beside the loads that are given; one "
+        description="mean gap, m, whose load is found and solved, in addition to the given loads; one "
         "number or a list",
         examples=[["0.2 µm"]],
     )
     target: Annotated[list[LoadTarget], Field(min_length=1), BeforeValidator(_as_list)] | None = Field(
         default=None,
-        description="what else the load is found of, and solved: percolation, at which the gap closes along "
-        "x and along y; first_yield, at which a body begins to yield (its yield_stress below the surface, "
-        "else the hardness)",
+        description="further states whose load is found and solved: percolation, at which the gap closes "
+        "along x and along y; first_yield, at which a body begins to yield (its yield_stress below the "
+        "surface, otherwise the hardness)",
         examples=[["percolation"]],
     )
     contact_modulus_uncertainty: RelativeUncertainty | None = Field(
@@ -311,17 +311,17 @@ class Contact(Section):
         default=1e-4,
         ge=SMALLEST_TOLERANCE,
         lt=1,
-        description="largest error_bound that is accepted (relative, energy norm), no unit",
+        description="largest accepted error_bound (relative, energy norm), no unit",
     )
     zero_frequency: ZeroFrequency = Field(
         default="zero",
-        description="mean displacement in the approach: zero, nogi-kato (its mean over the q = 0 patch), "
+        description="mean displacement in the approach: zero, nogi-kato (its mean over the q = 0 cell), "
         "lattice (one contact per window in free space); pressure and area do not depend on it",
     )
     hardness: Pressure | None = Field(
         default=None,
-        description="largest pressure that the softer body bears before it flows (indentation hardness), Pa: "
-        "the pressure is limited to it; where bodies state theirs it is not given here; none: elastic "
+        description="largest pressure that the softer body carries before it yields (indentation hardness), "
+        "Pa: the upper limit of the pressure; not given here if bodies state theirs; none: elastic "
         "throughout",
         examples=["2 GPa"],
     )
@@ -338,13 +338,13 @@ class Contact(Section):
     )
     on_failure: OnFailure = Field(
         default="raise",
-        description="what happens to a load that misses the tolerance: raise (the surface fails) or flag "
+        description="consequence for a load that misses the tolerance: raise (the surface fails) or flag "
         "(the load is kept with converged = 0)",
     )
 
 
 class Seal(Section):
-    """A seal that the surface is part of, and the fluid that it holds back."""
+    """A seal of which the surface is part, and the sealed fluid."""
 
     viscosity: Viscosity = Field(description="of the fluid, dynamic, Pa s", examples=["1 mPa s"])
     pressure_difference: Pressure = Field(
@@ -354,7 +354,7 @@ class Seal(Section):
 
 
 class Statistics(Section):
-    """What is counted in the contact, and what follows from it; see docs/explanation/answers.md."""
+    """Statistics of the contact, and quantities derived from it; see docs/explanation/answers.md."""
 
     pressure_bins: Count = Field(
         default=20, ge=1, description="bins of the pressure density, per factor of ten"
@@ -362,43 +362,43 @@ class Statistics(Section):
     gap_bins: Count = Field(default=20, ge=1, description="bins of the gap density, per factor of ten")
     flow: Extra = Field(
         default="auto",
-        description="whether the flow of a fluid through the gap is solved for; auto: of maps of up to 65536 "
-        "points, and where a seal is given; larger ones take longer than the contact itself",
+        description="whether the flow of a fluid through the gap is solved; auto: for maps of up to 65536 "
+        "points, and if a seal is given; larger ones take longer than the contact itself",
     )
     stress: Extra = Field(
         default="auto",
-        description="whether the stresses below the surface are computed (needs bodies); auto: where one of "
+        description="whether the stresses below the surface are computed (needs bodies); auto: if one of "
         "them states its yield_stress",
     )
     work_of_adhesion: Work | None = Field(
         default=None,
-        description="of flat surfaces, J m-2: whether it suffices to press the roughness flat is then in the "
-        "results",
+        description="of flat surfaces, J m-2: the results then include whether it suffices to press the "
+        "roughness flat",
         examples=["50 mJ/m2"],
     )
     seal: Seal | None = Field(
         default=None,
-        description="a seal, whose leak rate is then in the results: viscosity (Pa s) and pressure "
+        description="a seal, whose leak rate the results then include: viscosity (Pa s) and pressure "
         "difference (Pa) of the fluid, width (m) of the seal",
         examples=[{"viscosity": "1 mPa s", "pressure_difference": "1 bar", "width": "2 mm"}],
     )
 
 
 class Uncertainty(Section):
-    """The error budget: what the ± of a headline number is made of; see docs/explanation/uncertainty.md."""
+    """The error budget: the sources of the ± of a headline number; see docs/explanation/uncertainty.md."""
 
     sources: list[UncertaintySource] = Field(
         default_factory=lambda: list(get_args(UncertaintySource)),
-        description="a list of what goes into the ±; the empty list [] leaves the error budget out",
+        description="list of the sources of the ±; the empty list [] omits the error budget",
     )
     windows: Count = Field(
         default=9,
         ge=4,
-        description="parts of the window that are solved by themselves, for the source window",
+        description="number of subwindows that are solved separately, for the source window",
     )
     extent: Annotated[Number, Field(ge=1)] = Field(
         default=3.0,
-        description="length of the surface that the ± is for, over the length of the map",
+        description="length of the surface to which the ± applies, over the length of the map",
     )
 
 
@@ -440,7 +440,7 @@ class Instrument(Section):
 
 
 class Report(Section):
-    """The page that shows it."""
+    """The page with the results."""
 
     title: str = Field(default="Contact of rough surfaces", description="title of the page")
 
@@ -449,7 +449,7 @@ class Crosscheck(Section):
     """Cross-check of every result by another code, an outside program; see docs/explanation/validation.md."""
 
     code: Literal["none", OutsideCode] = Field(
-        default="none", description="the other code; its differences stand in the report, load by load"
+        default="none", description="the other code; the report shows its differences, load by load"
     )
     python: str | None = Field(
         default=None,
@@ -459,7 +459,7 @@ class Crosscheck(Section):
 
 
 class Validation(Section):
-    """The target `validation`: the program against closed forms and published numbers."""
+    """The target `validation`: comparison with closed forms and published numbers."""
 
     finest_grid: Count = Field(
         default=2048,

@@ -1,12 +1,12 @@
-"""What a run does: which case computes which file of a surface, what each job reads, writes and needs.
+"""The plan of a run: files and owners of all stages, and inputs, outputs and resources of each job.
 
 A surface has two jobs: `prepare` reads, levels and cuts out the window, `contact` bounds the error, solves,
-counts and draws the panel. Each case has a folder of its own with all files: what an earlier case has
-computed with the same settings is linked. A case that has nothing to prepare, or only for itself, has a
-single job, `contact`, for all of its files.
+counts and draws the panel. Each case has a folder of its own with all files: those that an earlier case has
+computed with the same settings are linked. A case with nothing to prepare, or only for itself, has a single
+job, `contact`, for all of its files.
 
 Surfaces are of three kinds: *single* ones, the two *faces* of a pair, which are measured and levelled, and
-the *members* of a pair, the ways in which its faces lie on one another, which are windowed and solved.
+the *members* of a pair, the relative positions of its faces, which are windowed and solved.
 """
 
 import re
@@ -28,7 +28,7 @@ PREPARED: dict[Kind, tuple[str, ...]] = {
     "member": ("levelled", "window"),
 }
 SOLVED = ("uncertainty", "contact", "statistics", "panel")
-# what is read to make each file; of a member the heights are those of its face
+# files that are read to make each file; the heights of a member are those of its face
 _READ = {
     "height": ("measured",),
     "levelled": ("height",),
@@ -45,7 +45,7 @@ _SMALL = 4.0  # MB of a measured file, below which jobs run side by side, with o
 
 
 class Job(NamedTuple):
-    """What one job of a surface does under one case.
+    """The steps of one job of a surface under one case.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class Job(NamedTuple):
     links : list of str
         the files it links, since another case has computed them.
     inputs : dict
-        name -> path: what the steps read and do not make themselves, and where the links lead to.
+        name -> path: files that the steps read and do not make themselves, and the targets of the links.
     """
 
     steps: list[str]
@@ -65,10 +65,7 @@ class Job(NamedTuple):
 class Run(NamedTuple):
     """One surface under one case: a row of the results.
 
-    Attributes
-    ----------
-    surface, case : str
-        names; the case is empty in a run without cases.
+    The case is empty in a run without cases.
     """
 
     surface: str
@@ -103,12 +100,12 @@ class Plan:
 
     @cached_property
     def common(self) -> dict[str, Any]:
-        """The settings that are the same for all cases, as those of the first."""
+        """The common settings of all cases, which are those of the first."""
         return self.cases[next(iter(self.cases))]
 
     @cached_property
     def measured(self) -> dict[str, Surface]:
-        """Name -> what was measured: single surfaces and faces."""
+        """Name -> measured file: single surfaces and faces."""
         return measured(self.table)
 
     @cached_property
@@ -119,7 +116,7 @@ class Plan:
 
     @cached_property
     def solved(self) -> list[str]:
-        """What is solved, by name, in the order of the table."""
+        """The names of the solved surfaces, in the order of the table."""
         of_pair: dict[str, list[str]] = {}
         for name, member in self.members.items():
             of_pair.setdefault(member.pair, []).append(name)
@@ -142,53 +139,26 @@ class Plan:
 
     @cached_property
     def owners(self) -> dict[str, dict[str, str]]:
-        """The case that computes a stage of another one: stage -> case -> case."""
+        """The case that computes a stage of a case: stage -> case -> case."""
         return {stage: {case: owner(self.cases, case, stage) for case in self.cases} for stage in SECTIONS}
 
     def kind(self, surface: str) -> Kind:
-        """Return whether a name is that of a single surface, a face or a member.
-
-        Parameters
-        ----------
-        surface : str
-
-        Returns
-        -------
-        str
-        """
+        """Return whether a name is that of a single surface, a face or a member."""
         if surface in self.members:
             return "member"
         return "single" if surface in self.table else "face"
 
     def row(self, surface: str) -> Surface:
-        """Return the row of the table that a surface comes from, or what was measured of a face.
-
-        Parameters
-        ----------
-        surface : str
-
-        Returns
-        -------
-        Surface
-        """
+        """Return the row of the table from which a surface comes, or the measured file of a face."""
         return self.table[self.members[surface].pair] if surface in self.members else self.measured[surface]
 
     def names(self, *kinds: Kind) -> list[str]:
-        """Return the names of all surfaces of some kinds.
-
-        Parameters
-        ----------
-        *kinds : {"single", "face", "member"}
-
-        Returns
-        -------
-        list of str
-        """
+        """Return the names of all surfaces of some kinds."""
         return [name for name in [*self.measured, *self.members] if self.kind(name) in kinds]
 
     @cached_property
     def preparing(self) -> list[str]:
-        """The cases that have a job `prepare`: the first, which reads, and those that others take from."""
+        """The cases with a job `prepare`: the first, which reads, and those whose files others link."""
         taken = {
             self.owners[stage][case]
             for stage in PREPARED["single"]
@@ -200,22 +170,11 @@ class Plan:
 
     @cached_property
     def following(self) -> list[str]:
-        """The cases whose job `contact` makes, or links, what it needs to begin with as well."""
+        """The cases whose job `contact` also makes, or links, the files of `prepare`."""
         return [case for case in self.cases if case not in self.preparing]
 
     def job(self, part: Part, surface: str, case: str = "") -> Job:
-        """Return what a job computes, links and reads.
-
-        Parameters
-        ----------
-        part : {"prepare", "contact"}
-        surface, case : str
-            names.
-
-        Returns
-        -------
-        Job
-        """
+        """Return the files that a job ("prepare" or "contact") computes, links and reads."""
         kind = self.kind(surface)
         alone = part == "contact" and case in self.preparing
         made = [*(() if alone else PREPARED[kind]), *(SOLVED if part == "contact" else ())]
@@ -225,7 +184,7 @@ class Plan:
         return Job(steps, links, {name: self.file(name, surface, case) for name in sorted({*read, *links})})
 
     def _read(self, step: str, kind: Kind) -> tuple[str, ...]:
-        """Return what is read to make a file of a surface of some kind."""
+        """Return the files that are read to make a file of a surface of some kind."""
         if kind == "member":
             return ("face", "facing") if step == "levelled" else _READ[step]
         return tuple(name for name in _READ[step] if name != "counter_face")
@@ -233,16 +192,8 @@ class Plan:
     def file(self, name: str, surface: str, case: str = "") -> str:
         """Return the path of a file of a surface, in the folder of the case that computes it.
 
-        Parameters
-        ----------
-        name : str
-            of a stage, or "panel", "measured"; of a member also "counter_face" (the heights of the face that
-            is touched), "face" and "facing" (both faces, levelled).
-        surface, case : str
-
-        Returns
-        -------
-        str
+        The name is that of a stage, or "panel", "measured"; for a member also "counter_face" (the heights of
+        the counter-face), "face" and "facing" (both faces, levelled).
         """
         if name == "measured":
             return str(self.measured[surface].path)
@@ -259,48 +210,29 @@ class Plan:
         return f"{self.folder}/{name}.nc".format(surface=surface, case=self.owners[name][case])
 
     def panel(self, surface: str, case: str = "") -> str:
-        """Return the panel that the report shows: the one with the cross-check, where there is one.
-
-        Parameters
-        ----------
-        surface, case : str
-
-        Returns
-        -------
-        str
-            its path.
-        """
+        """Return the path of the panel for the report: that with the cross-check, if there is one."""
         checked = self.common["crosscheck"]["code"] != "none"
         name = "panel-crosschecked" if checked else "panel"
         return f"{self.folder}/{name}.html".format(surface=surface, case=case)
 
+    def summary(self, surface: str, case: str = "") -> str:
+        """Return the path of the summary of `panel`: verdict and reasons, as JSON."""
+        return self.panel(surface, case).removesuffix("html") + "json"
+
     def outputs(self, part: Part, kind: Kind, *, whole: bool = False) -> dict[str, str]:
-        """Return the files of a job, name -> path with wildcards.
+        """Return the files of a job ("prepare" or "contact"), name -> path with wildcards.
 
-        Parameters
-        ----------
-        part : {"prepare", "contact"}
-        kind : {"single", "face", "member"}
-        whole : bool
-            those of the job `contact` of a case without a job `prepare`.
-
-        Returns
-        -------
-        dict
+        `whole`: those of the job `contact` of a case without a job `prepare`.
         """
         names = (
             *(PREPARED[kind] if part == "prepare" or whole else ()),
             *(SOLVED if part == "contact" else ()),
         )
-        return {name: f"{self.folder}/{name}.{'html' if name == 'panel' else 'nc'}" for name in names}
+        files = {name: f"{self.folder}/{name}.{'html' if name == 'panel' else 'nc'}" for name in names}
+        return files | ({"summary": f"{self.folder}/panel.json"} if part == "contact" else {})
 
     def links(self) -> list[str]:
-        """Return the links of all cases, so that every folder is complete.
-
-        Returns
-        -------
-        list of str
-        """
+        """Return the links of all cases, so that every folder is complete."""
         return [
             self.folder.format(surface=surface, case=case) + f"/{stage}.nc"
             for case in self.cases
@@ -310,22 +242,14 @@ class Plan:
         ]
 
     def _stages(self, kind: Kind) -> list[str]:
-        """Return the stages that surfaces of a kind have files of."""
+        """Return the stages with files for surfaces of a kind."""
         return [*PREPARED[kind], *(name for name in SOLVED if name in SECTIONS and kind != "face")]
 
     def settings(self, stage: str, surface: str, case: str = "") -> dict[str, Any]:
-        """Return all the settings on which a stage of a surface depends: what its file records.
+        """Return all settings on which a stage of a surface depends, as its file records them.
 
-        Parameters
-        ----------
-        stage : str
-            one of `SECTIONS`.
-        surface, case : str
-
-        Returns
-        -------
-        dict
-            section -> settings; `surface` is what the table says.
+        The stage is one of `SECTIONS`. The result has a key for each section; `surface` has the cells of the
+        table.
         """
         if surface in self.members:
             row = {**vars(self.members[surface]), "composite": self.common["composite"]}
@@ -334,17 +258,7 @@ class Plan:
         return {"surface": {"name": surface, **row}, **settings_of(self.cases[case], stage)}
 
     def all_settings(self, part: Callable[[dict[str, Any]], dict[str, Any]] = dict) -> dict[str, Any]:
-        """Return the settings of the whole run, or a part of them: of each case, where there are cases.
-
-        Parameters
-        ----------
-        part : callable
-            of the settings of a case.
-
-        Returns
-        -------
-        dict
-        """
+        """Return the settings of the whole run, or a `part` of them: of each case, if there are cases."""
         if "" in self.cases:
             return part(self.cases[""])
         return {case: part(settings) for case, settings in self.cases.items()}
@@ -352,47 +266,20 @@ class Plan:
     def threads(self, surface: str) -> int:
         """Return the threads of the solver: one for small maps, where jobs run side by side instead.
 
-        Depends on the measured file alone: sums over the grid are rounded by the number of threads, and so a
-        run comes out the same wherever there are as many cores.
-
-        Parameters
-        ----------
-        surface : str
-
-        Returns
-        -------
-        int
+        It depends on the measured file alone: rounding of sums over the grid depends on the number of
+        threads, and results must not depend on the computer.
         """
         return 1 if megabytes(self.row(surface).path) < _SMALL else 4
 
     def loads(self, case: str = "") -> int:
-        """Return how many loads are solved; a plan that is made for the map has about ten.
-
-        Parameters
-        ----------
-        case : str
-
-        Returns
-        -------
-        int
-        """
+        """Return the number of loads; a load plan for the map has about ten."""
         contact = self.cases[case]["contact"]
         return len(contact["mean_pressure"] or contact["relative_pressure"] or range(10))
 
     def memory(self, part: Part, surface: str, case: str = "", *, points: int) -> float:
-        """Return the memory (MB) that a job takes, a margin included.
+        """Return the memory (MB) of a job for a measured map of about so many `points`, including a margin.
 
-        Parameters
-        ----------
-        part : {"prepare", "contact", "crosscheck"}
-        surface, case : str
-        points : int
-            of the measured map, about.
-
-        Returns
-        -------
-        float, MB
-            docs/how-to/cluster.md compares it with what jobs take.
+        docs/how-to/cluster.md compares it with measurements.
         """
         millions = points / 1e6
         if part == "prepare" and surface in self.members:
@@ -405,24 +292,12 @@ class Plan:
             return BASE_MEMORY + (600 + 50 * self.loads(case)) * millions
         statistics = self.cases[case]["statistics"]
         flow = statistics["flow"] == "always" or (statistics["flow"] == "auto" and bool(statistics["seal"]))
-        # the error budget takes 1000 bytes for each of the first million points, and no more of larger maps
+        # the error budget takes 1000 bytes for each of the first million points, and no more for larger maps
         solving = (115 + 1600 * flow) * millions + 1000 * min(millions, 1)
         return BASE_MEMORY + max(solving, 0 if case in self.preparing else prepare)
 
     def minutes(self, part: Part, surface: str, case: str = "", *, points: int) -> float:
-        """Return the run time (minutes) that a job takes beyond its start, a margin included.
-
-        Parameters
-        ----------
-        part : {"prepare", "contact", "crosscheck"}
-        surface, case : str
-        points : int
-            of the measured map, about.
-
-        Returns
-        -------
-        float, minutes
-        """
+        """Return the run time (minutes) of a job after its start, including a margin, as `memory` does."""
         prepare = 40 * points / 60e6 + megabytes(self.row(surface).path) / 100
         if part == "prepare":
             return prepare
@@ -432,20 +307,13 @@ class Plan:
         return solving + (0 if case in self.preparing else prepare)
 
     def log_files(self, run: Run) -> list[str]:
-        """Return the logs of all jobs that have a part in a result, in their order.
+        """Return the paths of the logs of all jobs that contribute to a result, in their order.
 
-        Parameters
-        ----------
-        run : Run
-
-        Returns
-        -------
-        list of str
-            paths; some jobs there may not be.
+        Some of these jobs may not exist.
         """
         member = self.members.get(run.surface)
         faces = [member.face, member.counter_face] if member else []
-        jobs: dict[tuple[str, str, str], None] = {}  # without those that come twice
+        jobs: dict[tuple[str, str, str], None] = {}  # each once
         for stage in SECTIONS:
             case = self.owners[stage][run.case]
             for face in faces if stage in PREPARED["face"] else ():
@@ -461,14 +329,7 @@ class Plan:
 def one_of(names: Iterable[str]) -> str:
     r"""Return the pattern of some names, letter by letter, which matches thousands of them as fast as a few.
 
-    Parameters
-    ----------
-    names : iterable of str
-
-    Returns
-    -------
-    str
-        a regular expression; one that nothing matches where there is no name.
+    Nothing matches the pattern of no names.
 
     Examples
     --------
@@ -489,28 +350,13 @@ def one_of(names: Iterable[str]) -> str:
 
 
 def megabytes(path: str | Path) -> float:
-    """Return the size of a file in MB, 0 where there is none.
-
-    Parameters
-    ----------
-    path : str or Path
-
-    Returns
-    -------
-    float, MB
-    """
+    """Return the size of a file in MB, 0 where there is none."""
     return Path(path).stat().st_size / 1e6 if Path(path).exists() else 0.0
 
 
 def reading_memory(path: str | Path) -> float:
-    """Return the memory for the content of a measured file: arrays of NumPy are not packed, others may be.
+    """Return the memory (MB) for the content of a measured file.
 
-    Parameters
-    ----------
-    path : str or Path
-
-    Returns
-    -------
-    float, MB
+    NumPy files are not compressed, others may be.
     """
     return (10 if str(path).endswith(".npy") else 50) * megabytes(path)

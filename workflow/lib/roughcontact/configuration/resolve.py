@@ -1,4 +1,4 @@
-"""From what a YAML file says to checked settings, one set per case, or one error that lists all mistakes."""
+"""From the content of a YAML file to checked settings of each case, or one error that lists all mistakes."""
 
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
@@ -6,9 +6,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from roughcontact.configuration.messages import NAME_RULE, is_name, mistake, questioned
+from roughcontact.configuration.messages import NAME_RULE, implausible, is_name, mistake
 from roughcontact.configuration.models import Settings
-from roughcontact.configuration.slips import slips
+from roughcontact.configuration.suspicious_units import suspicious_units
 from roughcontact.errors import SettingsError
 from roughcontact.materials import contact_modulus
 
@@ -24,13 +24,13 @@ def resolve(config: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     Parameters
     ----------
     config : mapping
-        what the YAML file says: nested mappings, numbers possibly as text ("1e9", "115 GPa").
+        the content of the YAML file: nested mappings, numbers possibly as text ("1e9", "115 GPa").
 
     Returns
     -------
     dict
         name of the case -> settings, every key present, all in SI units, `contact.contact_modulus` and the
-        `contact.hardness` of the softer body worked out from the bodies where these are given; without
+        `contact.hardness` of the softer body derived from the bodies if these are given; without
         `cases` there is the one entry "".
 
     Raises
@@ -65,7 +65,7 @@ def resolve(config: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any], list[SettingsError]]:
-    """Return the settings of one case, and what is wrong with them."""
+    """Return the settings of one case, and the mistakes in them."""
     merged = _merge(base, overrides)
     where = f"cases.{name}.contact" if "contact" in overrides else "contact"
     mistakes = [SettingsError(text) for text in _mistakes_in_alternatives(merged["contact"], where)]
@@ -74,8 +74,10 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     except ValidationError as error:
         found = error.errors()
         mistakes += [mistake(name, overrides, detail) for detail in found]
-        return {}, mistakes + _slips_of_the_rest(name, overrides, merged, [detail["loc"] for detail in found])
-    mistakes += [questioned(name, overrides, *slip) for slip in slips(merged, settings)]
+        return {}, mistakes + _unit_errors_in_valid_settings(
+            name, overrides, merged, [detail["loc"] for detail in found]
+        )
+    mistakes += [implausible(name, overrides, *found) for found in suspicious_units(merged, settings)]
     crosscheck = settings["crosscheck"]
     if crosscheck["code"] != "none" and not crosscheck["python"]:
         text = f"crosscheck.python: missing (path of the Python that has {crosscheck['code']})"
@@ -102,10 +104,10 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     return settings, mistakes
 
 
-def _slips_of_the_rest(
+def _unit_errors_in_valid_settings(
     name: str, overrides: dict, merged: dict, locations: Sequence[Sequence[str | int]]
 ) -> list[SettingsError]:
-    """Return the slips of unit in the settings beside those that are wrong as such."""
+    """Return the suspected unit errors in the settings that are otherwise valid."""
     rest = deepcopy(merged)
     for section, *keys in locations:
         if keys and isinstance(rest.get(section), dict):
@@ -114,13 +116,13 @@ def _slips_of_the_rest(
             rest.pop(section, None)
     try:
         settings = Settings.model_validate(rest).model_dump(mode="json", exclude={"cases"})
-    except ValidationError:  # what is left does not stand by itself
+    except ValidationError:  # the remaining settings are not valid by themselves
         return []
-    return [questioned(name, overrides, *slip) for slip in slips(rest, settings)]
+    return [implausible(name, overrides, *found) for found in suspicious_units(rest, settings)]
 
 
 def _mistakes_in_cases(cases: Any) -> list[str]:
-    """Return what is wrong with the mapping of cases as such, whatever the settings in it."""
+    """Return the mistakes in the mapping of cases itself, whatever the settings in it."""
     if not isinstance(cases, dict):
         return [f"cases = {cases!r}: must be a mapping from names to settings"]
     mistakes = []
@@ -143,7 +145,7 @@ def _mistakes_in_cases(cases: Any) -> list[str]:
 
 
 def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
-    """Return what is wrong with the settings of which one excludes the other."""
+    """Return the mistakes in settings that exclude one another."""
     if not isinstance(contact, dict):
         return []
     elasticity, loads = ([key for key in keys if contact.get(key) is not None] for keys in _ALTERNATIVES)
@@ -169,7 +171,7 @@ def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
 
 
 def _mistakes_in_bodies(bodies: Sequence[Mapping[str, Any]] | None, where: str) -> list[str]:
-    """Return which properties, of use only where both bodies state them, one body alone states."""
+    """Return the properties that only one body states, although they need to be stated for both."""
     if not bodies:
         return []
     return [
@@ -181,7 +183,7 @@ def _mistakes_in_bodies(bodies: Sequence[Mapping[str, Any]] | None, where: str) 
 
 
 def _merge(base: Any, overrides: Any) -> Any:
-    """Return `base` with `overrides` laid over it, mapping by mapping; anything else is replaced whole."""
+    """Return `base` updated by `overrides`, mapping by mapping; other values are replaced as a whole."""
     if not (isinstance(base, dict) and isinstance(overrides, dict)):
         return deepcopy(overrides)
     merged = deepcopy(base)

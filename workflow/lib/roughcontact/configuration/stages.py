@@ -1,8 +1,8 @@
-"""The stages of one surface, and which settings each one depends on.
+"""The stages of one surface, and the settings on which each one depends.
 
-A stage depends on its own section of the settings and on those of the stages before it. Where two cases agree
-in all of them the stage is computed once, by the case that comes first. Where the fields of the contact are
-not kept, contact and statistics are one stage.
+A stage depends on its own section of the settings and on those of the stages before it. If two cases agree in
+all of them the stage is computed once, by the case that comes first. If the fields of the contact are not
+kept, contact and statistics are one stage.
 """
 
 from collections.abc import Mapping
@@ -19,19 +19,9 @@ SECTIONS: dict[str, tuple[str, ...]] = {
 
 
 def settings_of(settings: Mapping[str, Any], stage: str) -> dict[str, Any]:
-    """Return the settings that a stage depends on.
+    """Return the settings on which a stage, one of `SECTIONS`, depends: section -> settings.
 
-    Parameters
-    ----------
-    settings : mapping
-        the full settings of a case, as `resolve` returns them.
-    stage : str
-        one of `SECTIONS`.
-
-    Returns
-    -------
-    dict
-        section -> settings; two cases in which it is equal share the stage.
+    Two cases with equal settings share the stage.
 
     Examples
     --------
@@ -49,21 +39,7 @@ def settings_of(settings: Mapping[str, Any], stage: str) -> dict[str, Any]:
 
 
 def owner(cases: Mapping[str, Mapping[str, Any]], case: str, stage: str) -> str:
-    """Return the case that computes a stage of another one.
-
-    Parameters
-    ----------
-    cases : mapping
-        name -> full settings of every case, as `resolve` returns them.
-    case : str
-        the case whose stage is asked for.
-    stage : str
-        one of `SECTIONS`.
-
-    Returns
-    -------
-    str
-        the first case whose stage depends on the same settings; `case` itself where it is the first.
+    """Return the case that computes a stage of a case: the first whose stage depends on the same settings.
 
     Examples
     --------

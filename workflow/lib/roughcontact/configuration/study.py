@@ -1,4 +1,4 @@
-"""Settings and table of surfaces together: what is wrong with either is said at once, before a run begins."""
+"""Settings and table of surfaces together: all mistakes in both are reported at once, before a run begins."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,7 +14,7 @@ from roughcontact.configuration.surfaces import PAIR_FIRST_ROW, Surface, find, r
 from roughcontact.errors import SettingsError
 from roughcontact.units import unknown_unit, value_of
 
-_MOST_VALUES = 100_000  # of a configuration: a thousand times what a large study has
+_MAX_VALUES = 100_000  # of a configuration: a thousand times as many as in a large study
 
 
 def read_study(
@@ -28,11 +28,11 @@ def read_study(
     Parameters
     ----------
     config : mapping
-        what the YAML file says.
+        the content of the YAML file.
     folders : sequence of str or Path
-        where a relative path of the table is looked for, in this order.
+        search path for a relative path of the table.
     measured_in : sequence of str or Path
-        the same for the paths in the table.
+        search path for the paths in the table.
 
     Returns
     -------
@@ -44,8 +44,7 @@ def read_study(
     Raises
     ------
     SettingsError
-        one message that lists all mistakes in both, measured files that are missing and unknown units
-        included.
+        one message that lists all mistakes in both, including missing measured files and unknown units.
 
     Examples
     --------
@@ -68,7 +67,7 @@ def read_study(
     except SettingsError as error:
         mistakes.append(str(error))
     table = config.get("surfaces", Settings.model_fields["surfaces"].default)
-    if isinstance(table, str) and table:  # else that is among the mistakes in the settings
+    if isinstance(table, str) and table:  # otherwise it is among the mistakes in the settings
         try:
             path, each = find(table, folders) or table, _members_each(config)
             surfaces = read_surfaces(path, measured_in, check=_mistakes_in, members_each=each)
@@ -80,7 +79,7 @@ def read_study(
 
 
 def _members_each(config: Mapping[str, Any]) -> int:
-    """Return how many members each pair has; 1 where the settings of pairs have mistakes of their own."""
+    """Return the number of members of each pair; 1 where the settings of pairs have mistakes of their own."""
     try:
         composite = Composite.model_validate(config.get("composite", {}))
     except ValidationError:
@@ -89,9 +88,9 @@ def _members_each(config: Mapping[str, Any]) -> int:
 
 
 def _check_size(config: Mapping[str, Any]) -> None:
-    """Refuse more values than any study has: a few lines of aliases stand for a billion of them."""
+    """Reject more values than any study has: a few lines of aliases can stand for a billion."""
     waiting: list[Any] = [config]
-    for _ in range(_MOST_VALUES):
+    for _ in range(_MAX_VALUES):
         if not waiting:
             return
         value = waiting.pop()
@@ -100,13 +99,13 @@ def _check_size(config: Mapping[str, Any]) -> None:
         elif isinstance(value, list):
             waiting += value
     raise SettingsError(
-        f"the configuration has more than {_MOST_VALUES} values: look for aliases (*name) that stand for one "
-        "another, and write out what is meant"
+        f"the configuration has more than {_MAX_VALUES} values: look for aliases (*name) that stand for one "
+        "another, and write out their values"
     )
 
 
 def _mistakes_in(row: Surface) -> list[str]:
-    """Return what a look at the files, the units and the words says against a row."""
+    """Return the mistakes in the files, units and choices of a row."""
     paths = {"path": row.path, "counter_face": row.counter_face}
     mistakes = [
         f"{key} = {path}: no such file; correct the path or put # before the row"

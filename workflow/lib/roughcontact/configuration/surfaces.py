@@ -1,12 +1,12 @@
-"""The table of surfaces: which file is which surface, and what the file itself does not say.
+"""The table of surfaces: the file of each surface, and information that is not in the file.
 
 A tab-separated text with a header; columns `surface` and `path`, optionally `channel`, `dx`, `dy`, `unit`,
-`height_unit`, `resample`, `checksum`, `first_row`; empty cells mean "as the file says". Lines that start with
-# are left out.
+`height_unit`, `resample`, `checksum`, `first_row`; empty cells mean "as in the file". Lines that start with #
+are ignored.
 
-A row that names a `counter_face` is a pair: two measured files that touch. Its files are read and levelled
-as `{surface}-face` and `{surface}-counter-face`; what is solved are its members `{surface}-1`,
-`{surface}-2` ..., the ways in which the one lies on the other (`roughcontact.faces.positions`).
+A row that names a `counter_face` is a pair: two measured files that touch. Its files are read and levelled as
+`{surface}-face` and `{surface}-counter-face`; its members `{surface}-1`, `{surface}-2` ..., the relative
+positions of the faces (`roughcontact.faces.positions`), are solved.
 """
 
 import math
@@ -40,17 +40,17 @@ class Surface:
     Attributes
     ----------
     name : str
-        what the surface is called; also its folder of results.
+        of the surface and of its folder of results.
     path : Path
-        the measured file as found; where there is no such file, as the table says.
+        the measured file as found; as in the table where there is no such file.
     origin : str
         table and line, for messages.
     given : dict
-        keyword arguments of `read_height_map`: what overrides or completes the file.
+        keyword arguments of `read_height_map` that override or complete the file.
     counter_face : Path or None
         the other file of a pair; None where a single face is measured.
     counter_face_first_row : str
-        where the first row of that file lies; empty: as the file says.
+        position of the first row of that file; empty: as in the file.
     """
 
     name: str
@@ -63,7 +63,7 @@ class Surface:
 
 @dataclass(frozen=True)
 class Member:
-    """One way in which the faces of a pair lie on one another.
+    """One relative position of the faces of a pair.
 
     Attributes
     ----------
@@ -82,22 +82,10 @@ class Member:
 
 
 def find(path: str | Path, folders: Iterable[str | Path]) -> Path | None:
-    """Return the first existing file among `folder / path`.
+    """Return the first existing file among `folder / path`, None where there is none.
 
-    An absolute path is taken as it is; a path in the working directory stays relative, so that nothing that
-    is recorded depends on where that directory lies.
-
-    Parameters
-    ----------
-    path : str or Path
-        of the file, as it was given.
-    folders : iterable of str or Path
-        where it is looked for, in this order.
-
-    Returns
-    -------
-    Path or None
-        None where there is no such file.
+    An absolute path is taken as it is; a path in the working directory stays relative, so that recorded paths
+    do not depend on the location of that directory.
 
     Examples
     --------
@@ -118,23 +106,18 @@ def read_surfaces(
     check: Callable[[Surface], list[str]] | None = None,
     members_each: int = 0,
 ) -> dict[str, Surface]:
-    r"""Read the table of surfaces.
+    r"""Read the table of surfaces: name -> Surface, in the order of the table.
 
     Parameters
     ----------
     table : str or Path
         the tab-separated file.
     folders : sequence of str or Path
-        where relative paths of the table are looked for, in this order; the table's own folder comes second.
+        search path for relative paths in the table; the table's own folder comes second.
     check : callable, optional
-        returns what else is wrong with a row: what the table alone does not tell, as whether its files exist.
+        returns further mistakes of a row, which the table alone does not show, such as missing files.
     members_each : int
-        how many members each pair has, whose names no row may have; 0 where that is not asked.
-
-    Returns
-    -------
-    dict
-        name -> Surface, in the order of the table.
+        number of members of each pair, whose names no row may have; 0 skips this check.
 
     Raises
     ------
@@ -188,17 +171,7 @@ def read_surfaces(
 
 
 def measured(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
-    """Return every measured file: of a pair its face and its counter-face.
-
-    Parameters
-    ----------
-    surfaces : mapping
-        name -> Surface, as `read_surfaces` returns it.
-
-    Returns
-    -------
-    dict
-        name -> Surface, in the order of the table.
+    """Return every measured file, name -> Surface: of a pair its face and its counter-face.
 
     Examples
     --------
@@ -222,19 +195,7 @@ def measured(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
 
 
 def members(surfaces: Mapping[str, Surface], count: int) -> dict[str, Member]:
-    """Return the members of the ensembles of all pairs.
-
-    Parameters
-    ----------
-    surfaces : mapping
-        name -> Surface, as `read_surfaces` returns it.
-    count : int
-        members of each pair.
-
-    Returns
-    -------
-    dict
-        name -> Member, in the order of the table.
+    """Return the members of all pairs, name -> Member, with `count` members of each pair.
 
     Examples
     --------
@@ -251,7 +212,7 @@ def members(surfaces: Mapping[str, Surface], count: int) -> dict[str, Member]:
 
 
 def _names_of_parts(surfaces: Mapping[str, Surface], found: Mapping[str, Member]) -> list[str]:
-    """Return which surfaces have the name of a member or of a face of a pair."""
+    """Return the mistakes of surfaces that have the name of a member or of a face of a pair."""
     parts = {name: member.pair for name, member in found.items()}
     parts |= {side: each.pair for each in found.values() for side in (each.face, each.counter_face)}
     return [
@@ -289,7 +250,7 @@ def _cells(table: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
 
 
 def _mistakes_in_header(header: Sequence[str]) -> list[str]:
-    """Return what is wrong with the column names."""
+    """Return the mistakes in the column names."""
     if len(header) == 1 and any(mark in header[0] for mark in ",; "):
         return [f"header {header[0]!r}: columns are separated by tabs, nothing else"]
     mistakes = [
@@ -297,12 +258,12 @@ def _mistakes_in_header(header: Sequence[str]) -> list[str]:
     ]
     mistakes += [f"column {name!r}: missing, the header needs it" for name in REQUIRED if name not in header]
     return mistakes + [
-        f"column {name!r}: stands twice" for name in dict.fromkeys(header) if list(header).count(name) > 1
+        f"column {name!r}: occurs twice" for name in dict.fromkeys(header) if list(header).count(name) > 1
     ]
 
 
 def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Surface]) -> list[str]:
-    """Return what is wrong with the cells of one row; `before` are the surfaces of the rows above."""
+    """Return the mistakes in the cells of one row; `before` are the surfaces of the rows above."""
     name = row.get("surface", "")
     mistakes = [
         f"line {line}, {key} = {row[key]!r}: must be a number greater than 0 (decimal point), in `unit` or "
@@ -314,7 +275,7 @@ def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Sur
         mistakes.append(f"line {line}, surface = {name!r}: {NAME_RULE}")
     if name in before:
         mistakes.append(
-            f"line {line}, surface = {name}: stands twice (also {before[name].origin}); rename one"
+            f"line {line}, surface = {name}: occurs twice (also {before[name].origin}); rename one"
         )
     if not row.get("path"):
         mistakes.append(f"line {line}, path: is empty; give the file of surface {name}")
@@ -334,7 +295,7 @@ def _instrument(row: Mapping[str, str], line: int) -> tuple[dict[str, float], li
 
 
 def _length(text: str) -> float:
-    """Return a length in `unit`, or in m where it carries its unit; NaN where the text is none."""
+    """Return a length in `unit`, or in m if it has its own unit; NaN for any other text."""
     try:
         return _number(str(in_base_unit(text, "m")))
     except ValueError:
@@ -342,7 +303,7 @@ def _length(text: str) -> float:
 
 
 def _number(text: str) -> float:
-    """Return a number, NaN where the text is none."""
+    """Return a number, NaN for any other text."""
     try:
         return float(text)
     except ValueError:

@@ -30,21 +30,7 @@ _EPS = {precision: float(np.finfo(precision).eps) for precision in (SINGLE, DOUB
 def error_bound(grid: Grid, state: State, residual: Residual) -> float:
     """Return a bound of ||p - p*||_G / ||p||_G for the pressure of `state`.
 
-    `residual` is that of the state, interpolated; half an application of G^-1 more at most.
-
-    Parameters
-    ----------
-    grid : Grid
-        operator and preconditioner.
-    state : State
-        a feasible pressure and its separation.
-    residual : Residual
-        of the state, interpolated.
-
-    Returns
-    -------
-    float
-        relative, in the norm of the elastic energy.
+    `residual` is the interpolated residual of the state. At most half an application of G^-1 is needed.
     """
     return relative_bound(grid.halfspace, state, grid.residual_norm(state, residual))
 
@@ -52,17 +38,7 @@ def error_bound(grid: Grid, state: State, residual: Residual) -> float:
 def bound_without_transform(grid: Grid, state: State) -> float:
     """Return a coarser bound, from ||r||_{G^-1}^2 <= mean(r^2) max|q|/2, for a residual of rounding alone.
 
-    Parameters
-    ----------
-    grid : Grid
-        operator and preconditioner.
-    state : State
-        a feasible pressure and its separation.
-
-    Returns
-    -------
-    float
-        relative, in the norm of the elastic energy; never below `error_bound`.
+    It is never below `error_bound`.
     """
     gap = state.gap
     xp = gap.__array_namespace__()
@@ -74,47 +50,21 @@ def bound_without_transform(grid: Grid, state: State) -> float:
 def relative_bound(halfspace: HalfSpace, state: State, residual_norm: float) -> float:
     """Return the bound of the relative error that belongs to the norm ||r||_{G^-1} of the residual.
 
-    What rounding hides in the residual is added, so that the bound holds down to the floor.
-
-    Parameters
-    ----------
-    halfspace : HalfSpace
-        the operator.
-    state : State
-        a feasible pressure and its separation.
-    residual_norm : float
-        ||r||_{G^-1}, dimensionless.
-
-    Returns
-    -------
-    float
-        infinite for a uniform pressure that leaves a residual: it has no relative error.
+    The error that rounding hides in the residual is added, so that the bound holds down to the floor. It is
+    infinite for a uniform pressure with a residual, which has no relative error.
     """
     if state.norm == 0:
-        # a uniform pressure: right where it leaves no residual, else no relative error exists
+        # a uniform pressure: exact without a residual, otherwise without relative error
         return 0.0 if residual_norm == 0 else np.inf
     return residual_norm * (1 + _SINGLE_SLACK) / state.norm + rounding_floor(halfspace, state)
 
 
 def rounding_floor(halfspace: HalfSpace, state: State, precision: str | None = None) -> float:
-    """Return the relative error that the rounding of one application can hide.
+    """Return the relative error, in the energy norm, that the rounding of one application can hide.
 
     The error of a Fourier transform is white, of relative size eps sqrt(log2 n) [1]_; a white field of
-    standard deviation s has ||.||_{G^-1} = s sqrt(mean |q| / 2).
-
-    Parameters
-    ----------
-    halfspace : HalfSpace
-        the operator.
-    state : State
-        pressure and scale of rounding.
-    precision : str, optional
-        of the application; that of the state where it is not given.
-
-    Returns
-    -------
-    float
-        relative, in the norm of the elastic energy.
+    standard deviation s has ||.||_{G^-1} = s sqrt(mean |q| / 2). The precision is that of the state by
+    default.
 
     References
     ----------

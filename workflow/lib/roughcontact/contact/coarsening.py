@@ -1,9 +1,12 @@
-"""How a grid is coarsened: the factors to the next coarser one, grid by grid, and the stencil of neighbours.
+"""Coarsening of grids: the factors from each grid to the next coarser one, and the stencil of neighbours.
 
 There are two uses. Nested iteration solves coarser problems, whose cells are whole: an axis is divided by a
 factor of its number of cells. The interpolation needs coarser grids of any kind: cells are halved, whatever
-their number, and the last one along an axis may lack a part. Along both axes at a time where cells are about
-square, along the finer axis alone where they are not.
+their number, and the last one along an axis may be incomplete. Cells that are about square are coarsened
+along both axes at a time, others along the finer axis alone.
+
+In all functions `shape` (ny, nx) is the number of cells, `lengths` (Ly, Lx) are those of the periodic cell
+and `pitches` (dy, dx) those of the cells.
 """
 
 from functools import lru_cache
@@ -13,9 +16,9 @@ import numpy as np
 
 from roughcontact.kernels.protocol import Factors, Weights
 
-# Ratio of the pitches above which the lines along the finer axis are taken as contacts of their own.
+# Ratio of the pitches above which lines along the finer axis are treated as contacts of their own.
 ELONGATED = 3.0
-SMALLEST = 4  # cells along an axis up to which a hierarchy goes
+MIN_CELLS = 4  # along an axis, of the coarsest grid of a hierarchy
 _SQUARE = 1.5  # ratio of the pitches up to which cells count as square
 
 
@@ -27,7 +30,7 @@ class Coarsening(NamedTuple):
     shape : (ny, nx)
         of the coarser grid.
     pitches : (dy, dx)
-        of its cells, those that lack a part not counted.
+        of its complete cells.
     factors : (fy, fx)
         from the next finer grid to this one.
     collapses_lines : bool
@@ -41,37 +44,12 @@ class Coarsening(NamedTuple):
 
 
 def pitches_of(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[float, float]:
-    """Return the pitches (dy, dx) of a grid.
-
-    Parameters
-    ----------
-    shape : (int, int)
-        cells along y and x.
-    lengths : (float, float)
-        Ly and Lx of the periodic cell.
-
-    Returns
-    -------
-    tuple of float
-        in the unit of the lengths.
-    """
+    """Return the pitches (dy, dx) of a grid, in the unit of the lengths."""
     return lengths[0] / shape[0], lengths[1] / shape[1]
 
 
 def has_square_cells(pitches: tuple[float, float], shape: tuple[int, int]) -> bool:
-    """Return whether the cells of a grid are about square, and no profile.
-
-    Parameters
-    ----------
-    pitches : (float, float)
-        dy and dx of the cells.
-    shape : (int, int)
-        cells along y and x.
-
-    Returns
-    -------
-    bool
-    """
+    """Return whether a grid has cells that are about square, and is no profile."""
     return min(shape) > 1 and max(pitches) <= _SQUARE * min(pitches)
 
 
@@ -80,23 +58,8 @@ def whole_factors(
 ) -> Factors:
     """Return the factors (fy, fx) to a coarser grid of whole cells; (1, 1) where there is none.
 
-    An axis is divided while it keeps at least `smallest` cells. One whose pitch is finer is coarsened alone,
-    until the cells are about square.
-
-    Parameters
-    ----------
-    pitches : (float, float)
-        dy and dx of the cells.
-    shape : (int, int)
-        cells along y and x.
-    divisors : tuple of int
-        of an axis, the preferred one first.
-    smallest : int
-        cells that an axis keeps at least.
-
-    Returns
-    -------
-    tuple of int
+    An axis is divided by one of the `divisors`, the preferred one first, while it keeps at least `smallest`
+    cells. One whose pitch is finer is coarsened alone, until the cells are about square.
     """
     finest = min(p for p, n in zip(pitches, shape, strict=True) if n > 1)
     factors = []
@@ -107,30 +70,16 @@ def whole_factors(
 
 
 def halving_factors(pitches: tuple[float, float], shape: tuple[int, int]) -> tuple[Factors, bool]:
-    """Return the factors (fy, fx) to the next coarser grid, and whether that makes cells of lines.
+    """Return the factors (fy, fx) to the next coarser grid, and whether its cells are whole lines.
 
     Where pixels are far longer than wide, a line whose whole length is short against the distance to the next
     is a contact of its own, coupled to the others by its load alone: a residual that is constant along it
     must stay constant across its gaps. So its one cell takes the mean over its contact.
-
-    Parameters
-    ----------
-    pitches : (float, float)
-        dy and dx of the cells.
-    shape : (int, int)
-        cells along y and x.
-
-    Returns
-    -------
-    factors : tuple of int
-        1 along an axis that stays as it is.
-    collapses_lines : bool
-        whether each coarser cell is a whole line.
     """
     (ny, nx), (dy, dx) = shape, pitches
     finest = min(p for p, n in zip(pitches, shape, strict=True) if n > 1)
     short = ny if dy < dx else nx
-    if min(shape) > 1 and short <= SMALLEST and max(pitches) > ELONGATED * finest:
+    if min(shape) > 1 and short <= MIN_CELLS and max(pitches) > ELONGATED * finest:
         return ((ny, 1) if dy < dx else (1, nx)), True
     fy, fx = (2 if n > 1 and p <= _SQUARE * finest else 1 for n, p in zip(shape, pitches, strict=True))
     return (fy, fx), False
@@ -138,19 +87,7 @@ def halving_factors(pitches: tuple[float, float], shape: tuple[int, int]) -> tup
 
 @lru_cache(maxsize=64)
 def hierarchy(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[Coarsening, ...]:
-    """Return the grids coarser than `shape`, the finest first.
-
-    Parameters
-    ----------
-    shape : (int, int)
-        cells along y and x.
-    lengths : (float, float)
-        Ly and Lx of the periodic cell.
-
-    Returns
-    -------
-    tuple of Coarsening
-        empty where the grid is as small as the coarsest may be.
+    """Return the grids coarser than `shape`, the finest first; none where that is as small as the coarsest.
 
     Examples
     --------
@@ -161,7 +98,7 @@ def hierarchy(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[Coa
     pitches = pitches_of(shape, lengths)
     while True:
         (fy, fx), collapses = halving_factors(pitches, shape)
-        if max(shape) <= SMALLEST and not collapses:
+        if max(shape) <= MIN_CELLS and not collapses:
             return tuple(grids)
         pitches = pitches[0] * fy, pitches[1] * fx
         shape = -(-shape[0] // fy), -(-shape[1] // fx)
@@ -169,17 +106,7 @@ def hierarchy(shape: tuple[int, int], lengths: tuple[float, float]) -> tuple[Coa
 
 
 def has_separate_lines(grids: tuple[Coarsening, ...]) -> bool:
-    """Return whether lines become cells in a hierarchy: they are contacts of their own.
-
-    Parameters
-    ----------
-    grids : tuple of Coarsening
-        a hierarchy.
-
-    Returns
-    -------
-    bool
-    """
+    """Return whether a hierarchy has cells that are whole lines, each a contact of its own."""
     return any(grid.collapses_lines for grid in grids)
 
 
@@ -187,19 +114,8 @@ def has_separate_lines(grids: tuple[Coarsening, ...]) -> bool:
 def stencil(pitches: tuple[float, float], shape: tuple[int, int]) -> Weights:
     """Return the weights of a neighbour across y, across x, and diagonal; those of all eight sum to 1.
 
-    They go with the inverse cube of the distance, as the kernel of G^-1 does.
-
-    Parameters
-    ----------
-    pitches : (float, float)
-        dy and dx of the cells.
-    shape : (int, int)
-        cells along y and x.
-
-    Returns
-    -------
-    tuple of float
-        zero across an axis of a single cell.
+    They are proportional to the inverse cube of the distance, as the kernel of G^-1 is, and zero across an
+    axis of a single cell.
     """
     dy, dx = pitches
     weights = np.array([dy**-3.0, dx**-3.0, np.hypot(dy, dx) ** -3.0])

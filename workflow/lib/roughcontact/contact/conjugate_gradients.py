@@ -1,6 +1,6 @@
-"""An accurate correction on a fixed active set, for where one application of the inverse is too rough.
+"""An accurate correction on a fixed active set, where one application of the inverse is too inaccurate.
 
-That happens where the interpolation is poor: on grids of few cells, with pixels far longer than wide, with
+That is where the interpolation is poor: on grids of few cells, with pixels far longer than wide, with
 contacts and gaps of a few pixels.
 """
 
@@ -15,7 +15,7 @@ from roughcontact.contact.state import mean_product
 from roughcontact.kernels.array_api import mean
 from roughcontact.kernels.arrays import Array, precision_of
 
-MOST_STEPS = 40
+MAX_STEPS = 40
 REDUCTION = 0.1  # of the residual
 
 
@@ -24,26 +24,16 @@ def conjugate_gradients(
 ) -> Iterator[tuple[Array, float]]:
     """Yield ever better solutions of the operator equation on a fixed active set.
 
-    Solves C G C d = C `residual` from d = 0, where C keeps the active points and takes the mean off them. Two
-    applications a step; ends where rounding leaves no further step. The steps change one array d.
-
-    Parameters
-    ----------
-    grid : Grid
-        operator and preconditioner, whose active set is that of its last residual.
-    residual : array (ny, nx)
-        right-hand side.
-    preconditioned : array (ny, nx)
-        M `residual`.
-    active : array (ny, nx) of bool
-        the active set.
+    Solves C G C d = C `residual` from d = 0, where C keeps the active points and subtracts their mean [1]_.
+    `preconditioned` is M `residual`; `active` must be the active set of the last residual of the grid. Two
+    applications a step; ends where rounding leaves no further step. All steps change one array d.
 
     Yields
     ------
     solution : array (ny, nx)
         d.
     rz : float
-        the square <r, M r> of what is left of the residual.
+        the square <r, M r> of the remaining residual.
 
     References
     ----------
@@ -71,7 +61,7 @@ def conjugate_gradients(
         length = rz / curvature
         displaced *= length
         left -= displaced
-        del displaced, z  # the maps that are large are no more than there have to be
+        del displaced, z  # no more large maps in memory than necessary
         solution += length * direction
         left = centred(left)
         z = centred(grid.precondition_on_last_set(left))
@@ -81,39 +71,16 @@ def conjugate_gradients(
 
 
 def corrected_accurately(grid: Grid, correction: PreconditionedResidual) -> PreconditionedResidual:
-    """Return `correction` with a field that, taken off the pressure, takes most of the residual away.
-
-    Parameters
-    ----------
-    grid : Grid
-        operator and preconditioner.
-    correction : PreconditionedResidual
-        of the grid's last residual.
-
-    Returns
-    -------
-    PreconditionedResidual
-        its `mean` is zero.
-    """
+    """Return a more accurate correction for the last residual of the grid; its `mean` is zero."""
     residual, active = grid.last_residual(precision_of(correction.field))
     steps = conjugate_gradients(grid, residual, correction.field, active)
     solution, first = next(steps)
-    for _, rz in islice(steps, MOST_STEPS):
+    for _, rz in islice(steps, MAX_STEPS):
         if rz <= REDUCTION**2 * first:
             break
     return replace(correction, field=solution, mean=0.0)
 
 
 def gains_little(bound: float, before: float) -> bool:
-    """Return whether a step lowered the bound by so little that an accurate correction is worth its price.
-
-    Parameters
-    ----------
-    bound, before : float
-        the bound of the error after and before the step.
-
-    Returns
-    -------
-    bool
-    """
+    """Return whether a step lowered the error bound so little that an accurate correction pays off."""
     return bool(np.isfinite(before) and bound > 0.5 * before)

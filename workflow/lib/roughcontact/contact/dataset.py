@@ -27,14 +27,12 @@ def as_dataset(
 ) -> xr.Dataset:
     """Return one dimensionless solution as a dataset in SI units, with a dimension `load` of size 1.
 
-    Points at the hardness have yielded until the gap was closed: it is zero there.
+    Its variables are those of contact.nc, over (load, y, x) or (load). The fields of the solution are lost:
+    they become those of the dataset. Points at the hardness have yielded until the gap was closed: it is zero
+    there.
 
     Parameters
     ----------
-    solution : Solution
-        whose fields are lost: they become those of the dataset.
-    problem : Problem
-        what made the map dimensionless.
     window : DataArray (y, x), m
         the map, with its values in NumPy's memory.
     load : float, Pa
@@ -46,19 +44,12 @@ def as_dataset(
     hardness : float or None, Pa
         largest pressure allowed.
     attrs : dict
-        of the dataset; `tolerance` says what counts as converged.
-    threads : int
-        of the passes over the fields.
-
-    Returns
-    -------
-    Dataset
-        the variables of contact.nc, over (load, y, x) or (load).
+        of the dataset; `tolerance` is the limit of the error bound of a converged solution.
     """
     state = solution.state
     height_unit = problem.scale if not problem.flat else 1.0
     pressure_unit = modulus * problem.gradient if not problem.flat else modulus
-    # in place: nobody needs the dimensionless fields any more
+    # in place: the dimensionless fields are not used again
     pressure, gap = (
         on_host(xr.Variable(("y", "x"), field)).values for field in (state.pressure, state.separation)
     )
@@ -100,18 +91,7 @@ def as_dataset(
 
 
 def joined(pieces: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Return the datasets of the loads as one.
-
-    Parameters
-    ----------
-    pieces : sequence of Dataset
-        from `as_dataset`.
-
-    Returns
-    -------
-    Dataset
-        with a dimension `load` as long as the sequence.
-    """
+    """Return the datasets of the loads, from `as_dataset`, as one."""
     if len(pieces) == 1:
         return pieces[0]
     return xr.concat(
@@ -126,17 +106,9 @@ def joined(pieces: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def influence_of(contact: xr.Dataset) -> Influence:
-    """Return the influence function that a contact was solved with.
+    """Return the influence function, "sampled" or "elements", that a contact was solved with.
 
-    Parameters
-    ----------
-    contact : Dataset
-        as `solve_contact` returns it, which says so in its attributes; one made otherwise is taken for one by
-        the waves of the grid.
-
-    Returns
-    -------
-    {"sampled", "elements"}
+    `solve_contact` records it in the attributes; without that it is "sampled".
 
     Examples
     --------

@@ -22,17 +22,17 @@ from roughcontact.kernels.arrays import SINGLE, Array, empty, in_precision, prec
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.protocol import Factors, Weights
 
-# What the projection takes away is redistributed to the contact around, in several passes: at most so many,
-# until the rest, as a share of the load, is so small that all of the contact may share it. Under a profile
-# that is dear, because the displacement beside a line contact does not decay; in a cell so much longer than
-# wide it hardly does so either.
-MOST_PASSES, SMALL_REST = 12, 0.01
-LONG, MOST_PASSES_OF_LONG, SMALL_REST_OF_LONG = 8.0, 50, 1e-3
-MOST_PASSES_OF_PROFILES, SMALL_REST_OF_PROFILES = 100, 1e-5
-MOST_SCALED = 2.0  # factor up to which the points below the cap make up for what is missing in the load
-# Of the local stiffness, where it is foreseen which points lose their contact: those around give way, too.
-YIELDING = 0.25
-SMALL_CHANGE = 0.1  # of the residual's norm, that is simply added to it
+# The load that the projection removes is redistributed to the contact around it, in up to so many passes,
+# until the rest, as a share of the load, is small enough to be shared by all of the contact. Profiles need
+# many passes, because the displacement beside a line contact does not decay, and so do cells far longer than
+# wide, where it hardly decays.
+MAX_PASSES, SMALL_REST = 12, 0.01
+LONG, MAX_PASSES_OF_LONG, SMALL_REST_OF_LONG = 8.0, 50, 1e-3
+MAX_PASSES_OF_PROFILES, SMALL_REST_OF_PROFILES = 100, 1e-5
+MAX_SCALING = 2.0  # factor up to which the points below the cap make up for missing load
+# Share of the local stiffness that predicts which points lose their contact: those around them yield, too.
+STIFFNESS_SHARE = 0.25
+SMALL_CHANGE = 0.1  # of the residual's norm; smaller changes are added to it
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,6 @@ class Residual:
     ----------
     spectrum : array
         of G^-1 P r. The next residual, and any application of the operator, overwrites it.
-    precision : str
-        of the spectrum.
     energy : float
         <r, M r>, a mean over the grid.
     active : int
@@ -64,12 +62,8 @@ class Residual:
 class PreconditionedResidual:
     """M r, the preconditioned residual of a state, by which a step corrects the pressure.
 
-    Attributes
-    ----------
-    field : array (ny, nx)
-        zero at the inactive points. The next residual overwrites it.
-    mean : float
-        over the active set.
+    The `field` (ny, nx) is zero at the inactive points, and the next residual overwrites it; `mean` is that
+    over the active set.
     """
 
     field: Array
@@ -77,9 +71,10 @@ class PreconditionedResidual:
 
 
 class Grid:
-    """The heights on one grid, dimensionless, with all that acts on them.
+    """The heights on one grid, dimensionless, with the operators and passes that act on them.
 
-    A height counts as (height - `reference`) / `unit`: the map itself is neither changed nor copied.
+    A height counts as (height - `reference`) / `unit`: the map itself is neither changed nor copied. All
+    fields are dimensionless and have the shape (ny, nx) of the heights.
 
     Parameters
     ----------
@@ -88,7 +83,7 @@ class Grid:
     lengths : (Ly, Lx)
         of the periodic cell.
     reference, unit : float
-        what makes the heights dimensionless.
+        offset and scale that make the heights dimensionless.
     cap : float
         largest pressure allowed (the hardness), or infinity.
     influence : {"sampled", "elements"}
@@ -120,11 +115,11 @@ class Grid:
             self._line_axis = 0 if lengths[0] / heights.shape[0] < lengths[1] / heights.shape[1] else 1
         pitches = [d for d, n in zip(pitches_of(self.shape, lengths), self.shape, strict=True) if n > 1]
         self._elongated = max(pitches) > ELONGATED * min(pitches)
-        self._passes = MOST_PASSES, SMALL_REST
+        self._passes = MAX_PASSES, SMALL_REST
         if min(self.shape) == 1:
-            self._passes = MOST_PASSES_OF_PROFILES, SMALL_REST_OF_PROFILES
+            self._passes = MAX_PASSES_OF_PROFILES, SMALL_REST_OF_PROFILES
         elif max(lengths) >= LONG * min(lengths):
-            self._passes = MOST_PASSES_OF_LONG, SMALL_REST_OF_LONG
+            self._passes = MAX_PASSES_OF_LONG, SMALL_REST_OF_LONG
         single = self.heights_in(SINGLE)
         self._height_size = norm(single, single)
 
@@ -133,27 +128,15 @@ class Grid:
     ) -> tuple[State, LineSearch]:
         """Return the state of a feasible `pressure`, and the energy on the line to it from `before`.
 
-        Parameters
-        ----------
-        pressure : array (ny, nx)
-            its precision is that of all.
-        before : State, optional
-            of equal load; without it nothing has changed.
-        out : array (ny, nx), optional
-            for the separation.
-
-        Returns
-        -------
-        state : State
-            by a fresh application of G.
-        line : LineSearch
-            from `before` to the state.
+        The state is computed by a fresh application of G, in the precision of the pressure. `before` has the
+        same load; without it the pressure counts as unchanged. The array `out` (ny, nx) receives the
+        separation.
         """
         precision = precision_of(pressure)
         if precision == SINGLE:
             heights, reference, unit = self.heights_in(SINGLE), 0.0, 1.0
         else:
-            self._single = None  # the copy is needed no more
+            self._single = None  # the copy is no longer needed
             heights, reference, unit = self._given, self._reference, self._unit
         separation = self.halfspace.displacement(pressure, out=out)
         start = (
@@ -177,21 +160,9 @@ class Grid:
     def residual(self, state: State, *, precision: str, predict: bool = False) -> Residual:
         """Return the residual of `state` in a precision: half of an application of G^-1.
 
-        Parameters
-        ----------
-        state : State
-            a feasible pressure and its separation.
-        precision : str
-            `SINGLE` or `DOUBLE`.
-        predict : bool
-            leave those points out of the active set that are foreseen to lose their contact: for a first
-            guess, whose contact is too large. Not where pixels are far longer than wide, which a stencil of
-            neighbours tells too little of.
-
-        Returns
-        -------
-        Residual
-            valid until the next one.
+        It is valid until the next one. `predict` excludes points from the active set that are predicted to
+        lose contact: for a first guess, whose contact is too large. It has no effect where pixels are far
+        longer than wide, for which a stencil of neighbours predicts too little.
         """
         workspace = self._workspace_in(precision)
         active = self.kernels.masked_residual(
@@ -202,24 +173,19 @@ class Grid:
         if predict:
             weights, stiffness = self._local_stiffness()
             active = self.kernels.predict_active(
-                state.pressure, workspace.field, weights, YIELDING * stiffness, self.cap, workspace.values
+                state.pressure,
+                workspace.field,
+                weights,
+                STIFFNESS_SHARE * stiffness,
+                self.cap,
+                workspace.values,
             )
             self._interpolate(workspace)
         spectrum, energy = self.halfspace.pressure_spectrum(workspace.field)
         return Residual(spectrum, precision, energy, active, certifies=not predict)
 
     def precondition(self, residual: Residual) -> PreconditionedResidual:
-        """Return M r for the last `residual`: the other half of the application.
-
-        Parameters
-        ----------
-        residual : Residual
-            the last one.
-
-        Returns
-        -------
-        PreconditionedResidual
-        """
+        """Return M r for the last `residual`: the other half of the application."""
         workspace = self._workspace_in(residual.precision)
         self.halfspace.field_of(residual.spectrum, residual.precision, out=workspace.field)
         return PreconditionedResidual(workspace.field, self._restrict(workspace) / max(residual.active, 1))
@@ -232,30 +198,13 @@ class Grid:
         mean_pressure: float,
         out: Array,
     ) -> Array:
-        """Return the pressure after a step, in the array `out`.
+        """Return the pressure after a step of a `length`, in the array `out`.
 
         That is p - length (M r - mean) on the active set, projected onto [0, cap]. The load that the
-        projection adds or takes away is redistributed to the contact beside it: P^T hands it on, until little
-        is left (`roughcontact.contact.iteration`). Lines that are contacts of their own keep their loads.
-        Where the cap leaves no such step, it is one along the projected gradient. The field of the correction
-        is lost.
-
-        Parameters
-        ----------
-        state : State
-            where the step begins.
-        correction : PreconditionedResidual
-            M r of that state.
-        length : float
-            of the step.
-        mean_pressure : float
-            prescribed, dimensionless.
-        out : array (ny, nx)
-            is written.
-
-        Returns
-        -------
-        array (ny, nx)
+        projection adds or removes is redistributed to the contact beside it by P^T, until little is left
+        (`roughcontact.contact.iteration`). Lines that are contacts of their own keep their loads. Where the
+        cap prevents such a step, it is one along the projected gradient. The field of the correction is
+        overwritten.
         """
         kernels, cap = self.kernels, self.cap
         workspace = self._workspace_in(precision_of(correction.field))
@@ -265,7 +214,7 @@ class Grid:
             square = mean_product(values, values)
             safe = 0.5 * mean_product(values, taken) / square if square > 0 else 0.0
         kernels.advance(state.pressure, taken, correction.mean, length, cap, out, values)
-        free = values  # the same array: no residual any more, but 1 between the bounds and 0 elsewhere
+        free = values  # the same array: no longer a residual, but 1 between the bounds and 0 elsewhere
         line_loads = None if self._line_axis is None else self._line_sums(out) + self._line_sums(taken)
         total = 0.0
         most, small = self._passes
@@ -277,7 +226,7 @@ class Grid:
             outside, total = interpolation.redistribute(taken, out, cap, scratch)
             if outside <= small * total:
                 break
-        if total <= 0:  # rounding has eaten a load far below the residual: stay, and leave it to safe steps
+        if total <= 0:  # a load far below the residual was lost to rounding: stay, safe steps follow
             return scale_to_load(state.pressure, mean_pressure, cap=cap, precision=precision_of(out))
         if cap == np.inf and line_loads is None:
             kernels.rescale(out, mean_pressure * out.size / total, cap)
@@ -285,9 +234,9 @@ class Grid:
         kernels.rescale(out, 1.0, cap)
         if line_loads is not None:
             self._restore_line_loads(out, line_loads)
-        if cap < np.inf and not 1 / MOST_SCALED < scale_below_cap(out, mean_pressure, cap) < MOST_SCALED:
-            # Too much or too little has come to the cap for the others to make up: the gap tells better which
-            # points belong there, as in a step along the projected gradient.
+        if cap < np.inf and not 1 / MAX_SCALING < scale_below_cap(out, mean_pressure, cap) < MAX_SCALING:
+            # Too many or too few points are at the cap for the others to make up: the gap is a better guide
+            # to those that belong there, as in a step along the projected gradient.
             pressure, gap = (
                 in_precision(a, precision_of(out), copy=False) for a in (state.pressure, state.gap)
             )
@@ -295,50 +244,23 @@ class Grid:
         return scale_to_load(out, mean_pressure, cap=cap)
 
     def last_residual(self, precision: str) -> tuple[Array, Array]:
-        """Return the last residual in a precision and the map of its active set.
-
-        Parameters
-        ----------
-        precision : str
-            `SINGLE` or `DOUBLE`.
-
-        Returns
-        -------
-        residual : array (ny, nx)
-        active : array (ny, nx) of bool
-        """
+        """Return the last residual in a precision and the map of its active set, both of shape (ny, nx)."""
         workspace = self._workspace_in(precision)
         return workspace.values, workspace.values != 0
 
     def precondition_on(self, contact: Array, residual: Array) -> Array:
-        """Return M `residual`, shape (ny, nx), for a given contact set; the residual is zero outside it.
+        """Return M `residual` for the contact set where `contact` is not zero.
 
-        Parameters
-        ----------
-        contact : array (ny, nx)
-            not zero on the contact set.
-        residual : array (ny, nx)
-            zero outside it.
-
-        Returns
-        -------
-        array (ny, nx)
+        The residual is zero outside it.
         """
         interpolation = self._workspace_in(precision_of(residual)).interpolation
         interpolation.set_active(in_precision(contact, precision_of(residual)))
         return self.precondition_on_last_set(residual)
 
     def precondition_on_last_set(self, residual: Array) -> Array:
-        """Return M `residual`, shape (ny, nx), for the active set of the last residual in its precision.
+        """Return M `residual` for the active set of the last residual in its precision.
 
-        Parameters
-        ----------
-        residual : array (ny, nx)
-            zero outside the active set.
-
-        Returns
-        -------
-        array (ny, nx)
+        The residual is zero outside that set.
         """
         workspace = self._workspace_in(precision_of(residual))
         workspace.interpolation.prolong(residual, workspace.field)
@@ -347,24 +269,12 @@ class Grid:
         return workspace.field
 
     def residual_norm(self, state: State, residual: Residual) -> float:
-        """Return a bound of ||r||_{G^-1} for the residual that certifies `state`, the last `residual` given.
+        """Return a bound of ||r||_{G^-1} for the residual that certifies `state`, its last `residual` given.
 
-        That is the interpolated residual, projected onto what the certificate allows
-        (`roughcontact.contact.certificate`). What the projection takes away is bounded by its mean square
-        times the largest |q|/2; only where this is no small change is the projected residual transformed
-        itself. The residual cannot be preconditioned after that.
-
-        Parameters
-        ----------
-        state : State
-            a feasible pressure and its separation.
-        residual : Residual
-            of the state.
-
-        Returns
-        -------
-        float
-            dimensionless.
+        That is the interpolated residual, projected onto the residuals that the certificate admits
+        (`roughcontact.contact.certificate`). The change by the projection is bounded by its mean square times
+        the largest |q|/2; only where this is no small change is the projected residual itself transformed.
+        The residual cannot be preconditioned after that.
         """
         interpolated = self._workspace_in(residual.precision).field
         norm_of_interpolated = float(np.sqrt(residual.energy))
@@ -377,34 +287,16 @@ class Grid:
         return float(np.sqrt(self.halfspace.pressure_spectrum(interpolated)[1]))
 
     def refine(self, coarse: Array, factors: Factors, out: Array) -> None:
-        """Put the pressure `coarse` of the next coarser grid onto this one, in single precision, into `out`.
+        """Write the pressure `coarse` of the next coarser grid, refined to this one, to `out`.
 
-        Detail of the heights takes the pressure that it would take in full contact.
-
-        Parameters
-        ----------
-        coarse : array
-            pressure over the coarser grid's cells.
-        factors : (int, int)
-            fy and fx, to the coarser grid.
-        out : array (ny, nx)
-            is written.
+        `out` is in single precision. Fine detail of the heights is added with the pressure that it would have
+        in full contact.
         """
         weights, stiffness = self._local_stiffness()
         self.kernels.refine(coarse, factors, self.heights_in(SINGLE), weights, stiffness, self.cap, out)
 
     def heights_in(self, precision: str) -> Array:
-        """Return the dimensionless heights in a precision; in single precision they are kept.
-
-        Parameters
-        ----------
-        precision : str
-            `SINGLE` or `DOUBLE`.
-
-        Returns
-        -------
-        array (ny, nx)
-        """
+        """Return the dimensionless heights in a precision; in single precision they are kept."""
         if precision == SINGLE and self._single is not None:
             return self._single
         if self._reference == 0 and self._unit == 1:
@@ -417,18 +309,18 @@ class Grid:
         return heights
 
     def release(self) -> None:
-        """Give the memory of all workspaces back; what is wanted again is made anew.
+        """Release the memory of all workspaces; they are allocated again on demand.
 
-        The last residual and all arrays that were lent end with it.
+        The last residual and all arrays in these workspaces become invalid.
         """
         self._single = None
         self._workspaces.clear()
         self.halfspace.release()
 
     def _local_stiffness(self) -> tuple[Weights, float]:
-        """Return the stencil of neighbours, and the pressure over what a point stands out from their mean.
+        """Return the stencil of neighbours, and the pressure per height of a point above their mean.
 
-        Exactly so in full contact, for the shortest wave along the finer axis, whose wavenumber is pi/pitch.
+        It is exact in full contact, for the shortest wave along the finer axis, whose wavenumber is pi/pitch.
         """
         pitches = pitches_of(self.shape, self.halfspace.lengths)
         weights = across_y, across_x, diagonal = stencil(pitches, self.shape)
@@ -473,7 +365,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class Workspace:
-    """What an application of M = P^T G^-1 P works in: P, the residual, and M of it."""
+    """Work memory of an application of M = P^T G^-1 P: P, the residual, and M of it."""
 
     interpolation: Interpolation
     values: Array

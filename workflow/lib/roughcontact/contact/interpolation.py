@@ -3,17 +3,17 @@
 The operator restricted to the active set C has an exact inverse: continue the residual over the rest of the
 surface such that the elastic energy of the continuation is least, apply G^-1 to that, and keep the values on
 C (the Schur complement of G^-1). The continuation of least energy decays from a contact as a displacement
-does, neither at once nor never. The interpolation (prolongation) P imitates it by a V-cycle on a hierarchy of
+does. The interpolation (prolongation) P approximates it by a V-cycle on a hierarchy of
 grids: on every grid an empty cell takes the mean of its eight neighbours, weighted by the inverse cube of the
-distance, the decay of G^-1 in space. A cell that is in contact in part counts by the linear size of its
-contact: the displacement beside an isolated contact goes with its size over the distance, so that it reaches
-as far as it should. The mean over the parts of a cell is weighted by those sizes, too, and far from all
-contact stands the mean over all of it. The restriction is the transpose of P: the same V-cycle
-backwards. The words are those of multigrid [1]_, where they act between two grids; here P acts between the
-active set and the whole grid, and the hierarchy of grids is what makes it cheap.
+distance, the decay of G^-1 in space. A cell that is partly in contact is weighted by the linear size of its
+contact, because the displacement beside an isolated contact is proportional to its size over the distance.
+The mean over the parts of a cell is weighted by those sizes, too, and far from all contact the value is the
+mean over all of it. The restriction is the transpose of P: the same V-cycle
+backwards. The terms are those of multigrid [1]_, where they act between two grids; here P acts between the
+active set and the whole grid, and the hierarchy of grids makes it cheap.
 
-P^T G^-1 P is nowhere less than the exact inverse, and measured to be at most 1.15 times it for patches and
-scattered points on square pixels, three times it where pixels are far longer than wide: that is why few
+P^T G^-1 P is nowhere less than the exact inverse. It was measured to be at most 1.15 times it for patches and
+scattered points on square pixels, three times it where pixels are far longer than wide. Therefore few
 iterations suffice.
 
 References
@@ -30,7 +30,7 @@ from roughcontact.contact.coarsening import has_separate_lines, hierarchy, pitch
 from roughcontact.kernels.arrays import Array, empty
 from roughcontact.kernels.protocol import Arrangement, Factors, Kernels, Weights
 
-FEW = 32  # cells along an axis up to which they hold contacts far apart, as those of rough surfaces do
+MAX_SCATTERED = 32  # cells along an axis; in cells so large the contacts of rough surfaces are far apart
 
 
 @dataclass
@@ -48,11 +48,11 @@ class CoarseGrid:
     empty : array
         share of a cell that counts as gap.
     gain : array
-        what a cell weighs, over the mean of what its parts weigh.
+        weight of a cell over the mean weight of its parts.
     means, work : array
         workspace.
     line_gain : array or None
-        where lines have become cells: makes the mean over a line that over its contact.
+        where lines have become cells: the mean over the contact of a line over the mean over the line.
     """
 
     factors: Factors
@@ -68,18 +68,8 @@ class CoarseGrid:
 class Interpolation:
     """The linear map P from fields that are zero outside the active set C to fields on the whole grid.
 
-    `set_active` says what C is; the rows of P on C are those of the identity.
-
-    Parameters
-    ----------
-    like : array (ny, nx)
-        of the shape, the library and the device of the fields.
-    precision : str
-        of the fields.
-    lengths : (Ly, Lx)
-        of the periodic cell.
-    kernels : Kernels
-        passes over the grid.
+    `set_active` sets C; the rows of P on C are those of the identity. `like` is an array of the shape (ny,
+    nx), library and device of the fields, `lengths` (Ly, Lx) are those of the periodic cell.
     """
 
     def __init__(self, like: Array, precision: str, lengths: tuple[float, float], kernels: Kernels):
@@ -88,7 +78,7 @@ class Interpolation:
         self.weights = stencil(pitches_of(like.shape, lengths), like.shape)
         plan = hierarchy(like.shape, lengths)
         ends = np.cumsum([0, *(int(np.prod(coarser.shape)) for coarser in plan)]).tolist()
-        # the grids lie one after the other, so that all the small ones can be handed over at once
+        # the grids lie one after the other, so that all the small ones can be passed in one call
         stores = [empty(like, precision, (ends[-1],)) for _ in range(4)]
         self.grids = []
         for coarser, (start, end) in zip(plan, pairwise(ends), strict=True):
@@ -111,13 +101,7 @@ class Interpolation:
         self._small = None if has_separate_lines(plan) else kernels.small_grids(self.grids, stores, ends)
 
     def set_active(self, active: Array) -> None:
-        """Let C be the points where the field `active`, which is kept, is not zero.
-
-        Parameters
-        ----------
-        active : array (ny, nx)
-            zero outside C; written over by nobody as long as C is to hold.
-        """
+        """Let C be the points where `active` is not zero; that array must not change while C is used."""
         kernels, xp, self.active = self.kernels, active.__array_namespace__(), active
         if self.grids:
             finest = self.grids[0]
@@ -143,15 +127,7 @@ class Interpolation:
                 kernels.block_mean(grid.means, coarser.factors, coarser.means)
 
     def prolong(self, values: Array, out: Array) -> None:
-        """Put P `values` into `out`; both of shape (ny, nx), the values zero outside C.
-
-        Parameters
-        ----------
-        values : array (ny, nx)
-            zero outside C.
-        out : array (ny, nx)
-            is written.
-        """
+        """Write P `values` to `out`; both of shape (ny, nx), the values zero outside C."""
         kernels = self.kernels
         if not self.grids:
             gaps = self._gaps()
@@ -162,20 +138,9 @@ class Interpolation:
         kernels.fill_from(values, self.active, self._prolonged(0), coarse.factors, self.weights, out)
 
     def restrict(self, field: Array, scratch: Array) -> float:
-        """Put P^T `field`, zero outside C, into `field`; return its sum.
+        """Overwrite `field` by P^T `field`, zero outside C, and return its sum.
 
         `scratch`, like `field`, is overwritten.
-
-        Parameters
-        ----------
-        field : array (ny, nx)
-            is written over.
-        scratch : array (ny, nx)
-            is written over.
-
-        Returns
-        -------
-        float
         """
         restricted, factors = self._restricted_to_coarse(field, scratch)
         return self.kernels.finish_restriction(field, scratch, restricted, factors, self.active)
@@ -183,27 +148,14 @@ class Interpolation:
     def redistribute(self, taken: Array, pressure: Array, cap: float, scratch: Array) -> tuple[float, float]:
         """Add the load P^T `taken`, which is zero on C, to the `pressure`.
 
-        Parameters
-        ----------
-        taken : array (ny, nx)
-            load to hand on, zero on C; is written over.
-        pressure : array (ny, nx)
-            gets the load.
-        cap : float
-            largest pressure allowed.
-        scratch : array (ny, nx)
-            is written over.
-
-        Returns
-        -------
-        outside, total : float
-            how much of the pressure then lies outside of 0 and the `cap`, and the sum of what lies between.
+        Returns how much of the pressure then lies outside [0, `cap`], and the sum of the pressure projected
+        onto this interval. `taken` and `scratch` are overwritten.
         """
         restricted, factors = self._restricted_to_coarse(taken, scratch)
         return self.kernels.redistribute(pressure, scratch, restricted, factors, self.active, cap)
 
     def _prolonged(self, number: int) -> Array:
-        """Return what the cells of a grid, given their `means`, tell the next finer grid's empty cells."""
+        """Return the values of a grid, given its `means`, for the empty cells of the next finer grid."""
         kernels, grid = self.kernels, self.grids[number]
         if self._small is not None and number == self._small.first:
             self._small.prolong(self.sweeps, *self._sweep_work)
@@ -222,7 +174,7 @@ class Interpolation:
         return grid.means
 
     def _sweep(self, means: Array, gaps: Array, weights: Weights) -> Array:
-        """Return the coarsest grid's mixed field, of which the neighbours' means are taken once more."""
+        """Return the mixed field of the coarsest grid, whose neighbours' means are the next step."""
         mixed = means + gaps * _mean_over_contact(means, gaps)
         for sweep in range(1, self.sweeps):
             self.kernels.fill(means, gaps, mixed, weights, self._sweep_work[sweep % 2])
@@ -230,7 +182,7 @@ class Interpolation:
         return mixed
 
     def _restricted_to_coarse(self, field: Array, scratch: Array) -> tuple[Array, Factors]:
-        """Put what neighbours pass back into `scratch`; return what the coarser grid does, and factors."""
+        """Write the load from the neighbours to `scratch`; return that from the coarser grid, and factors."""
         kernels = self.kernels
         if not self.grids:
             gaps = self._gaps()
@@ -242,7 +194,7 @@ class Interpolation:
         return self._restricted(0), coarse.factors
 
     def _restricted(self, number: int) -> Array:
-        """Return the transpose of `_prolonged`: from what a grid's `means` hold to what its means get."""
+        """Return the transpose of `_prolonged`: from the `means` of a grid to the load that they receive."""
         kernels, grid = self.kernels, self.grids[number]
         if self._small is not None and number == self._small.first:
             self._small.restrict(self.sweeps, *self._sweep_work)
@@ -268,7 +220,7 @@ class Interpolation:
         return xp.astype(self.active == 0, self.active.dtype)
 
     def _sweep_back(self, total: Array, gaps: Array, weights: Weights) -> None:
-        """Add to `total` what the transposes of the sweeps make of it."""
+        """Add to `total` its products with the transposes of the sweeps."""
         passed = self._sweep_work[0]
         passed[...] = total
         for sweep in range(1, self.sweeps):
@@ -282,11 +234,11 @@ def _arrangement(shape: tuple[int, int]) -> Arrangement:
     """Return how contacts lie in the cells of a coarse grid."""
     if min(shape) == 1:
         return Arrangement.ALONG_A_LINE
-    return Arrangement.SCATTERED if max(shape) <= FEW else Arrangement.UNKNOWN
+    return Arrangement.SCATTERED if max(shape) <= MAX_SCATTERED else Arrangement.UNKNOWN
 
 
 def _mean_over_contact(field: Array, gaps: Array) -> float:
-    """Return the sum of `field` over that of the weights, which `gaps` leaves of 1."""
+    """Return the sum of `field` over that of the weights, 1 - `gaps`."""
     xp = field.__array_namespace__()
     weight = float(xp.sum(1 - gaps))
     return float(xp.sum(field)) / weight if weight > 0 else 0.0

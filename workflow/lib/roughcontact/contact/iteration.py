@@ -7,24 +7,25 @@ operator to that, and subtracts the result from the pressure, which is then proj
     p <- [ p - t (M r - mean) ]+ .
 
 M = P^T G^-1 P is nowhere less than the inverse of the operator on the active set and mostly at most an eighth
-more (`roughcontact.contact.interpolation`), so that what stands in the brackets is nearly the pressure of
+more (`roughcontact.contact.interpolation`), so that the expression in brackets is nearly the pressure of
 least energy that those points could carry with either sign. The one of least energy without tension is its
-projection onto p >= 0 in the norm of the energy. That projection is imitated: the points held at 0 hand the
-load that they lose to the contact around them, as charges at grounded conductors do, by P^T for the points
-that stay. The active set so moves with every step, and two transform pairs cut the error by twenty. It is a
-primal-dual active-set method [1]_ whose linear systems are solved by one application of a nearly exact
-inverse. The contact of a first guess is mostly too large: in the first step on a grid those points are left
-out of the active set that are foreseen to lose their contact (`Grid.residual`), and give their load away at
-once. With a hardness that is done on the finest grid alone: on coarser ones nothing was gained by it.
+projection onto p >= 0 in the norm of the energy. That projection is approximated: the load lost by the points
+held at 0 is passed to the contact around them, as charges at grounded conductors are, by P^T for the
+remaining points. The active set thus changes with every step, and two transform pairs reduce the error
+twentyfold. It is a primal-dual active-set method [1]_ whose linear systems are solved by one application of a
+nearly exact inverse. The contact of a first guess is mostly too large: the first step on a grid excludes from
+the active set the points that are predicted to lose their contact (`Grid.residual`), and their load is
+redistributed at once. With a hardness this is done on the finest grid alone: on coarser ones it gained
+nothing.
 
-The step length t follows from the energy along the last step, which is quadratic and known. Nothing is proved
-for steps of this kind: so every one must lower the elastic energy. One that does not is cut short where the
-energy is least, or undone, and projected gradient steps follow (`roughcontact.contact.projected_gradient`),
-twice as many with every second failure, which alone would converge. Where a step gains little, the next
-correction is an accurate one (`roughcontact.contact.conjugate_gradients`).
+The step length t follows from the energy along the last step, which is quadratic and known. No convergence is
+proved for steps of this kind, so every one must lower the elastic energy. One that does not is shortened to
+the point of least energy, or undone, and projected gradient steps follow, which alone would converge
+(`roughcontact.contact.projected_gradient`), twice as many with every second failure. Where a step gains
+little, the next correction is an accurate one (`roughcontact.contact.conjugate_gradients`).
 
 The first steps are taken in single precision. Then pressure and separation are in double precision and the
-correction stays in single: it is small, and the next fresh application measures what rounding did to it
+correction remains in single: it is small, and the next fresh application measures its rounding error
 (iterative refinement).
 
 References
@@ -45,20 +46,20 @@ from roughcontact.contact.projected_gradient import projected_gradient_step
 from roughcontact.contact.state import State, scale_to_load
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, empty, precision_of
 
-TOO_STIFF = 1e-3  # relative rounding floor of single precision from which all is done in double
+MAX_SINGLE_FLOOR = 1e-3  # relative rounding floor of single precision above which all steps are in double
 PATIENCE = 20  # steps that do not improve the bound before the iteration is called stalled
-FEW_STEPS = 10  # are enough for a first guess, else it is left to the safeguarded iteration
-NEARLY = 1.5  # how far the floor of a first guess may be from that of the solution
+GUESS_STEPS = 10  # for a first guess; after them the safeguarded iteration takes over
+MAX_FLOOR_RATIO = 1.5  # largest ratio of the floor of a first guess to that of the solution
 FIRST_LENGTH, SHORTEST, LONGEST = 0.985, 0.4, 0.99  # of a step; M is nowhere less than the inverse
-TYPICAL = 0.05  # of the bound is what a good step leaves
-# A step that may leave this share of what is foreseen is taken in double: one that meets the tolerance in
+TYPICAL = 0.05  # ratio of the bounds after and before a good step
+# A step is taken in double if this share of the predicted bound meets the tolerance: a step that meets it in
 # single precision is followed by another, which costs three pairs; one that misses it in double costs a pair.
-HOPE = 0.5
+PREDICTION_MARGIN = 0.5
 
 
 @dataclass(frozen=True)
 class GridSolution:
-    """The state that was reached on one grid, the bound of its relative error, and the steps taken."""
+    """The final state on one grid, the bound of its relative error, and the number of steps."""
 
     state: State
     error_bound: float
@@ -83,32 +84,21 @@ def solve_on_grid(
 
     Parameters
     ----------
-    grid : Grid
-        heights and operators.
     start : array (ny, nx)
         pressure, nowhere negative; it is scaled to the load first.
-    mean_pressure : float
-        the load.
-    tolerance : float
-        of `error_bound`.
     finish : str
-        precision of the last application; the first ones are in single, while the error is far above what
-        single precision can tell.
-    max_steps : int
-        number of steps.
+        precision of the last application; the first ones are in single, while the error is far above the
+        rounding error of that.
     give_up : bool
         take no step where the rounding of the result is above the tolerance.
-
-    Returns
-    -------
-    GridSolution
-        the state, its bound and the number of steps.
     """
     iterate = Iterate(grid, start, mean_pressure, tolerance=tolerance, finish=finish)
     del start
     for step in range(max_steps + 1):
         iterate.measure(step)
-        stalled = step == max_steps or iterate.has_stalled(step) or (give_up and iterate.is_hopeless())
+        stalled = (
+            step == max_steps or iterate.has_stalled(step) or (give_up and iterate.is_limited_by_rounding())
+        )
         if stalled or iterate.may_be_done():
             iterate.certify()
             if stalled or iterate.bound <= tolerance:
@@ -120,23 +110,23 @@ def solve_on_grid(
 
 
 class Iterate:
-    """Where the iteration on a grid stands, and what its past says of the next step.
+    """The state of the iteration on a grid, and the history that determines the next step.
 
     Attributes
     ----------
     state : State
-        the pressure that was reached.
+        the current pressure.
     residual : Residual
-        of the state; gone while a step is taken, because its spectrum need not lie beside another.
+        of the state; deleted during a step, because its spectrum need not lie beside another.
     bound : float
-        of the relative error of the state; rigorous after `certify`, an estimate where the residual leaves
-        out points of the contact.
+        of the relative error of the state; rigorous after `certify`, an estimate where the residual excludes
+        points of the contact.
     precision : str
         of the next pressure.
     residual_precision : str
         of residual and correction.
     finish : str
-        of the result.
+        precision of the result.
     length : float
         of the next step.
     """
@@ -154,15 +144,9 @@ class Iterate:
         self._spare: State | None = None  # whose arrays the next state may have
 
     def measure(self, step: int) -> None:
-        """Find the residual of the state and the bound that it gives without the certificate.
-
-        Parameters
-        ----------
-        step : int
-            number of the step.
-        """
+        """Compute the residual of the state, and the bound that it gives without the certificate."""
         self._single_floor = rounding_floor(self.grid.halfspace, self.state, SINGLE)
-        if self._single_floor > TOO_STIFF:
+        if self._single_floor > MAX_SINGLE_FLOOR:
             self.residual_precision = self.precision = self.finish = DOUBLE
         # the contact of a first guess is too large
         self.measure_residual(predict=step == 0)
@@ -171,60 +155,29 @@ class Iterate:
             self._lowest, self._lowest_step = self.bound, step
 
     def measure_residual(self, *, predict: bool = False) -> None:
-        """Find the residual of the state afresh.
-
-        Parameters
-        ----------
-        predict : bool
-            for a step that leaves out what is foreseen to lose its contact.
-        """
+        """Compute the residual of the state afresh; `predict` as in `Grid.residual`."""
         self.residual = self.grid.residual(self.state, precision=self.residual_precision, predict=predict)
 
     def is_in_final_precision(self) -> bool:
-        """Return whether the state has the precision of the result.
-
-        Returns
-        -------
-        bool
-        """
+        """Return whether the state has the precision of the result."""
         return precision_of(self.state.pressure) == self.finish
 
-    def is_hopeless(self) -> bool:
-        """Return whether the rounding of a result in single precision alone is above the tolerance.
-
-        Returns
-        -------
-        bool
-        """
-        return self.finish == SINGLE and self._single_floor > NEARLY * self.tolerance
+    def is_limited_by_rounding(self) -> bool:
+        """Return whether the rounding of a result in single precision alone is above the tolerance."""
+        return self.finish == SINGLE and self._single_floor > MAX_FLOOR_RATIO * self.tolerance
 
     def has_stalled(self, step: int) -> bool:
-        """Return whether no further step would help: at the rounding floor, or after many in vain.
-
-        Parameters
-        ----------
-        step : int
-            number of the step.
-
-        Returns
-        -------
-        bool
-        """
+        """Return whether no further step would help: at the rounding floor, or after many in vain."""
         if step - self._lowest_step > PATIENCE:
             return True
         if not (self.is_in_final_precision() and self.residual.certifies):
             return False
         # the floor is part of the bound: in single precision the tolerance may lie just above it
-        at_floor = 2.0 if self.finish == DOUBLE or self.is_hopeless() else 1.005
+        at_floor = 2.0 if self.finish == DOUBLE or self.is_limited_by_rounding() else 1.005
         return self.bound <= at_floor * rounding_floor(self.grid.halfspace, self.state)
 
     def may_be_done(self) -> bool:
-        """Return whether the certificate is worth its price.
-
-        Returns
-        -------
-        bool
-        """
+        """Return whether the bound is low enough to compute the certificate."""
         return self.bound <= self.tolerance and self.is_in_final_precision()
 
     def certify(self) -> None:
@@ -238,9 +191,9 @@ class Iterate:
         self.bound = error_bound(self.grid, self.state, self.residual)
 
     def choose_precision(self) -> None:
-        """Take the last step, as far as the one before tells, in the precision of the result."""
-        foreseen = self.bound * min(1.0, max(TYPICAL, self.bound / self._bound_before))
-        if HOPE * foreseen <= self.tolerance or self.bound <= 30 * self._single_floor:
+        """Choose the precision of the next step: that of the result if it is predicted to be the last."""
+        predicted = self.bound * min(1.0, max(TYPICAL, self.bound / self._bound_before))
+        if PREDICTION_MARGIN * predicted <= self.tolerance or self.bound <= 30 * self._single_floor:
             self.precision = self.finish
 
     def advance(self) -> None:
@@ -259,7 +212,7 @@ class Iterate:
         length = 1.0 if accurate else self.length
         moved = grid.advance(self.state, correction, length, self.mean_pressure, out)
         if rises:
-            # What tells the two energies apart is lost in the rounding of the first: it need not be kept.
+            # The difference of the two energies is below the rounding of the first, which need not be kept.
             del self.state
             self.state, _ = grid.evaluate(moved)
             return
@@ -273,7 +226,7 @@ class Iterate:
         self.state, self._spare = trial, self.state
 
     def _recover(self, trial: State, line: LineSearch) -> None:
-        """Go on from a step after which the energy is not lower: cut it short, or take safe steps."""
+        """Continue after a step that did not lower the energy: cut it short, or take safe steps."""
         self._failures += 1
         self._spare = None
         self.length = max(SHORTEST, 0.5 * self.length)
@@ -297,28 +250,12 @@ def first_guess_on_grid(
 ) -> tuple[Array, int]:
     """Return a pressure (ny, nx) whose relative error is about `tolerance`, and the number of steps to it.
 
-    For a first guess on a finer grid: what the last step leaves is foreseen, not measured. Steps that gain
-    less than half are not for this function: `solve_on_grid` goes on.
-
-    Parameters
-    ----------
-    grid : Grid
-        operator and preconditioner.
-    start : array (ny, nx)
-        where to begin; its mean may differ.
-    mean_pressure : float
-        prescribed, dimensionless.
-    tolerance : float
-        relative error wanted, in the norm of the elastic energy.
-
-    Returns
-    -------
-    pressure : array (ny, nx)
-    steps : int
+    For a first guess on a finer grid: the error after the last step is predicted, not measured. Where steps
+    gain less than half, `solve_on_grid` continues. The mean of `start` may differ from `mean_pressure`.
     """
     pressure = scale_to_load(start, mean_pressure, cap=grid.cap, precision=SINGLE)
     bound_before = np.inf
-    for step in range(FEW_STEPS):
+    for step in range(GUESS_STEPS):
         state, _ = grid.evaluate(pressure)
         residual = grid.residual(state, precision=SINGLE, predict=step == 0 and grid.cap == np.inf)
         bound = _bound_by(grid, state, residual)
@@ -328,7 +265,7 @@ def first_guess_on_grid(
             break
         correction = grid.precondition(residual)
         pressure = grid.advance(state, correction, FIRST_LENGTH, mean_pressure, empty(state.pressure, SINGLE))
-        if HOPE * TYPICAL * bound <= tolerance:
+        if PREDICTION_MARGIN * TYPICAL * bound <= tolerance:
             return pressure, step + 1
         bound_before = bound if residual.certifies else np.inf
     solution = solve_on_grid(grid, pressure, mean_pressure, tolerance=tolerance, finish=SINGLE)

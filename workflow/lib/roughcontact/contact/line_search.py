@@ -38,20 +38,8 @@ class LineSearch:
 def minimize_between(before: State, after: State, line: LineSearch, *, cap: float) -> State | None:
     """Return the state of least energy on the line; None where the energy rises from the start.
 
-    Both fields of a state are linear in the share, so that no application of the operator is needed.
-
-    Parameters
-    ----------
-    before, after : State
-        the ends of the line, of equal load.
-    line : LineSearch
-        slopes of the energy at both.
-    cap : float
-        largest pressure allowed, dimensionless.
-
-    Returns
-    -------
-    State or None
+    Both states have the same load. Their fields are linear in the share, so that no application of the
+    operator is needed.
     """
     if line.slope >= 0:
         return None

@@ -1,4 +1,4 @@
-"""Which loads to solve: given in pascal, given relative to E* g, or a plan made for the map."""
+"""The loads to solve: given in pascal, given relative to E* g, or planned for the map."""
 
 from typing import Any
 
@@ -34,7 +34,7 @@ def plan_loads(
     relative_pressure : float or list of float, optional
         p' = p / (E* g); with neither, the plan `DEFAULT_PLAN`.
     hardness : float, Pa, optional
-        of the softer body: planned loads that no contact carries are left out, given ones refused.
+        of the softer body: planned loads that are not below it are left out, given ones refused.
 
     Returns
     -------
@@ -47,7 +47,7 @@ def plan_loads(
         for both at once, an empty list, a load that is not positive, a relative one that the hardness does
         not allow, or a hardness below all planned loads.
     HeightMapError
-        where relative pressures are asked for on a flat map, which has no gradient to relate them to.
+        for relative pressures on a flat map, which has no gradient.
 
     Examples
     --------
@@ -93,21 +93,7 @@ def plan_loads(
 
 
 def check_loads(name: str, loads: Any, *, unit: str) -> list[float]:
-    """Return loads as a list of positive floats.
-
-    Parameters
-    ----------
-    name : str
-        what they are called.
-    loads : number or sequence of numbers
-        what was given.
-    unit : str
-        in which they are meant.
-
-    Returns
-    -------
-    list of float
-        at least one.
+    """Return loads, a number or a sequence of numbers in `unit`, as a list of positive floats.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Nested iteration [1]_: a coarse solution is a cheap first guess for the next finer grid.
 
-Coarse heights are block means, measured to need fewer iterations than injection and Fourier truncation. How a
-coarse pressure comes onto the finer grid: `roughcontact.kernels.array_api.refine`.
+Coarse heights are block means, which were measured to need fewer iterations than injection and Fourier
+truncation. `roughcontact.kernels.array_api.refine` transfers a coarse pressure to the finer grid.
 
 References
 ----------
@@ -18,27 +18,16 @@ from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.protocol import Factors
 
 COARSEST = 64  # cells along an axis: below that a grid costs more overhead than it saves
-# Half of the cells are a far better start for the finest grid than a quarter. For the other grids it matters
-# little, where cells are square.
+# A grid half as fine gives a far better first guess for the finest grid than one a quarter as fine. For the
+# other grids, where cells are square, the difference is small.
 FINEST_DIVISORS, DIVISORS = (2, 3, 5), (4, 2, 3, 5)
-COARSE_TOLERANCE = 0.03  # of all grids but the finest: a tighter one chases points the next grid moves anyway
+COARSE_TOLERANCE = 0.03  # of all grids but the finest: a tighter one resolves points that the next grid moves
 
 
 def nested_heights(heights: Array, lengths: tuple[float, float]) -> list[tuple[Factors, Array]]:
     """Return [(factors, heights), ...] of the grids coarser than that of `heights`, the finest first.
 
-    The factors are those to the next finer grid.
-
-    Parameters
-    ----------
-    heights : array (ny, nx)
-        dimensionless.
-    lengths : (float, float)
-        Ly and Lx of the periodic cell.
-
-    Returns
-    -------
-    list of (factors, array)
+    The factors are those to the next finer grid; `lengths` (Ly, Lx) are those of the periodic cell.
     """
     nested: list[tuple[Factors, Array]] = []
     while max(heights.shape) > COARSEST:
@@ -57,22 +46,9 @@ def nested_heights(heights: Array, lengths: tuple[float, float]) -> list[tuple[F
 def first_guess(grids: Sequence[Grid], factors: Sequence[Factors], load: float) -> tuple[Array, int]:
     """Return a first guess of the pressure on the finest grid, and the steps taken on the others.
 
-    Each grid starts from the next coarser one's pressure, refined, and is solved to about `COARSE_TOLERANCE`.
-
-    Parameters
-    ----------
-    grids : sequence of Grid
-        the finest first.
-    factors : sequence of (int, int)
-        of each coarser grid to the next finer one.
-    load : float
-        mean pressure, dimensionless.
-
-    Returns
-    -------
-    pressure : array (ny, nx)
-        in single precision.
-    steps : int
+    Each grid, the finest first in `grids`, starts from the refined pressure of the next coarser one, and is
+    solved to about `COARSE_TOLERANCE`. The `load` is the dimensionless mean pressure; the guess is in single
+    precision.
     """
     coarsest = grids[-1].heights_in(SINGLE)
     pressure, steps = coarsest.__array_namespace__().full_like(coarsest, load), 0

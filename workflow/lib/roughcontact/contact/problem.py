@@ -1,4 +1,4 @@
-"""From a labelled map to a dimensionless problem, with every check the numbers need."""
+"""From a labelled map to a dimensionless problem, with all checks of the map."""
 
 from dataclasses import dataclass
 from typing import TypeVar
@@ -18,7 +18,7 @@ _Labelled = TypeVar("_Labelled", xr.DataArray, xr.Variable)
 
 @dataclass(frozen=True)
 class Problem:
-    """The heights of a map, and what makes them dimensionless: H = (h - h_ref)/(g L).
+    """The heights of a map, and the units that make them dimensionless: H = (h - h_ref)/(g L).
 
     H is never made for all of the map in double precision: it would fill memory.
 
@@ -31,8 +31,8 @@ class Problem:
     unit_length : float, m
         L = sqrt(Lx Ly).
     reference : float, m
-        h_ref, the middle of the height range: subtracting it first keeps an offset of metres from eating the
-        digits of nanometres.
+        h_ref, the middle of the height range: subtracting it first preserves digits of nanometres beside an
+        offset of metres.
     gradient : float
         g, the spectral rms gradient; E* g is the unit of pressure. A flat map has g = 0.
     spacing : (dy, dx), m
@@ -63,12 +63,7 @@ class Problem:
 
 
 def check_window(window: xr.DataArray) -> None:
-    """Say why a map cannot be solved.
-
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        the map.
+    """Raise an error for a map that cannot be solved.
 
     Raises
     ------
@@ -89,29 +84,15 @@ def check_window(window: xr.DataArray) -> None:
 
 
 def pose(window: xr.DataArray, *, precision: str = DOUBLE, threads: int = 1) -> Problem:
-    """Return the dimensionless problem of a map.
+    """Return the dimensionless problem of a map (y, x; m).
 
-    Its heights are not copied where they can be used as they are; in single precision for a result in that.
-    Heights of another array library stay where they are.
-
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        the map.
-    precision : str
-        of the result.
-    threads : int
-        of the passes over the map.
-
-    Returns
-    -------
-    Problem
-        the map and its units.
+    Its heights are not copied where they can be used as they are. They are in double precision, except for a
+    result and a map in single precision. Heights of another array library stay where they are.
 
     Raises
     ------
     HeightMapError
-        for a map with missing heights, and for what `check_window` finds.
+        for a map with missing heights, and for those that `check_window` rejects.
     """
     given, window = check_labelled(window).data, on_host(window)
     check_window(window)
@@ -131,14 +112,14 @@ def pose(window: xr.DataArray, *, precision: str = DOUBLE, threads: int = 1) -> 
     if heights_reach > LARGEST or not SMALLEST <= min(steps) <= max(steps) <= LARGEST:
         raise HeightMapError(
             f"heights of up to {heights_reach:g} m on pixels of {steps[1]:g} m x {steps[0]:g} m are beyond "
-            "what can be computed; check the units"
+            "the computable range; check the units"
         )
     unit = float(np.sqrt(lengths[0] * lengths[1]))
     gradient = rms_gradient(window, threads=threads)
     if most > least and not SMALLEST <= gradient <= LARGEST:
         raise HeightMapError(
-            f"heights from {least:g} m to {most:g} m have an rms gradient of {gradient:g}, beyond what can "
-            "be computed; check the units"
+            f"heights from {least:g} m to {most:g} m have an rms gradient of {gradient:g}, beyond the "
+            "computable range; check the units"
         )
     return Problem(
         heights=heights,
@@ -153,14 +134,6 @@ def pose(window: xr.DataArray, *, precision: str = DOUBLE, threads: int = 1) -> 
 def on_host(array: _Labelled) -> _Labelled:
     """Return `array` with its values in a NumPy array, whatever library and device they are of.
 
-    Parameters
-    ----------
-    array : DataArray or Dataset
-        of any array library.
-
-    Returns
-    -------
-    DataArray or Dataset
-        the same one where nothing had to be copied.
+    It is returned as it is where nothing has to be copied.
     """
     return array if isinstance(array.data, np.ndarray) else array.as_numpy()

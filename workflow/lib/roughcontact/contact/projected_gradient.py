@@ -20,19 +20,6 @@ def projected_gradient_step(grid: Grid, state: State, mean_pressure: float) -> S
 
     The first step length is that of steepest descent on the active set, <r, r> / <r, G r>; it is halved until
     the energy falls along the line to the projection.
-
-    Parameters
-    ----------
-    grid : Grid
-        operator and preconditioner.
-    state : State
-        a feasible pressure and its separation.
-    mean_pressure : float
-        prescribed, dimensionless.
-
-    Returns
-    -------
-    State or None
     """
     xp = state.pressure.__array_namespace__()
     gap, pressure = state.gap, state.pressure

@@ -1,4 +1,4 @@
-"""How the mean gap of a fixed contact set answers to a little more load."""
+"""Response of the mean gap of a fixed contact set to an increment of the load."""
 
 import numpy as np
 
@@ -9,8 +9,8 @@ from roughcontact.contact.grid import Grid
 from roughcontact.contact.state import mean_product
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 
-MOST_STEPS = 200
-ENOUGH = 1e-3  # tolerance from which single precision is far better than what is asked for
+MAX_STEPS = 200
+MIN_SINGLE_TOLERANCE = 1e-3  # tolerance from which single precision is far more accurate than required
 
 
 def linear_response(
@@ -23,17 +23,17 @@ def linear_response(
     influence: Influence = "sampled",
     threads: int = 1,
 ) -> float:
-    """Return how the mean gap of a fixed contact set answers to the load: -d mean_gap / d mean_pressure.
+    """Return the response of the mean gap of a fixed contact set to the load: -d mean_gap / d mean_pressure.
 
     That is the inverse of the contact stiffness [1]_. An increment x of the pressure on the contact set C, of
     mean 1, leaves no gap there: G x = s on C. The slope s = <x, G x> is the least energy of all such
     increments. It is found by minimising, with an error of second order: `tolerance` is that of x in the
-    energy norm, s is good to about its square.
+    energy norm, and the error of s is about its square.
 
-    Points that have yielded answer to unloading like all others, to further loading not at all: they carry
-    the hardness, and x lives on the rest of C. They overlap by s - G x more and are flattened by that, so
-    that the gap out of contact takes up less: s less the mean over the window of (s - G x) on the yielded
-    points. The error is then of first order in `tolerance`.
+    Yielded points respond to unloading like all others, but not to further loading: they carry the hardness,
+    and x is zero there. Their overlap grows by s - G x and is flattened plastically, so that the mean gap
+    falls by less: by s minus the mean over the window of (s - G x) on the yielded points. The error is then
+    of first order in `tolerance`.
 
     Parameters
     ----------
@@ -44,9 +44,9 @@ def linear_response(
     contact_modulus : float, Pa
         E*.
     tolerance : float
-        relative, of the pressure increment in the energy norm; from 1e-3 single precision serves.
+        relative, of the pressure increment in the energy norm; from 1e-3 single precision is used.
     yielded : array (ny, nx) of bool, optional
-        True where a point in contact has reached the hardness, for the answer to further loading.
+        True where a point in contact has reached the hardness, for the response to further loading.
     influence : {"sampled", "elements"}
         symbol of the operator that the contact was solved with (`roughcontact.elasticity.influence`).
     threads : int
@@ -55,7 +55,7 @@ def linear_response(
     Returns
     -------
     float, m/Pa
-        0 for full contact, where the gap is closed and stays so.
+        0 for full contact, where the gap is closed and remains so.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def linear_response(
         return 0.0
     lengths = tuple(n * d for n, d in zip(contact.shape, spacing, strict=True))
     unit = float(np.sqrt(lengths[0] * lengths[1]))
-    precision = SINGLE if tolerance >= ENOUGH else DOUBLE
+    precision = SINGLE if tolerance >= MIN_SINGLE_TOLERANCE else DOUBLE
     zeros = np.zeros(contact.shape, precision)
     grid = Grid(zeros, (lengths[0] / unit, lengths[1] / unit), influence=influence, threads=threads)
 
@@ -100,13 +100,13 @@ def linear_response(
     steps = conjugate_gradients(
         grid,
         residual,
-        # without a name here, so that the maps are no more than there have to be
+        # without a name here, so that no more maps than necessary are in memory
         grid.precondition_on(contact, residual - contact * residual.dtype.type(energy)),
         contact,
     )
     for step, (correction, rz) in enumerate(steps):
         least = energy - mean_product(residual, correction)  # <x - d, G (x - d)>
-        if rz <= tolerance**2 * least or step == MOST_STEPS:
+        if rz <= tolerance**2 * least or step == MAX_STEPS:
             break
     if yielded is not None and yielded.any():
         even = contact * correction.dtype.type(1 / contact.mean())

@@ -1,4 +1,4 @@
-"""The public verb: a map, a modulus and some loads in, a labelled dataset out."""
+"""The public function: from a map, a modulus and some loads to a labelled dataset."""
 
 from collections.abc import Callable, Sequence
 
@@ -16,10 +16,10 @@ from roughcontact.errors import ConvergenceError, RoughContactError, SettingsErr
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 from roughcontact.variables import describe
 
-# Loads in units of E* g: below, the rounding of the heights hides the contact, which deforms them by p/(E* g)
-# of themselves; above, the rounding of the load hides the waves of the pressure, which are as large as E* g.
+# Loads in units of E* g: below, the rounding of the heights hides the contact, whose relative deformation is
+# p/(E* g); above, the rounding of the load hides the waves of the pressure, which are as large as E* g.
 LEAST_LOAD, MOST_LOAD = 1e-10, 1e10
-NEAR_HARDNESS = 1e-6  # relative distance from the hardness that a search in single precision tells apart
+NEAR_HARDNESS = 1e-6  # relative distance from the hardness that a search in single precision resolves
 
 # keyword arguments of `solve_contact` that a section of settings may hold
 SOLVER_SETTINGS = ("tolerance", "hardness", "influence", "zero_frequency", "precision", "on_failure")
@@ -50,8 +50,8 @@ def solve_contact(
     ----------
     window : DataArray (y, x), m
         heights (any unit of length that the coordinates share), periodic, no NaN. A single row or column is a
-        profile, solved in one dimension. Heights in an array of CuPy, or of another library that keeps to the
-        Python array API, are solved by that library, where they are; the result is NumPy's.
+        profile, solved in one dimension. Heights in an array of CuPy, or of another library that follows the
+        Python array API, are solved by that library, on their device; the result is NumPy's.
     contact_modulus : float, Pa
         E* (any unit of pressure that the loads share).
     mean_pressure : float or sequence of float, Pa
@@ -65,16 +65,17 @@ def solve_contact(
         ``sampled``: 2/|q| at the waves of the grid; ``elements``: pressures constant on every pixel
         (`roughcontact.elasticity.influence`).
     zero_frequency : {"zero", "nogi-kato", "lattice"}
-        what q = 0 adds to the approach (`roughcontact.elasticity.halfspace.zero_frequency_compliance`).
+        rule for the mean displacement (q = 0) in the approach
+        (`roughcontact.elasticity.halfspace.zero_frequency_compliance`).
     precision : {"double", "single"}
-        of the result; ``single`` for maps that fill the memory: `rounding_floor` then says what bound can be
-        reached.
+        of the result; ``single`` for maps that fill the memory: `rounding_floor` is then the lowest bound
+        that can be reached.
     on_failure : {"raise", "flag"}
         ``raise`` ConvergenceError for a load that misses the tolerance, or ``flag`` it (`converged` = 0).
     fields : bool
         keep `pressure`, `gap`, `contact` and `height` in the result.
     reduce : callable, optional
-        called with the dataset of each load (fields included); what it returns replaces the fields, so that
+        called with the dataset of each load (fields included); its result replaces the fields, so that
         statistics need not keep them: ``reduce=contact_statistics``. Its variables must be among those of
         `roughcontact.variables`: another name is refused after the first load.
     threads : int
@@ -92,8 +93,8 @@ def solve_contact(
     HeightMapError
         for a map with missing points, uneven spacing or a single pixel.
     SettingsError
-        for a modulus, load, tolerance or rule that has no meaning, for this map at least, or that rounding
-        leaves nothing of; for a `reduce` that cannot be called.
+        for a modulus, load, tolerance or rule that is invalid, in general or for this map, or below the
+        rounding error; for a `reduce` that cannot be called.
     RoughContactError
         where `reduce` returns a variable that `roughcontact.variables` does not have, or no Dataset.
     ConvergenceError
@@ -152,8 +153,8 @@ def solve_contact(
     problem, window = pose(window, precision=working, threads=threads), on_host(window)
     if zero_frequency != "zero" and 1 in window.shape:
         raise SettingsError(
-            f"zero_frequency = {zero_frequency!r} is for maps: below a profile, which goes on across without "
-            "end, the mean displacement has none; use 'zero'",
+            f"zero_frequency = {zero_frequency!r} is for maps: the mean displacement of an infinitely wide "
+            "profile is infinite; use 'zero'",
             keys=["zero_frequency"],
         )
     compliance = zero_frequency_compliance(zero_frequency, lengths=problem.lengths_in_metres) / modulus
@@ -180,7 +181,7 @@ def solve_contact(
     )
     pieces: dict[int, xr.Dataset] = {}
     for done, index in enumerate(order, start=1):
-        # no other name holds on to the fields of a load while the next one is solved
+        # no other name refers to the fields of a load while the next one is solved
         solution, load = next(solutions), loads[index]
         if solution.error_bound > tolerance and on_failure == "raise":
             raise ConvergenceError(_missed(load, solution, tolerance=tolerance, precision=precision))
@@ -209,7 +210,7 @@ def solve_contact(
 
 
 def _reduced(piece: xr.Dataset, reduce: Callable[[xr.Dataset], xr.Dataset]) -> xr.Dataset:
-    """Return what a caller's function makes of a load, or say that it makes nothing to keep."""
+    """Return the dataset that a caller's function makes of a load, or raise an error for any other result."""
     reduced = reduce(piece)
     if not isinstance(reduced, xr.Dataset):
         raise RoughContactError(
@@ -219,7 +220,7 @@ def _reduced(piece: xr.Dataset, reduce: Callable[[xr.Dataset], xr.Dataset]) -> x
 
 
 def _missed(load: float, solution: Solution, *, tolerance: float, precision: Precision) -> str:
-    """Return what to say about a load that misses the tolerance."""
+    """Return the error message for a load that misses the tolerance."""
     other = ", take precision: double" if precision == "single" else ""
     ways_out = f"raise the tolerance{other} or set on_failure: flag"
     if solution.floor > tolerance:

@@ -1,4 +1,7 @@
-"""A feasible pressure and what one application of the operator tells of it."""
+"""A feasible pressure and the results of one application of the operator to it.
+
+All fields are dimensionless and have the shape (ny, nx).
+"""
 
 from dataclasses import dataclass
 
@@ -40,18 +43,7 @@ def contact_mean(pressure: Array, separation: Array, *, cap: float) -> float:
     """Return the mean separation over the free contact {0 < p < cap}.
 
     Where every point in contact has reached the cap, any offset between the separations of the points at the
-    cap and of those without pressure will do: the middle.
-
-    Parameters
-    ----------
-    pressure, separation : array (ny, nx)
-        dimensionless.
-    cap : float
-        largest pressure allowed.
-
-    Returns
-    -------
-    float
+    cap and of those without pressure is valid: the middle is used.
     """
     xp = pressure.__array_namespace__()
     free = (pressure > 0) & (pressure < cap)
@@ -69,23 +61,8 @@ def scale_to_load(
     """Return max(pressure, 0) x factor, at most `cap`, with the factor that gives the prescribed mean.
 
     Without a cap that is one multiplication. With one, points at the cap stay there, the others are scaled,
-    and those that the factor takes beyond the cap are held in turn, which ends after finitely many passes.
-    A change of precision rounds the cap: what was at the cap before it is at the cap after it.
-
-    Parameters
-    ----------
-    pressure : array (ny, nx)
-        dimensionless.
-    mean_pressure : float
-        to be reached.
-    cap : float
-        largest pressure allowed.
-    precision : str, optional
-        of the result, where it is another one.
-
-    Returns
-    -------
-    array (ny, nx)
+    and those that the factor takes beyond the cap are held in turn, which ends after finitely many passes. A
+    change to another `precision` rounds the cap: points at the cap before it are at the cap after it.
 
     Raises
     ------
@@ -104,15 +81,15 @@ def scale_to_load(
     held = pressure >= cap
     rounding = 4 * float(xp.finfo(positive.dtype).eps) * total
     if total < cap * int(xp.count_nonzero(held)) - rounding:
-        held = pressure > np.inf  # nowhere: there is more than the load, all must give way
+        held = pressure > np.inf  # nowhere: they carry more than the load, so all are scaled down
     while True:
         missing = total - cap * int(xp.count_nonzero(held))
         rest = float(xp.sum(positive[~held], dtype=xp.float64))
-        if abs(missing) <= rounding:  # the points at the cap carry it all
+        if abs(missing) <= rounding:  # the points at the cap carry the whole load
             scaled = xp.zeros_like(positive)
         elif rest > 0:
             scaled = positive * (missing / rest)
-        else:  # all that carried something is at the cap: the others share what is missing
+        else:  # all points with a pressure are at the cap: the others share the missing load
             scaled = xp.full_like(positive, missing / int(xp.count_nonzero(~held)))
         beyond = (scaled > cap) & ~held
         if rest == 0 or not xp.any(beyond):
@@ -121,22 +98,9 @@ def scale_to_load(
 
 
 def scale_below_cap(pressure: Array, mean_pressure: float, cap: float) -> float:
-    """Return the factor for what lies below the cap that gives the prescribed mean.
+    """Return the factor for the pressure below the cap that gives the prescribed mean; all are in [0, `cap`].
 
     Negative where the points at the cap carry more than the load, infinite where no other carries any.
-
-    Parameters
-    ----------
-    pressure : array (ny, nx)
-        dimensionless, from 0 to `cap`.
-    mean_pressure : float
-        to be reached.
-    cap : float
-        largest pressure allowed.
-
-    Returns
-    -------
-    float
     """
     xp = pressure.__array_namespace__()
     below = pressure < cap
@@ -150,19 +114,6 @@ def project_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.in
 
     It is max(min(p - shift, cap), 0). The mean falls with the shift, linearly between the shifts at which a
     point comes to a bound: steps of Newton and of bisection, in turns, find it to the last digit.
-
-    Parameters
-    ----------
-    pressure : array (ny, nx)
-        dimensionless.
-    mean_pressure : float
-        to be reached.
-    cap : float
-        largest pressure allowed.
-
-    Returns
-    -------
-    array (ny, nx)
     """
     xp = pressure.__array_namespace__()
     top = None if cap == np.inf else cap
@@ -185,30 +136,10 @@ def project_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.in
 
 
 def norm(left: Array, right: Array) -> float:
-    """Return the root of the mean of left x right, a quadratic form that rounding may turn negative.
-
-    Parameters
-    ----------
-    left, right : array (ny, nx)
-        a field and what the operator makes of it.
-
-    Returns
-    -------
-    float
-    """
+    """Return the root of the mean of left x right, a quadratic form that rounding may turn negative."""
     return float(np.sqrt(max(mean_product(left, right), 0.0)))
 
 
 def mean_product(left: Array, right: Array) -> float:
-    """Return the mean over the grid of left x right, summed in double precision.
-
-    Parameters
-    ----------
-    left, right : array (ny, nx)
-        of one array library.
-
-    Returns
-    -------
-    float
-    """
+    """Return the mean over the grid of left x right, summed in double precision."""
     return mean(left * right)

@@ -1,4 +1,4 @@
-"""Solve one map for a rising sequence of loads, which share all that does not depend on the load."""
+"""Solve one map for a rising sequence of loads, which share the computations independent of the load."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -15,10 +15,10 @@ from roughcontact.contact.problem import Problem
 from roughcontact.contact.state import State, scale_to_load
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, in_precision
 
-# Points of a map up to which the workspace waits for the next load: of a larger one it is half of the memory
-# that counting takes, and making it anew is a small part of the time.
-MOST_KEPT = 2**22
-OFTEN_FULL = 1.0  # load in units of E* g; the full-contact pressure has a standard deviation of half that
+# Points of a map up to which the workspace is kept for the next load. For larger maps it is half of the
+# memory that counting takes, and allocating it again is a small part of the time.
+MAX_KEPT_POINTS = 2**22
+LARGE_LOAD = 1.0  # load in units of E* g; the full-contact pressure has a standard deviation of half that
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Solution:
     applications : float
         operator applications (transform pairs), weighted by grid size.
     floor : float
-        relative error below which rounding leaves nothing to measure.
+        relative error below which rounding hides all changes.
     """
 
     state: State
@@ -57,7 +57,7 @@ def sweep(
     give_up: bool = False,
     threads: int,
 ) -> Iterator[Solution]:
-    """Yield the solution of every load.
+    """Yield the solution of every load, whose fields the caller may change.
 
     Flat maps and full contact are known in closed form and take no iteration. Otherwise every load starts
     from coarser grids (`roughcontact.contact.nested_iteration`).
@@ -72,19 +72,10 @@ def sweep(
         of the bound of the relative error.
     cap : float
         largest pressure allowed, in units of E* g.
-    influence : {"sampled", "elements"}
-        symbol of the operator.
     precision : str
         of the result.
     give_up : bool
         take no step on the finest grid where rounding is above the tolerance.
-    threads : int
-        of the solve.
-
-    Yields
-    ------
-    Solution
-        whose fields are the caller's to change.
     """
     if problem.flat:
         for load in loads:
@@ -96,7 +87,7 @@ def sweep(
     grids = [finest, *(make_grid(heights) for _, heights in nested)]
     factors = [factors for factors, _ in nested]
     del nested
-    large = np.prod(finest.shape) > MOST_KEPT
+    large = np.prod(finest.shape) > MAX_KEPT_POINTS
     # Full contact: p = mean + G^-1 H, wherever that is nowhere negative (Johnson 1985, section 13.2).
     fluctuation, full_contact_from = _full_contact(grids, max(loads))
     for number, load in enumerate(loads, start=1):
@@ -110,10 +101,10 @@ def sweep(
             if large:
                 for grid in grids[1:]:
                     grid.release()
-            if number == len(loads):  # the coarse grids are needed no more: give their memory back
+            if number == len(loads):  # the coarse grids are no longer needed: release their memory
                 work += _applications(grids)
                 del grids[1:]
-            start = [guess]  # from which the solver alone takes it over
+            start = [guess]  # popped below, so that the solver holds the only reference
             del guess
             solution = solve_on_grid(
                 finest, start.pop(), load, tolerance=tolerance, finish=precision, give_up=give_up
@@ -132,7 +123,7 @@ def sweep(
                 floor=rounding_floor(finest.halfspace, state),
             )
         ]
-        del state  # what is made of a solution, and the next one, have the memory for themselves
+        del state  # so that its memory is free for the use of the solution and for the next load
         yield found.pop()
 
 
@@ -140,17 +131,17 @@ def _full_contact(grids: Sequence[Grid], load: float) -> tuple[Array | None, flo
     """Return the fluctuation of the full-contact pressure and the load from which it is nowhere negative.
 
     None, and no such load, where even the largest `load` is far from that: the fluctuation on a coarser grid
-    tells, because that on the finer ones is larger still. Nor is there one where the cap is in the way.
+    shows it, because that on the finer ones is larger still. The same holds where the cap is exceeded.
     """
     xp = grids[0].heights_in(SINGLE).__array_namespace__()
-    for grid in reversed(grids if load < OFTEN_FULL else grids[1:]):
+    for grid in reversed(grids if load < LARGE_LOAD else grids[1:]):
         if load < -0.99 * float(xp.min(grid.halfspace.pressure(grid.heights_in(SINGLE)))):
             return None, np.inf
     fluctuation = grids[0].halfspace.pressure(grids[0].heights_in(DOUBLE))
     least, most = float(xp.min(fluctuation)), float(xp.max(fluctuation))
     if load + most > grids[0].cap:
         return None, np.inf
-    # A load that closes the last gap exactly is full contact whatever the last digit says.
+    # A load that closes the last gap exactly is full contact, whatever its rounding.
     return fluctuation, -least - 1e-13 * (most - least)
 
 

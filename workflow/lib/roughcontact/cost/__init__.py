@@ -1,4 +1,5 @@
-"""Run time against error, measured on a map itself: what each grid and tolerance costs, and what it gives.
+"""Run time against error, measured on a map itself, for every grid and tolerance.
 
-Rooms: `measure` (grids, times, errors), `advice` (the cheapest way to a wanted error, in words), `page`.
+Modules: `measure` (grids, times, errors), `advice` (the cheapest choice for a wanted error, in words),
+`page`.
 """

@@ -15,10 +15,10 @@ _TARGETS = (0.05, 0.01, 0.002)
 
 
 def choices(table: pd.DataFrame) -> pd.DataFrame:
-    """Return one row for each grid and tolerance: seconds, and the errors to count on.
+    """Return one row for each grid and tolerance: seconds, and the expected errors.
 
-    The error to count on is the largest over the loads, of this choice and of all that are finer or tighter:
-    a coarse grid that comes out right by chance is not to be trusted.
+    The expected error is the largest over the loads, of this choice and of all finer or tighter ones: a
+    coarse grid that is right by chance is not reliable.
 
     Parameters
     ----------
@@ -42,21 +42,9 @@ def choices(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def cheapest(table: pd.DataFrame, quantity: str, target: float) -> pd.Series | None:
-    """Return the choice that reaches a wanted error soonest.
+    """Return the fastest row of `choices` with at most a relative error of `target` in a key of `WORDS`.
 
-    Parameters
-    ----------
-    table : DataFrame
-        as `measure.run_time_against_error` returns it.
-    quantity : str
-        a key of `WORDS`.
-    target : float
-        relative error that is wanted.
-
-    Returns
-    -------
-    Series or None
-        the row of `choices`; None where none reaches the target.
+    None where no choice reaches it.
     """
     options = choices(table)
     reached = options[options[f"{quantity}_error"] <= target]
@@ -66,16 +54,8 @@ def cheapest(table: pd.DataFrame, quantity: str, target: float) -> pd.Series | N
 def advice(table: pd.DataFrame) -> list[str]:
     """Return sentences like: for 1 % in contact area, solve at 1024 × 1024 with tolerance 1e-3: 0.4 s.
 
-    Parameters
-    ----------
-    table : DataFrame
-        as `measure.run_time_against_error` returns it.
-
-    Returns
-    -------
-    list of str
-        for each quantity of `WORDS` and the targets 5 %, 1 % and 0.2 %; targets that one choice serves stand
-        in one sentence.
+    There is one for each quantity of `WORDS` and the targets 5 %, 1 % and 0.2 %; targets with the same choice
+    share a sentence.
 
     Examples
     --------
@@ -99,23 +79,14 @@ def advice(table: pd.DataFrame) -> list[str]:
             best = options.iloc[options[f"{quantity}_error"].argmin()]
             left = percent(best[f"{quantity}_error"])
             sentences.append(
-                f"For {100 * missed[0]:g} % in {words}, no grid that was tried is fine enough; the best, "
-                f"{in_words(best)}, leaves {left}."
+                f"For {100 * missed[0]:g} % in {words}, no grid of this comparison is fine enough; the best, "
+                f"{in_words(best)}, has {left}."
             )
     return sentences
 
 
 def in_words(row: pd.Series) -> str:
-    """Return a grid, x first, or the points of a profile, and the tolerance.
-
-    Parameters
-    ----------
-    row : Series
-        of `choices`.
-
-    Returns
-    -------
-    str
+    """Return the grid, x first, or the points of a profile, and the tolerance of a row of `choices`.
 
     Examples
     --------
@@ -129,14 +100,6 @@ def in_words(row: pd.Series) -> str:
 
 def short(tolerance: float) -> str:
     """Return a tolerance as it is written in the settings, with one digit and a short exponent.
-
-    Parameters
-    ----------
-    tolerance : float
-
-    Returns
-    -------
-    str
 
     Examples
     --------

@@ -17,12 +17,12 @@ QUANTITIES = {
     "relative_contact_area": 1.5,
     "mean_gap": 2.0,
     "max_pressure": 1.0,
-}  # each with the order of its error in the number of points, see the validation
+}  # order of the error in the number of points, see the validation
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
 _REFERENCE_TOLERANCE = 1e-6
-_MOST_POINTS = 2048**2  # of the reference
-_MOST_REFINED = 4  # per axis: finer than that tells nothing new of a measured map
-_FEWEST_POINTS = 32  # per axis
+_MAX_POINTS = 2048**2  # of the reference
+_MAX_REFINEMENT = 4  # per axis: a finer grid adds no information on a measured map
+_MIN_POINTS = 32  # per axis
 _REPEAT_BELOW = 0.3  # seconds: shorter sweeps are timed three times, the fastest counts
 
 
@@ -31,11 +31,10 @@ def run_time_against_error(
 ) -> pd.DataFrame:
     """Return time and errors of a sweep of loads on every grid, to every tolerance.
 
-    The map stands for the surface that its Fourier series draws through its points. A coarser grid takes
-    every second, fourth, ... point of it, a finer one fills in points of the series. The reference is the
-    finest grid (at most 4 times as fine as the map, at most 2048² points), solved to 1e-6. Its own error is
-    estimated from the grid half as fine, |q(h) - q(2h)|/(2^k - 1) with the order k of the quantity, and added
-    to all errors.
+    The map represents the surface given by its Fourier series. A coarser grid takes every second, fourth, ...
+    point of it, a finer one is interpolated by the series. The reference is the finest grid (at most 4 times
+    as fine as the map, at most 2048² points), solved to 1e-6. Its own error is estimated from the grid half
+    as fine, |q(h) - q(2h)|/(2^k - 1) with the order k of the quantity, and added to all errors.
 
     Parameters
     ----------
@@ -108,16 +107,16 @@ def run_time_against_error(
 def _finest(window: xr.DataArray) -> xr.DataArray:
     """Return the map on the finest grid: its Fourier series at 4, 2 or 1 times as many points per axis."""
     axes = sum(n > 1 for n in window.shape)
-    factor = _MOST_REFINED
-    while factor > 1 and window.size * factor**axes > _MOST_POINTS:
+    factor = _MAX_REFINEMENT
+    while factor > 1 and window.size * factor**axes > _MAX_POINTS:
         factor //= 2
     return refined(window, factor)
 
 
 def _every_second(grid: xr.DataArray) -> xr.DataArray | None:
-    """Return every second point along each axis; None where that is no periodic grid or too coarse a one."""
+    """Return every second point along each axis; None where that grid is too coarse or not periodic."""
     sides = [n for n in grid.shape if n > 1]
-    if any(n % 2 or n // 2 < _FEWEST_POINTS for n in sides):
+    if any(n % 2 or n // 2 < _MIN_POINTS for n in sides):
         return None
     return grid[tuple(slice(None, None, 2 if n > 1 else 1) for n in grid.shape)]
 

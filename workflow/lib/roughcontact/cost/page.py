@@ -1,4 +1,4 @@
-"""The page that shows what each grid and tolerance costs and gives, surface by surface."""
+"""The page with run time and error of each grid and tolerance, surface by surface."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,18 +13,14 @@ from roughcontact.report.figures import as_svg, new_figure
 from roughcontact.report.template import template
 from roughcontact.results.storage import write_text
 
-_LEAST_DRAWN = 1e-8  # of an error, on a logarithmic axis
+_MIN_DRAWN = 1e-8  # of an error, on a logarithmic axis
 _TEMPLATES = Path(__file__).with_name("templates")
 
 
 def write_page(path: str | Path, tables: Mapping[str, pd.DataFrame]) -> None:
     """Write the page, one self-contained HTML file.
 
-    Parameters
-    ----------
-    path : str or Path
-    tables : dict
-        name of a surface (and case) -> DataFrame as `measure.run_time_against_error` returns it.
+    `tables` has the results of `measure.run_time_against_error` by the name of the surface (and case).
     """
     surfaces = [
         {
@@ -47,19 +43,9 @@ def write_page(path: str | Path, tables: Mapping[str, pd.DataFrame]) -> None:
 
 
 def chart(table: pd.DataFrame, quantity: str) -> str:
-    """Draw the time of all loads against the error to count on: a line per grid, a mark per tolerance.
+    """Return a chart of the time of all loads against the error: a line per grid, a mark per tolerance.
 
-    Parameters
-    ----------
-    table : DataFrame
-        as `measure.run_time_against_error` returns it.
-    quantity : str
-        a key of `WORDS`.
-
-    Returns
-    -------
-    str
-        the picture as data URI.
+    The quantity is a key of `WORDS`, the chart a data URI.
     """
     from matplotlib.ticker import LogLocator, NullFormatter
 
@@ -70,7 +56,7 @@ def chart(table: pd.DataFrame, quantity: str) -> str:
         for index, (_, rows) in enumerate(grids):
             sides = rows[["points_x", "points_y"]].iloc[0]
             axes.plot(
-                100 * np.maximum(rows[f"{quantity}_error"], _LEAST_DRAWN),
+                100 * np.maximum(rows[f"{quantity}_error"], _MIN_DRAWN),
                 rows["seconds"],
                 marker=MARKERS[index % len(MARKERS)],
                 markersize=5,

@@ -17,7 +17,7 @@ from roughcontact.roughness import parameters
 
 CODES: dict[OutsideCode, str] = {"tamaas": "Tamaas", "contactmechanics": "ContactMechanics"}
 PROGRAM = Path(__file__).with_name("outside.py")
-_ROWS = 8  # a profile is handed over as so many equal rows: not every code solves a single one rightly
+_ROWS = 8  # number of equal rows that represent a profile: not every code solves a single row correctly
 
 
 def crosscheck(
@@ -25,7 +25,7 @@ def crosscheck(
 ) -> xr.Dataset:
     """Solve the contact of a window by another code, and compare load by load.
 
-    The code runs as an outside program, by the Python that it is installed in; nothing of it is imported. The
+    The code runs as an outside program, by the Python in which it is installed; none of it is imported. The
     mean gap follows from its pressure, u = G p.
 
     Parameters
@@ -33,13 +33,13 @@ def crosscheck(
     window : DataArray (y, x), m
         the map that was solved.
     contact : Dataset
-        as `solve_contact` returns it; where it keeps no `pressure` the fields are not compared.
+        as `solve_contact` returns it; without `pressure` the fields are not compared.
     statistics : Dataset
         as `contact_statistics` returns it.
     code : str
         ``tamaas`` or ``contactmechanics``.
     python : str
-        path of the Python that has it.
+        path of the Python in which it is installed.
 
     Returns
     -------
@@ -50,11 +50,11 @@ def crosscheck(
     Raises
     ------
     CrossCheckError
-        where the program does not run or does not converge, with what it said.
+        where the program does not run or does not converge, with its error message.
     HeightMapError
         for a flat map: there is nothing to compare.
     SettingsError
-        for a code that there is not, or without a Python to run it.
+        for an unknown code, or without a Python to run it.
     """
     check_choice("crosscheck.code", code, OutsideCode)
     if not python:
@@ -66,7 +66,7 @@ def crosscheck(
         raise HeightMapError("the map is flat: there is nothing to cross-check; set crosscheck.code: none")
     loads, modulus = statistics["mean_pressure"].values, float(statistics["contact_modulus"])
     (dy, dx), unit = spacing(window), modulus * gradient
-    # in units that make everything of order 1: some codes have absolute tolerances
+    # units in which all quantities are of order 1: some codes have absolute tolerances
     length = float(np.sqrt(np.prod([n * step for n, step in zip(window.shape, (dy, dx), strict=True)])))
     scaled = (window.values - window.values.mean()) / (gradient * length)
     pitches = (dy / length, dx / length)
@@ -101,7 +101,7 @@ def _solve_outside(
     rows, columns = (_ROWS if n == 1 else n for n in shape)
     heights = np.ascontiguousarray(np.broadcast_to(heights, (rows, columns)))
     lengths = (rows * pitches[0], columns * pitches[1])
-    # the paths of this process are none of the other one's business
+    # the other process has paths of its own
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     with tempfile.TemporaryDirectory() as folder:
         problem, solution = Path(folder) / "problem.npz", Path(folder) / "solution.npz"

@@ -2,7 +2,7 @@
 
 python outside.py CODE PROBLEM SOLUTION
 
-PROBLEM holds `heights` (ny, nx), `lengths` (Ly, Lx) and `loads`, dimensionless, E* = 1. SOLUTION gets
+PROBLEM holds `heights` (ny, nx), `lengths` (Ly, Lx) and `loads`, dimensionless, E* = 1. SOLUTION will hold
 `pressures` (load, ny, nx) and `version`. It imports nothing of roughcontact, and roughcontact never imports
 it: the codes are used as outside programs.
 """
@@ -14,31 +14,15 @@ import numpy as np
 
 
 def tamaas(heights: np.ndarray, lengths: np.ndarray, loads: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield the pressure at each load by Tamaas, to 1e-10 of its own error.
+    """Yield the pressure (ny, nx) at each load by Tamaas, to 1e-10 of its own error.
 
-    The solver is that of Polonsky and Keer, conjugate gradients on the contact set [1]_.
-
-    Parameters
-    ----------
-    heights : array (ny, nx)
-        one period.
-    lengths : array (2)
-        of the period, along y and x.
-    loads : array (load)
-        mean pressures; E* = 1.
-
-    Yields
-    ------
-    array (ny, nx)
+    The solver is that of Polonsky and Keer (1999), Wear 231, 206: conjugate gradients on the contact set.
+    `heights` are one period of the `lengths` (Ly, Lx), the loads mean pressures, E* = 1.
 
     Raises
     ------
     SystemExit
-        where a load does not converge, with what is to be said of it.
-
-    References
-    ----------
-    .. [1] Polonsky and Keer (1999), Wear 231, 206.
+        where a load does not converge, with the error message.
     """
     import tamaas as tm
 
@@ -54,31 +38,9 @@ def tamaas(heights: np.ndarray, lengths: np.ndarray, loads: np.ndarray) -> Itera
 
 
 def contactmechanics(heights: np.ndarray, lengths: np.ndarray, loads: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield the pressure at each load by ContactMechanics, to overlaps and tensions of 1e-9.
+    """Yield the pressure (ny, nx) at each load by ContactMechanics, to overlaps and tensions of 1e-9.
 
-    The solver is that of Polonsky and Keer, conjugate gradients on the contact set [1]_.
-
-    Parameters
-    ----------
-    heights : array (ny, nx)
-        one period.
-    lengths : array (2)
-        of the period, along y and x.
-    loads : array (load)
-        mean pressures; E* = 1.
-
-    Yields
-    ------
-    array (ny, nx)
-
-    Raises
-    ------
-    SystemExit
-        where a load does not converge, with what is to be said of it.
-
-    References
-    ----------
-    .. [1] Polonsky and Keer (1999), Wear 231, 206.
+    Solver, arguments and errors are those of `tamaas`.
     """
     from ContactMechanics import PeriodicFFTElasticHalfSpace
     from ContactMechanics.Systems import NonSmoothContactSystem

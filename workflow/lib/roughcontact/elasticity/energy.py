@@ -14,7 +14,9 @@ def elastic_energy(
     contact_modulus: float,
     influence: Influence = "sampled",
 ) -> float:
-    """Return the elastic energy per area, U = 1/2 sum_{q != 0} S(q)/E* |p(q)|^2.
+    """Return the elastic energy per area, U = 1/2 sum_{q != 0} S(q)/E* |p(q)|^2, J/m^2.
+
+    It is half the mean of pressure times displacement [1]_, zero for a uniform pressure.
 
     Parameters
     ----------
@@ -27,11 +29,6 @@ def elastic_energy(
     influence : {"sampled", "elements"}
         symbol S of the operator that the contact was solved with (`roughcontact.elasticity.influence`), 2/|q|
         for ``sampled``.
-
-    Returns
-    -------
-    float, J/m^2
-        half the mean of pressure times displacement, zero for a uniform pressure.
 
     References
     ----------
@@ -61,7 +58,7 @@ def conforming_energy(
     contact_modulus: float,
     power: np.ndarray | None = None,
 ) -> float:
-    """Return the elastic energy per area of a map that is pressed flat, U = E*/4 sum |q| |h(q)|^2.
+    """Return the elastic energy per area of a map that is pressed flat, U = E*/4 sum |q| |h(q)|^2, J/m^2.
 
     Parameters
     ----------
@@ -72,11 +69,7 @@ def conforming_energy(
     contact_modulus : float, Pa
         E*.
     power : array (ny, nx // 2 + 1), m^2, optional
-        of its waves (`roughcontact.kernels.waves.wave_power`), where that is known already.
-
-    Returns
-    -------
-    float, J/m^2
+        of its waves (`roughcontact.kernels.waves.wave_power`), if already known.
 
     References
     ----------

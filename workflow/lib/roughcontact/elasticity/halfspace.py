@@ -29,7 +29,8 @@ from roughcontact.references.closed_forms import LATTICE_CONSTANT
 class HalfSpace:
     """The operators u = G p, with symbol 2/|q|, and its inverse p = G^-1 u, with symbol |q|/2, on one grid.
 
-    Both omit the mean (q = 0), which depends on the reference: see `zero_frequency_compliance`.
+    Both omit the mean (q = 0), which depends on the reference: see `zero_frequency_compliance`. All fields
+    are dimensionless and have the shape (ny, nx); their precision is that of the argument.
 
     Parameters
     ----------
@@ -90,57 +91,22 @@ class HalfSpace:
         return float(symbol.__array_namespace__().max(1 / symbol))
 
     def displacement(self, pressure: Array, *, out: Array | None = None) -> Array:
-        """Return u = G p with zero mean, in the precision of `pressure`.
-
-        Parameters
-        ----------
-        pressure : array (ny, nx)
-            dimensionless, single or double precision.
-        out : array (ny, nx), optional
-            array for the result; allocated by default.
-
-        Returns
-        -------
-        array (ny, nx)
-        """
+        """Return u = G p with zero mean, in the array `out` if it is given."""
         precision = precision_of(pressure)
         spectrum = self._transform(pressure)
         self._kernels.multiply(spectrum, self._symbol(precision))
         return self.field_of(spectrum, precision, out=out)
 
     def pressure(self, displacement: Array, *, out: Array | None = None) -> Array:
-        """Return p = G^-1 u with zero mean, in the precision of `displacement`.
-
-        Parameters
-        ----------
-        displacement : array (ny, nx)
-            dimensionless, single or double precision.
-        out : array (ny, nx), optional
-            array for the result; allocated by default.
-
-        Returns
-        -------
-        array (ny, nx)
-        """
+        """Return p = G^-1 u with zero mean, in the array `out` if it is given."""
         spectrum, _ = self.pressure_spectrum(displacement)
         return self.field_of(spectrum, precision_of(displacement), out=out)
 
     def pressure_spectrum(self, displacement: Array) -> tuple[Array, float]:
         """Return the spectrum of p = G^-1 u and the mean of u p: half an application.
 
-        The spectrum may be overwritten by the next application and through the `scratch` array.
-
-        Parameters
-        ----------
-        displacement : array (ny, nx)
-            dimensionless, single or double precision.
-
-        Returns
-        -------
-        spectrum : array (ny, nx//2 + 1), complex
-            unnormalised, in the layout of the transform.
-        energy : float
-            mean of u p.
+        The spectrum, shape (ny, nx//2 + 1), is unnormalised. It may be overwritten by the next application
+        and through the `scratch` array.
         """
         precision = precision_of(displacement)
         spectrum = self._transform(displacement)
@@ -148,21 +114,7 @@ class HalfSpace:
         return spectrum, float(energy) / displacement.size**2
 
     def field_of(self, spectrum: Array, precision: str, *, out: Array | None = None) -> Array:
-        """Return the field that belongs to a spectrum: half an application.
-
-        Parameters
-        ----------
-        spectrum : array (ny, nx//2 + 1), complex
-            overwritten.
-        precision : str
-            of the field.
-        out : array (ny, nx), optional
-            array for the result; allocated by default.
-
-        Returns
-        -------
-        array (ny, nx)
-        """
+        """Return the field of a spectrum, which is overwritten: half an application."""
         if out is None:
             out = empty(self._like, precision)
         self._plan(precision).inverse(spectrum, out)
@@ -170,17 +122,7 @@ class HalfSpace:
         return out
 
     def scratch(self, precision: str) -> Array:
-        """Return a work array (ny, nx) that the next application overwrites.
-
-        Parameters
-        ----------
-        precision : str
-            of the array.
-
-        Returns
-        -------
-        array (ny, nx)
-        """
+        """Return a work array (ny, nx) that the next application overwrites."""
         return self._plan(precision).scratch
 
     def release(self) -> None:
@@ -195,7 +137,7 @@ class HalfSpace:
 
     def _plan(self, precision: str) -> Plan:
         if precision not in self._plans:
-            if precision == DOUBLE:  # the plan in single precision is made again and shares its memory
+            if precision == DOUBLE:  # the plan in single precision is made anew and shares its memory
                 self._plans.pop(SINGLE, None)
             share = self._plans.get(DOUBLE)
             self._plans[precision] = make_plan(self._like, precision, threads=self.threads, share=share)

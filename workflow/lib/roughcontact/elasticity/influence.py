@@ -1,7 +1,7 @@
 """Influence functions: how a pressure of wave vector q displaces the surface, u = S(q) p / E*.
 
-A new one, for instance that of a coated half-space, is one more function (qy, qx, spacing) -> S here and its
-name in `INFLUENCE` and `roughcontact.choices`; S must be positive and have the dimension of a length.
+To add one, for instance that of a coated half-space, write a function (qy, qx, spacing) -> S here and add its
+name to `INFLUENCE` and `roughcontact.choices`; S must be positive and have the dimension of a length.
 """
 
 from collections.abc import Callable
@@ -22,17 +22,8 @@ _IMAGES = 40  # aliases that are summed on each side
 def sampled(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
     """Return 2/|q|: the half-space at the waves that the grid can hold [1]_.
 
-    Parameters
-    ----------
-    qy, qx : array (ny, 1) and (1, nx//2 + 1)
-        wave vectors, rad per unit length.
-    spacing : (dy, dx)
-        of the points; this symbol does not depend on it.
-
-    Returns
-    -------
-    array (ny, nx//2 + 1)
-        infinite at q = 0.
+    The wave vectors have the shapes (ny, 1) and (1, nx//2 + 1) and the unit rad per unit length. The result
+    is infinite at q = 0 and does not depend on the `spacing`.
 
     References
     ----------
@@ -55,19 +46,8 @@ def elements(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np
 
     It is the sum over the aliases Q = q + 2 pi (m/dy, n/dx) of 2/|Q| sinc(Q_y dy/2) sinc(Q_x dx/2): Love's
     rectangle [1]_, repeated with the period of the grid. Its ratio to 2/|q| depends on q_y dy and q_x dx
-    alone and is smooth: it is summed at a few nodes and interpolated.
-
-    Parameters
-    ----------
-    qy, qx : array (ny, 1) and (1, nx//2 + 1)
-        wave vectors, rad per unit length.
-    spacing : (dy, dx)
-        of the points.
-
-    Returns
-    -------
-    array (ny, nx//2 + 1)
-        infinite at q = 0.
+    alone and is smooth: it is summed at a few nodes and interpolated. Shapes and units are those of
+    `sampled`.
 
     References
     ----------
@@ -90,16 +70,16 @@ def elements(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np
 def _elements_over_sampled(aspect: float) -> "RectBivariateSpline":
     """Return the ratio of the symbols as a function of q_y dy and q_x dx, 0 to pi, for `aspect` = dy/dx.
 
-    Kept, because all square grids share it and the sum takes most of a second.
+    It is cached, because all square grids share it and the sum takes most of a second.
     """
-    from scipy.interpolate import RectBivariateSpline  # half a second's start that only this symbol needs
+    from scipy.interpolate import RectBivariateSpline  # the import takes half a second
 
     angles = np.linspace(0, np.pi, _NODES)
     dy, dx = aspect, 1.0
     half_y, half_x = 0.5 * angles[:, None], 0.5 * angles[None, :]
     total = np.zeros((angles.size, angles.size))
     orders = np.arange(-_IMAGES, _IMAGES + 1)
-    # the signs of the terms alternate: the outermost count half, which leaves the mean of two partial sums
+    # the signs of the terms alternate: half of the outermost terms gives the mean of two partial sums
     weights = np.where(np.abs(orders) == _IMAGES, 0.5, 1.0)
     own = np.hypot(2 * half_y / dy, 2 * half_x / dx)
     for m, weight_y in zip(orders, weights, strict=True):

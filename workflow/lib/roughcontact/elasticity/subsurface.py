@@ -14,13 +14,14 @@ def subsurface_stress(
 ) -> Callable[[float], np.ndarray]:
     """Return the function that gives the stresses at a depth below a periodic pressure without friction.
 
-    Below a wave p exp(i q x), q > 0, lie at the depth z [1]_ [2]_::
+    The stresses at the depth z below a wave p exp(i q x), q > 0, are [1]_ [2]_::
 
         across the surface    -p (1 + qz) e^(-qz)         shear with q    i p qz e^(-qz)
         along q               -p (1 - qz) e^(-qz)
         along the crests      -2ν p e^(-qz)
 
-    The mean pressure acts at every depth, with the lateral pressure ν/(1 - ν) of a body that cannot give way.
+    The mean pressure acts at every depth, with the lateral pressure ν/(1 - ν) of a laterally constrained
+    body.
 
     Parameters
     ----------
@@ -34,7 +35,8 @@ def subsurface_stress(
     Returns
     -------
     callable
-        depth (m) -> array (6, ny, nx), Pa: xx, yy, zz, yz, xz, xy; tension is positive, z goes into the body.
+        depth (m) -> array (6, ny, nx), Pa: xx, yy, zz, yz, xz, xy; tension is positive, z points into the
+        body.
 
     References
     ----------
@@ -92,16 +94,7 @@ def subsurface_stress(
 
 
 def von_mises(stress: np.ndarray) -> np.ndarray:
-    """Return the equivalent stress of von Mises.
-
-    Parameters
-    ----------
-    stress : array (6, ...), Pa
-        xx, yy, zz, yz, xz, xy.
-
-    Returns
-    -------
-    array (...), Pa
+    """Return the equivalent stress of von Mises, from stresses (6, ...) in the order xx, yy, zz, yz, xz, xy.
 
     Examples
     --------
@@ -119,14 +112,7 @@ def von_mises(stress: np.ndarray) -> np.ndarray:
 def tresca(stress: np.ndarray) -> np.ndarray:
     """Return the equivalent stress of Tresca, the largest difference of principal stresses.
 
-    Parameters
-    ----------
-    stress : array (6, ...), Pa
-        xx, yy, zz, yz, xz, xy.
-
-    Returns
-    -------
-    array (...), Pa
+    The order of the stresses is that of `von_mises`.
 
     Examples
     --------

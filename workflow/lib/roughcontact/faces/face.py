@@ -66,19 +66,9 @@ class Face:
         self.middle = tuple(float(height[d].values[[0, -1]].mean()) for d in ("y", "x"))
 
     def at(self, y: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return heights, and the mask of those that depend on filled points, at any positions.
+        """Return heights (NaN where not measured), and the mask of those that depend on filled points.
 
-        Parameters
-        ----------
-        y, x : arrays of one shape, m
-            positions relative to the middle of the map.
-
-        Returns
-        -------
-        heights : array, m
-            NaN where not measured.
-        filled : bool array
-            True where the height depends on a filled point.
+        The positions y, x (m, arrays of one shape) are relative to the middle of the map.
         """
         places = [p / d + (n - 1) / 2 for p, d, n in zip((y, x), self.step, self.shape, strict=True)]
         places = [np.where(np.abs(p - np.rint(p)) < POINT_TOLERANCE, np.rint(p), p) for p in places]

@@ -13,14 +13,7 @@ _ANGLE_TOLERANCE = 1e-9  # sine or cosine below which two axes count as parallel
 
 
 def check_pair(lower: Face, upper: Face, shift: Sequence[float], rotation: float) -> None:
-    """Raise an error for two faces that cannot be combined in this relative position.
-
-    Parameters
-    ----------
-    lower, upper : Face
-        face and counter-face.
-    shift : (y, x), m
-    rotation : float, degree
+    """Raise an error for two faces that cannot be combined at this shift (y, x; m) and rotation (degree).
 
     Raises
     ------
@@ -46,29 +39,12 @@ def check_pair(lower: Face, upper: Face, shift: Sequence[float], rotation: float
 
 
 def pair_name(lower: Face, upper: Face) -> str:
-    """Return the name of the pair, from both file names.
-
-    Parameters
-    ----------
-    lower, upper : Face
-
-    Returns
-    -------
-    str
-    """
+    """Return the name of the pair, from both file names."""
     return f"{lower.name} + {upper.name}"
 
 
 def cosine_and_sine(rotation: float) -> tuple[float, float]:
     """Return cosine and sine of an angle, exact at right angles.
-
-    Parameters
-    ----------
-    rotation : float, degree
-
-    Returns
-    -------
-    (cosine, sine)
 
     Examples
     --------
@@ -83,19 +59,9 @@ def cosine_and_sine(rotation: float) -> tuple[float, float]:
 
 
 def along_axes(pair: Sequence, turn: tuple[float, float]) -> tuple | None:
-    """Return a pair of values of the counter-face in the order of the axes of the face.
+    """Return sides, steps or points (y, x) of the counter-face in the order of the axes of the face.
 
-    Parameters
-    ----------
-    pair : (y, x)
-        sides, steps or points of the counter-face.
-    turn : (cosine, sine)
-        of its rotation.
-
-    Returns
-    -------
-    (y, x) or None
-        None at an oblique angle.
+    `turn` is (cosine, sine) of its rotation; None at an oblique angle.
 
     Examples
     --------
@@ -110,15 +76,7 @@ def along_axes(pair: Sequence, turn: tuple[float, float]) -> tuple | None:
 def common_period(lower: Face, upper: Face, turn: tuple[float, float]) -> bool:
     """Return whether the sum of two faces is periodic with the period of the lower one.
 
-    Parameters
-    ----------
-    lower, upper : Face
-    turn : (cosine, sine)
-        of the rotation of the upper one.
-
-    Returns
-    -------
-    bool
+    `turn` is (cosine, sine) of the rotation of the upper one.
     """
     lengths = along_axes(upper.lengths, turn)
     return bool(
@@ -132,22 +90,10 @@ def common_period(lower: Face, upper: Face, turn: tuple[float, float]) -> bool:
 def common_grid(
     lower: Face, upper: Face, turn: tuple[float, float], shift: Sequence[float]
 ) -> list[np.ndarray]:
-    """Return the grid on the overlap of both faces.
+    """Return the grid [y, x] (m, relative to the middle of the lower face) on the overlap of both faces.
 
-    It is the grid of the lower face, refined along an axis where the upper face has the smaller step.
-
-    Parameters
-    ----------
-    lower, upper : Face
-    turn : (cosine, sine)
-        of the rotation of the upper one.
-    shift : (y, x), m
-        of the upper one.
-
-    Returns
-    -------
-    [y, x], arrays (ny,) and (nx,), m
-        positions relative to the middle of the lower face.
+    It is the grid of the lower face, refined along an axis where the upper face has the smaller step. `turn`
+    (cosine, sine) and `shift` (y, x; m) are those of the upper face.
 
     Raises
     ------
@@ -181,18 +127,7 @@ def common_grid(
 
 
 def covered_share(lower: Face, positions: Sequence[np.ndarray]) -> float:
-    """Return the share of the lower face that the common grid spans.
-
-    Parameters
-    ----------
-    lower : Face
-    positions : [y, x], arrays in m
-        from `common_grid`.
-
-    Returns
-    -------
-    float, 0 to 1
-    """
+    """Return the share (0 to 1) of the lower face that the positions of `common_grid` span."""
     shares = [
         1.0 if n == 1 else (p[-1] - p[0] + p[1] - p[0]) / ((n - 1) * d + p[1] - p[0])
         for p, n, d in zip(positions, lower.shape, lower.step, strict=True)

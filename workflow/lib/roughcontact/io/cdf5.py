@@ -1,4 +1,4 @@
-"""The header of netCDF's form CDF-5, checked before the netCDF library reads it: it believes every count."""
+"""Check of the header of netCDF's variant CDF-5, in which the netCDF library trusts every count."""
 
 from collections.abc import Callable
 from math import prod
@@ -8,24 +8,15 @@ from typing import BinaryIO, NoReturn
 from roughcontact.errors import InputFileError
 
 MARK = b"CDF\x05"
-# type -> bytes of a value
+# type -> bytes per value
 _BYTES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 4, 6: 8, 7: 1, 8: 2, 9: 4, 10: 8, 11: 8}
 _DIMENSIONS, _VARIABLES, _ATTRIBUTES = 10, 11, 12
 _MOST_AXES = 1024
-_STREAMING = 2**64 - 1  # for the number of records: as many as there are
+_STREAMING = 2**64 - 1  # number of records: as many as the file holds
 
 
 def check_header(path: Path) -> None:
-    """Refuse a file whose header counts more than the file has, or places its numbers outside it.
-
-    Parameters
-    ----------
-    path : Path
-        of a file that begins with `MARK`.
-
-    Raises
-    ------
-    InputFileError
+    """Refuse a file with `MARK` whose header claims more entries than the file holds, or data outside it.
 
     References
     ----------
@@ -37,14 +28,14 @@ def check_header(path: Path) -> None:
 
 
 class _Header:
-    """The header, read from its beginning to its end."""
+    """A header, read from its beginning to its end."""
 
     def __init__(self, stream: BinaryIO, size: int, path: Path) -> None:
         self.stream, self.size, self.path = stream, size, path
         self.stream.seek(len(MARK))
 
     def refuse(self, why: str) -> NoReturn:
-        """Raise the error of a file that is not whole."""
+        """Raise the error for an incomplete file."""
         raise InputFileError(f"{self.path}: damaged or cut off netCDF file ({why})")
 
     def number(self, length: int = 8) -> int:
@@ -55,30 +46,30 @@ class _Header:
         return int.from_bytes(data, "big")
 
     def skip(self, length: int) -> None:
-        """Pass over so many bytes and what fills them up to a multiple of four."""
+        """Skip so many bytes and the padding to a multiple of four."""
         length += -length % 4
         if length > self.size - self.stream.tell():
             self.refuse("its header counts more than the file has")
         self.stream.seek(length, 1)
 
     def entries(self, tag: int, read: Callable[[], None]) -> None:
-        """Read a list, of which each entry has more than eight bytes."""
+        """Read a list; each entry has more than eight bytes."""
         found, count = self.number(4), self.number()
         if found not in (tag, 0) or (found == 0 and count) or count > self.size // 8:
-            self.refuse("a list of its header is none")
+            self.refuse("its header has no list where one is due")
         for _ in range(count):
             read()
 
     def attribute(self) -> None:
-        """Pass over an attribute."""
+        """Skip an attribute."""
         self.skip(self.number())
         kind, count = self.number(4), self.number()
         if kind not in _BYTES:
-            self.refuse("an attribute is of no type")
+            self.refuse("an attribute has an unknown type")
         self.skip(_BYTES[kind] * count)
 
     def check(self) -> None:
-        """Read the header, then see that all numbers lie within the file."""
+        """Read the header, and check that all data lie within the file."""
         records = self.number()
         lengths: list[int] = []
         placed: list[tuple[int, int, bool]] = []
@@ -94,11 +85,11 @@ class _Header:
                 self.refuse("a variable has too many axes")
             axes = [self.number() for _ in range(count)]
             if any(axis >= len(lengths) for axis in axes):
-                self.refuse("a variable has an axis that is none")
+                self.refuse("a variable has an axis that does not exist")
             self.entries(_ATTRIBUTES, self.attribute)
             kind, _, begin = self.number(4), self.number(), self.number()
             if kind not in _BYTES:
-                self.refuse("a variable is of no type")
+                self.refuse("a variable has an unknown type")
             sizes = [lengths[axis] for axis in axes]
             recorded = bool(sizes) and sizes[0] == 0
             placed.append((begin, _BYTES[kind] * prod(sizes[1:] if recorded else sizes), recorded))

@@ -1,4 +1,4 @@
-"""What a reader hands over: the channels of one file, in the file's own units."""
+"""The result of a reader: the channels of one file, in the file's own units."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 from roughcontact.errors import InputFileError
 from roughcontact.io import instrument_kinds
 
-_LONGEST = 1e100  # of positions, so that their squares are numbers
+_LONGEST = 1e100  # of positions, whose squares must be finite
 
 
 class UnevenPositionsError(InputFileError):
-    """Positions that form no even grid; readers catch it and hand over the points as they are."""
+    """Positions that form no even grid; readers catch it and return the points as they are."""
 
 
 class Points(NamedTuple):
@@ -25,7 +25,7 @@ class Points(NamedTuple):
     x, y, z : array (n,)
         One entry per point; y is None for a profile.
     uneven : str
-        What is wrong with the positions.
+        Why the positions form no even grid.
     """
 
     x: np.ndarray
@@ -36,7 +36,7 @@ class Points(NamedTuple):
 
 @dataclass
 class Channel:
-    """One map or profile of a file. None stands for what the file does not say.
+    """One map or profile of a file. None: not stated in the file.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Channel:
         (ny, nx); ny is 1 for a profile.
     read : callable () -> array (ny, nx)
         Returns the heights in `height_unit` as float64, NaN where not measured, in the order of the file's
-        rows (`first_row`). Of a channel that holds no heights it may raise `InputFileError` instead.
+        rows (`first_row`). For a channel without heights it may raise `InputFileError` instead.
     height_unit, lateral_unit : str or None
         Units of the heights; of the steps and positions.
     dx, dy : float or None
@@ -56,18 +56,18 @@ class Channel:
     no_height : str
         Why this channel holds no heights; empty for a height channel.
     size_rounding : tuple of float or None
-        Where the steps are a total size divided by the number of points that were found: how far the stated
-        sizes along x and y may be off by their last digit, as shares.
+        Where the steps are a total size over the number of points found: relative rounding errors of the
+        stated sizes along x and y.
     doubt : str
         Why the channel cannot be read as it is.
     otherwise : Channel or None
-        The same numbers as a map, where they may be points or a map: read so if the user gives both steps.
+        The same numbers as a map, where they may be points or a map; used if the user gives both steps.
     points : Points or None
         The points themselves, where they form no even grid.
     notes : list of str
-        What the header says that the user should know.
+        Statements of the header that the user should know.
     first_row : str
-        Where row 0 lies, if not as in the rest of the file; that is assumed then.
+        Where row 0 lies, if not as in the rest of the file; counts as assumed.
     """
 
     name: str
@@ -101,13 +101,13 @@ class MeasuredFile:
     first_row : str
         Where row 0 lies in the picture that the instrument's own software shows: ``top`` or ``bottom``.
     instrument : dict
-        What the file says of the instrument, with the words of `roughcontact.io.metadata`.
+        Metadata of the instrument, with the keys of `roughcontact.io.metadata`.
     warnings : list of str
-        What the user should know of the file as a whole.
+        Warnings about the file as a whole.
     stale : str
         Which checksum in the file differs from its content; empty where none does.
     first_row_assumed : bool
-        Whether neither the file nor its format says so, and `first_row` is only the usual way.
+        Whether neither the file nor its format states `first_row`, so that it is only the usual convention.
     """
 
     format: str
@@ -124,7 +124,7 @@ class MeasuredFile:
         Parameters
         ----------
         channel : Channel
-            of this file.
+            Of this file.
 
         Returns
         -------
@@ -152,9 +152,9 @@ def choose_channel(
         Name of the channel. Without it, it is the first one that holds heights (a length unit, and no
         amplitude, phase, error or the like by name).
     where : str
-        What the messages name as the place.
+        Place that error messages name.
     unit_given : bool
-        Whether the user says the unit of the heights, and so that the values of the only channel are heights.
+        Whether the user gives the unit of the heights, which makes the values of an only channel heights.
 
     Returns
     -------
@@ -193,7 +193,7 @@ def choose_channel(
 
 
 def unreadable(message: str) -> Callable[[], np.ndarray]:
-    """Return what reads a channel without numbers: it raises InputFileError with this message.
+    """Return the `read` of a channel without numbers: it raises InputFileError with this message.
 
     Parameters
     ----------
@@ -218,7 +218,7 @@ def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -
     values : array (ny, nx) or (nx,)
         Real numbers of any type; also a masked array.
     where : str
-        What the message names as the place.
+        Place that the message names.
     missing : float, optional
         The value that stands for a missing point.
 
@@ -230,7 +230,7 @@ def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -
     Raises
     ------
     InputFileError
-        Where the values are no plain real numbers.
+        Where the values are not real numbers.
 
     Examples
     --------
@@ -243,7 +243,7 @@ def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -
         raise InputFileError(
             f"{where}: the values are of type {plain.dtype}, not real numbers; store heights as float64"
         )
-    with np.errstate(all="ignore"):  # a NaN of single precision may be one that signals
+    with np.errstate(all="ignore"):  # a NaN of single precision may be a signalling one
         heights = np.array(plain, dtype=float, ndmin=2)
     if mask is not None:
         heights[np.atleast_2d(mask)] = np.nan
@@ -253,7 +253,7 @@ def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -
     return heights
 
 
-@np.errstate(all="ignore")  # positions beyond all numbers are not even
+@np.errstate(all="ignore")  # infinite positions are not even
 def even_step(positions: ArrayLike, name: str) -> float:
     """Return the step of evenly spaced positions.
 
@@ -303,7 +303,7 @@ def rounded_step(positions: ArrayLike) -> float | None:
     Returns
     -------
     float or None
-        None where the positions are not so.
+        None for other positions.
 
     Examples
     --------
@@ -325,7 +325,7 @@ def rounded_step(positions: ArrayLike) -> float | None:
 
 
 def scattered(
-    name: str, x: ArrayLike, y: ArrayLike | None, z: ArrayLike, error: UnevenPositionsError, **words: Any
+    name: str, x: ArrayLike, y: ArrayLike | None, z: ArrayLike, error: UnevenPositionsError, **attributes: Any
 ) -> Channel:
     """Return a channel of points that form no even grid: it can be read only by resampling.
 
@@ -336,9 +336,9 @@ def scattered(
     x, y, z : arrays of equal size, in the file's units
         `y` is None for a profile. Points without a height are left out.
     error : UnevenPositionsError
-        What is wrong with the positions.
-    **words
-        Further entries of the channel, `lateral_unit` and `height_unit` above all.
+        Why the positions form no even grid.
+    **attributes
+        Further attributes of the channel, such as `lateral_unit` and `height_unit`.
 
     Returns
     -------
@@ -359,4 +359,4 @@ def scattered(
         measured &= np.isfinite(along_y)
         along_y = along_y[measured]
     points = Points(along_x[measured], along_y, heights[measured], str(error))
-    return Channel(name, (1, points.z.size), points.z[None, :].copy, points=points, **words)
+    return Channel(name, (1, points.z.size), points.z[None, :].copy, points=points, **attributes)

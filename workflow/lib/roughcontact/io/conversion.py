@@ -1,7 +1,7 @@
-"""From the channels of a file to one map in metres: the channel, an even grid, the scale, the orientation.
+"""Conversion of a file's channels to one map in metres: channel, even grid, scale, orientation.
 
-Every map leaves here right-handed: x to the right, y upwards, the height towards the viewer. Its row 0 is the
-bottom line of the picture, wherever the file has it.
+Every resulting map is right-handed: x to the right, y upwards, the height towards the viewer. Its row 0 is
+the bottom line of the picture, whatever the order in the file.
 """
 
 from dataclasses import dataclass
@@ -35,11 +35,11 @@ class Converted:
     dx, dy : float, m
         Steps.
     notes : list of str
-        Sentences that the user should read.
+        Sentences for the user.
     first_row : str
         Where the first row of the file lies in the picture: ``top`` or ``bottom``.
     first_row_assumed : bool
-        Whether neither the file nor its format nor the user says so.
+        Whether neither the file nor its format nor the user states it.
     """
 
     channel: Channel
@@ -52,13 +52,7 @@ class Converted:
     first_row_assumed: bool
 
     def centres(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the cell centres (x, y) in m, from where the file puts the first one or half a step.
-
-        Returns
-        -------
-        x, y : array
-            m, rising.
-        """
+        """Return the cell centres (x, y; m, rising), from the file's first one or half a step."""
         ny, nx = self.heights.shape
         factor = self.dx / self.channel.dx if self.channel.dx else None
         return (
@@ -68,19 +62,7 @@ class Converted:
 
 
 def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
-    """Return the map of a file that the user asks for, in metres.
-
-    Parameters
-    ----------
-    file : MeasuredFile
-    request : Request
-        Channel, steps, units and the way of resampling, as far as the user gives them.
-    path : Path
-        Named by the messages.
-
-    Returns
-    -------
-    Converted
+    """Return the map of a file that the user asks for, in metres; messages name `path`.
 
     Raises
     ------
@@ -90,19 +72,19 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
     HeightMapError
         For a map without a measured point, of one point, or with heights that are no measurement.
     SettingsError
-        For a word of the user that has no meaning.
+        For an invalid argument of the user.
     """
     channel, choice = choose_channel(
         file, request.channel, str(path), unit_given=request.height_unit is not None
     )
     notes = file.warnings + channel.notes + _checksum_notes(file, request, path)
     if channel.no_height:
-        notes.append(f"channel {channel.name!r} is read at the user's word ({channel.no_height})")
+        notes.append(f"channel {channel.name!r} is read as heights on request ({channel.no_height})")
     channel, doubts = _settled(channel, request, path)
     notes += doubts
     channel, request, done = on_even_grid(channel, request, path)
     scale = decide_scale(channel, request, path)
-    with np.errstate(over="ignore"):  # heights beyond all numbers are refused below
+    with np.errstate(over="ignore"):  # infinite heights are refused below
         heights = channel.read() * scale.height_factor
     heights = _checked(heights, path)
     first_row, assumed, turned = _first_row(file, channel, request, path)
@@ -115,12 +97,12 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
 def _first_row(
     file: MeasuredFile, channel: Channel, request: Request, path: Path
 ) -> tuple[str, bool, list[str]]:
-    """Return where row 0 of the file lies, whether that is assumed, a sentence where the user wins."""
+    """Return where row 0 of the file lies, whether that is assumed, a note if the user overrides the file."""
     found, assumed = file.rows_of(channel)
     wanted = request.first_row
     if wanted is not None:
         check_choice(f"{path}: first_row", wanted, FirstRow)
-    if wanted is None or channel.shape[0] == 1:  # a profile has no up and down
+    if wanted is None or channel.shape[0] == 1:  # a profile has only one row
         return found, assumed and channel.shape[0] > 1, []
     if assumed or wanted == found:
         return wanted, False, []
@@ -128,7 +110,7 @@ def _first_row(
 
 
 def _checksum_notes(file: MeasuredFile, request: Request, path: Path) -> list[str]:
-    """Refuse a file that differs from its checksum; return a sentence where the user wants it read."""
+    """Refuse a file that differs from its checksum, or return a note where the user wants it read."""
     if request.checksum is not None:
         check_choice(f"{path}: checksum", request.checksum, Checksum)
     if not file.stale:
@@ -143,7 +125,7 @@ def _checksum_notes(file: MeasuredFile, request: Request, path: Path) -> list[st
 
 
 def _settled(channel: Channel, request: Request, path: Path) -> tuple[Channel, list[str]]:
-    """Return the channel as map or as points, where its numbers may be both; a sentence on what was taken."""
+    """Return the channel as map or as points, where its numbers may be both, and a note on the choice."""
     if channel.otherwise is None:
         if channel.doubt:
             raise InputFileError(f"{path}: {channel.doubt}")
@@ -161,7 +143,7 @@ def _settled(channel: Channel, request: Request, path: Path) -> tuple[Channel, l
 
 
 def _checked(heights: np.ndarray, path: Path) -> np.ndarray:
-    """Return heights (m) that may be a measurement, or say why they are none."""
+    """Return plausible heights (m), or raise an error that says why they are no measurement."""
     if heights.size == 1:
         raise HeightMapError(f"{path}: the map has a single point; a map or a profile needs at least two")
     if not np.isfinite(heights).any():

@@ -1,4 +1,4 @@
-"""Checks before anything is unpacked or parsed: what kind of file, how large, what hides in an archive."""
+"""Checks before anything is unpacked or parsed: kind and size of a file, content of an archive."""
 
 import hashlib
 import os
@@ -14,15 +14,15 @@ from roughcontact.errors import InputFileError
 MAX_FILE_BYTES = 4 * 2**30
 MAX_UNPACKED_BYTES = 2**30
 MAX_XML_BYTES = 2**28
-# what zipfile raises on archives that are damaged or oddly compressed; RuntimeError is its word for a member
-# that asks for a password
+# errors of zipfile for archives that are damaged or oddly compressed; a member with a password raises
+# RuntimeError
 ARCHIVE_ERRORS = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, OSError)
-_LONGEST_PATH = 4095  # characters; what systems allow
+_LONGEST_PATH = 4095  # characters; limit of operating systems
 _LONGEST_NAME = 255
-_PROLOG = 2**20  # bytes in which the root of XML must begin
-_PADDED = 100  # times its packed size, from which XML of 16 MiB and more is nothing but padding
+_PROLOG = 2**20  # bytes within which the root of XML must begin
+_PADDED = 100  # compression ratio above which XML of 16 MiB and more is only padding
 MAX_POINTS = 2**27  # 1 GiB as float64; a solution needs about ten such arrays
-BYTES_PER_POINT = 32  # while a map is read: as it lies in the file, in double precision, once more as a copy
+BYTES_PER_POINT = 32  # while a map is read: as stored, in double precision, and a copy
 
 
 def brief(error: Exception) -> str:
@@ -46,7 +46,7 @@ def brief(error: Exception) -> str:
 
 
 def check_file(path: Path) -> None:
-    """Refuse what is no regular file, is empty, or is larger than 4 GiB.
+    """Refuse a path that is no regular file, and a file that is empty or larger than 4 GiB.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def check_file(path: Path) -> None:
     Raises
     ------
     InputFileError
-        With what to do about it.
+        With advice.
     """
     if len(str(path)) > _LONGEST_PATH or max(map(len, path.parts), default=0) > _LONGEST_NAME:
         shown = str(path)
@@ -67,7 +67,7 @@ def check_file(path: Path) -> None:
     except PermissionError as error:
         raise InputFileError(f"{path}: its folder may not be read by this user") from error
     except (OSError, ValueError):
-        pass  # said below
+        pass  # reported below
     if path.is_dir():
         raise InputFileError(f"{path}: is a folder; name one file in it")
     if not path.exists():
@@ -109,12 +109,12 @@ def check_points(shape: tuple[int, int], where: str | Path) -> None:
     shape : tuple of int
         (ny, nx).
     where : str or Path
-        What the message names as the place.
+        Place that the message names.
 
     Raises
     ------
     InputFileError
-        For more than 2²⁷ points, or more memory than there is.
+        For more than 2²⁷ points, or more memory than this computer has.
     """
     ny, nx = shape
     if ny * nx > MAX_POINTS:
@@ -125,15 +125,15 @@ def check_points(shape: tuple[int, int], where: str | Path) -> None:
 
 
 def check_memory(needed: float, what: str, where: str | Path) -> None:
-    """Refuse what needs more memory to be read than this computer has.
+    """Refuse to read data that need more memory than this computer has.
 
     Parameters
     ----------
     needed : float, bytes
     what : str
-        What needs it, in the plural.
+        Name of the data, in the plural.
     where : str or Path
-        What the message names as the place.
+        Place that the message names.
 
     Raises
     ------
@@ -154,12 +154,12 @@ def memory_bytes() -> float | None:
     Returns
     -------
     float or None, bytes
-        The least of what the computer and its container have; None where the system does not say it.
+        The smaller one of the limits of computer and container; None where unknown.
     """
     found: list[float] = []
     with suppress(AttributeError, ValueError, OSError):
         found.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    with suppress(OSError, ValueError):  # the limit of a container or a batch job; "max" where there is none
+    with suppress(OSError, ValueError):  # limit of a container or a batch job; "max": none
         found.append(int(Path("/sys/fs/cgroup/memory.max").read_text()))
     return min(found, default=None)
 
@@ -167,8 +167,8 @@ def memory_bytes() -> float | None:
 def check_line_ends(path: Path) -> None:
     """Refuse a binary file that went through a text-mode transfer: every line feed follows a carriage return.
 
-    One byte in 256 of binary data is a line feed, so that in more than 50 of them none without a carriage
-    return does not happen by chance. Only the end of the file is looked at, where no header is.
+    One byte in 256 of binary data is a line feed: that a carriage return precedes all of more than 50 of them
+    is no coincidence. Only the end of the file is examined, which has no header.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def check_line_ends(path: Path) -> None:
     Raises
     ------
     InputFileError
-        With the way out.
+        With advice.
     """
     size = path.stat().st_size
     with path.open("rb") as stream:
@@ -195,14 +195,14 @@ def check_line_ends(path: Path) -> None:
 def check_archive(path: Path) -> None:
     """Refuse a ZIP archive that unpacks to more than 1 GiB or whose XML declares entities.
 
-    The sizes are those of the archive's directory; `zipfile` never unpacks more of a member than that.
+    The sizes are those in the archive's directory; `zipfile` never unpacks more of a member.
     A document type declaration is refused as a whole: no instrument format needs one, and entities are its
     only use here (expansion bombs, reading of other files).
 
     Parameters
     ----------
     path : Path
-        A file of any format; what is no archive is let through.
+        A file of any format; a file that is no archive passes.
 
     Raises
     ------
@@ -251,14 +251,14 @@ def _check_xml(archive: zipfile.ZipFile, member: zipfile.ZipInfo, path: Path) ->
 
 
 def _declarations(stream: IO[bytes], where: str) -> Iterator[str]:
-    """Yield the declarations of entities in XML, which is read piece by piece."""
-    before, total, begun = b"", 0, False
+    """Yield the declarations of entities in XML, reading it in pieces."""
+    before, total, started = b"", 0, False
     while piece := stream.read(_PROLOG):
-        text = before + piece.replace(b"\0", b"").upper()  # UTF-16 becomes searchable without its zeros
+        text = before + piece.replace(b"\0", b"").upper()  # makes UTF-16 searchable
         for declaration in (b"<!DOCTYPE", b"<!ENTITY"):
             if declaration in text:
                 yield declaration.decode()[2:]
         before, total = text[-16:], total + len(piece)
-        begun = begun or bool(text.strip())
-        if not begun and total >= _PROLOG:
+        started = started or bool(text.strip())
+        if not started and total >= _PROLOG:
             raise InputFileError(f"{where} begins with {total} bytes of blanks: it is no XML")

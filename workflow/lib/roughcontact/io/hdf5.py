@@ -1,4 +1,4 @@
-"""HDF5 containers: opened without trust. What lies in other files is refused, and no number is read here."""
+"""Safe opening of HDF5 containers: data in other files are refused, and no number is read here."""
 
 import mmap
 import struct
@@ -15,23 +15,15 @@ if TYPE_CHECKING:
 
 MARK = b"\x89HDF\r\n\x1a\n"
 _HEAP = b"GCOL\x01\0\0\0"
-_HEAP_HEAD = 16  # bytes, of a heap and of each of its objects
+_HEAP_HEAD = 16  # bytes; of a heap and of each of its objects
 _MOST_IN_HEAPS = 1_000_000
 _MOST_OBJECTS = 10_000
-_DEEPEST = 32  # groups within each other; the netCDF library goes down by recursion
+_DEEPEST = 32  # nested groups; the netCDF library is recursive
 
 
 @contextmanager
 def opened(path: Path) -> Iterator["h5py.File"]:
-    """Open an HDF5 file to be read, with every error as one of this project.
-
-    Parameters
-    ----------
-    path : Path
-
-    Yields
-    ------
-    h5py.File
+    """Open an HDF5 file for reading.
 
     Raises
     ------
@@ -45,21 +37,12 @@ def opened(path: Path) -> Iterator["h5py.File"]:
             yield file
     except InputFileError:
         raise
-    except Exception as error:  # the library raises errors of many types on what is damaged
+    except Exception as error:  # the library raises errors of many types for damaged files
         raise InputFileError(f"{path}: damaged or cut off HDF5 file ({brief(error)})") from error
 
 
 def datasets(path: Path) -> dict[str, tuple[int, ...]]:
-    """Return the shapes of all arrays of a file by their names, and refuse what lies outside it.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    dict
-        Name with its groups -> shape.
+    """Return the shapes of all arrays of a file by their full names, and refuse data outside the file.
 
     Raises
     ------
@@ -73,9 +56,9 @@ def datasets(path: Path) -> dict[str, tuple[int, ...]]:
 
 
 def _check_heaps(path: Path) -> None:
-    """Refuse a heap (of values of any length) with free space of no bytes: the library would never end.
+    """Refuse a heap (of values of any length) with free space of zero bytes: the library would loop.
 
-    A heap is its mark, a version, its size, then objects: a number (0 for the free space), a count, a size.
+    A heap has a mark, a version, its size, then objects: a number (0 for the free space), a count, a size.
     """
     left = _MOST_IN_HEAPS
     with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
@@ -93,7 +76,7 @@ def _check_heaps(path: Path) -> None:
 
 
 def _arrays(file: "h5py.File", path: Path) -> Iterator[tuple[str, tuple[int, ...]]]:
-    """Yield name and shape of every array; groups met twice are refused, as they may go in circles."""
+    """Yield name and shape of every array; groups found twice are refused, as they may form a loop."""
     import h5py
 
     groups: list[tuple[Any, int]] = [(file, 0)]
@@ -107,13 +90,13 @@ def _arrays(file: "h5py.File", path: Path) -> Iterator[tuple[str, tuple[int, ...
             try:
                 entry = group[name]
             except (KeyError, OSError, RuntimeError):
-                if isinstance(link, h5py.SoftLink):  # it leads nowhere
+                if isinstance(link, h5py.SoftLink):  # a dangling link
                     continue
                 raise
             address = h5py.h5o.get_info(entry.id).addr
             if isinstance(entry, h5py.Group) and (address in seen or depth == _DEEPEST):
                 raise InputFileError(
-                    f"{path}: {group.name.rstrip('/')}/{name} is a group that is met twice or lies more than "
+                    f"{path}: {group.name.rstrip('/')}/{name} is a group that occurs twice or lies more than "
                     f"{_DEEPEST} groups deep in this HDF5 file, which is refused: the file may have no end"
                 )
             if address in seen:
@@ -132,7 +115,7 @@ def _arrays(file: "h5py.File", path: Path) -> Iterator[tuple[str, tuple[int, ...
 
 
 def _outside(path: Path, what: str) -> InputFileError:
-    """Return the error for a file whose numbers lie elsewhere."""
+    """Return the error for a file with data in other files."""
     return InputFileError(
         f"{path}: {what}, which is refused: any file of this computer would be read as heights; copy the "
         "numbers into one file"

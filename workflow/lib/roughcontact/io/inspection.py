@@ -1,4 +1,4 @@
-"""What is in a measured file, and what reading it would give."""
+"""Content of a measured file, and the map that it would give."""
 
 from math import prod
 from pathlib import Path
@@ -28,7 +28,7 @@ def inspect_file(
     checksum: str | None = None,
     first_row: str | None = None,
 ) -> dict:
-    r"""Return what is in a file, without asking for units that it does not say.
+    r"""Return the content of a file, without asking for missing units.
 
     Parameters
     ----------
@@ -42,19 +42,19 @@ def inspect_file(
         `file`, `bytes`, `sha256`, `format`, `first_row` and `first_row_assumed` (as `read_height_map` gives
         them), `instrument`; `channel` (the one that would be read, or None) and `channel_choice` (why);
         `channels`, one dict per channel with `name`, `ny`, `nx`, `dx`, `dy`, `lateral_unit`, `height_unit`
-        (None where the file is silent), `is_height`, `reason`, and for heights `missing_points`,
+        (None where the file does not state it), `is_height`, `reason`, and for heights `missing_points`,
         `missing_share`, `rms_height`, `lowest`, `highest` (in `height_unit`);
-        `map`, what `read_height_map` would return, None where it would not: `ny`, `nx`, `dx`, `dy`, `size_x`,
+        `map`, the result of `read_height_map`, None where it would fail: `ny`, `nx`, `dx`, `dy`, `size_x`,
         `size_y`, `missing_points`, `missing_share`, `lowest`, `highest`, `rms_height` and `rms_gradient` (off
         the mean plane), `quantisation_step` (None where heights are not quantised), in m;
-        `problem`: what `read_height_map` would say, or None; `warnings`.
+        `problem`: the error message of `read_height_map`, or None; `warnings`.
 
     Raises
     ------
     InputFileError
-        As for `read_height_map`, but not for units and sizes that the file does not say.
+        As for `read_height_map`, but not for missing units and sizes.
     SettingsError
-        For an argument that has no meaning.
+        For an invalid argument.
 
     Examples
     --------
@@ -105,7 +105,7 @@ def inspect_file(
 
 
 def _measured(converted: Converted) -> dict:
-    """Return what is known of a map (m) before anything is done to it."""
+    """Return properties of a map (m) as measured."""
     heights, dx, dy = converted.heights, converted.dx, converted.dy
     ny, nx = heights.shape
     rms_height, rms_gradient = roughness_off_plane(heights, dx, dy)
@@ -125,7 +125,7 @@ def _measured(converted: Converted) -> dict:
 
 
 def _described(channel: Channel, *, chosen: bool) -> dict:
-    """Return what is known of a channel, in the units of the file; large ones are read only if chosen."""
+    """Return properties of a channel, in the units of the file; large ones are read only if chosen."""
     described = {
         "name": channel.name,
         "ny": channel.shape[0],
@@ -149,7 +149,7 @@ def _described(channel: Channel, *, chosen: bool) -> dict:
 
 
 def _missing(heights: np.ndarray) -> dict:
-    """Return how many points are missing."""
+    """Return number and share of the missing points."""
     missing = int(np.isnan(heights).sum())
     return {"missing_points": missing, "missing_share": missing / heights.size}
 

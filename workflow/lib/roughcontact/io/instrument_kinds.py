@@ -1,22 +1,15 @@
-"""Kinds of instruments, and which steps, fields and heights each of them can measure.
+"""Kinds of instruments, and the steps, fields and heights that each of them can measure.
 
 The ranges are wide: they follow the largest scanners, stages and columns that are sold, and the finest
-sampling that makes sense (a tenth of what light, a tip or a stylus resolves, and less). What lies outside has
-a wrong unit rather than an unusual instrument.
+sampling that makes sense (a tenth of the resolution of light, tip or stylus, and less). A value outside them
+is more likely due to a wrong unit than to an unusual instrument.
 """
 
 from typing import NamedTuple
 
 
 class Kind(NamedTuple):
-    """One kind of instrument, with the ranges that it can measure.
-
-    Attributes
-    ----------
-    name : str
-    step, field, span : tuple of float, m
-        Lowest and highest step, length of a side, and span of the heights.
-    """
+    """One kind of instrument, with the ranges (lowest, highest; m) of step, side and span of heights."""
 
     name: str
     step: tuple[float, float]
@@ -36,21 +29,12 @@ PROBE = Kind("scanning probe microscope", step=(1e-12, 5e-6), field=(1e-10, 5e-4
 OPTICAL = Kind("optical profiler", step=(1e-8, 1e-3), field=(1e-6, 0.7), span=(1e-11, 0.15))
 # Traces of up to 0.3 m, tips of 0.1 to 10 µm radius, ranges of up to 50 mm.
 STYLUS = Kind("stylus profiler", step=(1e-9, 1e-3), field=(1e-6, 0.5), span=(1e-10, 0.1))
-# where the file does not say with what it was measured
+# where the file does not name the instrument
 ANY = Kind("", step=(1e-12, 1e-2), field=(1e-10, 1.0), span=(1e-12, 0.15))
 
 
 def of_name(name: str | None) -> Kind:
-    """Return the kind that a file's `instrument` names.
-
-    Parameters
-    ----------
-    name : str or None
-
-    Returns
-    -------
-    Kind
-        `ANY` where it names none.
+    """Return the kind that a file's `instrument` names, `ANY` where it names none.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What a reader of a format offers: how it recognises a file, and how it reads it."""
+"""Interface of the readers: how each recognises a file, and how it reads it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,47 +10,47 @@ from roughcontact.io.channels import MeasuredFile
 HEAD_BYTES = 4096
 
 
-class ToldBy(IntEnum):
-    """How a format is told from others, in the order in which the readers are asked.
+class RecognisedBy(IntEnum):
+    """How a format is recognised, in the order in which the readers are asked.
 
-    Readers that are told in the same way exclude one another, so that their order does not matter.
+    Formats that are recognised in the same way exclude one another, so that their order does not matter.
     """
 
-    #: What lies inside a container. First, because other formats are told by the mark of the container alone:
-    #: an X3P file is a ZIP archive as several instruments' files are, and a netCDF file may be HDF5.
+    #: Contents of a container. First, because other formats are recognised by the mark of the container
+    #: alone: an X3P file is a ZIP archive as several instruments' files are, and a netCDF file may be HDF5.
     CONTENTS = 1
     #: First bytes that no other format has. Before text, because the header of some of these is plain text.
     MARK = 2
     #: Readable text without a mark.
     TEXT = 3
-    #: Nothing: the one reader of last resort, for what no other took.
+    #: Nothing: the one reader of last resort, for files that no other reader recognises.
     NOTHING = 4
 
 
 @dataclass(frozen=True)
 class Reader:
-    """One reader, which a module of `roughcontact.io.readers` offers under the name `READER`.
+    """One reader; each module of `roughcontact.io.readers` defines one with the name `READER`.
 
     Attributes
     ----------
-    told_by : ToldBy
-        When it is asked.
+    recognised_by : RecognisedBy
+        How it recognises files, which determines when it is asked.
     recognises : callable (path, head) -> bool
-        Whether it reads this file. `head` are the first 4096 bytes, and for most formats all that is looked
-        at. It is called for files of every format: so it imports nothing large before the mark agrees, and
-        raises `InputFileError` only for a container that is damaged beyond recognition.
+        Whether it reads this file. `head` has the first 4096 bytes, which are sufficient for most formats. It
+        is called for files of every format: so it imports nothing large before the mark agrees, and raises
+        `InputFileError` only for a container (HDF5) that is damaged beyond recognition.
     read : callable (path) -> MeasuredFile
-        Opens a file that it recognised. It raises `InputFileError` for one that is damaged, cut off or holds
-        no map, and guesses nothing that the file does not say.
+        Opens a file that it recognised. It raises `InputFileError` for a file that is damaged, cut off,
+        refers to other files or holds no map, and guesses nothing that the file does not state.
     """
 
-    told_by: ToldBy
+    recognised_by: RecognisedBy
     recognises: Callable[[Path, bytes], bool]
     read: Callable[[Path], MeasuredFile]
 
 
 def head_of(path: Path) -> bytes:
-    """Return the first bytes of a file, by which most formats are told.
+    """Return the first bytes of a file, which identify most formats.
 
     Parameters
     ----------

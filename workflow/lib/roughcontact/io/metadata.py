@@ -1,8 +1,8 @@
-"""What a file says of instrument, lens, date and serial number, in the same words for all formats.
+"""Instrument, lens, date and serial number of a file, with the same keys for all formats.
 
 `kind`, `vendor`, `name`, `serial`, `scanner_serial`, `lens`, `magnification`, `numerical_aperture`, `probe`,
-`acquisition_time` (ISO 8601 where the reader knows it), `calibration_time`, `software`, `sample`, `comment`;
-a word is there only where the file says it. Names of persons are left out.
+`acquisition_time` (ISO 8601 where known), `calibration_time`, `software`, `sample`, `comment`;
+a key exists only where the file states its value. Names of persons are left out.
 """
 
 import datetime
@@ -13,7 +13,7 @@ from typing import Any
 
 from roughcontact.quantities import number
 
-# word -> what people call it, in the order in which they are shown
+# key -> label, in the order of display
 LABELS = {
     "kind": "kind",
     "vendor": "vendor",
@@ -31,7 +31,7 @@ LABELS = {
     "comment": "comment",
 }
 
-# how headers spell them, letters and digits only, lower case; where several are there, the first one counts
+# spellings in headers, letters and digits only, lower case; of several in one header the first counts
 _SPELLINGS = {
     "vendor": ("vendor", "manufacturer", "instrumentmanufacturer"),
     "name": (
@@ -68,29 +68,24 @@ _SPELLINGS = {
 }
 _MEANING = {spelling: word for word, spellings in _SPELLINGS.items() for spelling in spellings}
 _SILENT = {"", "0", "-", "none", "(none)", "null", "unknown", "not available", "n/a", "na", "default"}
-_LONGEST = 200  # characters; what is longer is no name
+_LONGEST = 200  # characters of a name
 
 
-def instrument_words(stated: Mapping[str, Any], header: Mapping | None = None) -> dict[str, Any]:
-    """Return what is known of the instrument, as plain JSON values in the order of `LABELS`.
+def instrument_metadata(stated: Mapping[str, Any], header: Mapping | None = None) -> dict[str, Any]:
+    """Return the known metadata of the instrument, as plain JSON values in the order of `LABELS`.
 
     Parameters
     ----------
     stated : mapping
-        What a reader found under the words of this module. It wins over the header.
+        Values that a reader found, by the keys of this module. They win over the header.
     header : mapping, optional
-        The file's own header, searched (two levels deep) for the usual spellings of the words. Sections on
-        software are passed over: their serial number is that of a licence.
-
-    Returns
-    -------
-    dict
-        Word -> text or number; only what is known.
+        The file's own header, searched (two levels deep) for the usual spellings of the keys. Sections on
+        software are skipped: their serial number is that of a licence.
 
     Examples
     --------
-    >>> instrument_words({"vendor": "Zygo"}, {"Objective": "20X Mirau", "Serial Number": 59407, "date": "-"})
-    {'vendor': 'Zygo', 'serial': 59407, 'lens': '20X Mirau'}
+    >>> instrument_metadata({"vendor": "Zygo"}, {"Objective": "20X Mirau", "Serial Number": 594, "date": "-"})
+    {'vendor': 'Zygo', 'serial': 594, 'lens': '20X Mirau'}
     """
     ranked: dict[str, tuple[int, str | float]] = {}
     _search(header, ranked, depth=0)
@@ -101,7 +96,7 @@ def instrument_words(stated: Mapping[str, Any], header: Mapping | None = None) -
     aperture = found.get("numerical_aperture")
     if aperture is not None and not (isinstance(aperture, float | int) and 0 < aperture < 2):
         del found["numerical_aperture"]
-    # the zero of the computer's clock is no date
+    # the zero of a computer's clock is no date
     for word in ("acquisition_time", "calibration_time"):
         if str(found.get(word, "")).startswith(("1970-01-01", "1969-12-31", "1601-01-01", "0001-01-01")):
             del found[word]
@@ -109,7 +104,7 @@ def instrument_words(stated: Mapping[str, Any], header: Mapping | None = None) -
 
 
 def _search(header: Any, found: dict[str, tuple[int, str | float]], depth: int) -> None:
-    """Note in `found` (word -> rank of its spelling, value) what a header says."""
+    """Add the entries of a header to `found` (key -> rank of its spelling, value)."""
     for key, value in header.items() if hasattr(header, "items") else ():
         name = re.sub(r"[^a-z0-9]", "", str(key).lower())
         if hasattr(value, "items"):
@@ -128,7 +123,7 @@ def _search(header: Any, found: dict[str, tuple[int, str | float]], depth: int) 
 
 
 def _plain(value: Any) -> str | float | None:
-    """Return a value as text or number on one line, None where it says nothing."""
+    """Return a value as text or number on one line, None for an empty or meaningless one."""
     if isinstance(value, bytes):
         value = value.decode("latin-1")
     if isinstance(value, datetime.datetime | datetime.date):
@@ -142,17 +137,7 @@ def _plain(value: Any) -> str | float | None:
 
 
 def labelled(instrument: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return what is known of the instrument, for people.
-
-    Parameters
-    ----------
-    instrument : mapping
-        As `instrument_words` returns it.
-
-    Returns
-    -------
-    list of (str, str)
-        Labels and texts.
+    """Return the metadata from `instrument_metadata` for people, as labels and texts.
 
     Examples
     --------

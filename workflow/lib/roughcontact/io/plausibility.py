@@ -1,4 +1,4 @@
-"""Suspicions about a map that was read well, in words for the user. None of them changes a number."""
+"""Warnings about implausible properties of a map that was read. They change no number."""
 
 import numpy as np
 
@@ -6,32 +6,21 @@ from roughcontact.io.instrument_kinds import ANY, Kind
 from roughcontact.quantities import number, percent, quantity
 
 _SAMPLE = 2**18  # quantiles and distinct values are estimated from about this many points
-_STEEPEST = 3.0  # rms gradient (72°) that nothing measures
-_FLATTEST = 1e-8  # rms gradient below what optics are polished to
-_COARSE = 0.1  # quantisation step over rms height from which it shapes the contact
-_PLATEAU = 0.005  # share of the points at one and the same height
+_STEEPEST = 3.0  # rms gradient (72°) above all that are measured
+_FLATTEST = 1e-8  # rms gradient below that of polished optics
+_COARSE = 0.1  # quantisation step over rms height above which it affects the contact
+_PLATEAU = 0.005  # share of the points at one height
 _FEW_LEVELS = 64
-_MOST = (0.005, 0.995)  # quantiles between which nearly all heights lie
+_MOST = (0.005, 0.995)  # quantiles that enclose nearly all heights
 
-SPIKES_ADVICE = "level.outlier_threshold finds isolated ones"  # before anything was done
+SPIKES_ADVICE = "level.outlier_threshold finds isolated ones"  # for a map as measured
 
 
 def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = ANY) -> list[str]:
-    """Return what looks wrong in a map.
+    """Return a sentence for each implausible property of a map, with the numbers it rests on.
 
-    Parameters
-    ----------
-    height : array (ny, nx)
-        Heights, m; NaN where not measured; at least one point is measured.
-    dx, dy : float
-        Steps, m.
-    kind : Kind
-        The kind of instrument, with the ranges that it can measure.
-
-    Returns
-    -------
-    list of str
-        One sentence per suspicion, each with the numbers it rests on.
+    `height` (ny, nx; m) is NaN where not measured and has at least one measured point; the steps are in m;
+    `kind` gives the ranges that the instrument can measure.
 
     Examples
     --------
@@ -42,7 +31,7 @@ def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = ANY) ->
     low, high = measured.min(), measured.max()
     spikes = _extremes(measured, low, high)
     found = _geometry(height.shape, dx, dy)
-    # a few points far from all others have the span for themselves: the sentence on them says it
+    # a few points far from all others determine the span: they have a warning of their own
     span = np.ptp(np.quantile(_sample(measured), _MOST)) if spikes else high - low
     found += _ranges(height.shape, span, dx, dy, kind)
     if low == high:
@@ -59,23 +48,10 @@ def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = ANY) ->
 
 
 def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float, float]:
-    """Return rms height (m) and rms gradient of a map off its mean plane, missing points left out.
+    """Return rms height (m) and rms gradient of a map (ny, nx; m) off its mean plane, without missing points.
 
     The plane is that of least squares; the gradient, sqrt(var(dh/dx) + var(dh/dy)), is taken between
-    neighbouring measured points.
-
-    Parameters
-    ----------
-    height : array (ny, nx), m
-        NaN where not measured.
-    dx, dy : float, m
-        Steps.
-
-    Returns
-    -------
-    rms_height : float, m
-    rms_gradient : float
-        NaN where no neighbours are measured.
+    neighbouring measured points, and is NaN where there are none.
 
     Examples
     --------
@@ -89,7 +65,7 @@ def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float
     z = np.where(measured, height, 0.0)
     z = np.where(measured, z - z.sum() / count, 0.0)
     y, x = (np.arange(n) - (n - 1) / 2 for n in height.shape)
-    # normal equations of 1, x, y from sums along rows and columns: no array of the map's size for x and y
+    # normal equations of 1, x, y from sums along rows and columns, without map-sized arrays for x and y
     columns, rows = measured.sum(axis=0), measured.sum(axis=1)
     sum_x, sum_y = columns @ x, rows @ y
     normal = np.array(
@@ -109,19 +85,9 @@ def roughness_off_plane(height: np.ndarray, dx: float, dy: float) -> tuple[float
 
 
 def quantisation_step(height: np.ndarray) -> float | None:
-    """Return the step of which all heights are multiples.
+    """Return the step (m) of which all heights (m, NaN where not measured) are multiples, or None.
 
     It is the usual distance of neighbouring levels, if the levels lie on its lattice to a tenth of it.
-
-    Parameters
-    ----------
-    height : array (ny, nx), m
-        NaN where not measured.
-
-    Returns
-    -------
-    float or None, m
-        None where there is no such step.
 
     Examples
     --------
@@ -134,13 +100,13 @@ def quantisation_step(height: np.ndarray) -> float | None:
     if levels.size < 3:
         return None
     gaps = np.diff(levels)
-    # levels closer than single precision tells apart are one level
+    # levels that single precision cannot distinguish are one level
     rounding = 4e-7 * max(abs(levels[0]), abs(levels[-1]))
     gaps = gaps[gaps > rounding]
     if gaps.size < 2:
         return None
     step = np.median(gaps[gaps < 1.5 * gaps.min()])
-    # what would be found in continuous heights by chance is far smaller than their mean distance
+    # a chance result for continuous heights is far smaller than their mean distance
     places = (levels - levels[0]) / step
     drift = np.abs(places - np.rint(places))
     if step < 2 * rounding or np.mean(drift < 0.1) < 0.9:
@@ -156,7 +122,7 @@ def _sample(measured: np.ndarray) -> np.ndarray:
 def _geometry(shape: tuple[int, ...], dx: float, dy: float) -> list[str]:
     """Suspect pixels that are not square."""
     ny, nx = shape
-    # a step that is a multiple of the other was chosen by the user; an odd one comes of a file that was cut
+    # one step a multiple of the other is a user's choice; an odd ratio suggests a file that was cut off
     ratio = max(dx / dy, dy / dx)
     if ny == 1 or abs(ratio / round(ratio) - 1) <= 0.01:
         return []
@@ -174,7 +140,7 @@ def _geometry(shape: tuple[int, ...], dx: float, dy: float) -> list[str]:
 
 
 def _ranges(shape: tuple[int, ...], span: float, dx: float, dy: float, kind: Kind) -> list[str]:
-    """Compare steps, field and heights with each other and with what the kind of instrument can measure."""
+    """Compare steps, field and heights with each other and with the ranges of the kind of instrument."""
     ny, nx = shape
     fields = [nx * dx, ny * dy] if ny > 1 else [nx * dx]
     steps = [dx, dy] if ny > 1 else [dx]
@@ -199,7 +165,7 @@ def _ranges(shape: tuple[int, ...], span: float, dx: float, dy: float, kind: Kin
 
 
 def _slopes(height: np.ndarray, dx: float, dy: float) -> list[str]:
-    """Suspect slopes that nothing measures."""
+    """Suspect slopes that no instrument measures."""
     _, gradient = roughness_off_plane(height, dx, dy)
     if gradient > _STEEPEST:
         return [
@@ -240,7 +206,7 @@ def _extremes(measured: np.ndarray, low: float, high: float) -> list[str]:
 
 
 def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -> list[str]:
-    """Suspect few levels, plateaus, and heights quantised coarsely."""
+    """Suspect few levels, plateaus, and coarsely quantised heights."""
     if measured.size < 100:
         return []
     levels, counts = np.unique(_sample(measured), return_counts=True)
@@ -262,7 +228,7 @@ def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -
                 f"{percent(share)} of the points have exactly the {name} height ({quantity(value, 'm')}): "
                 "the instrument was saturated there, or this marks missing points"
             )
-    # a level inside the range that is far more frequent than those beside it
+    # a level inside the range that is far more frequent than its neighbours
     most = int(np.argmax(counts))
     beside = np.delete(counts[max(most - 10, 0) : most + 11], min(most, 10))
     share = counts[most] / counts.sum()
@@ -275,7 +241,7 @@ def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -
 
 
 def _lines(height: np.ndarray) -> list[str]:
-    """Suspect rows and columns that are constant or repeat the one before."""
+    """Suspect rows and columns that are constant or equal to the preceding one."""
     found = []
     for values, name in ((height, "rows"), (height.T, "columns")):
         count, length = values.shape
@@ -283,7 +249,7 @@ def _lines(height: np.ndarray) -> list[str]:
             continue
         first = np.take_along_axis(values, np.argmax(np.isfinite(values), axis=1)[:, None], axis=1)
         finite = np.isfinite(values)
-        enough = finite.sum(axis=1) > max(3, length // 100)  # a line of three points says nothing
+        enough = finite.sum(axis=1) > max(3, length // 100)  # lines of three points are inconclusive
         flat = np.all((values == first) | ~finite, axis=1) & enough
         if 0 < flat.sum() < count / 2:
             found.append(
@@ -297,7 +263,7 @@ def _lines(height: np.ndarray) -> list[str]:
 
 
 def _noise(height: np.ndarray) -> list[str]:
-    """Suspect a map whose neighbours are unrelated both ways: so look files that were damaged on the way."""
+    """Suspect a map with neighbours uncorrelated along x and y, as in files damaged by a transfer."""
     correlations = []
     for first, second in ((height[:, :-1], height[:, 1:]), (height[:-1], height[1:])):
         both = np.isfinite(first) & np.isfinite(second)

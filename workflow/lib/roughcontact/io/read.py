@@ -1,11 +1,11 @@
 """Reading a measured file as a height map in metres.
 
-The format is told by the content of a file, never by its name. Units are converted once, here. What a file
-does not say is never guessed: it is given as an argument (or in the table of surfaces), or the file is
+The format is recognised by the content of a file, never by its name. Units are converted once, here. Missing
+units and sizes are never guessed: they are given as arguments (or in the table of surfaces), or the file is
 refused.
 
 Every map is right-handed: x to the right, y upwards, row 0 the bottom line of the picture that the
-instrument's software shows. Where the file has its first row is kept in the attribute `first_row`.
+instrument's software shows. The attribute `first_row` keeps the position of the file's first row.
 """
 
 import json
@@ -47,23 +47,22 @@ def read_height_map(
     channel : str, optional
         Name of the channel; without it the first one that holds heights.
     dx, dy : float or str, optional
-        Steps from point to point, in `unit`, or with a unit of their own behind them: ``"1.5 um"``. They win
-        over what the file says, with a warning.
+        Steps from point to point, in `unit`, or with a unit of their own: ``"1.5 um"``. They override the
+        file, with a warning.
     unit : str, optional
         Unit of `dx` and `dy`, or of the file's own steps where `dx` and `dy` are not given; also that of the
-        heights where neither `height_unit` nor the file says it.
+        heights where neither `height_unit` nor the file gives it.
     height_unit : str, optional
         Unit of the file's heights.
     resample : str, optional
-        ``linear``: points that lie on no even grid are interpolated to one of steps `dx` and `dy` (where they
-        are not given: the mean distance of the points). Without it such a file is refused.
+        ``linear``: points that form no even grid are interpolated to a grid with steps `dx` and `dy` (by
+        default the mean distance of the points). Without it such a file is refused.
     checksum : str, optional
-        ``ignore``: a file whose content differs from the checksum that it holds (X3P that was edited by hand)
-        is read, with a warning. Without it such a file is refused.
+        ``ignore``: a file whose content differs from its own checksum (an X3P edited by hand) is read, with a
+        warning. Without it such a file is refused.
     first_row : str, optional
-        ``top`` or ``bottom``: where the first row of the file lies in the picture of the surface. For files
-        that do not say it (NumPy, MATLAB, numbers without a header); it wins over what the file says, with a
-        warning.
+        ``top`` or ``bottom``: position of the file's first row in the picture of the surface. For files that
+        do not state it (NumPy, MATLAB, numbers without a header); it overrides the file, with a warning.
     instrument : mapping, optional
         What is known of the instrument beside the file, for the error budget: `noise`, `resolution`,
         `wavelength`, `tip_radius` (m), `numerical_aperture`, `amplification_z`, `amplification_xy`; kept as
@@ -75,18 +74,18 @@ def read_height_map(
         `height`, NaN where not measured; coordinates are cell centres in m, evenly spaced, x to the right and
         upwards. A profile has one row. Attributes: `units`, `source_file`, `source_sha256`, `source_format`,
         `channel`, `channels` (JSON list), `instrument` (JSON object), `y_axis` ("up"), `first_row` ("top" or
-        "bottom" of the picture: where the file has its first row), `first_row_assumed` (1 where only the
-        usual way of the format says so), `missing_points`, `missing_share`, `ingest_warnings` (JSON list of
-        sentences).
+        "bottom" of the picture: position of the file's first row), `first_row_assumed` (1 where it is only
+        the usual convention of the format), `missing_points`, `missing_share`, `ingest_warnings` (JSON list
+        of sentences).
 
     Raises
     ------
     InputFileError
-        For a file that is missing, damaged, cut off, of unknown format, or silent about its size or units.
+        For a file that is missing, damaged, cut off, of unknown format, or without size or units.
     HeightMapError
         For a map without a measured point, or of one point.
     SettingsError
-        For an argument that has no meaning.
+        For an invalid argument.
 
     Examples
     --------

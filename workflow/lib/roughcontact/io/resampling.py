@@ -1,6 +1,6 @@
-"""Points that lie on no even grid, interpolated to one: only where the user asks for it.
+"""Interpolation of irregular points to an even grid, only where the user asks for it.
 
-Interpolation between points lowers slopes and with them the pressures, so it never happens by itself.
+Interpolation between points lowers slopes and with them the pressures, so it is never done by default.
 """
 
 from dataclasses import replace
@@ -17,35 +17,21 @@ from roughcontact.io.request import Request
 from roughcontact.io.scale import given_steps, unit_of_steps
 from roughcontact.io.units import is_length, metres
 
-_REACH = 2.0  # steps from the nearest point, beyond which a grid point counts as not measured
+_REACH = 2.0  # steps from the nearest point beyond which a grid point counts as not measured
 
 
 def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channel, Request, list[str]]:
-    """Return the channel on an even grid: as it is, or resampled where the user asks for that.
+    """Return the channel on an even grid: as it is, or resampled where the user asks for it.
 
-    Parameters
-    ----------
-    channel : Channel
-    request : Request
-        Its steps are those of the grid.
-    path : Path
-        Named by the messages.
-
-    Returns
-    -------
-    channel : Channel
-        On the grid.
-    request : Request
-        Of a resampled channel: without the steps, which are now those of the channel.
-    done : list of str
-        A sentence that says what was done; empty where nothing was.
+    `request` gives the steps of the grid. It is returned without them for a resampled channel, which has
+    them itself. A sentence says how the channel was resampled; the list is empty where it was not.
 
     Raises
     ------
     InputFileError
         Where the points form no even grid and the user does not ask for one.
     SettingsError
-        For a word or step of the user that has no meaning.
+        For an invalid argument or step of the user.
     HeightMapError
         For points that make no map.
     """
@@ -66,7 +52,7 @@ def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channe
         )
     check_choice(f"{path}: resample", request.resample, Resampling)
     steps = given_steps(request, path)
-    if any(steps):  # the steps are in `unit`: so shall be the positions
+    if any(steps):  # the steps are in `unit`: convert the positions
         unit = unit_of_steps(request, f"dx = {request.dx}, dy = {request.dy}", path)
         own = metres(unit, where=f"{path}: unit", error=SettingsError)
         if is_length(channel.lateral_unit):
@@ -81,25 +67,12 @@ def on_even_grid(channel: Channel, request: Request, path: Path) -> tuple[Channe
 def resampled(
     channel: Channel, points: Points, steps: tuple[float | None, float | None], where: str | Path
 ) -> tuple[Channel, str]:
-    """Return a channel on an even grid and a sentence that says what was done.
+    """Return a channel on an even grid and a sentence that says how it was resampled.
 
     Heights are linear within the triangles of Delaunay's triangulation [1]_ (of a profile: between
     neighbours). Outside them, and further than two steps from any point, the grid stays without heights.
-
-    Parameters
-    ----------
-    channel : Channel
-        With the name and the units.
-    points : Points
-        In these units.
-    steps : (dx, dy), in the channel's lateral unit
-        Of the even grid; None: the mean distance of the points, sqrt(area / number), the same along x and y.
-    where : str or Path
-        Named by the messages.
-
-    Returns
-    -------
-    tuple of Channel and str
+    `points` and `steps` (dx, dy) are in the channel's units; a step of None is the mean distance of the
+    points, sqrt(area / number), the same along x and y.
 
     Raises
     ------
@@ -171,7 +144,7 @@ def _map(x, y, z, steps, where):
     dy = dy or dx
     along_x, along_y = _grid(x, dx, where), _grid(y, dy, where)
     check_points((along_y.size, along_x.size), where)
-    # in steps and from the middle, so that triangles are those of the grid and rounding is small
+    # in steps from the middle: the triangulation matches the grid, and rounding errors are small
     scaled = np.column_stack([(x - x.mean()) / dx, (y - y.mean()) / dy])
     grid = np.meshgrid((along_x - x.mean()) / dx, (along_y - y.mean()) / dy)
     try:

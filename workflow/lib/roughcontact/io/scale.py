@@ -1,6 +1,6 @@
-"""The scale of a map: steps and units that the file states, and those that the user gives.
+"""The scale of a map: steps and units from the file, and from the user.
 
-What the user gives wins; where both speak and differ, a sentence says so. What neither says is never guessed.
+The user overrides the file, with a note where they differ. Missing values are never guessed.
 """
 
 from dataclasses import dataclass, field
@@ -14,13 +14,13 @@ from roughcontact.io.request import Request
 from roughcontact.io.units import is_length, metres
 from roughcontact.units import carries_unit, in_base_unit
 
-_SHORTEST = 1e-30  # m; steps between this and its inverse can be reckoned with
-_FEWEST_LINES = 10  # of a matrix that shows by its pixels that it was cut off
+_SHORTEST = 1e-30  # m; steps from this to its inverse cause no overflow
+_FEWEST_LINES = 10  # of a matrix whose pixels reveal that it was cut off
 
 
 @dataclass(frozen=True)
 class Scale:
-    """Steps and unit of heights of one map.
+    """Steps and height unit of one map.
 
     Attributes
     ----------
@@ -29,7 +29,7 @@ class Scale:
     height_factor : float, m
         Metres per unit of the file's heights.
     notes : list of str
-        Sentences on where the user's word stands against that of the file.
+        A sentence for each argument of the user that contradicts the file.
     """
 
     dx: float
@@ -39,28 +39,15 @@ class Scale:
 
 
 def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
-    """Return the scale of a channel on an even grid.
-
-    Parameters
-    ----------
-    channel : Channel
-        With the steps and units that the file states.
-    request : Request
-        With the steps and units that the user gives.
-    path : Path
-        Named by the messages.
-
-    Returns
-    -------
-    Scale
+    """Return the scale of a channel on an even grid, from the arguments of the user and the file.
 
     Raises
     ------
     InputFileError
-        Where neither the file nor the user says a step or a unit, the channel holds no heights, or the size
-        that the file states does not suit its number of lines.
+        Where neither the file nor the user gives a step or a unit, the channel holds no heights, or the size
+        in the file does not suit its number of lines.
     SettingsError
-        For a step that is no positive number, is given without a unit, or an unknown unit.
+        For a step that is no positive number or is given without a unit, or an unknown unit.
 
     Examples
     --------
@@ -79,9 +66,9 @@ def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
     if channel.shape[0] == 1 and dy is None:
         dy = dx
     if dx is None or dy is None:
-        raise InputFileError(_what_is_missing(channel, path))
+        raise InputFileError(_missing_steps_message(channel, path))
     if not (_SHORTEST < dx < 1 / _SHORTEST and _SHORTEST < dy < 1 / _SHORTEST):
-        raise InputFileError(f"{path}: steps of {dx:g} m x {dy:g} m cannot be; give dx, dy and unit")
+        raise InputFileError(f"{path}: steps of {dx:g} m x {dy:g} m are impossible; give dx, dy and unit")
     if channel.size_rounding is not None and request.dx is None and request.dy is None:
         _refuse_cut_matrix(channel.shape, dx, dy, sum(channel.size_rounding), path)
     height_factor = _height_factor(channel, request, path, notes)
@@ -89,18 +76,7 @@ def decide_scale(channel: Channel, request: Request, path: Path) -> Scale:
 
 
 def given_steps(request: Request, path: Path) -> tuple[float | None, float | None]:
-    """Return the steps that the user gives.
-
-    Parameters
-    ----------
-    request : Request
-    path : Path
-        Named by the message.
-
-    Returns
-    -------
-    dx, dy : float or None
-        In `unit_of_steps`; None where there is none.
+    """Return the steps (dx, dy) that the user gives, in `unit_of_steps`; None where there is none.
 
     Raises
     ------
@@ -119,17 +95,7 @@ def given_steps(request: Request, path: Path) -> tuple[float | None, float | Non
 def unit_of_steps(request: Request, steps: str, path: Path) -> str:
     """Return the unit of the steps that the user gives: m where one of them carries its own.
 
-    Parameters
-    ----------
-    request : Request
-    steps : str
-        What is given, for the message, as in ``dx = 2``.
-    path : Path
-        Named by the messages.
-
-    Returns
-    -------
-    str
+    `steps` are named in the message, as in ``dx = 2``.
 
     Raises
     ------
@@ -151,18 +117,18 @@ def unit_of_steps(request: Request, steps: str, path: Path) -> str:
 
 
 def _carry_units(request: Request) -> bool:
-    """Return whether a step that the user gives has its unit behind it, as in ``1.5 um``."""
+    """Return whether a step from the user has a unit of its own, as in ``1.5 um``."""
     return carries_unit(request.dx) or carries_unit(request.dy)
 
 
 def _given(name: str, request: Request, path: Path) -> float | None:
-    """Return a step that the user gives, in the unit of the steps."""
+    """Return a step from the user, in the unit of the steps."""
     value = getattr(request, name)
     if value is None or not _carry_units(request):
         return None if value is None else _positive(value, name, path)
     if not carries_unit(value):
         if request.unit is None:
-            raise SettingsError(f"{path}: {name} = {value} is given without a unit; write it behind it")
+            raise SettingsError(f"{path}: {name} = {value} is given without a unit; append it")
         return _positive(value, name, path) * metres(request.unit, where=f"{path}: unit", error=SettingsError)
     try:
         return _positive(in_base_unit(value, "m"), name, path)
@@ -173,7 +139,7 @@ def _given(name: str, request: Request, path: Path) -> float | None:
 def _step(
     name: str, channel: Channel, request: Request, factor: float | None, path: Path, notes: list[str]
 ) -> float | None:
-    """Return one step in m, None where nobody says it; note where file and user differ."""
+    """Return one step in m, None if unknown; add a note where file and user differ."""
     given, stated = _given(name, request, path), getattr(channel, name)
     if given is None:
         return None if stated is None or factor is None else stated * factor
@@ -187,7 +153,7 @@ def _step(
 
 
 def _lateral_factor(channel: Channel, request: Request, path: Path, notes: list[str]) -> float | None:
-    """Return the metres per unit of the file's own steps, None where nobody says it or needs it."""
+    """Return the metres per unit of the file's own steps, None if unknown or not needed."""
     stated, needed = channel.lateral_unit, request.dx is None or request.dy is None
     if request.unit is None:
         return metres(stated, where=f"{path}: lateral unit") if stated is not None and needed else None
@@ -221,14 +187,14 @@ def _height_factor(channel: Channel, request: Request, path: Path, notes: list[s
 
 
 def _differs(stated: str | None, factor: float) -> bool:
-    """Return whether the file states another unit than that of `factor` metres."""
+    """Return whether the file's unit differs from one of `factor` metres."""
     return stated is not None and (not is_length(stated) or metres(stated) != factor)
 
 
 def _positive(value: object, name: str, path: Path) -> float:
-    """Return a step that the user gives as a number."""
+    """Return a step from the user as a number."""
     try:
-        number = float(value)  # type: ignore[arg-type]  # what is no number raises, and is refused below
+        number = float(value)  # type: ignore[arg-type]  # not a number: raises, and is refused below
     except (TypeError, ValueError):
         number = np.nan
     if not (np.isfinite(number) and number > 0) or isinstance(value, bool):
@@ -236,8 +202,8 @@ def _positive(value: object, name: str, path: Path) -> float:
     return number
 
 
-def _what_is_missing(channel: Channel, path: Path) -> str:
-    """Return what the user has to give where neither he nor the file says the steps."""
+def _missing_steps_message(channel: Channel, path: Path) -> str:
+    """Return the error message for missing steps, with the arguments that the user must give."""
     ny, nx = channel.shape
     kind = f"a profile of {nx} points" if ny == 1 else f"a map of {ny} x {nx} points"
     known = f" (its heights are in {channel.height_unit})" if channel.height_unit else ""
@@ -253,12 +219,10 @@ def _refuse_cut_matrix(shape: tuple[int, int], dx: float, dy: float, rounding: f
     """Refuse a text matrix that seems to have lost its last lines.
 
     Its header gives the size of the whole field and not the number of lines, so that a file that was cut off
-    shows only in pixels that are too long along y: with whole lines added they would be square. Let through
-    are scans with every second, third ... line, pixels of 3 : 2 and 4 : 3, numbers of lines that no square
-    pixels explain, sizes that reach from the first point to the last one, and maps of less than ten lines,
-    where pixels of any shape are as likely.
-
-    Parameters: `rounding` is the share by which the ratio of the stated sizes may be off.
+    shows only in pixels that are too long along y: with whole lines added they would be square. Accepted are
+    scans with every second, third ... line, pixels of 3 : 2 and 4 : 3, numbers of lines that no square pixels
+    explain, sizes that extend from the first point to the last one, and maps of less than ten lines, where
+    pixels of any shape are as likely. `rounding` is the relative error of the ratio of the stated sizes.
     """
     ny, nx = shape
     ratio = dy / dx

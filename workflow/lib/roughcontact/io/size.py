@@ -1,6 +1,6 @@
-"""How many points a measured file holds, roughly and in a moment: what memory and time of its jobs go by.
+"""Fast estimate of the number of points in a measured file, for memory and time of its jobs.
 
-Nothing is unpacked and no reader of a vendor's format is called, so that a damaged file does no harm here.
+Nothing is unpacked and no reader of a vendor's format is called, so that damaged files are harmless here.
 """
 
 import re
@@ -13,27 +13,19 @@ from roughcontact.io.guards import ARCHIVE_ERRORS, MAX_POINTS
 from roughcontact.io.interface import head_of
 from roughcontact.io.text.lines import looks_like_text
 
-_PIECE = 2**16  # bytes of a text that are looked at
-_HEADER = 2**20  # bytes of the header of an X3P file that are looked at
+_PIECE = 2**16  # bytes of a text that are examined
+_HEADER = 2**20  # bytes of the header of an X3P file that are examined
 _SIZES = re.compile(rb"<(?:\w+:)?Size[XYZ]>\s*(\d{1,12})")
-# of single maps, as instruments write them, 2.3 to 8
+# in instrument files with a single map: 2.3 to 8
 _BYTES_PER_POINT = 4
 
 
 def estimate_points(path: str | Path) -> int:
-    """Return about how many points the map in a measured file has.
+    """Return the approximate number of points of the map in a measured file, 0 where there is no file.
 
-    Exact for NumPy's arrays and X3P, whose headers say it; counted in a piece of a text; for all others one
-    for every four bytes, which is too many where a file holds several channels.
-
-    Parameters
-    ----------
-    path : str or Path
-
-    Returns
-    -------
-    int
-        0 where there is no such file, and never more than are read.
+    Exact for NumPy's arrays and X3P, whose headers say it; extrapolated from a piece of a text; one for every
+    four bytes for all others, which is too many where a file holds several channels. It never exceeds the
+    number of points that are read at most.
 
     Examples
     --------
@@ -55,7 +47,7 @@ def estimate_points(path: str | Path) -> int:
         else:
             found = _in_text(path, size) if looks_like_text(head) else 0
         return min(found or size // _BYTES_PER_POINT, MAX_POINTS)
-    except OSError:  # the job that reads it says what is wrong
+    except OSError:  # the job that reads it reports the error
         return 0
 
 
@@ -70,7 +62,7 @@ def _in_array(path: Path) -> int:
 
 
 def _in_archive(path: Path) -> int:
-    """Return the number of points by the header in an X3P file, else by what an archive holds unpacked."""
+    """Return the number of points from the header of X3P, or the unpacked size of another archive."""
     try:
         with zipfile.ZipFile(path) as archive:
             for member in archive.infolist():
@@ -83,7 +75,7 @@ def _in_archive(path: Path) -> int:
 
 
 def _in_text(path: Path, size: int) -> int:
-    """Return the number of points of a text from a piece in its middle; 0 where that is no text."""
+    """Estimate the number of points of a text from a piece in its middle; 0 where that is no text."""
     with path.open("rb") as stream:
         stream.seek(max(0, (size - _PIECE) // 2))
         piece = stream.read(_PIECE)
@@ -98,6 +90,6 @@ def _in_text(path: Path, size: int) -> int:
 
 
 def _cells(line: bytes) -> list[bytes]:
-    """Return the cells of a line, whose commas separate only where nothing else does."""
+    """Return the cells of a line; commas are separators only where there is no other."""
     cells = re.findall(rb"[^\s;]+", line)
     return cells if len(cells) != 1 else [cell for cell in cells[0].split(b",") if cell]

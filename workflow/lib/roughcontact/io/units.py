@@ -9,14 +9,6 @@ from roughcontact.units import unknown_unit, value_of
 def is_length(unit: object) -> TypeGuard[str]:
     """Return whether a text is one of the accepted spellings of a length unit.
 
-    Parameters
-    ----------
-    unit : str or None
-
-    Returns
-    -------
-    bool
-
     Examples
     --------
     >>> is_length("µm"), is_length("Microns"), is_length("V"), is_length(None)
@@ -28,24 +20,9 @@ def is_length(unit: object) -> TypeGuard[str]:
 def metres(unit: str, *, where: str = "unit", error: type[Exception] = InputFileError) -> float:
     """Return how many metres one `unit` is.
 
-    Parameters
-    ----------
-    unit : str
-        m, mm, um (or with the micro sign or the letter mu), nm, Å, pm, inch, mil, uin, ... and the words
-        written out.
-    where : str
-        What the message shall name as the place of the unit.
-    error : type
-        What is raised for an unknown unit; the message names the nearest accepted spelling, if any is near.
-
-    Returns
-    -------
-    float, m
-
-    Raises
-    ------
-    InputFileError
-        Or `error`: for an unknown unit.
+    Units are m, mm, um (or with the micro sign or the letter mu), nm, Å, pm, inch, mil, uin, ... and their
+    names written out. An unknown one raises `error`; the message names the place, `where`, and the nearest
+    accepted spelling, if any is near.
 
     Examples
     --------
@@ -61,14 +38,7 @@ def metres(unit: str, *, where: str = "unit", error: type[Exception] = InputFile
 def same_length(unit: str, other: str) -> bool:
     """Return whether two spellings stand for the same unit of length.
 
-    Parameters
-    ----------
-    unit, other : str
-
-    Returns
-    -------
-    bool
-        Two words that are no units of length are the same where they are spelled alike.
+    Two texts that are no units of length are the same where they are spelled alike.
 
     Examples
     --------

@@ -3,6 +3,18 @@
 They use the library of their arrays (Python array API standard: NumPy, CuPy and others) and write to
 preallocated arrays. This module implements `roughcontact.kernels.protocol.Kernels` and defines what each
 kernel computes.
+
+Fields have the shape (ny, nx), spectra the shape (ny, nx//2 + 1) of `numpy.fft.rfft2`. All quantities are
+dimensionless. Sums are in double precision. Recurring arguments:
+
+- `pressure`; `separation`: displacement less height; `offset`: separation of a closed gap;
+- `cap`: upper limit of the pressure, possibly infinite;
+- `factors` (fy, fx): cells of the fine grid in a cell of the coarse one, along y and x;
+- `coarse`: field over the coarse cells;
+- `weights`: those of a neighbour across y, across x, and diagonal;
+- `empty`: 1 - weight of each cell, where the weight is the relative linear size of its contact;
+- `active`, `free`: nonzero on the active set, and where the pressure lies between its bounds;
+- `out`: output.
 """
 
 from collections.abc import Sequence
@@ -17,50 +29,22 @@ _ALL_BUT_MEAN = (0, slice(1, None)), (slice(1, None), slice(None))  # of a spect
 
 
 def mean(field: Array) -> float:
-    """Return the mean of a field, summed in double precision.
-
-    Parameters
-    ----------
-    field : array
-
-    Returns
-    -------
-    float
-    """
+    """Return the mean of a field, summed in double precision."""
     return _sum(field.__array_namespace__(), field) / field.size
 
 
 def multiply(spectrum: Array, symbol: Array) -> None:
-    """Multiply `spectrum` by `symbol`; q = 0 becomes zero.
-
-    Parameters
-    ----------
-    spectrum : array (ny, nx//2 + 1), complex
-        multiplied in place.
-    symbol : array (ny, nx//2 + 1)
-        of an operator.
-    """
+    """Multiply the complex `spectrum` in place by the `symbol` of an operator; q = 0 becomes zero."""
     for part in _ALL_BUT_MEAN:
         spectrum[part] *= symbol[part]
     spectrum[0, 0] = 0
 
 
 def divide(spectrum: Array, symbol: Array, weights: Array) -> float:
-    """Divide `spectrum` by `symbol`; q = 0 becomes zero.
+    """Divide the complex `spectrum` in place by the `symbol` of an operator; q = 0 becomes zero.
 
-    Parameters
-    ----------
-    spectrum : array (ny, nx//2 + 1), complex
-        divided in place.
-    symbol : array (ny, nx//2 + 1)
-        of an operator.
-    weights : array (nx//2 + 1,)
-        number of waves of the full plane per column.
-
-    Returns
-    -------
-    float
-        sum of |s|^2 / symbol over the waves but q = 0, in double precision.
+    Returns the sum of |s|^2 / symbol over the waves but q = 0. `weights`, shape (nx//2 + 1,), are the numbers
+    of waves of the full plane per column.
     """
     xp, energy = spectrum.__array_namespace__(), 0.0
     for part in _ALL_BUT_MEAN:
@@ -75,43 +59,19 @@ def _power(xp: Any, spectrum: Array) -> Array:
 
 
 def slope_power(spectrum: Array, weights: Array, along_y: Array, along_x: Array) -> float:
-    """Return the weighted sum of |s|^2 (y + x) over the waves, in double precision.
+    """Return the weighted sum of |s|^2 (y + x) over the waves.
 
-    y is the value of `along_y` for the row, x that of `along_x` for the column; both and `weights` are in
-    float64.
-
-    Parameters
-    ----------
-    spectrum : array (ny, nx//2 + 1), complex
-    weights : array (nx//2 + 1,)
-        number of waves of the full plane per column.
-    along_y : array (ny,)
-        by row.
-    along_x : array (nx//2 + 1,)
-        by column, float64.
-
-    Returns
-    -------
-    float
+    y is the value of `along_y`, shape (ny,), for the row, x that of `along_x`, shape (nx//2 + 1,), for the
+    column; both and `weights`, the numbers of waves of the full plane per column, are in float64.
     """
     xp = spectrum.__array_namespace__()
     return _sum(xp, _power(xp, spectrum) * (weights * (along_y[:, None] + along_x)))
 
 
 def extent(field: Array) -> tuple[float, float, int]:
-    """Return the smallest and the largest value, and the number of non-finite values.
+    """Return the smallest and the largest value, and the number of infinite values and NaN.
 
     The first two are meaningless if there are non-finite values.
-
-    Parameters
-    ----------
-    field : array (ny, nx)
-
-    Returns
-    -------
-    least, largest : float
-    missing : int
-        number of infinite values and NaN.
     """
     xp = field.__array_namespace__()
     finite = xp.isfinite(field)
@@ -120,19 +80,7 @@ def extent(field: Array) -> tuple[float, float, int]:
 
 
 def make_dimensionless(heights: Array, reference: float, unit: float, out: Array) -> None:
-    """Write (`heights` - `reference`) / `unit` to `out`.
-
-    Parameters
-    ----------
-    heights : array (ny, nx)
-        in their own unit.
-    reference : float
-        height of zero in dimensionless units.
-    unit : float
-        unit of height.
-    out : array
-        output.
-    """
+    """Write (`heights` - `reference`) / `unit` to `out`; all three in one unit of height."""
     xp = heights.__array_namespace__()
     out[...] = xp.astype((heights - reference) / unit, out.dtype)
 
@@ -150,36 +98,11 @@ def measure(
 ) -> Array:
     """Turn a displacement into the separation, by subtracting the heights, and return sums over the grid.
 
-    The dimensionless height is (height - `reference`) / `unit`. The six sums, in double precision, are:
-    pressure x displacement; displacement squared; separation over the free contact {0 < p < cap}, and the
-    number of its points; change of pressure x separation `before` the step, and after it, both less `offset`,
-    which cancels except for rounding. The change of pressure is relative to `start`.
-
-    Parameters
-    ----------
-    separation : array (ny, nx)
-        displacement; overwritten by the separation.
-    heights : array (ny, nx)
-        in their own unit.
-    reference : float
-        height of zero in dimensionless units.
-    unit : float
-        unit of height.
-    start : array (ny, nx)
-        pressure before the last step.
-    before : array (ny, nx)
-        separation before the last step.
-    offset : float
-        separation of a closed gap.
-    pressure : array (ny, nx)
-        dimensionless.
-    cap : float
-        largest pressure allowed.
-
-    Returns
-    -------
-    tuple of float
-        the six sums.
+    The dimensionless height is (height - `reference`) / `unit`. `separation` holds the displacement and is
+    overwritten. The six sums are: pressure x displacement; displacement squared; separation over the free
+    contact {0 < p < cap}, and the number of its points; change of pressure x separation before the step, and
+    after it, both less `offset`, which cancels except for rounding. `start` and `before` are the pressure and
+    the separation before the step.
     """
     xp = pressure.__array_namespace__()
     displaced = xp.asarray(separation, copy=True)
@@ -201,23 +124,6 @@ def masked_residual(pressure: Array, separation: Array, offset: float, cap: floa
 
     See `active_set`. A gap of zero on the active set is replaced by `CLOSED`, so that the values are zero at
     inactive points only.
-
-    Parameters
-    ----------
-    pressure : array (ny, nx)
-        dimensionless.
-    separation : array (ny, nx)
-        displacement less height.
-    offset : float
-        separation of a closed gap.
-    cap : float
-        largest pressure allowed.
-    values : array (ny, nx)
-        output.
-
-    Returns
-    -------
-    int
     """
     xp = pressure.__array_namespace__()
     gap = separation - offset
@@ -233,27 +139,8 @@ def predict_active(
     """Set `values` to zero where a point is predicted to lose contact; return the number of active points.
 
     The predicted pressure is p - `stiffness` (residual - mean over its eight neighbours), as in a primal-dual
-    active-set method [1]_, with the stiffness of a single point relative to its neighbours. Points at the cap
-    remain active.
-
-    Parameters
-    ----------
-    pressure : array (ny, nx)
-        dimensionless.
-    residual : array (ny, nx)
-        interpolated to all points.
-    weights : (float, float, float)
-        of a neighbour across y, across x, and diagonal.
-    stiffness : float
-        pressure over the height of a point above its neighbours.
-    cap : float
-        largest pressure allowed.
-    values : array (ny, nx)
-        zero at inactive points; updated.
-
-    Returns
-    -------
-    int
+    active-set method [1]_, with the stiffness of a single point: pressure over its height above its
+    neighbours. The residual is interpolated to all points. Points at the cap remain active.
 
     References
     ----------
@@ -262,8 +149,8 @@ def predict_active(
     xp = pressure.__array_namespace__()
     mean_around = xp.empty_like(residual)
     neighbours(residual, weights, mean_around)
-    foreseen = pressure - stiffness * (residual - mean_around)
-    active = (values != 0) & ((foreseen > 0) | (pressure >= cap))
+    predicted = pressure - stiffness * (residual - mean_around)
+    active = (values != 0) & ((predicted > 0) | (pressure >= cap))
     values[...] = xp.where(active, values, xp.zeros_like(values))
     return int(xp.count_nonzero(active))
 
@@ -271,28 +158,12 @@ def predict_active(
 def advance(
     pressure: Array, correction: Array, mean: float, length: float, cap: float, out: Array, values: Array
 ) -> None:
-    """Write p - length (correction - mean), projected onto [0, `cap`], to `out`.
+    """Write p - `length` (`correction` - `mean`), projected onto [0, `cap`], to `out`.
 
-    Inactive points at the cap keep their pressure, in the precision of `out`; the pressure of the others
-    becomes zero. The pressure removed by the projection is written to `correction`. `values` become 1 between
-    the bounds, 0 elsewhere.
-
-    Parameters
-    ----------
-    pressure : array (ny, nx)
-        dimensionless.
-    correction : array (ny, nx)
-        of the pressure; overwritten.
-    mean : float
-        of the correction over the active set.
-    length : float
-        of the step.
-    cap : float
-        largest pressure allowed.
-    out : array
-        output.
-    values : array (ny, nx)
-        zero at inactive points; overwritten.
+    `values` are zero at inactive points, and `mean` is that of the correction over the active set. Inactive
+    points at the cap keep their pressure, in the precision of `out`; the pressure of the other inactive
+    points becomes zero. The pressure removed by the projection is written to `correction`. `values` become 1
+    between the bounds, 0 elsewhere.
     """
     xp = pressure.__array_namespace__()
     active, full = values != 0, pressure >= cap
@@ -311,26 +182,8 @@ def redistribute(
 ) -> tuple[float, float]:
     """Add `passed`, and `coarse` distributed over its fine cells, to `field` where `free` is not zero.
 
-    Parameters
-    ----------
-    field : array (ny, nx)
-        receives the load.
-    passed : array (ny, nx)
-        load from the neighbours.
-    coarse : array
-        over the coarse cells.
-    factors : (int, int)
-        fy and fx, from the fine grid to the coarse one.
-    free : array (ny, nx)
-        nonzero where the field may receive load.
-    cap : float
-        largest pressure allowed.
-
-    Returns
-    -------
-    outside, total : float
-        sum of the absolute excess of the field beyond [0, `cap`], and sum of the field projected onto this
-        interval, in double precision.
+    Returns the sum of the absolute excess of the field beyond [0, `cap`], and the sum of the field projected
+    onto this interval.
     """
     xp = field.__array_namespace__()
     shared = repeat(coarse, factors, field.shape) / (factors[0] * factors[1])
@@ -340,20 +193,9 @@ def redistribute(
 
 
 def project(field: Array, cap: float, taken: Array, free: Array) -> None:
-    """Project `field` onto [0, `cap`] and write the removed part to `taken`.
+    """Project `field` in place onto [0, `cap`] and write the removed part to `taken`.
 
     `free` becomes 1 between the bounds and 0 elsewhere.
-
-    Parameters
-    ----------
-    field : array (ny, nx)
-        overwritten.
-    cap : float
-        largest pressure allowed.
-    taken : array (ny, nx)
-        output.
-    free : array (ny, nx)
-        output.
     """
     xp = field.__array_namespace__()
     projected = xp.clip(field, 0, None if cap == float("inf") else cap)
@@ -363,40 +205,15 @@ def project(field: Array, cap: float, taken: Array, free: Array) -> None:
 
 
 def rescale(field: Array, factor: float, cap: float) -> None:
-    """Project `field` onto [0, `cap`] and multiply it by `factor`.
-
-    Parameters
-    ----------
-    field : array (ny, nx)
-        overwritten.
-    factor : float
-    cap : float
-        largest pressure allowed.
-    """
+    """Project `field` in place onto [0, `cap`] and multiply it by `factor`."""
     xp = field.__array_namespace__()
     field[...] = xp.clip(field, 0, None if cap == float("inf") else cap) * factor
 
 
 def project_residual(pressure: Array, separation: Array, offset: float, cap: float, values: Array) -> float:
-    """Project `values` onto the residuals admitted by a certificate: <= gap where p = 0, >= gap at the cap.
+    """Project `values` onto the residuals that a certificate admits; return the sum of squared changes.
 
-    Parameters
-    ----------
-    pressure : array (ny, nx)
-        dimensionless.
-    separation : array (ny, nx)
-        displacement less height.
-    offset : float
-        separation of a closed gap.
-    cap : float
-        largest pressure allowed.
-    values : array (ny, nx)
-        overwritten.
-
-    Returns
-    -------
-    float
-        sum of the squared changes.
+    Admitted are values <= gap where p = 0 and >= gap at the cap.
     """
     xp = pressure.__array_namespace__()
     gap = xp.astype(separation - offset, values.dtype)
@@ -412,25 +229,8 @@ def restore_units(
 ) -> tuple[float, float]:
     """Subtract `offset` from the gap, multiply gap and pressure by their units, and mark the contact.
 
-    Parameters
-    ----------
-    pressure : array (ny, nx)
-        multiplied in place.
-    gap : array (ny, nx)
-        multiplied in place.
-    offset : float
-        separation of a closed gap.
-    pressure_unit : float
-        unit of pressure.
-    gap_unit : float
-        unit of gap.
-    contact : array (ny, nx)
-        receives 1 where the pressure is positive, 0 elsewhere.
-
-    Returns
-    -------
-    least_gap, load : float
-        smallest gap and sum of the pressure, in their units and in double precision.
+    `contact` becomes 1 where the pressure is positive, 0 elsewhere. Returns the smallest gap and the sum of
+    the pressure, in their units.
     """
     xp = pressure.__array_namespace__()
     gap -= offset
@@ -444,14 +244,6 @@ def block_mean(field: Array, factors: Factors, out: Array) -> None:
     """Write the means of `field` over blocks of `factors` cells to `out`.
 
     Missing cells in the last block of a row or a column count as zero.
-
-    Parameters
-    ----------
-    field : array (ny, nx)
-    factors : (int, int)
-        fy and fx, from the fine grid to the coarse one.
-    out : array
-        over the coarse cells; output.
     """
     xp = field.__array_namespace__()
     for axis in (0, 1):
@@ -464,17 +256,7 @@ def block_mean(field: Array, factors: Factors, out: Array) -> None:
 
 
 def active_share(active: Array, factors: Factors, out: Array) -> None:
-    """Write the share of points where `active` is not zero, over blocks of `factors` cells, to `out`.
-
-    Parameters
-    ----------
-    active : array (ny, nx)
-        nonzero on the active set.
-    factors : (int, int)
-        fy and fx, from the fine grid to the coarse one.
-    out : array
-        over the coarse cells; output.
-    """
+    """Write the share of points where `active` is not zero, over blocks of `factors` cells, to `out`."""
     xp = active.__array_namespace__()
     block_mean(xp.astype(active != 0, out.dtype), factors, out)
 
@@ -488,23 +270,9 @@ def weigh(
     one piece, this is the root of the share; if its parts are far apart, it is the sum of their sizes,
     reduced by mutual shielding at smaller distances. For an unknown arrangement the geometric mean is used.
     The displacement beside a line contact varies as the logarithm of the distance: each coarser grid adds a
-    constant to the reciprocal of the weight, and contacts add like conductors in parallel.
-    1 - weight is written to `empty`. Cells out of contact, with zero weight, are included.
-
-    Parameters
-    ----------
-    weight : array
-        mean weight of the parts of every cell; overwritten by that of the cell.
-    share : array
-        share of every cell in contact.
-    factors : (int, int)
-        fy and fx, from the fine grid to the coarse one.
-    arrangement : Arrangement
-        of the contacts in the cells.
-    empty : array
-        output.
-    gain : array
-        output.
+    constant to the reciprocal of the weight, and contacts add like conductors in parallel. `weight` holds the
+    mean weight of the parts and is overwritten; 1 - weight is written to `empty`. Cells out of contact, with
+    zero weight, are included.
     """
     xp, parts = share.__array_namespace__(), factors[0] * factors[1]
     gain[...] = 1 / xp.where(weight > 0, weight, xp.ones_like(weight))
@@ -519,51 +287,18 @@ def weigh(
 
 
 def weighted_mean(field: Array, factors: Factors, gain: Array, out: Array) -> None:
-    """Write `gain` x the means of `field` over blocks of `factors` cells to `out`.
-
-    Parameters
-    ----------
-    field : array (ny, nx)
-    factors : (int, int)
-        fy and fx, from the fine grid to the coarse one.
-    gain : array
-        by cell.
-    out : array
-        over the coarse cells; output.
-    """
+    """Write `gain` x the means of `field` over blocks of `factors` cells to `out`."""
     block_mean(field, factors, out)
     out *= gain
 
 
 def mix(values: Array, empty: Array, coarse: Array, factors: Factors, out: Array) -> None:
-    """Write `values` + `empty` x `coarse`, each coarse cell repeated `factors` times, to `out`.
-
-    Parameters
-    ----------
-    values : array (ny, nx)
-    empty : array
-        1 - weight of each cell.
-    coarse : array
-        over the coarse cells.
-    factors : (int, int)
-        fy and fx, from the fine grid to the coarse one.
-    out : array
-        output.
-    """
+    """Write `values` + `empty` x `coarse`, each coarse cell repeated `factors` times, to `out`."""
     out[...] = values + empty * repeat(coarse, factors, values.shape)
 
 
 def neighbours(field: Array, weights: Weights, out: Array) -> None:
-    """Write the weighted means of the eight neighbours, with periodic boundaries, to `out`.
-
-    Parameters
-    ----------
-    field : array (ny, nx)
-    weights : (float, float, float)
-        of a neighbour across y, across x, and diagonal.
-    out : array
-        output.
-    """
+    """Write the weighted means of the eight neighbours, with periodic boundaries, to `out`."""
     xp = field.__array_namespace__()
     across_y, across_x, diagonal = weights
     column = xp.roll(field, 1, axis=0) + xp.roll(field, -1, axis=0)
@@ -572,20 +307,7 @@ def neighbours(field: Array, weights: Weights, out: Array) -> None:
 
 
 def fill(values: Array, empty: Array, mixed: Array, weights: Weights, out: Array) -> None:
-    """Write `values` + `empty` x the neighbours' means of `mixed` to `out`.
-
-    Parameters
-    ----------
-    values : array (ny, nx)
-    empty : array
-        1 - weight of each cell.
-    mixed : array (ny, nx)
-        field whose neighbours are averaged.
-    weights : (float, float, float)
-        of a neighbour across y, across x, and diagonal.
-    out : array
-        output.
-    """
+    """Write `values` + `empty` x the neighbours' means of `mixed` to `out`."""
     neighbours(mixed, weights, out)
     out[...] = values + empty * out
 
@@ -597,54 +319,18 @@ def fill_from(
 
     The mixture is `values` + empty x `coarse`, each coarse cell repeated `factors` times, with empty 1 where
     `active` is zero and 0 elsewhere.
-
-    Parameters
-    ----------
-    values : array (ny, nx)
-    active : array (ny, nx)
-        nonzero on the active set.
-    coarse : array
-        over the coarse cells.
-    factors : (int, int)
-        fy and fx, from the fine grid to the coarse one.
-    weights : (float, float, float)
-        of a neighbour across y, across x, and diagonal.
-    out : array
-        output.
     """
     empty = _zeros_of(active)
     fill(values, empty, values + empty * repeat(coarse, factors, values.shape), weights, out)
 
 
 def empty_neighbours(field: Array, empty: Array, weights: Weights, out: Array) -> None:
-    """Write the neighbours' means of `empty` x `field` to `out`, the transpose of filling.
-
-    Parameters
-    ----------
-    field : array (ny, nx)
-    empty : array
-        1 - weight of each cell.
-    weights : (float, float, float)
-        of a neighbour across y, across x, and diagonal.
-    out : array
-        output.
-    """
+    """Write the neighbours' means of `empty` x `field` to `out`, the transpose of filling."""
     neighbours(empty * field, weights, out)
 
 
 def gather(field: Array, empty: Array, factors: Factors, out: Array) -> None:
-    """Write the sums of `empty` x `field` over blocks of cells to `out`, the transpose of mixing.
-
-    Parameters
-    ----------
-    field : array (ny, nx)
-    empty : array
-        1 - weight of each cell.
-    factors : (int, int)
-        fy and fx, from the fine grid to the coarse one.
-    out : array
-        over the coarse cells; output.
-    """
+    """Write the sums of `empty` x `field` over blocks of cells to `out`, the transpose of mixing."""
     block_mean(empty * field, factors, out)
     out *= factors[0] * factors[1]
 
@@ -655,20 +341,6 @@ def empty_from(
     """Write the neighbours' means of empty x `field` to `passed`, and gather them into `coarse`.
 
     `empty` is defined as in `fill_from`; together with `finish_restriction` this is the transpose of that.
-
-    Parameters
-    ----------
-    field : array (ny, nx)
-    active : array (ny, nx)
-        nonzero on the active set.
-    weights : (float, float, float)
-        of a neighbour across y, across x, and diagonal.
-    passed : array (ny, nx)
-        output.
-    factors : (int, int)
-        fy and fx, from the fine grid to the coarse one.
-    coarse : array
-        over the coarse cells; output.
     """
     empty = _zeros_of(active)
     empty_neighbours(field, empty, weights, passed)
@@ -676,43 +348,15 @@ def empty_from(
 
 
 def spread(field: Array, gain: Array, coarse: Array, factors: Factors) -> None:
-    """Add `coarse`, distributed over its fine cells, to `field`, and multiply the sum by `gain`.
-
-    Parameters
-    ----------
-    field : array (ny, nx)
-        overwritten.
-    gain : array
-        by cell.
-    coarse : array
-        over the coarse cells.
-    factors : (int, int)
-        fy and fx, from the fine grid to the coarse one.
-    """
+    """Add `coarse`, distributed over its fine cells, to `field`, and multiply the sum by `gain`."""
     field += repeat(coarse, factors, field.shape) / (factors[0] * factors[1])
     field *= gain
 
 
 def finish_restriction(field: Array, passed: Array, coarse: Array, factors: Factors, active: Array) -> float:
-    """Add `passed` and distributed `coarse` to `field` on the active set; set it to zero elsewhere.
+    """Add `passed` and distributed `coarse` to `field` on the active set, and return the sum of the field.
 
-    Parameters
-    ----------
-    field : array (ny, nx)
-        overwritten.
-    passed : array (ny, nx)
-        load from the neighbours.
-    coarse : array
-        over the coarse cells.
-    factors : (int, int)
-        fy and fx, from the fine grid to the coarse one.
-    active : array (ny, nx)
-        nonzero on the active set.
-
-    Returns
-    -------
-    float
-        sum of the field, in double precision.
+    The field becomes zero elsewhere.
     """
     xp = field.__array_namespace__()
     shared = repeat(coarse, factors, field.shape) / (factors[0] * factors[1])
@@ -734,26 +378,9 @@ def refine(
     Towards the edge of a contact the pressure falls as the root of the distance (Johnson 1985, chapter 4), so
     that its square is linear there and can be extrapolated beyond the edge: the square is interpolated
     linearly, and its root distributes the load of every coarse cell over its fine cells. Fine detail is
-    added: the height above the mean of the neighbours, times `stiffness`. The excess load of a cell is
-    subtracted evenly from its parts, those that reach zero excepted, and load beyond the cap is passed to
-    other parts of the cell: each cell keeps its load.
-
-    Parameters
-    ----------
-    coarse : array
-        pressure over the coarse cells.
-    factors : (int, int)
-        fy and fx, from the fine grid to the coarse one.
-    heights : array
-        of the finer grid, dimensionless.
-    weights : (float, float, float)
-        of a neighbour across y, across x, and diagonal.
-    stiffness : float
-        pressure over the height above the neighbours.
-    cap : float
-        largest pressure allowed.
-    out : array
-        output.
+    added: the height on the finer grid above the mean of the neighbours, times `stiffness`. The excess load
+    of a cell is subtracted evenly from its parts, those that reach zero excepted, and load beyond the cap is
+    passed to other parts of the cell: each cell keeps its load.
     """
     xp = coarse.__array_namespace__()
     square = _continued(xp, coarse * coarse)
@@ -835,20 +462,7 @@ def _between(xp: Any, field: Array, offset: float, axis: int) -> Array:
 
 
 def repeat(field: Array, factors: Factors, shape: tuple[int, ...]) -> Array:
-    """Return `field` with every cell repeated `factors` times, cropped to `shape`.
-
-    Parameters
-    ----------
-    field : array (ny, nx)
-    factors : (int, int)
-        fy and fx, from the fine grid to the coarse one.
-    shape : (int, int)
-        of the result.
-
-    Returns
-    -------
-    array
-    """
+    """Return `field` with every cell repeated `factors` times, cropped to `shape`."""
     xp = field.__array_namespace__()
     return xp.repeat(xp.repeat(field, factors[0], axis=0), factors[1], axis=1)[: shape[0], : shape[1]]
 
@@ -857,19 +471,6 @@ def active_set(pressure: Array, gap: Array, cap: float) -> Array:
     """Return the active set: the points whose gap must vanish in the solution, as far as is known.
 
     They carry a pressure below the cap, overlap without pressure, or have a positive gap at the cap.
-
-    Parameters
-    ----------
-    pressure : array (ny, nx)
-        dimensionless.
-    gap : array (ny, nx)
-        separation less offset.
-    cap : float
-        largest pressure allowed.
-
-    Returns
-    -------
-    array of bool
     """
     none, full = pressure <= 0, pressure >= cap
     return (none & (gap < 0)) | (full & (gap > 0)) | ~(none | full)
@@ -886,19 +487,7 @@ def _sum(xp: Any, field: Array) -> float:
 
 
 def small_grids(grids: Sequence[Any], stores: Sequence[Array], ends: Sequence[int]) -> None:
-    """Return None: these kernels process every grid of a hierarchy separately.
+    """Return None, not `SmallGrids`: these kernels process every grid of a hierarchy separately.
 
-    Parameters
-    ----------
-    grids : sequence of CoarseGrid
-        the hierarchy.
-    stores : list of array
-        memory of its fields.
-    ends : list of int
-        end of each grid in that memory.
-
-    Returns
-    -------
-    None
-        other implementations return a `SmallGrids`.
+    `stores` is the memory of the fields of all `grids`, `ends` the end of each grid in it.
     """

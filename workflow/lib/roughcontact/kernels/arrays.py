@@ -11,37 +11,12 @@ SINGLE, DOUBLE = "float32", "float64"  # precisions, by the names that every arr
 
 
 def precision_of(field: Array) -> str:
-    """Return the precision of a real field.
-
-    Parameters
-    ----------
-    field : array
-        real, of any library.
-
-    Returns
-    -------
-    str
-        `SINGLE` or `DOUBLE`.
-    """
+    """Return the precision, `SINGLE` or `DOUBLE`, of a real field of any library."""
     return SINGLE if field.dtype == field.__array_namespace__().float32 else DOUBLE
 
 
 def empty(like: Array, precision: str, shape: tuple[int, ...] | None = None) -> Array:
-    """Return an uninitialised array of the library and on the device of `like`.
-
-    Parameters
-    ----------
-    like : array
-        array that determines library, device and default shape.
-    precision : str
-        `SINGLE` or `DOUBLE`.
-    shape : tuple of int, optional
-        shape; that of `like` by default.
-
-    Returns
-    -------
-    array
-    """
+    """Return an uninitialised array of the library and on the device of `like`, by default of its shape."""
     shape = like.shape if shape is None else shape
     if isinstance(like, np.ndarray):
         return store.empty(shape, precision)
@@ -50,19 +25,6 @@ def empty(like: Array, precision: str, shape: tuple[int, ...] | None = None) -> 
 
 
 def in_precision(field: Array, precision: str, *, copy: bool = True) -> Array:
-    """Return `field` in a precision.
-
-    Parameters
-    ----------
-    field : array
-    precision : str
-        `SINGLE` or `DOUBLE`.
-    copy : bool
-        whether a field that already has the precision is copied.
-
-    Returns
-    -------
-    array
-    """
+    """Return `field` in a precision; `copy`: also where it already has that precision."""
     xp = field.__array_namespace__()
     return xp.astype(field, getattr(xp, precision), copy=copy)

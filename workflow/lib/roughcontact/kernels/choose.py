@@ -14,16 +14,7 @@ from roughcontact.kernels.threads import threads_for
 def kernels_for(field: Array, *, threads: int = 1) -> Kernels:
     """Return the kernels for arrays like `field`: the compiled ones for NumPy arrays, if available.
 
-    Parameters
-    ----------
-    field : array (ny, nx)
-        array of the library and size of the fields.
-    threads : int
-        maximum number.
-
-    Returns
-    -------
-    Kernels
+    `field` determines library and size, `threads` is the maximum number.
     """
     if isinstance(field, np.ndarray) and library_available():
         return compiled.Compiled(threads_for(field.size, threads))
@@ -32,12 +23,7 @@ def kernels_for(field: Array, *, threads: int = 1) -> Kernels:
 
 @cache
 def library_available() -> bool:
-    """Return whether the compiled kernels are available; warn, once, if they are not.
-
-    Returns
-    -------
-    bool
-    """
+    """Return whether the compiled kernels are available; warn, once, if they are not."""
     try:
         compiled.library()
     except OSError as problem:

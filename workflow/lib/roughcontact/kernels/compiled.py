@@ -73,10 +73,6 @@ _view, _address = (ctypes.c_char * 0).from_buffer, ctypes.addressof
 def library() -> ctypes.CDLL:
     """Return the library of the passes.
 
-    Returns
-    -------
-    ctypes.CDLL
-
     Raises
     ------
     OSError
@@ -254,13 +250,7 @@ class Compiled:
 
 
 class Regions:
-    """Connected regions of a periodic map above a level.
-
-    Parameters
-    ----------
-    field : array (ny, nx)
-        heights.
-    """
+    """Connected regions of a periodic map above a level."""
 
     def __init__(self, field: np.ndarray):
         self._field = np.require(field, requirements=["C", "A", "W"])
@@ -268,16 +258,7 @@ class Regions:
         self._trees = np.empty((2, ny * (nx // 2 + 1)), np.int64)
 
     def run_around(self, level: float) -> tuple[bool, bool]:
-        """Return whether a connected region of points at or above `level` percolates through the period.
-
-        Parameters
-        ----------
-        level : float
-
-        Returns
-        -------
-        along_y, along_x : bool
-        """
+        """Return whether a connected region of points at or above `level` percolates along y, and along x."""
         ny, nx = self._field.shape
         arrays = self._field, *self._trees
         found = run_pass("run_around", 1, 6 * (nx // 2 + 1), arrays, level, ny, nx)
@@ -310,27 +291,9 @@ class CompiledSmallGrids:
 
 
 def run_pass(name, rows, scratch, arrays, *numbers, threads=1):
-    """Run a pass over a number of rows and return its reductions.
+    """Run a pass over a number of rows; return its six sums, the smallest and the largest value.
 
-    Parameters
-    ----------
-    name : str
-        of the pass.
-    rows : int
-        number of rows, as defined by the pass.
-    scratch : int
-        number of floats that each thread needs as work memory.
-    arrays : sequence of array
-        input and output.
-    *numbers : float or int
-        further arguments.
-    threads : int
-        maximum number.
-
-    Returns
-    -------
-    sequence of float
-        six sums, the smallest and the largest value.
+    `scratch` is the number of floats that each thread needs as work memory, `threads` the maximum number.
 
     Raises
     ------

@@ -24,19 +24,8 @@ MIN_SIDE = 16  # points, for transforms in C: for shorter sides most vector lane
 class Plan:
     """Transforms of real fields by their own library.
 
-    Parameters
-    ----------
-    like : array (ny, nx)
-        array of the shape, library and device of the fields.
-    precision : str
-        of the fields.
-    threads : int
-        maximum number.
-
-    Attributes
-    ----------
-    scratch : array (ny, nx)
-        work array that every transform may overwrite.
+    `like` is an array of the shape, library and device of the fields. Every transform may overwrite the work
+    array `scratch` (ny, nx).
     """
 
     def __init__(self, like: Array, precision: str, *, threads: int = 1):
@@ -45,28 +34,13 @@ class Plan:
         self.scratch = empty(like, precision)
 
     def forward(self, field: Array) -> Array:
-        """Return the spectrum in the layout of `numpy.fft.rfft2`; the next call may overwrite it.
-
-        Parameters
-        ----------
-        field : array (ny, nx)
-            real.
-
-        Returns
-        -------
-        array (ny, nx//2 + 1), complex
-        """
+        """Return the spectrum in the layout of `numpy.fft.rfft2`; the next call may overwrite it."""
         return field.__array_namespace__().fft.rfftn(field, axes=(0, 1))
 
     def inverse(self, spectrum: Array, out: Array) -> None:
         """Write the inverse transform, with the factor 1/(ny nx), to `out`.
 
-        Parameters
-        ----------
-        spectrum : array (ny, nx//2 + 1), complex
-            may be overwritten.
-        out : array (ny, nx)
-            receives the field.
+        The spectrum may be overwritten.
         """
         out[...] = out.__array_namespace__().fft.irfftn(spectrum, s=self.shape, axes=(0, 1))
 
@@ -175,20 +149,7 @@ def _has_few_factors(n: int) -> bool:
 def make_plan(like: Array, precision: str, *, threads: int = 1, share: Plan | None = None) -> Plan:
     """Return the fastest available plan for fields like the array `like`.
 
-    Parameters
-    ----------
-    like : array (ny, nx)
-        array of the shape, library and device of the fields.
-    precision : str
-        `SINGLE` or `DOUBLE`.
-    threads : int
-        maximum number.
-    share : Plan, optional
-        plan of the same shape and higher precision whose memory is used if possible.
-
-    Returns
-    -------
-    Plan
+    The memory of `share`, a plan of the same shape and higher precision, is used if possible.
     """
     if not isinstance(like, np.ndarray):
         return Plan(like, precision, threads=threads)

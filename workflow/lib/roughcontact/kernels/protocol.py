@@ -149,25 +149,9 @@ class SmallGrids(Protocol):
     def prolong(self, sweeps: int, work: Array, other: Array) -> None:
         """Interpolate from the coarsest of the grids to the first.
 
-        Parameters
-        ----------
-        sweeps : int
-            number of smoothing sweeps on each grid.
-        work : array
-            values of all grids, one after another; overwritten.
-        other : array, like `work`
-            work memory; overwritten.
+        `sweeps` is the number of smoothing sweeps on the coarsest grid. `work` and `other` are work memory of
+        its shape, overwritten.
         """
 
     def restrict(self, sweeps: int, work: Array, other: Array) -> None:
-        """Apply the transpose of `prolong`.
-
-        Parameters
-        ----------
-        sweeps : int
-            number of smoothing sweeps on each grid.
-        work : array
-            values of all grids, one after another; overwritten.
-        other : array, like `work`
-            work memory; overwritten.
-        """
+        """Apply the transpose of `prolong`."""

@@ -7,20 +7,9 @@ _here = {"forked": False}
 
 
 def threads_for(size: int, threads: int) -> int:
-    """Return the number of threads for a grid of `size` points.
+    """Return the number of threads, at most `threads`, for a grid of `size` points.
 
     It is 1 in a forked process: worker threads do not survive a fork, and waiting for them would never end.
-
-    Parameters
-    ----------
-    size : int
-        points of the grid.
-    threads : int
-        maximum number.
-
-    Returns
-    -------
-    int
     """
     return threads if size >= MIN_POINTS and not _here["forked"] else 1
 

@@ -14,16 +14,9 @@ _BLOCK = 2**17  # waves per block: few enough to stay in the cache
 def wave_power(field: np.ndarray) -> np.ndarray:
     """Return |c(q)|^2 of each wave of a periodic field f(r) = sum c(q) exp(i q.r), without the mean.
 
-    Parameters
-    ----------
-    field : array (ny, nx)
-        in any unit.
-
-    Returns
-    -------
-    array (ny, nx // 2 + 1), the square of that unit
-        in the layout of `numpy.fft.rfft2`, for the waves of the half-plane only; zero at the zero frequency,
-        and exactly zero everywhere for a constant field.
+    The result, shape (ny, nx // 2 + 1), is the square of the unit of the field, in the layout of
+    `numpy.fft.rfft2`, for the waves of the half-plane only; zero at the zero frequency, and exactly zero
+    everywhere for a constant field.
 
     Examples
     --------
@@ -63,9 +56,9 @@ def over_waves(
     Yields
     ------
     squared : array (rows, nx // 2 + 1), rad^2 per unit length^2
-        the caller's to change.
+        the caller may change it.
     both : array (rows, nx // 2 + 1)
-        the power, that of the other half-plane added; the caller's to change.
+        the power, that of the other half-plane added; the caller may change it.
 
     Examples
     --------
@@ -87,19 +80,8 @@ def over_wavevectors(
 ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Yield the wavevectors and the power of all waves, a few rows at a time.
 
-    Parameters
-    ----------
-    power : array (ny, nx // 2 + 1)
-        from `wave_power`.
-    shape : (ny, nx)
-        of the field.
-    spacing : (dy, dx), any unit of length
-
-    Yields
-    ------
-    qy, qx : arrays (rows, 1) and (1, nx // 2 + 1), rad per unit length
-    both : array (rows, nx // 2 + 1)
-        the power, that of the other half-plane added; the caller's to change.
+    Arguments are those of `over_waves`. The wavevectors, shapes (rows, 1) and (1, nx // 2 + 1), are in rad
+    per unit length; the power includes the other half-plane and may be changed by the caller.
 
     Examples
     --------

@@ -22,7 +22,7 @@ _MAX_ASPECT_RATIO = 1e3  # range of heights over half the longer side
 def fit_curved_form(
     values: np.ndarray, coordinates: Sequence[np.ndarray], *, shape: str, robust: bool = False
 ) -> tuple[np.ndarray, dict[str, dict]]:
-    """Fit a sphere or a cylinder to a map that may have missing points.
+    """Fit a sphere or a cylinder to a map (ny, nx; m) that may have missing points (NaN).
 
     Both pass through the point (x0, y0, z0) in the middle of the map, with slopes a and b and normal n there,
     and have their centre or axis at the distance 1/kappa along n. With r the vector from that point and d the
@@ -31,20 +31,15 @@ def fit_curved_form(
         kappa (|r|^2 - (r . d)^2) - 2 n . r = 0,
 
     a quadratic equation for z(x, y). The fit minimises the sum of (h - z)^2, or with `robust` that of Tukey's
-    biweight.
+    biweight, in which deep valleys and high spikes have no weight.
 
     The method is that of Levenberg and Marquardt [1]_, started from the second-order polynomial. The
     parameters remain finite for a flat map, which has kappa = 0.
 
     Parameters
     ----------
-    values : array (ny, nx), m
-        NaN where missing.
-    coordinates : (y, x), arrays in m
     shape : {"sphere", "cylinder"}
         either fits a circle to a profile.
-    robust : bool
-        whether deep valleys and high spikes have no weight.
 
     Returns
     -------
@@ -110,19 +105,7 @@ def fit_curved_form(
 
 
 def curved_form_from_record(removed: Mapping[str, Mapping], y: npt.ArrayLike, x: npt.ArrayLike) -> np.ndarray:
-    """Return the form that `fit_curved_form` recorded.
-
-    Parameters
-    ----------
-    removed : dict
-        the record.
-    y, x : arrays (ny,) and (nx,), m
-        coordinates of the map.
-
-    Returns
-    -------
-    array (ny, nx), m
-    """
+    """Return the form (ny, nx; m) that `fit_curved_form` recorded, at the coordinates y and x (m)."""
     value = {name: entry["value"] for name, entry in removed.items()}
     parameters = [0.0, value["slope_x"], value["slope_y"]]
     parameters.append(value["curvature"] * np.sqrt(1 + parameters[1] ** 2 + parameters[2] ** 2))

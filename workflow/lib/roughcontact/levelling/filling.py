@@ -16,10 +16,6 @@ def find_holes(missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     Points are connected along their edges, not diagonally.
 
-    Parameters
-    ----------
-    missing : bool array (ny, nx)
-
     Returns
     -------
     labels : int array (ny, nx)
@@ -51,27 +47,15 @@ def find_holes(missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def fill_harmonic(values: np.ndarray, labels: np.ndarray, spacing: Sequence[float]) -> np.ndarray:
-    """Return the map with its holes filled by the solution of Laplace's equation.
+    """Return the map (ny, nx; m) with the holes of `find_holes` filled by the solution of Laplace's equation.
 
     h_xx + h_yy = 0 in each hole, five-point stencil, with the surrounding measured heights as boundary
-    values; in a profile the solution is the straight line between the rims.
+    values; in a profile the solution is the straight line between the rims. Missing points connected to the
+    border stay NaN.
 
     Narrow holes are solved by conjugate gradients, whose iteration count grows only with the width of the
     hole; wide holes by conjugate gradients preconditioned by a fast Poisson solver (discrete sine transform)
     on the bounding box of the hole, a fictitious-domain method [1]_.
-
-    Parameters
-    ----------
-    values : array (ny, nx), m
-        NaN where missing.
-    labels : int array (ny, nx)
-        labels from `find_holes`.
-    spacing : (dy, dx), m
-
-    Returns
-    -------
-    array (ny, nx), m
-        NaN where missing points are connected to the border.
 
     Raises
     ------

@@ -21,19 +21,7 @@ def gaussian_mean_surface(values: np.ndarray, spacing: Sequence[float], nesting_
     is the nesting index lambda_c. At each point a plane is fitted to the surrounding measured points with
     these weights; its height at the point is the mean surface. Away from edges and holes this is the weighted
     mean of the standard; near them the weights are renormalised, and constants and planes are reproduced.
-
-    Parameters
-    ----------
-    values : array (ny, nx), m
-        NaN where missing.
-    spacing : (dy, dx), m
-    nesting_index : float, m
-        lambda_c.
-
-    Returns
-    -------
-    array (ny, nx), m
-        NaN where missing.
+    All lengths are in m; missing points are NaN in the map and in the result.
 
     References
     ----------

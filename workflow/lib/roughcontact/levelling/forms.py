@@ -10,18 +10,9 @@ from roughcontact.levelling.polynomial import polynomial_from_record
 
 
 def form_from_record(removed: Mapping[str, Mapping], y: npt.ArrayLike, x: npt.ArrayLike) -> np.ndarray:
-    """Return the form that levelling removed, of any kind.
+    """Return the form (ny, nx; m) that levelling removed, of any kind, at the coordinates y and x (m).
 
-    Parameters
-    ----------
-    removed : dict
-        the attribute `form_removed` of a levelled map, read from JSON; an empty record gives zero.
-    y, x : arrays (ny,) and (nx,), m
-        coordinates of that map.
-
-    Returns
-    -------
-    array (ny, nx), m
+    `removed` is the attribute `form_removed` of a levelled map, read from JSON; an empty record gives zero.
 
     Examples
     --------

@@ -18,6 +18,7 @@ from roughcontact.levelling.row_jitter import RowJitter, find_row_jitter
 from roughcontact.levelling.scan_lines import find_scars, line_offsets
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.roughness.heights import height_parameters
+from roughcontact.roughness.traces import repeated_heights
 
 _MAX_SCALE_RATIO = 1e4  # pixel over nesting index, or nesting index over side: beyond it the unit is wrong
 
@@ -74,8 +75,9 @@ def level(
         point was kept), `outliers_rejected`, `outlier_kinds` (JSON), `line_alignment` (as applied),
         `line_alignment_by` (default, user), `row_jitter` (rms shift of the rows over `Sq` without it) and
         `row_jitter_evidence` (none, doubtful, clear), `line_shift_rms` (m), `filters_removed` (JSON),
-        `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, the height parameters of the
-        measured points (`Sa`, `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1), and the coordinates
+        `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, `repeated_heights` (1 for
+        quantised heights, more after a median filter), the height parameters of the measured points (`Sa`,
+        `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1), and the coordinates
         `filled(y, x)`, for aligned lines `line_offset(y)` (m, subtracted from each row), and for rejected
         points `rejected_height(y, x)` (m, levelled height of the rejected points; NaN elsewhere).
 
@@ -106,12 +108,6 @@ def level(
         s_filter=s_filter,
         l_filter=l_filter,
     )
-    if s_filter and l_filter and s_filter >= l_filter:
-        raise SettingsError(
-            f"level.s_filter = {s_filter:g} m is not below level.l_filter = {l_filter:g} m: no wave would "
-            "remain",
-            keys=("level.s_filter", "level.l_filter"),
-        )
     values = check_map(height)
     step = spacing(height)
     _check_nesting_indices(height, s_filter=s_filter, l_filter=l_filter)
@@ -125,10 +121,7 @@ def level(
         if outlier_threshold is not None:  # outliers that the shifts of the lines masked
             values = _without_outliers(values, outlier_threshold, kinds)
     if scar_threshold is not None:
-        scars = find_scars(values, threshold=scar_threshold)
-        if scars.any():
-            kinds["scar"] = int(scars.sum())
-            values = np.where(scars, np.nan, values)
+        values = _without_scars(values, scar_threshold, kinds)
     missing = np.isnan(values)
     _check_missing(missing, height, kinds, max_missing)
     # positions and heights of rejected points only: memory may not hold another copy of a large map
@@ -170,6 +163,7 @@ def level(
         "filled_share": float(filled.mean()),
         "largest_hole": int(sizes.max(initial=0)),
         "fill_method": fill,
+        "repeated_heights": repeated_heights(height.values),
     }
     coords = {"y": height["y"], "x": height["x"], "filled": (("y", "x"), filled)}
     if done != "none":
@@ -207,7 +201,13 @@ def _check_positive(**options: float | None) -> None:
 
 
 def _check_nesting_indices(height: xr.DataArray, **nesting_indices: float | None) -> None:
-    """Raise SettingsError where a nesting index is far from any length of the map: a wrong unit."""
+    """Raise SettingsError for indices in the wrong order, or far from any length of the map: a wrong unit."""
+    short, long = nesting_indices["s_filter"], nesting_indices["l_filter"]
+    if short and long and short >= long:
+        raise SettingsError(
+            f"level.s_filter = {short:g} m is not below level.l_filter = {long:g} m: no wave would remain",
+            keys=("level.s_filter", "level.l_filter"),
+        )
     finest, longest = min(spacing(height)), max(side_lengths(height))
     for name, value in nesting_indices.items():
         if value is not None and not finest / _MAX_SCALE_RATIO <= value <= longest * _MAX_SCALE_RATIO:
@@ -248,6 +248,15 @@ def _without_outliers(values: np.ndarray, threshold: float, kinds: dict[str, int
         kinds[kind] = kinds.get(kind, 0) + count
     values[outliers] = np.nan
     return values
+
+
+def _without_scars(values: np.ndarray, threshold: float, kinds: dict[str, int]) -> np.ndarray:
+    """Return the heights with scars set to NaN; their count is added to `kinds`."""
+    scars = find_scars(values, threshold=threshold)
+    if not scars.any():
+        return values
+    kinds["scar"] = int(scars.sum())
+    return np.where(scars, np.nan, values)
 
 
 def _fit(

@@ -26,7 +26,7 @@ _PLANE_POINTS = 20_000  # sufficient for the tilt of a map: 250 000 give the sam
 def find_outliers(
     values: np.ndarray, *, threshold: float, bumps: bool = False
 ) -> tuple[np.ndarray, dict[str, int]]:
-    """Find points that do not belong to the surface.
+    """Find points (a mask, and their number by kind) that do not belong to the surface.
 
     * `spike`: a point that deviates from the median of its 5 x 5 neighbourhood by more than `threshold`
       standard deviations, both of this difference over the whole map and of the heights in the surrounding
@@ -35,8 +35,8 @@ def find_outliers(
       5 points, the ring 56. The first standard deviation is 1.4826 times the median absolute deviation [1]_;
       the second is the 90 % quantile of the absolute deviation from the median of the ring, over 1.645: equal
       for normal heights, larger beside steps and ridges. A high group with the shape of a bump, whose flanks
-      extend over a few points, is kept as surface, however narrow, because it carries load. If less than a
-      quarter of the ring is measured, the spread of all heights counts as well.
+      extend over a few points, is kept as surface unless `bumps` is set, however narrow, because it carries
+      load. If less than a quarter of the ring is measured, the spread of all heights counts as well.
     * `sentinel`: the lowest or the highest value, in at most a third of the points, if its distance from all
       others exceeds their range. It stands for 'not measured' (a -1 among 440 ... 520).
     * `dead_line`: whole rows or columns of one single value among others that vary, with a larger distance
@@ -44,21 +44,6 @@ def find_outliers(
 
     The rules are applied repeatedly to the remaining points until they find no more, at most ten times:
     an extreme spike may mask a smaller one by widening the spread of its surroundings.
-
-    Parameters
-    ----------
-    values : array (ny, nx), m
-        NaN where missing.
-    threshold : float
-        standard deviations.
-    bumps : bool
-        whether high groups with the shape of a bump are rejected as well.
-
-    Returns
-    -------
-    outliers : bool array (ny, nx)
-    kinds : dict
-        number of points of each kind that occurs.
 
     References
     ----------

@@ -18,24 +18,14 @@ _CONVERGED = 1e-6  # change of the form between iterations, in standard deviatio
 def fit_polynomial(
     values: np.ndarray, coordinates: Sequence[np.ndarray], *, order: int, robust: bool = False
 ) -> tuple[np.ndarray, dict[str, dict]]:
-    """Fit a polynomial to a map that may have missing points.
+    """Fit a polynomial to a map (ny, nx; m) that may have missing points (NaN); order 0 fits the mean.
 
     form(x, y) = sum c_ij P_i(X) P_j(Y), i + j <= order, with Legendre polynomials P and X, Y the
-    coordinates mapped to [-1, 1] over the map. The coefficients c minimise sum (h - form)^2, or
+    coordinates mapped to [-1, 1] over the map. The coefficients c minimise sum (h - form)^2, or with `robust`
     sum rho((h - form) / s) with Tukey's biweight and s from the median absolute residual.
 
     The robust fit uses iteratively reweighted least squares [1]_ with the weights of the robust
     filters [2]_. It starts from the least absolute deviations, which one-sided valleys hardly bias.
-
-    Parameters
-    ----------
-    values : array (ny, nx), m
-        NaN where missing.
-    coordinates : (y, x), arrays in m
-    order : int
-        total order i + j; 0 fits the mean.
-    robust : bool
-        whether deep valleys and high spikes have no weight.
 
     Returns
     -------
@@ -79,19 +69,9 @@ def fit_polynomial(
 
 
 def without_form(values: np.ndarray, form: np.ndarray) -> np.ndarray:
-    """Return the heights less a form, overwriting the form.
+    """Return the heights less a form (both in m), overwriting the form.
 
-    Parameters
-    ----------
-    values : array (ny, nx), m
-        NaN where missing.
-    form : array (ny, nx), m
-        overwritten.
-
-    Returns
-    -------
-    array (ny, nx), m
-        exactly zero if only rounding errors remain, as for a plane or a constant map.
+    The result is exactly zero if only rounding errors remain, as for a plane or a constant map.
 
     Examples
     --------
@@ -108,20 +88,9 @@ def without_form(values: np.ndarray, form: np.ndarray) -> np.ndarray:
 
 
 def share_of_form(values: np.ndarray, coordinates: Sequence[np.ndarray], *, order: int = 2) -> float:
-    """Return the contribution of a polynomial form to the mean square height (about the mean).
+    """Return the contribution (0 to 1) of a polynomial form to the mean square height (about the mean).
 
-    Parameters
-    ----------
-    values : array (ny, nx), m
-        without missing points.
-    coordinates : (y, x), arrays in m
-    order : int
-        total order of the polynomial.
-
-    Returns
-    -------
-    float, 0 to 1
-        0 for a flat map.
+    The map has no missing points; a flat one gives 0.
 
     Examples
     --------
@@ -140,18 +109,9 @@ def share_of_form(values: np.ndarray, coordinates: Sequence[np.ndarray], *, orde
 
 
 def polynomial_from_record(removed: Mapping[str, Mapping], y: npt.ArrayLike, x: npt.ArrayLike) -> np.ndarray:
-    """Return the form that `fit_polynomial` recorded.
+    """Return the form (ny, nx; m) that `fit_polynomial` recorded, at the coordinates y and x (m).
 
-    Parameters
-    ----------
-    removed : dict
-        the record; an empty one gives zero.
-    y, x : arrays (ny,) and (nx,), m
-        coordinates of the map.
-
-    Returns
-    -------
-    array (ny, nx), m
+    An empty record gives zero.
 
     Examples
     --------

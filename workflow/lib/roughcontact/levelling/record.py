@@ -8,16 +8,7 @@ from roughcontact.quantities import several
 
 
 def removed_and_filled(levelled: Mapping[str, Any]) -> str:
-    """Return a summary of filled points, rejected points and row alignment.
-
-    Parameters
-    ----------
-    levelled : mapping
-        attributes of a map from `level`.
-
-    Returns
-    -------
-    str
+    """Return a summary of filled points, rejected points and row alignment, from a levelled map's attributes.
 
     Examples
     --------
@@ -34,17 +25,9 @@ def removed_and_filled(levelled: Mapping[str, Any]) -> str:
 
 
 def kinds_in_words(levelled: Mapping[str, Any]) -> str:
-    """Return the number of rejected points of each kind, as text.
+    """Return the number of rejected points of each kind as text, from a levelled map's attributes.
 
-    Parameters
-    ----------
-    levelled : mapping
-        attributes of a map from `level`.
-
-    Returns
-    -------
-    str
-        empty if none were rejected.
+    The text is empty if none were rejected.
 
     Examples
     --------

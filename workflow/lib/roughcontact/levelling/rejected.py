@@ -7,19 +7,8 @@ import xarray as xr
 def with_rejected(levelled: xr.DataArray, which: np.ndarray | None = None) -> xr.DataArray:
     """Return a levelled map with rejected points restored where they had been filled.
 
-    Rejected points connected to the border stay missing, so that the window does not change.
-
-    Parameters
-    ----------
-    levelled : DataArray (y, x), m
-        from `level`.
-    which : bool array (ny, nx) or None
-        points to restore; None restores all rejected points.
-
-    Returns
-    -------
-    DataArray (y, x), m
-        the coordinate `filled` is 0 on restored points.
+    Rejected points connected to the border stay missing, so that the window does not change. The mask `which`
+    (ny, nx) selects the points to restore (default: all). The coordinate `filled` is 0 on restored points.
 
     Examples
     --------
@@ -43,16 +32,7 @@ def with_rejected(levelled: xr.DataArray, which: np.ndarray | None = None) -> xr
 
 
 def rejected_points(levelled: xr.DataArray) -> np.ndarray:
-    """Return the mask of rejected points that can be restored.
-
-    Parameters
-    ----------
-    levelled : DataArray (y, x), m
-        from `level`.
-
-    Returns
-    -------
-    bool array (ny, nx)
+    """Return the mask (ny, nx) of rejected points that can be restored.
 
     Examples
     --------
@@ -70,15 +50,6 @@ def rejected_points(levelled: xr.DataArray) -> np.ndarray:
 
 def with_rejected_marked(levelled: xr.DataArray) -> xr.DataArray:
     """Return a levelled map with rejected points restored, and the coordinate `filled` 1 on these alone.
-
-    Parameters
-    ----------
-    levelled : DataArray (y, x), m
-        from `level`.
-
-    Returns
-    -------
-    DataArray (y, x), m
 
     Examples
     --------

@@ -10,17 +10,7 @@ _BIWEIGHT = 4.685
 def robust_scale(residual: np.ndarray, *, overwrite: bool = False) -> float:
     """Return the standard deviation of normal residuals, from the median of their absolute values.
 
-    Parameters
-    ----------
-    residual : array
-        deviations from zero.
-    overwrite : bool
-        whether `residual` may be overwritten to save memory.
-
-    Returns
-    -------
-    float, in the unit of `residual`
-        1.4826 times the median absolute residual.
+    It is 1.4826 times that median [1]_. With `overwrite`, `residual` may be overwritten to save memory.
 
     References
     ----------
@@ -39,15 +29,7 @@ def robust_scale(residual: np.ndarray, *, overwrite: bool = False) -> float:
 def biweight(residual: np.ndarray, scale: float) -> np.ndarray:
     """Return Tukey's biweight of each residual, (1 - (r / (4.685 s))^2)^2, 0 beyond 4.685 s.
 
-    Parameters
-    ----------
-    residual : array
-    scale : float
-        standard deviation s of the residuals.
-
-    Returns
-    -------
-    array of the shape of `residual`, 0 to 1
+    `scale` is the standard deviation s of the residuals.
 
     References
     ----------

@@ -47,7 +47,7 @@ class RowJitter(NamedTuple):
 
 
 def find_row_jitter(values: np.ndarray, *, scanned: bool = False) -> RowJitter:
-    """Find random shifts of the rows of a map, independent from row to row.
+    """Find random shifts of the rows of a map (m, NaN where missing), independent from row to row.
 
     Each row is divided into eight pieces. The second difference across the rows, averaged over a piece,
     contains the shifts and a remainder of the surface. The cross-spectrum of pieces half a row or more apart
@@ -59,18 +59,13 @@ def find_row_jitter(values: np.ndarray, *, scanned: bool = False) -> RowJitter:
     scanning instrument, which may drift.
 
     The shifts are estimated wave by wave with a Wiener filter [1]_: the waves of the row means, times the
-    variance of the shifts over the power of the wave. Long waves, dominated by the surface, are kept.
+    variance of the shifts over the power of the wave. Long waves, dominated by the surface, are kept; a tilt
+    of the map does not matter.
 
     Parameters
     ----------
-    values : array (ny, nx), m
-        NaN where missing; a tilt does not matter.
     scanned : bool
         whether the map was measured line by line along x, as by a probe or a stylus.
-
-    Returns
-    -------
-    RowJitter
 
     References
     ----------

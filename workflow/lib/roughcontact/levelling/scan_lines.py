@@ -15,25 +15,14 @@ _MIN_SCAR_LENGTH = 16  # points along the line; shorter features may be spikes
 
 
 def line_offsets(values: np.ndarray, *, method: str) -> np.ndarray:
-    """Return the offset of each row of a scanned map.
+    """Return the offset (m) of each row of a scanned map (m, NaN where missing); 0 for rows without heights.
 
     * `median`: o_j = median over x of h_j.
-    * `matched-steps`: o_j - o_(j-1) = median over x of (h_j - h_(j-1)). Structure that continues from row to
-      row cancels, so that a row across a deep valley is not raised; but the errors of the steps accumulate.
+    * `matched-steps`: o_j - o_(j-1) = median over x of (h_j - h_(j-1)), zero between rows without common
+      points. Structure that continues from row to row cancels, so that a row across a deep valley is not
+      raised; but the errors of the steps accumulate.
 
     The mean over the rows is subtracted, so that the mean height of the map does not change.
-
-    Parameters
-    ----------
-    values : array (ny, nx), m
-        NaN where missing.
-    method : {"median", "matched-steps"}
-        how rows are compared.
-
-    Returns
-    -------
-    array (ny,), m
-        0 for rows without heights. `matched-steps` assumes a zero step between rows without common points.
 
     Examples
     --------
@@ -68,18 +57,6 @@ def find_scars(values: np.ndarray, *, threshold: float) -> np.ndarray:
 
     A groove or a ridge along x no wider than four points cannot be distinguished from a scar and is found as
     well. A map of fewer than three rows, or of fewer than 16 columns, has no scars.
-
-    Parameters
-    ----------
-    values : array (ny, nx), m
-        NaN where missing.
-    threshold : float
-        standard deviations.
-
-    Returns
-    -------
-    bool array (ny, nx)
-        true on scars.
 
     Examples
     --------

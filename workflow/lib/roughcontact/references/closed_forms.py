@@ -2,7 +2,19 @@
 
 Conventions as everywhere: heights positive outwards, rigid rough surface on an elastic half-space of contact
 modulus E*, pressure and mean pressure in Pa, lengths in m. Waves have amplitude D and wavelength λ; r is the
-mean pressure over the pressure of full contact p*.
+mean pressure over the pressure of full contact p*. A sphere has radius R and carries the force F on a contact
+of radius a with the largest pressure p0; a square period has the side L, a body Poisson's ratio ν.
+
+References
+----------
+- Dapp, W. B., Lücke, A., Persson, B. N. J., Müser, M. H. (2012), Phys. Rev. Lett. 108, 244301.
+- Glasser, M. L., Zucker, I. J. (1980), Theoretical Chemistry 5, 67.
+- Johnson, K. L. (1985), Contact Mechanics.
+- Johnson, K. L., Greenwood, J. A., Higginson, J. G. (1985), Int. J. Mech. Sci. 27, 383.
+- Nogi, T., Kato, T. (1997), J. Tribol. 119, 493.
+- Patir, N., Cheng, H. S. (1978), ASME J. Lubr. Technol. 100, 12.
+- Tripp, J. H. (1983), ASME J. Lubr. Technol. 105, 458.
+- Westergaard, H. M. (1939), J. Appl. Mech. 6, A49.
 """
 
 from collections.abc import Sequence
@@ -16,25 +28,18 @@ from roughcontact.fourier import halfplane_weights, wavenumbers
 
 
 def westergaard_full_contact_pressure(amplitude: float, wavelength: float, contact_modulus: float) -> float:
-    """Return the mean pressure that just closes the wave D cos(2πx/λ): p* = π E* D/λ [1]_, [2]_.
+    """Return the mean pressure that just closes the wave D cos(2πx/λ): p* = π E* D/λ.
+
+    Westergaard (1939); Johnson (1985), section 13.2.
 
     Parameters
     ----------
-    amplitude : float, m
-        D.
-    wavelength : float, m
-        λ.
+    amplitude, wavelength : float, m
     contact_modulus : float, Pa
-        E*.
 
     Returns
     -------
     float, Pa
-
-    References
-    ----------
-    .. [1] Westergaard, H. M. (1939), J. Appl. Mech. 6, A49.
-    .. [2] Johnson, K. L. (1985), Contact Mechanics, section 13.2.
 
     Examples
     --------
@@ -45,7 +50,9 @@ def westergaard_full_contact_pressure(amplitude: float, wavelength: float, conta
 
 
 def westergaard_contact_share(load_ratio: npt.ArrayLike) -> np.ndarray:
-    """Return the share of the wave in contact, (2/π) asin √r [1]_, [2]_.
+    """Return the share of the wave in contact, (2/π) asin √r.
+
+    Westergaard (1939); Johnson (1985), section 13.2.
 
     Parameters
     ----------
@@ -55,11 +62,6 @@ def westergaard_contact_share(load_ratio: npt.ArrayLike) -> np.ndarray:
     Returns
     -------
     float or array of the shape of `load_ratio`, 0 to 1
-
-    References
-    ----------
-    .. [1] Westergaard, H. M. (1939), J. Appl. Mech. 6, A49.
-    .. [2] Johnson, K. L. (1985), Contact Mechanics, section 13.2.
 
     Examples
     --------
@@ -72,16 +74,15 @@ def westergaard_contact_share(load_ratio: npt.ArrayLike) -> np.ndarray:
 def westergaard_pressure(
     x: npt.ArrayLike, wavelength: float, mean_pressure: float, load_ratio: float
 ) -> np.ndarray:
-    """Return the pressure under the wave D cos(2πx/λ), crest at x = 0 [1]_, [2]_.
+    """Return the pressure under the wave D cos(2πx/λ), crest at x = 0.
 
     p = (2p̄/r) cos ψ √(r - sin²ψ), ψ = πx/λ, where sin²ψ < r; from r = 1 on the wave is closed and
-    p = p̄ + p* cos(2πx/λ).
+    p = p̄ + p* cos(2πx/λ). Westergaard (1939); Johnson (1985), section 13.2.
 
     Parameters
     ----------
     x : array, m
     wavelength : float, m
-        λ.
     mean_pressure : float, Pa
         p̄.
     load_ratio : float
@@ -90,11 +91,6 @@ def westergaard_pressure(
     Returns
     -------
     array of the shape of `x`, Pa
-
-    References
-    ----------
-    .. [1] Westergaard, H. M. (1939), J. Appl. Mech. 6, A49.
-    .. [2] Johnson, K. L. (1985), Contact Mechanics, section 13.2.
 
     Examples
     --------
@@ -112,26 +108,19 @@ def westergaard_gap(x: npt.ArrayLike, wavelength: float, amplitude: float, load_
     """Return the gap over the wave D cos(2πx/λ), crest at x = 0.
 
     gap = 2D [s √(s² - r) - r ln((s + √(s² - r))/√r)], s = |sin(πx/λ)|, where s² > r, 0 elsewhere: the
-    integral of the conjugate function of the stress function [1]_ from the edge of the contact. Its mean is
-    `westergaard_mean_gap`; at r = 0 it is D - h.
+    integral of the conjugate function of the stress function of Westergaard (1939) from the edge of the
+    contact. Its mean is `westergaard_mean_gap`; at r = 0 it is D - h.
 
     Parameters
     ----------
     x : array, m
-    wavelength : float, m
-        λ.
-    amplitude : float, m
-        D.
+    wavelength, amplitude : float, m
     load_ratio : float
         r = p̄/p*.
 
     Returns
     -------
     array of the shape of `x`, m
-
-    References
-    ----------
-    .. [1] Westergaard, H. M. (1939), J. Appl. Mech. 6, A49.
 
     Examples
     --------
@@ -148,24 +137,19 @@ def westergaard_gap(x: npt.ArrayLike, wavelength: float, amplitude: float, load_
 
 
 def westergaard_mean_gap(amplitude: float, load_ratio: npt.ArrayLike) -> np.ndarray:
-    """Return the mean gap over the wave: ū = D (1 - r + r ln r) [1]_.
+    """Return the mean gap over the wave: ū = D (1 - r + r ln r).
 
-    It follows from `westergaard_energy` by dU/dū = -p̄.
+    It follows from `westergaard_energy` by dU/dū = -p̄; Johnson (1985), section 13.2.
 
     Parameters
     ----------
     amplitude : float, m
-        D.
     load_ratio : float or array
         r = p̄/p*; from 1 on the gap is 0.
 
     Returns
     -------
     float or array of the shape of `load_ratio`, m
-
-    References
-    ----------
-    .. [1] Johnson, K. L. (1985), Contact Mechanics, section 13.2.
 
     Examples
     --------
@@ -184,12 +168,8 @@ def westergaard_stiffness(
 
     Parameters
     ----------
-    amplitude : float, m
-        D.
-    wavelength : float, m
-        λ.
+    amplitude, wavelength : float, m
     contact_modulus : float, Pa
-        E*.
     load_ratio : float
         r = p̄/p*, greater than 0.
 
@@ -217,12 +197,8 @@ def westergaard_energy(
 
     Parameters
     ----------
-    amplitude : float, m
-        D.
-    wavelength : float, m
-        λ.
+    amplitude, wavelength : float, m
     contact_modulus : float, Pa
-        E*.
     load_ratio : float
         r = p̄/p*, greater than 0.
 
@@ -249,24 +225,18 @@ JGH_PEAK_AND_GAP = {0.1: (8.83885, 0.38475), 0.5: (2.95866, 0.04508)}
 
 
 def jgh_full_contact_pressure(amplitude: float, wavelength: float, contact_modulus: float) -> float:
-    """Return the mean pressure that just closes D cos(2πx/λ) cos(2πy/λ): p* = √2 π E* D/λ [1]_.
+    """Return the mean pressure that just closes D cos(2πx/λ) cos(2πy/λ): p* = √2 π E* D/λ.
+
+    Johnson, Greenwood and Higginson (1985).
 
     Parameters
     ----------
-    amplitude : float, m
-        D.
-    wavelength : float, m
-        λ.
+    amplitude, wavelength : float, m
     contact_modulus : float, Pa
-        E*.
 
     Returns
     -------
     float, Pa
-
-    References
-    ----------
-    .. [1] Johnson, K. L., Greenwood, J. A., Higginson, J. G. (1985), Int. J. Mech. Sci. 27, 383.
 
     Examples
     --------
@@ -277,7 +247,9 @@ def jgh_full_contact_pressure(amplitude: float, wavelength: float, contact_modul
 
 
 def jgh_contact_share_low(load_ratio: npt.ArrayLike) -> np.ndarray:
-    """Return the relative contact area for r → 0, π [3r/(8π)]^(2/3): two Hertz contacts per λ² [1]_.
+    """Return the relative contact area for r → 0, π [3r/(8π)]^(2/3): two Hertz contacts per λ².
+
+    Johnson, Greenwood and Higginson (1985), asymptote for small loads.
 
     Parameters
     ----------
@@ -287,11 +259,6 @@ def jgh_contact_share_low(load_ratio: npt.ArrayLike) -> np.ndarray:
     Returns
     -------
     float or array of the shape of `load_ratio`
-
-    References
-    ----------
-    .. [1] Johnson, K. L., Greenwood, J. A., Higginson, J. G. (1985), Int. J. Mech. Sci. 27, 383: asymptote
-       for small loads.
 
     Examples
     --------
@@ -302,7 +269,9 @@ def jgh_contact_share_low(load_ratio: npt.ArrayLike) -> np.ndarray:
 
 
 def jgh_contact_share_high(load_ratio: npt.ArrayLike) -> np.ndarray:
-    """Return the relative contact area for r → 1, 1 - (3/2π)(1 - r): pressurised penny-shaped gaps [1]_.
+    """Return the relative contact area for r → 1, 1 - (3/2π)(1 - r): pressurised penny-shaped gaps.
+
+    Johnson, Greenwood and Higginson (1985), asymptote near full contact.
 
     Parameters
     ----------
@@ -312,11 +281,6 @@ def jgh_contact_share_high(load_ratio: npt.ArrayLike) -> np.ndarray:
     Returns
     -------
     float or array of the shape of `load_ratio`
-
-    References
-    ----------
-    .. [1] Johnson, K. L., Greenwood, J. A., Higginson, J. G. (1985), Int. J. Mech. Sci. 27, 383: asymptote
-       near full contact.
 
     Examples
     --------
@@ -337,27 +301,20 @@ NOGI_KATO_CONSTANT = 4 * np.arcsinh(1.0) / np.pi
 
 
 def hertz(force: float, radius: float, contact_modulus: float) -> dict[str, float]:
-    """Return what a sphere does under a force [1]_.
+    """Return contact radius, largest pressure, approach and energy of a sphere under a force.
 
-    a³ = 3FR/(4E*), p0 = 2E*a/(πR), δ = a²/R, U = (8/15) E* √R δ^(5/2).
+    a³ = 3FR/(4E*), p0 = 2E*a/(πR), δ = a²/R, U = (8/15) E* √R δ^(5/2); Johnson (1985), eqs. (4.22)-(4.24).
 
     Parameters
     ----------
     force : float, N
-        F.
     radius : float, m
-        R.
     contact_modulus : float, Pa
-        E*.
 
     Returns
     -------
     dict of float
         `contact_radius` (a, m), `max_pressure` (p0, Pa), `approach` (δ, m), `energy` (U, J).
-
-    References
-    ----------
-    .. [1] Johnson, K. L. (1985), Contact Mechanics, eqs. (4.22)-(4.24).
 
     Examples
     --------
@@ -377,29 +334,21 @@ def hertz(force: float, radius: float, contact_modulus: float) -> dict[str, floa
 def hertz_displacement(
     distance: npt.ArrayLike, contact_radius: float, max_pressure: float, contact_modulus: float
 ) -> np.ndarray:
-    """Return the displacement inside a Hertz contact, u = π p0 (2a² - r²)/(4 E* a), r <= a [1]_.
+    """Return the displacement inside a Hertz contact, u = π p0 (2a² - r²)/(4 E* a), r <= a.
 
-    "A numerical approach to the contact of nominally flat surfaces" prints it as eq. (16) with 2 E* a in the
-    denominator, twice too much: u(0) must be the approach a²/R.
+    Johnson (1985), eq. (3.41a). "A numerical approach to the contact of nominally flat surfaces" prints it as
+    eq. (16) with 2 E* a in the denominator, twice too much: u(0) must be the approach a²/R.
 
     Parameters
     ----------
     distance : array, m
         r, distance from the middle of the contact.
     contact_radius : float, m
-        a.
-    max_pressure : float, Pa
-        p0.
-    contact_modulus : float, Pa
-        E*.
+    max_pressure, contact_modulus : float, Pa
 
     Returns
     -------
     array of the shape of `distance`, m
-
-    References
-    ----------
-    .. [1] Johnson, K. L. (1985), Contact Mechanics, eq. (3.41a).
 
     Examples
     --------
@@ -421,9 +370,7 @@ def hertz_spectrum(wavenumber: npt.ArrayLike, contact_radius: float, max_pressur
     wavenumber : array, rad/m
         |q|, greater than 0.
     contact_radius : float, m
-        a.
     max_pressure : float, Pa
-        p0.
 
     Returns
     -------
@@ -439,7 +386,7 @@ def hertz_spectrum(wavenumber: npt.ArrayLike, contact_radius: float, max_pressur
 
 
 def periodic_hertz(force: float, radius: float, contact_modulus: float, period: float) -> dict[str, float]:
-    """Return what a sphere does that is repeated with a square period L.
+    """Return what `hertz` does, for a sphere that is repeated with a square period L.
 
     With x = a_H/L and s = 0.6391 x³, the mean displacement set to zero, and the energy that of the part
     of the displacement that is not uniform::
@@ -450,27 +397,20 @@ def periodic_hertz(force: float, radius: float, contact_modulus: float, period: 
     Around one contact the others act like F/(π E* L) (-3.900265 + 9.033622/4 (r² + 2a²/5)/L²): a shift, and
     a flatter sphere 1/R + 2c with c = 9.033622 F/(4π E* L³), hence 2cR = 3s. U is the integral of F dδ. First
     order in x³: the error is about x⁵. The lattice sums of the square lattice are Σ 1/n = -3.900265 (uniform
-    background) and Σ 1/n³ = 9.033622 [1]_; 2a²/5 is the second moment of the Hertz pressure.
+    background) and Σ 1/n³ = 9.033622 (Glasser and Zucker 1980); 2a²/5 is the second moment of the Hertz
+    pressure.
 
     Parameters
     ----------
     force : float, N
-        F.
     radius : float, m
-        R.
     contact_modulus : float, Pa
-        E*.
     period : float, m
-        L.
 
     Returns
     -------
     dict of float
         `contact_radius` (m), `max_pressure` (Pa), `approach` (m), `energy` (J), as of `hertz`.
-
-    References
-    ----------
-    .. [1] Glasser, M. L., Zucker, I. J. (1980), Theoretical Chemistry 5, 67.
 
     Examples
     --------
@@ -497,24 +437,17 @@ def spot_array_stiffness(contact_radius: float, contact_modulus: float, period: 
 
         1/K = L²/E* [(1 + 3s)/(2a) - 3.900265/(π L)]
 
-    The next term is of the order (a/L)⁵.
+    The lattice sums are those of Glasser and Zucker (1980); the next term is of the order (a/L)⁵.
 
     Parameters
     ----------
     contact_radius : float, m
-        a.
     contact_modulus : float, Pa
-        E*.
     period : float, m
-        L.
 
     Returns
     -------
     float, Pa/m
-
-    References
-    ----------
-    .. [1] Glasser, M. L., Zucker, I. J. (1980), Theoretical Chemistry 5, 67.
 
     Examples
     --------
@@ -535,23 +468,19 @@ def wave_von_mises(depth: npt.ArrayLike, poissons_ratio: float) -> np.ndarray:
     """Return the largest stress of von Mises below a pressure wave of amplitude 1 without a mean.
 
     Below p cos(qx) the principal stresses in the plane of the wave are (-cos(qx) ± qz) e^(-qz), and the one
-    across it -2ν cos(qx) e^(-qz) (plane strain). Largest below the crests: e^(-qz) √((1 - 2ν)² + 3 (qz)²).
+    across it -2ν cos(qx) e^(-qz) (plane strain). Largest below the crests: e^(-qz) √((1 - 2ν)² + 3 (qz)²);
+    Johnson (1985), section 13.2.
 
     Parameters
     ----------
     depth : array
         qz.
     poissons_ratio : float
-        ν.
 
     Returns
     -------
     array, of the shape of `depth`
         over the amplitude of the pressure.
-
-    References
-    ----------
-    .. [1] Johnson (1985), Contact Mechanics, section 13.2.
 
     Examples
     --------
@@ -566,23 +495,19 @@ def wave_tresca(depth: npt.ArrayLike, poissons_ratio: float) -> np.ndarray:
     """Return the largest stress of Tresca below a pressure wave of amplitude 1 without a mean.
 
     Of the principal stresses that `wave_von_mises` names, two differ by 2 qz e^(-qz) at every place along the
-    wave, and one of them from the third by (1 - 2ν + qz) e^(-qz) below crests and troughs.
+    wave, and one of them from the third by (1 - 2ν + qz) e^(-qz) below crests and troughs;
+    Johnson (1985), section 13.2.
 
     Parameters
     ----------
     depth : array
         qz.
     poissons_ratio : float
-        ν.
 
     Returns
     -------
     array, of the shape of `depth`
         largest difference of principal stresses, over the amplitude of the pressure.
-
-    References
-    ----------
-    .. [1] Johnson (1985), Contact Mechanics, section 13.2.
 
     Examples
     --------
@@ -596,8 +521,8 @@ def wave_tresca(depth: npt.ArrayLike, poissons_ratio: float) -> np.ndarray:
 def wave_volume_above(limit: float) -> float:
     """Return the volume below a pressure wave in which the stress of von Mises exceeds a limit, for ν = 1/2.
 
-    The stress is then √3 qz e^(-qz) along all of the wave, and above the limit k between the depths where qz
-    = -W(-k/√3) on the two branches of Lambert's function.
+    The stress (Johnson 1985, section 13.2) is then √3 qz e^(-qz) along all of the wave, and above the limit k
+    between the depths where qz = -W(-k/√3) on the two branches of Lambert's function.
 
     Parameters
     ----------
@@ -608,10 +533,6 @@ def wave_volume_above(limit: float) -> float:
     -------
     float
         volume by area times q; 0 from √3/e on, the largest stress there is.
-
-    References
-    ----------
-    .. [1] Johnson (1985), Contact Mechanics, section 13.2, for the stress.
 
     Examples
     --------
@@ -631,7 +552,8 @@ def westergaard_von_mises(depth: npt.ArrayLike, load_ratio: float, poissons_rati
 
     His pressure continues into the body as the harmonic P = 2 p* cosh t (√(r + sinh²t) - sinh t) below the
     crest, t = πz/λ, r = p̄/p*, which goes over into p̄. The normal stresses are -P + zP' across the surface,
-    p̄ - P - zP' along x and 2ν (p̄ - P) along the crest, less ν/(1 - ν) p̄ for the last two.
+    p̄ - P - zP' along x and 2ν (p̄ - P) along the crest, less ν/(1 - ν) p̄ for the last two. The pressure is
+    that of Westergaard (1939), the stresses are those below each of its waves, Johnson (1985), section 13.2.
 
     Parameters
     ----------
@@ -640,17 +562,11 @@ def westergaard_von_mises(depth: npt.ArrayLike, load_ratio: float, poissons_rati
     load_ratio : float, 0 to 1
         r.
     poissons_ratio : float
-        ν.
 
     Returns
     -------
     array, of the shape of `depth`
         over p*, the pressure of complete contact.
-
-    References
-    ----------
-    .. [1] Westergaard (1939), Bearing pressures and cracks, J. Appl. Mech. 6, A49, for the pressure.
-    .. [2] Johnson (1985), Contact Mechanics, section 13.2, for the stresses below each of its waves.
 
     Examples
     --------
@@ -680,23 +596,19 @@ def westergaard_von_mises(depth: npt.ArrayLike, load_ratio: float, poissons_rati
 def hertz_von_mises(depth: npt.ArrayLike, poissons_ratio: float) -> np.ndarray:
     """Return the stress of von Mises on the axis of a Hertz contact, over its largest pressure.
 
-    σz/p0 = -1/(1 + z²/a²), σr/p0 = -(1 + ν)(1 - (z/a) atan(a/z)) + 1/(2 (1 + z²/a²)) [1]_; their difference
-    is also the stress of Tresca. For ν = 0.3 it is largest at z = 0.48 a, 0.62 p0.
+    σz/p0 = -1/(1 + z²/a²), σr/p0 = -(1 + ν)(1 - (z/a) atan(a/z)) + 1/(2 (1 + z²/a²)), Johnson (1985),
+    eq. (3.45); their difference is also the stress of Tresca. For ν = 0.3 it is largest at z = 0.48 a,
+    0.62 p0.
 
     Parameters
     ----------
     depth : array
         z/a, positive.
     poissons_ratio : float
-        ν.
 
     Returns
     -------
     array, of the shape of `depth`
-
-    References
-    ----------
-    .. [1] Johnson (1985), Contact Mechanics, eq. (3.45).
 
     Examples
     --------
@@ -716,7 +628,7 @@ def channel_flow_factors(depth: float) -> tuple[float, float]:
     """Return the flow factors of channels of one wave, g = ū (1 + ε cos qx), along and across them.
 
     Along them flows <g³>/ū³ = 1 + 3ε²/2 of what flows between plates at the mean gap, across them
-    1/(ū³ <g⁻³>) = (1 - ε²)^(5/2)/(1 + ε²/2) [1]_.
+    1/(ū³ <g⁻³>) = (1 - ε²)^(5/2)/(1 + ε²/2); Patir and Cheng (1978), ridges along and across.
 
     Parameters
     ----------
@@ -726,10 +638,6 @@ def channel_flow_factors(depth: float) -> tuple[float, float]:
     Returns
     -------
     along, across : float
-
-    References
-    ----------
-    .. [1] Patir and Cheng (1978), ASME J. Lubr. Technol. 100, 12, for ridges along and across.
 
     Examples
     --------
@@ -742,7 +650,8 @@ def channel_flow_factors(depth: float) -> tuple[float, float]:
 def isotropic_flow_factor(relative_roughness: float) -> float:
     """Return the flow factor of a gap whose roughness is low and has no direction: 1 - (3/2) (σ/ū)².
 
-    Of any low roughness it is the mean of the factors along x and y. The next term is of third order.
+    Of any low roughness it is the mean of the factors along x and y. The next term is of third order; Tripp
+    (1983).
 
     Parameters
     ----------
@@ -752,11 +661,6 @@ def isotropic_flow_factor(relative_roughness: float) -> float:
     Returns
     -------
     float
-
-    References
-    ----------
-    .. [1] Tripp (1983), Surface roughness effects in hydrodynamic lubrication: the flow factor method, ASME
-       J. Lubr. Technol. 105, 458.
 
     Examples
     --------
@@ -769,8 +673,8 @@ def isotropic_flow_factor(relative_roughness: float) -> float:
 def effective_medium_flow_factor(gap: np.ndarray) -> float:
     """Return the flow factor of Bruggeman's effective medium, which knows the heights of a gap alone.
 
-    In two dimensions the medium s lets through what leaves Σ (g³ - s)/(g³ + s) = 0 [1]_; it is closed from
-    half contact on.
+    In two dimensions the medium s lets through what leaves Σ (g³ - s)/(g³ + s) = 0; it is closed from half
+    contact on. Dapp, Lücke, Persson and Müser (2012).
 
     Parameters
     ----------
@@ -780,10 +684,6 @@ def effective_medium_flow_factor(gap: np.ndarray) -> float:
     Returns
     -------
     float
-
-    References
-    ----------
-    .. [1] Dapp, Lücke, Persson and Müser (2012), Phys. Rev. Lett. 108, 244301.
 
     Examples
     --------
@@ -811,25 +711,20 @@ def effective_medium_flow_factor(gap: np.ndarray) -> float:
 def full_contact_fluctuation(
     height: np.ndarray, spacing: Sequence[float], contact_modulus: float
 ) -> np.ndarray:
-    """Return the pressure fluctuation that flattens a periodic map: p̂(q) = (E*|q|/2) ĥ(q), q ≠ 0 [1]_.
+    """Return the pressure fluctuation that flattens a periodic map: p̂(q) = (E*|q|/2) ĥ(q), q ≠ 0.
 
-    It is exact for the discrete problem.
+    It is exact for the discrete problem; Johnson (1985), section 13.2, one wave at a time.
 
     Parameters
     ----------
     height : array (ny, nx), m
     spacing : (dy, dx), m
     contact_modulus : float, Pa
-        E*.
 
     Returns
     -------
     array (ny, nx), Pa
         zero mean; contact is full where the mean pressure is not below -min of it.
-
-    References
-    ----------
-    .. [1] Johnson, K. L. (1985), Contact Mechanics, section 13.2, one wave at a time.
 
     Examples
     --------
@@ -850,7 +745,6 @@ def full_contact_energy(height: np.ndarray, spacing: Sequence[float], contact_mo
     height : array (ny, nx), m
     spacing : (dy, dx), m
     contact_modulus : float, Pa
-        E*.
 
     Returns
     -------
@@ -873,7 +767,7 @@ def gap_left_by(
 ) -> np.ndarray:
     """Return u - h less its mean over the contact, by NumPy's transforms alone: apart from the solver.
 
-    û = 2 p̂/(E*|q|), q ≠ 0 [1]_.
+    û = 2 p̂/(E*|q|), q ≠ 0; Johnson (1985), section 13.2, one wave at a time.
 
     Parameters
     ----------
@@ -881,15 +775,10 @@ def gap_left_by(
     height : array (ny, nx), m
     spacing : (dy, dx), m
     contact_modulus : float, Pa
-        E*.
 
     Returns
     -------
     array (ny, nx), m
-
-    References
-    ----------
-    .. [1] Johnson, K. L. (1985), Contact Mechanics, section 13.2, one wave at a time.
 
     Examples
     --------
@@ -922,25 +811,20 @@ OUTSIDE_CODES = {
 
 
 def nogi_kato_zero_frequency(length_y: float, length_x: float, contact_modulus: float) -> float:
-    """Return the mean of 2/(E*|q|) over the cell of the zero frequency [1]_.
+    """Return the mean of 2/(E*|q|) over the cell of the zero frequency.
 
     G00 = (Lx Ly/4π²)(2/E*) 4 [a asinh(b/a) + b asinh(a/b)], a = π/Lx, b = π/Ly, their average in closed form;
-    a square: 1.12220 L/E*.
+    a square: 1.12220 L/E*. Nogi and Kato (1997).
 
     Parameters
     ----------
     length_y, length_x : float, m
         sides of the window.
     contact_modulus : float, Pa
-        E*.
 
     Returns
     -------
     float, m/Pa
-
-    References
-    ----------
-    .. [1] Nogi, T., Kato, T. (1997), J. Tribol. 119, 493.
 
     Examples
     --------
@@ -961,21 +845,17 @@ def gaussian_bearing(rms_height: float) -> dict[str, float]:
     The curve is z(m) = σ Φ⁻¹(1 − m). The line of its flattest 40 %, which are those in the middle, has by
     least squares the slope −σ [erf(t)/(2√π) − 0.4 φ(t)] 12/0.4³, t = Φ⁻¹(0.7); its ends are Sk apart. Peaks
     and dales beyond them have the areas σ [φ(c) − c (1 − Φ(c))], c = Sk/(2σ), and are drawn as triangles. The
-    material down to the ratio m is σ [φ(c) − c m], c = Φ⁻¹(1 − m), and the voids alike.
+    material down to the ratio m is σ [φ(c) − c m], c = Φ⁻¹(1 − m), and the voids alike. ISO 13565-2:1996; ISO
+    25178-2:2021, annex B.
 
     Parameters
     ----------
     rms_height : float, m
-        σ.
 
     Returns
     -------
     dict of float
         `Sk`, `Spk`, `Svk`, `Vmc`, `Vvv` (m), `Smr1`, `Smr2` (1).
-
-    References
-    ----------
-    .. [1] ISO 13565-2:1996; ISO 25178-2:2021, annex B.
 
     Examples
     --------

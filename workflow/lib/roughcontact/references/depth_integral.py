@@ -16,12 +16,13 @@ def von_mises_below(
 ) -> np.ndarray:
     """Return the stress of von Mises at a depth below a periodic pressure without friction.
 
-    With the harmonic ψ whose second derivative in depth is the pressure without its mean, there are [1]_::
+    With the harmonic ψ whose second derivative in depth is the pressure without its mean, there are::
 
         σzz = -ψ,zz + z ψ,zzz      σxx = (1 - 2ν) ψ,xx - 2ν ψ,zz + z ψ,xxz      σxz = z ψ,xzz
         σxy = (1 - 2ν) ψ,xy + z ψ,xyz                                           σyz = z ψ,yzz
 
-    and besides the mean pressure p̄ across the surface, p̄ ν/(1 - ν) along it.
+    and besides the mean pressure p̄ across the surface, p̄ ν/(1 - ν) along it: the potentials of Boussinesq,
+    Johnson (1985), Contact Mechanics, section 3.2.
 
     Parameters
     ----------
@@ -36,10 +37,6 @@ def von_mises_below(
     Returns
     -------
     array (ny, nx), Pa
-
-    References
-    ----------
-    .. [1] Johnson (1985), Contact Mechanics, section 3.2: the potentials of Boussinesq.
 
     Examples
     --------

@@ -150,9 +150,10 @@ def turned_surface(
     hurst: float = 0.8,
     seed: int = 0,
 ) -> xr.DataArray:
-    """Return a face-turned surface: parabolic grooves of the tool nose, one per feed, lay along y [1]_.
+    """Return a face-turned surface: parabolic grooves of the tool nose, one per feed, lay along y.
 
-    h = s^2 / (2 R) + depth of the groove + fine roughness, s = distance from the middle of the groove.
+    h = s^2 / (2 R) + depth of the groove + fine roughness, s = distance from the middle of the groove; the
+    ideal profile is that of Shaw (2005), Metal Cutting Principles.
 
     Parameters
     ----------
@@ -176,10 +177,6 @@ def turned_surface(
     Returns
     -------
     DataArray (y, x), m
-
-    References
-    ----------
-    .. [1] Shaw, M. C. (2005), Metal Cutting Principles: ideal profile, peak-to-valley f^2 / (8 R).
 
     Examples
     --------
@@ -288,7 +285,7 @@ def westergaard_surface(
 ) -> xr.DataArray:
     """Return the one-dimensional wave h = amplitude cos(2 pi x / wavelength), crest on the first cell.
 
-    Complete contact at p* = pi E* amplitude / wavelength [1]_.
+    Complete contact at p* = pi E* amplitude / wavelength (Westergaard 1939, J. Appl. Mech. 6, A49).
 
     Parameters
     ----------
@@ -299,10 +296,6 @@ def westergaard_surface(
     Returns
     -------
     DataArray (y, x), m
-
-    References
-    ----------
-    .. [1] Westergaard, H. M. (1939), J. Appl. Mech. 6, A49.
 
     Examples
     --------
@@ -318,7 +311,8 @@ def product_wave_surface(
 ) -> xr.DataArray:
     """Return the two-dimensional wave h = amplitude cos(2 pi x / wavelength) cos(2 pi y / wavelength).
 
-    Complete contact at p* = sqrt(2) pi E* amplitude / wavelength [1]_. The crest is on the first cell.
+    The crest is on the first cell; complete contact at p* = sqrt(2) pi E* amplitude / wavelength (Johnson,
+    Greenwood and Higginson 1985, Int. J. Mech. Sci. 27, 383).
 
     Parameters
     ----------
@@ -329,10 +323,6 @@ def product_wave_surface(
     Returns
     -------
     DataArray (y, x), m
-
-    References
-    ----------
-    .. [1] Johnson, K. L., Greenwood, J. A., Higginson, J. G. (1985), Int. J. Mech. Sci. 27, 383.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The error budget as the report shows it: a figure and a table of what the ± is made of."""
+"""Figures and table of the error budget: the ± of each quantity by source."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -10,7 +10,7 @@ from roughcontact.quantities import number, with_interval
 from roughcontact.report.charts import COLOURS, MARKERS, Axis, Chart
 from roughcontact.report.units import unit_of
 
-# what each quantity is called on the page
+# names of the quantities on the page
 _SHOWN = {
     "relative_contact_area": "contact area A/A₀",
     "mean_gap": "mean gap ū",
@@ -28,18 +28,11 @@ _LEAST = 0.01  # percent; less is not drawn
 
 
 def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
-    """Return figure, table and notes of the error budget of a surface; None where there is none.
+    """Return figures, table and notes of the error budget of a surface; None where it has none.
 
-    Parameters
-    ----------
-    numbers : Dataset
-        statistics of one surface with `{quantity}_uncertainty` (load, source).
-
-    Returns
-    -------
-    dict or None
-        `images` (for each quantity its name and the source of its figure), `header` and `rows` (of the
-        table, as text), `notes` (sentences on how the parts were found, and on those that are not there).
+    `numbers` are the statistics of one surface with `{quantity}_uncertainty` (load, source). The result has
+    `images`, for each quantity its name and its figure (a data URI), `header` and `rows` of the table, as
+    text, and `notes` on how the parts were found and which are missing.
 
     Examples
     --------
@@ -83,7 +76,7 @@ def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
 
 
 def _part(half_width: float, source: str) -> str:
-    """Return what a source adds; a source that could change nothing is not written as ± 0."""
+    """Return the contribution of a source; one that changes nothing is not written as ± 0."""
     if np.isnan(half_width):
         return "–"
     if half_width > 0:
@@ -92,7 +85,7 @@ def _part(half_width: float, source: str) -> str:
 
 
 def _largest(parts: Mapping[str, float]) -> str:
-    """Return the word for the source with the largest part, nothing where all is exact."""
+    """Return the name of the source with the largest contribution, a dash where all is exact."""
     known = {source: part for source, part in parts.items() if part > 0}
     return _WORDS[max(known, key=known.__getitem__)] if known else "–"
 

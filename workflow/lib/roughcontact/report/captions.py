@@ -1,4 +1,7 @@
-"""What one sees in a picture of the contact, with its numbers: captions and alternative texts."""
+"""Captions and alternative texts of the charts: their main numbers in words.
+
+They are taken from the statistics of one surface, with its loads rising.
+"""
 
 from collections.abc import Sequence
 
@@ -12,16 +15,7 @@ _BARS = "Bars: the ±."
 
 
 def area_caption(numbers: xr.Dataset) -> str:
-    """Return from where to where the contact area grows.
-
-    Parameters
-    ----------
-    numbers : Dataset
-        statistics of one surface, loads rising.
-
-    Returns
-    -------
-    str
+    """Return the contact area at the lowest and at the highest load.
 
     Examples
     --------
@@ -37,16 +31,7 @@ def area_caption(numbers: xr.Dataset) -> str:
 
 
 def gap_caption(numbers: xr.Dataset) -> str:
-    """Return from where to where the mean gap falls.
-
-    Parameters
-    ----------
-    numbers : Dataset
-        statistics of one surface, loads rising.
-
-    Returns
-    -------
-    str
+    """Return the mean gap at the lowest and at the highest load.
 
     Examples
     --------
@@ -62,16 +47,7 @@ def gap_caption(numbers: xr.Dataset) -> str:
 
 
 def pressure_caption(numbers: xr.Dataset) -> str:
-    """Return mean and largest pressure at the lowest and the highest load, and where they reach the hardness.
-
-    Parameters
-    ----------
-    numbers : Dataset
-        statistics of one surface, loads rising.
-
-    Returns
-    -------
-    str
+    """Return mean and largest pressure at the lowest and highest load, and where the hardness is reached.
 
     Examples
     --------
@@ -91,16 +67,7 @@ def pressure_caption(numbers: xr.Dataset) -> str:
 
 
 def distribution_caption(numbers: xr.Dataset) -> str:
-    """Return how the pressure is distributed over the contact at the highest load.
-
-    Parameters
-    ----------
-    numbers : Dataset
-        statistics of one surface, loads rising.
-
-    Returns
-    -------
-    str
+    """Return the scatter of the pressure over the contact at the highest load.
 
     Examples
     --------
@@ -118,16 +85,7 @@ def distribution_caption(numbers: xr.Dataset) -> str:
 
 
 def patch_caption(numbers: xr.Dataset) -> str:
-    """Return how many patches there are at the highest load, and how large the largest of them is.
-
-    Parameters
-    ----------
-    numbers : Dataset
-        statistics of one surface, loads rising.
-
-    Returns
-    -------
-    str
+    """Return the number of patches at the highest load and the area of the largest.
 
     Examples
     --------
@@ -149,16 +107,7 @@ def patch_caption(numbers: xr.Dataset) -> str:
 
 
 def open_caption(numbers: xr.Dataset) -> str:
-    """Return how wide the gap is where the surfaces do not touch.
-
-    Parameters
-    ----------
-    numbers : Dataset
-        statistics of one surface, loads rising.
-
-    Returns
-    -------
-    str
+    """Return the mean gap where the surfaces do not touch, at the highest load.
 
     Examples
     --------
@@ -175,16 +124,7 @@ def open_caption(numbers: xr.Dataset) -> str:
 
 
 def reading_of(numbers: xr.Dataset) -> str:
-    """Return how the marks of a figure are to be read: what its bars are, where there are any.
-
-    Parameters
-    ----------
-    numbers : Dataset
-        statistics of one surface.
-
-    Returns
-    -------
-    str
+    """Return how the marks of a figure are to be read: the meaning of its bars, where there are any.
 
     Examples
     --------
@@ -197,19 +137,10 @@ def reading_of(numbers: xr.Dataset) -> str:
 def comparison_caption(
     series: Sequence[tuple[str, np.ndarray, np.ndarray]], pressure: Unit | None = None
 ) -> str:
-    """Return which surface has the least and which the most contact at the highest load that all have.
+    """Return the surfaces with the least and the most contact at the highest load that all have in common.
 
-    Parameters
-    ----------
-    series : sequence of (name, loads, relative contact areas)
-        loads rising.
-    pressure : Unit, optional
-        in which loads are shown that are mean pressures (Pa); without, they are relative pressures.
-
-    Returns
-    -------
-    str
-        empty for a single surface.
+    `series` has a (name, loads, relative contact areas) for each surface, loads rising: mean pressures (Pa)
+    shown in the unit `pressure`, or relative pressures without one. Empty for a single surface.
 
     Examples
     --------
@@ -243,7 +174,7 @@ def _load(numbers: xr.Dataset) -> str:
 
 
 def _from_to(numbers: xr.Dataset, said: list[str]) -> str:
-    """Return what is said of the lowest and of the highest load, with these; once where there is one."""
+    """Return the statements `said` with the lowest and the highest load; one where there is one load."""
     loads = numbers["mean_pressure"].values
     ends = [unit_of(numbers, "Pa").text(float(load)) for load in (loads[0], loads[-1])]
     pairs = [f"{words} at {load}" for words, load in zip(said, ends, strict=True)]

@@ -16,25 +16,21 @@ _COMPARED = (
     ("max_pressure", "largest pressure", "Pa"),
     ("mean_gap", "mean gap ū", "m"),
 )
-_PERCENT = Unit(1.0, "%")  # of what is in percent already
+_PERCENT = Unit(1.0, "%")  # of numbers in percent
 _SPREAD = (0.1, 0.9)  # quantiles over the surfaces
 
 _DUST = 1e-9  # percent: a difference that small is rounding
 
 Group = dict[str, Any]
-Ways = tuple[float, float]  # how far an interval reaches down, and up
+Ways = tuple[float, float]  # half-widths of an interval, down and up
 
 
 def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
     """Return the numbers of one surface under several cases, with their differences from the first.
 
-    Loads are compared in order, first with first. The ± of a difference is that of two independent numbers;
-    what both cases have in common (the map, mostly the window) makes it smaller.
-
-    Parameters
-    ----------
-    cases : mapping
-        name -> statistics of the surface, loads rising.
+    `cases` maps names to statistics of the surface, loads rising. Loads are compared in order, first with
+    first. The ± of a difference is that of two independent numbers; what both cases have in common (the map,
+    mostly the window) makes it smaller.
 
     Returns
     -------
@@ -79,17 +75,10 @@ def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
 def case_medians(surfaces: Sequence[Mapping[str, xr.Dataset]]) -> dict[str, Any] | None:
     """Return medians over many surfaces under each case, and those of the differences from the first case.
 
-    Parameters
-    ----------
-    surfaces : sequence of mappings
-        of each surface, name of the case -> statistics, loads rising; those that lack a case are left out.
-
-    Returns
-    -------
-    dict or None
-        as `case_table` returns it, each cell with the 10th and 90th percentile, a difference also with the
-        number of surfaces of which it is larger than its ±, where that is known; `surfaces` is how many were
-        compared. None where there is a single case, or no surface under all of them.
+    Each of `surfaces` maps names of cases to statistics, loads rising; those that lack a case are left out.
+    The result is as of `case_table`, each cell with the 10th and 90th percentile, a difference also with the
+    number of surfaces for which it exceeds its ±, where that is known; `surfaces` is the number of surfaces
+    compared. None where there is a single case, or no surface under all of them.
     """
     names = list(dict.fromkeys(name for surface in surfaces for name in surface))
     complete = [surface for surface in surfaces if len(surface) == len(names)]
@@ -134,7 +123,7 @@ def _table(names: list[str], groups: list[Group]) -> dict[str, Any]:
 
 
 def _load(cases: Sequence[Sequence[xr.Dataset]], load: int) -> str:
-    """Return what all surfaces have in common at a load under all cases, else the median pressure of each."""
+    """Return the load that all surfaces share under all cases, else the median pressure of each case."""
     pressures = np.array([[float(data["mean_pressure"][load]) for data in case] for case in cases])
     if np.allclose(pressures, pressures[0, 0], rtol=1e-6):
         return unit_of(cases[0][0], "Pa").text(float(pressures[0, 0]))
@@ -147,7 +136,7 @@ def _load(cases: Sequence[Sequence[xr.Dataset]], load: int) -> str:
 
 
 def _ways(data: xr.Dataset, name: str, load: int) -> Ways:
-    """Return how far the interval of a number reaches down and up, NaN where there is none."""
+    """Return the two half-widths of the interval of a number, down and up; NaN where there is none."""
     if f"{name}_lower" in data:
         value = float(data[name][load])
         return value - float(data[f"{name}_lower"][load]), float(data[f"{name}_upper"][load]) - value
@@ -170,19 +159,19 @@ def _in_brackets(value: float, down: float, up: float, unit: str) -> str:
 
 
 def _difference(first: float, of_first: Ways, other: float, ways: Ways) -> str:
-    """Return by how many percent a number differs from that of the first case, with its interval.
+    """Return the difference from the first case in percent, with its interval.
 
     It is larger where the other number is, and where the first is smaller.
     """
     if not first > 0:
         return "–"
     change, (down, up) = _change(first, of_first, other, ways)
-    # nothing falls by more than all of it; min() keeps what is not known
+    # no number falls by more than 100 %; min() keeps NaN
     return _in_brackets(change, min(down, 100 + change), up, "%")
 
 
 def _change(first: float, of_first: Ways, other: float, ways: Ways) -> tuple[float, Ways]:
-    """Return by how many percent a number differs from another one, and how far its interval reaches."""
+    """Return the difference of a number from another one in percent, and the half-widths of its interval."""
     ratio = other / first
     down, up = (
         100 * float(np.hypot(way, ratio * opposite)) / first
@@ -193,7 +182,7 @@ def _change(first: float, of_first: Ways, other: float, ways: Ways) -> tuple[flo
 
 
 def _clear(pairs: Sequence[tuple[xr.Dataset, xr.Dataset]], name: str, load: int) -> str:
-    """Return of how many surfaces the difference between two cases is larger than its interval."""
+    """Return the number of surfaces whose difference between two cases is larger than its interval."""
     known = clear = 0
     for first, other in pairs:
         values = [float(data[name][load]) for data in (first, other)]
@@ -206,7 +195,7 @@ def _clear(pairs: Sequence[tuple[xr.Dataset, xr.Dataset]], name: str, load: int)
 
 
 def _quantiles(values: np.ndarray, unit: Unit) -> str:
-    """Return the median of some numbers and where most of them lie."""
+    """Return the median of some numbers, and the range of most of them."""
     known = values[np.isfinite(values)] * unit.factor
     if not known.size:
         return "–"

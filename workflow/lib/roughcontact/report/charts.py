@@ -24,14 +24,14 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#0
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 INK = "#222222"
-GREY = "#444444"  # of lines that are there for comparison
+GREY = "#444444"  # of lines for comparison
 DASHED, DOTTED, DASH_DOTTED = "6 3", "2 2.5", "7 3 2 3"
 _GRID = "#dddddd"
 _FONT = "system-ui,'Segoe UI','DejaVu Sans',sans-serif"
 _SIZE = 12.0  # of the text, in units of the chart (pixels where it is shown at its own size)
 _SMALL = 11.0  # of legends
 _WIDE = 0.56  # of a letter, on average, in units of the size of the text
-_MOST_POINTS = 1500  # of a line; of more the least and the largest of each few are drawn
+_MOST_POINTS = 1500  # of a line; of longer ones the extremes of each few points are drawn
 
 # outlines of the marks around (0, 0), for a radius of 1
 _OUTLINES = {
@@ -68,16 +68,9 @@ class Axis:
     log: bool = False
 
     def place(self, values: float | np.ndarray) -> np.ndarray:
-        """Return where values lie, 0 at the lower end and 1 at the upper one.
+        """Return the positions of values, 0 at the lower end and 1 at the upper one.
 
-        Parameters
-        ----------
-        values : float or array
-            NaN and, on a logarithmic axis, what is not positive have no place: NaN.
-
-        Returns
-        -------
-        array
+        NaN for NaN and, on a logarithmic axis, for values that are not positive.
 
         Examples
         --------
@@ -92,16 +85,7 @@ class Axis:
         return (logarithm - low) / (high - low)
 
     def ticks(self, most: int = 6) -> tuple[list[float], list[float]]:
-        """Return the values that are written at the axis, and those of the smaller marks between them.
-
-        Parameters
-        ----------
-        most : int
-            about so many are written.
-
-        Returns
-        -------
-        written, between : lists of float
+        """Return the values written at the axis, about `most`, and those of the smaller marks between.
 
         Examples
         --------
@@ -122,12 +106,7 @@ class Axis:
         return [float(f"{k * step:.12g}") for k in range(first, last + 1)], []
 
     def reading(self) -> list[Any]:
-        """Return label and ends of the axis, for a script that reads values from a picture.
-
-        Returns
-        -------
-        list
-        """
+        """Return label and ends of the axis, for a script that reads values from a picture."""
         return [self.label, self.low, self.high]
 
 
@@ -150,14 +129,6 @@ def _decades(low: float, high: float, most: int) -> tuple[list[float], list[floa
 
 def tick_text(value: float) -> str:
     """Return a value as it is written at an axis.
-
-    Parameters
-    ----------
-    value : float
-
-    Returns
-    -------
-    str
 
     Examples
     --------
@@ -188,7 +159,7 @@ class Chart:
     grid : bool
         whether lines go through from the ticks.
     reading : dict
-        what it takes to read values from a picture (`map_plots.framed`); it goes with the chart as JSON.
+        the scales from which a script reads values of a picture (`map_plots.framed`), written as JSON.
     """
 
     x: Axis
@@ -220,17 +191,10 @@ class Chart:
         dash: str = "",
         label: str = "",
     ) -> None:
-        """Draw a line through points; it has gaps where values are NaN.
+        """Draw a line through points, interrupted at NaN.
 
-        Parameters
-        ----------
-        x, y : arrays of one size
-        colour : str
-        width : float, pixels
-        dash : str
-            lengths of dashes and gaps; solid where empty.
-        label : str
-            in the legend; not listed where empty.
+        `width` is in pixels, `dash` has the lengths of dashes and gaps (empty: solid), `label` stands in the
+        legend (empty: not listed).
         """
         style = _stroke(colour, width, dash)
         self._drawn.append(f'<path d="{self._path(x, y)}" fill="none" {style}/>')
@@ -247,20 +211,9 @@ class Chart:
         label: str = "",
         joined: float = 0.0,
     ) -> None:
-        """Draw marks at points, with bars and lines as asked for.
+        """Draw marks at points, each one of `MARKERS`, filled or as an outline.
 
-        Parameters
-        ----------
-        x, y : arrays of one size
-        colour : str
-        marker : str
-            one of `MARKERS`.
-        filled : bool
-            else only the outline is drawn.
-        label : str
-            in the legend; not listed where empty.
-        joined : float, pixels
-            width of the line through the marks; none for 0.
+        `joined` is the width (pixels) of a line through the marks; none for 0.
         """
         if joined:
             self.line(x, y, colour=colour, width=joined)
@@ -272,13 +225,9 @@ class Chart:
         self._list(label, lambda at, up: through.format(at, up) + glyph(at + 13, up))
 
     def bars(self, x: np.ndarray, lower: np.ndarray, upper: np.ndarray, *, colour: str) -> None:
-        """Draw error bars, which may reach farther to one side; one that leaves the axes ends at their edge.
+        """Draw error bars, which may be asymmetric; one that leaves the axes ends at their edge.
 
-        Parameters
-        ----------
-        x, lower, upper : arrays of one size
-            a bar with an end that is not known is left out.
-        colour : str
+        A bar with an unknown end is left out.
         """
         left, low = self._pixels(x, lower)
         high = self._pixels(x, upper)[1]
@@ -296,31 +245,14 @@ class Chart:
     def across(
         self, *, x: float | None = None, y: float | None = None, label: str = "", **style: str
     ) -> None:
-        """Draw a straight line from end to end, at a value of either axis.
-
-        Parameters
-        ----------
-        x, y : float
-            one of them.
-        label : str
-            in the legend; not listed where empty.
-        **style : str
-            `colour` and `dash` as those of `line`.
-        """
+        """Draw a straight line across the chart at a value of x or y; `colour`, `dash` as of `line`."""
         ends_x = np.array([self.x.low, self.x.high] if x is None else [x, x])
         ends_y = np.array([self.y.low, self.y.high] if y is None else [y, y])
         colour, dash = style.get("colour", GREY), style.get("dash", "")
         self.line(ends_x, ends_y, colour=colour, width=1.3, dash=dash, label=label)
 
     def band(self, low: float, high: float, *, label: str = "") -> None:
-        """Shade what lies between two values of x.
-
-        Parameters
-        ----------
-        low, high : float
-        label : str
-            in the legend; not listed where empty.
-        """
+        """Shade the range between two values of x."""
         left, right = np.clip(self.x.place(np.array([low, high])), 0, 1) * self.area[2]
         self._drawn.insert(
             0, f'<path d="M{left:.1f} 0H{right:.1f}V{self.area[3]:.1f}H{left:.1f}z" fill="#e4e4e4"/>'
@@ -328,15 +260,7 @@ class Chart:
         self._list(label, lambda at, up: f'<path d="M{at:g} {up - 5:g}h26v10h-26z" fill="#e4e4e4"/>')
 
     def picture(self, source: str, *, smooth: bool) -> None:
-        """Lay a picture over the whole area between the axes.
-
-        Parameters
-        ----------
-        source : str
-            data URI.
-        smooth : bool
-            whether points may run into one another; else each is a rectangle of one colour.
-        """
+        """Lay a picture (data URI) over the area between the axes, with points as rectangles or `smooth`."""
         rendering = "" if smooth else ' style="image-rendering:pixelated"'
         width, height = self.area[2:]
         self._drawn.append(
@@ -347,16 +271,9 @@ class Chart:
     def colour_bar(
         self, axis: Axis, colours: Sequence[str], *, below: bool = False, above: bool = False
     ) -> None:
-        """Draw a bar of colours at the right, with arrows where the colours end before the values do.
+        """Draw a bar of evenly spaced colours at the right; `axis` gives their values, from first to last.
 
-        Parameters
-        ----------
-        axis : Axis
-            what the colours mean, from the first to the last.
-        colours : sequence of str
-            evenly spaced.
-        below, above : bool
-            whether there are values beyond either end.
+        An arrow shows that there are values `below` or `above` those of the colours.
         """
         left, top, width, height = self.area
         bar = left + width + 10, top, 12.0, height
@@ -379,19 +296,7 @@ class Chart:
         ]
 
     def source(self, legend: Corner = "upper right", *, columns: int = 3) -> str:
-        """Return the chart as the source of an image.
-
-        Parameters
-        ----------
-        legend : {"upper left", "upper right", "lower left", "lower right", "below"}
-            where it stands, if there is something to list.
-        columns : int
-            of a legend below the chart.
-
-        Returns
-        -------
-        str
-            data URI.
+        """Return the chart as a data URI, with the legend in a corner or `below`, there in `columns`.
 
         Examples
         --------
@@ -477,16 +382,7 @@ class Chart:
 
 
 def data_uri(svg: str) -> str:
-    """Return an SVG text as the source of an image.
-
-    Parameters
-    ----------
-    svg : str
-
-    Returns
-    -------
-    str
-        data URI; only what a URI does not admit is spelled out, so that it is hardly longer than the text.
+    """Return an SVG text as a data URI, short: only characters that a URI does not admit are encoded.
 
     Examples
     --------
@@ -497,7 +393,7 @@ def data_uri(svg: str) -> str:
 
 
 def _stroke(colour: str, width: float, dash: str) -> str:
-    """Return how a line is drawn."""
+    """Return the SVG attributes of a line."""
     dashes = f' stroke-dasharray="{dash}"' if dash else ""
     return f'stroke="{colour}" stroke-width="{width:g}" stroke-linejoin="round"{dashes}'
 
@@ -563,7 +459,7 @@ def _ticks(axis: Axis, side: str, area: Rectangle, *, grid: bool, within: float 
     ]
     longest = max(map(len, texts), default=1) * _WIDE * _SIZE
     label = edge - 18 - longest if side == "left" else edge + 22 + longest
-    half = len(axis.label) * _WIDE * _SIZE / 2  # beside a low picture nothing of it may be cut off above
+    half = len(axis.label) * _WIDE * _SIZE / 2  # it must not be cut off above a low picture
     middle = max(top + height / 2, half)
     label = min(max(label, 12.0), within - 4)
     return [*parts, _text(label, middle, axis.label, anchor="middle", turned=True)]

@@ -33,15 +33,7 @@ _SHARES = 11  # steps of the share of bad points among those that make one
 
 
 def colour_scale(name: str) -> list[str]:
-    """Return the colours of a scale, evenly spaced from low to high.
-
-    Parameters
-    ----------
-    name : {"viridis", "cividis", "magma"}
-
-    Returns
-    -------
-    list of str
+    """Return the colours of a scale ("viridis", "cividis" or "magma"), evenly spaced from low to high.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What is known of a surface, in words: the facts beside its checks, and the captions of its pictures."""
+"""Facts of a surface in words, beside its checks, and the captions of its maps."""
 
 import json
 import textwrap
@@ -20,19 +20,10 @@ from roughcontact.statistics.adhesion import adhesion_in_words
 def surface_facts(
     measured: xr.DataArray, levelled: xr.DataArray, window: xr.DataArray, numbers: xr.Dataset
 ) -> list[tuple[str, str]]:
-    """Return what is known of a surface, from its file to its contact modulus.
+    """Return the facts of a surface as (name, text), in the order of the page; unknown ones are left out.
 
-    Parameters
-    ----------
-    measured, levelled, window : DataArray (y, x), m
-        the map after each stage, with the attributes that the stage leaves.
-    numbers : Dataset
-        statistics of the surface.
-
-    Returns
-    -------
-    list of (name, text)
-        in the order of the page; what is not known is left out.
+    `measured`, `levelled` and `window` (y, x; m) are the map after each stage, with the attributes of that
+    stage; `numbers` the statistics of the surface.
     """
     pitch = " × ".join(dict.fromkeys(quantity(step, "m") for step in spacing(measured)[::-1]))
     instrument = labelled(json.loads(measured.attrs.get("instrument", "{}")))
@@ -72,23 +63,14 @@ def surface_facts(
 
 
 def _first_row(measured: xr.DataArray) -> str:
-    """Return what was assumed of the orientation of a map, empty where its file or its format says it."""
+    """Return the assumed orientation of a map, empty where its file or its format states it."""
     if not measured.attrs.get("first_row_assumed"):
         return ""
     return f"at the {measured.attrs['first_row']}, assumed: the file does not say (first_row in the table)"
 
 
 def versions(numbers: xr.Dataset) -> str:
-    """Return the versions that wrote the statistics of a surface.
-
-    Parameters
-    ----------
-    numbers : Dataset
-        with the attribute `versions`, a JSON object.
-
-    Returns
-    -------
-    str
+    """Return the versions that wrote the statistics of a surface, from their attribute `versions` (JSON).
 
     Examples
     --------
@@ -102,16 +84,7 @@ def versions(numbers: xr.Dataset) -> str:
 
 
 def measured_caption(measured: xr.DataArray) -> str:
-    """Return what the picture of the measured map shows.
-
-    Parameters
-    ----------
-    measured : DataArray
-        with the attribute `missing_points`.
-
-    Returns
-    -------
-    str
+    """Return the caption of the measured map, with its number of missing points.
 
     Examples
     --------
@@ -125,16 +98,7 @@ def measured_caption(measured: xr.DataArray) -> str:
 
 
 def levelled_caption(levelled: xr.DataArray) -> str:
-    """Return what levelling filled in and rejected.
-
-    Parameters
-    ----------
-    levelled : DataArray (y, x)
-        with the attributes that `level` leaves.
-
-    Returns
-    -------
-    str
+    """Return the caption of the levelled map: points filled in, outliers rejected.
 
     Examples
     --------
@@ -148,18 +112,7 @@ def levelled_caption(levelled: xr.DataArray) -> str:
 
 
 def spectrum_caption(window: xr.DataArray, numbers: xr.Dataset) -> str:
-    """Return which waves of a window are solved, and what the others were.
-
-    Parameters
-    ----------
-    window : DataArray (y, x)
-        with the attributes that `periodic_window` leaves.
-    numbers : Dataset
-        statistics of the surface.
-
-    Returns
-    -------
-    str
+    """Return the band of waves of a window that is solved, and the roughness of the removed waves.
 
     Examples
     --------
@@ -173,21 +126,12 @@ def spectrum_caption(window: xr.DataArray, numbers: xr.Dataset) -> str:
     band = f"Waves from {shortest} to {longest} are solved"
     if removed := window.attrs["band_removed_rms_height"]:
         gradient = number(window.attrs["band_removed_rms_gradient"])
-        band += f"; taken out: rms height {unit_of(numbers, 'm').text(removed)}, rms gradient {gradient}"
+        band += f"; removed: rms height {unit_of(numbers, 'm').text(removed)}, rms gradient {gradient}"
     return f"{band}." if 1 in window.shape else f"Mean over all directions. {band}."
 
 
 def lay_caption(numbers: xr.Dataset) -> str:
-    """Return the direction of the lay; a surface that is the same in all directions has none.
-
-    Parameters
-    ----------
-    numbers : Dataset
-        with the texture aspect ratio `Str` and the texture direction `Std` (degrees).
-
-    Returns
-    -------
-    str
+    """Return the direction of the lay, from `Str` and `Std` (degrees); isotropic surfaces have none.
 
     References
     ----------
@@ -212,18 +156,9 @@ def lay_caption(numbers: xr.Dataset) -> str:
 
 
 def autocorrelation_caption(numbers: xr.Dataset, *, profile: bool) -> str:
-    """Return over which length the autocorrelation of a window falls.
+    """Return the length over which the autocorrelation falls, from `Sal` (m) and `Str`.
 
-    Parameters
-    ----------
-    numbers : Dataset
-        with the autocorrelation length `Sal` (m) and the texture aspect ratio `Str`.
-    profile : bool
-        whether the window is a profile, which has one direction.
-
-    Returns
-    -------
-    str
+    A `profile` has one direction only.
 
     Examples
     --------
@@ -248,12 +183,12 @@ def _lay(numbers: xr.Dataset) -> str:
 
 
 def _of_softer_body(numbers: xr.Dataset, name: str) -> str:
-    """Return a pressure that belongs to the softer body, nothing where no hardness is stated."""
+    """Return a pressure of the softer body, nothing where no hardness is stated."""
     return unit_of(numbers, "Pa").text(float(numbers[name])) if name in numbers else ""
 
 
 def _first_yield(numbers: xr.Dataset) -> str:
-    """Return the load at which a body begins to yield below its surface, as far as that is known."""
+    """Return the load at which a body begins to yield below its surface, where it was computed."""
     name = "first_subsurface_yield_pressure"
     if name not in numbers:
         return ""
@@ -291,7 +226,7 @@ def _size(height: xr.DataArray) -> str:
 
 
 def _counter_face(levelled: xr.DataArray) -> str:
-    """Return how the other face of a pair lies on this one, nothing where there is a single face."""
+    """Return the position of the other face of a pair on this one, nothing where there is a single face."""
     attrs = levelled.attrs
     if "counter_face" not in attrs:
         return ""
@@ -303,7 +238,7 @@ def _counter_face(levelled: xr.DataArray) -> str:
 
 
 def _removed(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
-    """Return which form levelling removed."""
+    """Return the form that levelling removed."""
     removed = json.loads(levelled.attrs.get("form_removed", "{}"))
     parts = [
         f"{name.replace('_', ' ')} {_removed_part(name, entry, levelled, numbers)}"
@@ -314,7 +249,7 @@ def _removed(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
 
 
 def _removed_part(name: str, entry: Mapping[str, Any], levelled: xr.DataArray, numbers: xr.Dataset) -> str:
-    """Return a mean, slope or curvature: 0 where over the whole map it makes no difference."""
+    """Return a mean, slope or curvature; 0 where it is negligible over the whole map."""
     if entry["units"] == "degree":
         return f"{entry['value']:.2f}°".replace("-", "−")
     power = {"m": 0, "1": 1, "m-1": 2}[entry["units"]]
@@ -327,7 +262,7 @@ def _removed_part(name: str, entry: Mapping[str, Any], levelled: xr.DataArray, n
 
 
 def _lines(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
-    """Return how the scan lines were aligned, nothing where they were not."""
+    """Return the alignment of the scan lines, nothing where they were not aligned."""
     method = levelled.attrs.get("line_alignment", "none")
     if method == "none":
         return ""
@@ -335,11 +270,11 @@ def _lines(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
 
 
 def _filters(levelled: xr.DataArray, numbers: xr.Dataset) -> str:
-    """Return which waves levelling took off, nothing where it took none."""
+    """Return the waves that the filters of levelling removed, nothing where there was no filter."""
     names = {"s_filter": "S-filter", "l_filter": "L-filter"}
     return "; ".join(
         f"{names[name]} {quantity(entry['nesting_index']['value'], 'm')}, "
-        f"{unit_of(numbers, 'm').text(entry['rms_removed']['value'])} rms taken off"
+        f"{unit_of(numbers, 'm').text(entry['rms_removed']['value'])} rms removed"
         for name, entry in json.loads(levelled.attrs.get("filters_removed", "{}")).items()
     )
 

@@ -1,4 +1,4 @@
-"""What all figures have in common: style, colours, layout, and how they become the source of an image.
+"""Style and layout of Matplotlib figures, and their conversion to the source of an image.
 
 A source is a data URI, the same for the same data, so that a page needs no other file and does not change
 when it is drawn again.
@@ -37,17 +37,7 @@ _STYLE: dict[Any, Any] = {
 def new_figure(
     width: float, height: float, *, layout: Literal["constrained"] | None = "constrained"
 ) -> Iterator[Figure]:
-    """Yield a figure that belongs to no window and no other figure, in the style of the pages.
-
-    Parameters
-    ----------
-    width, height : float, inches
-    layout : {"constrained"} or None
-        who places the axes; None where the caller does.
-
-    Yields
-    ------
-    Figure
+    """Yield a figure (inches) in the style of the pages; with `layout` None the caller places the axes.
 
     Examples
     --------
@@ -63,17 +53,8 @@ def new_figure(
 def as_png(figure: Figure) -> str:
     """Return a figure as PNG with a palette: a third of the size, and no dates or versions inside.
 
-    The palette covers all the colours there are, not the frequent ones: the colour bar stays smooth.
-
-    Parameters
-    ----------
-    figure : Figure
-        of `new_figure`.
-
-    Returns
-    -------
-    str
-        data URI.
+    The palette covers all colours, not the frequent ones: the colour bar stays smooth. The result is a data
+    URI.
     """
     from PIL import Image
 
@@ -88,18 +69,7 @@ def as_png(figure: Figure) -> str:
 
 
 def as_svg(figure: Figure) -> str:
-    """Return a figure as SVG without a date.
-
-    Parameters
-    ----------
-    figure : Figure
-        of `new_figure`.
-
-    Returns
-    -------
-    str
-        data URI.
-    """
+    """Return a figure as SVG without a date, a data URI."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None})
     return "data:image/svg+xml;base64," + base64.b64encode(buffer.getvalue()).decode()

@@ -1,4 +1,4 @@
-"""Links from a surface's part of the report to its result files, from wherever that part comes to lie."""
+"""Links from a surface's part of the report to its result files, from wherever that part is placed."""
 
 import html
 import os
@@ -11,19 +11,9 @@ _LINK = re.compile(r'<a class="file" href="([^"]*)"')
 
 
 def beside(panel: str | Path, files: Mapping[str, str | Path]) -> list[tuple[str, str, str]]:
-    """Return what the files of a surface hold, their names, and how one gets to them from its panel.
+    """Return (content, name, address) of the files of a surface, seen from its panel.
 
-    Parameters
-    ----------
-    panel : path
-        where the panel comes to lie.
-    files : mapping
-        what a file holds -> its path.
-
-    Returns
-    -------
-    list of (str, str, str)
-        what it holds, its name, its address.
+    `files` maps the content of a file, in words, to its path; `panel` is the path of the panel.
 
     Examples
     --------
@@ -38,20 +28,7 @@ def beside(panel: str | Path, files: Mapping[str, str | Path]) -> list[tuple[str
 
 
 def from_page(text: str, panel: str | Path, folder: str | Path) -> str:
-    """Return the text of a panel with its links to files as they are from a page that it becomes part of.
-
-    Parameters
-    ----------
-    text : str
-        of the panel.
-    panel : path
-        where the panel lies.
-    folder : path
-        where the page comes to lie.
-
-    Returns
-    -------
-    str
+    """Return the text of a panel with its links to files as seen from a page in `folder`.
 
     Examples
     --------

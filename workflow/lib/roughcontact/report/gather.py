@@ -1,4 +1,4 @@
-"""All surfaces of a run in one dataset, one table, one page."""
+"""The results of all surfaces of a run: one dataset, one table, one page."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -41,7 +41,7 @@ def write_results(
     folder : path
         where they are written.
     finished : sequence of dict
-        what there is, in the order it shall be listed; one at least.
+        the finished surfaces, in the order of the tables; one at least.
     title : str
         of the page.
     settings, settings_of_statistics : dict

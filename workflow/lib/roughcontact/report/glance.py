@@ -1,4 +1,4 @@
-"""At a glance: of a surface, at two or three loads, what an engineer asks, each number with its interval."""
+"""The table at a glance: the main answers for each surface at two or three loads, with their intervals."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
@@ -12,7 +12,7 @@ from roughcontact.report.units import middle_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 from roughcontact.statistics.outcome import FAILED, Check
 
-AREAS = (0.01, 0.1, 0.3)  # contact areas whose nearest loads are shown
+AREAS = (0.01, 0.1, 0.3)  # the loads with contact areas nearest to these are shown
 NOT_JUDGED = "not judged"
 HEADINGS = (
     "mean pressure\N{NO-BREAK SPACE}p̄",
@@ -41,7 +41,7 @@ _UNITS = {
     "conductance_per_conductivity": "m-1",
 }
 
-# what is wrong with the map comes first, what the material makes of the pressure after it
+# checks by importance: errors of the map come before limits of the material
 _WEIGHT = (
     "Units",
     "Solver",
@@ -65,24 +65,16 @@ _WEIGHT = (
 
 
 class Cell(NamedTuple):
-    """What stands in a cell of the table: the answer, and in small letters what belongs to it."""
+    """One cell of the table: the answer, and details in small letters."""
 
     text: str
     more: str = ""
 
 
 def shown_loads(areas: np.ndarray) -> list[int]:
-    """Return the places of the loads at which a surface is looked at: two or three.
+    """Return the indices of the loads that are shown of a surface, loads rising: two or three.
 
-    Parameters
-    ----------
-    areas : array (load,)
-        relative contact areas, loads rising.
-
-    Returns
-    -------
-    list of int
-        all of up to three; of more those with the areas nearest to `AREAS`, by ratio.
+    All of up to three; of more those with the relative contact areas nearest to `AREAS`, by ratio.
 
     Examples
     --------
@@ -101,20 +93,10 @@ def shown_loads(areas: np.ndarray) -> list[int]:
 
 
 def loads_to_compare(results: Sequence[xr.Dataset], area: float = 0.1) -> list[int]:
-    """Return the place of the load at which each of many surfaces stands in a table with the others.
+    """Return for each of many surfaces the index of the load at which they are compared, loads rising.
 
-    Parameters
-    ----------
-    results : sequence of Dataset
-        statistics of the surfaces, loads rising.
-    area : float
-        contact area that is looked for.
-
-    Returns
-    -------
-    list of int
-        where all have as many loads, the same one for all: that with the median nearest to `area`, by ratio;
-        else that of each surface which is nearest.
+    Where all have as many loads, the same one for all: that with the median nearest to the contact `area`, by
+    ratio; else for each surface its own nearest.
 
     Examples
     --------
@@ -131,17 +113,7 @@ def loads_to_compare(results: Sequence[xr.Dataset], area: float = 0.1) -> list[i
 
 
 def glance_units(results: Sequence[xr.Dataset]) -> dict[str, Unit]:
-    """Return the unit of each quantity in the table, the same for all surfaces, so that they compare.
-
-    Parameters
-    ----------
-    results : sequence of Dataset
-        statistics of the surfaces.
-
-    Returns
-    -------
-    dict
-        name of a variable -> its unit.
+    """Return the unit of each quantity in the table by name of its variable, the same for all surfaces.
 
     Examples
     --------
@@ -158,18 +130,9 @@ def glance_rows(
 ) -> list[list[Cell]]:
     """Return for two or three loads of a surface the cells below `HEADINGS`.
 
-    Parameters
-    ----------
-    numbers : Dataset
-        statistics of one surface, loads rising; a number that is not there, or NaN, was not asked for.
-    units : mapping, optional
-        as `glance_units` returns them for all surfaces of the table; else those of this one.
-    places : sequence of int, optional
-        of the loads; else those of `shown_loads`.
-
-    Returns
-    -------
-    list (load) of lists of Cell
+    `numbers` has the loads rising; an absent or NaN number counts as not asked for. `units` are those of
+    `glance_units` for all surfaces of the table, else those of this one; `places` the indices of the loads,
+    else those of `shown_loads`.
     """
     units = glance_units([numbers]) if units is None else units
     places = shown_loads(numbers["relative_contact_area"].values) if places is None else places
@@ -189,17 +152,9 @@ def glance_rows(
 
 
 def by_weight(doubts: Iterable[Check]) -> list[Check]:
-    """Return the checks that speak against a result, the one that matters most first.
+    """Return warnings and failed checks, the most important first.
 
-    Parameters
-    ----------
-    doubts : iterable of Check
-        those that failed and those that ask for a look.
-
-    Returns
-    -------
-    list of Check
-        what failed before the others, and a doubt of the map before one of the material.
+    Failed checks come before warnings, and those of the map before those of the material.
 
     Examples
     --------
@@ -216,7 +171,7 @@ def by_weight(doubts: Iterable[Check]) -> list[Check]:
 
 
 def _known(numbers: xr.Dataset, name: str) -> bool:
-    """Return whether there is such a number, at one load at least."""
+    """Return whether a number is present, at one load at least."""
     return name in numbers and bool(np.isfinite(numbers[name].values.astype(float)).any())
 
 
@@ -232,7 +187,7 @@ def _with_interval(numbers: xr.Dataset, name: str, units: Mapping[str, Unit], pl
 
 
 def _seals(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell:
-    """Return whether the gap is closed to a fluid, with what leaks and the narrowest place on the way."""
+    """Return whether the gap is closed to a fluid, else leak rate and narrowest place."""
     if not _known(numbers, "gap_percolates_x"):
         return Cell(NOT_JUDGED)
     if is_profile(numbers):
@@ -265,7 +220,7 @@ def _in_doubt(numbers: xr.Dataset, axis: str, place: int) -> bool:
 
 
 def _unbroken(numbers: xr.Dataset, name: str, units: Mapping[str, Unit], place: int) -> str:
-    """Return a number of a load with its interval in front of its unit, from which it is not parted."""
+    """Return a number of a load with its interval before its unit, joined by a no-break space."""
     text, interval = _with_interval(numbers, name, units, place)
     value, _, unit = text.partition(" ")
     known, more, _ = " ".join(filter(None, (value, interval))).partition(" or more")
@@ -305,7 +260,7 @@ def _largest(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell
 
 
 def _conducts(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell:
-    """Return the conductance of heat or of current, or what it is by conductivity."""
+    """Return the conductance of heat or of current, or that by conductivity."""
     for name, words in (
         ("thermal_conductance", "heat"),
         ("electrical_conductance", "current"),

@@ -1,4 +1,4 @@
-"""The figures of the report that show results against the load: area, gap, distribution of the pressure."""
+"""Charts of results against load: area, gap, pressure, distributions; each is returned as a data URI."""
 
 from collections.abc import Mapping, Sequence
 
@@ -26,17 +26,8 @@ _RELATIVE = "relative pressure p′ = p̄ / (E* g)"
 def area_against_load(statistics: xr.Dataset, window: xr.DataArray) -> str:
     """Draw the contact area against the load, corrected and counted, with the theories as lines.
 
-    Parameters
-    ----------
-    statistics : Dataset
-        of one surface, with a finite relative pressure at every load.
-    window : DataArray (y, x), m
-        the map that was solved, for its summits.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
+    The relative pressure has to be finite at every load; `window` (y, x; m) is the solved map, for its
+    summits.
 
     References
     ----------
@@ -83,22 +74,11 @@ def compare_areas(
     ends: Sequence[tuple[np.ndarray, np.ndarray]] = (),
     pressure: Unit | None = None,
 ) -> str:
-    """Draw the contact area against the load of several surfaces or cases, with the theories that fit all.
+    """Draw the contact area against the load of several surfaces or cases.
 
-    Parameters
-    ----------
-    series : sequence of (label, loads, relative contact areas)
-        one entry for each surface under each case.
-    ends : sequence of (lower, upper)
-        of the interval of each area, as many as `series`; no error bars where empty.
-    pressure : Unit, optional
-        in which loads are shown that are mean pressures (Pa); there are no theories that fit all. Without,
-        loads are relative pressures.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
+    `series` has a (label, loads, relative contact areas) for each surface under each case, `ends` the (lower,
+    upper) of each area, or nothing. Loads are mean pressures (Pa), shown in the unit `pressure`, or without
+    it relative pressures: then the theories that hold for all surfaces are drawn, too.
 
     Examples
     --------
@@ -126,20 +106,11 @@ def compare_areas(
 
 
 def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]]) -> dict[str, str]:
-    """Draw the contact area against the load of very many surfaces, under each case for itself.
+    """Draw the contact area against the load of many surfaces, one chart for each case.
 
-    Each surface is a faint line, their median a strong one; the axes are the same for all cases.
-
-    Parameters
-    ----------
-    groups : mapping
-        name of a case ("" in a run without cases) -> (relative pressures, relative contact areas) of each of
-        its surfaces.
-
-    Returns
-    -------
-    dict
-        name of a case -> source of its image, a data URI.
+    Each surface is a faint line, their median a strong one; the axes are the same for all cases. `groups`
+    maps the name of a case ("" in a run without cases) to the (relative pressures, relative contact areas) of
+    its surfaces; the result maps it to the image.
 
     Examples
     --------
@@ -232,17 +203,7 @@ def _ends(statistics: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def gap_against_load(statistics: xr.Dataset) -> str:
-    """Draw the mean gap with its interval against the load, both logarithmic, the rms height beside it.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        of one surface.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
+    """Draw the mean gap with its interval against the load, both logarithmic, with the rms height.
 
     Examples
     --------
@@ -273,16 +234,6 @@ def gap_against_load(statistics: xr.Dataset) -> str:
 
 def pressure_against_load(statistics: xr.Dataset) -> str:
     """Draw mean and largest pressure of the contact with their intervals against the load, logarithmic.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        of one surface.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
 
     Examples
     --------
@@ -319,21 +270,9 @@ def pressure_against_load(statistics: xr.Dataset) -> str:
 
 
 def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
-    """Draw the distribution of the contact pressure at a few loads, contact points only.
+    """Draw the distribution of the contact pressure at the loads of these indices, contact points only.
 
     The share of the contact per factor e of pressure, p P(p), so that equal areas are equal shares.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        of one surface.
-    loads : sequence of int
-        which loads to draw.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
     """
     return _distribution(
         statistics,
@@ -347,20 +286,7 @@ def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
 
 
 def gap_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
-    """Draw the distribution of the gap at a few loads, as that of the pressure; points out of contact only.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        of one surface.
-    loads : sequence of int
-        which loads to draw.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
-    """
+    """Draw the distribution of the gap at the loads of these indices, points out of contact only."""
     apart = 1 - statistics["relative_contact_area_pixels"].values
     gap = statistics["mean_gap"].values
     return _distribution(
@@ -375,21 +301,9 @@ def gap_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
 
 
 def patch_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:
-    """Draw how much of the contact lies in patches of which area, at a few loads.
+    """Draw the distribution of the contact over the areas of its patches, at the loads of these indices.
 
     The share of the contact per factor e of the area a of a patch, a² P(a)/⟨a⟩, pixels counted.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        of one surface.
-    loads : sequence of int
-        which loads to draw.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
     """
     bounds = statistics["patch_bin_bounds"].values
     middles = np.sqrt(np.maximum(bounds[:, 0], bounds[:, 1] / 2) * bounds[:, 1])

@@ -1,4 +1,4 @@
-"""The figures of the report that show maps: heights, contact pressure, gap; those of profiles are lines."""
+"""Maps of heights, contact pressure and gap, as data URIs; profiles are drawn as lines."""
 
 from collections.abc import Iterable
 
@@ -29,23 +29,10 @@ def height_map(
     unit: Unit = _MICROMETRES,
     along: Unit | None = None,
 ) -> str:
-    """Draw a height map, points that were not measured in pink; a profile is drawn as a line.
+    """Draw a height map (y, x; m), points that were not measured in pink; a profile is drawn as a line.
 
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        NaN where not measured.
-    rectangle : (x, y, length x, length y), m, or None
-        outline of the window on the map, from the map's first corner.
-    unit : Unit
-        of the heights.
-    along : Unit, optional
-        of the lengths along the surface; else that of this map alone.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
+    `rectangle` (m from the map's first corner) is the outline of the window, `unit` that of the heights,
+    `along` that of the lengths along the surface, by default that of this map alone.
 
     Examples
     --------
@@ -59,7 +46,7 @@ def height_map(
             height, [(height.values.ravel(), "height", COLOURS[0])], label="height", unit=unit, along=along
         )
     values = height.values - np.nanmean(height.values)
-    lowest, highest = np.nanpercentile(values, [0.1, 99.9])  # spikes must not take all the colours
+    lowest, highest = np.nanpercentile(values, [0.1, 99.9])  # a few spikes must not take up the colour scale
     return _map(
         height,
         values,
@@ -76,19 +63,10 @@ def height_map(
 
 
 def common_limits(loads: Iterable[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
-    """Return the highest pressure and the widest gap that maps of several loads have a colour for.
+    """Return the highest pressure (Pa) and the widest gap (m) of the colour scales of several loads.
 
-    Parameters
-    ----------
-    loads : iterable of (array (ny, nx), array (ny, nx))
-        pressure (Pa) and gap (m) of each load; one at a time is looked at.
-
-    Returns
-    -------
-    pressure : float, Pa
-        at no load more than one in 200 of the points in contact carries more, so that a few peaks do not take
-        all the colours.
-    gap : float, m
+    `loads` yields (pressure, gap) of each; one at a time is in memory. At no load more than one in 200 of the
+    points in contact carries more than the highest pressure, so that a few peaks do not take all the colours.
 
     Examples
     --------
@@ -113,22 +91,10 @@ def pressure_map(
     highest: float | None = None,
     unit: Unit = _MEGAPASCALS,
 ) -> str:
-    """Draw the contact pressure over the window, no contact in grey; a profile is drawn as a line.
+    """Draw the contact pressure (Pa) over the window, no contact in grey; a profile is drawn as a line.
 
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        the window, for its coordinates.
-    pressure : array (ny, nx), Pa
-    highest : float, Pa, optional
-        of the last colour; else that of `common_limits` for this load alone.
-    unit : Unit
-        of the pressure.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
+    `height` gives the coordinates; `highest` (Pa) is the pressure of the last colour, by default that of
+    `common_limits` for this load alone.
 
     Examples
     --------
@@ -162,24 +128,10 @@ def gap_map(
     widest: float | None = None,
     unit: Unit = _MICROMETRES,
 ) -> str:
-    """Draw the gap over the window with the contact in white; a profile shows both faces as lines.
+    """Draw the gap (m) over the window, contact in white; a profile shows both faces as lines.
 
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        the window.
-    gap : array (ny, nx), m
-    pressure : array (ny, nx), Pa
-        positive where the surfaces touch.
-    widest : float, m, optional
-        of the last colour; else the widest gap of this load.
-    unit : Unit
-        of gap and heights.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
+    The surfaces touch where `pressure` is positive; `widest` (m) is the gap of the last colour, by default
+    the widest of this load; `unit` is that of gap and heights.
     """
     if 1 in gap.shape:
         faces = [
@@ -187,7 +139,7 @@ def gap_map(
             ((height.values + gap).ravel(), "deformed surface", COLOURS[1]),
         ]
         return _profile(height, faces, label="height", unit=unit)
-    # full contact leaves no gap to scale by
+    # in full contact there is no gap for the scale
     widest = widest or gap[pressure == 0].max(initial=0.0) or float(np.ptp(height.values))
     return _map(
         height,
@@ -226,7 +178,7 @@ def framed(
     bad : str
         colour of bad points.
     bad_word : str
-        what they are, for who reads values from the picture; empty where there are none.
+        their meaning, shown with the values read from the picture; empty where there are none.
     extend : (bool, bool)
         whether there are values below, and above, those of the colours.
 

@@ -4,7 +4,6 @@ import base64
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
 from roughcontact.report.glance import HEADINGS, glance_rows, glance_units, loads_to_compare
 from roughcontact.report.load_plots import compare_areas, spread_of_areas
-from roughcontact.report.summary import Summary, summary_of
+from roughcontact.report.summary import Summary, read_summary
 from roughcontact.report.tables import pair_table
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
@@ -27,7 +26,7 @@ from roughcontact.results.collect import Failure, summary_table, with_failures
 from roughcontact.results.storage import read_dataset, table_text, write_text
 from roughcontact.statistics import checks
 
-# what the index of many has of each surface: of `HEADINGS` all but the last, and what it is sorted by
+# columns of the index of many surfaces: of `HEADINGS` all but the last; and the variables that sort them
 _HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g", *HEADINGS[:-1])
 _SORTED_BY = (
     "mean_pressure",
@@ -61,9 +60,9 @@ def write_report(
     path : path
         where to write.
     panels : sequence of paths
-        what `write_panel` wrote, in the order they shall appear.
+        of `write_panel`, in the order of the page, each with its summary beside it.
     statistics : path
-        what `collect_statistics` put together.
+        the file of `collect_statistics`.
     title : str
         of the page.
     settings : dict
@@ -78,7 +77,7 @@ def write_report(
     Raises
     ------
     InputFileError
-        for a file that is not readable, or is no panel.
+        for a file that is not readable, or a panel without its summary.
     """
     many = len(panels) + len(failures) > ONE_PAGE
     folder = Path(path).parent if folder is None else Path(folder)
@@ -89,8 +88,7 @@ def write_report(
         by_surface.setdefault(surface, {})[case or ""] = data
     known = {_name(*key): data for key, data in series.items()}
     case_of = {_name(*key): key[1] for key in series}
-    read = partial(Path.read_text, encoding="utf-8")
-    summaries = [summary_of(read(Path(panel)), panel) for panel in panels]
+    summaries = [read_summary(panel) for panel in panels]
     units = glance_units(list(known.values()))
     places = dict(zip(known, loads_to_compare(list(known.values())), strict=True))
     rows = [
@@ -187,7 +185,7 @@ def _part(panel: str | Path, folder: Path) -> str:
 
 
 def _glance(summary: Summary, numbers: xr.Dataset, units: Mapping[str, Unit]) -> dict[str, Any]:
-    """Return the cells of a surface at two or three loads, the one reason that matters, how many others."""
+    """Return the cells of a surface at two or three loads, its main reason, the number of the others."""
     reasons = summary["reasons"]
     return {
         "glance": glance_rows(numbers, units),
@@ -198,7 +196,7 @@ def _glance(summary: Summary, numbers: xr.Dataset, units: Mapping[str, Unit]) ->
 
 
 def _as_download(collected: xr.Dataset, failures: Sequence[Failure]) -> str:
-    """Return summary.csv as a link to itself, so that the page needs no other file to hand it out."""
+    """Return summary.csv as a data URI, so that the page offers it as a download without another file."""
     text = table_text(with_failures(summary_table(collected), failures))
     return "data:text/csv;charset=utf-8;base64," + base64.b64encode(text.encode()).decode()
 
@@ -206,7 +204,7 @@ def _as_download(collected: xr.Dataset, failures: Sequence[Failure]) -> str:
 def _comparisons(series: Mapping[tuple[str, str | None], xr.Dataset], *, many: bool) -> list[tuple[str, str]]:
     """Return (image, caption) of area against load of all surfaces: in pascals, and relative to E* g.
 
-    Of very many there is the latter alone, of flat surfaces nothing, and of one surface neither: its own part
+    For `many` surfaces the latter alone; flat surfaces are left out; none for a single surface, whose panel
     has the same.
     """
     rough = {
@@ -222,7 +220,7 @@ def _comparisons(series: Mapping[tuple[str, str | None], xr.Dataset], *, many: b
     }
     in_these_units = (
         "Over the pressure relative to E* times the rms gradient rough surfaces fall close together; the "
-        "dark lines without marks are theories that know nothing of a surface but its rms gradient."
+        "dark lines without marks are theories, in which the rms gradient alone stands for the surface."
     )
     if many:
         groups: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
@@ -269,7 +267,7 @@ def _cases(
 
 
 def _series(statistics: xr.Dataset) -> dict[tuple[str, str | None], xr.Dataset]:
-    """Return {(surface, case): statistics}, loads rising; padding and what has failed are left out."""
+    """Return {(surface, case): statistics}, loads rising, without padding and failed surfaces."""
     series = {}
     cases = statistics["case_name"].values if "case" in statistics.dims else [None]
     for place, case in enumerate(cases):
@@ -284,12 +282,12 @@ def _series(statistics: xr.Dataset) -> dict[tuple[str, str | None], xr.Dataset]:
 
 
 def _name(surface: str, case: str | None) -> str:
-    """Return what a surface, under a case, is called on the page."""
+    """Return the name of a surface, under a case, on the page."""
     return str(surface) if case is None else f"{surface} · {case}"
 
 
 def _compared(data: xr.Dataset, units: Mapping[str, Unit], place: int) -> list[dict[str, Any]]:
-    """Return the cells of a surface in the index, below `_HEADINGS`, and by what number each is sorted."""
+    """Return the cells of a surface in the index, below `_HEADINGS`, with their sorting keys."""
     answers = glance_rows(data, units, [place])[0]
     keys = [_sorted(float(data[name][place])) if name else None for name in _SORTED_BY]
     return [
@@ -303,17 +301,17 @@ def _compared(data: xr.Dataset, units: Mapping[str, Unit], place: int) -> list[d
 
 
 def _sorted(value: float) -> float | str:
-    """Return by what a cell is sorted: its number; nothing where there is none."""
+    """Return the sorting key of a cell: its number, or an empty text where it has none."""
     return value if np.isfinite(value) else ""
 
 
 def _doubts(summary: Summary) -> list[str]:
-    """Return the names of the checks that speak against a result, the weightiest first."""
+    """Return the names of the checks that did not pass, the most important first."""
     return [reason.partition(":")[0] for reason in summary["reasons"]]
 
 
 def _which_load(places: Sequence[int], results: Sequence[xr.Dataset]) -> str:
-    """Return at which load the surfaces of the index are compared."""
+    """Return the load at which the surfaces of the index are compared, in words."""
     if len({(place, data.sizes["load"]) for place, data in zip(places, results, strict=True)}) == 1:
         return (
             f"at load {places[0] + 1} of {results[0].sizes['load']}, at which the contact of most is nearest"

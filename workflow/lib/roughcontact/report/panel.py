@@ -1,4 +1,4 @@
-"""The panel of a surface: its part of the report, with its checks, pictures and numbers."""
+"""The panel of a surface: its section of the report, with checks, pictures and numbers."""
 
 import json
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
 from roughcontact.report.files import beside
 from roughcontact.report.glance import by_weight, shown_loads
-from roughcontact.report.summary import embedded
+from roughcontact.report.summary import write_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import opened_dataset, read_dataset, write_text
@@ -36,12 +36,12 @@ def write_panel(
     crosscheck: str | Path | None = None,
     counter_face: str | Path | None = None,
 ) -> None:
-    """Write one surface's part of the report, an HTML fragment with its images inside.
+    """Write one surface's part of the report: an HTML fragment with its images inside, and its summary.
 
     Parameters
     ----------
     path : path
-        where to write.
+        of the fragment; its summary, for the table of all surfaces, has the ending `.json` instead.
     surface, case : str
         names; `case` is None in a run without cases.
     height, levelled, window, contact, statistics : path
@@ -49,7 +49,7 @@ def write_panel(
     settings : dict
         the settings of the run.
     crosscheck : path or None
-        what another code found, where the run was cross-checked.
+        the results of another code, where the run was cross-checked.
     counter_face : path or None
         the other measured file of a pair of faces.
 
@@ -74,7 +74,8 @@ def write_panel(
     identifier = surface if case is None else f"{case}--{surface}"
     verdict = checks.verdict(outcome)
     doubts = by_weight(checks.reasons(outcome))
-    told = facts.surface_facts(measured, plane, solved, numbers)
+    not_judged = [check for check in outcome if check.outcome == checks.NOT_MADE]
+    known = facts.surface_facts(measured, plane, solved, numbers)
     maps = _maps(measured, plane, solved, numbers, counter_face)
     source = measured.attrs.get("source_sha256", "")
     del measured, plane  # large maps leave no room for them beside the solution
@@ -86,9 +87,9 @@ def write_panel(
         verdict=verdict,
         verdict_words=checks.VERDICTS[verdict],
         doubts=doubts,
-        not_judged=[check for check in outcome if check.outcome == checks.NOT_MADE],
+        not_judged=not_judged,
         sound=[check for check in outcome if check.outcome == checks.PASSED],
-        facts=told,
+        facts=known,
         maps=maps,
         scores=tables.score_table(solved),
         profile=1 in solved.shape,
@@ -109,21 +110,22 @@ def write_panel(
                 "all numbers": statistics,
             },
         ),
-        summary=embedded(
-            {
-                "identifier": identifier,
-                "name": name,
-                "surface": surface,
-                "verdict": verdict,
-                "reasons": [checks.reason(check) for check in doubts],
-                "not_judged": [check.name for check in outcome if check.outcome == checks.NOT_MADE],
-            }
-        ),
         settings=json.dumps(settings, indent=1, sort_keys=True),
         versions=facts.versions(numbers),
         source_sha256=source,
     )
     write_text(html, path)
+    write_summary(
+        {
+            "identifier": identifier,
+            "name": name,
+            "surface": surface,
+            "verdict": verdict,
+            "reasons": [checks.reason(check) for check in doubts],
+            "not_judged": [check.name for check in not_judged],
+        },
+        path,
+    )
 
 
 def _read_map(path: str | Path) -> xr.DataArray:
@@ -148,7 +150,7 @@ def _maps(
     numbers: xr.Dataset,
     counter_face: str | Path | None,
 ) -> list[tuple[str, str, str]]:
-    """Return (title, image, caption) of the heights after each stage; of a pair, what was measured twice."""
+    """Return (title, image, caption) of the heights after each stage; of a pair, both measured faces."""
     if counter_face:
         faces = [("Face, as measured", measured), ("Counter-face, as measured", _read_map(counter_face))]
     else:
@@ -199,7 +201,7 @@ def _fields(
 
 
 def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, str]]:
-    """Return (title, image, caption) of the pictures of the waves of a window that is not flat."""
+    """Return (title, image, caption) of the waves of a window that is not flat."""
     profile = 1 in window.shape
     pictures = [("Power spectrum", texture_plots.spectrum(window), facts.spectrum_caption(window, numbers))]
     if not profile:
@@ -213,7 +215,7 @@ def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, st
 def _charts(
     numbers: xr.Dataset, window: xr.DataArray, shown: Sequence[int]
 ) -> list[tuple[str, str, str, str]]:
-    """Return (title, image, what it shows, how to read it) of the charts of a window that is not flat."""
+    """Return (title, image, result, reading) of the charts of a window that is not flat."""
     bars = captions.reading_of(numbers)
     charts = [
         (

@@ -1,4 +1,4 @@
-"""What a run leaves in which surfaces have failed: the results of the others, which name these."""
+"""Partial results after failures: of the finished surfaces, with the reasons for the others."""
 
 import hashlib
 import json
@@ -14,30 +14,18 @@ from roughcontact.report.gather import Finished, write_results
 from roughcontact.results.collect import Failure
 from roughcontact.results.storage import read_arrays
 
-# date of partial results: before any script was written, so that Snakemake takes them for older than the
-# script that makes them, and makes them again
+# date of partial results: older than the script that makes them, so that Snakemake makes them again
 _LONG_AGO = 315_532_800  # 1980-01-01, s
 
 
 def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Failure]:
-    """Write the results of what a run has finished, if anything, and return what it has not.
+    """Write the results of the finished surfaces, if any, and return a `Failure` for each of the others.
 
-    A result counts as finished where all its files are there, are not older than those they are made of,
-    and record the settings of this run and the checksum of the measured file as it is now, and where its jobs
-    have said that they are done: where one fails Snakemake puts back what was there before. The files are
-    dated long ago, so that the next run makes them again; they are whole before they come to their place.
-
-    Parameters
-    ----------
-    plan : Plan
-        of the run.
-    folder : path
-        of its results, in the working directory.
-
-    Returns
-    -------
-    list of dict
-        surface, case and reason; nothing is written where it is empty, or where nothing is finished.
+    A result counts as finished where all its files exist, are not older than those they are made of, record
+    the settings of this run and the current checksum of the measured file, and where its jobs have logged
+    that they are done: where one fails Snakemake puts back the previous file. The files are dated long ago,
+    so that the next run makes them again; they are complete before they are moved to `folder`. Nothing is
+    written where all or none is finished.
     """
     folder = Path(folder)
     finished: list[Finished] = []
@@ -76,7 +64,7 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
 def _is_of_this_run(plan: Plan, run: Run) -> bool:
     """Return whether all files of a result are there, and of this run."""
     stages = [Path(plan.file(stage, *run)) for stage in ("height", "levelled", "window", "statistics")]
-    files = [*stages, Path(plan.panel(*run))]
+    files = [*stages, Path(plan.panel(*run)), Path(plan.summary(*run))]
     try:
         dates = [file.stat().st_mtime_ns for file in files]
         _, attrs = read_arrays(stages[-1])
@@ -88,14 +76,14 @@ def _is_of_this_run(plan: Plan, run: Run) -> bool:
 
 
 def _checksum(plan: Plan, surface: str) -> str:
-    """Return what the results of a surface record of its measured files, both faces of a pair."""
+    """Return the recorded checksum of the measured files of a surface, of both faces of a pair."""
     member = plan.members.get(surface)
     names = [surface] if member is None else [member.face, member.counter_face]
     return " + ".join(hashlib.sha256(plan.measured[name].path.read_bytes()).hexdigest() for name in names)
 
 
 def _reason(plan: Plan, run: Run) -> str | None:
-    """Return what the first of its jobs that has failed says; None where none has."""
+    """Return the error message of the first of its jobs that failed; None where none has."""
     for log in plan.log_files(run):
         try:
             text = Path(log).read_text(encoding="utf-8", errors="replace")

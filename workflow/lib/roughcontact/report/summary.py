@@ -1,107 +1,36 @@
-"""What a panel says of itself to the page it will be part of: a line of JSON within the panel.
-
-A panel holds one element `<script type="application/json" class="summary">`, whose text is the JSON object of
-a `Summary`. Browsers do not show it; `page` builds its table of verdicts and its links from it.
-"""
+"""Summary of a panel: a JSON file beside it, from which the page makes its table of verdicts and links."""
 
 import json
-from html.parser import HTMLParser
 from pathlib import Path
-from typing import TypedDict
+from typing import TypedDict, cast
 
 from roughcontact.errors import InputFileError
-
-_PIECE = 4096  # of a panel that is searched at once
+from roughcontact.results.storage import write_text
 
 
 class Summary(TypedDict):
-    """What the page must know of a panel."""
+    """The content of `panel.json`."""
 
-    identifier: str  # of its section, for links
+    identifier: str  # of the section of the panel, for links
     name: str  # of the surface, with that of the case
     surface: str
     verdict: str  # a key of `checks.VERDICTS`
-    reasons: list[str]  # a sentence for each check that did not pass, the weightiest first
+    reasons: list[str]  # a sentence for each check that did not pass, the most important first
     not_judged: list[str]  # names of the checks that could not be made
 
 
-class _Finder(HTMLParser):
-    """Collects the text of the element that holds the summary."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.text: str | None = None
-        self._inside = False
-        self.found = False
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self._inside = tag == "script" and ("class", "summary") in attrs
-        if self._inside and self.text is None:
-            self.text = ""
-
-    def handle_data(self, data: str) -> None:
-        if self._inside and self.text is not None:
-            self.text += data
-
-    def handle_endtag(self, tag: str) -> None:
-        self.found |= self._inside
-        self._inside = False
+def write_summary(summary: Summary, panel: str | Path) -> None:
+    """Write the summary of a panel beside it, under its name with the ending `.json`."""
+    write_text(json.dumps(summary, sort_keys=True) + "\n", Path(panel).with_suffix(".json"))
 
 
-def embedded(summary: Summary) -> str:
-    r"""Return a summary as the text of a script element.
-
-    Parameters
-    ----------
-    summary : dict
-        what the page must know of a panel.
-
-    Returns
-    -------
-    str
-        JSON without the character that could end the element.
-
-    Examples
-    --------
-    >>> said = {"identifier": "1", "name": "<1>", "surface": "1", "verdict": "passed"}
-    >>> print(embedded(said | {"reasons": [], "not_judged": ["Band"]}).partition(", ")[2])
-    "name": "\u003c1>", "not_judged": ["Band"], "reasons": [], "surface": "1", "verdict": "passed"}
-    """
-    return json.dumps(summary, sort_keys=True).replace("<", "\\u003c")
-
-
-def summary_of(panel: str, path: str | Path) -> Summary:
-    """Return what a panel says of itself.
-
-    Parameters
-    ----------
-    panel : str
-        the HTML that `write_panel` wrote.
-    path : path
-        where it was read, for the message.
-
-    Returns
-    -------
-    dict
-        `identifier`, `name`, `surface`, `verdict`, `reasons`, `not_judged`.
-
-    Raises
-    ------
-    InputFileError
-        where `panel` is something else.
-
-    Examples
-    --------
-    >>> said = '{"identifier": "one", "name": "one", "reasons": [], "verdict": "passed"}'
-    >>> panel = f'<section><script type="application/json" class="summary">{said}</script></section>'
-    >>> summary_of(panel, "panel.html")["verdict"]
-    'passed'
-    """
-    finder = _Finder()
-    for start in range(0, len(panel), _PIECE):  # it stands near the beginning, before the pictures
-        finder.feed(panel[start : start + _PIECE])
-        if finder.found:
-            break
-    if finder.text is None:
-        raise InputFileError(f"{path}: is no part of a report; delete it and run again")
-    return json.loads(finder.text)
+def read_summary(panel: str | Path) -> Summary:
+    """Return the summary of a panel; `InputFileError` where its file is missing or damaged."""
+    path = Path(panel).with_suffix(".json")
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputFileError(f"{path}: no summary of a panel; delete {panel} and run again") from error
+    if not isinstance(found, dict) or found.keys() != Summary.__annotations__.keys():
+        raise InputFileError(f"{path}: no summary of a panel; delete it and run again")
+    return cast(Summary, found)

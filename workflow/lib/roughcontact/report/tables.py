@@ -15,8 +15,8 @@ from roughcontact.statistics.contact_checks import rubber_like
 from roughcontact.variables import VARIABLES
 from roughcontact.window.score import WEIGHTS
 
-# the tables of numbers: what each is about, and of its columns variable, short name, unit (a share is given
-# in percent); those that the statistics lack are left out
+# the tables of numbers: title, and for each column variable, short name, unit (a share is given in percent);
+# columns that the statistics lack are left out
 _LOAD = ("mean_pressure", "mean pressure p̄", "Pa")
 _GROUPS = {
     "Contact": (
@@ -63,10 +63,10 @@ _GROUPS = {
 }
 _COLUMNS = (_LOAD, *(column for columns in _GROUPS.values() for column in columns))
 
-# what the units of a surface depend on, with its own
+# variables that the units of a surface depend on, with their own
 _SETS_UNITS = {"contact_modulus": "Pa", "rms_height": "m"}
 
-# of these, those of the table of pairs
+# columns of the table of pairs
 _OF_PAIRS = ("mean_pressure", "relative_contact_area", "mean_contact_pressure", "max_pressure", "mean_gap")
 
 # the parts of the score of a window, as `WEIGHTS` names them, and whether in percent
@@ -79,7 +79,7 @@ _SCORE_PARTS = (
     ("size", "sampling error", True),
 )
 
-# what has the hardness over modulus of `bearing.HARDNESS_OVER_MODULUS`
+# materials with the hardness over modulus of `bearing.HARDNESS_OVER_MODULUS`
 _MATERIALS = (
     "annealed pure metals",
     "structural steels, aluminium alloys",
@@ -91,20 +91,10 @@ Table = dict[str, Any]
 
 
 def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[Table]:
-    """Return the tables of numbers against load, each quantity in the unit that it has everywhere.
+    """Return the tables of numbers against load, each quantity in the same unit everywhere.
 
-    Parameters
-    ----------
-    numbers : Dataset
-        statistics of one surface, loads rising.
-    flags : sequence of (sequence of str)
-        for each load the words that warn of its numbers.
-
-    Returns
-    -------
-    list of dict
-        `title`, what the table is about; `header`, a (title, unit, meaning) for each column, the mean
-        pressure first; `rows`, each with its `cells` and its `flags`.
+    `flags` has the warnings of each load, which rise. Each table has a `title`, a `header` with a (title,
+    unit, meaning) for each column, the mean pressure first, and `rows` with their `cells` and `flags`.
     """
     tables = []
     for title, group in _GROUPS.items():
@@ -122,18 +112,7 @@ def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[T
 
 
 def is_profile(numbers: xr.Dataset) -> bool:
-    """Return whether a surface is a profile, which does not tell how a fluid gets around its contacts.
-
-    Parameters
-    ----------
-    numbers : Dataset
-        statistics of one surface.
-
-    Returns
-    -------
-    bool
-        the window of a profile has a length along one axis alone.
-    """
+    """Return whether a surface is a profile: its window has a length along one axis alone."""
     return any(np.isnan(float(numbers.get(f"window_length_{axis}", 0.0))) for axis in "xy")
 
 
@@ -151,20 +130,10 @@ def _column(numbers: xr.Dataset, name: str, title: str, unit: str) -> tuple[tupl
 
 
 def material_table(numbers: xr.Dataset, shown: Sequence[int]) -> Table | None:
-    """Return what would flow if the softer body had the hardness of some classes of materials.
+    """Return the table of yield for the hardnesses of some classes of materials.
 
-    Parameters
-    ----------
-    numbers : Dataset
-        statistics of one surface, loads rising.
-    shown : sequence of int
-        places of the loads whose shares are given.
-
-    Returns
-    -------
-    dict or None
-        `header`, a title for each column; `rows`, the cells of each hardness. None where a hardness is
-        stated, and for rubber-like bodies.
+    `shown` has the indices of the loads whose shares are given. The table has a `header` and `rows`, the
+    cells of each hardness; None where a hardness is stated, and for rubber-like bodies.
     """
     if "first_yield_pressure_by_ratio" not in numbers or rubber_like(numbers):
         return None
@@ -193,18 +162,9 @@ def material_table(numbers: xr.Dataset, shown: Sequence[int]) -> Table | None:
 
 
 def score_table(window: xr.DataArray) -> Table | None:
-    """Return the table of the scores of windows of different sizes.
+    """Return the table of the scores of windows of different sizes; None where no window was searched for.
 
-    Parameters
-    ----------
-    window : DataArray (y, x)
-        with the attributes that `periodic_window` leaves.
-
-    Returns
-    -------
-    dict or None
-        `header`, a title for each column; `rows`, each with its `cells` and with `words` on what it is. None
-        where the window was not searched for.
+    `header` has a title for each column; `rows` have their `cells` and `words` on the candidate.
 
     Examples
     --------
@@ -233,21 +193,10 @@ def score_table(window: xr.DataArray) -> Table | None:
 
 
 def crosscheck_table(path: str | Path, numbers: xr.Dataset, order: np.ndarray) -> Table:
-    """Return who cross-checked the results of a surface, and by how much both differ.
+    """Return the table of the differences between two codes.
 
-    Parameters
-    ----------
-    path : path
-        what `crosscheck` found.
-    numbers : Dataset
-        statistics of the surface, loads rising.
-    order : array (load,)
-        places of these loads in the file at `path`.
-
-    Returns
-    -------
-    dict
-        `code`, name and version; `header`, a title for each column; `rows`, the cells of each load.
+    `path` is the file of `crosscheck`, in which `order` has the indices of the loads of `numbers`, which
+    rise. The table has `code` (name and version), `header` and `rows`, the cells of each load.
     """
     other = read_dataset(path).isel(load=order)
     header = (
@@ -280,17 +229,10 @@ def crosscheck_table(path: str | Path, numbers: xr.Dataset, order: np.ndarray) -
 
 
 def pair_table(path: str | Path) -> Table:
-    """Return the table of pairs of faces: mean and spread over the ways to lay the faces on one another.
+    """Return the table of pairs of faces: mean and spread over their relative positions.
 
-    Parameters
-    ----------
-    path : path
-        the CSV of `collect.pairs_table`.
-
-    Returns
-    -------
-    dict
-        `header`, a title for each column; `rows`, the cells of each pair and load.
+    `path` is the CSV of `collect.pairs_table`. The table has a `header` and `rows`, the cells of each pair
+    and load.
     """
     table = read_table(path)
     columns = [

@@ -8,19 +8,9 @@ _TEMPLATES = Path(__file__).with_name("templates")
 
 
 def template(name: str, *, folder: Path | None = None) -> jinja2.Template:
-    """Return one of the package's templates, with HTML escaped and no surprise where a name is missing.
+    """Return one of the package's templates, HTML escaped; a missing variable is an error.
 
-    Parameters
-    ----------
-    name : str
-        file name of the template.
-    folder : Path, optional
-        of the templates of another page; those of the report can be included there.
-
-    Returns
-    -------
-    Template
-        to be rendered; a variable that it names and does not get is an error.
+    `folder` has the templates of other pages, which can include those of the report.
 
     Examples
     --------

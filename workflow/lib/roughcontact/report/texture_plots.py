@@ -1,4 +1,7 @@
-"""The figures of the report that show the waves of a surface: spectra and autocorrelation."""
+"""Charts of the waves of a surface: spectra and autocorrelation.
+
+Each is a data URI, drawn from a periodic window (y, x; m) that is not flat.
+"""
 
 import numpy as np
 import xarray as xr
@@ -15,22 +18,14 @@ from roughcontact.roughness.texture import DECAY, autocorrelation, decay_lengths
 _HEIGHT = Unit(1e9, "nm")  # of spectra, which are in nm² by the square of a length
 _DECADES = 6  # of power below the strongest wave that the colours show
 _SHELLS = 120  # points of the drawn curve per factor of ten in q
-_LENGTHS = 3  # longest decay lengths of the autocorrelation that are shown to each side
+_LENGTHS = 3  # range of the autocorrelation to each side, in units of its longest decay length
 _FEWEST = 8  # waves or points to each side of the middle that are shown at least
 
 
 def spectrum(window: xr.DataArray) -> str:
     """Draw the radially averaged power spectrum of a window, with the band that it holds.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic, not flat, with the attributes that `periodic_window` leaves.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
+    The window has the attributes of `periodic_window`.
 
     References
     ----------
@@ -41,7 +36,7 @@ def spectrum(window: xr.DataArray) -> str:
     unit_q, length = _inverse_length(window)
     # C is height^2 times area (of a profile times length)
     power = power * (_HEIGHT.factor**2 * unit_q ** -(1 if profile else 2))
-    inside = power > 1e-20 * power.max()  # below lies the rounding of waves that were taken out
+    inside = power > 1e-20 * power.max()  # below lies the rounding of waves that were removed
     seen = power[inside]
     step = min(d for n, d in zip(window.shape, spacing(window), strict=True) if n > 1)
     ends = q[0] * unit_q / 1.3, np.pi / step * unit_q * 1.3
@@ -61,7 +56,7 @@ def spectrum(window: xr.DataArray) -> str:
 
 
 def _mark_band(chart: Chart, window: xr.DataArray, first: float, unit_q: float) -> None:
-    """Show which waves were taken out, which are reliable, and which is the shortest one of the map.
+    """Mark the waves that were removed, the reliable ones, and the shortest one of the map.
 
     `first` is the smallest wavenumber that is drawn, `unit_q` the factor from 1/m to its unit.
     """
@@ -71,7 +66,7 @@ def _mark_band(chart: Chart, window: xr.DataArray, first: float, unit_q: float) 
     if window.attrs["band_shortest"] > 2 * step * 1.01:
         outside.append((shortest, chart.x.high))
     for index, span in enumerate(outside):
-        chart.band(*span, label="" if index else "taken out")
+        chart.band(*span, label="" if index else "removed")
     chart.across(
         x=2 * np.pi / window.attrs["reliable_wavelength"] * unit_q,
         colour=COLOURS[1],
@@ -86,19 +81,9 @@ def _mark_band(chart: Chart, window: xr.DataArray, first: float, unit_q: float) 
 
 
 def directional_spectrum(window: xr.DataArray) -> str:
-    """Draw the power of the waves of a window over their direction, logarithmic, the longest in the middle.
+    """Draw the power of the waves of a window by direction, logarithmic, the longest in the middle.
 
     The mean over 3 x 3 waves is drawn, out to the waves that carry 99 % of the mean square gradient.
-
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic, not flat, no profile.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
     """
     from scipy.ndimage import uniform_filter
 
@@ -121,16 +106,6 @@ def directional_spectrum(window: xr.DataArray) -> str:
 
 def autocorrelation_map(window: xr.DataArray) -> str:
     """Draw the autocorrelation of a window for shifts around zero, with the line where it falls to 0.2.
-
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        periodic, not flat; a profile is drawn as a line.
-
-    Returns
-    -------
-    str
-        source of the image, a data URI.
 
     References
     ----------

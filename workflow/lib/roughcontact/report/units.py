@@ -11,7 +11,7 @@ import xarray as xr
 
 from roughcontact.quantities import Unit, height_unit, pressure_unit
 
-# what has the same unit on every page; a leak is by length of the seal
+# units that are the same on every page; a leak is by length of the seal
 _FIXED = {
     "%": Unit(100.0, "%"),
     "1": Unit(1.0, ""),
@@ -25,22 +25,11 @@ _FIXED = {
 
 
 def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
-    """Return in what the numbers of a surface are shown that are of a unit.
+    """Return the unit in which numbers of a surface are shown, given their SI `unit`.
 
-    It depends on the surface and its material alone, not on the numbers.
-
-    Parameters
-    ----------
-    numbers : Dataset or mapping
-        statistics of the surface, with its contact modulus, its rms height and the size of its window; MPa
-        and µm without.
-    unit : str
-        "m" for heights and gaps, "m along" for lengths along the surface and into the depth, "%" for a share;
-        else an SI unit.
-
-    Returns
-    -------
-    Unit
+    It depends on the contact modulus, the rms height and the size of the window in `numbers`, never on the
+    number shown; MPa and µm without. `unit` is "m" for heights and gaps, "m along" for lengths along the
+    surface and into the depth, "%" for a share; else an SI unit.
 
     Examples
     --------
@@ -64,17 +53,9 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
 
 
 def length_unit(longest: float) -> Unit:
-    """Return the unit of all lengths along a surface.
+    """Return the unit of all lengths along a surface whose window has this longer side (m; 0: unknown).
 
-    Parameters
-    ----------
-    longest : float, m
-        the longer side of its window; zero where it is not known.
-
-    Returns
-    -------
-    Unit
-        µm; nm for windows below 1 µm, mm from 10 mm on, m from 10 m on.
+    µm; nm for windows below 1 µm, mm from 10 mm on, m from 10 m on.
 
     Examples
     --------
@@ -89,17 +70,7 @@ def length_unit(longest: float) -> Unit:
 
 
 def middle_of(results: Sequence[xr.Dataset]) -> dict[str, float]:
-    """Return the medians over several surfaces of what their units depend on.
-
-    Parameters
-    ----------
-    results : sequence of Dataset
-        statistics of the surfaces.
-
-    Returns
-    -------
-    dict
-        what `unit_of` takes in place of a single surface.
+    """Return the medians over several surfaces of the numbers that units depend on, for `unit_of`.
 
     Examples
     --------

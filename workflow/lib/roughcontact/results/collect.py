@@ -12,7 +12,7 @@ import xarray as xr
 from roughcontact.results.storage import Array, read_arrays
 from roughcontact.variables import VARIABLES
 
-# how a unit is spelled in a column's name
+# ending of a column's name for its unit
 _SUFFIX: dict[str | None, str] = {
     "1": "",
     "m": "_m",
@@ -51,7 +51,7 @@ class Entry(TypedDict):
 
 
 class Failure(TypedDict):
-    """A surface and case without results, and why."""
+    """A surface and case without results, and the reason."""
 
     surface: str
     case: str | None
@@ -73,8 +73,8 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         coordinates `surface` and `case`; `surface_name` and `case_name` are the same. Loads and bins may
         differ between surfaces: shorter ones are padded with NaN, and `mean_pressure`, the centres and the
         bounds of the bins depend on the surface. The attributes are JSON: `source_sha256` has the checksum
-        of every measured file, `verdicts` what each file says of its loads, by case ("" where there are
-        none) and surface.
+        of every measured file, `verdicts` and `reasons` those of each file, by case ("" where there are none)
+        and surface.
 
     Raises
     ------
@@ -85,12 +85,12 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
     cases = list(dict.fromkeys(entry["case"] for entry in entries))
     datasets: dict[tuple[int, int], dict[str, Array]] = {}
     checksums = {}
-    verdicts: dict[str, dict[str, Any]] = {case or "": {} for case in cases}
+    attributes: dict[str, dict[str, dict[str, Any]]] = {case or "": {} for case in cases}
     for entry in entries:
         arrays, attrs = read_arrays(entry["statistics"])
         datasets[cases.index(entry["case"]), surfaces.index(entry["surface"])] = arrays
         checksums[entry["surface"]] = attrs.get("source_sha256", "")
-        verdicts[entry["case"] or ""][entry["surface"]] = json.loads(attrs.get("verdicts", "null"))
+        attributes[entry["case"] or ""][entry["surface"]] = attrs
     sizes: dict[str, int] = {}
     dims: dict[str, tuple[str, ...]] = {}
     for arrays in datasets.values():
@@ -100,7 +100,7 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
             dims[name] = array.dims
     columns = {}
     for name, of in dims.items():
-        # a dimension's own coordinate cannot vary by surface
+        # the coordinate of a dimension cannot vary by surface
         if name in sizes and name != "depth":
             continue
         values = np.full((len(cases), len(surfaces), *(sizes[dim] for dim in of)), np.nan)
@@ -117,11 +117,25 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
             first = next(arrays for arrays in datasets.values() if name in arrays)
             collected = collected.assign_coords({name: first[name].values.astype(kind)})
     collected.attrs["source_sha256"] = json.dumps(checksums, sort_keys=True)
-    if all(found for of_case in verdicts.values() for found in of_case.values()):
-        collected.attrs["verdicts"] = json.dumps(verdicts, ensure_ascii=False)
+    collected.attrs |= _judgements(attributes)
     if cases == [None]:
         return collected.isel(case=0)
     return collected.assign_coords(_labels("case", cases))
+
+
+def _judgements(attributes: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> dict[str, str]:
+    """Return as JSON the verdicts and reasons of all files, by case and surface, where all have them."""
+    return {
+        name: json.dumps(
+            {
+                case: {surface: json.loads(attrs[name]) for surface, attrs in of_case.items()}
+                for case, of_case in attributes.items()
+            },
+            ensure_ascii=False,
+        )
+        for name in ("verdicts", "reasons")
+        if all(name in attrs for of_case in attributes.values() for attrs in of_case.values())
+    }
 
 
 def _labels(dim: str, names: Sequence[str | None]) -> dict[str, Any]:
@@ -133,8 +147,8 @@ def _labels(dim: str, names: Sequence[str | None]) -> dict[str, Any]:
 def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     """Return one row per (case,) surface and load of `collect_statistics`, every column named with its unit.
 
-    Densities stay in the netCDF file. Of the error budget there is the combined uncertainty of each quantity,
-    and what each source adds to that of the contact area. Loads that only pad a shorter list are left out.
+    Densities stay in the netCDF file. The error budget has the combined uncertainty of each quantity, and the
+    contributions to that of the contact area. The padding of shorter lists of loads is left out.
     The last columns are the `verdict` on each load and its `reasons`, joined by " | ", where they are known.
 
     Parameters
@@ -162,7 +176,8 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     names = [
         name
         for name in map(str, statistics.variables)
-        if not name.endswith("_name") and not _NOT_IN_TABLE & set(statistics[name].dims)
+        # the verdict stands there in words
+        if not name.endswith("_name") and name != "verdict" and not _NOT_IN_TABLE & set(statistics[name].dims)
     ]
     names.sort(key=lambda name: _LEADING.index(name) if name in _LEADING else len(_LEADING))
     order = [dim for dim in ("case", "surface", "load") if dim in statistics.dims]
@@ -205,19 +220,9 @@ def _with_columns_of_the_budget(statistics: xr.Dataset) -> xr.Dataset:
 
 
 def with_failures(summary: pd.DataFrame, failures: Sequence[Failure]) -> pd.DataFrame:
-    """Return the table of all surfaces with a row for each one that has no results.
+    """Return the table of all surfaces with a last row for each `Failure`.
 
-    Parameters
-    ----------
-    summary : DataFrame
-        from `summary_table`.
-    failures : sequence of dict
-        ``{"surface": name, "case": name or None, "reason": sentence}``.
-
-    Returns
-    -------
-    DataFrame
-        rows of failures come last, without numbers: `verdict` is "failed" and `reasons` says why.
+    Such a row has no numbers: `verdict` is "failed" and `reasons` has the reason.
 
     Examples
     --------
@@ -245,7 +250,7 @@ def pairs_table(summary: pd.DataFrame, pairs: Mapping[str, str]) -> pd.DataFrame
     """Return one row per pair of faces (, case) and load: mean and spread over the members of its ensemble.
 
     Loads are taken in order, first with first: where they are relative, the mean pressure of the members
-    differs a little, and its mean and spread stand in the table as well.
+    differs a little, and the table has its mean and spread as well.
 
     Parameters
     ----------

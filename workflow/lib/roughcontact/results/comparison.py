@@ -1,4 +1,4 @@
-"""Two runs side by side: which of their numbers differ by more than their uncertainties."""
+"""Comparison of two runs: the numbers that differ by more than their uncertainties."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -14,8 +14,8 @@ _LABELS = ("case", "surface")
 # two loads are the same where one of these agrees to a thousandth
 _LOADS = ("mean_pressure", "relative_pressure")
 _SAME_LOAD = 1e-3
-# how a load was solved, not what came out
-_WORK = {
+# how a load was solved and judged, not results
+_NOT_COMPARED = {
     "iterations",
     "operator_applications",
     "error_bound",
@@ -23,6 +23,7 @@ _WORK = {
     "max_penetration",
     "load_error",
     "converged",
+    "verdict",
 }
 _BUDGET = ("_uncertainty", "_lower", "_upper", "_parts")
 
@@ -97,7 +98,7 @@ def compare_statistics(before: xr.Dataset, after: xr.Dataset, *, share: float | 
 
 
 def _surfaces(statistics: xr.Dataset) -> Surfaces:
-    """Return the loads of each surface by its labels, without those that only pad a shorter list."""
+    """Return the loads of each surface by its labels, without the padding of shorter lists."""
     labels = [dim for dim in _LABELS if dim in statistics.dims]
     found: Surfaces = {}
     for place in np.ndindex(*(statistics.sizes[dim] for dim in labels)):
@@ -110,7 +111,7 @@ def _surfaces(statistics: xr.Dataset) -> Surfaces:
 
 
 def _pairs(before: list[xr.Dataset], after: list[xr.Dataset]) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
-    """Yield the loads that belong together; one that stands alone comes beside an empty dataset."""
+    """Yield the loads of both that belong together; one without a partner comes with an empty dataset."""
     left = list(after)
     for old in before:
         place = next((place for place, new in enumerate(left) if _same_load(old, new)), None)
@@ -128,7 +129,7 @@ def _same_load(old: xr.Dataset, new: xr.Dataset) -> bool:
 
 
 def _judged(old: xr.Dataset, new: xr.Dataset, share: float | None) -> Iterator[dict[str, Any]]:
-    """Yield a row for each number of one load that can be judged, or one for a load that stands alone."""
+    """Yield a row for each number of a load that can be judged, or one for a load without a partner."""
     pressures = [float(side["mean_pressure"]) if "mean_pressure" in side else np.nan for side in (old, new)]
     if np.isnan(pressures).any():
         yield _row(np.nanmax(pressures), "mean_pressure", *pressures, allowed=0.0)
@@ -145,19 +146,19 @@ def _judged(old: xr.Dataset, new: xr.Dataset, share: float | None) -> Iterator[d
 
 
 def _numbers(old: xr.Dataset) -> list[str]:
-    """Return the names of the numbers that say something of the surface."""
+    """Return the names of the numbers that describe the surface."""
     return [
         name
         for name in map(str, old.data_vars)
         if not old[name].dims
         and old[name].dtype.kind in "fiu"
-        and name not in _WORK
+        and name not in _NOT_COMPARED
         and not name.endswith(_BUDGET)
     ]
 
 
 def _half_width(side: xr.Dataset, name: str, other: float) -> float:
-    """Return the half-width of a number's interval on the side where the other run's number lies."""
+    """Return the half-width of a number's interval on the side of the other run's number."""
     end = f"{name}_upper" if other > float(side[name]) else f"{name}_lower"
     if end in side:
         reach = abs(float(side[end]) - float(side[name]))

@@ -1,7 +1,7 @@
-"""A finished run as a research object: an RO-Crate that says what its files hold and how they came about.
+"""A finished run as a research object: an RO-Crate with the content and origin of its files.
 
-The crate follows RO-Crate 1.1 and the profile Process Run Crate 0.5: one action, this program as its
-instrument, the measured files and the settings as what it worked on, the files of the folder as its results.
+The crate follows RO-Crate 1.1 and the profile Process Run Crate 0.5: one action, with this program as its
+instrument, the measured files and the settings as its objects, and the files of the folder as its results.
 """
 
 import json
@@ -43,7 +43,7 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS, author: str = "",
     folder : str or Path
         the folder `results` of a run.
     terms : str
-        what others may do with the results: the address of a licence, or words.
+        of use of the results: the address of a licence, or words.
     author, publisher : str
         the person who made the run, and the organisation that publishes it: a name, and where there is one
         the address of an ORCID or ROR in angle brackets after it. An empty text says nothing of them.
@@ -133,7 +133,7 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS, author: str = "",
 
 
 def _files(folder: Path) -> Iterator[Path]:
-    """Yield the files of a run, without those that are hidden and an earlier crate."""
+    """Yield the files of a run, without hidden ones and an earlier crate."""
     for path in folder.rglob("*"):
         inside = path.relative_to(folder)
         if path.is_file() and inside != Path(_NAME) and not any(part[0] == "." for part in inside.parts):
@@ -141,7 +141,7 @@ def _files(folder: Path) -> Iterator[Path]:
 
 
 def _add(crate: "ROCrate", identifier: str, properties: dict[str, Any]) -> Any:
-    """Add to a crate what is no file of it."""
+    """Add to a crate an entity that is no file of it."""
     from rocrate.model.contextentity import ContextEntity
 
     return crate.add(ContextEntity(crate, identifier, properties=properties))

@@ -1,4 +1,4 @@
-"""Statistics whose loads are selected by their pressure, one surface or all surfaces of a run."""
+"""Statistics with loads selected by their pressure, for one surface or all surfaces of a run."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -73,7 +73,7 @@ class _MeanPressureIndex(xr.Index):
         return cls(name, pressures)
 
     def create_variables(self, variables: Mapping[Any, xr.Variable] | None = None) -> dict[Any, xr.Variable]:
-        """Return the coordinate, or what is left of it."""
+        """Return the coordinate, or the remaining part of it."""
         return {self.name: self.pressures}
 
     def isel(self, indexers: Mapping[Any, Any]) -> "_MeanPressureIndex | None":

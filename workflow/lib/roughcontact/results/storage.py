@@ -25,7 +25,7 @@ from roughcontact.variables import describe
 if TYPE_CHECKING:
     import netCDF4
 
-_FORMULA = tuple("=+-@\t\r")  # what a spreadsheet takes for the beginning of one
+_FORMULA = tuple("=+-@\t\r")  # first letters of a formula in a spreadsheet
 
 
 class Array(NamedTuple):
@@ -36,17 +36,15 @@ class Array(NamedTuple):
 
 
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
-_CHECKED: dict[str, Any] = {"fletcher32": True}  # so that a turned bit is an error, not a number
+_CHECKED: dict[str, Any] = {"fletcher32": True}  # a flipped bit becomes an error, not a number
 _COMPRESSION = _CHECKED | {"zlib": True, "complevel": 1, "shuffle": True}
-_PIECE = (1, 512, 1024)  # points that lie together in a map for each load, which is read alone
-_AS_NOISE = (
-    "gap",
-)  # whose digits hardly repeat: compressing them takes longer than solving, and saves a sixth
-_CACHE = 2**20  # bytes of a variable that are kept in memory: less than a piece
+_PIECE = (1, 512, 1024)  # chunk of a map: loads are read one by one
+_AS_NOISE = ("gap",)  # nearly random digits: compression takes longer than the solution, and saves a sixth
+_CACHE = 2**20  # bytes of a variable that are kept in memory: less than a chunk
 _BYTES_OF_MAPS = 17  # at most, of a point under one load: pressure, gap and contact
 
 
-# what may have had a part in a number, as far as it is installed; Snakemake started the jobs
+# packages that may affect a number, as far as they are installed; Snakemake started the jobs
 _PACKAGES = [
     "numpy",
     "scipy",
@@ -59,7 +57,7 @@ _PACKAGES = [
     "x3pio",
 ]
 _PACKAGES += ["sdfio", "matplotlib", "snakemake"]
-# what each file of a surface holds
+# titles of the files of a surface
 _TITLES = {
     "height": "Heights as measured",
     "levelled": "Levelled heights",
@@ -74,7 +72,7 @@ _TITLES = {
 def provenance(
     settings: dict[str, Any], *, source_sha256: str = "", stage: str = "", of: str = "", history: str = ""
 ) -> dict[str, str]:
-    """Return the attributes that say how a file came about: settings, versions, checksum of the input.
+    """Return the attributes that record the origin of a file: settings, versions, checksum of the input.
 
     No wall clock and no host name, so that two equal runs write equal files.
 
@@ -90,11 +88,6 @@ def provenance(
         name of the surface.
     history : str
         of the file that it was made of.
-
-    Returns
-    -------
-    dict
-        names and texts, as netCDF attributes.
 
     Examples
     --------
@@ -122,7 +115,7 @@ def provenance(
 
 @cache
 def _versions() -> str:
-    """Return the versions of all that computes, as JSON."""
+    """Return the versions of all packages with a part in the numbers, as JSON."""
     versions = {"roughcontact": __version__, "python": platform.python_version()}
     for name in _PACKAGES:
         with suppress(PackageNotFoundError):
@@ -137,7 +130,7 @@ def _commit() -> str:
     with suppress(OSError):
         return (package / "_commit.txt").read_text(encoding="ascii").strip()
     checkout = package.parents[2]
-    if not (checkout / ".git").exists():  # an environment within a folder of somebody else's
+    if not (checkout / ".git").exists():  # an environment within another project
         return ""
     command = ["git", "-C", str(checkout), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
     with suppress(OSError, subprocess.SubprocessError):
@@ -195,7 +188,7 @@ def _write(dataset: xr.Dataset, path: Path, *, mode: Literal["w", "a"] = "w") ->
 
 
 def _packed(name: str, variable: xr.Variable | xr.DataArray) -> dict[str, Any]:
-    """Return how a large variable is stored; maps of loads in pieces of one, which is read alone."""
+    """Return the encoding of a large variable; maps of loads in chunks of one load."""
     packed = _CHECKED if name in _AS_NOISE else _COMPRESSION
     if variable.dims[1:] != ("y", "x"):
         return packed
@@ -224,17 +217,9 @@ class LoadByLoad:
         self._file: netCDF4.Dataset | None = None
 
     def keep(self, solution: xr.Dataset) -> xr.Dataset:
-        """Write the maps of a load; to be given to `solve_contact` as `reduce`.
+        """Write the maps of a load, and return an empty dataset: no map is kept in memory.
 
-        Parameters
-        ----------
-        solution : Dataset
-            of one load, with its maps over (load, y, x).
-
-        Returns
-        -------
-        Dataset
-            empty: no map is kept in memory.
+        To be given to `solve_contact` as `reduce`.
         """
         maps = describe(solution[[name for name in solution.data_vars if solution[name].ndim == 3]])
         found = next(entry for entry in self._open if entry[1] == maps["mean_pressure"].values[0])
@@ -246,7 +231,7 @@ class LoadByLoad:
         return xr.Dataset()
 
     def _made_for(self, maps: xr.Dataset) -> "netCDF4.Dataset":
-        """Make the file, with room for the maps of all loads, and leave it open."""
+        """Create the file, with room for the maps of all loads, and leave it open."""
         from netCDF4 import Dataset
 
         with _uncached():
@@ -269,13 +254,7 @@ class LoadByLoad:
         return file
 
     def complete(self, dataset: xr.Dataset) -> None:
-        """Write all the rest, and close the file.
-
-        Parameters
-        ----------
-        dataset : Dataset
-            what belongs beside the maps, attributes of the file included.
-        """
+        """Write all the rest, attributes of the file included, and close the file."""
         self.close()
         _write(describe(dataset), self.path, mode="a")
 
@@ -289,20 +268,9 @@ class LoadByLoad:
 def written_load_by_load(
     path: str | Path, loads: Sequence[float], window: xr.DataArray
 ) -> Iterator[LoadByLoad]:
-    """Open a file for the maps of many loads; it is there under its name at the end, if nothing fails.
+    """Open a file for the maps of many loads; it appears under its name at the end, if nothing fails.
 
-    Parameters
-    ----------
-    path : str or Path
-        its folder is made where it is missing.
-    loads : sequence of float, Pa
-        that will be solved.
-    window : DataArray (y, x), m
-        the map that is solved.
-
-    Yields
-    ------
-    LoadByLoad
+    `loads` (Pa) are those that will be solved on the map `window` (y, x; m).
 
     Raises
     ------
@@ -355,13 +323,8 @@ def read_dataset(path: str | Path) -> xr.Dataset:
 def opened_dataset(path: str | Path) -> Iterator[xr.Dataset]:
     """Open one of the project's own result files, to read a part of it.
 
-    Parameters
-    ----------
-    path : str or Path
-
-    Yields
-    ------
-    Dataset
+    `InputFileError` is raised where the file is missing, damaged or no netCDF file, also if that shows only
+    within the block.
 
     Raises
     ------
@@ -377,9 +340,9 @@ def opened_dataset(path: str | Path) -> Iterator[xr.Dataset]:
 
 @contextmanager
 def _uncached() -> Iterator[None]:
-    """Let files that are opened keep no pieces of maps in memory: of each variable they would keep 64 MB.
+    """Keep no chunks of opened files in memory: of each variable 64 MB would be kept.
 
-    All of a map is read or written at once, so that no piece is wanted again.
+    All of a map is read or written at once, so that no chunk is needed again.
     """
     from netCDF4 import get_chunk_cache, set_chunk_cache
 
@@ -393,7 +356,7 @@ def _uncached() -> Iterator[None]:
 
 @contextmanager
 def _readable(path: str | Path) -> Iterator[None]:
-    """Say of a result file that cannot be read what to do."""
+    """Raise an `InputFileError` with the way out for a result file that cannot be read."""
     try:
         yield
     except InputFileError:
@@ -404,18 +367,7 @@ def _readable(path: str | Path) -> Iterator[None]:
 
 
 def read_arrays(path: str | Path) -> tuple[dict[str, Array], dict[str, Any]]:
-    """Read the bare arrays of one of the project's own result files: in half the time, where there are many.
-
-    Parameters
-    ----------
-    path : str or Path
-
-    Returns
-    -------
-    arrays : dict
-        name -> dimensions and values.
-    attrs : dict
-        attributes of the file.
+    """Read the bare arrays and attributes of one of the project's own result files, in half the time.
 
     Raises
     ------
@@ -439,13 +391,7 @@ def read_arrays(path: str | Path) -> tuple[dict[str, Array], dict[str, Any]]:
 
 
 def write_table(frame: pd.DataFrame, path: str | Path) -> None:
-    """Write a table as CSV (UTF-8), as `table_text` gives it, whole or not at all.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        written without its index.
-    path : str or Path
+    """Write a table as CSV (UTF-8), as of `table_text`, whole or not at all.
 
     Examples
     --------
@@ -461,19 +407,10 @@ def write_table(frame: pd.DataFrame, path: str | Path) -> None:
 
 
 def table_text(frame: pd.DataFrame) -> str:
-    r"""Return a table as CSV with ten digits.
+    r"""Return a table as CSV with ten digits, without its index.
 
     A text that a spreadsheet would take for a formula, one that begins with = + - @, gets an apostrophe
     before it, by which spreadsheets know a text.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        given without its index.
-
-    Returns
-    -------
-    str
 
     Examples
     --------
@@ -486,29 +423,14 @@ def table_text(frame: pd.DataFrame) -> str:
 
 
 def read_table(path: str | Path) -> pd.DataFrame:
-    """Read a table that `write_table` has written, its texts as they were.
-
-    Parameters
-    ----------
-    path : str or Path
-
-    Returns
-    -------
-    DataFrame
-    """
+    """Read a table written by `write_table`, its texts as they were."""
     return pd.read_csv(path).map(
         lambda cell: cell[1:] if isinstance(cell, str) and cell[:1] == "'" and cell[1:2] in _FORMULA else cell
     )
 
 
 def write_text(text: str, path: str | Path) -> None:
-    """Write a text as UTF-8, whole or not at all.
-
-    Parameters
-    ----------
-    text : str
-    path : str or Path
-        its folder is made where it is missing.
+    """Write a text as UTF-8, whole or not at all; the folder is made where it is missing.
 
     Raises
     ------
@@ -533,8 +455,8 @@ def write_text(text: str, path: str | Path) -> None:
 def _whole(path: str | Path, *, size: int) -> Iterator[Path]:
     """Yield a temporary name beside `path` that takes its place at the end: no half file is ever seen.
 
-    The name is always the same, so that what a killed job has left is written over. `size` is how many bytes
-    the file has at most, more or less: where fewer are free, that is why it was not written.
+    The name is always the same, so that a later run replaces the rest of a killed job. `size` is an upper
+    estimate of the bytes of the file: where fewer are free, that is given as the reason of a failure.
     """
     path = Path(path)
     partial = path.with_name(f".{path.name}.partial")
@@ -552,7 +474,7 @@ def _whole(path: str | Path, *, size: int) -> Iterator[Path]:
 
 
 def _why_not_written(folder: Path, error: Exception, size: int) -> str | None:
-    """Return why nothing can be written to a folder, and the way out; None where it is for another reason."""
+    """Return why nothing can be written to a folder, and the way out; None for other reasons."""
     code = getattr(error, "errno", None)
     there = next(path for path in (folder, *folder.absolute().parents) if path.is_dir())
     free, may_write = shutil.disk_usage(there).free, os.access(there, os.W_OK)

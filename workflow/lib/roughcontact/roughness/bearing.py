@@ -11,24 +11,15 @@ _PEAK_RATIO, _DALE_RATIO = 0.1, 0.8  # material ratios that bound the core in th
 def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     """Return core height, reduced peak and dale heights, material ratios, core and dale volumes.
 
-    The curve c(mr), the height exceeded by a share mr of the points, is linear between measured heights. Its
-    central region, 40 % wide, is where its secant has the smallest slope (the first one if several are
-    equal). The least-squares line through this region, extended from 0 to 100 %, bounds the core [1]_. The
-    parts of the curve above and below the core are replaced by triangles of equal area:
+    The curve c(mr), the height exceeded by a share mr of the measured points, is linear between their heights
+    (m, in any order). Its central region, 40 % wide, is where its secant has the smallest slope (the first
+    one if several are equal). The least-squares line through this region, extended from 0 to 100 %, bounds
+    the core [1]_. The parts of the curve above and below the core are replaced by triangles of equal area:
 
     * `Sk`: height of the core, `Spk`, `Svk`: heights of the triangles, m
-    * `Smr1`, `Smr2`: material ratios where the curve enters and leaves the core
+    * `Smr1`, `Smr2`: material ratios (0 to 1, NaN where all heights are equal) where the curve enters and
+      leaves the core
     * `Vmc`: material volume between the ratios 10 % and 80 %, `Vvv`: void volume below 80 %, per area, m
-
-    Parameters
-    ----------
-    heights : array (n), m
-        of all measured points, in any order.
-
-    Returns
-    -------
-    dict of float
-        ratios from 0 to 1, NaN where all heights are equal.
 
     References
     ----------

@@ -14,15 +14,10 @@ _POINTS_PER_BLOCK = 2**16  # few enough to stay in the cache
 
 
 def summit_statistics(height: xr.DataArray) -> dict[str, float]:
-    """Return the summit statistics for the model of Greenwood and Williamson [1]_.
+    """Return the summit statistics of a periodic map (m) for the model of Greenwood and Williamson [1]_.
 
     A summit is a point higher than its eight neighbours, with periodic boundaries; its curvature is the
     spectral mean curvature -(h_xx + h_yy) / 2 at the point.
-
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        periodic.
 
     Returns
     -------

@@ -1,1 +1,1 @@
-"""The gap as a path for a fluid: whether it is open, how narrow it is, how much flows."""
+"""Sealing: percolation of the gap, its narrowest place, and the flow of a fluid through it."""

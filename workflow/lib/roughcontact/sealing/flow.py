@@ -1,4 +1,4 @@
-"""How much a thin viscous fluid flows through the gap: the flow factors of Reynolds' equation."""
+"""Flow of a thin viscous fluid through the gap: the flow factors of Reynolds' equation."""
 
 from collections import deque
 from collections.abc import Mapping
@@ -10,22 +10,22 @@ import scipy.sparse as sp
 from roughcontact.connectivity import connected_regions
 from roughcontact.sealing.multigrid import minimised, multigrid
 
-_MOST_STEPS = 500
-_STEPS_TO_TRUST = 4  # steps that together must gain no more than the tolerance
+_MAX_STEPS = 500
+_STEPS_COMPARED = 4  # steps that together must gain no more than the tolerance
 
 
 def flow_columns(gap: np.ndarray, steps: tuple[float, float], *, tolerance: float = 1e-5) -> dict[str, float]:
     """Return the flow factors of a periodic gap: its flow over that between parallel plates at its mean.
 
-    The flux of a thin viscous fluid is -g³/(12 η) ∇P, and ∇·(g³ ∇P) = 0 [1]_. Under a mean gradient of the
-    pressure, with the period of the map, the mean flux is Φ ū³/(12 η) times it; Φ is a symmetric tensor,
-    because a lay leads the fluid aside. Points that touch let nothing through, and so do points whose region
-    does not run around the period.
+    The flux of a thin viscous fluid is -g³/(12 η) ∇P, and ∇·(g³ ∇P) = 0 [1]_. Under a mean pressure gradient,
+    with fluctuations of the period of the map, the mean flux is Φ ū³/(12 η) times that gradient; Φ is a
+    symmetric tensor, because a lay deflects the fluid sideways. Points in contact are impermeable, and so are
+    points whose region does not run around the period.
 
-    Points are cells of constant height; two neighbours conduct one after the other. Channels along the axes
-    are exact so, across and along. The narrowest places of a path decide: where they are a pixel wide, the
-    factors are no more than an order of magnitude. The pressure is found by conjugate gradients with
-    multigrid; the flow only falls on the way.
+    Points are cells of constant height; two neighbours conduct in series. The result is exact for channels
+    along the axes, both across and along them. The narrowest places of a path dominate: where they are a
+    pixel wide, the factors are correct only to an order of magnitude. The pressure is found by conjugate
+    gradients with multigrid; the flow decreases with every step.
 
     Parameters
     ----------
@@ -34,13 +34,13 @@ def flow_columns(gap: np.ndarray, steps: tuple[float, float], *, tolerance: floa
     steps : (dy, dx), m
         pitch of the points.
     tolerance : float
-        what the last four steps of the iteration may together have changed in each of the two diagonal
-        factors, relative to it.
+        largest total change of each of the two diagonal factors in the last four steps of the iteration,
+        relative to the factor.
 
     Returns
     -------
     dict of float
-        `flow_factor_xx`, `flow_factor_yy`, `flow_factor_xy`; 0 along an axis along which nothing percolates,
+        `flow_factor_xx`, `flow_factor_yy`, `flow_factor_xy`; 0 along an axis without percolation,
         NaN where the iteration does not reach its tolerance.
 
     References
@@ -79,7 +79,7 @@ def leak_columns(
     pressure_difference: float,
     width: float,
 ) -> dict[str, np.ndarray]:
-    """Return what leaks through a seal of the surface, by length of the seal: Φ ū³ Δp/(12 η w).
+    """Return the leak rate of a seal of the surface per length of the seal: Φ ū³ Δp/(12 η w).
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def leak_columns(
     flow_factors : mapping
         `flow_factor_xx` and `flow_factor_yy`, arrays of the shape of `mean_gap`.
     viscosity : float, Pa s
-        η, dynamic, of a fluid that does not thin and is not compressed.
+        η, dynamic, of an incompressible Newtonian fluid.
     pressure_difference : float, Pa
         Δp, between both sides of the seal.
     width : float, m
@@ -116,7 +116,7 @@ def leak_columns(
 
 
 def _tensor(gap: np.ndarray, steps: tuple[float, float], axes: np.ndarray, tolerance: float) -> np.ndarray:
-    """Return the flow factors along some axes of a gap, in units of the mean of all of it."""
+    """Return the flow factors along some axes of a gap, whose unit is the mean gap."""
     cubed = gap**3
     is_open = cubed >= np.finfo(float).tiny
     unknowns = int(is_open.sum())
@@ -127,12 +127,12 @@ def _tensor(gap: np.ndarray, steps: tuple[float, float], axes: np.ndarray, toler
         ahead = np.roll(cubed, -1, axis)
         linked = is_open & np.roll(is_open, -1, axis)
         here, there = cubed[linked], ahead[linked]
-        # half a cell of each, one after the other; the product of the cubes may underflow
+        # half a cell of each in series; the product of the cubes may underflow
         conductance = 2 * here * (there / (here + there)) * steps[1 - axis] / steps[axis]
         links.append((number[linked], np.roll(number, -1, axis)[linked], conductance))
     start, end = (np.concatenate([link[side] for link in links]) for side in (0, 1))
     conductance = np.concatenate([link[2] for link in links])
-    # the mean drop of the pressure over each link, of a unit gradient along each of the axes
+    # mean pressure drop over each link, for a unit gradient along each of the axes
     drops = np.zeros((conductance.size, axes.size))
     first = links[0][2].size
     for column, axis in enumerate(axes):
@@ -144,15 +144,15 @@ def _tensor(gap: np.ndarray, steps: tuple[float, float], axes: np.ndarray, toler
     ).tocsr()
     drops *= root[:, None]
     energy = (drops**2).sum(axis=0)
-    gains: deque[np.ndarray] = deque(maxlen=_STEPS_TO_TRUST)
+    gains: deque[np.ndarray] = deque(maxlen=_STEPS_COMPARED)
     matrix, cycle = multigrid(difference, np.argwhere(is_open))
     solutions = minimised(matrix, -(difference.T @ drops), cycle)
     for step, (pressure, gain) in enumerate(solutions):
         gains.append(gain)
         energy -= gain
-        if len(gains) == _STEPS_TO_TRUST and (sum(gains) <= tolerance * energy).all():
+        if len(gains) == _STEPS_COMPARED and (sum(gains) <= tolerance * energy).all():
             drops += difference @ pressure
             return drops.T @ drops / (gap.size * steps[0] * steps[1])
-        if step == _MOST_STEPS:
+        if step == _MAX_STEPS:
             break
     return np.full((axes.size, axes.size), np.nan)

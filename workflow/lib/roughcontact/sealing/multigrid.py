@@ -1,4 +1,4 @@
-"""Multigrid by smoothed aggregation for networks on a grid, whatever powers of ten their links span."""
+"""Multigrid by smoothed aggregation for networks on a grid, robust to conductances of any ratio."""
 
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
@@ -7,11 +7,11 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-_BLOCK = 3  # points per side of the blocks that aggregates stay in: with it the coarse networks stay sparse
-_STRONG = 0.05  # least share of the smaller diagonal that joins two points to one aggregate
+_BLOCK = 3  # points per side of the blocks that confine aggregates: so the coarse networks remain sparse
+_STRONG = 0.05  # minimum share of the smaller diagonal for a link that joins two points to one aggregate
 _COARSEST = 300  # unknowns that are solved directly
 _SMOOTHING = 2 / 3  # of damped Jacobi: the largest eigenvalue of the scaled matrix is 2 at most
-_NOTHING = 1e-26  # share of the largest diagonal that squares of rounding make up
+_ROUNDING = 1e-26  # share of the largest diagonal below which values are squares of rounding errors
 
 
 class _Level(NamedTuple):
@@ -27,10 +27,10 @@ Cycle = Callable[[np.ndarray], np.ndarray]
 def multigrid(root: sp.csr_array, places: np.ndarray) -> tuple[sp.csr_array, Cycle]:
     """Return the matrix root' root of a network and a preconditioner: a V-cycle of smoothed aggregation [1]_.
 
-    The network is cut into blocks of 3 x 3 points. What hangs together inside a block, by links that are not
-    much weaker than the others of the same points, becomes one point of the next coarser network, so that
-    regions on both sides of a wall, however thin, stay apart. Coarser matrices are products of a coarser
-    `root` with itself: where strong links cancel, a weak one beside them is not lost in their rounding.
+    The network is divided into blocks of 3 x 3 points. The points of a block that are connected by links not
+    much weaker than their other links become one point of the next coarser network, so that regions on both
+    sides of a wall, however thin, remain separate. Coarser matrices are products of a coarser `root` with
+    itself: where strong links cancel, a weak one beside them is not lost in their rounding.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def multigrid(root: sp.csr_array, places: np.ndarray) -> tuple[sp.csr_array, Cyc
     while matrix.shape[0] > _COARSEST:
         points = np.arange(matrix.shape[0])
         aggregate, count = _aggregates(matrix, places // _BLOCK)
-        if count == points.size:  # nothing joins any more
+        if count == points.size:  # no points are joined
             break
         # half the sum of the sizes in a row: the diagonal of a network, and never less than half the largest
         # eigenvalue of the scaled matrix (Gershgorin)
@@ -113,23 +113,17 @@ def multigrid(root: sp.csr_array, places: np.ndarray) -> tuple[sp.csr_array, Cyc
 def minimised(
     matrix: sp.csr_array, forces: np.ndarray, precondition: Cycle
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Yield better and better solutions of matrix x = forces, by preconditioned conjugate gradients.
+    """Yield ever better solutions of matrix x = forces, by preconditioned conjugate gradients.
 
-    Parameters
-    ----------
-    matrix : sparse array (n, n)
-        symmetric, positive semidefinite.
-    forces : array (n, columns)
-        solved for side by side.
-    precondition : callable
-        as `multigrid` returns it.
+    The matrix is symmetric and positive semidefinite. All columns of `forces` (n, columns) are solved side by
+    side.
 
     Yields
     ------
     solution : array (n, columns)
         changed by the next step.
     gain : array (columns)
-        by how much the step has lowered the energy x A x - 2 b x.
+        decrease of the energy x A x - 2 b x by the step.
     """
     solution, residual = np.zeros_like(forces), forces.copy()
     direction = preconditioned = precondition(residual)
@@ -153,14 +147,14 @@ def _products(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def _inverse(diagonal: np.ndarray) -> np.ndarray:
-    """Return the inverse of a diagonal, 0 where it is nothing but rounding."""
+    """Return the inverse of a diagonal, 0 where its values are rounding errors."""
     return np.divide(
-        1.0, diagonal, out=np.zeros_like(diagonal), where=diagonal > _NOTHING * diagonal.max(initial=0)
+        1.0, diagonal, out=np.zeros_like(diagonal), where=diagonal > _ROUNDING * diagonal.max(initial=0)
     )
 
 
 def _aggregates(matrix: sp.csr_array, blocks: np.ndarray) -> tuple[np.ndarray, int]:
-    """Return for each unknown the aggregate it belongs to, and how many there are."""
+    """Return the aggregate of each unknown, and the number of aggregates."""
     links = matrix.tocoo()
     row, column = links.coords
     diagonal = matrix.diagonal()

@@ -1,4 +1,4 @@
-"""Whether the gap is open from end to end, and the narrowest place that a fluid must pass."""
+"""Percolation of the gap, and the narrowest place that a fluid must pass."""
 
 import numpy as np
 
@@ -6,16 +6,16 @@ from roughcontact.connectivity import runs_around
 from roughcontact.kernels.choose import library_available
 from roughcontact.kernels.compiled import Regions
 
-_SAMPLE = 4096  # points, by which the levels are narrowed down before all that lie between are sorted
+_SAMPLE = 4096  # points that narrow the range of levels before all heights in that range are sorted
 
 
 def percolation_columns(gap: np.ndarray) -> dict[str, float]:
     """Return whether a periodic gap lets a fluid through along each axis, and its critical constriction.
 
     A gap percolates along x where some connected region of it runs around the period along x, whatever it
-    does along y; then a fluid that is pressed along x comes through. The critical constriction is the largest
-    height that such a path keeps everywhere: the largest level at which what is at least as high still runs
-    around [1]_. It is a height of one point of the map, found exactly, by bisection.
+    does along y; then a fluid under pressure along x passes through. The critical constriction is the largest
+    height that such a path keeps everywhere: the largest level above which an open region still runs around
+    [1]_. It is a height of one point of the map, found exactly, by bisection.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def percolation_columns(gap: np.ndarray) -> dict[str, float]:
     -------
     dict
         `gap_percolates_x`, `gap_percolates_y` (0 or 1), `critical_constriction_x`, `critical_constriction_y`
-        (m; 0 where nothing percolates). An axis of a single point is one along which nothing varies.
+        (m; 0 without percolation). Along an axis of a single point nothing varies.
 
     References
     ----------
@@ -51,21 +51,16 @@ def percolation_columns(gap: np.ndarray) -> dict[str, float]:
 
 
 def half_way_levels(gap: np.ndarray) -> dict[str, float]:
-    """Return the largest heights that ways keep which are half as long as a map and lie within it.
+    """Return the critical constrictions of paths within a map (y, x; m) that are half as long as the map.
 
-    A way around the period has to match at its seam, where a groove that leaves the map is cut. One that
+    A path around the period has to match at its seam, where a groove that leaves the map is cut. A path that
     crosses half of the map, anywhere in it, does not.
-
-    Parameters
-    ----------
-    gap : array (ny, nx), m
-        zero or less where the surfaces touch.
 
     Returns
     -------
     dict
-        `critical_constriction_x`, `critical_constriction_y` (m; 0 where there is no such way): of three
-        halves of the map that overlap, cut across the axis, that with the best way from edge to edge.
+        `critical_constriction_x`, `critical_constriction_y` (m; 0 without such a path): the largest of three
+        overlapping halves of the map, cut across the axis, for paths from edge to edge.
 
     Examples
     --------
@@ -81,12 +76,12 @@ def half_way_levels(gap: np.ndarray) -> dict[str, float]:
 
 
 def _best_half(gap: np.ndarray) -> float:
-    """Return the largest height that a way keeps from end to end of a half, of three along the first axis."""
+    """Return the largest critical constriction, from end to end, of three halves along the first axis."""
     points = gap.shape[0]
     half = max(points // 2, 1)  # a single point is no less
     level = 0.0
     for start in sorted({0, (points - half) // 2, points - half}):
-        # an open row joins both ends, a closed column parts both sides
+        # an open row joins both ends, a closed column separates both sides
         closed = np.zeros((half + 1, gap.shape[1] + 1))
         closed[:-1, :-1] = gap[start : start + half]
         closed[-1, :-1] = closed.max()
@@ -99,7 +94,7 @@ def _levels(gap: np.ndarray, *, axes: tuple[int, ...] = (0, 1), above: float = 0
     compiled = Regions(gap) if library_available() else None
 
     def run_around(level: float) -> tuple[bool, bool]:
-        """Return whether what is at least so high runs around along y, and along x."""
+        """Return whether a region at least this high runs around along y, and along x."""
         return compiled.run_around(level) if compiled else runs_around(gap >= level)
 
     heights = gap.ravel()

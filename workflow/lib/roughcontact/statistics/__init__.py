@@ -1,4 +1,4 @@
-"""Numbers of a solved contact, theories beside them, and checks that say what to trust.
+"""Numbers of a solved contact, theories beside them, and checks with a verdict.
 
 The verb is in `contact_statistics`.
 """

@@ -1,4 +1,4 @@
-"""Adhesion at a glance: what it costs to press the surfaces flat, beside what their adhesion pays."""
+"""Balance of adhesion: the energy of pressing the surfaces flat against their work of adhesion."""
 
 import numpy as np
 import xarray as xr
@@ -17,11 +17,11 @@ def adhesion_numbers(
     work_of_adhesion: float | None = None,
     power: np.ndarray | None = None,
 ) -> dict[str, float]:
-    """Return the energy of full conformity, and what it leaves of the work of adhesion.
+    """Return the energy of full conformity, and the effective work of adhesion.
 
     Surfaces stick in full contact where their work of adhesion w exceeds the elastic energy U of full
-    conformity: w - U is the effective work of adhesion [1]_. It is a balance of the two end states, without a
-    range of the adhesion and without the way between. Roughness sticks by patches long before all of it
+    conformity: w - U is the effective work of adhesion [1]_. It is a balance of two end states, without a
+    range of the adhesion and without the states between. Roughness sticks by patches long before all of it
     conforms: a criterion by the slope of the shortest waves says so [2]_, and is disputed [3]_.
 
     Parameters
@@ -63,17 +63,7 @@ def adhesion_numbers(
 
 
 def adhesion_in_words(statistics: xr.Dataset) -> str:
-    """Return whether surfaces stick by the balance of energies, in plain words.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        with the numbers of `adhesion_numbers`.
-
-    Returns
-    -------
-    str
-        empty without a work of adhesion.
+    """Return whether surfaces stick by the balance of energies, in words; empty without a work of adhesion.
 
     Examples
     --------

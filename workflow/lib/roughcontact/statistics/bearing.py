@@ -1,4 +1,4 @@
-"""What the contact pressure asks of the material: its peak over the modulus, and what carries a hardness."""
+"""Contact pressure over the strength of the material: peak over modulus, shares of load above a hardness."""
 
 import numpy as np
 
@@ -9,17 +9,7 @@ HARDNESS_OVER_MODULUS = (0.003, 0.01, 0.03, 0.1)
 
 
 def carrying(pressure: np.ndarray, limit: float) -> np.ndarray:
-    """Return where a pressure is at a limit or above it.
-
-    Parameters
-    ----------
-    pressure : array, Pa
-    limit : float, Pa
-        as a hardness; rounding counts for it.
-
-    Returns
-    -------
-    bool array of the same shape
+    """Return where a pressure (Pa) reaches a limit, as a hardness, up to rounding.
 
     Examples
     --------
@@ -31,19 +21,9 @@ def carrying(pressure: np.ndarray, limit: float) -> np.ndarray:
 
 
 def shares_above(carried: np.ndarray, limit: float) -> tuple[float, float]:
-    """Return which shares of the load and of the contact area lie on points at a pressure or above it.
+    """Return the shares (0 to 1) of load and of contact area on points at a pressure limit (Pa) or above.
 
-    Parameters
-    ----------
-    carried : array (n,), Pa
-        pressures of the points in contact.
-    limit : float, Pa
-        as a hardness; rounding counts for it.
-
-    Returns
-    -------
-    load_share, area_share : float
-        from 0 to 1.
+    `carried` has the pressures of the points in contact; rounding counts as reaching the limit.
 
     Examples
     --------
@@ -60,21 +40,11 @@ def shares_above(carried: np.ndarray, limit: float) -> tuple[float, float]:
 def bearing_numbers(
     carried: np.ndarray, *, contact_modulus: float, hardness: float | None
 ) -> dict[str, float | np.ndarray]:
-    """Return what the pressure of a load asks of the material.
+    """Return the pressure of a load over the strength of the material.
 
-    Parameters
-    ----------
-    carried : array (n,), Pa
-        pressures of the points in contact.
-    contact_modulus : float, Pa
-    hardness : float or None, Pa
-        to which the pressure was limited.
-
-    Returns
-    -------
-    dict
-        `max_pressure_over_modulus`, and the shares of load and of contact area: at the hardness or, where
-        there is none, above each of `HARDNESS_OVER_MODULUS` of the modulus.
+    `carried` has the pressures (Pa) of the points in contact, `hardness` (Pa) is the limit of the pressure,
+    or None. The result has `max_pressure_over_modulus`, and the shares of load and of contact area: at the
+    hardness or, without one, above each of `HARDNESS_OVER_MODULUS` of the modulus.
 
     Examples
     --------

@@ -1,16 +1,19 @@
-"""What to trust: every check of a surface's result, and the words that warn of single loads.
+"""All checks of a surface, their verdict, and the warnings of single loads.
 
-A check passes, asks for a look (the number may be off, and the sentence says by what), or fails (do not use
-the number); one that could not be made says so and never passes. The verdict on a surface, or on one load of
-it, is that of its worst check. The checks stand with their limits in
-`contact_checks` and `map_checks`; who shows them finds all that is needed here.
+A check passes, warns (`look`: review the result, the sentence says by how much it may be off), or fails (do
+not use it); one that cannot be made says so and never passes. The verdict on a surface, or on one of its
+loads, is that of the worst check. The checks and their limits stand in `contact_checks`, `map_checks` and
+`instrument_checks`;
+this module exports all that is needed to show them.
 """
 
 import json
+from typing import Any
 
+import numpy as np
 import xarray as xr
 
-from roughcontact.statistics import contact_checks, map_checks
+from roughcontact.statistics import contact_checks, instrument_checks, map_checks
 from roughcontact.statistics.contact_checks import CONTACT_POINTS, OVERCOUNT, overcount
 from roughcontact.statistics.map_checks import (
     FILLED_IN_CONTACT,
@@ -37,6 +40,7 @@ from roughcontact.statistics.outcome import (
     reasons,
     verdict,
 )
+from roughcontact.variables import describe
 
 __all__ = [
     "CONTACT_POINTS",
@@ -91,6 +95,9 @@ def surface_checks(
         contact_checks.convergence(statistics),
         contact_checks.contact_points(statistics, points),
         contact_checks.resolution(statistics),
+        instrument_checks.smoothed(window),
+        instrument_checks.noise(statistics, window),
+        instrument_checks.isolated_peak(statistics),
         map_checks.missing_points(statistics, height, levelled),
         map_checks.outliers(statistics, levelled),
         map_checks.scan_lines(levelled, statistics),
@@ -104,12 +111,14 @@ def surface_checks(
         contact_checks.load_range(statistics),
         map_checks.slope(statistics),
         map_checks.steep_places(window),
+        instrument_checks.height_unit(height, window),
+        instrument_checks.pixel_size(height, window),
         map_checks.reading(height, levelled),
     ]
 
 
 def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
-    """Return for each load the words that warn of its numbers (mostly none).
+    """Return the warnings of each load in a word or two (mostly none).
 
     Parameters
     ----------
@@ -159,16 +168,28 @@ def load_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> list[tuple[st
     list (load) of (verdict, reasons)
         a word of `VERDICTS`, and a line for each check that did not pass.
     """
-    attrs, verdicts = window.attrs, []
-    for index in range(statistics.sizes["load"]):
-        alone = statistics.isel(load=[index])
-        found = surface_checks(alone, height=attrs, levelled=attrs, window=attrs, points=window.size)
-        verdicts.append((VERDICTS[verdict(found)], [reason(check) for check in reasons(found)]))
-    return verdicts
+    return _in_words(_checks_by_load(statistics, window))
+
+
+def _in_words(by_load: list[list[Check]]) -> list[tuple[str, list[str]]]:
+    """Return the verdict of the checks of each load, and its reasons."""
+    return [(VERDICTS[verdict(found)], [reason(check) for check in reasons(found)]) for found in by_load]
+
+
+def _checks_by_load(statistics: xr.Dataset, window: xr.DataArray) -> list[list[Check]]:
+    """Return the checks of each load alone."""
+    loads = range(statistics.sizes["load"])
+    return [_checks_of(statistics.isel(load=[load]), window) for load in loads]
+
+
+def _checks_of(statistics: xr.Dataset, window: xr.DataArray) -> list[Check]:
+    """Return the checks of a window, which carries the attributes of the maps it comes from."""
+    attrs = window.attrs
+    return surface_checks(statistics, height=attrs, levelled=attrs, window=attrs, points=window.size)
 
 
 def with_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
-    """Return the statistics with the verdict on each load, and its reasons, in their attribute `verdicts`.
+    """Return the statistics with the verdict on each load and the reasons for it.
 
     Parameters
     ----------
@@ -178,7 +199,27 @@ def with_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
     Returns
     -------
     Dataset
-        its attribute is JSON: a list (load) of [verdict, [reason, ...]].
+        with the flag `verdict` (load): 0 use, 1 review, 2 do not use. The attributes are JSON: `reasons` is a
+        list of ``{"check": name, "loads": [index, ...], "text": sentence}``, the checks that did not pass and
+        at which loads; `verdicts` is a list (load) of [verdict, [reason, ...]], as `load_verdicts` returns.
     """
-    found = load_verdicts(statistics, window)
-    return statistics.assign_attrs(verdicts=json.dumps(found, ensure_ascii=False))
+    by_load, together = _checks_by_load(statistics, window), _checks_of(statistics, window)
+    codes = [list(VERDICTS).index(verdict(found)) for found in by_load]
+    described = describe(statistics.assign(verdict=("load", np.array(codes, np.int8))))
+    return described.assign_attrs(
+        reasons=json.dumps(_reasons_with_loads(by_load, together), ensure_ascii=False),
+        verdicts=json.dumps(_in_words(by_load), ensure_ascii=False),
+    )
+
+
+def _reasons_with_loads(by_load: list[list[Check]], together: list[Check]) -> list[dict[str, Any]]:
+    """Return each check that did not pass, in the order of the report, with its loads and one sentence.
+
+    The sentence is that of the check of all loads together; where that passes, that of the first load.
+    """
+    found = []
+    for position, of_all in enumerate(together):
+        loads = [load for load, checks in enumerate(by_load) if reasons([checks[position]])]
+        if doubts := reasons([of_all, *(by_load[load][position] for load in loads)]):
+            found.append({"check": of_all.name, "loads": loads, "text": doubts[0].sentence})
+    return found

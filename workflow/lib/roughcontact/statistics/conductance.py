@@ -1,4 +1,4 @@
-"""How well a contact conducts heat and electric current: its stiffness, in other units."""
+"""Thermal and electrical conductance of a contact, from its stiffness."""
 
 from collections.abc import Mapping, Sequence
 
@@ -11,7 +11,7 @@ Bodies = Sequence[Mapping[str, float | None]]
 def conductance_columns(
     stiffness: npt.ArrayLike, *, contact_modulus: float, bodies: Bodies | None = None
 ) -> dict[str, np.ndarray]:
-    """Return what a contact of a given stiffness conducts, per nominal area.
+    """Return the conductances of a contact of a given stiffness, per nominal area.
 
     A contact spot constricts heat and current as it does the elastic displacement, so that the conductance of
     any set of spots follows from its elastic stiffness K = -dp̄/dū [1]_. Per conductivity it is K/E*. Heat: h
@@ -30,7 +30,7 @@ def conductance_columns(
     Returns
     -------
     dict of array, of the shape of `stiffness`
-        `conductance_per_conductivity` (m-1), and where both bodies state what it takes `thermal_conductance`
+        `conductance_per_conductivity` (m-1), and where both bodies state the property `thermal_conductance`
         (W m-2 K-1) and `electrical_conductance` (S m-2).
 
     References

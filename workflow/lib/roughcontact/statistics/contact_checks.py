@@ -1,4 +1,7 @@
-"""Checks of the solved contact: is its pressure to be trusted, and are its patches well resolved."""
+"""Checks of the solved contact: convergence, resolution of the patches, pressure against material.
+
+`statistics` is always as `contact_statistics` returns it.
+"""
 
 import numpy as np
 import xarray as xr
@@ -7,22 +10,13 @@ from roughcontact import materials
 from roughcontact.quantities import number, percent, pressure_unit, quantity
 from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, PASSED, Check
 
-CONTACT_POINTS = 100  # fewer: the contact is a handful of pixels
+CONTACT_POINTS = 100  # fewer contact points are too few for statistics
 _RUBBER = quantity(materials.RUBBER, "Pa", digits=1)
 OVERCOUNT = 0.2  # excess of the counted over the corrected area: patches are a few pixels across
 
 
 def convergence(statistics: xr.Dataset) -> Check:
     """Check that every load reached the tolerance of the solver.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it.
-
-    Returns
-    -------
-    Check
 
     Examples
     --------
@@ -46,18 +40,7 @@ def convergence(statistics: xr.Dataset) -> Check:
 
 
 def contact_points(statistics: xr.Dataset, points: int) -> Check:
-    """Check that the contact is more than a handful of pixels at every load.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it.
-    points : int
-        number of points of the window.
-
-    Returns
-    -------
-    Check
+    """Check that more than a handful of the `points` of the window are in contact at every load.
 
     Examples
     --------
@@ -78,17 +61,7 @@ def contact_points(statistics: xr.Dataset, points: int) -> Check:
 
 
 def overcount(statistics: xr.Dataset) -> xr.DataArray:
-    """Return by which share the counted pixels exceed the corrected area.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it.
-
-    Returns
-    -------
-    DataArray (load)
-        infinite where nothing is left of the area.
+    """Return the relative excess of the counted pixels over the corrected area; infinite where that is zero.
 
     Examples
     --------
@@ -102,17 +75,7 @@ def overcount(statistics: xr.Dataset) -> xr.DataArray:
 
 
 def resolution(statistics: xr.Dataset) -> Check:
-    """Check that the contact patches are more than a few points across.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it.
-
-    Returns
-    -------
-    Check
-    """
+    """Check that the contact patches are more than a few points across."""
     resolution = float(statistics["points_per_shortest_wavelength"][0])
     if np.isnan(resolution):
         return Check("Resolution", PASSED, "The map is flat: there is no wave to resolve.")
@@ -133,21 +96,12 @@ def resolution(statistics: xr.Dataset) -> Check:
 
 
 def plasticity(statistics: xr.Dataset) -> Check:
-    """Check that the material bears the pressure.
+    """Check that the pressure is below the strength of the material.
 
-    With a hardness: that no point carries it. The plasticity index E* g / H goes along: mostly elastic below
-    0.3, mostly plastic above 3 [1]_. Without one the check is not made, unless the pressure is beyond what
-    materials bear at all: metals flow at a mean contact pressure of 0.01 to 0.03 E*, nothing but rubber bears
-    0.1 E* (`roughcontact.materials`).
-
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it, with or without the load of first yield.
-
-    Returns
-    -------
-    Check
+    With a hardness: that no point carries it; the sentence has the plasticity index E* g / H: mostly elastic
+    below 0.3, mostly plastic above 3 [1]_. Without one the check is not made, unless the pressure is beyond
+    the strength of whole classes of materials: metals flow at a mean contact pressure of 0.01 to 0.03 E*,
+    nothing but rubber bears 0.1 E* (`roughcontact.materials`).
 
     References
     ----------
@@ -167,7 +121,7 @@ def plasticity(statistics: xr.Dataset) -> Check:
 
 
 def _against_hardness(statistics: xr.Dataset) -> Check:
-    """Return the check of the pressure against the hardness that it was limited to."""
+    """Return the check of the pressure against the hardness that limits it."""
     hardness, modulus = (float(statistics[name]) for name in ("hardness", "contact_modulus"))
     load_share, area_share = (statistics[f"{part}_share_above_hardness"].values for part in ("load", "area"))
     first = ""
@@ -183,15 +137,15 @@ def _against_hardness(statistics: xr.Dataset) -> Check:
     index = modulus * float(statistics["rms_gradient"]) / hardness
     text = (
         f"{_loads(yielded, statistics)} points carry {bears} and flow: up to {percent(load_share[worst])} of "
-        f"the load on {percent(area_share[worst])} of the contact area. The pressure is limited there, the "
-        f"shape after it is not known.{first} Plasticity index E* g / H = {number(index, digits=2)} (mostly "
-        "elastic below 0.3, mostly plastic above 3)."
+        f"the load on {percent(area_share[worst])} of the contact area. The pressure is limited there, "
+        f"the shape after yielding is not known.{first} Plasticity index E* g / H = "
+        f"{number(index, digits=2)} (mostly elastic below 0.3, mostly plastic above 3)."
     )
     return Check("Plasticity", LOOK, text)
 
 
 def _without_hardness(statistics: xr.Dataset) -> Check:
-    """Return what can be said of the pressure where no hardness is stated."""
+    """Return the check of the pressure where no hardness is stated, by classes of materials."""
     mean, largest = (
         statistics[name].values / float(statistics["contact_modulus"])
         for name in ("mean_contact_pressure", "max_pressure")
@@ -235,15 +189,6 @@ def _without_hardness(statistics: xr.Dataset) -> Check:
 def rubber_like(statistics: xr.Dataset) -> bool:
     """Return whether the contact modulus is that of a solid which does not flow as metals do.
 
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it, of one load or of several.
-
-    Returns
-    -------
-    bool
-
     Examples
     --------
     >>> import xarray as xr
@@ -254,17 +199,9 @@ def rubber_like(statistics: xr.Dataset) -> bool:
 
 
 def beyond_metals(statistics: xr.Dataset) -> xr.DataArray:
-    """Return whether metals would flow: in the mean over the contact, or even hardened ones at the peak.
+    """Return for each load whether metals would flow: in the mean, or even hardened ones at the peak.
 
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it, of one load or of several.
-
-    Returns
-    -------
-    DataArray of bool (load)
-        False for rubber-like solids.
+    False for rubber-like solids.
 
     Examples
     --------
@@ -280,18 +217,10 @@ def beyond_metals(statistics: xr.Dataset) -> xr.DataArray:
 
 
 def yield_flags(load: xr.Dataset) -> list[str]:
-    """Return the words that say of one load what the material makes of its pressure.
+    """Return the warnings of one load about the strength of the material.
 
-    Parameters
-    ----------
-    load : Dataset
-        the statistics of one load.
-
-    Returns
-    -------
-    list of str
-        "points flow" where some carry the hardness; without a hardness "metals flow" or "beyond hardness",
-        the hardness of any material.
+    "points flow" where some carry the hardness; without a hardness "metals flow" or "beyond hardness", the
+    hardness of any material.
 
     Examples
     --------
@@ -309,17 +238,9 @@ def yield_flags(load: xr.Dataset) -> list[str]:
 
 
 def units(statistics: xr.Dataset) -> Check:
-    """Check that modulus and loads are those of real materials: else a unit has slipped.
+    """Check that modulus and loads are those of real materials: else a unit is likely to be wrong.
 
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it, in SI units. A contact modulus of 1 stands for a problem in units
-        of its own, of which nothing can be said.
-
-    Returns
-    -------
-    Check
+    A contact modulus of 1 stands for a problem in units of its own, which cannot be checked.
 
     Examples
     --------
@@ -338,7 +259,7 @@ def units(statistics: xr.Dataset) -> Check:
         return Check("Units", LOOK, f"Contact modulus: {doubt.question().rstrip('.')}")
     doubts = [doubt for load in loads if (doubt := materials.doubt_of_load(float(load), modulus))]
     if doubts:
-        text = f"At {len(doubts)} of {loads.size} loads the mean pressure is hardly meant: "
+        text = f"At {len(doubts)} of {loads.size} loads the mean pressure is implausible: "
         return Check("Units", LOOK, text + doubts[0].question())
     low, high = (pressure_unit(modulus).text(float(f(loads))) for f in (np.min, np.max))
     span = low if low == high else f"{low} to {high}"
@@ -347,7 +268,7 @@ def units(statistics: xr.Dataset) -> Check:
 
 
 def _loads(concerned: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:
-    """Return at which loads something is so, as the beginning of a sentence."""
+    """Return the loads concerned, as the beginning of a sentence."""
     pressures, unit = statistics["mean_pressure"].values, pressure_unit(float(statistics["contact_modulus"]))
     chosen = pressures[np.asarray(concerned)]
     if pressures.size == 1:
@@ -360,15 +281,6 @@ def _loads(concerned: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:
 def load_range(statistics: xr.Dataset) -> Check:
     """Check that not all loads are in full contact.
 
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it.
-
-    Returns
-    -------
-    Check
-
     Examples
     --------
     >>> import xarray as xr
@@ -380,9 +292,8 @@ def load_range(statistics: xr.Dataset) -> Check:
     full = int((statistics["relative_contact_area_pixels"] == 1).sum())
     loads = statistics.sizes["load"]
     if full == loads:
-        return Check(
-            "Load range", LOOK, "Full contact at every load: lower ones would show how it comes about."
-        )
+        where = "Full contact at every load" if loads > 1 else "Full contact"
+        return Check("Load range", LOOK, f"{where}: lower loads would show how it comes about.")
     low, high = (float(f(statistics["relative_contact_area"])) for f in (np.min, np.max))
     text = f"The contact covers {percent(low)} to {percent(high)} of the area."
     return Check("Load range", PASSED, text)

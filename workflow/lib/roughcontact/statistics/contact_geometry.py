@@ -8,19 +8,10 @@ PERIMETER_CORRECTION = (np.pi - 1 + np.log(2)) / 24
 
 
 def count_switches(touching: np.ndarray) -> tuple[int, int]:
-    """Return how often neighbours differ along y and along x, the periodic wrap included.
+    """Return the numbers of unlike neighbours (along y, along x), the periodic wrap included.
 
-    An axis of a single point has no neighbours along it, so a profile counts along its own axis alone.
-
-    Parameters
-    ----------
-    touching : bool array (ny, nx)
-        True where the surfaces touch.
-
-    Returns
-    -------
-    along_y, along_x : int
-        switches between contact and non-contact, summed over all columns and over all rows.
+    They are switches between contact and non-contact, summed over all columns and over all rows. An axis of a
+    single point has no neighbours along it, so a profile counts along its own axis alone.
 
     Examples
     --------
@@ -33,23 +24,13 @@ def count_switches(touching: np.ndarray) -> tuple[int, int]:
 
 
 def relative_contact_area(touching: np.ndarray) -> float:
-    """Return the relative contact area, corrected by the perimeter of the contact.
+    """Return the relative contact area, 0 to 1, corrected by the perimeter of the contact.
 
     The pixels of a solved contact overstate its area, in proportion to the length of its boundary: A/A0 =
     Na/N - c M/N with c = (π - 1 + ln 2)/24 [1]_. M counts the switches between contact and non-contact along
     all rows and columns. A switch along x is a piece of boundary as long as dy and overstates the area by c
-    dx of it, so that it weighs c dx dy, as does one along y: the share needs no pitch. A point has four
-    switches at most, so that more than half of it is left.
-
-    Parameters
-    ----------
-    touching : bool array (ny, nx)
-        True where the surfaces touch.
-
-    Returns
-    -------
-    float
-        share of the area in contact, from 0 to 1.
+    dx of it, so that it weighs c dx dy, as does one along y: the share does not depend on the pitch. A point
+    has four switches at most, so that more than half of it is left.
 
     References
     ----------
@@ -70,26 +51,15 @@ def relative_contact_area(touching: np.ndarray) -> float:
 
 
 def contact_perimeter(touching: np.ndarray, steps: tuple[float, float]) -> float:
-    """Return an estimate of the length of the contact line.
+    """Return an estimate of the length (m) of the contact line; `steps` are (dy, dx) in m.
 
     The pixel boundary projects onto the axes with lengths Py = M_x dy and Px = M_y dx, the crossings of a
     grid of lines that the Cauchy-Crofton formula counts [1]_; they do not suffer from its steps. The estimate
     is the perimeter of the ellipses with these projections, semi-axes Px/4 and Py/4: (π/4)(Px + Py) where the
     contact line has no preferred direction (Px = Py), Py alone for straight lines along y (ridges), and exact
     for ellipses along the axes. Straight lines at 45° come out 11 % long. The length of the steps themselves,
-    the city-block length Px + Py, is 4/π too long for round contacts.
-
-    Parameters
-    ----------
-    touching : bool array (ny, nx)
-        True where the surfaces touch.
-    steps : (dy, dx), m
-        pitch of the pixels.
-
-    Returns
-    -------
-    float, m
-        NaN for a single row or column: a profile is as wide as one likes.
+    the city-block length Px + Py, is 4/π too long for round contacts. NaN for a single row or column: a
+    profile has no width.
 
     References
     ----------

@@ -9,7 +9,7 @@ import xarray as xr
 
 from roughcontact.checking import check_choice
 from roughcontact.choices import Extra, Influence
-from roughcontact.connectivity import region_sizes
+from roughcontact.connectivity import largest_elsewhere, region_sizes
 from roughcontact.contact.dataset import influence_of
 from roughcontact.contact.response import linear_response
 from roughcontact.elasticity.energy import elastic_energy
@@ -35,7 +35,7 @@ from roughcontact.statistics.densities import (
 )
 from roughcontact.statistics.subsurface import profile_depths, strained_body, stress_columns
 
-# what the solver says of each load, handed on unchanged
+# variables of the solver, copied for each load
 SOLVER_COLUMNS = (
     "approach",
     "iterations",
@@ -47,7 +47,7 @@ SOLVER_COLUMNS = (
     "load_error",
     "converged",
 )
-# what contact.nc keeps where it keeps no maps
+# variables of contact.nc without maps
 SOLUTION_COLUMNS = (*SOLVER_COLUMNS, "relative_pressure", "contact_modulus")
 
 # of ISO 25178-2, as `roughness.heights.height_parameters` returns them
@@ -55,15 +55,16 @@ HEIGHT_PARAMETERS = (
     *("Sa", "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sdq", "Sdr"),
     *("Sk", "Spk", "Svk", "Smr1", "Smr2", "Vmc", "Vvv"),
 )
-# what levelling says of the map in numbers, handed on
+# numbers that levelling leaves in the attributes of the map
 _LEVELLING_COLUMNS = (*HEIGHT_PARAMETERS, "row_jitter")
 
-FLOW_POINTS = 65536  # of a map: the flow through a larger one takes longer than its contact
+# of the largest map for which the flow is solved by default: it takes longer than the contact
+FLOW_POINTS = 65536
 
-# of the response to further loading, which is good to about that and not, as of an elastic one, to its square
+# tolerance of the response to further loading: its error is about that, of an elastic one its square
 _OF_LOADING = 1e-3
 
-# what has a density, and over which bins, `{name}_bin`
+# variable of a density -> name of its bins, `{name}_bin`
 _BINS = {"pressure_density": "pressure", "gap_density": "gap", "patch_area_density": "patch"}
 
 
@@ -100,12 +101,12 @@ def contact_statistics(
         whether the stresses below the surface are computed, of the body with the lower yield stress (else
         with the lower Young's modulus): ``auto`` where a body states its `yield_stress`.
     work_of_adhesion : float, J/m2, optional
-        of flat surfaces: what the energy of full conformity leaves of it is added.
+        of flat surfaces: the effective work of adhesion is added.
     seal : mapping, optional
         `viscosity` (Pa s), `pressure_difference` (Pa) and `width` (m) of a seal that leaks through the gap.
     bodies : sequence of two mappings, optional
-        what the settings say of the two bodies beside their elasticity, `contact.bodies`: where both state
-        it, the conductance of the contact is added; `poissons_ratio` and `yield_stress` for the stresses.
+        as in the settings, `contact.bodies`: where both state conductivity or resistivity, the conductance of
+        the contact is added; `poissons_ratio` and `yield_stress` are for the stresses.
     surface : SurfaceNumbers, optional
         of the map, from `surface_numbers`, where they are known already: else they are computed.
 
@@ -113,7 +114,7 @@ def contact_statistics(
     -------
     Dataset
         dims (load, pressure_bin, gap_bin, patch_bin), SI units; `roughcontact.variables` explains each name.
-        NaN for what takes a width, where the map is a single row or column: perimeter and areas of patches.
+        Perimeter and areas of patches are NaN for a single row or column, which has no width.
 
     Raises
     ------
@@ -182,14 +183,14 @@ def contact_statistics(
     columns |= theory_columns(
         mean_pressure, height, contact_modulus=modulus, rms_gradient=gradient, summits=surface.summits
     )
-    # a number of the map, listed with each load like everything that says how far to trust it
+    # a number of the map, repeated for each load beside the other measures of reliability
     columns["points_per_shortest_wavelength"] = np.full(
         mean_pressure.shape, parameters.pop("points_per_shortest_wavelength")
     )
     coordinates = {"mean_pressure": ("load", mean_pressure)} | _bins(edges)
     if body is not None:
         coordinates["depth"] = ("depth", profile_depths(height.shape, steps))
-        for axis in ("x", "y"):  # there is no place across a profile
+        for axis in ("x", "y"):  # a profile has no position across it
             columns[f"max_von_mises_{axis}"] += height[axis].values[0] if height[axis].size > 1 else np.nan
     dims = {density: ("load", f"{name}_bin") for density, name in _BINS.items()}
     dims |= {f"{part}_share_above_ratio": ("load", "hardness_over_modulus") for part in ("load", "area")}
@@ -210,9 +211,9 @@ def contact_statistics(
 
 
 def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
-    """Return the statistics with the error budget beside them: half-widths by source, ends of the interval.
+    """Return the statistics with the error budget: half-widths by source, ends of the interval.
 
-    The share of the load that rejected points would carry, `rejected_load_share`, goes along.
+    The share of the load that rejected points would carry, `rejected_load_share`, is included.
 
     Parameters
     ----------
@@ -220,7 +221,7 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
         from `contact_statistics`.
     budget : Dataset
         from `error_budget`, for the same loads; it may be empty. Its attributes `window_flag`,
-        `window_reason` and `processing_reason` go along.
+        `window_reason` and `processing_reason` are kept.
 
     Returns
     -------
@@ -253,7 +254,7 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
 
 
 def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Return the ends of the intervals of what conducts, which are those of K/E* in other units."""
+    """Return the ends of the intervals of the conductances: those of K/E* in other units."""
     base = "conductance_per_conductivity"
     return {
         f"{name}_{end}": statistics[name] / statistics[base] * statistics[f"{base}_{end}"]
@@ -266,8 +267,8 @@ def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
 def _ends_of_the_leak(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
     """Return the ends of the intervals of the leak rates, which go as the cube of the narrowest place.
 
-    One place carries most of the drop of the pressure (Persson and Yang 2008). Of a gap that is closed the
-    upper end is that of plates as far apart as the narrowest place may be.
+    One place carries most of the pressure drop (Persson and Yang 2008). For a closed gap the upper end is
+    that of plates at the upper end of the narrowest place.
     """
     ends: dict[str, xr.DataArray] = {}
     for axis in "xy":
@@ -282,7 +283,7 @@ def _ends_of_the_leak(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
 
 
 class SurfaceNumbers(NamedTuple):
-    """What belongs to a map, whatever presses on it.
+    """Numbers of a map that do not depend on the load.
 
     Attributes
     ----------
@@ -397,7 +398,7 @@ def surface_statistics(height: xr.DataArray, power: np.ndarray | None = None) ->
     parameters = {name: float(height.attrs[name]) for name in _LEVELLING_COLUMNS if name in height.attrs}
     parameters |= roughness_parameters(height, power) | texture_parameters(height, power)
     return parameters | {
-        # a profile is as wide as one likes
+        # a profile has no width
         "window_length_x": nx * dx if nx > 1 else np.nan,
         "window_length_y": ny * dy if ny > 1 else np.nan,
         "window_offset_x": float(height.attrs.get("window_offset_x", 0.0)),
@@ -429,8 +430,9 @@ def theory_columns(
     Returns
     -------
     dict
-        name -> array (load). NaN where a theory says nothing: those of asperities on a single row or column,
-        which has ridges and no summits, and where they exceed full contact. A flat map has infinite p'.
+        name -> array (load). NaN where a theory does not apply: those of asperities on a single row or
+        column, which has ridges and no summits, and where they exceed full contact. p' is infinite for a
+        flat map.
 
     Examples
     --------
@@ -484,6 +486,7 @@ def _one_load(
     of_carried = {
         "mean_contact_pressure": carried.mean(),
         "max_pressure": carried.max(),
+        "max_pressure_elsewhere": largest_elsewhere(pressure),
         "pressure_std": carried.std(),
     }
     bearing = bearing_numbers(carried, contact_modulus=contact_modulus, hardness=hardness)
@@ -491,11 +494,12 @@ def _one_load(
     del pressure, carried
     gap = contact["gap"].isel(load=load).values
     gap_density = density(gap[~touching], edges["gap"])
+    # within the contact the gap is rounding: the solver keeps its mean there at zero
     open_gap = np.where(touching, 0.0, gap)
     del gap
     mean_gap = open_gap.mean()
     passage: dict[str, float] = percolation_columns(open_gap)
-    if with_flow:  # it brings sparse matrices along, which take as long to import as everything else here
+    if with_flow:  # imports sparse matrices, which takes as long as all other imports here
         from roughcontact.sealing.flow import flow_columns
 
         passage |= flow_columns(open_gap, steps)
@@ -509,7 +513,6 @@ def _one_load(
         "largest_patch_area": patches.max(initial=0.0),
         "contact_on_filled_points": 0.0 if filled is None else np.count_nonzero(touching & filled) / points,
         **of_carried,
-        # the solver keeps the mean of the gap over the contact at zero: what is left there is rounding
         "mean_gap": mean_gap,
         **_stiffness(touching, yielded, steps, **elastic),
         **passage,
@@ -521,7 +524,7 @@ def _one_load(
 
 
 def _point_area(shape: tuple[int, ...], steps: tuple[float, float]) -> float:
-    """Return the area of a point, NaN for that of a profile, which is as wide as one likes."""
+    """Return the area of a point; NaN for a profile, which has no width."""
     return np.nan if 1 in shape else steps[0] * steps[1]
 
 
@@ -542,7 +545,7 @@ def _stiffness(
         loading = elastic
     elif (touching & ~yielded).any():
         loading = _inverse(response(_OF_LOADING, yielded=yielded))
-    else:  # more load comes onto points that do not touch yet, which no contact set tells of
+    else:  # further load is carried by points that do not touch yet
         loading = np.nan
     return {"contact_stiffness": elastic, "loading_stiffness": loading}
 
@@ -553,7 +556,7 @@ def _inverse(compliance: float) -> float:
 
 
 def _body_to_strain(stress: Extra, bodies: Bodies | None) -> dict[str, float] | None:
-    """Return what the stresses below the surface depend on, None where they are not asked for."""
+    """Return the properties that the stresses below the surface need; None where they are not wanted."""
     check_choice("stress", stress, Extra)
     body = strained_body(bodies) or {}
     names = ("poissons_ratio", "yield_stress")

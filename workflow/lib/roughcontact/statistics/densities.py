@@ -1,4 +1,4 @@
-"""Probability densities over logarithmic bins whose bounds no load can move."""
+"""Probability densities over logarithmic bins whose bounds do not depend on the loads."""
 
 import numpy as np
 
@@ -10,18 +10,7 @@ _BLOCK = 2**16  # values that are counted at a time: few enough to stay in the c
 
 
 def logarithmic_edges(decades: tuple[int, int], per_decade: int) -> np.ndarray:
-    """Return the bounds of bins: 0, and then so many per factor of ten.
-
-    Parameters
-    ----------
-    decades : (int, int)
-        powers of ten of the lowest bound above zero and of the highest one.
-    per_decade : int
-        bins per factor of ten.
-
-    Returns
-    -------
-    array (bins + 1)
+    """Return the bounds of bins: 0, then `per_decade` per factor of ten between two powers of ten.
 
     Examples
     --------
@@ -33,23 +22,11 @@ def logarithmic_edges(decades: tuple[int, int], per_decade: int) -> np.ndarray:
 
 
 def density(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Return the probability density of values in bins.
+    """Return the probability density of values in bins with rising `edges`; NaN where there are no values.
 
     A value above the last bound is counted in the last bin, and one below the first bound (a rounding below
     zero) in the first, so that the density times the width of the bins always adds up to 1. A value on a
     bound belongs to the bin above it.
-
-    Parameters
-    ----------
-    values : array
-        in any shape.
-    edges : array (bins + 1)
-        rising bounds of the bins, in the unit of the values.
-
-    Returns
-    -------
-    array (bins)
-        in the inverse unit of the values; NaN where there are no values.
 
     Examples
     --------

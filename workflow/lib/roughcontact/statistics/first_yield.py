@@ -10,7 +10,7 @@ from roughcontact.checking import check_positive
 from roughcontact.contact.solve import solve_contact
 
 _SOLVER_SETTINGS = ("tolerance", "influence", "precision")
-_CLOSE = 3e-3  # of the largest pressure to the hardness, in the logarithm: then the last step is short
+_CLOSE = 3e-3  # logarithm of largest pressure over hardness at which the search ends
 _MOST_SOLVES = 40
 # of the largest pressure against the load, in logarithms: 1/3 of a single summit (Hertz), 1 of a single point
 _SLOPES = (0.05, 1.0)
@@ -27,8 +27,8 @@ def first_yield_pressure(
 ) -> float:
     """Return the mean pressure at which the largest contact pressure reaches the hardness.
 
-    Below it the contact is elastic everywhere. It is that of the map as it is: the sharpest of its highest
-    summits decides, as finely as the pixels show it.
+    Below it the contact is elastic everywhere. It depends on the resolution of the map: the sharpest of its
+    highest summits decides, as the pixels resolve it.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def first_yield_pressure(
     hardness : float, Pa
         H.
     start : float, Pa, optional
-        a mean pressure near the one that is looked for, where one is known.
+        an initial estimate of the mean pressure.
     tolerance : float
         of the solutions.
     **solver
@@ -82,7 +82,7 @@ def first_yield_pressure(
         )
         return float(np.log(solved["max_pressure"].item() / goal))
 
-    # no point carries more than all of the load, and one carries the mean pressure at least
+    # no point carries more than all of the load, and at least one carries the mean pressure
     low, high = float(np.log(goal / window.size)), float(np.log(goal))
     load = low + 0.7 * (high - low) if start is None else float(np.clip(np.log(start), low, high))
     slope, before, tried = 0.2, None, set()
@@ -107,18 +107,10 @@ def first_yield_pressure(
 def with_first_yield(
     statistics: xr.Dataset, window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1
 ) -> xr.Dataset:
-    """Return the statistics of a surface with the load of first yield beside them.
+    """Return the statistics of a surface with the load of first yield.
 
-    Parameters
-    ----------
-    statistics : Dataset
-        of all its loads, as `contact_statistics` returns them.
-    window : DataArray (y, x), m
-        the map that was solved.
-    contact : mapping
-        the settings it was solved with, of which `tolerance`, `influence` and `precision` count here.
-    threads : int
-        of the solutions.
+    `statistics` are those of all loads, as of `contact_statistics`, `window` (y, x; m) is the solved map,
+    `contact` the settings, of which `tolerance`, `influence` and `precision` count here.
 
     Returns
     -------

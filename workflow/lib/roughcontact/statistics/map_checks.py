@@ -1,4 +1,8 @@
-"""Checks of the map: whether the window that was solved stands for the surface that was measured."""
+"""Checks of the map: whether the solved window stands for the surface that was measured.
+
+`statistics` is as `contact_statistics` returns it; `height`, `levelled` and `window` are the attributes of
+the map as measured, levelled and made periodic.
+"""
 
 import json
 from collections.abc import Mapping
@@ -31,21 +35,7 @@ Attributes = Mapping[str, Any]
 
 
 def missing_points(statistics: xr.Dataset, height: Attributes, levelled: Attributes) -> Check:
-    """Check that next to no contact lies on points that were not measured.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it.
-    height : mapping
-        attributes of the map as measured.
-    levelled : mapping
-        attributes of the levelled map.
-
-    Returns
-    -------
-    Check
-    """
+    """Check that hardly any contact lies on points that were not measured."""
     missing, rejected = height.get("missing_share", 0.0), levelled.get("outliers_rejected", 0)
     filled = levelled.get("filled_share", 0.0)
     in_contact = float(statistics["contact_on_filled_points"].max())
@@ -66,18 +56,7 @@ def missing_points(statistics: xr.Dataset, height: Attributes, levelled: Attribu
 
 
 def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
-    """Check that next to no load would lie on points that were rejected.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it, with `rejected_load_share`.
-    levelled : mapping
-        attributes of the levelled map.
-
-    Returns
-    -------
-    Check
+    """Check that hardly any load would lie on rejected points, by `rejected_load_share`.
 
     Examples
     --------
@@ -90,20 +69,21 @@ def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
     if not rejected:
         return Check("Outliers", PASSED, "No point was rejected.")
     named = kinds_in_words(levelled)
-    they, was = ("it", "was") if rejected == 1 else ("they", "were")
-    text = f"{several(rejected, 'point')} {was} rejected as no surface" + (f" ({named})" if named else "")
+    they, was, kind = ("it", "was", "an outlier") if rejected == 1 else ("they", "were", "outliers")
+    text = f"{several(rejected, 'point')} {was} rejected as {kind}" + (f" ({named})" if named else "")
     shares = statistics["rejected_load_share"].values if "rejected_load_share" in statistics else np.nan
     if np.isnan(shares).all():
-        unknown = f"What load {they} would carry if {they} were kept is not known."
+        unknown = f"The load that {they} would carry if {they} were kept is not known."
         return Check("Outliers", LOOK, f"{text}. {unknown}")
     share = float(np.nanmax(shares))
     text += f". If {they} were kept, {they} would carry {percent(share)} of the load"
     text += " at most" if statistics.sizes["load"] > 1 else ""
     if share <= REJECTED_LOAD:
         return Check("Outliers", PASSED, f"{text}.")
-    faults, lie = ("its being a fault", "it lies") if rejected == 1 else ("their being faults", "they lie")
+    are = "it is an error" if rejected == 1 else "they are errors"
+    lie = "it lies" if rejected == 1 else "they lie"
     text += (
-        f": the result rests on {faults} of the measurement. See where {lie}; "
+        f": the result depends on whether {are} of the measurement. See where {lie}; "
         "level.outlier_threshold: null keeps every point."
     )
     return Check("Outliers", LOOK, text)
@@ -112,16 +92,7 @@ def outliers(statistics: xr.Dataset, levelled: Attributes) -> Check:
 def scan_lines(levelled: Attributes, statistics: xr.Dataset | None = None) -> Check:
     """Check that the rows of the map are not shifted against one another, or that the user aligned them.
 
-    Parameters
-    ----------
-    levelled : mapping
-        attributes of the levelled map.
-    statistics : Dataset, optional
-        as `contact_statistics` returns it: `Str` and `Std` tell of a lay along the rows, which hides shifts.
-
-    Returns
-    -------
-    Check
+    `Str` and `Std` of the statistics show a lay along the rows, which hides shifts.
 
     Examples
     --------
@@ -165,17 +136,6 @@ def _lay_along_rows(statistics: xr.Dataset) -> bool:
 def form(levelled: Attributes, window: Attributes) -> Check:
     """Check that no bow decides where the surfaces touch.
 
-    Parameters
-    ----------
-    levelled : mapping
-        attributes of the levelled map.
-    window : mapping
-        attributes of the periodic window.
-
-    Returns
-    -------
-    Check
-
     Examples
     --------
     >>> form({"form": "plane"}, {"form_share": 0.9}).outcome
@@ -190,21 +150,12 @@ def form(levelled: Attributes, window: Attributes) -> Check:
     if levelled.get("form") in ("polynomial", "sphere", "cylinder"):
         way_out = "It came with the periodic window: compare another window.method."
     else:
-        way_out = "Take it off with level.form: polynomial, unless it belongs to the contact."
+        way_out = "Remove it with level.form: polynomial, unless it belongs to the contact."
     return Check("Form", LOOK, f"{text}: form, not roughness, decides where the surfaces touch. {way_out}")
 
 
 def periodicity(window: Attributes) -> Check:
     """Check that making the window periodic changed neither heights nor gradient by much.
-
-    Parameters
-    ----------
-    window : mapping
-        attributes of the periodic window.
-
-    Returns
-    -------
-    Check
 
     Examples
     --------
@@ -215,7 +166,7 @@ def periodicity(window: Attributes) -> Check:
     if method == "none":
         return Check("Periodic window", PASSED, "The window was periodic already: nothing was changed.")
     before, after = window["rms_gradient_before"], window["rms_gradient_after"]
-    # waves that were taken out afterwards, on request, are no fault of periodisation
+    # waves removed afterwards, on request, are not due to periodisation
     after = float(np.hypot(after, window.get("band_removed_rms_gradient", 0.0)))
     change = after / before - 1 if before > 0 else 0.0
     relative = window.get("periodisation_relative_change", 0.0)
@@ -226,7 +177,7 @@ def periodicity(window: Attributes) -> Check:
     if abs(change) > GRADIENT_CHANGE:
         text += " Peak pressures follow the gradient."
     if relative > HEIGHT_CHANGE:
-        text += " Opposite edges do not fit together, and closing them moved the contact."
+        text += " Opposite edges do not match, and joining them moved the contact."
     if abs(change) > GRADIENT_CHANGE or relative > HEIGHT_CHANGE:
         return Check("Periodic window", LOOK, f"{text} Compare another window.method.")
     return Check("Periodic window", PASSED, text)
@@ -234,15 +185,6 @@ def periodicity(window: Attributes) -> Check:
 
 def window_share(window: Attributes) -> Check:
     """Check that the window covers most of the measured map.
-
-    Parameters
-    ----------
-    window : mapping
-        attributes of the periodic window.
-
-    Returns
-    -------
-    Check
 
     Examples
     --------
@@ -258,43 +200,26 @@ def window_share(window: Attributes) -> Check:
 
 
 def longest_wave(statistics: xr.Dataset) -> Check:
-    """Check that the window holds the longest waves of the surface.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it.
-
-    Returns
-    -------
-    Check
-    """
+    """Check that the window holds the longest waves of the surface."""
     length = float(statistics["Sal"])
     sides = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
     side = float(np.nanmin(sides))  # a profile has a length alone
     if np.isnan(length):
-        return Check("Longest wave", PASSED, "The map is flat: there is no wave to be too long.")
+        return Check("Longest wave", PASSED, "The map is flat: there is no wave.")
     text = f"The window is {number(side / length, digits=2)} autocorrelation lengths (Sal) long"
     if side < LENGTHS * length:
         text += (
-            ": it is shorter than the longest waves of the surface, which another window would show "
-            "otherwise. Measure a larger field, or take long waves off (level.l_filter)."
+            ": it is shorter than the longest waves of the surface, and another window would give other "
+            "numbers. Measure a larger field, or remove long waves (level.l_filter)."
         )
         return Check("Longest wave", LOOK, text)
     return Check("Longest wave", PASSED, f"{text}: it holds the longest waves.")
 
 
 def sample(statistics: xr.Dataset) -> Check:
-    """Check that the map tells how far its results stand for the surface beyond it.
+    """Check that the map shows how far its results hold for the surface beyond it.
 
-    Parameters
-    ----------
-    statistics : Dataset
-        as `with_uncertainty` returns it: its attribute `window_flag` says what is wrong.
-
-    Returns
-    -------
-    Check
+    The attribute `window_flag` of `with_uncertainty` names the reason why it does not.
 
     Examples
     --------
@@ -303,25 +228,16 @@ def sample(statistics: xr.Dataset) -> Check:
     'look'
     """
     if "window_flag" not in statistics.attrs:
-        text = "Not made: the surface beyond the map is no part of the error budget (uncertainty.sources)."
+        text = "Not made: the surface beyond the map is not in the error budget (uncertainty.sources)."
         return Check("Sample", NOT_MADE, text)
     if flag := statistics.attrs["window_flag"]:
         return Check("Sample", LOOK, flag)
-    text = "Nothing in the map says that the surface beyond it is unlike the map: see what the ± is made of."
+    text = "The map gives no sign that the surface beyond it differs: see the sources of the ±."
     return Check("Sample", PASSED, text)
 
 
 def band(window: Attributes) -> Check:
     """Check that no wave is solved that the instrument is known not to resolve.
-
-    Parameters
-    ----------
-    window : mapping
-        attributes of the periodic window.
-
-    Returns
-    -------
-    Check
 
     Examples
     --------
@@ -338,22 +254,13 @@ def band(window: Attributes) -> Check:
         return Check("Band", PASSED, "No wave is solved that the instrument is known not to resolve.")
     text = (
         f"Waves down to {quantity(shortest, 'm')} are solved; {reason} resolves {quantity(reliable, 'm')}. "
-        "What is shorter is partly noise, and peaks are partly rounded off: compare window.reliable_band."
+        "Shorter waves are partly noise, and peaks are partly smoothed: compare window.reliable_band."
     )
     return Check("Band", LOOK, text)
 
 
 def slope(statistics: xr.Dataset) -> Check:
     """Check that the slopes are small, as the half-space theory assumes.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it.
-
-    Returns
-    -------
-    Check
 
     Examples
     --------
@@ -375,15 +282,6 @@ def slope(statistics: xr.Dataset) -> Check:
 def steep_places(window: Attributes) -> Check:
     """Check that a few steep places do not make up the rms gradient.
 
-    Parameters
-    ----------
-    window : mapping
-        attributes of the periodic window.
-
-    Returns
-    -------
-    Check
-
     Examples
     --------
     >>> steep_places({"steepest_share": 0.08}).sentence
@@ -395,9 +293,9 @@ def steep_places(window: Attributes) -> Check:
         return Check("Steep places", PASSED, f"{text}.")
     threshold = window.get("outlier_threshold")
     spikes = (
-        f"Spikes beyond {number(threshold, digits=2)} standard deviations are out already."
+        f"Spikes beyond {number(threshold, digits=2)} standard deviations are removed already."
         if threshold
-        else "Take spikes out with level.outlier_threshold."
+        else "Remove spikes with level.outlier_threshold."
     )
     text += (
         ": steps, defects or dust. A load relative to the gradient is high for the rest of the surface. Give "
@@ -409,15 +307,6 @@ def steep_places(window: Attributes) -> Check:
 def reading(height: Attributes, levelled: Attributes) -> Check:
     """Check that the file was read without a warning.
 
-    Parameters
-    ----------
-    height, levelled : mapping
-        attributes of the map as measured, and levelled.
-
-    Returns
-    -------
-    Check
-
     Examples
     --------
     >>> reading({"ingest_warnings": '["the unit of the heights was guessed"]'}, {}).sentence
@@ -427,6 +316,6 @@ def reading(height: Attributes, levelled: Attributes) -> Check:
     if warnings:
         text = " ".join(f"{warning[0].upper()}{warning[1:].rstrip('.')}." for warning in warnings)
         if levelled.get("outlier_threshold"):
-            text = text.replace(SPIKES_ADVICE, "isolated ones were looked for and taken out")
+            text = text.replace(SPIKES_ADVICE, "isolated ones were searched for and removed")
         return Check("Reading the file", LOOK, text)
     return Check("Reading the file", PASSED, "Read without a warning.")

@@ -1,13 +1,13 @@
-"""What a check says: passed, look, failed or not made, with a sentence; and the worst of several."""
+"""Outcome of a check (passed, look, failed or not made) with its sentence, and the worst of several."""
 
 import textwrap
 from collections.abc import Iterable
 from typing import NamedTuple
 
 PASSED, LOOK, FAILED = "passed", "look", "failed"
-NOT_MADE = "not made"  # what it takes is not known; it speaks neither for nor against a result
-_SHORT = 80  # letters of a sentence that says what there is, while the next one says what it means
-VERDICTS = {PASSED: "trust", LOOK: "look at", FAILED: "do not trust"}
+NOT_MADE = "not made"  # for lack of data; it does not affect the verdict
+_SHORT = 80  # letters of a first sentence that is followed by its interpretation
+VERDICTS = {PASSED: "use", LOOK: "review", FAILED: "do not use"}  # in the order of the flag `verdict`
 
 
 class Check(NamedTuple):
@@ -19,17 +19,9 @@ class Check(NamedTuple):
 
 
 def verdict(checks: Iterable[Check]) -> str:
-    """Return the worst outcome among the checks.
+    """Return the worst outcome among the checks, a key of `VERDICTS`; `look` where none was made.
 
-    Parameters
-    ----------
-    checks : iterable of Check
-        those that were not made do not count.
-
-    Returns
-    -------
-    str
-        a key of `VERDICTS`: `look` where none was made.
+    Checks that were not made do not count.
 
     Examples
     --------
@@ -41,15 +33,7 @@ def verdict(checks: Iterable[Check]) -> str:
 
 
 def reasons(checks: Iterable[Check]) -> list[Check]:
-    """Return the checks that speak against a result: those that ask for a look, and those that failed.
-
-    Parameters
-    ----------
-    checks : iterable of Check
-
-    Returns
-    -------
-    list of Check
+    """Return the checks that did not pass: warnings (`look`) and failures.
 
     Examples
     --------
@@ -61,14 +45,6 @@ def reasons(checks: Iterable[Check]) -> list[Check]:
 
 def reason(check: Check) -> str:
     """Return the name of a check and its first sentence, or two where that is short, for lists of reasons.
-
-    Parameters
-    ----------
-    check : Check
-
-    Returns
-    -------
-    str
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Where below the surface a contact strains its material most."""
+"""Stresses below the surface of a contact, and the load at which they make a body yield."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -17,31 +17,20 @@ _DEEPEST = 2  # longer sides: there less than 1e-4 of any wave is left
 _FITTED = 6
 _PARTS = 16
 _NEAR = 0.8  # of a limit: where the stress is less at two depths, it does not reach the limit between them
-# Beside a depth with so much less than the largest stress there may be a larger one, of another point, too.
+# Peaks within this share of the largest stress are refined, too: another point may exceed it in between.
 _BESIDE = 0.02
-_FAR = 0.8  # of the largest stress of Tresca so far: less is not worth its eigenvalues
-_FINE = 0.01  # to which share a load has the stress that is looked for
+_FAR = 0.8  # of the largest stress of Tresca so far: below it no eigenvalues are computed
+_FINE = 0.01  # relative difference from the wanted stress at which a load counts as having it
 
 Bodies = Sequence[Mapping[str, float | None]]
 
 
 def profile_depths(shape: Sequence[int], steps: tuple[float, float]) -> np.ndarray:
-    """Return the depths at which stresses are looked for: from the surface to twice the longer side.
+    """Return the depths (m) at which stresses are computed: from the surface to twice the longer side.
 
     The stress below a wave is largest at about 1/q: the shortest waves have it within the first pixel, the
     longest one at a sixth of the longer side, whatever the load. At the last depth the mean pressure acts
-    alone.
-
-    Parameters
-    ----------
-    shape : (ny, nx)
-        of the map.
-    steps : (dy, dx), m
-        pitch of the points.
-
-    Returns
-    -------
-    array (depths), m
+    alone. `steps` are (dy, dx) in m.
 
     Examples
     --------
@@ -58,14 +47,7 @@ def profile_depths(shape: Sequence[int], steps: tuple[float, float]) -> np.ndarr
 def strained_body(bodies: Bodies | None) -> Mapping[str, float | None] | None:
     """Return the body that yields first: that of the lower yield stress, else of the lower Young's modulus.
 
-    Parameters
-    ----------
-    bodies : sequence of two mappings, or None
-        `poissons_ratio`, and as far as known `yield_stress` (Pa) and `youngs_modulus` (Pa).
-
-    Returns
-    -------
-    mapping or None
+    The bodies state `poissons_ratio`, and as far as known `yield_stress` and `youngs_modulus` (Pa).
 
     Examples
     --------
@@ -164,23 +146,12 @@ def stress_columns(
 
 
 def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.Dataset:
-    """Return the statistics with the mean pressure at which a body begins to yield below its surface.
+    """Return the statistics with the mean pressure (Pa) at which a body begins to yield below its surface.
 
-    There the largest stress of von Mises reaches the yield stress. Between the two loads that have it between
-    them, stress and load are interpolated as powers of one another.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        `max_von_mises_stress` (load) Pa, coordinate `mean_pressure` (load) Pa.
-    bodies : sequence of two mappings, or None
-        of which one at least states a `yield_stress` (Pa).
-
-    Returns
-    -------
-    Dataset
-        with `first_subsurface_yield_pressure` (Pa), NaN where no load has it and no two have it between
-        them; unchanged without stresses or without a yield stress.
+    There `max_von_mises_stress` (load) reaches the lower `yield_stress` (Pa) of the bodies. Between two
+    loads, stress and load are interpolated as powers of one another: `first_subsurface_yield_pressure` is NaN
+    where no two loads have it between them and none is there; the statistics are unchanged without stresses
+    or without a yield stress.
 
     Examples
     --------
@@ -200,7 +171,7 @@ def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.D
     order = np.argsort(statistics["mean_pressure"].values)
     load, stress = (statistics[name].values[order] for name in ("mean_pressure", "max_von_mises_stress"))
     nearest = int(np.argmin(np.abs(stress / limit - 1)))
-    if abs(stress[nearest] / limit - 1) < _FINE:  # a load that was looked for, just beside it
+    if abs(stress[nearest] / limit - 1) < _FINE:  # a target of the loads, found to a tolerance
         return statistics.assign(first_subsurface_yield_pressure=float(load[nearest]))
     first = int(np.argmax(stress >= limit))  # 0 also where none is
     pair = slice(first - 1, first + 1)

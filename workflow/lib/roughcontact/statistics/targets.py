@@ -1,4 +1,4 @@
-"""The inverse question: the load at which a contact reaches a wanted area or gap, closes, or yields."""
+"""The inverse question: the load at which a contact reaches a given area or gap, closes, or yields."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -39,11 +39,11 @@ def target_loads(
     bodies: Bodies | None = None,
     **solver: Any,
 ) -> list[float]:
-    """Return the mean pressures at which a contact reaches what is wanted of it.
+    """Return the mean pressures at which a contact reaches given targets.
 
-    Area and mean gap change steadily with the load; it is put between two loads and found to 1e-4 of itself,
-    with a solution of the contact for each step. Where the wanted state comes at once (a gap that closes),
-    the load is the one just beyond.
+    Area and mean gap change steadily with the load; it is bracketed between two loads and found to 1e-4 of
+    itself, with a solution of the contact for each step. Where the target is reached at once (a gap that
+    closes), the load is the one just beyond.
 
     Parameters
     ----------
@@ -154,14 +154,8 @@ def target_loads(
 def wanted_loads(window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1) -> list[float]:
     """Return the mean pressures that the settings ask for: as they are, relative, planned, or by target.
 
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-        the map to be solved.
-    contact : mapping
-        the section `contact` of the settings.
-    threads : int
-        of the solutions on the way to a target.
+    `window` (y, x; m) is the map to be solved, `contact` the section of the settings, and `threads` serve the
+    solutions on the way to a target.
 
     Returns
     -------
@@ -274,7 +268,7 @@ def _crossing(
                 return None
             low, high = low - step, low
     if steady:
-        from scipy.optimize import brentq  # takes longer to import than a small map to solve
+        from scipy.optimize import brentq  # imported late: it takes longer than solving a small map
 
         return math.exp(brentq(at, low, high, xtol=_CLOSE / 2))
     while high - low > _CLOSE:
@@ -284,7 +278,7 @@ def _crossing(
 
 
 def _xu_load(area: float) -> float:
-    """Return about which load in units of E* g gives a contact area, after Xu et al. (2024)."""
+    """Return the approximate load, in units of E* g, of a contact area, after Xu et al. (2024)."""
     from scipy.optimize import brentq
 
     return float(brentq(lambda load: float(xu_area(load)) - area, 0.0, 10.0)) if area < 0.999 else 1.5

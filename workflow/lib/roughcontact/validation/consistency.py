@@ -1,137 +1,52 @@
 """Consistency: numbers that are computed apart and must fit together, whatever the surface."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact.response import linear_response
-from roughcontact.contact.solve import solve_contact
-from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.maps import height_map, spacing
-from roughcontact.references import synthetic
-from roughcontact.roughness import parameters
+from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.validation import drawing
-from roughcontact.validation.lines import Evidence, Figure, Line, Part, compare
+from roughcontact.validation.lines import Figure, Part
+from roughcontact.validation.problems import solve
 
-TITLE = "Energy, gap and stiffness belong together"
 _POINTS = 128
-_LOADS = (0.02, 0.05, 0.2, 0.5, 1.0)
 _STEP = 1e-5  # relative step of load: so small that no point comes or goes
 
-_CODE = "tests/unit/test_validation.py::test_consistency_of_the_closed_forms"
-WORK = Evidence(
-    "dU/dū = −p̄: the work of the load is stored",
-    "Persson (2007), Phys. Rev. Lett. 99, 125502",
-    "elasticity.energy.elastic_energy, gap of solve_contact",
-    _CODE,
-)
-STIFFNESS = Evidence(
-    "−dū/dp̄ = ⟨x, G x⟩, x the increment of pressure on the contact set, mean 1, that leaves no gap",
-    "linear response of a fixed contact set: Hertz contacts stay, edges carry no pressure",
-    "contact.response.linear_response",
-    _CODE,
-)
-TILED = Evidence(
-    "the same surface, repeated, is the same problem (q = 0: zero)",
-    "periodicity",
-    "contact.solve.solve_contact",
-    "tests/unit/test_contact_dataset.py::test_relative_numbers_do_not_depend_on_units_position_or_orientation",
-)
+
+def add_lines(part: Part, *, finest_grid: int) -> None:
+    """Add the lines and the figure of the rough reference case on 128 x 128 points."""
+    height = rough_reference_surface(_POINTS)
+    _differences(part, height)
+    _sweep(part, height)
+    _tiling(part)
 
 
-def part(*, finest_grid: int) -> Part:
-    """Return the lines and figures of this part.
-
-    Parameters
-    ----------
-    finest_grid : int
-        points along the finest grid.
-        Maps of 128 points serve whatever it is.
-
-    Returns
-    -------
-    Part
-    """
-    height = synthetic.rough_reference_surface(_POINTS)
-    sweep, figure = _sweep(height)
-    text = (
-        "Pressure, gap and energy come from different sums over the solution. Along a sweep of loads they "
-        "must fit: the energy grows by the work of the load, and the gap answers to the load as the contact "
-        "set does. And nothing may change when the map is solved together with copies of itself. The rough "
-        f"reference case, {_POINTS} × {_POINTS} points."
-    )
-    return Part("consistency", TITLE, text, [*_differences(height), *sweep, *_tiling()], [figure])
+def _differences(part: Part, height: xr.DataArray) -> None:
+    """Add the lines of small differences around several loads."""
+    for relative in (0.02, 0.05, 0.2, 0.5, 1.0):
+        load = relative * rms_gradient(height)
+        below, above = solve(height, [load * (1 - _STEP), load * (1 + _STEP)], 1e-12)
+        closed = -(above.mean_gap - below.mean_gap)
+        part.compare("work", (above.energy - below.energy) / closed, load, 1e-6, load=relative)
+        response = below.compliance(1e-5)
+        part.compare("stiffness", closed / (2 * _STEP * load), response, 1e-5, load=relative)
 
 
-def _solved(
-    height: xr.DataArray, loads: Sequence[float], tolerance: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return (energies, mean gaps, contact sets) at the loads, E* = 1."""
-    contact = solve_contact(height, contact_modulus=1.0, mean_pressure=loads, tolerance=tolerance)
-    pressures, gaps = contact["pressure"].values, contact["gap"].values
-    energies = [elastic_energy(p, spacing(height), contact_modulus=1.0) for p in pressures]
-    means = [gap[p == 0].sum() / gap.size for p, gap in zip(pressures, gaps, strict=True)]
-    return np.array(energies), np.array(means), pressures > 0
-
-
-def _differences(height: xr.DataArray) -> list[Line]:
-    """Return the lines of small differences around several loads."""
-    gradient = parameters.rms_gradient(height)
-    lines = []
-    for relative in _LOADS:
-        load = relative * gradient
-        energies, gaps, sets = _solved(height, [load * (1 - _STEP), load * (1 + _STEP)], 1e-12)
-        lines += [
-            compare(
-                f"p′ = {relative:g}: −dU/dū / E*, against p̄ / E*",
-                -(energies[1] - energies[0]) / (gaps[1] - gaps[0]),
-                load,
-                tolerance=1e-6,
-                reason="rounding in differences over 2e-5 of the load",
-                evidence=WORK,
-            ),
-            compare(
-                f"p′ = {relative:g}: −dū/dp̄ × E* / length, against the response of the contact set",
-                -(gaps[1] - gaps[0]) / (2 * _STEP * load),
-                linear_response(sets[0], spacing(height), 1.0, 1e-5),
-                tolerance=1e-5,
-                reason="rounding, and the 1e-5 of the iteration for the response",
-                evidence=STIFFNESS,
-            ),
-        ]
-    return lines
-
-
-def _sweep(height: xr.DataArray) -> tuple[list[Line], Figure]:
-    """Return lines and figure of a whole sweep of loads: sums over it against the difference of its ends."""
-    gradient = parameters.rms_gradient(height)
+def _sweep(part: Part, height: xr.DataArray) -> None:
+    """Add lines and figure of a whole sweep of loads: sums over it against the difference of its ends."""
+    gradient = rms_gradient(height)
     relative = np.geomspace(0.01, 1.0, 49)
     loads = relative * gradient
-    energies, gaps, sets = _solved(height, list(loads), 1e-8)
-    compliances = np.array([linear_response(touching, spacing(height), 1.0, 1e-3) for touching in sets])
+    contacts = solve(height, list(loads), 1e-8)
+    energies, gaps = (np.array([getattr(c, name) for c in contacts]) for name in ("energy", "mean_gap"))
+    compliances = np.array([contact.compliance(1e-3) for contact in contacts])
     middle = np.sqrt(loads[1:] * loads[:-1])
     work = -(middle * np.diff(gaps)).sum()
     closed = float(np.trapezoid(compliances * loads, np.log(loads)))
+    part.compare("sweep of energy", energies[-1] - energies[0], work, 1e-3)
+    part.compare("sweep of gap", gaps[0] - gaps[-1], closed, 1e-2)
     slopes = -np.diff(energies) / np.diff(gaps)
-    lines = [
-        compare(
-            "Sweep, p′ from 0.01 to 1: energy gained, against Σ p̄ Δū",
-            energies[-1] - energies[0],
-            work,
-            tolerance=1e-3,
-            reason="sum over 48 steps of load",
-            evidence=WORK,
-        ),
-        compare(
-            "Sweep, p′ from 0.01 to 1: gap closed, against the integral of the response",
-            gaps[0] - gaps[-1],
-            closed,
-            tolerance=1e-2,
-            reason="sum over 48 steps of load",
-            evidence=STIFFNESS,
-        ),
-    ]
     image = drawing.chart(
         [
             ("dU/dū = −p̄", relative, relative),
@@ -146,37 +61,26 @@ def _sweep(height: xr.DataArray) -> tuple[list[Line], Figure]:
         scales=("log", "log"),
     )
     caption = "Differences along the sweep (marks) against what they must be (lines)."
-    return lines, Figure("Along a sweep of loads", image, caption)
+    part.figures.append(Figure("Along a sweep of loads", image, caption))
 
 
-def _tiling() -> list[Line]:
-    """Return the lines of a map solved alone and together with copies of itself."""
-    single = synthetic.rough_reference_surface(64)
-    load = 0.2 * parameters.rms_gradient(single)
+def _tiling(part: Part) -> None:
+    """Add the lines of a map solved alone and together with copies of itself."""
+    single = rough_reference_surface(64)
+    load = 0.2 * rms_gradient(single)
 
     def numbers(height: xr.DataArray) -> dict[str, float]:
-        contact = solve_contact(height, contact_modulus=1.0, mean_pressure=load, tolerance=1e-10)
-        pressure, gap = contact["pressure"].values[0], contact["gap"].values[0]
+        (contact,) = solve(height, [load], 1e-10)
         return {
-            "approach": float(contact["approach"][0]),
-            "mean gap": gap[pressure == 0].sum() / gap.size,
-            "energy": elastic_energy(pressure, spacing(height), contact_modulus=1.0),
-            "share of points in contact": np.count_nonzero(pressure) / pressure.size,
+            "approach": contact.approach,
+            "mean gap": contact.mean_gap,
+            "energy": contact.energy,
+            "share of points in contact": contact.touching.mean(),
         }
 
     alone = numbers(single)
-    lines = []
-    for copies in ((2, 2), (3, 1)):
-        together = numbers(height_map(np.tile(single.values, copies), spacing(single)))
-        lines += [
-            compare(
-                f"{copies[0]} × {copies[1]} copies at p′ = 0.2: {name}",
-                together[name],
-                alone[name],
-                tolerance=1e-9,
-                reason="ten times the solver's tolerance of 1e-10",
-                evidence=TILED,
-            )
-            for name in alone
-        ]
-    return lines
+    for rows, columns in ((2, 2), (3, 1)):
+        together = numbers(height_map(np.tile(single.values, (rows, columns)), spacing(single)))
+        for quantity, known in alone.items():
+            words = {"rows": rows, "columns": columns, "quantity": quantity}
+            part.compare("tiled", together[quantity], known, 1e-9, **words)

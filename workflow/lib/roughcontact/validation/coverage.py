@@ -1,6 +1,7 @@
 """Does the ± hold? Intervals of the error budget against surfaces whose true numbers are known."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TypedDict
 
 import numpy as np
@@ -17,13 +18,12 @@ from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, resolution_indicators
 from roughcontact.uncertainty.ensemble import Count
 from roughcontact.uncertainty.headline import QUANTITIES, headline
-from roughcontact.validation.lines import Evidence, Line, Part, Table, compare
+from roughcontact.validation.lines import Part, Table
 from roughcontact.validation.masters import FAULTS, KINDS, cut_out, master_surface
 from roughcontact.window.periodic_window import periodic_window
 
 Cases = dict[str, tuple[np.ndarray, np.ndarray]]  # quantity -> half-widths and errors
 
-TITLE = "The error budget: how often the ± holds"
 _PROMISED, _LEAST = 0.95, 0.90  # share of the intervals that hold the true value
 _WIDTH = 3.0  # median of half-width over error that is not to be exceeded
 _MAPS, _FEW_MAPS = 40, 10  # at full size and at a small one
@@ -38,95 +38,49 @@ _WORDS = {
     "critical_constriction_y": "narrowest place along y",
 }
 
-FINE = Evidence(
-    "maps of 64 × 64 points; truth: their Fourier series on 512 × 512 points",
-    "docs/explanation/uncertainty.md",
-    "uncertainty.discretisation.discretisation_uncertainty",
-    "tests/unit/test_uncertainty_discretisation.py::test_the_interval_of_the_pixel_size_covers_a_finer_solution",
-)
-MASTER = Evidence(
-    "parts of large periodic surfaces of eight kinds, tilted, with points left out, a bow or spikes, "
-    "processed by default; truth: the whole surface at the same mean pressure",
-    "docs/explanation/uncertainty.md",
-    "uncertainty.budget.error_budget",
-    "tests/unit/test_uncertainty_budget.py::test_the_combined_interval_covers_the_surface_that_was_measured",
-)
 
-
-def part(*, finest_grid: int) -> Part:
-    """Return the lines of this part.
-
-    Parameters
-    ----------
-    finest_grid : int
-        points along the finest grid.
-
-    Returns
-    -------
-    Part
-    """
+def add_lines(part: Part, *, finest_grid: int) -> None:
+    """Add lines and table of 40 maps of either kind, of 10 where the finest grid is coarse."""
     maps = _MAPS if finest_grid >= 1024 else _FEW_MAPS
-    alone = pixel_size_cases(maps)
-    combined = measured_cases(maps, master_points=min(320, finest_grid))
-    lines, rows = [], []
-    for what, cases, evidence in (
-        ("Pixel size alone", alone, FINE),
-        ("All sources together", combined, MASTER),
-    ):
-        for name, (half_width, error) in cases.items():
-            covered = float(np.mean(error <= half_width))
-            width = float(np.median(half_width / np.maximum(error, np.finfo(float).tiny)))
-            counted = f"{what}: {_WORDS[name]}, share of the intervals that hold"
-            lines.append(_coverage(counted, covered, maps, evidence))
-            if evidence is FINE:
-                lines.append(
-                    _width(f"{what}: {_WORDS[name]}, half-width over error, median", width, evidence)
-                )
-            rows.append([what, _WORDS[name], str(error.size), number(covered), number(width, digits=2)])
+    rows = []
+    for name, (half_width, error) in pixel_size_cases(maps).items():
+        covered, width = _coverage_and_width(half_width, error)
+        _add_share(part, "pixel share", _WORDS[name], covered, maps)
+        part.compare("pixel width", width, (1 + _WIDTH) / 2, (_WIDTH - 1) / 2, quantity=_WORDS[name])
+        rows.append(("Pixel size alone", _WORDS[name], error.size, covered, width))
+    for name, (half_width, error) in measured_cases(maps, master_points=min(320, finest_grid)).items():
+        covered, width = _coverage_and_width(half_width, error)
+        _add_share(part, "share", _WORDS[name], covered, maps)
+        rows.append(("All sources together", _WORDS[name], error.size, covered, width))
     table = Table(
         "Coverage and width of the intervals",
         ["source", "quantity", "cases", "share that hold", "half-width over error, median"],
-        rows,
+        [
+            [source, quantity, str(cases), number(covered), number(width, digits=2)]
+            for source, quantity, cases, covered, width in rows
+        ],
         "An interval of 95 % of a normal distribution is 2.9 times as wide as the median error.",
     )
-    text = (
-        "The main numbers and the answers in the report have a ±. Here it is held against surfaces whose "
-        "numbers are known: first the part for the pixel size alone, on maps of known fine solution; then "
-        "all parts, on maps cut from large surfaces (random, worn, eroded, honed, dimpled, ground, turned, "
-        "grainy), tilted, with missing points, a bow or spikes, and processed like measured ones. An "
-        "interval without an upper end, where grooves leave the map, holds what is not below it."
-    )
-    return Part("coverage", TITLE, text, lines, (), [table])
+    part.tables.append(table)
 
 
-class _Problem(TypedDict):
-    """Keyword arguments of `solve_contact`, E* = 1."""
-
-    contact_modulus: float
-    mean_pressure: list[float]
-    tolerance: float
+def _coverage_and_width(half_width: np.ndarray, error: np.ndarray) -> tuple[float, float]:
+    """Return the share of the intervals that hold, and the median of half-width over error."""
+    ratio = half_width / np.maximum(error, np.finfo(float).tiny)
+    return float(np.mean(error <= half_width)), float(np.median(ratio))
 
 
-class _Cases:
-    """Half-widths and errors of each quantity, map after map."""
+def _add_share(part: Part, name: str, quantity: str, covered: float, maps: int) -> None:
+    """Add the line of a share of intervals that hold: 95 % is promised, more is no fault.
 
-    def __init__(self) -> None:
-        self._pairs: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
-
-    def add(self, half_widths: xr.Dataset, result: xr.Dataset, truth: xr.Dataset) -> None:
-        """Take in the loads of one map; what conducts without end is no number."""
-        for name in map(str, half_widths.data_vars):
-            error = np.abs(result[name].values - truth[name].values)
-            known = np.isfinite(error)
-            self._pairs.setdefault(name, []).append((half_widths[name].values[known], error[known]))
-
-    def joined(self) -> Cases:
-        """Return all half-widths and all errors of each quantity."""
-        joined = {}
-        for name, pairs in self._pairs.items():
-            half_widths, errors = (np.concatenate(values) for values in zip(*pairs, strict=True))
-            joined[name] = (half_widths, errors)
-        return joined
+    The least is 90 %. With few maps, twice the standard deviation of a share of so many goes off that.
+    """
+    tolerance, limit = _PROMISED - _LEAST, "more than 95 % is no fault"
+    if maps < _MAPS:
+        tolerance += 2 * np.sqrt(_PROMISED * (1 - _PROMISED) / maps)
+        limit = f"{maps} maps only"
+    line = part.compare(name, covered, _PROMISED, tolerance, quantity=quantity, limit=limit)
+    part.lines[-1] = replace(line, deviation=max(0.0, _PROMISED - covered))
 
 
 def pixel_size_cases(maps: int, *, seed: int = 2024) -> Cases:
@@ -134,14 +88,7 @@ def pixel_size_cases(maps: int, *, seed: int = 2024) -> Cases:
 
     Each map has 64 x 64 points and is solved at five loads, p' from 0.007 to 0.9; its shortest wave has 2.2
     to 16 points, its longest is a quarter to the whole of the side, 0.2 <= H <= 1. The truth is its Fourier
-    series on eight times as many points along each axis.
-
-    Parameters
-    ----------
-    maps : int
-        how many.
-    seed : int
-        of the random maps and loads.
+    series on eight times as many points along each axis. `seed` is that of the random maps and loads.
 
     Returns
     -------
@@ -149,7 +96,7 @@ def pixel_size_cases(maps: int, *, seed: int = 2024) -> Cases:
         quantity -> (half-widths, errors), arrays over all maps and loads, in the unit of the quantity.
     """
     generator = np.random.default_rng(seed)
-    found = _Cases()
+    found = []
     for _ in range(maps):
         longest = generator.uniform(0.25, 1)
         shortest = min(np.exp(generator.uniform(np.log(2.2), np.log(16))) / 64, 0.8 * longest)
@@ -167,8 +114,8 @@ def pixel_size_cases(maps: int, *, seed: int = 2024) -> Cases:
         solved = solve_contact(window, **contact, reduce=resolution_indicators)
         half_widths = discretisation_uncertainty(window, contact=contact, solved=solved)
         truth = _truth(refined(window, 8), loads, count=headline)
-        found.add(half_widths[list(QUANTITIES)], solved, truth)
-    return found.joined()
+        found.append(_cases(half_widths[list(QUANTITIES)], solved, truth))
+    return _joined(found)
 
 
 def measured_cases(maps: int, *, master_points: int, seed: int = 7) -> Cases:
@@ -179,16 +126,7 @@ def measured_cases(maps: int, *, master_points: int, seed: int = 7) -> Cases:
     tilted, 1 % of its points are missing, in spots, and it takes turns among the faults. Levelling, window
     and budget are those of the default settings; the loads are given in Pa, so that the truth is the surface
     at the same mean pressure, with pixels half as large. That of the largest pressure is the median over all
-    squares as large as the window.
-
-    Parameters
-    ----------
-    maps : int
-        how many.
-    master_points : int
-        along the side of each surface.
-    seed : int
-        of the random surfaces, maps and loads.
+    squares as large as the window. `seed` is that of the random surfaces, maps and loads.
 
     Returns
     -------
@@ -198,7 +136,7 @@ def measured_cases(maps: int, *, master_points: int, seed: int = 7) -> Cases:
         lies, infinite where an interval has no end there.
     """
     generator = np.random.default_rng(seed)
-    found = _Cases()
+    found = []
     for index in range(maps):
         side = int(generator.uniform(3 / 8, 5 / 8) * master_points)
         master = master_surface(
@@ -222,8 +160,35 @@ def measured_cases(maps: int, *, master_points: int, seed: int = 7) -> Cases:
             half_widths[name] = xr.where(
                 truth[name] > result[name], upper - result[name], result[name] - lower
             )
-        found.add(xr.Dataset(half_widths), result, truth)
-    return found.joined()
+        found.append(_cases(half_widths, result, truth))
+    return _joined(found)
+
+
+def _cases(half_widths: xr.Dataset | dict[str, xr.DataArray], result: xr.Dataset, truth: xr.Dataset) -> Cases:
+    """Return half-widths and errors at the loads of one map; an infinite conductance is left out."""
+    cases = {}
+    for name, values in half_widths.items():
+        error = np.abs(result[name].values - truth[name].values)
+        known = np.isfinite(error)
+        cases[str(name)] = values.values[known], error[known]
+    return cases
+
+
+def _joined(maps: Sequence[Cases]) -> Cases:
+    """Return all half-widths and all errors of each quantity, map after map."""
+    joined = {}
+    for name in dict.fromkeys(name for cases in maps for name in cases):
+        half_widths, errors = zip(*(cases[name] for cases in maps if name in cases), strict=True)
+        joined[name] = np.concatenate(half_widths), np.concatenate(errors)
+    return joined
+
+
+class _Problem(TypedDict):
+    """Keyword arguments of `solve_contact`, E* = 1."""
+
+    contact_modulus: float
+    mean_pressure: list[float]
+    tolerance: float
 
 
 def _problem(loads: Sequence[float] | np.ndarray) -> _Problem:
@@ -247,29 +212,3 @@ def _truth(surface: xr.DataArray, loads: np.ndarray, *, count: Count, box: int =
     solved = solve_contact(surface, **_problem(loads), reduce=counted)
     pressure = solved["mean_pressure"].values / solved["relative_contact_area"].values
     return solved.assign(mean_contact_pressure=("load", pressure))
-
-
-def _coverage(what: str, covered: float, maps: int, evidence: Evidence) -> Line:
-    """Return the line of a share of intervals that hold: 95 % is promised, more is no fault.
-
-    The least is 90 %. With few maps, twice the standard deviation of a share of so many goes off that.
-    """
-    deviation = max(0.0, _PROMISED - covered)
-    tolerance, reason = _PROMISED - _LEAST, "below 90 % the ± does not hold; more than 95 % is no fault"
-    if maps < _MAPS:
-        tolerance += 2 * np.sqrt(_PROMISED * (1 - _PROMISED) / maps)
-        reason = f"below 90 % the ± does not hold; {maps} maps only"
-    return Line(what, _PROMISED, covered, deviation, "absolute", float(tolerance), reason, evidence)
-
-
-def _width(what: str, width: float, evidence: Evidence) -> Line:
-    """Return the line of the median of half-width over error: from 1 to 3."""
-    return compare(
-        what,
-        width,
-        (1 + _WIDTH) / 2,
-        measure="absolute",
-        tolerance=(_WIDTH - 1) / 2,
-        reason="neither narrower than the error nor three times as wide",
-        evidence=evidence,
-    )

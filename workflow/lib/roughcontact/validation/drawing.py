@@ -1,6 +1,6 @@
 """The figures of the validation page."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -30,26 +30,10 @@ def chart(
     note: str | None = None,
     more: Sequence[tuple[ArrayLike, ArrayLike]] = (),
 ) -> str:
-    """Draw what is known as dark lines and what was computed as coloured marks.
+    """Draw what is known as dark lines and what was computed as coloured marks; return a data URI.
 
-    Parameters
-    ----------
-    known, found : list of (label, x values, y values)
-    x, y : str
-        labels of the axes.
-    published : list of (label, x values, y values)
-        numbers of others, drawn as open circles around the marks.
-    scales : (str, str)
-        ``linear`` or ``log``, of x and y.
-    note : str or None
-        printed into the picture.
-    more : list of (x values, y values)
-        further lines like the first of `known`.
-
-    Returns
-    -------
-    str
-        the picture as data URI.
+    Numbers of others (`published`) are open circles around the marks, `more` are lines like the first of
+    `known` without a label, and `note` is printed into the picture.
     """
     with new_figure(4.3, 3.4) as figure:
         axes = figure.add_subplot()
@@ -81,26 +65,11 @@ def error_chart(
     errors: Sequence[tuple[str, np.ndarray, float]],
     sizes: Sequence[int],
     *,
-    x: str,
     y: str,
-    title: str | None = None,
 ) -> str:
-    """Draw errors against the number of points, logarithmic, with lines of slope 1 and 2 beside them.
+    """Draw errors over the number of points, logarithmic, beside lines of slope 1 and 2; return a data URI.
 
-    Parameters
-    ----------
-    errors : list of (label, errors at the sizes, fitted order)
-    sizes : sequence of int
-        numbers of points.
-    x, y : str
-        labels of the axes.
-    title : str or None
-        of the legend.
-
-    Returns
-    -------
-    str
-        the picture as data URI.
+    `errors` are labels, errors at the sizes, and fitted orders.
     """
     with new_figure(4.3, 3.8) as figure:
         axes = figure.add_subplot()
@@ -118,38 +87,26 @@ def error_chart(
                 color=COLOURS[index],
                 label=f"{label}: {fitted:.2f}",
             )
-        axes.set(xscale="log", yscale="log", xlabel=x, ylabel=y)
+        axes.set(xscale="log", yscale="log", xlabel="points per wave", ylabel=y)
         axes.set_xticks(sizes, [str(size) for size in sizes])
         axes.minorticks_off()
-        figure.legend(loc="outside lower center", ncols=2, title=title, title_fontsize=8)
+        figure.legend(loc="outside lower center", ncols=2, title="fitted orders", title_fontsize=8)
         return as_svg(figure)
 
 
 def area_chart(
     line_loads: np.ndarray,
-    lines: Sequence[tuple[str, np.ndarray]],
+    theories: Mapping[str, np.ndarray],
     loads: np.ndarray,
     areas: np.ndarray,
 ) -> str:
-    """Draw area over load, so that slopes are heights: an ensemble of maps, and theories.
+    """Draw area over load p' = p̄/(E* g), so that slopes are heights; return a data URI.
 
-    Parameters
-    ----------
-    line_loads : array
-        p' = p̄/(E* g) of the theories.
-    lines : list of (label, areas at those loads)
-    loads : array (load)
-        p' of the maps.
-    areas : array (map, load)
-
-    Returns
-    -------
-    str
-        the picture as data URI.
+    `areas` (map, load) are those of an ensemble at the loads, `theories` those at the loads of their lines.
     """
     with new_figure(5.2, 3.8) as figure:
         axes = figure.add_subplot()
-        for index, (label, values) in enumerate(lines):
+        for index, (label, values) in enumerate(theories.items()):
             style = _KNOWN | {"color": _SHADES[index], "linestyle": _LINES[index]}
             axes.plot(line_loads, values / line_loads, label=label, **style)
         low, high = areas.min(axis=0) / loads, areas.max(axis=0) / loads
@@ -166,22 +123,7 @@ def area_chart(
 def pressure_relief(
     x: np.ndarray, y: np.ndarray, pressure: np.ndarray, *, labels: tuple[str, str, str], note: str
 ) -> str:
-    """Draw a pressure over one period as a relief, the way the paper's figure 2 does.
-
-    Parameters
-    ----------
-    x, y : array (n)
-    pressure : array (n, n)
-    labels : (x, y, z)
-        of the axes.
-    note : str
-        printed into the picture.
-
-    Returns
-    -------
-    str
-        the picture as data URI.
-    """
+    """Draw a pressure (y, x) over one period as a relief, like figure 2 of the paper; return a data URI."""
     with new_figure(4.6, 3.8, layout=None) as figure:
         axes = cast("Axes3D", figure.add_axes((0.0, 0.02, 0.88, 0.9), projection="3d"))
         axes.plot_surface(*np.meshgrid(x, y), pressure, cmap="viridis", rcount=64, ccount=64, linewidth=0)

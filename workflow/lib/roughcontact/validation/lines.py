@@ -1,12 +1,22 @@
-"""One line of the validation: two numbers, how far they are apart, and how far they may be."""
+"""Lines of the validation: two numbers, their deviation, and how large it may be.
 
+The words stand in tables: `parts.tsv` has title and text of each part, `evidence.tsv` formula, source,
+function and test, `lines.tsv` the name and the text of each line, how it measures its deviation, and the
+reason of its tolerance.
+"""
+
+import csv
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
+from functools import cache
+from pathlib import Path
 from typing import SupportsFloat
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+_TABLES = Path(__file__).with_name("tables")
 
 
 @dataclass(frozen=True)
@@ -31,25 +41,40 @@ class Evidence:
 
 
 @dataclass(frozen=True)
+class Wording:
+    """The words of a line; `what` and `reason` may have names in braces, for numbers of the single case.
+
+    Attributes
+    ----------
+    what : str
+        what is compared.
+    measure : str
+        what the deviation is: ``relative`` |value - reference|/|reference|, ``absolute`` |value -
+        reference|, ``largest`` and ``rms`` over all points of a field, relative to the largest and to the rms
+        of the reference.
+    reason : str
+        where the tolerance comes from.
+    evidence : Evidence
+    """
+
+    what: str
+    measure: str
+    reason: str
+    evidence: Evidence
+
+
+@dataclass(frozen=True)
 class Line:
     """One comparison. It holds where deviation <= tolerance; a deviation that is no number never does.
 
     Attributes
     ----------
-    what : str
-        what is compared, in words.
+    what, measure, reason, evidence
+        as those of `Wording`, with the numbers of this case.
     reference, value : float
         what is known from elsewhere, and what this program computes; of a field the two at the point that is
         farthest off, or both rms.
-    deviation : float
-    measure : str
-        what the deviation is: ``relative`` |value - reference|/|reference|, ``absolute`` |value -
-        reference|, ``largest`` and ``rms`` over all points of a field, relative to the largest and to the rms
-        of the reference.
-    tolerance : float
-    reason : str
-        where the tolerance comes from.
-    evidence : Evidence
+    deviation, tolerance : float
     """
 
     what: str
@@ -88,44 +113,40 @@ class Table:
 
 @dataclass(frozen=True)
 class Part:
-    """A section of the page: lines that belong together, with figures."""
+    """A section of the page: lines that belong together, with figures; its module adds them one by one."""
 
     name: str
     title: str
     text: str
-    lines: Sequence[Line]
-    figures: Sequence[Figure] = field(default=())
-    tables: Sequence[Table] = field(default=())
+    lines: list[Line] = field(default_factory=list)
+    figures: list[Figure] = field(default_factory=list)
+    tables: list[Table] = field(default_factory=list)
+
+    def compare(
+        self, name: str, value: ArrayLike, reference: ArrayLike, tolerance: SupportsFloat, **words: object
+    ) -> Line:
+        """Add the line of this name in the table, and return it; the rest is that of `compare`."""
+        line = compare(_wordings(self.name)[name], value, reference, tolerance, **words)
+        self.lines.append(line)
+        return line
 
 
 def compare(
-    what: str,
-    value: SupportsFloat,
-    reference: SupportsFloat,
-    *,
-    tolerance: SupportsFloat,
-    reason: str,
-    evidence: Evidence,
-    measure: str = "relative",
+    wording: Wording, value: ArrayLike, reference: ArrayLike, tolerance: SupportsFloat, **words: object
 ) -> Line:
-    """Return the line of a single number.
+    """Return the line that compares two numbers or two fields.
 
     Parameters
     ----------
-    what : str
-        what is compared, in words.
-    value : float
+    wording : Wording
+    value : float or array
         what this program computes.
-    reference : float
+    reference : float or array of the same shape
         what is known from elsewhere.
     tolerance : float
         largest deviation that holds.
-    reason : str
-        where the tolerance comes from.
-    evidence : Evidence
-        formula, source, function and test.
-    measure : str
-        of the deviation, ``relative`` or ``absolute``.
+    **words
+        what stands in place of the names in braces.
 
     Returns
     -------
@@ -133,117 +154,46 @@ def compare(
 
     Examples
     --------
-    >>> one = Evidence("1 + 1 = 2", "Peano (1889)", "references.closed_forms.hertz", "tests/a.py::test")
-    >>> line = compare("a sum", 1.98, 2.0, tolerance=0.02, reason="two digits", evidence=one)
-    >>> round(line.deviation, 6), line.holds
-    (0.01, True)
-    """
-    found, known = float(value), float(reference)
-    deviation = abs(found - known) / (abs(known) if measure == "relative" else 1.0)
-    return Line(what, known, found, deviation, measure, float(tolerance), reason, evidence)
-
-
-def compare_largest(
-    what: str,
-    values: ArrayLike,
-    reference: ArrayLike,
-    *,
-    tolerance: SupportsFloat,
-    reason: str,
-    evidence: Evidence,
-) -> Line:
-    """Return the line of a field: the largest difference at any point, relative to the largest value.
-
-    Parameters
-    ----------
-    what : str
-        what is compared, in words.
-    values : array
-        what this program computes.
-    reference : array, of the same shape
-        what is known from elsewhere.
-    tolerance : float
-        largest deviation that holds.
-    reason : str
-        where the tolerance comes from.
-    evidence : Evidence
-        formula, source, function and test.
-
-    Returns
-    -------
-    Line
-
-    Examples
-    --------
-    >>> one = Evidence("1 + 1 = 2", "Peano (1889)", "references.closed_forms.hertz", "tests/a.py::test")
-    >>> line = compare_largest("two", [4.0, 5.1], [4, 5], tolerance=0.03, reason="two digits", evidence=one)
+    >>> sums = Evidence("1 + 1 = 2", "Peano (1889)", "references.closed_forms.hertz", "tests/a.py::test")
+    >>> line = compare(Wording("{n} digits", "relative", "rounding", sums), 1.98, 2.0, 0.02, n=2)
+    >>> line.what, round(line.deviation, 6), line.holds
+    ('2 digits', 0.01, True)
+    >>> line = compare(Wording("two", "largest", "rounding", sums), [4.0, 5.1], [4, 5], 0.03)
     >>> line.reference, line.value, round(line.deviation, 6)
     (5.0, 5.1, 0.02)
     """
-    found, known = (np.asarray(field, float).ravel() for field in (values, reference))
+    found, known = (np.asarray(numbers, float).ravel() for numbers in (value, reference))
     difference = np.abs(found - known)
+    if wording.measure == "rms":
+        known, found, difference = (
+            np.sqrt(np.mean(numbers**2, keepdims=True)) for numbers in (known, found, difference)
+        )
     worst = int(difference.argmax())  # a NaN counts as the largest
-    deviation = float(difference[worst] / np.abs(known).max())
-    at_worst = (float(known[worst]), float(found[worst]))
-    return Line(what, *at_worst, deviation, "largest", float(tolerance), reason, evidence)
+    scale = 1.0 if wording.measure == "absolute" else np.abs(known).max()
+    return Line(
+        what=wording.what.format(**words),
+        reference=float(known[worst]),
+        value=float(found[worst]),
+        deviation=float(difference[worst] / scale),
+        measure=wording.measure,
+        tolerance=float(tolerance),
+        reason=wording.reason.format(**words),
+        evidence=wording.evidence,
+    )
 
 
-def compare_rms(
-    what: str,
-    values: ArrayLike,
-    reference: ArrayLike,
-    *,
-    tolerance: SupportsFloat,
-    reason: str,
-    evidence: Evidence,
-) -> Line:
-    """Return the line of a field: the rms of the difference, relative to the rms of the reference.
-
-    Parameters
-    ----------
-    what : str
-        what is compared, in words.
-    values : array
-        what this program computes.
-    reference : array, of the same shape
-        what is known from elsewhere.
-    tolerance : float
-        largest deviation that holds.
-    reason : str
-        where the tolerance comes from.
-    evidence : Evidence
-        formula, source, function and test.
-
-    Returns
-    -------
-    Line
-
-    Examples
-    --------
-    >>> one = Evidence("1 + 1 = 2", "Peano (1889)", "references.closed_forms.hertz", "tests/a.py::test")
-    >>> line = compare_rms("two", [4.0, 3.1], [4, 3], tolerance=0.03, reason="two digits", evidence=one)
-    >>> round(line.deviation, 6)
-    0.02
-    """
-    found, known = (np.asarray(field, float) for field in (values, reference))
-    rms = [float(np.sqrt(np.mean(field**2))) for field in (known, found, found - known)]
-    return Line(what, rms[0], rms[1], rms[2] / rms[0], "rms", float(tolerance), reason, evidence)
+def empty_part(name: str) -> Part:
+    """Return a part with its title and text, to which its module adds the lines."""
+    (words,) = (row for row in _rows("parts") if row["part"] == name)
+    return Part(name, words["title"], words["text"])
 
 
 def to_json(part: Part) -> str:
     """Return a part as JSON, the same text for the same part.
 
-    Parameters
-    ----------
-    part : Part
-
-    Returns
-    -------
-    str
-
     Examples
     --------
-    >>> part = Part("sums", "Sums", "Of small numbers.", [])
+    >>> part = Part("sums", "Sums", "Of small numbers.")
     >>> from_json(to_json(part)).title
     'Sums'
     """
@@ -251,18 +201,31 @@ def to_json(part: Part) -> str:
 
 
 def from_json(text: str) -> Part:
-    """Return the part that `to_json` has written.
-
-    Parameters
-    ----------
-    text : str
-
-    Returns
-    -------
-    Part
-    """
+    """Return the part that `to_json` has written."""
     data = json.loads(text)
     lines = [Line(**line | {"evidence": Evidence(**line["evidence"])}) for line in data["lines"]]
     figures = [Figure(**figure) for figure in data["figures"]]
     tables = [Table(**table) for table in data["tables"]]
     return Part(**data | {"lines": lines, "figures": figures, "tables": tables})
+
+
+@cache
+def _wordings(part: str) -> dict[str, Wording]:
+    """Return the words of the lines of a part by name."""
+    evidence = {
+        row["evidence"]: Evidence(row["formula"], row["source"], row["code"], row["test"])
+        for row in _rows("evidence")
+        if row["part"] == part
+    }
+    return {
+        row["name"]: Wording(row["what"], row["measure"], row["reason"], evidence[row["evidence"]])
+        for row in _rows("lines")
+        if row["part"] == part
+    }
+
+
+@cache
+def _rows(table: str) -> list[dict[str, str]]:
+    """Return the rows of a table of words; its cells are separated by tabs, and nothing is quoted."""
+    with (_TABLES / f"{table}.tsv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE))

@@ -26,22 +26,7 @@ _SHORTEST = 6.0  # points
 def master_surface(kind: Kind, points: int, *, longest: float, seed: int, hurst: float = 0.8) -> xr.DataArray:
     """Return a periodic surface of a kind, of unit side and rms gradient 0.1.
 
-    Parameters
-    ----------
-    kind : str
-        one of `KINDS`.
-    points : int
-        along each side.
-    longest : float
-        wavelength of the longest waves, of the side.
-    seed : int
-        of the random numbers.
-    hurst : float
-        Hurst exponent of the roughness.
-
-    Returns
-    -------
-    DataArray (y, x)
+    `longest` is the wavelength of the longest waves over the side; `hurst` is that of the roughness.
 
     Examples
     --------
@@ -65,7 +50,7 @@ def master_surface(kind: Kind, points: int, *, longest: float, seed: int, hurst:
         heights = _waves(points, longest, hurst, seed, stretch=8.0)
     elif kind == "turned":
         fine = _waves(points, 4 * _SHORTEST, hurst, seed + 1)
-        heights = _grooves(points, generator) + 0.1 * fine + 0.15 * waves
+        heights = grooves(points, points // 24, 0.15, generator) + 0.1 * fine + 0.15 * waves
     elif kind == "grainy":
         heights = 0.5 * waves + _grains(points, generator)
     else:
@@ -79,20 +64,8 @@ def cut_out(
 ) -> xr.DataArray:
     """Return a map as an instrument would deliver it: cut out of a surface, tilted, with spots missing.
 
-    Parameters
-    ----------
-    master : DataArray (y, x)
-        periodic.
-    side : int
-        points along each side of the map.
-    generator : Generator
-        of place, tilt, spots and fault.
-    fault : str
-        "bow": a paraboloid, 0.4 rms heights high, on top; "spikes": ten points 6 to 20 rms heights off.
-
-    Returns
-    -------
-    DataArray (y, x)
+    `side` is in points; `generator` draws place, tilt, spots and fault. A bow is a paraboloid on top, 0.4 rms
+    heights high; spikes are ten points that are 6 to 20 rms heights off.
 
     Examples
     --------
@@ -163,11 +136,10 @@ def _dimples(points: int) -> np.ndarray:
     return np.clip(1 - (across[:, None] ** 2 + across[None, :] ** 2) / 0.3**2, 0, None)
 
 
-def _grooves(points: int, generator: np.random.Generator) -> np.ndarray:
-    """Return parabolic grooves along y (1, points), about 24 points wide, of scattered depth."""
-    count = points // 24
+def grooves(points: int, count: int, scatter: float, generator: np.random.Generator) -> np.ndarray:
+    """Return parabolic grooves along y (1, points) of unit depth, which scatters by so much."""
     x = (np.arange(points) + 0.5) * count / points
-    depth = 0.15 * generator.standard_normal(count)
+    depth = scatter * generator.standard_normal(count)
     groove = np.floor(x).astype(int)
     # neighbouring passes cut into each other: the lowest parabola is what stays
     passes = [4 * (x - groove - s - 0.5) ** 2 + depth[(groove + s) % count] for s in (-1, 0, 1)]

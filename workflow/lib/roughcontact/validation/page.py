@@ -25,28 +25,12 @@ _TEMPLATES = Path(__file__).with_name("templates")
 
 
 def read_parts(paths: Iterable[str | Path]) -> list[Part]:
-    """Return the parts that were written as JSON, in the given order.
-
-    Parameters
-    ----------
-    paths : iterable of str or Path
-
-    Returns
-    -------
-    list of Part
-    """
+    """Return the parts that were written as JSON, in the given order."""
     return [from_json(Path(path).read_text(encoding="utf-8")) for path in paths]
 
 
 def write_page(path: str | Path, parts: Sequence[Part]) -> None:
-    """Write the page for people, one self-contained HTML file; what does not hold is marked and listed.
-
-    Parameters
-    ----------
-    path : str or Path
-    parts : sequence of Part
-        in the order of the page.
-    """
+    """Write the page for people, one self-contained HTML file; what does not hold is marked and listed."""
     lines = [line for part in parts for line in part.lines]
     html = template("validation.html", folder=_TEMPLATES).render(
         parts=[_shown(part) for part in parts],
@@ -63,13 +47,7 @@ def write_page(path: str | Path, parts: Sequence[Part]) -> None:
 
 
 def write_table(path: str | Path, parts: Sequence[Part]) -> None:
-    """Write all lines as CSV, one row each, every digit kept.
-
-    Parameters
-    ----------
-    path : str or Path
-    parts : sequence of Part
-    """
+    """Write all lines as CSV, one row each, every digit kept."""
     rows = [_record(part, line) for part in parts for line in part.lines]
     buffer = io.StringIO()
     writer = csv.DictWriter(buffer, fieldnames=list(rows[0]), lineterminator="\n")
@@ -81,20 +59,10 @@ def write_table(path: str | Path, parts: Sequence[Part]) -> None:
 def check(parts: Sequence[Part], page: str | Path) -> int:
     """Return how many lines there are, all of which hold.
 
-    Parameters
-    ----------
-    parts : sequence of Part
-    page : str or Path
-        where a reader sees what does not hold.
-
-    Returns
-    -------
-    int
-
     Raises
     ------
     DeviationError
-        where a line does not hold: each with its numbers, and the page to look at.
+        where a line does not hold: each with its numbers, and `page`, where a reader sees them.
 
     Examples
     --------
@@ -154,19 +122,11 @@ def _shown(part: Part) -> dict[str, Any]:
 def cells(line: Line) -> dict[str, str | bool]:
     """Return what the page shows of a line, numbers as text.
 
-    Parameters
-    ----------
-    line : Line
-
-    Returns
-    -------
-    dict
-
     Examples
     --------
-    >>> from roughcontact.validation.lines import Evidence, compare
+    >>> from roughcontact.validation.lines import Evidence
     >>> one = Evidence("1 + 1 = 2", "Peano (1889)", "references.closed_forms.hertz", "tests/a.py::test")
-    >>> shown = cells(compare("a sum", 1.98, 2.0, tolerance=0.02, reason="two digits", evidence=one))
+    >>> shown = cells(Line("a sum", 2.0, 1.98, 0.01, "relative", 0.02, "two digits", one))
     >>> shown["reference"], shown["value"], shown["deviation"]
     ('2', '1.98000', '0.010')
     """

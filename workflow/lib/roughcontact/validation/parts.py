@@ -22,9 +22,25 @@ from roughcontact.validation import (
     targets,
     waves,
 )
-from roughcontact.validation.lines import Part
+from roughcontact.validation.lines import Part, empty_part
 
 _SMALLEST_GRID = 256
+_MODULES = {
+    "waves": waves,
+    "hertz": hertz,
+    "full_contact": full_contact,
+    "convergence": convergence,
+    "rough": rough,
+    "consistency": consistency,
+    "coverage": coverage,
+    "conductance": conductance,
+    "sealing": sealing,
+    "subsurface": subsurface,
+    "targets": targets,
+    "patches": patches,
+    "adhesion": adhesion,
+    "formats": formats,
+}
 
 
 def validate(part: PartName, sample: str | Path | None = None, *, finest_grid: int = 2048) -> Part:
@@ -47,7 +63,7 @@ def validate(part: PartName, sample: str | Path | None = None, *, finest_grid: i
     Raises
     ------
     SettingsError
-        for a part that there is not, a grid of another size, or the part ``paper`` without a sample.
+        for a part that does not exist, a grid of another size, or the part ``paper`` without a sample.
 
     Examples
     --------
@@ -61,24 +77,11 @@ def validate(part: PartName, sample: str | Path | None = None, *, finest_grid: i
             f"validation.finest_grid = {finest_grid}: must be a power of 2, {_SMALLEST_GRID} or more; 2048 "
             "takes a minute or two"
         )
-    if part == "paper":
-        if sample is None:
-            raise SettingsError("part = 'paper' needs a sample: give a measured file")
-        return paper.part(sample, finest_grid=finest_grid)
-    modules = {
-        "waves": waves,
-        "hertz": hertz,
-        "full_contact": full_contact,
-        "convergence": convergence,
-        "rough": rough,
-        "consistency": consistency,
-        "coverage": coverage,
-        "conductance": conductance,
-        "sealing": sealing,
-        "subsurface": subsurface,
-        "targets": targets,
-        "patches": patches,
-        "adhesion": adhesion,
-        "formats": formats,
-    }
-    return modules[part].part(finest_grid=finest_grid)
+    found = empty_part(part)
+    if part != "paper":
+        _MODULES[part].add_lines(found, finest_grid=finest_grid)
+    elif sample is None:
+        raise SettingsError("part = 'paper' needs a sample: give a measured file")
+    else:
+        paper.add_lines(found, sample, finest_grid=finest_grid)
+    return found

@@ -20,22 +20,12 @@ _LIGHT_WAVELENGTH = 550e-9  # m, assumed: files do not state it reliably
 
 
 def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
-    """Return the shortest wavelength that a map resolves reliably, and what limits it.
+    """Return the shortest wavelength (m) that a map resolves reliably, and what limits it.
 
     It is two pixels (of the coarser pitch) or, if that is longer and the file states the numerical aperture
-    NA of the lens, the wavelength at which the lens passes half of the contrast, 1.24 L / NA for green
-    light, L = 550 nm: the lateral period limit [1]_ of a diffraction-limited lens in incoherent light [2]_.
-
-    Parameters
-    ----------
-    height : DataArray (y, x), m
-        with the attribute `instrument` (JSON) from `read_height_map`.
-
-    Returns
-    -------
-    wavelength : float, m
-    reason : str
-        what sets the limit.
+    NA of the lens (attribute `instrument`, JSON), the wavelength at which the lens passes half of the
+    contrast, 1.24 L / NA for green light, L = 550 nm: the lateral period limit [1]_ of a diffraction-limited
+    lens in incoherent light [2]_.
 
     References
     ----------
@@ -75,8 +65,6 @@ def limit_band(
 
     Parameters
     ----------
-    window : DataArray (y, x), m
-        periodic.
     shortest, longest : float or None, m
         limiting wavelengths; None sets no limit.
     reliable : bool
@@ -108,17 +96,7 @@ def limit_band(
     >>> bool(np.allclose(limited, long)), round(limited.attrs["band_removed_rms_height"], 3)
     (True, 0.707)
     """
-    for name, value in (("shortest", shortest), ("longest", longest)):
-        if value is not None and not 0 < value < math.inf:
-            raise SettingsError(
-                f"window.{name}_wavelength = {value!r}: give a positive length in m, or null for no limit"
-            )
-    if shortest and longest and shortest >= longest:
-        raise SettingsError(
-            f"window.shortest_wavelength = {shortest:g} m is not below window.longest_wavelength = "
-            f"{longest:g} m",
-            keys=("window.shortest_wavelength", "window.longest_wavelength"),
-        )
+    _check_limits(shortest, longest)
     limit, limit_reason = reliable_wavelength(window)
     wanted = [(shortest, "window.shortest_wavelength")] if shortest else []
     wanted += [(limit, limit_reason)] if reliable else []
@@ -127,10 +105,10 @@ def limit_band(
     q = wavenumbers(window.shape, step)
     outside = q > (2 * np.pi / shortest * (1 + _RELATIVE_MARGIN) if shortest else math.inf)
     outside |= (q > 0) & (q < (2 * np.pi / longest * (1 - _RELATIVE_MARGIN) if longest else 0.0))
-    values, gone = window.values, np.zeros(q.shape)
+    values, removed = window.values, np.zeros(q.shape)
     if outside.any():
         spectrum = np.where(outside, np.fft.rfft2(values - values.flat[0]), 0.0)
-        gone = halfplane_weights(values.shape) * np.abs(spectrum / values.size) ** 2
+        removed = halfplane_weights(values.shape) * np.abs(spectrum / values.size) ** 2
         if np.ptp(values) and outside.flat[1:].all():
             raise HeightMapError(
                 f"{window.attrs.get('source_file') or 'the map'}: no wave of the window lies between "
@@ -145,11 +123,26 @@ def limit_band(
         band_shortest=float(max(shortest or 0.0, grid)),
         band_longest=float(min(longest or math.inf, whole)),
         band_reason=reason,
-        band_removed_rms_height=math.sqrt(gone.sum()),
-        band_removed_rms_gradient=math.sqrt((q**2 * gone).sum()),
+        band_removed_rms_height=math.sqrt(removed.sum()),
+        band_removed_rms_gradient=math.sqrt((q**2 * removed).sum()),
         reliable_wavelength=limit,
         reliable_reason=limit_reason,
     )
+
+
+def _check_limits(shortest: float | None, longest: float | None) -> None:
+    """Raise SettingsError for invalid limits of the band."""
+    for name, value in (("shortest", shortest), ("longest", longest)):
+        if value is not None and not 0 < value < math.inf:
+            raise SettingsError(
+                f"window.{name}_wavelength = {value!r}: give a positive length in m, or null for no limit"
+            )
+    if shortest and longest and shortest >= longest:
+        raise SettingsError(
+            f"window.shortest_wavelength = {shortest:g} m is not below window.longest_wavelength = "
+            f"{longest:g} m",
+            keys=("window.shortest_wavelength", "window.longest_wavelength"),
+        )
 
 
 def _numerical_aperture(instrument: Mapping) -> float | None:

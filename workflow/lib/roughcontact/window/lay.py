@@ -9,22 +9,11 @@ _MIN_PERIODS = 4  # that must fit into the map
 
 
 def lay_period(values: np.ndarray, axis: int) -> float | None:
-    """Return the period of the lay along an axis, or None where there is none.
+    """Return the period of the lay, in points, along an axis of a map without missing points, or None.
 
     The period is the lag of the first maximum of the autocorrelation along the axis (mean over lines), beyond
     its first zero crossing, that reaches 0.8 of the highest maximum there. The highest maximum must reach
     0.3, and more than four periods must fit into the map.
-
-    Parameters
-    ----------
-    values : array (ny, nx)
-        without missing points.
-    axis : {0, 1}
-        along y or x.
-
-    Returns
-    -------
-    float or None, points
 
     Examples
     --------

@@ -18,15 +18,6 @@ def is_periodic(values: np.ndarray) -> bool:
     where neighbouring points are nearly uncorrelated (rms step above 1.2 times the rms height) or where
     there are fewer than 64 points: such a map does not count as periodic.
 
-    Parameters
-    ----------
-    values : array (ny, nx), m
-        NaN where missing.
-
-    Returns
-    -------
-    bool
-
     Examples
     --------
     >>> import numpy as np
@@ -40,20 +31,10 @@ def is_periodic(values: np.ndarray) -> bool:
 
 
 def periodic_heights(values: np.ndarray, form: np.ndarray) -> tuple[np.ndarray, bool] | None:
-    """Return the heights of a map that is periodic, with or without the form that levelling removed.
+    """Return the heights (m) of a map that is periodic, with or without the form that levelling removed.
 
-    Parameters
-    ----------
-    values : array (ny, nx), m
-        levelled.
-    form : array (ny, nx), m
-        form that levelling removed.
-
-    Returns
-    -------
-    (heights, form_restored) or None
-        the heights (ny, nx) in m, and whether the form, except for its mean, was restored to make them
-        periodic; None where the map is not periodic either way.
+    They come with a flag: whether the form, except for its mean, was restored to make them periodic. None
+    where the map is not periodic either way.
 
     Examples
     --------
@@ -102,16 +83,7 @@ def periodic_plus_smooth(values: np.ndarray, spacing: Sequence[float]) -> np.nda
     The smooth component s minimises the sum of |grad s|^2 inside plus (step of h - s)^2 over the seams. It
     solves a discrete Poisson equation whose source is the step b of the heights across the seams [1]_:
     s(q) = b(q) / [w_x (2 cos(q_x dx) - 2) + w_y (2 cos(q_y dy) - 2)], with relative weights w = 1 / pitch^2
-    that account for rectangular pixels. The mean is unchanged.
-
-    Parameters
-    ----------
-    values : array (ny, nx), m
-    spacing : (dy, dx), m
-
-    Returns
-    -------
-    array (ny, nx), m
+    that account for rectangular pixels (`spacing` is (dy, dx)). The mean is unchanged.
 
     References
     ----------
@@ -147,18 +119,9 @@ def periodic_plus_smooth(values: np.ndarray, spacing: Sequence[float]) -> np.nda
 
 
 def mirror(values: np.ndarray) -> np.ndarray:
-    """Return the map and its mirror images side by side.
+    """Return the map and its mirror images side by side, (2 ny, 2 nx); an axis of one point is not doubled.
 
     Heights are continuous at the seams; slopes change sign there.
-
-    Parameters
-    ----------
-    values : array (ny, nx)
-
-    Returns
-    -------
-    array (2 ny, 2 nx)
-        an axis of one point is not doubled.
 
     Examples
     --------
@@ -173,27 +136,15 @@ def mirror(values: np.ndarray) -> np.ndarray:
 
 
 def cross_fade(values: np.ndarray, band: Sequence[int], *, keep_variance: bool = False) -> np.ndarray:
-    """Return the map shortened by a band over which its end is blended into its beginning.
+    """Return the map shortened by a band (by, bx; points) over which its end is blended into its beginning.
 
     On an axis with n + b points: h'(i) = w h(i) + (1 - w) h(i + n) for i < b, h'(i) = h(i) for b <= i < n,
-    with w = sin^2 from 0 to 1 over the band. The result starts at i = b // 2, so that the seam lies in the
-    middle of the blended points.
+    with w = sin^2 from 0 to 1 over the band, b from 0 to n. The result starts at i = b // 2, so that the seam
+    lies in the middle of the blended points.
 
     Blending reduces the variance of uncorrelated ends by up to one half. With `keep_variance` the blended
     heights, relative to the mean of the map, are divided by sqrt(w^2 + (1 - w)^2 + 2 r w (1 - w)), where r
     is the correlation of the two ends: the variance is then preserved, and equal ends (r = 1) are unchanged.
-
-    Parameters
-    ----------
-    values : array (ny + by, nx + bx)
-    band : (by, bx), points
-        in the band, 0 to n on each axis.
-    keep_variance : bool
-        whether the loss of variance is compensated.
-
-    Returns
-    -------
-    array (ny, nx)
 
     Examples
     --------
@@ -240,17 +191,6 @@ def smooth_cross_fade(values: np.ndarray, band: Sequence[int], spacing: Sequence
     deviation of half of the band. Both constants were calibrated on cut-outs of periodic surfaces; see
     docs/explanation/surface.md.
 
-    Parameters
-    ----------
-    values : array (ny + by, nx + bx), m
-    band : (by, bx), points
-        in the band, 0 to n on each axis.
-    spacing : (dy, dx), m
-
-    Returns
-    -------
-    array (ny, nx), m
-
     Examples
     --------
     >>> import numpy as np
@@ -290,15 +230,8 @@ def _gaussian_mean(values: np.ndarray, deviations: Sequence[float]) -> np.ndarra
 def taper(values: np.ndarray, width: float) -> np.ndarray:
     """Return the map faded to its mean near the edges by a Tukey window [1]_.
 
-    Parameters
-    ----------
-    values : array (ny, nx)
-    width : float, 0 to 1
-        share of each axis, both ends together, over which the window falls to zero as a cosine.
-
-    Returns
-    -------
-    array (ny, nx)
+    `width` is the share (0 to 1) of each axis, both ends together, over which the window falls to zero as a
+    cosine.
 
     References
     ----------

@@ -4,25 +4,15 @@ import numpy as np
 
 
 def largest_rectangle(good: np.ndarray, sides: np.ndarray) -> tuple[int, int, int, int]:
-    """Return the rectangle of good points that contains the largest window.
+    """Return first row and column, height and width (points) of the good rectangle with the largest window.
+
+    `sides[n]` is the side of the window that fits into n points; the area of that window is maximised.
+    Without good points height and width are 0.
 
     For each row, the tallest column of good points that ends in each cell is widened as far as possible; the
     largest rectangle is one of these [1]_. The cost is a few array operations per row. Among rectangles with
     windows of equal area, the largest rectangle is chosen, then the one nearest to the middle of the map, so
     that a rotated or mirrored map has its window in the same place.
-
-    Parameters
-    ----------
-    good : bool array (ny, nx)
-    sides : int array
-        `sides[n]` is the side of the window that fits into n points; the area of that window is maximised.
-
-    Returns
-    -------
-    y0, x0 : int
-        first row and column.
-    height, width : int
-        points along y and x; 0 without good points.
 
     References
     ----------

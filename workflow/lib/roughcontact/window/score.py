@@ -24,17 +24,7 @@ _MIN_COARSE_BLOCKS = 8  # of the longest octave, along the shorter side of the m
 
 
 class Ranges(NamedTuple):
-    """Ranges of points along an axis.
-
-    Attributes
-    ----------
-    first : int array (ranges,)
-        first point.
-    side : int array (ranges,)
-        points of the window.
-    band : int array (ranges,)
-        points of the blending band, in addition to the window.
-    """
+    """Ranges along an axis: first point, points of the window, points of the blending band beyond it."""
 
     first: np.ndarray
     side: np.ndarray
@@ -54,28 +44,14 @@ def score_parts(
     * `height_mismatch`: mean square height step across the seams, over twice the variance of the heights: 0
       for matching ends, 1 for uncorrelated ends
     * `slope_mismatch`: the same for the slopes
-    * `missing`: share of filled points
+    * `missing`: share of points with nonzero `filled`
     * `stationarity`: standard deviation of ln(rms gradient) among the quarters of the window
     * `representativeness`: rms, over the octaves of the spectrum, of ln(amplitude in the window / on the
       whole map), each octave weighted with its share of the mean square gradient
-    * `size`: sqrt(area of the largest rectangle / area) - 1, the relative increase of the sampling error.
+    * `size`: sqrt(`largest_area` / area) - 1, the relative increase of the sampling error; `largest_area`
+      (points) is that of the window in the largest rectangle
 
-    Parameters
-    ----------
-    values : array (ny, nx), m
-        NaN where missing.
-    filled : array (ny, nx)
-        nonzero at filled points.
-    rows, columns : Ranges
-        all combinations are evaluated.
-    largest_area : int, points
-        area of the window in the largest rectangle.
-
-    Returns
-    -------
-    parts : dict of arrays (rows, columns)
-    good : bool array (rows, columns)
-        True where no point is missing.
+    The second array (rows, columns) is True for windows without missing points.
 
     Examples
     --------

@@ -19,18 +19,9 @@ _PERIOD_TOLERANCE = 0.1  # in lay periods: deviation of a side from a whole numb
 
 
 class Candidate(NamedTuple):
-    """A candidate for the window.
+    """A candidate for the window: first point (row, column), sides without the blending bands, and score.
 
-    Attributes
-    ----------
-    start : (row, column)
-        first point.
-    sides : (rows, columns)
-        points of the window, without its blending bands.
-    score : float
-        lower is better.
-    parts : dict
-        terms of the score, without their weights.
+    A lower score is better; `parts` are its terms without their weights.
     """
 
     start: tuple[int, int]
@@ -50,23 +41,9 @@ def search_window(
 
     Sides are at least 0.7 of those of the largest rectangle. Along an axis with a lay period
     (`roughcontact.window.lay`) they are whole multiples of it, to a tenth of a period, if such a side has a
-    fast Fourier transform. Positions are spread evenly over the map. The largest rectangle itself is always
-    a candidate.
-
-    Parameters
-    ----------
-    values : array (ny, nx), m
-        NaN where missing; no candidate contains such a point.
-    filled : array (ny, nx)
-        nonzero at filled points.
-    largest : (start, sides), points
-        the window in the largest rectangle, rows first.
-    fade : float
-        share of the side over which the ends are blended.
-
-    Returns
-    -------
-    list of Candidate
+    fast Fourier transform. Positions are spread evenly over the map. The window `largest` (start, sides) in
+    the largest rectangle is always a candidate; no candidate contains a missing point (NaN). `fade` is the
+    share of the side over which the ends are blended.
 
     Examples
     --------

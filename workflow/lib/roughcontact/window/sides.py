@@ -14,14 +14,6 @@ _HALVING_BENEFIT = 0.02
 def is_friendly(side: int) -> bool:
     """Return whether a side has no prime factor above 5, or is at most 32 points long.
 
-    Parameters
-    ----------
-    side : int, points
-
-    Returns
-    -------
-    bool
-
     Examples
     --------
     >>> [side for side in range(30, 46) if is_friendly(side)]
@@ -34,17 +26,8 @@ def friendly_sides(longest: int, *, fade: float = 0.0) -> np.ndarray:
     """Return the best side of a window that fits into n points, for each n = 0 ... longest.
 
     Sides have no prime factor above 5. The largest such side is chosen, but a side that can be halved once
-    more (down to 32 points) may be 2 % shorter. Up to 32 points any side is accepted.
-
-    Parameters
-    ----------
-    longest : int, points
-    fade : float
-        width of the blending band of a cross-fade, which must fit as well, as a share of the side.
-
-    Returns
-    -------
-    int array (longest + 1,), points
+    more (down to 32 points) may be 2 % shorter. Up to 32 points any side is accepted. The blending band of a
+    cross-fade, `fade` times the side, must fit as well.
 
     Examples
     --------
@@ -63,18 +46,7 @@ def friendly_sides(longest: int, *, fade: float = 0.0) -> np.ndarray:
 
 
 def band_points(side: int, fade: float) -> int:
-    """Return the number of points of the blending band of a side.
-
-    Parameters
-    ----------
-    side : int, points
-    fade : float
-        width of the band as a share of the side.
-
-    Returns
-    -------
-    int, points
-        0 for a side of one point, which has no seam.
+    """Return the number of points of the blending band, `fade` times the side; 0 for one point: no seam.
 
     Examples
     --------
@@ -85,18 +57,7 @@ def band_points(side: int, fade: float) -> int:
 
 
 def used_points(sides: Sequence[int], fade: float) -> int:
-    """Return the number of points of a map that a window and its blending bands occupy.
-
-    Parameters
-    ----------
-    sides : (rows, columns)
-        of the window.
-    fade : float
-        width of the bands as a share of the side.
-
-    Returns
-    -------
-    int
+    """Return the number of points of a map that a window and its bands, `fade` times the sides, occupy.
 
     Examples
     --------

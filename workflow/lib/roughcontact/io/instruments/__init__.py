@@ -1,1 +1,1 @@
-"""Instrument files that SurfaceTopography reads: the formats, and the fence around the library."""
+"""Instrument files that SurfaceTopography reads: the formats, and safe calls of the library."""

@@ -1,4 +1,4 @@
-"""Containers that many formats share (TIFF, ZIP, OLE): checked before they are opened, named if foreign."""
+"""Containers of many formats (TIFF, ZIP, OLE): checks before opening, and names of unsupported ones."""
 
 import struct
 import zipfile
@@ -11,7 +11,7 @@ TIFF = (b"II*\0", b"MM\0*")
 ZIP = (b"PK\x03\x04",)
 OLE = (b"\xd0\xcf\x11\xe0",)
 _MOST_PAGES = 10_000
-# a member of the archive -> the format of SurfaceTopography that it belongs to
+# member of an archive -> its format in SurfaceTopography
 _MEMBERS = {
     "index.xml": "plux",
     ".dsc": "nmm",
@@ -22,17 +22,9 @@ _MEMBERS = {
 
 
 def check_tiff(path: Path) -> None:
-    """Refuse a TIFF whose pages go in circles or lie outside it: a library that follows them never ends.
+    """Refuse a TIFF whose pages form a loop or lie outside it: a library that follows them would never end.
 
     A page is a count of its tags (2 bytes), 12 bytes for each of them, and the position of the next page.
-
-    Parameters
-    ----------
-    path : Path
-
-    Raises
-    ------
-    InputFileError
     """
     size = path.stat().st_size
     seen: set[int] = set()
@@ -42,7 +34,7 @@ def check_tiff(path: Path) -> None:
         while position:
             if position in seen or len(seen) == _MOST_PAGES:
                 raise InputFileError(
-                    f"{path}: damaged TIFF: its pages go in circles, or are more than {_MOST_PAGES}"
+                    f"{path}: damaged TIFF: its pages form a loop, or are more than {_MOST_PAGES}"
                 )
             seen.add(position)
             stream.seek(min(position, size))
@@ -60,35 +52,13 @@ def _number(data: bytes, layout: str) -> int:
 
 
 def formats_within(path: Path) -> set[str]:
-    """Return the formats whose members a ZIP archive has.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    set of str
-        Empty where it is an archive of another kind.
-    """
+    """Return the formats whose members a ZIP archive has; empty for an archive of another kind."""
     names = [name.lower() for name in _members(path)]
     return {each for end, each in _MEMBERS.items() if any(name.endswith(end) for name in names)}
 
 
 def foreign(path: Path, head: bytes) -> str:
-    """Return what a container is that no reader knows, and the way out.
-
-    Parameters
-    ----------
-    path : Path
-    head : bytes
-        Its first bytes.
-
-    Returns
-    -------
-    str
-        Empty where nothing can be said.
-    """
+    """Return the name of a container format without a reader, and how to convert it; empty where unknown."""
     if head.startswith(TIFF):
         return (
             "a TIFF picture, but none of Park Systems, JPK or Olympus LEXT: nothing says its heights; "
@@ -100,7 +70,7 @@ def foreign(path: Path, head: bytes) -> str:
 
 
 def _archive(names: list[str]) -> str:
-    """Return what an archive of these files is, and the way out."""
+    """Return the kind of an archive with these files, and how to convert it."""
     if any(name.startswith("xl/") for name in names):
         return "an Excel workbook, but not one of Mitutoyo's profiles; save the sheet as CSV or text"
     if any(name.startswith(("word/", "ppt/")) for name in names):

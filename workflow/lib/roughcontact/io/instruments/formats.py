@@ -1,7 +1,7 @@
-"""The instrument formats: their marks, who writes them, and what the library passes over in their headers.
+"""The instrument formats: their marks, vendors, and header entries that the library skips.
 
-Only formats that can be told by their content are here; the library's readers that accept any bytes (hgt, h5,
-mat, npz, xyz, asc) are not.
+Only formats with recognisable content are here; the library's readers that accept any bytes (hgt, h5, mat,
+npz, xyz, asc) are not.
 """
 
 import mmap
@@ -16,7 +16,7 @@ import numpy as np
 
 from roughcontact.io.instrument_kinds import ANY, OPTICAL, PROBE, STYLUS, Kind
 from roughcontact.io.instruments.containers import OLE, TIFF, ZIP
-from roughcontact.io.interface import ToldBy
+from roughcontact.io.interface import RecognisedBy
 from roughcontact.io.text.lines import looks_like_text
 
 Header = Mapping[str, Any]
@@ -29,23 +29,23 @@ class Format:
     Attributes
     ----------
     name : str
-        What the library calls it.
+        Its name in the library.
     marks : tuple of bytes
-        Its first bytes; several formats may share one. Without a mark only the attempt to read tells it.
+        Its first bytes; several formats may share one. Without a mark only an attempt to read tells.
     kind : Kind
         The kind of instrument that writes it.
     vendor : str
-        Where the format has but one.
+        Where only one vendor uses the format.
     offset : int
-        Where the mark lies, bytes.
+        Position of the mark, bytes.
     text_header : bool
-        Whether the header is plain text. All others are binary from the start, so that a text that begins
-        with their mark is a text.
+        Whether the header is plain text. All other formats are binary from the start, so that a text that
+        begins with their mark is a text.
     binary_data : bool
-        Whether the data behind a header in plain text are always binary: what is text to its end is an
-        export, which begins with the same header.
-    told_by : ToldBy
-        `ToldBy.CONTENTS` where the mark is that of a container, in which another reader looks for this
+        Whether the data after a header in plain text are always binary: a file that is text to its end is
+        an export, which begins with the same header.
+    recognised_by : RecognisedBy
+        `RecognisedBy.CONTENTS` where the mark is that of a container, in which another reader looks for this
         format.
     """
 
@@ -56,111 +56,37 @@ class Format:
     offset: int = 0
     text_header: bool = False
     binary_data: bool = False
-    told_by: ToldBy = ToldBy.MARK
+    recognised_by: RecognisedBy = RecognisedBy.MARK
 
     def has_mark(self, head: bytes) -> bool:
-        """Return whether a file that begins with `head` has the mark of this format.
-
-        Parameters
-        ----------
-        head : bytes
-            the first bytes of a file.
-
-        Returns
-        -------
-        bool
-        """
+        """Return whether a file that begins with `head` has the mark of this format."""
         return head.startswith(self.marks, self.offset) and (self.text_header or not looks_like_text(head))
 
     def is_plausible(self, header: Header) -> bool:
-        """Return whether the fields of a header can be of this format: guards against chance matches.
-
-        Parameters
-        ----------
-        header : mapping
-            fields that the library found.
-
-        Returns
-        -------
-        bool
-        """
+        """Return whether a header from the library can be of this format: guards against chance matches."""
         return True
 
     def claimed_bytes(self, header: Header, points: int) -> int:
-        """Return how many bytes a file with maps of so many points has by its header; 0: not said.
-
-        Parameters
-        ----------
-        header : mapping
-            fields that the library found.
-        points : int
-            of a map.
-
-        Returns
-        -------
-        int
-        """
+        """Return the size in bytes of a file with maps of so many points by its header; 0 where unknown."""
         return 0
 
     def steps(self, header: Header, steps: np.ndarray) -> np.ndarray:
-        """Return the steps (dx, dy), from those that the library found.
-
-        Parameters
-        ----------
-        header : mapping
-            fields that the library found.
-        steps : array (2,)
-            dx and dy that the library found.
-
-        Returns
-        -------
-        array (2,)
-        """
+        """Return the steps (dx, dy), from those that the library found."""
         return steps
 
     def not_measured(self, header: Header, heights: np.ndarray) -> np.ndarray | None:
-        """Return which points (ny, nx) carry a code for a missing point that the library does not know.
+        """Return a mask (ny, nx) of points with a code for missing points that the library does not know.
 
-        Parameters
-        ----------
-        header : mapping
-            fields that the library found.
-        heights : array (ny, nx)
-            as the library read them.
-
-        Returns
-        -------
-        array (ny, nx) of bool, or None
-            None where nothing is known of such codes.
+        None where no such code is known.
         """
         return None
 
     def instrument(self, path: Path) -> dict[str, Any]:
-        """Return what the file says of the instrument beyond what the library finds.
-
-        Parameters
-        ----------
-        path : Path
-
-        Returns
-        -------
-        dict
-            label -> what the file says.
-        """
+        """Return the file's metadata of the instrument beyond those that the library finds, by label."""
         return {}
 
     def sign_notes(self, header: Header) -> list[str]:
-        """Return a sentence where the header says that heights were inverted, or are those of an imprint.
-
-        Parameters
-        ----------
-        header : mapping
-            fields that the library found.
-
-        Returns
-        -------
-        list of str
-        """
+        """Return a sentence where the header says that heights were inverted, or are those of an imprint."""
         return []
 
 
@@ -190,7 +116,7 @@ class _MetroPro(Format):
 
 class _MicroProf(Format):
     def not_measured(self, header, heights):
-        # counts below the first and above the last valid one are codes, of which the library knows one
+        # counts below the first or above the last valid one are codes; the library knows only one
         scale = (header.get("0x6c") or {}).get("height_scale_factor")
         limits = header.get("0x70")
         if not scale or not limits:
@@ -199,7 +125,7 @@ class _MicroProf(Format):
         return (counts < limits["first_valid"]) | (counts > limits["last_valid"])
 
 
-_DATE_OF_NANOFOCUS = 1076  # where the header has it, bytes
+_DATE_OF_NANOFOCUS = 1076  # position in the header, bytes
 
 
 class _NanoFocus(Format):
@@ -229,7 +155,7 @@ class _Wyko(Format):
     def instrument(self, path):
         """Return lens and numerical aperture, where a file of the newer kind holds them.
 
-        They are among the named values of its block MeasurementSet, which the library passes over: the length
+        They are among the named values of its block MeasurementSet, which the library skips: the length
         of the name (4 bytes), the name, then 0x12 0x01, a length and a text, or 0x0d and a double.
         """
         with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
@@ -249,7 +175,7 @@ class _Wyko(Format):
 
 _BCR = ("fileformat".encode("utf-16-le"), "\ufefffileformat".encode("utf-16-le"))
 
-# In the order in which those that share a mark, or have none, are tried.
+# Formats with the same mark, or without one, are tried in this order.
 FORMATS = (
     Format("di", (b"\\*",), PROBE, "Bruker", text_header=True, binary_data=True),
     Format("ezd", (b"[DataSet]",), PROBE, "Nanosurf", text_header=True),
@@ -264,7 +190,7 @@ FORMATS = (
     Format("zon", (b"KPK0", b"KPK1"), OPTICAL, "Keyence"),
     Format("vk", (b"VK3_", b"VK4_", b"VK6", b"VK7"), OPTICAL, "Keyence"),
     Format("opdx", (b"VCA DATA",), STYLUS, "Bruker"),
-    Format("datx", (b"\x89HDF",), OPTICAL, "Zygo", told_by=ToldBy.CONTENTS),
+    Format("datx", (b"\x89HDF",), OPTICAL, "Zygo", recognised_by=RecognisedBy.CONTENTS),
     Format("mnt", OLE),
     Format("oir", (b"OLYMPUSRAWFORMAT",), OPTICAL, "Olympus"),
     Format("ps", TIFF, PROBE, "Park Systems"),
@@ -286,17 +212,7 @@ FORMATS = (
 
 
 def marked(head: bytes) -> list[Format]:
-    """Return the formats whose mark a file has.
-
-    Parameters
-    ----------
-    head : bytes
-        Its first bytes.
-
-    Returns
-    -------
-    list of Format
-        In the order in which they are tried; empty where there is none.
+    """Return the formats whose mark a file has, in the order in which they are tried.
 
     Examples
     --------

@@ -1,6 +1,6 @@
-"""Instrument formats, through SurfaceTopography, fenced.
+"""Safe reading of instrument formats with SurfaceTopography.
 
-A physical size, unit or scale is never handed to the library, so what is missing in the file stays missing.
+No physical size, unit or scale is passed to the library, so that missing ones stay missing.
 Its heights are indexed [x, y] and arranged so that their transpose, drawn as a picture, looks as in the
 instrument's software (and as in Gwyddion): row 0 of the transpose is the upper line of that picture.
 """
@@ -29,10 +29,10 @@ from roughcontact.io.guards import brief, check_line_ends, check_memory, check_p
 from roughcontact.io.instruments import containers
 from roughcontact.io.instruments.formats import Format, Header
 from roughcontact.io.interface import head_of
-from roughcontact.io.metadata import instrument_words
+from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 
-_BYTES_PER_BYTE = 8  # memory for each byte of a file: integers of two bytes become numbers of eight, twice
+_BYTES_PER_BYTE = 8  # memory for each byte of a file: two-byte integers become double precision, twice
 _NO_HEIGHT_NAME = re.compile(
     r"phase|amplitude|deflection|error|friction|lateral|current|potential|voltage|intensity|modulation|stiffness|"
     r"adhesion|dissipation|temperature|image|colou?r|mask|quality",
@@ -43,15 +43,7 @@ _NO_HEIGHT_NAME = re.compile(
 def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
     """Open a file by the first of some formats that can read it.
 
-    Parameters
-    ----------
-    path : Path
-    formats : sequence of Format
-        With the mark of the file, or all without one.
-
-    Returns
-    -------
-    MeasuredFile
+    The formats are those whose mark the file has, or all formats without a mark.
 
     Raises
     ------
@@ -87,10 +79,10 @@ def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
     if reason is not None and any(each.marks for each in formats):
         raise InputFileError(
             f"{path}: looks like {known}, but is damaged, cut off or of a kind that holds no map "
-            f"({_words(reason)})"
+            f"({_message(reason)})"
         ) from reason
     raise InputFileError(
-        f"{path}: the format is not known, or the file is damaged (told by content, not by extension); "
+        f"{path}: the format is not known, or the file is damaged (recognised by content, not by extension); "
         f"{_hint(path)}export the map as X3P, SDF, netCDF or a text matrix with its size and units"
     ) from (failures[0][2] if failures else None)
 
@@ -98,22 +90,22 @@ def read_as(path: Path, formats: Sequence[Format]) -> MeasuredFile:
 def _likeliest(
     failures: list[tuple[str, Format, Exception]], within: set[str]
 ) -> tuple[str, Exception | None]:
-    """Return which format a file has that no reader could read, and why; None where nothing tells.
+    """Return the most likely format of a file that no reader could read, and the error; None where unknown.
 
-    The mark of a container tells nothing of what is in it: there the members do, or the readers that passed
-    over the file as none of theirs.
+    The mark of a container does not identify its content: the members do, or the readers that did not accept
+    the file.
     """
     for name, each, error in failures:
         if each.marks == containers.ZIP and each.name not in within:
             continue
         if each.marks == containers.TIFF and isinstance(error, IndexError | KeyError | AttributeError):
-            continue  # the tags of this format are not there
+            continue  # without the tags of this format
         return name, error
     return "", None
 
 
-def _words(error: Exception) -> str:
-    """Return why a library failed, without the numbers of the operating system."""
+def _message(error: Exception) -> str:
+    """Return the message of a library's error, without error numbers of the operating system."""
     if isinstance(error, OSError) and error.errno is not None:
         return "it refers to a place outside the file"
     return brief(error)
@@ -123,13 +115,13 @@ _HINTS = {".asd": "a film of high-speed AFM (asd) is not read: save a frame as t
 
 
 def _hint(path: Path) -> str:
-    """Return what is known of formats without a mark that go by this ending."""
+    """Return advice on formats without a mark that use this extension."""
     return _HINTS.get(path.suffix.lower(), "")
 
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Keep the library's warnings and log lines (whole byte arrays among them) off the user's screen."""
+    """Keep the library's warnings and log lines (whole byte arrays among them) off the screen."""
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:
@@ -141,12 +133,12 @@ def _silence() -> Iterator[None]:
 
 
 def _header(info: Any) -> Header:
-    """Return the file's own header, as the library keeps it with a channel."""
+    """Return the file's own header, which the library stores with a channel."""
     return info.info.get("raw_metadata") or {}
 
 
 def _open(reader: Any, file_format: Format, path: Path) -> MeasuredFile:
-    """Return what the library's reader found in a file."""
+    """Return the content of a file as read by the library."""
     from SurfaceTopography.Exceptions import FileFormatMismatch
 
     infos = list(reader.channels)
@@ -156,7 +148,7 @@ def _open(reader: Any, file_format: Format, path: Path) -> MeasuredFile:
         raise InputFileError(f"{path}: this {reader.name()} file holds no map")
     if not file_format.is_plausible(_header(infos[0])):
         raise FileFormatMismatch
-    # Heights are read once here: a channel that the file ends in the middle of shows that it was cut off.
+    # Heights are read once here: an incomplete channel shows that the file was cut off.
     channels = [_channel(info, file_format, path) for info in infos]
     _refuse_short_file(infos[0], file_format, path)
     instrument = _instrument(infos[0], file_format, path)
@@ -176,26 +168,26 @@ def _channel(info: Any, file_format: Format, path: Path) -> Channel:
         values = topography.heights()
     except CorruptFile as error:
         raise InputFileError(
-            f"{path}: channel {info.channel_id!r} is not whole: the file was cut off"
+            f"{path}: channel {info.channel_id!r} is incomplete: the file was cut off"
         ) from error
     except Exception as error:
         refused = f"{refused} ({brief(error)})"
         if not no_height:
             raise InputFileError(refused) from error
-        words: dict[str, Any] = {
+        attributes: dict[str, Any] = {
             "height_unit": height_unit,
             "lateral_unit": lateral_unit,
             "no_height": no_height,
         }
-        return Channel(info.channel_id, shape, unreadable(refused), **words)
+        return Channel(info.channel_id, shape, unreadable(refused), **attributes)
     if isinstance(topography.unit, str):
-        lateral_unit = topography.unit  # the library brings steps and heights to one unit
+        lateral_unit = topography.unit  # the library converts steps and heights to one unit
         if is_length(height_unit):
             height_unit = topography.unit
-    words = {"height_unit": height_unit, "lateral_unit": lateral_unit, "no_height": no_height}
+    attributes = {"height_unit": height_unit, "lateral_unit": lateral_unit, "no_height": no_height}
     if not topography.is_uniform:
         uneven = UnevenPositionsError("the positions along x are not evenly spaced")
-        return scattered(info.channel_id, topography.positions(), None, values, uneven, **words)
+        return scattered(info.channel_id, topography.positions(), None, values, uneven, **attributes)
     heights = as_heights(values, str(path))
     if topography.dim == 2:
         heights = heights.T
@@ -205,12 +197,12 @@ def _channel(info: Any, file_format: Format, path: Path) -> Channel:
         heights[not_measured] = np.nan
     dx, dy = _steps(topography, file_format, header)
     notes = file_format.sign_notes(header)
-    return Channel(info.channel_id, heights.shape, lambda: heights, dx=dx, dy=dy, notes=notes, **words)
+    return Channel(info.channel_id, heights.shape, lambda: heights, dx=dx, dy=dy, notes=notes, **attributes)
 
 
 def _units(info: Any) -> tuple[str | None, str | None, str]:
-    """Return the lateral unit of a channel, that of its values, and why these are no heights."""
-    # (lateral unit, unit of the values) where they differ; some readers state the first for the second
+    """Return the lateral unit of a channel, that of its values, and why they are not heights."""
+    # (lateral unit, unit of the values) where they differ; some readers give the first for both
     differ = isinstance(info.unit, tuple)
     lateral_unit, unit = info.unit if differ else (info.unit, info.data_unit)
     if differ or not info.is_height_channel or (unit is not None and not is_length(unit)):
@@ -220,7 +212,7 @@ def _units(info: Any) -> tuple[str | None, str | None, str]:
 
 
 def _steps(topography: Any, file_format: Format, header: Header) -> tuple[float | None, float | None]:
-    """Return the steps (dx, dy) of a map in its unit, None where the file does not say them."""
+    """Return the steps (dx, dy) of a map in its unit, None where the file does not state them."""
     if topography.physical_sizes is None:
         return None, None
     steps = np.asarray(topography.physical_sizes, dtype=float) / np.asarray(topography.nb_grid_pts)
@@ -229,7 +221,7 @@ def _steps(topography: Any, file_format: Format, header: Header) -> tuple[float 
 
 
 def _refuse_short_file(info: Any, file_format: Format, path: Path) -> None:
-    """Refuse a file whose header claims more bytes than there are: it was cut off after the heights."""
+    """Refuse a file whose header claims more bytes than it has: it was cut off after the heights."""
     size, claimed = path.stat().st_size, file_format.claimed_bytes(_header(info), prod(info.nb_grid_pts))
     if size < claimed:
         raise InputFileError(f"{path}: {size} bytes where its header needs {claimed}: it was cut off")
@@ -244,4 +236,4 @@ def _instrument(info: Any, file_format: Format, path: Path) -> dict:
     stated = file_format.instrument(path) | found
     if info.info.get("comment"):
         stated["comment"] = info.info["comment"]
-    return instrument_words(stated, info.info.get("raw_metadata"))
+    return instrument_metadata(stated, info.info.get("raw_metadata"))

@@ -6,27 +6,11 @@ from roughcontact.io import hdf5
 from roughcontact.io.channels import MeasuredFile
 from roughcontact.io.instruments.formats import marked
 from roughcontact.io.instruments.library import read_as
-from roughcontact.io.interface import Reader, ToldBy, head_of
+from roughcontact.io.interface import Reader, RecognisedBy, head_of
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file is HDF5 with the group that Zygo's have.
-
-    Parameters
-    ----------
-    path : Path
-    head : bytes
-        its first bytes.
-
-    Returns
-    -------
-    bool
-
-    Raises
-    ------
-    InputFileError
-        For an HDF5 file that cannot be opened, whoever wrote it.
-    """
+    """Return whether a file is HDF5 with the group that Zygo's have."""
     if not head.startswith(hdf5.MARK):
         return False
     with hdf5.opened(path) as file:
@@ -34,23 +18,9 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a file with SurfaceTopography.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    MeasuredFile
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged, cut off, refers to other files, or holds no map.
-    """
+    """Open a file with SurfaceTopography."""
     hdf5.datasets(path)
     return read_as(path, marked(head_of(path)))
 
 
-READER = Reader(ToldBy.CONTENTS, recognises, read)
+READER = Reader(RecognisedBy.CONTENTS, recognises, read)

@@ -12,7 +12,7 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_line_ends, check_points
-from roughcontact.io.interface import Reader, ToldBy
+from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.units import is_length
 
 _MARK = b"Gwyddion Simple Field 1.0\n"
@@ -21,16 +21,6 @@ _MAX_HEADER_BYTES = 2**20  # bytes of the header
 
 def recognises(path: Path, head: bytes) -> bool:
     r"""Return whether a file begins with the mark.
-
-    Parameters
-    ----------
-    path : Path
-    head : bytes
-        its first bytes.
-
-    Returns
-    -------
-    bool
 
     Examples
     --------
@@ -41,22 +31,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a file of one map.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    MeasuredFile
-        One channel. Lengths and units that the header leaves out stay unsaid.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged or cut off.
-    """
+    """Open a file of one map; lengths and units that the header omits stay unknown."""
     check_line_ends(path)
     with path.open("rb") as stream:
         text, zero, _ = stream.read(_MAX_HEADER_BYTES).partition(b"\0")
@@ -101,4 +76,4 @@ def read(path: Path) -> MeasuredFile:
     return MeasuredFile("Gwyddion Simple Field", [channel], first_row="top")
 
 
-READER = Reader(ToldBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, recognises, read)

@@ -8,44 +8,19 @@ from pathlib import Path
 from roughcontact.io.channels import MeasuredFile
 from roughcontact.io.instruments.formats import marked
 from roughcontact.io.instruments.library import read_as
-from roughcontact.io.interface import Reader, ToldBy, head_of
+from roughcontact.io.interface import Reader, RecognisedBy, head_of
 from roughcontact.io.text.lines import is_text
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file begins with the mark of an instrument's format.
-
-    Parameters
-    ----------
-    path : Path
-    head : bytes
-        its first bytes.
-
-    Returns
-    -------
-    bool
-    """
-    found = [each for each in marked(head) if each.told_by is ToldBy.MARK]
+    """Return whether a file begins with the mark of an instrument's format."""
+    found = [each for each in marked(head) if each.recognised_by is RecognisedBy.MARK]
     return bool(found) and not (found[0].binary_data and is_text(path))
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a file by the first of the formats with its mark that can read it.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    MeasuredFile
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged, cut off, or holds no map.
-    """
+    """Open a file by the first of the formats with its mark that can read it."""
     return read_as(path, marked(head_of(path)))
 
 
-READER = Reader(ToldBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, recognises, read)

@@ -15,8 +15,8 @@ from roughcontact.errors import InputFileError
 from roughcontact.io import hdf5, instrument_kinds
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_points
-from roughcontact.io.interface import Reader, ToldBy
-from roughcontact.io.metadata import instrument_words
+from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 
 _SCALE = "net-encoder.scaling."
@@ -25,23 +25,7 @@ _HEIGHTS = ("measuredHeight", "height", "capacitiveSensorHeight")  # the measure
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file is HDF5 that says that it is a scan of JPK's.
-
-    Parameters
-    ----------
-    path : Path
-    head : bytes
-        its first bytes.
-
-    Returns
-    -------
-    bool
-
-    Raises
-    ------
-    InputFileError
-        For an HDF5 file that cannot be opened, whoever wrote it.
-    """
+    """Return whether a file is HDF5 whose attributes name it a JPK scan."""
     if not head.startswith(hdf5.MARK):
         return False
     with hdf5.opened(path) as file:
@@ -51,19 +35,7 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path) -> MeasuredFile:
     """Open a file of one or more measurements; only sizes and scales are read.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    MeasuredFile
-        One channel for each quantity, direction and frame; the measured heights first.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged, refers to other files, or holds no map.
+    There is one channel for each quantity, direction and frame; the measured heights come first.
     """
     hdf5.datasets(path)
     channels: list[tuple[int, Channel]] = []
@@ -140,7 +112,7 @@ def _read(
 
 def _instrument(said: dict[str, Any]) -> dict[str, Any]:
     """Return the instrument metadata from the attributes of a measurement."""
-    return instrument_words(
+    return instrument_metadata(
         {
             "kind": instrument_kinds.PROBE.name,
             "vendor": "JPK",
@@ -158,4 +130,4 @@ def _text(value: Any) -> str:
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 
-READER = Reader(ToldBy.CONTENTS, recognises, read)
+READER = Reader(RecognisedBy.CONTENTS, recognises, read)

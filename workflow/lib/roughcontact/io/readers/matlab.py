@@ -13,7 +13,7 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights, unreadable
 from roughcontact.io.guards import MAX_POINTS, MAX_UNPACKED_BYTES, brief, check_points
-from roughcontact.io.interface import Reader, ToldBy
+from roughcontact.io.interface import Reader, RecognisedBy
 
 _MARK = b"MATLAB 5.0 MAT-file"
 _HEADER_BYTES = 128
@@ -22,17 +22,7 @@ _NUMBERS = ("double", "single", "int8", "uint8", "int16", "uint16", "int32", "ui
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file begins as MATLAB's do.
-
-    Parameters
-    ----------
-    path : Path
-    head : bytes
-        its first bytes.
-
-    Returns
-    -------
-    bool
+    """Return whether a file begins with MATLAB's mark.
 
     Examples
     --------
@@ -45,19 +35,7 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path) -> MeasuredFile:
     """Open a file; only names and sizes of its variables are read.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    MeasuredFile
-        One channel for each real matrix or vector; those called height, heights or z first.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged, unpacks to too much, or holds no matrix.
+    There is one channel for each real matrix or vector; those named height, heights or z come first.
     """
     from scipy.io import whosmat
 
@@ -123,4 +101,4 @@ def _check_unpacked_size(path: Path) -> None:
                     )
 
 
-READER = Reader(ToldBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, recognises, read)

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.interface import Reader, ToldBy, head_of
+from roughcontact.io.interface import Reader, RecognisedBy, head_of
 from roughcontact.io.text.lines import looks_like_text
 
 _PICTURE = "a picture, whose colours are no heights; export the map itself as X3P, SDF or text"
@@ -14,7 +14,7 @@ _ZYGO = (
     "a MetroPro file in ASCII, whose heights may be counts of the phase, which is not read; take the DAT or "
     "DATX file itself"
 )
-# first bytes -> what the file is, and the way out
+# first bytes -> kind of file, and advice
 _KNOWN = {
     b"DSCOMPRESSED": (
         "a Digital Surf file in its compressed form (DSCOMPRESSED), which is not read; save it uncompressed "
@@ -35,7 +35,7 @@ _KNOWN = {
         "a profile in the form of ISO 5436-2 (SMD), which is not read; export it as X3P, or as text x z"
     ),
 }
-# the same, of files that are plain text
+# the same for files in plain text
 _KNOWN_TEXTS = {
     b"MATLAB 7.3 MAT-file": (
         "a MATLAB file of version 7.3 (HDF5), which is not read; save it with save(..., '-v7')"
@@ -53,16 +53,6 @@ _KNOWN_TEXTS = {
 def recognises(path: Path, head: bytes) -> bool:
     r"""Return whether a file begins as one of the formats that are refused by name.
 
-    Parameters
-    ----------
-    path : Path
-    head : bytes
-        its first bytes.
-
-    Returns
-    -------
-    bool
-
     Examples
     --------
     >>> recognises(Path("map.sur"), b"DSCOMPRESSED\0\0"), recognises(Path("map.txt"), b"BZh is a name")
@@ -74,20 +64,10 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> NoReturn:
-    """Refuse a file by the name of its format.
-
-    Parameters
-    ----------
-    path : Path
-
-    Raises
-    ------
-    InputFileError
-        Always, with the way out.
-    """
+    """Refuse a file by the name of its format, and say how to convert it."""
     head = head_of(path)
     what = next(what for mark, what in (_KNOWN | _KNOWN_TEXTS).items() if head.startswith(mark))
     raise InputFileError(f"{path}: this is {what}")
 
 
-READER = Reader(ToldBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, recognises, read)

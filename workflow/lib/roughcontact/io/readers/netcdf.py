@@ -26,26 +26,16 @@ from roughcontact.io.channels import (
     unreadable,
 )
 from roughcontact.io.guards import MAX_POINTS, brief, check_points
-from roughcontact.io.interface import Reader, ToldBy, head_of
-from roughcontact.io.metadata import instrument_words
+from roughcontact.io.interface import Reader, RecognisedBy, head_of
+from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length, same_length
 
-_CLASSIC = (b"CDF\x01", b"CDF\x02")  # the second one with offsets of 64 bits
+_CLASSIC = (b"CDF\x01", b"CDF\x02")  # the second with 64-bit offsets
 _MARKS = (*_CLASSIC, cdf5.MARK, hdf5.MARK)
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    r"""Return whether a file begins as netCDF does; HDF5 of other kinds is told by its contents before.
-
-    Parameters
-    ----------
-    path : Path
-    head : bytes
-        its first bytes.
-
-    Returns
-    -------
-    bool
+    r"""Return whether a file begins as netCDF does; other HDF5 is recognised before, by its contents.
 
     Examples
     --------
@@ -56,22 +46,10 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a netCDF file; a map that this project wrote comes back as it was.
+    """Open a netCDF file; a map that this project wrote is restored unchanged.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    MeasuredFile
-        One channel for each variable over two axes (y, x), or over one that is no time or load; those called
-        height, heights or z first.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged, cut off, or has no such variable.
+    There is one channel for each variable over two axes (y, x), or over one that is no time or load; those
+    named height, heights or z come first.
     """
     head = head_of(path)
     if head.startswith(cdf5.MARK):
@@ -112,7 +90,7 @@ def _opened(path: Path, engine: Any, left_out: Iterable[str]) -> Iterator[Any]:
             yield dataset
     except (InputFileError, UnevenPositionsError):
         raise
-    except Exception as error:  # the libraries raise errors of many types on what is damaged
+    except Exception as error:  # the libraries raise errors of many types for damaged files
         raise InputFileError(f"{path}: damaged or cut off netCDF file ({brief(error)})") from error
 
 
@@ -164,7 +142,7 @@ def _instrument(own: Any, attributes: dict) -> dict:
         stated = json.loads(own)
     except (TypeError, ValueError, RecursionError):
         stated = None
-    return stated if isinstance(stated, dict) else instrument_words({}, attributes)
+    return stated if isinstance(stated, dict) else instrument_metadata({}, attributes)
 
 
 def _variable(dataset: Any, name: Any, path: Path, opener: Callable[[], Any]) -> Channel | None:
@@ -186,21 +164,25 @@ def _variable(dataset: Any, name: Any, path: Path, opener: Callable[[], Any]) ->
     unit_x, unit_y = (_unit(dataset[axis]) if axis in dataset.coords else None for axis in (x, y))
     if unit_x and unit_y and not same_length(unit_x, unit_y):
         raise InputFileError(f"{path}: the axes {x} and {y} have different units, {unit_x!r} and {unit_y!r}")
-    words: dict[str, Any] = {"height_unit": unit, "lateral_unit": unit_x or unit_y, "no_height": no_height}
+    attributes: dict[str, Any] = {
+        "height_unit": unit,
+        "lateral_unit": unit_x or unit_y,
+        "no_height": no_height,
+    }
     if variable.dtype.kind not in "iuf":
         refused = f"{path}: variable {name!r} holds {no_height}, not real numbers"
-        return Channel(str(name), (ny, nx), unreadable(refused), **words)
-    down = str(variable.attrs.get("positive", "")).lower() == "down"  # CF's word for depths
+        return Channel(str(name), (ny, nx), unreadable(refused), **attributes)
+    down = str(variable.attrs.get("positive", "")).lower() == "down"  # the CF convention for depths
     if down:
-        words["notes"] = [f"the file counts {name!r} positive downwards: its sign was changed"]
+        attributes["notes"] = [f"the file counts {name!r} positive downwards: its sign was changed"]
     read = partial(_values, opener, name, dims, path, down)
     try:
         dx, first_x, backwards_x = _axis(dataset, x)
         dy, first_y, backwards_y = _axis(dataset, y)
     except UnevenPositionsError as error:
         if no_height:
-            return Channel(str(name), (ny, nx), read, **words)
-        return _off_grid(dataset, str(name), dims, read(), error, path, words)
+            return Channel(str(name), (ny, nx), read, **attributes)
+        return _off_grid(dataset, str(name), dims, read(), error, path, attributes)
     turned = np.s_[:: -1 if backwards_y else 1, :: -1 if backwards_x else 1]
     return Channel(
         str(name),
@@ -210,8 +192,8 @@ def _variable(dataset: Any, name: Any, path: Path, opener: Callable[[], Any]) ->
         dy=dy,
         first_x=first_x,
         first_y=first_y,
-        first_row="" if first_y is not None else "bottom",  # without positions that is only usual
-        **words,
+        first_row="" if first_y is not None else "bottom",  # assumed without positions
+        **attributes,
     )
 
 
@@ -255,7 +237,7 @@ def _off_grid(
     values: np.ndarray,
     error: UnevenPositionsError,
     path: Path,
-    words: dict[str, Any],
+    attributes: dict[str, Any],
 ) -> Channel:
     """Return the points of a map whose coordinates are not evenly spaced."""
     y, x = (dataset[axis].values if axis in dataset.coords else None for axis in dims)
@@ -263,7 +245,7 @@ def _off_grid(
         raise InputFileError(f"{path}: {error}, and the other axis has no positions") from error
     if y is not None:
         y, x = np.meshgrid(y, x, indexing="ij")
-    return scattered(name, x, y, values, error, **words)
+    return scattered(name, x, y, values, error, **attributes)
 
 
 def _unit(variable: Any) -> str | None:
@@ -283,4 +265,4 @@ def _axis(dataset: Any, name: str | None) -> tuple[float | None, float | None, b
     return abs(step), float(min(positions[0], positions[-1])), step < 0
 
 
-READER = Reader(ToldBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, recognises, read)

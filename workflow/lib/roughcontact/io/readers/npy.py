@@ -1,4 +1,4 @@
-"""NumPy arrays (`.npy`): heights without units. Row 0 is taken as the lowest line, which no array says."""
+"""NumPy arrays (`.npy`): heights without units. Row 0 is assumed to be the lowest line."""
 
 from pathlib import Path
 
@@ -7,21 +7,11 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import brief, check_points
-from roughcontact.io.interface import Reader, ToldBy
+from roughcontact.io.interface import Reader, RecognisedBy
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    r"""Return whether a file begins as NumPy's do.
-
-    Parameters
-    ----------
-    path : Path
-    head : bytes
-        its first bytes.
-
-    Returns
-    -------
-    bool
+    r"""Return whether a file begins with NumPy's mark.
 
     Examples
     --------
@@ -32,22 +22,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a file of one real array, (ny, nx) or (nx,), without pickle.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    MeasuredFile
-        One channel, without steps and units.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged or holds no map.
-    """
+    """Open a file of one real array, (ny, nx) or (nx,), without pickle; it has no steps and units."""
     try:
         values = np.load(path, mmap_mode="r", allow_pickle=False)
     except Exception as error:  # NumPy parses the header as Python text and may fail in any way of the parser
@@ -66,4 +41,4 @@ def read(path: Path) -> MeasuredFile:
     return MeasuredFile("NumPy array", [channel], first_row="bottom", first_row_assumed=True)
 
 
-READER = Reader(ToldBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, recognises, read)

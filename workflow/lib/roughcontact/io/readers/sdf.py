@@ -11,8 +11,8 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import brief, check_memory, check_points
-from roughcontact.io.interface import Reader, ToldBy
-from roughcontact.io.metadata import instrument_words
+from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.metadata import instrument_metadata
 
 _MARKS = (b"aISO-", b"bISO-", b"aBCR-", b"bBCR-", b"\xef\xbb\xbfaISO-")
 _MEMORY_PER_BYTE = 12  # memory for each byte of a file: numbers as text, their pieces, in double precision
@@ -20,16 +20,6 @@ _MEMORY_PER_BYTE = 12  # memory for each byte of a file: numbers as text, their 
 
 def recognises(path: Path, head: bytes) -> bool:
     """Return whether a file begins with one of the revisions of the format.
-
-    Parameters
-    ----------
-    path : Path
-    head : bytes
-        its first bytes.
-
-    Returns
-    -------
-    bool
 
     Examples
     --------
@@ -40,22 +30,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open an SDF file with sdfio: ASCII and binary, the BCR and ISO revisions, bad points as missing.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    MeasuredFile
-        One channel.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged or cut off.
-    """
+    """Open an SDF file with sdfio: ASCII and binary, the BCR and ISO revisions, bad points as missing."""
     import sdfio
 
     size = path.stat().st_size
@@ -66,7 +41,7 @@ def read(path: Path) -> MeasuredFile:
         raise InputFileError(f"{path}: not readable as SDF: {brief(error)}") from error
     header = file.header
     check_points(file.data.shape, path)
-    instrument = instrument_words(
+    instrument = instrument_metadata(
         {
             "vendor": header.manufacturer_id,
             "acquisition_time": header.create_date,
@@ -90,4 +65,4 @@ def _step(value: float | None) -> float | None:
     return float(value) if value and np.isfinite(value) and value > 0 else None
 
 
-READER = Reader(ToldBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, recognises, read)

@@ -20,8 +20,8 @@ from roughcontact.io.channels import (
     unreadable,
 )
 from roughcontact.io.guards import check_memory
-from roughcontact.io.interface import Reader, ToldBy
-from roughcontact.io.metadata import instrument_words
+from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.text.columns import Column, headed, unit_of_heights
 from roughcontact.io.text.header import parse_header
 from roughcontact.io.text.lines import lines_of, looks_like_text
@@ -41,22 +41,12 @@ _SIZES = {"length_x", "length_y", "dx", "dy", "step", "nx", "ny"}  # header entr
 _MAX_NARROW_ROWS = 1000  # rows of two or three columns that may be a map
 _MISSING_VALUES = (1.70141e38, 3.40282e38)  # written by Surfer and others for missing points
 _DEPTHS = ("depth", "tiefe", "profond", "profund")  # prefixes of headings that may be positive downwards
-# word of `roughcontact.io.metadata` -> what the header calls it
+# key of `roughcontact.io.metadata` -> key of the header
 _INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquisition_time": "date"}
 
 
 def recognises(path: Path, head: bytes) -> bool:
     """Return whether a file begins as readable text.
-
-    Parameters
-    ----------
-    path : Path
-    head : bytes
-        its first bytes.
-
-    Returns
-    -------
-    bool
 
     Examples
     --------
@@ -67,21 +57,10 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a text file and find out by its content whether it is a matrix, a list of points or a profile.
+    """Open a text file and decide by its content whether it is a matrix, a list of points or a profile.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    MeasuredFile
-        One channel, with the steps and units that header and column names say.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is cut off, holds no table of numbers, or may be read in two ways.
+    The channel has the steps and units of the header and the column names. A file that can be read in two
+    ways is refused.
     """
     size = path.stat().st_size
     check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of text", path)
@@ -96,7 +75,7 @@ def read(path: Path) -> MeasuredFile:
     for blank in _MISSING_VALUES:
         table.values[np.abs(np.abs(table.values) / blank - 1) < 1e-5] = np.nan
     file = _file(table, header, said, counts, delimiter, path)
-    file.instrument = instrument_words({word: said.get(key) for word, key in _INSTRUMENT.items()})
+    file.instrument = instrument_metadata({word: said.get(key) for word, key in _INSTRUMENT.items()})
     return file
 
 
@@ -140,7 +119,7 @@ def _file(
 
 
 def _columns_by_name(columns: list[Column]) -> list[int] | None:
-    """Return the columns of positions and heights by their names, or None if the names do not tell."""
+    """Return the columns of positions and heights by their names, or None if the names are unknown."""
     roles = [column.role for column in columns]
     places = {role: roles.index(role) for role in ("x", "y", "z") if roles.count(role) == 1}
     if len(places) == 3:
@@ -230,7 +209,7 @@ def _axes_of_a_matrix(values: np.ndarray) -> tuple[float, float] | None:
 
 
 def _refuse_cut_table(shape: tuple[int, ...], said: dict[str, Any], counts: list[int], path: Path) -> None:
-    """Refuse a table of fewer rows than the file says that there are."""
+    """Refuse a table with fewer rows than the file states."""
     rows, columns = shape
     stated = said.get("count")
     if len(counts) == 1:
@@ -253,10 +232,10 @@ def _one_column(
 ) -> MeasuredFile:
     """Return one height per line: a profile, or a map of one column if the user gives both steps."""
     unit = said.get("height_unit", columns[0].unit if columns else said.get("unit"))
-    heights, words = _heights(values.T, said, unit)
+    heights, attributes = _heights(values.T, said, unit)
     matrix = _matrix(values, said, path)
     channel = Channel(
-        shape=heights.shape, read=lambda: heights, lateral_unit=said.get("lateral_unit"), **words
+        shape=heights.shape, read=lambda: heights, lateral_unit=said.get("lateral_unit"), **attributes
     )
     channel.otherwise = matrix.channels[0]
     return MeasuredFile("text matrix", [channel], first_row="top")
@@ -276,21 +255,21 @@ def _matrix(table: np.ndarray, said: dict[str, Any], path: Path) -> MeasuredFile
             f"{path}: the header gives a size along y, the file has one line; it was cut off"
         )
     steps, lateral_unit = _steps(said, {"x": nx, "y": ny}, path)
-    heights, words = _heights(table, said, said.get("height_unit", said.get("unit")))
+    heights, attributes = _heights(table, said, said.get("height_unit", said.get("unit")))
     channel = Channel(
         shape=heights.shape,
         read=lambda: heights,
         dx=steps.get("x"),
         dy=steps.get("y") if ny > 1 else None,
         lateral_unit=lateral_unit,
-        **words,
+        **attributes,
     )
     if {"length_x", "length_y"} <= set(said) and not {"dx", "dy", "step", "nx", "ny"} & set(said):
         channel.size_rounding = tuple(
             said[f"length_{axis}_rounding"] / said[f"length_{axis}"] if said[f"length_{axis}"] else 0.0
             for axis in "xy"
         )
-    assumed = not _SIZES & set(said)  # a program that writes sizes writes pictures
+    assumed = not _SIZES & set(said)  # programs that write sizes begin at the top
     return MeasuredFile("text matrix", [channel], first_row="top", first_row_assumed=assumed)
 
 
@@ -301,15 +280,15 @@ def _profile(
     x, z = table[np.argsort(table[:, 0], kind="stable")].T
     _refuse_lost_lines((1, x.size), said, path)
     lateral_unit, height_unit = _units(units, said, path)
-    heights, words = _heights(z[None, :], said, height_unit)
-    words["lateral_unit"] = lateral_unit
+    heights, attributes = _heights(z[None, :], said, height_unit)
+    attributes["lateral_unit"] = lateral_unit
     try:
         step, notes = _even_step(x)
         channel = Channel(
-            shape=heights.shape, read=lambda: heights, dx=step, first_x=float(x[0]), notes=notes, **words
+            shape=heights.shape, read=lambda: heights, dx=step, first_x=float(x[0]), notes=notes, **attributes
         )
     except UnevenPositionsError as error:
-        channel = scattered(x=x, y=None, z=heights, error=error, **words)
+        channel = scattered(x=x, y=None, z=heights, error=error, **attributes)
         channel.otherwise = None if whole is None else _as_matrix(whole, said)
     return MeasuredFile("text profile (x, z)", [channel], first_row="bottom")
 
@@ -332,8 +311,8 @@ def _points(
     """Return a list of points on the regular grid that it forms, or as an irregular list."""
     x, y, z = table.T
     lateral_unit, height_unit = _units(units, said, path)
-    z, words = _heights(z, said, height_unit)
-    words["lateral_unit"] = lateral_unit
+    z, attributes = _heights(z, said, height_unit)
+    attributes["lateral_unit"] = lateral_unit
     try:
         if not np.isfinite(table[:, :2]).all():
             raise InputFileError(f"{path}: a point of the list has no position")
@@ -346,14 +325,14 @@ def _points(
             dy=steps["y"],
             first_x=first_x,
             first_y=first_y,
-            **words,
+            **attributes,
         )
     except UnevenPositionsError as error:
         if whole is not None and np.ptp(np.diff(x)) == 0 and abs(x[1] - x[0]) == 1:
             error = UnevenPositionsError(
                 f"{error}; the first column counts the rows: delete it if it is no x"
             )
-        channel = scattered(x=x, y=y, z=z, error=error, **words)
+        channel = scattered(x=x, y=y, z=z, error=error, **attributes)
         channel.otherwise = None if whole is None else _as_matrix(whole, said)
     except InputFileError as error:
         if whole is None or (matrix := _as_matrix(whole, said)) is None:
@@ -363,13 +342,13 @@ def _points(
             read=unreadable(str(error)),
             otherwise=matrix,
             doubt=_without_path(error, path),
-            **words,
+            **attributes,
         )
     return MeasuredFile("text list of points (x, y, z)", [channel], first_row="bottom")
 
 
 def _refuse_lost_lines(shape: tuple[int, ...], said: dict[str, Any], path: Path) -> None:
-    """Refuse a list of fewer lines or columns of points than its header says that there are."""
+    """Refuse a list with fewer lines or columns of points than its header states."""
     for word, found, name in (("nx", shape[1], "columns"), ("ny", shape[0], "rows")):
         if shape[0] == 1 and name == "rows":
             continue
@@ -395,13 +374,13 @@ def _as_matrix(table: np.ndarray, said: dict[str, Any]) -> Channel | None:
         positions = max(along_x, along_y) <= rows / 2 <= along_x * along_y
     if positions or rows > _MAX_NARROW_ROWS:
         return None
-    heights, words = _heights(table, said, said.get("height_unit", said.get("unit")))
+    heights, attributes = _heights(table, said, said.get("height_unit", said.get("unit")))
     return Channel(
         shape=heights.shape,
         read=lambda: heights,
         lateral_unit=said.get("lateral_unit"),
         first_row="top",
-        **words,
+        **attributes,
     )
 
 
@@ -446,4 +425,4 @@ def _units(columns: list[str | None], said: dict[str, Any], path: Path) -> tuple
     return lateral[0] if lateral else stated[0], columns[-1] or stated[1]
 
 
-READER = Reader(ToldBy.TEXT, recognises, read)
+READER = Reader(RecognisedBy.TEXT, recognises, read)

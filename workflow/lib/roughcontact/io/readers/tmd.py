@@ -13,8 +13,8 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_line_ends, check_points
-from roughcontact.io.interface import Reader, ToldBy
-from roughcontact.io.metadata import instrument_words
+from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.text.lines import looks_like_text
 
 _MARK = b"Binary TrueMap Data File"
@@ -24,17 +24,7 @@ _MAX_HEADER_BYTES = 4096  # bytes of mark and comment
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    r"""Return whether a file begins as TrueMap's do.
-
-    Parameters
-    ----------
-    path : Path
-    head : bytes
-        its first bytes.
-
-    Returns
-    -------
-    bool
+    r"""Return whether a file begins with TrueMap's mark.
 
     Examples
     --------
@@ -45,22 +35,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> MeasuredFile:
-    """Open a file of one map.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    MeasuredFile
-        One channel.
-
-    Raises
-    ------
-    InputFileError
-        For another version, and a file that is damaged or cut off.
-    """
+    """Open a file of one map; other versions are refused."""
     check_line_ends(path)
     with path.open("rb") as stream:
         words = stream.read(_MAX_HEADER_BYTES).split(b"\0", 2)
@@ -96,8 +71,10 @@ def read(path: Path) -> MeasuredFile:
         dy=length_y / ny,
         lateral_unit="mm",
     )
-    instrument = instrument_words({"vendor": "TrueMap" if "TrueMap" in comment else "", "comment": comment})
+    instrument = instrument_metadata(
+        {"vendor": "TrueMap" if "TrueMap" in comment else "", "comment": comment}
+    )
     return MeasuredFile("TrueMap TMD", [channel], first_row="top", instrument=instrument)
 
 
-READER = Reader(ToldBy.MARK, recognises, read)
+READER = Reader(RecognisedBy.MARK, recognises, read)

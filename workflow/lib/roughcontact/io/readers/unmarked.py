@@ -5,44 +5,25 @@ from pathlib import Path
 from roughcontact.io.channels import MeasuredFile
 from roughcontact.io.instruments.formats import FORMATS, marked
 from roughcontact.io.instruments.library import read_as
-from roughcontact.io.interface import Reader, ToldBy, head_of
+from roughcontact.io.interface import Reader, RecognisedBy, head_of
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return True: all files that no other reader recognised are tried.
-
-    Parameters
-    ----------
-    path : Path
-    head : bytes
-        its first bytes.
-
-    Returns
-    -------
-    bool
-    """
+    """Return True: all files that no other reader recognised are tried."""
     return True
 
 
 def read(path: Path) -> MeasuredFile:
     """Open a file by the first of the formats without a mark whose header agrees with it.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    MeasuredFile
-
     Raises
     ------
     InputFileError
         For a file that none of them reads: its format is not known.
     """
-    # a container that is too damaged for its contents to be looked at has a mark nevertheless
+    # a container too damaged to be examined has a mark nevertheless
     formats = marked(head_of(path)) or [each for each in FORMATS if not each.marks]
     return read_as(path, formats)
 
 
-READER = Reader(ToldBy.NOTHING, recognises, read)
+READER = Reader(RecognisedBy.NOTHING, recognises, read)

@@ -25,44 +25,21 @@ from roughcontact.io.channels import (
     scattered,
 )
 from roughcontact.io.guards import ARCHIVE_ERRORS, brief, check_points
-from roughcontact.io.interface import Reader, ToldBy
-from roughcontact.io.metadata import instrument_words
+from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.metadata import instrument_metadata
 
 _KINDS = {"NonContacting": instrument_kinds.OPTICAL, "Contacting": instrument_kinds.STYLUS}
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Return whether a file is an archive with a main.xml, in whatever folder of it.
-
-    Parameters
-    ----------
-    path : Path
-    head : bytes
-        its first bytes.
-
-    Returns
-    -------
-    bool
-    """
+    """Return whether a file is an archive with a main.xml, in any of its folders."""
     return head.startswith(b"PK") and zipfile.is_zipfile(path) and bool(_main_xmls(path))
 
 
 def read(path: Path) -> MeasuredFile:
     """Open an X3P file with x3pio: checksums verified, integer and XML data, infinite heights as missing.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    MeasuredFile
-        One channel for each layer.
-
-    Raises
-    ------
-    InputFileError
-        For a file that is damaged, was changed, or holds no map.
+    There is one channel for each layer.
     """
     import x3pio
 
@@ -224,7 +201,7 @@ def _positions(file: Any, layer: Any, name: str, shape: tuple[int, ...]) -> np.n
 
 
 def _rotation_notes(placement: Any) -> list[str]:
-    """Return a sentence where the file turns its map: a mirrored or overturned one shows only there."""
+    """Return a note where the file rotates its map: only this shows a mirrored or overturned one."""
     rotation = np.asarray(placement.rotation, dtype=float).reshape(3, 3)
     if not placement.has_rotation or np.allclose(rotation, np.eye(3), atol=1e-3):
         return []
@@ -239,7 +216,7 @@ def _instrument(metadata: Any) -> dict:
         return {}
     instrument, probe = metadata.instrument, metadata.probing_system
     kind = _KINDS.get(str(getattr(probe, "type", "")))
-    return instrument_words(
+    return instrument_metadata(
         {
             "kind": kind and kind.name,
             "vendor": instrument and instrument.manufacturer,
@@ -254,4 +231,4 @@ def _instrument(metadata: Any) -> dict:
     )
 
 
-READER = Reader(ToldBy.CONTENTS, recognises, read)
+READER = Reader(RecognisedBy.CONTENTS, recognises, read)

@@ -9,7 +9,7 @@ from roughcontact.io.units import is_length
 _MAX_LINE_LENGTH = 4096  # characters of a line of headings
 _MAX_DISTANCE = 20  # lines above the table that may contain headings
 
-# what a column holds -> how headings call it (lower case, letters only)
+# role of a column -> headings (lower case, letters only)
 _ROLES = {
     "index": ("index", "idx", "no", "nr", "number", "nummer", "numéro", "point", "punkt", "id", "n", "row"),
     "valid": ("valid", "validity", "isvalid", "gültig", "flag"),
@@ -41,14 +41,8 @@ _ROLE = {name: role for role, names in _ROLES.items() for name in names}
 class Column(NamedTuple):
     """One column, by its heading.
 
-    Attributes
-    ----------
-    name : str
-        The heading without its unit.
-    unit : str or None
-    role : str
-        ``index``, ``valid`` (0 where a point is none), ``x``, ``y``, ``z``; empty where the name says
-        none of these.
+    The name is the heading without its unit. The role is ``index``, ``valid`` (0 at missing points), ``x``,
+    ``y``, ``z``, or empty where the name says none of these.
     """
 
     name: str
@@ -57,21 +51,9 @@ class Column(NamedTuple):
 
 
 def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Column] | None:
-    """Return the columns of a table by the line that names them, and one of units below it.
+    """Return one entry per column of a table from the header line that names them, and a line of units below.
 
-    Parameters
-    ----------
-    lines : sequence of str
-        The header.
-    count : int
-        Number of columns of the table.
-    delimiter : str or None
-        What separates them; None for white space.
-
-    Returns
-    -------
-    list of Column or None
-        One entry per column; None where no line names them.
+    A `delimiter` of None stands for white space. The result is None where no line names the columns.
 
     Examples
     --------
@@ -106,15 +88,7 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
 def unit_of_heights(lines: Sequence[str]) -> str | None:
     """Return the unit in a heading above a matrix, as ``Height (nm)``.
 
-    Parameters
-    ----------
-    lines : sequence of str
-        The header.
-
-    Returns
-    -------
-    str or None
-        None where no line among the last ones is such a heading.
+    None where no line among the last ones of the header is such a heading.
 
     Examples
     --------

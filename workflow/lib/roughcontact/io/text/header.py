@@ -10,7 +10,7 @@ from roughcontact.io.units import is_length
 _MAX_LINE_LENGTH = 4096  # characters; longer lines contain no metadata
 _MAX_LINES = 100_000  # lines
 
-# what a line of the header may say: meaning -> spellings (lower case, without _ and -)
+# entries of a header: meaning -> spellings (lower case, without _ and -)
 _HEADER_WORDS = {
     "length_x": (
         "width",
@@ -22,7 +22,7 @@ _HEADER_WORDS = {
         "scan width",
         "x range",
         "range x",
-        # as programs that speak the language of the user write it
+        # as localised programs write it
         *("breite", "largeur", "larghezza", "anchura", "ancho", "largura", "breedte", "bredd", "šířka"),
         *("szerokość", "szélesség", "genişlik", "ширина", "幅", "宽度", "너비"),
     ),
@@ -141,7 +141,7 @@ _HEADER_WORDS = {
     "lens": ("lens", "objective", "objective lens"),
     "date": ("date", "date time", "acquisition date", "acquisition time", "measured"),
 }
-# those that are no numbers
+# those with a text as value
 _WORDS = (
     "channel",
     "height_unit",
@@ -152,30 +152,25 @@ _WORDS = (
     "lens",
     "date",
 )
-_UNIT_IN_NAME = {"bit2nm": "nm"}  # words that name the unit of their number: counts to nanometres
+_UNIT_IN_NAME = {"bit2nm": "nm"}  # keys that imply the unit of their value: counts to nanometres
 _BOTH = {"size": ("width", "height"), "step": ("dx", "dy")}  # entries that give two values in one line
 _MEANING = {word: meaning for meaning, words in _HEADER_WORDS.items() for word in words}
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
 
 def parse_header(lines: Iterable[str]) -> dict[str, Any]:
-    """Return what the header says.
+    """Return the entries of the header that are understood.
 
     Every line is read once from its beginning to its end. Lines of more than 4096 characters, and those after
-    the first 100 000, are passed over.
-
-    Parameters
-    ----------
-    lines : iterable of str
+    the first 100 000, are skipped.
 
     Returns
     -------
     dict
-        Meaning -> value; meaning with ``_unit`` appended -> unit of that value; meaning with ``_rounding``
-        appended -> half a unit of the last digit of a length. The meanings are `length_x`, `length_y`,
-        `step`, `dx`, `dy`, `nx`, `ny`, `count`, `z_factor`, `missing` (numbers), `height_unit`,
-        `lateral_unit`, `unit`, `channel`, `instrument`, `serial`, `lens`, `date` (words). What is said twice
-        counts as it is said first.
+        The keys are `length_x`, `length_y`, `step`, `dx`, `dy`, `nx`, `ny`, `count`, `z_factor`, `missing`
+        (numbers), `height_unit`, `lateral_unit`, `unit`, `channel`, `instrument`, `serial`, `lens`, `date`
+        (texts); a key with ``_unit`` appended gives the unit of that value; with ``_rounding`` appended,
+        half a unit of the last digit of a length. Of repeated entries the first one counts.
 
     Examples
     --------

@@ -12,14 +12,6 @@ _TEXT_BYTES = bytes([*b"\t\n\r\f", *range(32, 127), *range(128, 256)])
 def looks_like_text(head: bytes) -> bool:
     """Return whether the first bytes of a file are text (UTF-8, UTF-16 with its mark, or an 8-bit code).
 
-    Parameters
-    ----------
-    head : bytes
-
-    Returns
-    -------
-    bool
-
     Examples
     --------
     >>> looks_like_text("Width: 10 µm".encode()), looks_like_text(bytes(range(16)))
@@ -31,16 +23,7 @@ def looks_like_text(head: bytes) -> bool:
 
 
 def is_text(path: Path) -> bool:
-    """Return whether a file is text to its end, not only at its beginning.
-
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    bool
-    """
+    """Return whether a file is text to its end, not only at its beginning."""
     with path.open("rb") as stream:
         return all(not piece.translate(None, _TEXT_BYTES) for piece in iter(lambda: stream.read(2**20), b""))
 
@@ -57,18 +40,10 @@ def _unmarked_utf16(head: bytes) -> str | None:
 def lines_of(path: Path) -> list[str]:
     """Return the lines of a text file, with plain minus signs.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    list of str
-
     Raises
     ------
     InputFileError
-        For more than 1 GiB, for what is damaged, and for binary data behind a beginning of text.
+        For a file that is larger than 1 GiB or damaged, and for binary data after a beginning of text.
     """
     return _decode(path.read_bytes(), path).replace("−", "-").splitlines()
 

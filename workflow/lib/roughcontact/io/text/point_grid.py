@@ -9,20 +9,13 @@ from roughcontact.io.channels import UnevenPositionsError, even_step
 from roughcontact.io.guards import check_points
 
 
-@np.errstate(all="ignore")  # positions beyond all numbers form no grid
+@np.errstate(all="ignore")  # infinite positions form no grid
 def points_on_grid(
     x: np.ndarray, y: np.ndarray, z: np.ndarray, path: Path
 ) -> tuple[np.ndarray, dict[str, float | None], tuple[float, float]]:
-    """Return the map that a list of points forms; points that are absent are missing.
+    """Return the map that a list of points (n,) in any order forms; absent points are missing.
 
-    Positions are sorted into lines by gaps larger than half the largest one, so that rounding does no harm.
-
-    Parameters
-    ----------
-    x, y, z : array (n,)
-        The points, in any order.
-    path : Path
-        Named by the messages.
+    Positions are sorted into lines by gaps larger than half the largest one, which tolerates rounding.
 
     Returns
     -------

@@ -16,8 +16,8 @@ from roughcontact.quantities import several
 
 _MISSING = {
     *("nan", "na", "n/a", "bad", "null", "none", "void", "nodata", "invalid", "inf", "+inf", "-inf", ""),
-    *("1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan", "nan(ind)", "-nan(ind)", "1.#inf", "-1.#inf"),  # of C
-    *("#n/a", "#nv", "#null!", "#num!", "#div/0!", "#value!", "#wert!"),  # of spreadsheets
+    *("1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan", "nan(ind)", "-nan(ind)", "1.#inf", "-1.#inf"),  # by C
+    *("#n/a", "#nv", "#null!", "#num!", "#div/0!", "#value!", "#wert!"),  # by spreadsheets
 }
 _FILLING = "-*?"  # characters that stand for a missing point, repeated any number of times
 _FORTRAN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)")  # double precision, 1.5D-03
@@ -33,8 +33,7 @@ class Table(NamedTuple):
     Attributes
     ----------
     values : array (rows, columns)
-        NaN for words that stand for a missing point, and for empty cells. Rows of empty cells below the
-        last number are left out.
+        NaN for missing points and empty cells. Rows of empty cells below the last number are left out.
     empty_left, empty_right : int
         Columns of nothing but empty cells on both sides.
     empty_corner : bool
@@ -49,16 +48,6 @@ class Table(NamedTuple):
 
 def split_header(lines: list[str], path: Path) -> tuple[list[str], list[str]]:
     """Return the lines of the header and those of the table.
-
-    Parameters
-    ----------
-    lines : list of str
-    path : Path
-        Named by the message.
-
-    Returns
-    -------
-    tuple of list of str
 
     Raises
     ------
@@ -87,20 +76,8 @@ def split_header(lines: list[str], path: Path) -> tuple[list[str], list[str]]:
 def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str]]:
     """Return the whole numbers that stand alone in a line above the table, and the table without them.
 
-    They count the points, as a line ``23`` above 23 rows, or ``256 192`` above a map.
-
-    Parameters
-    ----------
-    body : list of str
-        Lines of the table.
-    delimiter : str or None
-        What separates the columns; None for white space.
-
-    Returns
-    -------
-    counts : list of int
-        One or two; empty where the first line is a row as the others are.
-    body : list of str
+    They count the points, as a line ``23`` above 23 rows, or ``256 192`` above a map. There are one or two;
+    none where the first line is a row as the others are. A `delimiter` of None stands for white space.
 
     Examples
     --------
@@ -122,14 +99,7 @@ def counted(body: list[str], delimiter: str | None) -> tuple[list[int], list[str
 def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
     """Return header and table without the quotes that spreadsheets put around cells.
 
-    Parameters
-    ----------
-    header, body : list of str
-
-    Returns
-    -------
-    tuple of list of str
-        With semicolons between the cells where there were quotes; else as they are.
+    Where there were quotes, semicolons separate the cells.
 
     Examples
     --------
@@ -149,20 +119,7 @@ def unquoted(header: list[str], body: list[str]) -> tuple[list[str], list[str]]:
 
 
 def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
-    """Return the delimiter of the columns, and whether the decimal sign is a comma.
-
-    Parameters
-    ----------
-    body : list of str
-        Lines of the table.
-    path : Path
-        Named by the message.
-
-    Returns
-    -------
-    delimiter : str or None
-        None for white space.
-    decimal_comma : bool
+    """Return the delimiter of the columns (None for white space), and whether the decimal sign is a comma.
 
     Raises
     ------
@@ -195,24 +152,10 @@ def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
 def parse_table(
     body: list[str], delimiter: str | None, decimal_comma: bool, path: Path, *, first: int = 1
 ) -> Table:
-    """Return the numbers of a table.
+    """Return the numbers of a table; empty lines and comments are left out.
 
-    Parameters
-    ----------
-    body : list of str
-        Its lines; empty ones and comments are left out.
-    delimiter : str or None
-        What separates the columns; None for white space.
-    decimal_comma : bool
-        Whether the decimal sign is a comma.
-    path : Path
-        Named by the messages.
-    first : int
-        Number of the first line in the file, for the messages.
-
-    Returns
-    -------
-    Table
+    A `delimiter` of None stands for white space; `first` is the number of the first line in the file, for the
+    messages.
 
     Raises
     ------
@@ -244,7 +187,7 @@ class _UnequalRowsError(InputFileError):
 def _ends_with_delimiter(body: list[str], delimiter: str | None) -> bool:
     """Return whether a separator at the end of a line closes it, rather than leaving its last cell empty.
 
-    It does where all lines end in one, and where the last one alone does: that one is not whole.
+    It does where all lines end in one, and where only the last line does, which is incomplete then.
     """
     if delimiter is None:
         return True
@@ -258,16 +201,9 @@ def _parse(
 ) -> Table:
     """Return the numbers of a table, whose lines may end with a delimiter."""
     numbers, counts = array("d"), array("q")
-    left = right = None
+    sides: tuple[int, int] | None = None
     corner, empty_rows = False, 0
-    for number, line in enumerate(body, start=first):
-        text = line.strip(" \r\f" if delimiter == "\t" else None)
-        if not text or text.isspace() or (text.lstrip()[0] in "#%" and not _starts_with_missing(text)):
-            continue
-        if decimal_comma:
-            text = text.replace(",", ".")
-        if delimiter is not None and closed:
-            text = text.rstrip().removesuffix(delimiter)
+    for number, text in _rows(body, delimiter, decimal_comma, first, closed):
         before = len(numbers)
         try:
             empty = _append(numbers, text, delimiter)
@@ -279,22 +215,40 @@ def _parse(
         counts.append(len(numbers) - before)
         empty_rows = empty_rows + 1 if empty[0] == counts[-1] else 0
         if not empty_rows:
-            left, right = (
-                empty if left is None or right is None else (min(left, empty[0]), min(right, empty[1]))
-            )
+            sides = empty if sides is None else (min(sides[0], empty[0]), min(sides[1], empty[1]))
         corner = corner or (len(counts) == 1 and empty[0] > 0)
     if empty_rows and empty_rows < len(counts):
         del numbers[len(numbers) - sum(counts[-empty_rows:]) :], counts[-empty_rows:]
+    _refuse_unequal_rows(counts, path)
+    shape = len(counts), counts[0]
+    check_points(shape, path)
+    return Table(np.array(numbers).reshape(shape), *(sides or (0, 0)), corner)
+
+
+def _rows(
+    body: list[str], delimiter: str | None, decimal_comma: bool, first: int, closed: bool
+) -> Iterator[tuple[int, str]]:
+    """Yield the number and the text, with decimal points, of each line that is not empty and no comment."""
+    for number, line in enumerate(body, start=first):
+        text = line.strip(" \r\f" if delimiter == "\t" else None)
+        if not text or text.isspace() or (text.lstrip()[0] in "#%" and not _starts_with_missing(text)):
+            continue
+        if decimal_comma:
+            text = text.replace(",", ".")
+        if delimiter is not None and closed:
+            text = text.rstrip().removesuffix(delimiter)
+        yield number, text
+
+
+def _refuse_unequal_rows(counts: array, path: Path) -> None:
+    """Refuse rows of different lengths."""
     widths = Counter(counts)
     if len(widths) > 1:
         width = widths.most_common(1)[0][0]
         bad = next(index for index, count in enumerate(counts) if count != width)
-        cut = "; the last line is not whole: the file was cut off" if bad == len(counts) - 1 else ""
-        what = several(counts[bad], "number")
-        raise _UnequalRowsError(f"{path}: row {bad + 1} has {what} where the others have {width}{cut}")
-    shape = len(counts), counts[0]
-    check_points(shape, path)
-    return Table(np.array(numbers).reshape(shape), left or 0, right or 0, corner)
+        cut = "; the last line is incomplete: the file was cut off" if bad == len(counts) - 1 else ""
+        found = several(counts[bad], "number")
+        raise _UnequalRowsError(f"{path}: row {bad + 1} has {found} where the others have {width}{cut}")
 
 
 def _append(numbers: array, text: str, delimiter: str | None) -> tuple[int, int]:
@@ -356,12 +310,12 @@ def _starts_with_missing(line: str) -> bool:
 
 
 def _is_missing(word: str) -> bool:
-    """Return whether a word without blanks around it stands for a missing point."""
+    """Return whether a token without blanks around it stands for a missing point."""
     return word.lower() in _MISSING or not word.strip(_FILLING)
 
 
 def _number(token: str) -> float:
-    """Return the value of a token, NaN for a word that stands for a missing point."""
+    """Return the value of a token, NaN for one that stands for a missing point."""
     token = token.strip()
     if _is_missing(token):
         return np.nan

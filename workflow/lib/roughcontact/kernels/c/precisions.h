@@ -1,4 +1,4 @@
-/* All passes for one kind of processor, LEVEL, in every precision that the solver asks for. */
+/* All passes for one kind of processor, LEVEL, in every precision that the solver uses. */
 
 #define NAME(pass) JOIN(pass, TYPES, LEVEL)
 #define INNER_NAME(pass) JOIN(pass, INNER_TYPE, LEVEL)

@@ -86,7 +86,7 @@ def test_a_load_in_megapascal_is_asked_for(material, load):
     assert "write the unit" in question
 
 
-def test_both_slips_of_a_run_are_asked_for_at_once():
+def test_both_unit_errors_of_a_run_are_reported_at_once():
     modulus, load = lines({"contact_modulus": 115, "mean_pressure": 1})
     assert modulus.startswith("contact.contact_modulus = 115: 115 Pa is softer than any gel")
     assert "did you mean 115 GPa or 115 MPa?" in modulus
@@ -100,27 +100,24 @@ def test_a_modulus_in_megapascal_is_asked_for_where_the_load_or_the_hardness_spe
         resolve({"contact": {"contact_modulus": 115000, "mean_pressure": load}})
     for load in (1e6, "1 MPa", [1e5, 1e8]):
         (question,) = lines({"contact_modulus": 115000, "mean_pressure": load})
-        assert question.startswith("contact.contact_modulus = 115000: 115 kPa is as soft as a gel, which")
+        assert question.startswith("contact.contact_modulus = 115000: 115 kPa ")
         assert "did you mean 115 GPa" in question
     (question,) = lines({"contact_modulus": 115000, "relative_pressure": 0.1, "hardness": "2 GPa"})
     assert "does not bear 2.00 GPa; did you mean 115 GPa?" in question
     # meant, and then it is the load that is asked for
     (question,) = lines({"contact_modulus": "115 kPa", "mean_pressure": 1e6})
-    assert question.startswith(
-        "contact.mean_pressure[0] = 1000000.0: 1.00 MPa is more than any contact bears"
-    )
+    assert question.startswith("contact.mean_pressure[0] = 1000000.0: 1.00 MPa ")
 
 
 def test_modulus_and_load_in_megapascal_are_asked_for_together():
     (line,) = lines({"contact_modulus": 115_000, "mean_pressure": 2})
-    assert (
-        "2.00 Pa is next to no load on a contact modulus of 115 kPa (115 GPa, were it given in MPa)" in line
-    )
+    assert ": 2.00 Pa " in line
+    assert "115 kPa (115 GPa, were it given in MPa)" in line
     resolve({"contact": {"contact_modulus": 115_000, "mean_pressure": 20}})  # a laboratory may load a gel so
     resolve({"contact": {"contact_modulus": "115 kPa", "mean_pressure": "2 Pa"}})
 
 
-def test_slips_are_named_beside_mistakes_of_other_kinds():
+def test_unit_errors_are_named_beside_mistakes_of_other_kinds():
     named = lines({"contact_modulus": 115, "mean_pressure": [1, 2], "tolerance": 2}, level={"from": "plane"})
     assert [line.split(" = ")[0].split(":")[0].strip() for line in named] == [
         "level.from",
@@ -187,7 +184,7 @@ def test_a_number_with_a_unit_is_taken_wherever_a_quantity_is_set():
         ({"contact_modulus": "115 Gpa"}, {}, "did you mean 'GPa'?"),
     ],
 )
-def test_other_slips(contact, sections, words):
+def test_other_unit_errors(contact, sections, words):
     (line,) = lines(contact, **sections)
     assert words in line
 

@@ -1,6 +1,6 @@
-"""Slips of unit in the settings: bare numbers that no material, load or filter has.
+"""Suspected unit errors in the settings: bare numbers beyond those of all materials, loads and filters.
 
-A bare number is in SI units. What is written with its unit is meant, and never doubted here.
+A bare number is in SI units. A value with its unit is never questioned.
 """
 
 from collections.abc import Iterator, Mapping
@@ -20,7 +20,7 @@ _LENGTHS = (
     ("window", "shortest_wavelength"),
     ("window", "longest_wavelength"),
 )
-_WAY_OUT = "A bare number is in {unit}: write the unit behind it, also where it is meant as it stands"
+_WAY_OUT = "A bare number is in {unit}: write the unit behind it, even if the number is correct"
 _NO_PRESSURE = (
     "is in units of E* x rms gradient, in which contact is full from about 1 on; did you mean mean_pressure?"
 )
@@ -28,8 +28,10 @@ _NO_PRESSURE = (
 Location = tuple[str | int, ...]
 
 
-def slips(given: Mapping[str, Any], settings: Mapping[str, Any]) -> Iterator[tuple[Location, Any, str]]:
-    """Yield what is hardly meant as it stands.
+def suspicious_units(
+    given: Mapping[str, Any], settings: Mapping[str, Any]
+) -> Iterator[tuple[Location, Any, str]]:
+    """Yield location, value and question for each value that is implausible as it stands.
 
     Parameters
     ----------
@@ -45,14 +47,14 @@ def slips(given: Mapping[str, Any], settings: Mapping[str, Any]) -> Iterator[tup
     value : object
         as it was written.
     question : str
-        what may have been meant, and the way out.
+        likely values, and the way out.
 
     Examples
     --------
     >>> from roughcontact.configuration.models import Settings
     >>> given = {"contact": {"contact_modulus": 115}}
     >>> settings = Settings.model_validate(given).model_dump()
-    >>> for location, value, question in slips(given, settings):
+    >>> for location, value, question in suspicious_units(given, settings):
     ...     print(location, value)
     ...     print(question.partition("?")[0])
     ('contact', 'contact_modulus') 115
@@ -72,11 +74,11 @@ def slips(given: Mapping[str, Any], settings: Mapping[str, Any]) -> Iterator[tup
 
 
 def _in_contact(given: Mapping[str, Any], contact: Mapping[str, Any]) -> list[tuple[Location, Any, str]]:
-    """Return what is hardly meant among moduli, hardness and loads."""
+    """Return the implausible moduli, hardnesses and loads."""
     found: list[tuple[Location, Any, str]] = []
 
     def meant(value: float, doubt: Doubt | None, *place: str | int) -> float:
-        """Return what was likely meant by the value at a place, and note where it is not what was written."""
+        """Return the likely value at a place, and note where it differs from the written one."""
         location = ("contact", *place)
         written = _at(given, location)
         if doubt is None or carries_unit(written):
@@ -115,7 +117,7 @@ def _in_contact(given: Mapping[str, Any], contact: Mapping[str, Any]) -> list[tu
 
 
 def _at(given: Any, location: Location) -> Any:
-    """Return what stands at a location, None where nothing does; one load may stand for a list of one."""
+    """Return the value at a location, None where there is none; one load may stand for a list of one."""
     for part in location:
         if isinstance(part, int):
             given = given[part] if isinstance(given, list | tuple) else given

@@ -1,0 +1,229 @@
+"""Checks of what the instrument made of a surface: they pass, warn just beyond their limits, and say why."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy import ndimage
+
+import roughcontact as rc
+from roughcontact.maps import height_map
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.roughness.traces import instrument_traces, repeated_heights
+from roughcontact.statistics import instrument_checks as checks
+
+SHARP = {"spectrum_exponent": -3.6, "spectrum_end": 4e-6, "rounded_peaks": 0.1, "sharpest_peak_radius": 2e-6}
+SHARP |= {"pixel_pitch": 1e-6, "pixel_roughness": 1e-9}
+FLAT = {"top_exponent": -1.0, "noise_floor": 2e-9, "noise_gradient_share": 0.15}
+
+
+def surface(points=160, **options):
+    """Return a self-affine surface down to the pixel, cut so that it is not periodic."""
+    waves = {"hurst": 0.8, "shortest": 2e-6, "longest": 60e-6, "rms_gradient": 0.2, "seed": 3} | options
+    return self_affine_surface((200, 200), 1e-6, **waves).values[:points, :points]
+
+
+def window_of(values, pitch=1e-6):
+    return rc.periodic_window(rc.level(height_map(values, pitch)))
+
+
+def loads(largest, elsewhere, mean, area):
+    columns = {"max_pressure": largest, "max_pressure_elsewhere": elsewhere, "mean_contact_pressure": mean}
+    columns["relative_contact_area_pixels"] = area
+    return xr.Dataset({name: ("load", np.array(values, float)) for name, values in columns.items()})
+
+
+def test_a_rough_surface_passes():
+    window = window_of(surface())
+    smoothed, noise = checks.smoothed(window.attrs), checks.noise(xr.Dataset(), window.attrs)
+    assert smoothed.outcome == noise.outcome == "passed", (smoothed, noise)
+    assert smoothed.sentence.startswith("The spectrum reaches down to the pixels: its steepest fall is q^−3.")
+    assert window.attrs["spectrum_exponent"] == pytest.approx(-3.6, abs=0.4)
+    assert abs(window.attrs["rounded_peaks"]) < 0.2
+
+
+def test_a_gaussian_filter_is_found():
+    window = window_of(ndimage.gaussian_filter(surface(), 2))
+    check = checks.smoothed(window.attrs)
+    assert check.outcome == "look"
+    assert "filter of the instrument's software" in check.sentence
+    assert 3e-6 < window.attrs["spectrum_end"] < 12e-6
+
+
+def test_the_tip_of_a_stylus_is_found():
+    values, y = surface(rms_gradient=0.4), np.arange(-5, 6) * 1e-6
+    square = y[:, None] ** 2 + y[None, :] ** 2
+    tip = np.sqrt(np.maximum(25e-12 - square, 0)) - 5e-6
+    traced = ndimage.grey_dilation(values, footprint=square <= 25e-12, structure=tip, mode="reflect")
+    window = window_of(traced)
+    assert "the tip of a stylus or probe" in checks.smoothed(window.attrs).sentence
+    assert window.attrs["sharpest_peak_radius"] == pytest.approx(5e-6, rel=0.4)
+    assert checks.smoothed(window.attrs | {"instrument_tip_radius": 5e-6}).outcome == "passed"
+
+
+def test_a_median_filter_is_found():
+    window = window_of(ndimage.median_filter(surface(), 5))
+    assert "a median filter does this" in checks.smoothed(window.attrs).sentence
+
+
+def test_interpolation_is_found():
+    finer = ndimage.zoom(surface(100), 2, order=3, mode="reflect", grid_mode=True)
+    assert checks.smoothed(window_of(finer, 5e-7).attrs).outcome == "look"
+
+
+def test_a_smoothed_profile_is_found():
+    profile = self_affine_surface((1, 4000), 1e-6, hurst=0.8, shortest=2e-6, longest=1e-4, rms_gradient=0.1)
+    sharp = window_of(profile.values[:, :3000])
+    blurred = window_of(ndimage.gaussian_filter1d(profile.values[:, :3000], 2))
+    assert checks.smoothed(sharp.attrs).outcome == "passed"
+    assert checks.smoothed(blurred.attrs).outcome == "look"
+
+
+@pytest.mark.parametrize(
+    ("name", "limit"), [("spectrum_exponent", checks.SPECTRUM_ENDS), ("rounded_peaks", checks.ROUNDED)]
+)
+def test_smoothed_warns_just_beyond_its_limits(name, limit):
+    step = 1e-6 if name == "rounded_peaks" else -1e-6
+    assert checks.smoothed(SHARP | {name: limit}).outcome == "passed"
+    assert checks.smoothed(SHARP | {name: limit + step}).outcome == "look"
+
+
+def test_repeated_heights_warn_just_beyond_the_limit():
+    assert checks.smoothed(SHARP | {"repeated_heights": checks.REPEATED}).outcome == "passed"
+    assert checks.smoothed(SHARP | {"repeated_heights": checks.REPEATED + 1e-6}).outcome == "look"
+
+
+@pytest.mark.parametrize(
+    "known",
+    [
+        {"instrument_resolution": 4e-6},
+        {"filters_removed": json.dumps({"s_filter": {"nesting_index": {"value": 4e-6, "units": "m"}}})},
+        {"band_shortest": 4e-6, "band_reason": "window.shortest_wavelength"},
+    ],
+)
+def test_what_the_settings_say_is_no_fault(known):
+    ends = SHARP | {"spectrum_exponent": -12.0}
+    assert checks.smoothed(ends).outcome == "look"
+    assert checks.smoothed(ends | known).sentence == "Waves below 4.0 µm are missing, as the settings say."
+
+
+def test_the_sentence_of_a_smoothed_map():
+    sentence = checks.smoothed(SHARP | {"spectrum_exponent": -12.0}).sentence
+    assert sentence.startswith(
+        "Nothing was measured below a wavelength of 4.0 µm (4.0 pixels): the spectrum ends"
+    )
+    assert "Contact areas are then too large and pressures too small" in sentence
+    assert "instrument.resolution" in sentence
+    assert "level.s_filter" in sentence
+
+
+def test_periodic_and_tiny_maps_are_not_judged():
+    for made in (
+        window_of(
+            self_affine_surface((64, 64), 1e-6, hurst=0.8, shortest=8e-6, longest=6e-5, rms_height=1e-7)
+        ),
+        window_of(surface(8)),
+    ):
+        assert checks.smoothed(made.attrs).outcome == "not made"
+        assert checks.noise(xr.Dataset(), made.attrs).outcome == "not made"
+    assert instrument_traces(height_map(np.zeros((64, 64)), 1e-6)) == {}
+
+
+def test_quantised_heights_are_not_repeated_ones():
+    values = surface() + 1e-7 * np.arange(160)
+    for levels in (20, 100, 1000):
+        quantised = np.round(values / np.ptp(values) * levels)
+        assert repeated_heights(quantised) < checks.REPEATED
+    missing = values.copy()
+    missing[50:60] = np.nan
+    assert repeated_heights(missing) == 0
+    assert repeated_heights(np.zeros((64, 64))) == 0
+
+
+def test_noise_is_found():
+    noisy = surface() + 2e-7 * np.random.default_rng(1).standard_normal((160, 160))
+    window = window_of(noisy)
+    assert window.attrs["noise_floor"] == pytest.approx(2e-7, rel=0.2)
+    check = checks.noise(xr.Dataset(), window.attrs)
+    assert check.outcome == "look"
+    assert "one map cannot tell" in check.sentence
+
+
+def test_noise_warns_just_beyond_its_limits():
+    limit = checks.NOISE_SHARE
+    assert checks.noise(xr.Dataset(), FLAT | {"noise_gradient_share": limit}).outcome == "passed"
+    much = FLAT | {"noise_gradient_share": limit + 1e-6}
+    assert checks.noise(xr.Dataset(), much).outcome == "look"
+    assert "too small by up to 10.6 %" in checks.noise(xr.Dataset(), much).sentence
+    assert checks.noise(xr.Dataset(), much | {"top_exponent": checks.WHITE}).outcome == "passed"
+    assert "by an unknown factor" in checks.noise(xr.Dataset(), FLAT | {"noise_gradient_share": 1.2}).sentence
+
+
+def test_stated_noise_counts_whatever_the_spectrum():
+    steep = FLAT | {"top_exponent": -4.0, "instrument_noise": 2e-9}
+    check = checks.noise(xr.Dataset(), steep)
+    assert check.outcome == "passed"
+    assert check.sentence == "The stated noise of 2.00 nm makes up 15.0 % of the mean square gradient."
+    assert checks.noise(xr.Dataset(), steep | {"instrument_noise": 4e-9}).outcome == "look"
+
+
+def test_dust_is_found():
+    values = surface()
+    rows, columns = np.ogrid[:160, :160]
+    values = values + 10 * values.std() * np.exp(-((rows - 70) ** 2 + (columns - 90) ** 2) / 2)
+    window = window_of(values)
+    problem = {"contact_modulus": 1e9, "mean_pressure": 0.02e9 * window.attrs["rms_gradient_after"]}
+    solved = rc.contact_statistics(rc.solve_contact(window, **problem, tolerance=1e-2), flow="never")
+    assert checks.isolated_peak(solved).outcome == "look"
+
+
+def test_an_isolated_peak_warns_just_beyond_its_limits():
+    mean, others = checks.PEAK_OVER_MEAN, checks.PEAK_OVER_OTHERS
+    more = 1 + 1e-6
+    assert checks.isolated_peak(loads([mean * more], [mean / others], [1], [0.1])).outcome == "look"
+    assert checks.isolated_peak(loads([mean], [mean / others / more], [1], [0.1])).outcome == "passed"
+    assert checks.isolated_peak(loads([mean * more], [mean * more / others], [1], [0.1])).outcome == "passed"
+    assert checks.isolated_peak(loads([20], [1], [1], [checks.PEAK_AREA + 1e-6])).outcome == "not made"
+    assert checks.isolated_peak(loads([20, 5], [1, 4], [1, 1], [0.01, 0.2])).outcome == "look"
+    assert checks.isolated_peak(xr.Dataset()).outcome == "not made"
+
+
+def test_the_sentence_of_an_isolated_peak():
+    sentence = checks.isolated_peak(loads([20, 5], [1, 4], [1, 1], [0.01, 0.2])).sentence
+    assert sentence.startswith(
+        "One peak stands out: its pressure is 20 times the mean in contact, and 20 times the largest in any "
+        "other patch."
+    )
+    assert "no other patch touches" in checks.isolated_peak(loads([20], [0], [1], [0.01])).sentence
+
+
+def test_heights_below_all_noise_warn():
+    limit = checks.QUIETEST
+    assert checks.height_unit({}, SHARP | {"pixel_roughness": limit}).outcome == "passed"
+    check = checks.height_unit({}, SHARP | {"pixel_roughness": limit * (1 - 1e-6)})
+    assert check.outcome == "look"
+    assert check.sentence.endswith("(50 pm). Check the unit of the heights: were µm read as nm?")
+    probe = {"instrument": '{"kind": "scanning probe microscope"}'}
+    assert checks.height_unit(probe, SHARP | {"pixel_roughness": limit / 2}).outcome == "passed"
+    assert (
+        checks.height_unit({}, SHARP | {"pixel_roughness": limit / 2, "pixel_pitch": 2e-9}).outcome
+        == "passed"
+    )
+    assert (
+        checks.height_unit({}, SHARP | {"pixel_roughness": 0.0, "spectrum_exponent": -9.0}).outcome
+        == "not made"
+    )
+
+
+def test_pixels_of_another_instrument_warn():
+    optical = {"instrument": '{"kind": "optical profiler", "lens": "50 X"}'}
+    assert checks.pixel_size({}, SHARP).outcome == "not made"
+    assert checks.pixel_size(optical, SHARP | {"pixel_pitch": 2e-7}).outcome == "passed"
+    assert checks.pixel_size(optical, SHARP | {"pixel_pitch": 2e-6}).sentence == (
+        "Pixels of 2.0 µm are not those of an optical profiler with a lens of 50×: they would be 100 µm on "
+        "its camera. Check the lateral unit, and whether the map was resampled."
+    )
+    assert checks.pixel_size(optical, SHARP | {"pixel_pitch": 2e-3}).outcome == "look"
+    unnamed = {"instrument": '{"kind": "optical profiler", "magnification": 5.14}'}
+    assert checks.pixel_size(unnamed, SHARP | {"pixel_pitch": 1.6e-6}).outcome == "passed"

@@ -1,0 +1,207 @@
+"""Traces of the instrument in a map: a spectrum that ends early, rounded peaks, repeated heights, noise.
+
+Frequencies are counted in units of the Nyquist frequency of each axis: these traces belong to the pixels.
+"""
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.fourier import halfplane_weights, wavenumbers
+from roughcontact.kernels.waves import wave_power
+from roughcontact.maps import spacing
+
+# exponent of the areal spectrum beyond which it is taken to end: see `statistics.instrument_checks`
+STEEPEST = -7.0
+_EDGES = 2.0 ** np.arange(-4, 0.01, 0.25)  # of the bands of frequency, four per octave
+_WAVES = 8  # in a band, fewer say little
+_ACROSS = (
+    3  # bands over which an exponent is taken: less than an octave, so that noise hides little of a fall
+)
+_LOWEST = 0.19  # frequency from which on exponents are judged: below it a small map has few waves in a band
+_SAMPLE = 2**18  # quantiles are estimated from about so many points, medians from so many waves
+_TAIL, _FLANK = 0.001, 0.1  # quantiles of the curvature: its tails, and its body
+_TAIL_OVER_FLANK = 2.41  # their ratio for a normal distribution
+_HALF, _TOP = (0.5, 0.6), (0.85, 1.0)  # frequencies of the highest octave
+_SMALLEST = 0.001  # quantile of the steps between neighbours that is a quantum, where there is one
+_FEW_STEPS = 0.03  # of the median step between neighbours: steps up to it are counted beside those of zero
+_QUANTA = 0.7  # scale of the exponential distribution of steps in units of their median: ln 2
+_COARSE = 0.4  # quantum over median step from which on most steps of zero are those of the quantisation
+_SAME = 1e-6  # of the median step: equal, but for rounding
+
+
+def instrument_traces(height: xr.DataArray) -> dict[str, float]:
+    """Return what the waves and curvatures of a periodic map say of the instrument.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        periodic.
+
+    Returns
+    -------
+    dict
+        * `spectrum_exponent`: that of the steepest fall of the areal power spectrum with the frequency over
+          less than an octave; for a profile, whose spectrum falls one power less, one is subtracted
+        * `spectrum_end` (m): wavelength from which on it falls more steeply than `STEEPEST`, else where it is
+          steepest
+        * `rounded_peaks`: how much blunter peaks are than valleys, in powers of two, 0 for normally
+          distributed curvatures; `sharpest_peak_radius` (m): radius that 0.1 % of the points fall below
+        * `top_exponent`: exponent of the spectrum over its highest octave, again as of an areal one
+        * `noise_floor` (m): rms height of white noise with the power of the shortest waves
+        * `noise_gradient_share`: share of the mean square gradient that such noise would make up
+        * `pixel_roughness` (m): rms height of white noise with the second differences of the map;
+          `pixel_pitch` (m): the larger one
+
+        Empty for a map with too few waves, or without heights.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import self_affine_surface
+    >>> waves = {"longest": 1e-4, "rms_height": 1e-7}
+    >>> rough = self_affine_surface((128, 128), 1e-6, hurst=0.8, shortest=2e-6, **waves)
+    >>> found = instrument_traces(rough)
+    >>> f"{found['spectrum_exponent']:.1f}, {found['top_exponent']:.1f}"
+    '-3.6, -3.6'
+    """
+    values, steps = np.asarray(height.values, dtype=float), spacing(height)
+    power, frequency = wave_power(values), _frequencies(values.shape)
+    gradient = float((wavenumbers(values.shape, steps) ** 2 * halfplane_weights(values.shape) * power).sum())
+    bands = _bands(power, frequency)
+    exponents, places = _exponents(*bands)
+    if exponents.size == 0 or gradient == 0:
+        return {}
+    profile = 1 in values.shape
+    beyond = exponents < STEEPEST + profile
+    fall = int(np.argmax(beyond) if beyond.any() else np.argmin(exponents))
+    pitches = [d for n, d in zip(values.shape, steps, strict=True) if n > 1]
+    floor, top = _floor(power, frequency)
+    white = floor * values.size * sum((np.pi / d) ** 2 / 3 for d in pitches)
+    curvatures = _second_differences(values, steps)
+    return {
+        "spectrum_exponent": float(exponents.min()) - profile,
+        "spectrum_end": float(2 * max(pitches) / places[fall]),
+        "rounded_peaks": float(np.mean([_roundness(part) for part in curvatures])),
+        "sharpest_peak_radius": float(-1 / np.mean([np.quantile(part, _TAIL) for part in curvatures])),
+        "top_exponent": top - profile,
+        "noise_floor": float(np.sqrt(floor * values.size)),
+        "noise_gradient_share": white / gradient,
+        "pixel_roughness": _pixel_roughness(curvatures, pitches),
+        "pixel_pitch": float(max(pitches)),
+    }
+
+
+def repeated_heights(values: np.ndarray) -> float:
+    """Return how much more often neighbours along x have the same height than steps of other sizes suggest.
+
+    A median filter takes every height from a pixel nearby, so that neighbours often get the same one. Steps
+    of zero are compared with the smallest ones: those of one quantum where the heights are quantised, else
+    those up to a small share of the median step. The expected ratio is that of exponentially distributed
+    steps.
+
+    Parameters
+    ----------
+    values : array (ny, nx)
+        heights as measured, in any unit; NaN where missing.
+
+    Returns
+    -------
+    float
+        about 1 for quantised heights, 0 where no height is repeated; 0, not known, for fewer than 1000 steps or
+        coarsely quantised heights.
+
+    Examples
+    --------
+    >>> from scipy.ndimage import median_filter
+    >>> noise = np.random.default_rng(0).standard_normal((64, 64))
+    >>> repeated_heights(noise), repeated_heights(median_filter(noise, 3)) > 4
+    (0.0, True)
+    """
+    rows = values[:: max(1, values.size // _SAMPLE)]
+    step = np.abs(np.diff(rows, axis=1)).ravel()
+    step = step[np.isfinite(step)]
+    if step.size < 1000 or not step.any():
+        return 0.0
+    other = step[step > _SAME * np.median(step[step > 0])]
+    median, quantum = np.median(other), np.quantile(other, _SMALLEST)
+    if quantum > _COARSE * median:
+        return 0.0
+    few = np.count_nonzero(other <= max(_FEW_STEPS * median, 1.5 * quantum))
+    expected = 0.5 * np.exp(_QUANTA * quantum / median)
+    return float((step.size - other.size) / few / expected)
+
+
+def _frequencies(shape: tuple[int, ...]) -> np.ndarray:
+    """Return the frequency of each wave of the half-plane, 1 for the Nyquist frequency of an axis."""
+    ny, nx = shape
+    return 2 * np.hypot(np.fft.fftfreq(ny)[:, None], np.fft.rfftfreq(nx)[None, :])
+
+
+def _bands(power: np.ndarray, frequency: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return mean and median power in each band of frequency, NaN in bands of too few waves."""
+    band = np.digitize(frequency, _EDGES).ravel()
+    number = _EDGES.size + 1
+    count = np.bincount(band, minlength=number)
+    mean = np.bincount(band, weights=power.ravel(), minlength=number) / np.maximum(count, 1)
+    every = max(1, power.size // _SAMPLE)
+    some, values = band[::every], power.ravel()[::every]
+    median = np.array([np.median(values[some == k]) if (some == k).any() else np.nan for k in range(number)])
+    enough = np.where(count >= _WAVES, 1.0, np.nan)
+    return (mean * enough)[1:-1], (median * enough)[1:-1]
+
+
+def _exponents(mean: np.ndarray, median: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the exponents of the spectrum, and the frequencies they belong to.
+
+    A periodic texture has peaks in the mean, and waves that a strong lay leaves empty pull the median down:
+    the less steep of the two counts.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        falls = [np.log2(part[_ACROSS:] / part[:-_ACROSS]) / (_ACROSS / 4) for part in (mean, median)]
+    exponents = np.fmax(*falls)
+    places = np.sqrt(_EDGES[1 + _ACROSS :] * _EDGES[: -1 - _ACROSS])
+    judged = (places >= _LOWEST) & np.isfinite(exponents)
+    return exponents[judged], places[judged]
+
+
+def _floor(power: np.ndarray, frequency: np.ndarray) -> tuple[float, float]:
+    """Return the power of the shortest waves, and the exponent of the spectrum down to them."""
+    ends = []
+    for low, high in (_HALF, _TOP):
+        inside = (frequency >= low) & (frequency <= high)
+        if np.count_nonzero(inside) < _WAVES:
+            return 0.0, -np.inf
+        # the power of white noise is distributed exponentially: its mean is the median over ln 2
+        ends.append((np.median(power[inside]) / np.log(2), np.exp(np.mean(np.log(frequency[inside])))))
+    (lower, begin), (floor, end) = ends
+    if floor == 0 or lower == 0:
+        return 0.0, -np.inf
+    return float(floor), float(np.log(floor / lower) / np.log(end / begin))
+
+
+def _second_differences(values: np.ndarray, steps: tuple[float, float]) -> list[np.ndarray]:
+    """Return the curvature of the map along each axis at some of its points."""
+    every = max(1, values.size // _SAMPLE)
+    found = []
+    for axis, pitch in enumerate(steps):
+        if values.shape[axis] > 2:
+            part = np.roll(values, 1, axis) + np.roll(values, -1, axis) - 2 * values
+            found.append(part.ravel()[::every] / pitch**2)
+    return found
+
+
+def _roundness(curvature: np.ndarray) -> float:
+    """Return how much blunter peaks are than valleys, in powers of two.
+
+    The sharpest valleys are compared with the sharpest peaks, and these with the flank of the distribution of
+    the curvatures. Both ratios grow where a tip has bounded the curvature of the peaks.
+    """
+    peak, flank, valley = np.quantile(curvature, (_TAIL, _FLANK, 1 - _TAIL))
+    if not peak < flank < 0 < valley:
+        return 0.0
+    return float(np.log2(valley / -peak) + np.log2(_TAIL_OVER_FLANK * flank / peak))
+
+
+def _pixel_roughness(curvatures: list[np.ndarray], pitches: list[float]) -> float:
+    """Return the rms height (m) of the white noise that has the second differences of a map."""
+    parts = [np.mean(part**2) * d**4 / 6 for part, d in zip(curvatures, pitches, strict=True)]
+    return float(np.sqrt(min(parts)))

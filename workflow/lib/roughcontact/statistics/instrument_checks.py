@@ -1,0 +1,341 @@
+"""Checks of what the instrument, its software or dust made of the surface, and of its units.
+
+A map that was smoothed or is noisy looks like any other. What shows is its spectrum near the pixel, the
+curvature of its peaks, repeated heights, and one peak that carries what many should
+(`roughcontact.roughness.traces`). The limits were set on every second map of
+`benchmarks/instrument_checks.py` and tried on the others.
+"""
+
+import json
+import re
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.io.instrument_kinds import ANY, PROBE, Kind, of_name
+from roughcontact.quantities import number, percent, quantity
+from roughcontact.roughness.traces import STEEPEST
+from roughcontact.statistics.map_checks import Attributes
+from roughcontact.statistics.outcome import LOOK, NOT_MADE, PASSED, Check
+
+# Self-affine surfaces fall with an exponent of -2 to -4, those with a bounded curvature with -6; measured
+# maps that no filter touched reach -5.7. Filters, lenses and interpolation reach -8 to -20.
+SPECTRUM_ENDS = STEEPEST
+# Powers of two by which peaks are blunter than valleys. Measured maps reach 0.3, worn surfaces with deep
+# scratches 0.3; a tip that changes the area by more than 5 % mostly gives 1 to 3.
+ROUNDED = 0.6
+# Repeated heights over those of quantised ones: 0.7 to 1.35 in measured maps, above 2 after a median filter.
+REPEATED = 1.45
+# Largest pressure over the mean in contact: 3 to 7 on made surfaces of all kinds, 20 on dust; and over the
+# largest in any other patch: 1 to 1.4, for the highest peaks of a surface are about equally sharp.
+PEAK_OVER_MEAN, PEAK_OVER_OTHERS = 8.0, 2.0
+PEAK_AREA = 0.25  # largest contact area at which a peak has a patch of its own
+# Exponent above which the Hurst exponent would be negative: noise, or shorter waves folded back by sampling
+WHITE = -2.0
+NOISE_SHARE = 0.2  # share of the mean square gradient that makes areas 11 % too small
+# Noise between neighbouring pixels below which nothing measures: averaging interferometers reach 0.05 nm,
+# the quietest probe microscopes 5 pm
+QUIETEST, QUIETEST_PROBE = 5e-11, 5e-12
+_SQUARE = "mean square gradient"
+_PROBE_PIXEL = 1e-7  # a smaller pixel is that of a probe microscope, whatever the file says
+_CAMERA = (1e-6, 6e-5)  # pitch of camera pixels, binned ones included
+
+_MADE = "Not made: the map is periodic as it is, as no measured one is."
+
+
+def smoothed(window: Attributes) -> Check:
+    """Check that the map was measured down to its pixels.
+
+    Three traces are looked for: a spectrum that ends before the pixel (lens, Gaussian filter, interpolation),
+    peaks that are blunter than valleys (tip of a stylus), and repeated heights (median filter). What the
+    settings state or remove is no fault: the attributes `instrument_resolution` and `instrument_tip_radius`
+    (m), an S-filter, or a limit of the band.
+
+    Parameters
+    ----------
+    window : mapping
+        attributes of the periodic window.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> sharp = {"spectrum_exponent": -3.6, "spectrum_end": 2e-6, "rounded_peaks": 0.0}
+    >>> smoothed(sharp).sentence
+    'The spectrum reaches down to the pixels: its steepest fall is q^−3.6.'
+    >>> smoothed(sharp | {"spectrum_exponent": -11.0, "pixel_pitch": 5e-7}).outcome
+    'look'
+    """
+    if window.get("periodisation") == "none":
+        return Check("Smoothed", NOT_MADE, _MADE)
+    if "spectrum_exponent" not in window:
+        return Check("Smoothed", NOT_MADE, "Not made: too few waves to judge the spectrum by.")
+    exponent = f"q^{number(window['spectrum_exponent'], digits=2)}"
+    found, known = [], []
+    if window["spectrum_exponent"] < SPECTRUM_ENDS:
+        end = window["spectrum_end"]
+        if end <= _removed_below(window):
+            known.append(f"Waves below {quantity(end, 'm', digits=2)} are missing, as the settings say")
+        else:
+            found.append(
+                f"Nothing was measured below a wavelength of {_in_pixels(end, window)}: the spectrum ends "
+                f"there, falling as {exponent}. A lens, a filter of the instrument's software or "
+                "interpolation does this; of surfaces only one without any shorter waves"
+            )
+    if window["rounded_peaks"] > ROUNDED:
+        radius = window["sharpest_peak_radius"]
+        if window.get("instrument_tip_radius", 0.0) > radius / 2:
+            known.append("Peaks are rounded, as the stated tip radius says")
+        else:
+            found.append(
+                f"Peaks are rounded, to radii of {quantity(radius, 'm', digits=2)} and more, and valleys are "
+                "sharp: the tip of a stylus or probe does this"
+            )
+    if window.get("repeated_heights", 0.0) > REPEATED:
+        found.append(
+            "Neighbouring points often have exactly the same height: a median filter does this, and leaves "
+            "little of waves below about five pixels"
+        )
+    if found:
+        return Check("Smoothed", LOOK, ". ".join([*found, _SMOOTHED_MEANS]))
+    if known:
+        return Check("Smoothed", PASSED, ". ".join(known) + ".")
+    text = f"The spectrum reaches down to the pixels: its steepest fall is {exponent}."
+    return Check("Smoothed", PASSED, text)
+
+
+_SMOOTHED_MEANS = (
+    "Contact areas are then too large and pressures too small. Export the map without filters, state what "
+    "the instrument resolves (instrument.resolution, instrument.numerical_aperture or instrument.tip_radius), "
+    "or limit the question to longer waves with level.s_filter or coarser pixels."
+)
+
+
+def _removed_below(window: Attributes) -> float:
+    """Return the wavelength below which the settings remove waves or say that none was measured."""
+    filters = json.loads(window.get("filters_removed", "{}"))
+    limits = [float(window.get("instrument_resolution", 0.0))]
+    if window.get("band_reason", "the grid") != "the grid":
+        limits.append(float(window["band_shortest"]))
+    # a Gaussian filter passes half at its nesting index; the fall that is found lies below it
+    limits.append(float(filters["s_filter"]["nesting_index"]["value"]) if "s_filter" in filters else 0.0)
+    # an end is found to half an octave
+    return float(np.sqrt(2) * max(limits))
+
+
+def _in_pixels(wavelength: float, window: Attributes) -> str:
+    """Return a wavelength in words, in pixels too where their size is known."""
+    words = quantity(wavelength, "m", digits=2)
+    pixel = window.get("pixel_pitch", 0.0)
+    return f"{words} ({number(wavelength / pixel, digits=2)} pixels)" if pixel else words
+
+
+def isolated_peak(statistics: xr.Dataset) -> Check:
+    """Check that no single patch carries pressures far above those of all others.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        as `contact_statistics` returns it. Loads at which the contact covers more than a quarter of the area
+        do not count: patches have merged there.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> pressures = {"max_pressure": 27.0, "max_pressure_elsewhere": 6.0, "mean_contact_pressure": 1.0}
+    >>> dust = xr.Dataset({name: ("load", [value]) for name, value in pressures.items()})
+    >>> isolated_peak(dust.assign(relative_contact_area_pixels=("load", [0.1]))).outcome
+    'look'
+    """
+    if "max_pressure_elsewhere" not in statistics:
+        return Check("Isolated peak", NOT_MADE, "Not made: the pressures were not counted by patches.")
+    low = statistics.isel(load=statistics["relative_contact_area_pixels"].values <= PEAK_AREA)
+    if low.sizes["load"] == 0:
+        text = f"Not made: the contact covers more than {percent(PEAK_AREA)} of the area at every load."
+        return Check("Isolated peak", NOT_MADE, text)
+    largest, elsewhere = low["max_pressure"].values, low["max_pressure_elsewhere"].values
+    over_mean = largest / low["mean_contact_pressure"].values
+    with np.errstate(divide="ignore"):
+        over_others = np.where(largest > 0, largest / elsewhere, 0.0)
+    isolated = (over_mean > PEAK_OVER_MEAN) & (over_others > PEAK_OVER_OTHERS)
+    at = int(np.argmax(np.where(isolated, over_mean, 0.0) if isolated.any() else over_mean))
+    times = f"{number(over_mean[at], digits=2)} times the mean in contact"
+    if not isolated.any():
+        text = f"The largest pressure is at most {times}, or not that of one patch alone."
+        return Check("Isolated peak", PASSED, text)
+    others = "no other patch touches"
+    if elsewhere[at] > 0:
+        others = f"{number(over_others[at], digits=2)} times the largest in any other patch"
+    text = (
+        f"One peak stands out: its pressure is {times}, and {others}. Dust and burrs look like this. The "
+        "largest pressure, and gaps at low loads, are those of this peak. See where it lies in the map of "
+        "pressure: unless it belongs to the surface, clean and measure again, cut the map, or lower "
+        "level.outlier_threshold."
+    )
+    return Check("Isolated peak", LOOK, text)
+
+
+def noise(statistics: xr.Dataset, window: Attributes) -> Check:
+    """Check that white noise makes up little of the rms gradient.
+
+    With a stated noise, attribute `instrument_noise` (m), its share is known. Else a spectrum that is flat
+    down to the pixel is taken for noise, which waves shorter than the pixel resemble.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        as `contact_statistics` returns it.
+    window : mapping
+        attributes of the periodic window.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> flat = {"top_exponent": -0.2, "noise_floor": 2e-9, "noise_gradient_share": 0.6}
+    >>> noise(xr.Dataset(), flat).outcome, noise(xr.Dataset(), flat | {"top_exponent": -3.0}).outcome
+    ('look', 'passed')
+    """
+    if window.get("periodisation") == "none":
+        return Check("Noise", NOT_MADE, _MADE)
+    if "noise_floor" not in window:
+        return Check("Noise", NOT_MADE, "Not made: too few waves to judge the spectrum by.")
+    share, stated = float(window["noise_gradient_share"]), float(window.get("instrument_noise", 0.0))
+    if stated and window["noise_floor"] > 0:
+        share *= (stated / window["noise_floor"]) ** 2
+        text = f"The stated noise of {quantity(stated, 'm')} makes up {_share(share)} of the {_SQUARE}"
+        return _judged_noise(text, share, " Average several maps, or remove short waves with level.s_filter.")
+    exponent = window["top_exponent"]
+    if exponent <= WHITE:
+        text = (
+            f"The spectrum falls down to the pixels, as q^{number(exponent, digits=2)}: no white noise shows."
+        )
+        return Check("Noise", PASSED, text)
+    floor = quantity(window["noise_floor"], "m", digits=2)
+    text = (
+        f"The spectrum is flat at its end, as with a white noise of {floor} (rms), which would make up "
+        f"{_share(share)} of the {_SQUARE}"
+    )
+    way_out = (
+        " It may be noise, or waves shorter than the pixel: one map cannot tell. Measure twice and state the "
+        "noise (instrument.noise), or remove short waves with level.s_filter."
+    )
+    return _judged_noise(text, share, way_out)
+
+
+def _share(share: float) -> str:
+    """Return a share in words; that of a floor can exceed the whole."""
+    return percent(share) if share < 1 else "all"
+
+
+def _judged_noise(text: str, share: float, way_out: str) -> Check:
+    """Return the check of a share of the mean square gradient."""
+    if share <= NOISE_SHARE:
+        return Check("Noise", PASSED, f"{text}.")
+    # the area goes as 1 / g
+    small = f"by up to {percent(1 - np.sqrt(1 - share))}" if share < 1 else "by an unknown factor"
+    return Check(
+        "Noise", LOOK, f"{text}. Areas would be too small {small}, and pressures too large.{way_out}"
+    )
+
+
+def height_unit(height: Attributes, window: Attributes) -> Check:
+    """Check that the heights are not smaller than what an instrument can tell from noise.
+
+    Parameters
+    ----------
+    height : mapping
+        attributes of the map as measured.
+    window : mapping
+        attributes of the periodic window.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> height_unit({}, {"pixel_roughness": 4e-12, "pixel_pitch": 1e-6, "spectrum_exponent": -3.0}).outcome
+    'look'
+    """
+    made = window.get("periodisation") == "none" or window.get("spectrum_exponent", -np.inf) < SPECTRUM_ENDS
+    if made or "pixel_roughness" not in window:
+        text = "Not made: the noise of the instrument does not show in a map that is smooth at its pixels."
+        return Check("Height unit", NOT_MADE, text)
+    rough = float(window["pixel_roughness"])
+    probe = _kind(height) is PROBE or window.get("pixel_pitch", 1.0) < _PROBE_PIXEL
+    quietest = QUIETEST_PROBE if probe else QUIETEST
+    text = f"Neighbouring points differ as with a noise of {quantity(rough, 'm', digits=2)}"
+    if rough < quietest:
+        text += (
+            f", less than that of the quietest {'probe microscopes' if probe else 'profilers'} "
+            f"({quantity(quietest, 'm', digits=1)}). Check the unit of the heights: were µm read as nm?"
+        )
+        return Check("Height unit", LOOK, text)
+    return Check("Height unit", PASSED, f"{text}: an instrument can measure that.")
+
+
+def pixel_size(height: Attributes, window: Attributes) -> Check:
+    """Check that the instrument which the file names can have pixels of this size.
+
+    Parameters
+    ----------
+    height : mapping
+        attributes of the map as measured: `instrument` is what the file says of it (JSON).
+    window : mapping
+        attributes of the periodic window.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> named = {"instrument": '{"kind": "optical profiler", "lens": "20X Mirau"}'}
+    >>> pixel_size(named, {"pixel_pitch": 1.1e-6}).sentence
+    'Pixels of 1.1 µm are those of an optical profiler with a lens of 20×.'
+    """
+    kind, pixel = _kind(height), float(window.get("pixel_pitch", 0.0))
+    if kind is ANY or not pixel:
+        return Check("Pixel size", NOT_MADE, "Not made: the file does not name the kind of its instrument.")
+    words = f"Pixels of {quantity(pixel, 'm', digits=2)} are"
+    low, high = kind.step
+    if not low <= pixel <= high:
+        text = f"{words} not those of {kind.words} ({quantity(low, 'm')} to {quantity(high, 'm')})."
+        return Check("Pixel size", LOOK, f"{text} Check the lateral unit.")
+    times = _magnification(height)
+    if not times:
+        return Check("Pixel size", PASSED, f"{words} those of {kind.words}.")
+    camera = pixel * times
+    lens = f"{kind.words} with a lens of {number(times, digits=2)}×"
+    if not _CAMERA[0] <= camera <= _CAMERA[1]:
+        text = f"{words} not those of {lens}: they would be {quantity(camera, 'm', digits=2)} on its camera."
+        return Check("Pixel size", LOOK, f"{text} Check the lateral unit, and whether the map was resampled.")
+    return Check("Pixel size", PASSED, f"{words} those of {lens}.")
+
+
+def _instrument(height: Attributes) -> dict:
+    """Return what the file says of its instrument."""
+    named = json.loads(height.get("instrument", "{}") or "{}")
+    return named if isinstance(named, dict) else {}
+
+
+def _kind(height: Attributes) -> Kind:
+    """Return the kind of instrument that the file names."""
+    return of_name(_instrument(height).get("kind"))
+
+
+def _magnification(height: Attributes) -> float:
+    """Return the magnification of the lens, 0 where the file does not say."""
+    instrument = _instrument(height)
+    match = re.match(r"\s*(\d+(?:\.\d+)?) ?[xX×]", str(instrument.get("lens", "")))
+    return float(instrument.get("magnification") or (match[1] if match else 0.0))
