@@ -5,7 +5,6 @@ import html
 import json
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -86,18 +85,6 @@ def test_a_broken_surface_stops_itself_alone(project):
     assert counted(project.run()) == {"report": 1}
     assert "without results" not in project.path("results/report.html").read_text()
     assert "failed" not in project.path("results/summary.csv").read_text()
-
-
-def test_an_error_that_nobody_foresaw_is_one_sentence_too(project, tmp_path):
-    project.checkout = shutil.copytree(project.checkout, tmp_path / "edited")
-    script = project.checkout / "workflow/scripts/prepare.py"
-    script.write_text("import _job\n\nraise KeyError('surprise')\n")
-    run = project.run("results/ground/window.nc", "--logger", "roughcontact")
-    log = "logs/ground/prepare.log"
-    text = f"[prepare ground] ERROR: KeyError: 'surprise' (not foreseen, please report it with {log})"
-    assert text in run.stderr.splitlines()
-    assert "Traceback" not in run.stderr
-    assert "Traceback" in project.path(log).read_text()
 
 
 @pytest.mark.parametrize(

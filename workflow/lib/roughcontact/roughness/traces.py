@@ -106,7 +106,7 @@ def repeated_heights(values: np.ndarray) -> float:
     Returns
     -------
     float
-        about 1 for quantised heights, 0 where no height is repeated; 0, not known, for fewer than 1000 steps or
+        about 1 for quantised heights, 0 where no height is repeated; 0 (unknown) for fewer than 1000 steps or
         coarsely quantised heights.
 
     Examples

@@ -3,8 +3,7 @@
 A check passes, warns (`look`: review the result, the sentence says by how much it may be off), or fails (do
 not use it); one that cannot be made says so and never passes. The verdict on a surface, or on one of its
 loads, is that of the worst check. The checks and their limits stand in `contact_checks`, `map_checks` and
-`instrument_checks`;
-this module exports all that is needed to show them.
+`instrument_checks`; this module exports all that is needed to show them.
 """
 
 import json
