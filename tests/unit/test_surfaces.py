@@ -7,6 +7,7 @@ import pytest
 from roughcontact.command_line.program import _FILE_OPTIONS
 from roughcontact.configuration.surfaces import (
     COLUMNS,
+    INSTRUMENT,
     PAIR,
     PAIR_FIRST_ROW,
     REQUIRED,
@@ -151,8 +152,8 @@ def test_a_missing_table_is_named(tmp_path):
 
 @pytest.mark.parametrize("verb", [read_height_map, inspect_file])
 def test_columns_and_options_are_the_arguments_of_reading(verb):
-    arguments = [name for name in inspect.signature(verb).parameters if name != "path"]
-    assert set(COLUMNS) - {*REQUIRED, PAIR, PAIR_FIRST_ROW} == set(arguments)
+    arguments = [name for name in inspect.signature(verb).parameters if name not in ("path", "instrument")]
+    assert set(COLUMNS) - {*REQUIRED, PAIR, PAIR_FIRST_ROW, *INSTRUMENT} == set(arguments)
     assert [name.replace("-", "_") for name in _FILE_OPTIONS] == arguments
 
 

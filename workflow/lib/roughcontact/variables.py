@@ -204,7 +204,6 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     # the components of the intervals
     "degrees_of_freedom": ("1", "degrees of freedom of each uncertainty source"),
     "coverage_factor": ("1", "expanded over standard uncertainty of each source"),
-    "evaluation_type": (None, "A: evaluated by statistics, B: by other means (JCGM 100, 2.3)"),
     "input": (None, "input that a result is sensitive to"),
     # labels
     "source": (None, "source of an uncertainty; combined: root of the sum of their squares"),

@@ -1,8 +1,7 @@
 """Combination of uncertainty sources into intervals, and the table of their components."""
 
-import math
 from collections.abc import Mapping
-from typing import Any, get_args
+from typing import get_args
 
 import numpy as np
 import pandas as pd
@@ -16,7 +15,9 @@ from roughcontact.uncertainty.headline import QUANTITIES
 SOURCES: tuple[UncertaintySource, ...] = get_args(UncertaintySource)
 COMBINED = "combined"
 _NORMAL = 1.959963984540054  # coverage factor of 95 % for infinite degrees of freedom
-_TYPE_A = ("window",)  # evaluated from a scatter; all others from bounds, models and statements
+# A: evaluated from a scatter; B: from bounds, models and statements
+_TYPES = ["A" if source == "window" else "B" for source in SOURCES]
+_PARTS = ("down", "up", "bias", "shift_down", "shift_up")
 # sources of the interval of this map in the band of waves that it holds
 _OF_THE_MAP: tuple[UncertaintySource, ...] = (
     "solver",
@@ -75,7 +76,7 @@ def combine(
         it is made of: `{name}_down`, `{name}_up`, `{name}_bias`, `{name}_shift_down`, `{name}_shift_up`.
         Along `load` the ends of the combined interval, `{name}_lower` and `{name}_upper`, and of that of the
         map, `{name}_map_lower` and `{name}_map_upper`; NaN for an unbounded end. Along `source`
-        `degrees_of_freedom`, `coverage_factor` and `evaluation_type` ([1]_, 2.3.2 and 2.3.3).
+        `degrees_of_freedom` and `coverage_factor`.
 
     References
     ----------
@@ -106,17 +107,16 @@ def combine(
         # a result at a physical limit, up to rounding, stays inside its own interval
         low, high = np.minimum(value, least.get(name, 0.0)), np.maximum(value, most.get(name, np.inf))
         for ending, sources in (("", SOURCES), ("map_", _OF_THE_MAP)):
-            lower, upper = _ends(value, parts, [SOURCES.index(source) for source in sources])
+            down, up = _half_widths(value, parts, [SOURCES.index(source) for source in sources])
             if not ending:
                 columns |= {
                     f"{name}_{part}": (("load", "source"), _bounded(np.column_stack([values, nothing])))
                     for part, values in parts.items()
                     if part != "shown"
                 }
-                both = np.maximum(value - lower, upper - value)
-                shown = _bounded(np.column_stack([parts["shown"], both]))
+                shown = _bounded(np.column_stack([parts["shown"], np.maximum(down, up)]))
                 columns[_uncertainty(name)] = (("load", "source"), shown, {"comment": _COMMENT})
-            ends = {"lower": np.maximum(lower, low), "upper": np.minimum(upper, high)}
+            ends = {"lower": np.maximum(value - down, low), "upper": np.minimum(value + up, high)}
             for end, values in ends.items():
                 comment = {"comment": _ENDS[f"{ending}{end}"]}
                 columns[f"{name}_{ending}{end}"] = ("load", _bounded(values), comment)
@@ -155,65 +155,74 @@ def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
     >>> table["source"].unique().tolist()
     ['solver', 'combined']
     """
-    names = [name for name in (*QUANTITIES, *ANSWERS) if f"{name}_uncertainty" in budget]
-    rows = []
-    for name in names:
-        for index, load in enumerate(budget["mean_pressure"].values):
-            rows += _rows(budget.isel(load=index), name, float(load))
-    return pd.DataFrame(rows)
-
-
-def _rows(budget: xr.Dataset, name: str, load: float) -> list[dict[str, Any]]:
-    """Return the rows of one quantity at one load."""
-    rows: list[dict[str, Any]] = []
-    for source in SOURCES:
-        part = budget.sel(source=source)
-        unbounded = bool(np.isnan(part[f"{name}_shift_up"]) or np.isnan(part[f"{name}_up"]))
-        if np.isnan(part[f"{name}_uncertainty"]) and not unbounded:
+    if "source" not in budget.dims:
+        return pd.DataFrame(columns=["quantity", "mean_pressure_Pa", "source"])
+    loads = budget["mean_pressure"].values
+    present = [list(budget["source"].values).index(source) for source in SOURCES]
+    freedom, factor = (budget[name].values[present] for name in ("degrees_of_freedom", "coverage_factor"))
+    frames = []
+    for name in (*QUANTITIES, *ANSWERS):
+        if f"{name}_uncertainty" not in budget:
             continue
-        factor = float(part["coverage_factor"])
-        rows.append(
-            {
-                "quantity": name,
-                "mean_pressure_Pa": load,
-                "source": source,
-                "value": float(part[f"{name}_estimate"]),
-                "evaluation_type": str(part["evaluation_type"].values),
-                "standard_uncertainty_lower": float(part[f"{name}_down"]) / factor,
-                "standard_uncertainty_upper": np.inf if unbounded else float(part[f"{name}_up"]) / factor,
-                "degrees_of_freedom": float(part["degrees_of_freedom"]),
-                "sensitivity": 1.0,
-                "coverage_factor": factor,
-                "bias": float(part[f"{name}_bias"]),
-                "one_sided_lower": float(part[f"{name}_shift_down"]),
-                "one_sided_upper": np.inf if unbounded else float(part[f"{name}_shift_up"]),
-            }
+        part = {key: budget[f"{name}_{key}"].values[:, present] for key in ("uncertainty", *_PARTS)}
+        unbounded = np.isnan(part["up"]) | np.isnan(part["shift_up"])
+        lower, upper = part["down"] / factor, np.where(unbounded, np.inf, part["up"] / factor)
+        known = ~np.isnan(part["uncertainty"]) | unbounded
+        rows, columns = np.nonzero(known)
+        frames.append(
+            pd.DataFrame(
+                {
+                    "quantity": name,
+                    "mean_pressure_Pa": loads[rows],
+                    "source": np.array(SOURCES, dtype=object)[columns],
+                    "evaluation_type": np.array(_TYPES, dtype=object)[columns],
+                    "value": budget[f"{name}_estimate"].values[rows],
+                    "standard_uncertainty_lower": lower[known],
+                    "standard_uncertainty_upper": upper[known],
+                    "degrees_of_freedom": freedom[columns],
+                    "sensitivity": 1.0,
+                    "coverage_factor": factor[columns],
+                    "bias": part["bias"][known],
+                    "one_sided_lower": part["shift_down"][known],
+                    "one_sided_upper": np.where(unbounded, np.inf, part["shift_up"])[known],
+                }
+            )
         )
-    if rows:
-        ends = ("standard_uncertainty_lower", "standard_uncertainty_upper")
-        lower, upper = (math.sqrt(sum(row[end] ** 2 for row in rows)) for end in ends)
-        fourth = sum(max(row[end] for end in ends) ** 4 / row["degrees_of_freedom"] for row in rows)
-        freedom = max(lower, upper) ** 4 / fourth if fourth > 0 else np.inf
-        rows.append(
-            {
-                "quantity": name,
-                "mean_pressure_Pa": load,
-                "source": COMBINED,
-                "standard_uncertainty_lower": lower,
-                "standard_uncertainty_upper": upper,
-                "degrees_of_freedom": freedom,
-                "coverage_factor": float(stdtrit(freedom, 0.975)) if np.isfinite(freedom) else _NORMAL,
-                "lower": float(budget[f"{name}_lower"]),
-                "upper": float(budget[f"{name}_upper"]),
-            }
-        )
-    return rows
+        lower, upper = (np.where(known, each, 0.0) for each in (lower, upper))
+        both = [frames.pop(), _combined_rows(budget, name, lower, upper, freedom)]
+        frames.append(pd.concat(both).sort_values("mean_pressure_Pa", kind="stable"))
+    return pd.concat(frames, ignore_index=True)
+
+
+def _combined_rows(
+    budget: xr.Dataset, name: str, lower: np.ndarray, upper: np.ndarray, freedom: np.ndarray
+) -> pd.DataFrame:
+    """Return the rows of the combined uncertainty, from the standard ones of each source (load, source)."""
+    below, above = (np.sqrt(np.sum(each**2, axis=1)) for each in (lower, upper))
+    larger, of_sources = np.maximum(below, above), np.maximum(lower, upper)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        effective = larger**4 / np.sum(np.where(of_sources > 0, of_sources**4 / freedom, 0.0), axis=1)
+    finite = np.isfinite(effective)
+    factor = np.where(finite, stdtrit(np.where(finite, effective, 1.0), 0.975), _NORMAL)
+    return pd.DataFrame(
+        {
+            "quantity": name,
+            "mean_pressure_Pa": budget["mean_pressure"].values,
+            "source": COMBINED,
+            "value": budget[f"{name}_estimate"].values,
+            "standard_uncertainty_lower": below,
+            "standard_uncertainty_upper": above,
+            "degrees_of_freedom": np.where(finite, effective, np.inf),
+            "coverage_factor": factor,
+            "lower": budget[f"{name}_lower"].values,
+            "upper": budget[f"{name}_upper"].values,
+        }
+    )
 
 
 def _degrees_of_freedom(found: Mapping[UncertaintySource, xr.Dataset]) -> dict[str, tuple]:
-    """Return degrees of freedom, coverage factor and type of evaluation along `source`."""
+    """Return degrees of freedom and coverage factors along `source`."""
     freedom, factor = np.full((2, len(SOURCES) + 1), np.nan)
-    types = ["A" if source in _TYPE_A else "B" for source in SOURCES]
     for source, dataset in found.items():
         column = SOURCES.index(source)
         freedom[column] = dataset.attrs.get("degrees_of_freedom", np.inf)
@@ -221,7 +230,6 @@ def _degrees_of_freedom(found: Mapping[UncertaintySource, xr.Dataset]) -> dict[s
     return {
         "degrees_of_freedom": ("source", freedom),
         "coverage_factor": ("source", factor),
-        "evaluation_type": ("source", [*types, ""]),
     }
 
 
@@ -233,7 +241,7 @@ def _components(
     `shown` is the larger half-width; `down` and `up` are the half-widths without the known `bias`, which is
     added linearly above; `shift_down` and `shift_up` are one-sided.
     """
-    parts = {key: np.zeros((loads, len(SOURCES))) for key in ("down", "up", "bias", "shift_down", "shift_up")}
+    parts = {key: np.zeros((loads, len(SOURCES))) for key in _PARTS}
     parts["shown"] = np.full((loads, len(SOURCES)), np.nan)
     for source, dataset in found.items():
         if name not in dataset:  # the answers have no solver uncertainty
@@ -253,27 +261,22 @@ def _components(
     return {key: np.where(absent, 0.0, part) if key != "shown" else part for key, part in parts.items()}
 
 
-def _ends(
+def _half_widths(
     value: np.ndarray, parts: Mapping[str, np.ndarray], columns: list[int]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the ends of the interval of some sources; NaN where none of them says anything."""
+    """Return the distances of both ends of an interval from the result; NaN without sources."""
     down, up = (np.sqrt(np.sum(parts[side][:, columns] ** 2, axis=1)) for side in ("down", "up"))
     up = up + parts["bias"][:, columns].sum(axis=1)
-    lower, upper = value - down, value + up
-    positive = np.where(value > 0, value, 1.0)
+    below, above = parts["shift_down"][:, columns], parts["shift_up"][:, columns]
+    positive = value > 0
+    scale = np.where(positive, value, 1.0)[:, None]
     with np.errstate(invalid="ignore"):
-        lower = np.where(
-            value > 0,
-            lower * np.prod(np.maximum(1 - parts["shift_down"][:, columns] / positive[:, None], 0.0), axis=1),
-            lower - parts["shift_down"][:, columns].sum(axis=1),
-        )
-        upper = np.where(
-            value > 0,
-            upper * np.prod(1 + parts["shift_up"][:, columns] / positive[:, None], axis=1),
-            upper + parts["shift_up"][:, columns].sum(axis=1),
-        )
+        reduction = 1 - np.prod(np.maximum(1 - below / scale, 0.0), axis=1)
+        growth = np.prod(1 + above / scale, axis=1) - 1
+        down = down + np.where(positive, (value - down) * reduction, below.sum(axis=1))
+        up = up + np.where(positive, (value + up) * growth, above.sum(axis=1))
     nothing = np.isnan(parts["shown"][:, columns]).all(axis=1)
-    return np.where(nothing, np.nan, lower), np.where(nothing, np.nan, upper)
+    return np.where(nothing, np.nan, down), np.where(nothing, np.nan, up)
 
 
 def _bounded(values: np.ndarray) -> np.ndarray:
