@@ -108,8 +108,8 @@ def smoothed(window: Attributes) -> Check:
 
 _SMOOTHED_MEANS = (
     "Contact areas are then too large and pressures too small. Export the map without filters, state what "
-    "the instrument resolves (instrument.resolution, numerical_aperture or tip_radius), or "
-    "limit the question to longer waves with level.s_filter or coarser pixels."
+    "the instrument resolves (instrument.resolution, .numerical_aperture or .tip_radius), or limit the "
+    "question to longer waves with level.s_filter or coarser pixels."
 )
 
 
