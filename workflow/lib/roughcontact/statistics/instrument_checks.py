@@ -267,8 +267,9 @@ def height_unit(height: Attributes, window: Attributes) -> Check:
     >>> height_unit({}, {"pixel_roughness": 4e-12, "pixel_pitch": 1e-6, "spectrum_exponent": -3.0}).outcome
     'look'
     """
-    made = window.get("periodisation") == "none" or window.get("spectrum_exponent", -np.inf) < SPECTRUM_ENDS
-    if made or "pixel_roughness" not in window:
+    if window.get("periodisation") == "none":
+        return Check("Height unit", NOT_MADE, _MADE)
+    if window.get("spectrum_exponent", -np.inf) < SPECTRUM_ENDS:
         text = "Not made: the noise of the instrument does not show in a map that is smooth at its pixels."
         return Check("Height unit", NOT_MADE, text)
     rough = float(window["pixel_roughness"])
