@@ -137,9 +137,8 @@ def judged(task: tuple[str, str, xr.DataArray, int]) -> list[dict]:
     for fault, faulty in faults(height, number).items():
         window = rc.periodic_window(rc.level(faulty))
         base = "quarter" if fault.startswith("finer") else "none"
-        slope = reference[base][0] if base in reference else 0.0
-        if not slope or fault.startswith(("part", "quarter")):
-            slope = window.attrs["rms_gradient_after"]
+        own = fault.startswith(("none", "part", "quarter"))
+        slope = window.attrs["rms_gradient_after"] if own else reference[base][0]
         loads = [load * slope for load in LOADS]
         solved = counted(rc.solve_contact(window, contact_modulus=1.0, mean_pressure=loads, tolerance=1e-2))
         area, peak = (solved[name].values for name in ("relative_contact_area_pixels", "max_pressure"))
