@@ -315,10 +315,13 @@ def outcomes(statistics, *, height=(), levelled=(), window=(), points=96 * 96):
 
 
 def test_a_good_surface_passes_every_check(good):
-    found, verdict = outcomes(good, window={"reliable_reason": "the lens"})
+    sharp = {"spectrum_exponent": -3.0, "rounded_peaks": 0.0, "pixel_roughness": 1e-9, "pixel_pitch": 1e-6}
+    sharp |= {"top_exponent": -3.0, "noise_floor": 1e-9, "noise_gradient_share": 0.1}
+    optical = {"instrument": '{"kind": "optical profiler"}'}
+    found, verdict = outcomes(good, height=optical, window=sharp | {"reliable_reason": "the lens"})
     assert {check.outcome for check in found.values()} == {checks.PASSED}
-    found, verdict = outcomes(good)  # of a file that does not say what the instrument resolves
-    assert {name for name, check in found.items() if check.outcome != checks.PASSED} == {"Band"}
+    found, verdict = outcomes(good, window=sharp)  # of a file that does not say what measured it
+    assert {name for name, check in found.items() if check.outcome != checks.PASSED} == {"Band", "Pixel size"}
     assert found["Band"].outcome == checks.NOT_MADE
     assert checks.VERDICTS[verdict] == "use"
 
@@ -330,10 +333,15 @@ def test_each_check_can_ask_for_a_look(good):
     poor["relative_contact_area_pixels"][:] = [50 / 96**2, 1.0]
     poor["rms_gradient"] = 0.5
     poor["rejected_load_share"] = ("load", [0.11, 0.04])
+    poor["mean_contact_pressure"] = poor["max_pressure_elsewhere"] = poor["max_pressure"] / 20
     poor.attrs["window_flag"] = "The heights grow with the length of the map."
     found, verdict = outcomes(
         poor,
-        height={"missing_share": 0.1, "ingest_warnings": json.dumps(["The unit was guessed."])},
+        height={
+            "missing_share": 0.1,
+            "ingest_warnings": json.dumps(["The unit was guessed."]),
+            "instrument": json.dumps({"kind": "optical profiler"}),
+        },
         levelled={
             "filled_share": 0.08,
             "outliers_rejected": 138,
@@ -349,6 +357,14 @@ def test_each_check_can_ask_for_a_look(good):
             "window_share": 0.3,
             "form_share": 0.9,
             "steepest_share": 0.7,
+            "spectrum_exponent": -3.0,
+            "rounded_peaks": 2.0,
+            "sharpest_peak_radius": 5e-6,
+            "top_exponent": 0.0,
+            "noise_floor": 1e-9,
+            "noise_gradient_share": 0.5,
+            "pixel_roughness": 1e-12,
+            "pixel_pitch": 2e-3,
         },
     )
     looks = {name for name, check in found.items() if check.outcome == checks.LOOK}

@@ -44,12 +44,17 @@ _UNITS = {
 # checks by importance: errors of the map come before limits of the material
 _WEIGHT = (
     "Units",
+    "Height unit",
+    "Pixel size",
     "Solver",
     "Outliers",
+    "Isolated peak",
     "Missing points",
     "Slopes",
     "Steep places",
     "Points in contact",
+    "Smoothed",
+    "Noise",
     "Resolution",
     "Scan lines",
     "Form",

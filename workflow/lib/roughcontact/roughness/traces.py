@@ -106,8 +106,8 @@ def repeated_heights(values: np.ndarray) -> float:
     Returns
     -------
     float
-        about 1 for quantised heights, 0 where no height is repeated; 0 (unknown) for fewer than 1000 steps or
-        coarsely quantised heights.
+        about 1 for quantised heights, 0 where no height is repeated; 0, not known, for fewer than 1000 steps
+        or coarsely quantised heights.
 
     Examples
     --------
@@ -183,7 +183,7 @@ def _second_differences(values: np.ndarray, steps: tuple[float, float]) -> list[
     every = max(1, values.size // _SAMPLE)
     found = []
     for axis, pitch in enumerate(steps):
-        if values.shape[axis] > 2:
+        if values.shape[axis] > 1:
             part = np.roll(values, 1, axis) + np.roll(values, -1, axis) - 2 * values
             found.append(part.ravel()[::every] / pitch**2)
     return found
