@@ -94,13 +94,16 @@ QUICK = ("random", "self-affine, H = 0.8, nm", "di-3.di", "test_1.opd")
 
 
 class Measurement(NamedTuple):
-    """A spoilt map (y, x; m), what is stated of its instrument, and the modulus (Pa) that is used."""
+    """A spoilt map (y, x; m), what is stated of its instrument, and the modulus (Pa) that is used.
+
+    `finer` is a finer map or profile of the same surface whose spectrum is stated.
+    """
 
     height: xr.DataArray
     instrument: dict | None = None
     modulus: float = MODULUS
     modulus_uncertainty: float | None = None
-    finer_spectrum: bool = False
+    finer: xr.DataArray | None = None
 
 
 class Spoiler(NamedTuple):
@@ -143,11 +146,17 @@ def wrong_modulus(bound: float, height: xr.DataArray, seed: int) -> Measurement:
     return Measurement(height, modulus=factor * MODULUS, modulus_uncertainty=bound)
 
 
-def merged(finer_spectrum: bool, height: xr.DataArray, seed: int) -> Measurement:
-    """Return a map with pixels twice as large."""
-    return Measurement(instruments.coarser(height, 2), finer_spectrum=finer_spectrum)
+def merged(finer: str, height: xr.DataArray, seed: int) -> Measurement:
+    """Return a map with pixels twice as large, and what is known of the finer one: a key of `FINER`."""
+    return Measurement(instruments.coarser(height, 2), finer=FINER[finer](height))
 
 
+FINER: dict[str, Callable[[xr.DataArray], xr.DataArray | None]] = {
+    "": lambda height: None,
+    "finer map": lambda height: height,
+    "finer patch": lambda height: height[tuple(slice(n // 3, 2 * n // 3) for n in height.shape)],
+    "finer profile": lambda height: height[height.shape[0] // 2 :][:1],
+}
 SPOILERS = {
     "none": Spoiler("none", ANY, lambda height, seed: Measurement(height)),
     **{
@@ -170,8 +179,12 @@ SPOILERS = {
     },
     "heights ± 1 %": Spoiler("scale", ANY, partial(wrongly_scaled, 0.01)),
     "E* ± 5 %": Spoiler("modulus", ANY, partial(wrong_modulus, 0.05)),
-    "pixels × 2": Spoiler("pixels", ANY, partial(merged, False)),
-    "pixels × 2, finer spectrum": Spoiler("pixels, finer spectrum", ANY, partial(merged, True)),
+    **{
+        f"pixels × 2, {finer}".removesuffix(", "): Spoiler(
+            "pixels, finer spectrum" if finer else "pixels", ANY, partial(merged, finer)
+        )
+        for finer in FINER
+    },
 }
 
 
@@ -236,7 +249,8 @@ def measure(
     height, truth = true_map(name, files, folder)
     case = spoilt(spoiler, name, height)
     contact = {"contact_modulus": case.modulus, "mean_pressure": truth["mean_pressure"]}
-    found = rc.evaluate(case.height, contact=contact)
+    statement = statements(case, folder / f"{name}, {spoiler}.nc") if stated else {}
+    found = rc.evaluate(case.height, contact=contact | statement.pop("contact", {}), **statement)
     flags = [[text.split(":")[0] for text in reasons] for _, reasons in json.loads(found.attrs["verdicts"])]
     rows = [
         {
@@ -259,8 +273,22 @@ def measure(
     return rows
 
 
+def statements(case: Measurement, finer: Path) -> dict[str, dict]:
+    """Return the settings that state what is known of an error; the finer map is written to a file."""
+    instrument = dict(case.instrument or {})
+    if case.finer is not None:
+        case.finer.to_netcdf(finer)
+        instrument["finer_spectrum"] = str(finer)
+    found = {"instrument": instrument} if instrument else {}
+    if case.modulus_uncertainty is not None:
+        found["contact"] = {"contact_modulus_uncertainty": case.modulus_uncertainty}
+    return found
+
+
 def map_ends(found: xr.Dataset, quantity: str, at: int) -> tuple[float, float]:
     """Return the ends of the interval for the map itself."""
+    if f"{quantity}_map_lower" in found:
+        return tuple(float(found[f"{quantity}_map_{end}"][at]) for end in ("lower", "upper"))
     widths = found[f"{quantity}_uncertainty"][at].sel(source=["solver", "discretisation"]).values
     value, width = float(found[quantity][at]), float(np.sqrt(np.nansum(widths**2)))
     return value - width, value + width
@@ -345,6 +373,7 @@ def main() -> None:
     files = {path.name: path for folder in options.folders for path in folder.iterdir()}
     names = [*MADE, *(name for name in MEASURED if name in files)]
     names = [name for name in names if name in QUICK or not options.quick]
+    errors = [error for error in options.only if not (options.unstated and "finer" in error)]
     options.work.mkdir(parents=True, exist_ok=True)
     with ProcessPoolExecutor(options.processes) as pool:
         jobs = []
@@ -354,7 +383,7 @@ def main() -> None:
             pitch = max(spacing(height))
             jobs += [
                 (name, spoiler)
-                for spoiler in options.only
+                for spoiler in errors
                 if SPOILERS[spoiler].pitches[0] <= pitch <= SPOILERS[spoiler].pitches[1]
             ]
         run = partial(
