@@ -331,7 +331,9 @@ def counted(rows: pd.DataFrame, which: str = "") -> dict:
 def tables(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Return coverage and widths by error and by cause, for the map and for the surface."""
     rows = judged(rows)
-    rows["cause"] = rows["spoiler"].map(lambda name: SPOILERS[name].cause)
+    in_order = rows["spoiler"].map(list(SPOILERS).index)
+    rows = rows.iloc[in_order.argsort(kind="stable")]
+    rows = rows.assign(cause=rows["spoiler"].map(lambda name: SPOILERS[name].cause))
     errors, causes = [], []
     for interval, which in (("map", "map_"), ("surface", "")):
         for error, some in rows.groupby("spoiler", sort=False):
