@@ -1,0 +1,404 @@
+"""Hold the ± against maps that are taken as true, and spoilt as instruments spoil them.
+
+    python benchmarks/measurement.py FOLDER ... --write
+    python benchmarks/measurement.py FOLDER ... --quick         # four truths, printed
+
+A truth is a synthetic surface, or a part of a measured map in one of the folders, solved by default settings.
+It is spoilt by one error at a time (noise, lens, tip, scale, modulus, pixels), what an operator would know of
+the error is stated, and the spoilt map is evaluated at the same mean pressures. Its intervals, for the map
+and for the surface around it, are held against the truth: of the pressure in contact the load over the
+contact area.
+"""
+
+import argparse
+import json
+import os
+import sys
+import warnings
+import zlib
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
+
+import instruments
+import pages
+from intervals import SHOWN, truth_of
+
+import roughcontact as rc
+from roughcontact.maps import height_map, spacing
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.validation.masters import master_surface
+from roughcontact.window.rectangle import largest_rectangle
+
+WORK = Path(__file__).parent / "work" / "measurement"
+LOADS = (0.02, 0.1, 0.4)  # of E* times the rms gradient of the true window
+MODULUS = 1e9  # Pa
+SIDES = (220, 192, 176, 142, 122, 100)  # maps whose window is in the same place with pixels twice as large
+FLAGS = ("Sample", "Resolution", "Smoothed", "Noise", "Isolated peak")  # checks that warn of such errors
+WAVELENGTH = 550e-9
+ANY, OPTICAL, PROBED = (0.0, np.inf), (7e-8, 4e-6), (0.0, 4e-8)  # pitches for which an error makes sense (m)
+
+
+class Made(NamedTuple):
+    """A synthetic surface: kind of `master_surface` or self-affine down to the pixels."""
+
+    kind: str
+    pitch: float
+    gradient: float
+    hurst: float = 0.8
+
+
+MADE = {
+    "random": Made("random", 5e-7, 0.10),
+    "ground": Made("ground", 1e-6, 0.15),
+    "honed": Made("honed", 5e-7, 0.10),
+    "turned": Made("turned", 1e-6, 0.10),
+    "worn": Made("worn", 2e-7, 0.05),
+    "self-affine, H = 0.5, µm": Made("self-affine", 7e-7, 0.20, 0.5),
+    "self-affine, H = 0.9, µm": Made("self-affine", 3e-7, 0.10, 0.9),
+    "grainy": Made("grainy", 2e-9, 0.30),
+    "dimpled": Made("dimpled", 1e-8, 0.20),
+    "eroded": Made("eroded", 5e-9, 0.25),
+    "self-affine, H = 0.3, nm": Made("self-affine", 5e-9, 0.20, 0.3),
+    "self-affine, H = 0.8, nm": Made("self-affine", 1e-9, 0.40, 0.8),
+    "random, H = 0.5, nm": Made("random", 2e-8, 0.15, 0.5),
+}
+MEASURED = (  # of different instruments, with spectra that fall down to their pixels
+    "Hamby252_Barrel1_Bullet1_Land4.x3p",
+    "KautschukInfiniteFocus.x3p",
+    "SBS-PMMA.nid",
+    "Veeco_20160622.003",
+    "di-1.di",
+    "di-3.di",
+    "example_ps.tiff",
+    "grid.nid",
+    "nms-1.nms",
+    "opd-1.opd",
+    "sample-land.x3p",
+    "spot_1-1000nm.ibw",
+    "stp-1.stp",
+    "test_1.opd",
+    "test_uncompressed.sur",
+    "x3p-2.x3p",
+)
+QUICK = ("random", "self-affine, H = 0.8, nm", "di-3.di", "test_1.opd")
+
+
+class Measurement(NamedTuple):
+    """A spoilt map (y, x; m), what is stated of its instrument, and the modulus (Pa) that is used.
+
+    `finer` is a finer map or profile of the same surface whose spectrum is stated.
+    """
+
+    height: xr.DataArray
+    instrument: dict | None = None
+    modulus: float = MODULUS
+    modulus_uncertainty: float | None = None
+    finer: xr.DataArray | None = None
+
+
+class Spoiler(NamedTuple):
+    """An error: its cause in the tables, the pitches (m) for which it makes sense, and its simulation.
+
+    The simulation takes the true map and a seed.
+    """
+
+    cause: str
+    pitches: tuple[float, float]
+    spoil: Callable[[xr.DataArray, int], Measurement]
+
+
+def noisy(share: float, height: xr.DataArray, seed: int) -> Measurement:
+    """Return a map with white noise of a share of Sq."""
+    rms = share * float(height.std())
+    return Measurement(instruments.with_noise(height, rms, seed), {"noise": rms})
+
+
+def blurred(numerical_aperture: float, height: xr.DataArray, seed: int) -> Measurement:
+    """Return a map as a lens transmits it."""
+    lens = {"numerical_aperture": numerical_aperture, "wavelength": WAVELENGTH}
+    return Measurement(instruments.through_lens(height, **lens), lens)
+
+
+def traced(tip_radius: float, height: xr.DataArray, seed: int) -> Measurement:
+    """Return a map as a tip of a radius (m) traces it."""
+    return Measurement(instruments.traced_by(height, tip_radius), {"tip_radius": tip_radius})
+
+
+def wrongly_scaled(bound: float, height: xr.DataArray, seed: int) -> Measurement:
+    """Return a map whose heights are too large by a share of at most `bound`."""
+    factor = 1 + bound * np.random.default_rng(seed).uniform(-1, 1)
+    return Measurement(instruments.scaled(height, z=factor), {"amplification_z": bound})
+
+
+def wrong_modulus(bound: float, height: xr.DataArray, seed: int) -> Measurement:
+    """Return the map, with a modulus that is too large by a share of at most `bound`."""
+    factor = 1 + bound * np.random.default_rng(seed).uniform(-1, 1)
+    return Measurement(height, modulus=factor * MODULUS, modulus_uncertainty=bound)
+
+
+def merged(finer: str, height: xr.DataArray, seed: int) -> Measurement:
+    """Return a map with pixels twice as large, and what is known of the finer one: a key of `FINER`."""
+    return Measurement(instruments.coarser(height, 2), finer=FINER[finer](height))
+
+
+FINER: dict[str, Callable[[xr.DataArray], xr.DataArray | None]] = {
+    "": lambda height: None,
+    "finer map": lambda height: height,
+    "finer patch": lambda height: height[tuple(slice(n // 3, 2 * n // 3) for n in height.shape)],
+    "finer profile": lambda height: height[height.shape[0] // 2 :][:1],
+}
+SPOILERS = {
+    "none": Spoiler("none", ANY, lambda height, seed: Measurement(height)),
+    **{
+        f"noise {share:.0%} of Sq": Spoiler("noise", ANY, partial(noisy, share))
+        for share in (0.01, 0.03, 0.1)
+    },
+    **{
+        f"lens NA {aperture:g}": Spoiler(
+            "lens", (WAVELENGTH / aperture / 10, OPTICAL[1]), partial(blurred, aperture)
+        )
+        for aperture in (0.3, 0.55, 0.8)
+    },
+    **{
+        f"stylus {radius:g} µm": Spoiler("stylus", OPTICAL, partial(traced, radius * 1e-6))
+        for radius in (2, 5)
+    },
+    **{
+        f"tip {radius:g} nm": Spoiler("tip", PROBED, partial(traced, radius * 1e-9))
+        for radius in (10, 20, 50)
+    },
+    "heights ± 1 %": Spoiler("scale", ANY, partial(wrongly_scaled, 0.01)),
+    "E* ± 5 %": Spoiler("modulus", ANY, partial(wrong_modulus, 0.05)),
+    **{
+        f"pixels × 2, {finer}".removesuffix(", "): Spoiler(
+            "pixels, finer spectrum" if finer else "pixels", ANY, partial(merged, finer)
+        )
+        for finer in FINER
+    },
+}
+
+
+def synthetic(name: str) -> xr.DataArray:
+    """Return a part of a synthetic surface twice as long, whose waves are up to half as long as the map."""
+    kind, pitch, gradient, hurst = MADE[name]
+    side, seed = SIDES[0], zlib.crc32(name.encode())
+    if kind == "self-affine":
+        lengths = {"shortest": 2.0, "longest": side / 2}
+        whole = self_affine_surface(
+            (2 * side, 2 * side), 1.0, hurst=hurst, rms_height=1.0, seed=seed, **lengths
+        )
+    else:
+        whole = master_surface(kind, 2 * side, longest=1 / 4, seed=seed, hurst=hurst)
+    map_ = height_map(whole.values[:side, :side], pitch)
+    return map_ * (gradient / rms_gradient(rc.periodic_window(rc.level(map_))))
+
+
+def measured(path: Path) -> xr.DataArray:
+    """Return the middle of a measured map, levelled and filled; nothing is kept of its instrument."""
+    levelled = rc.level(rc.read_height_map(path).astype(float))
+    top, left, *size = largest_rectangle(~np.isnan(levelled.values), np.arange(max(levelled.shape) + 1))
+    sides = [next(side for side in SIDES if side <= length) for length in size]
+    starts = [
+        start + (length - side) // 2 for start, length, side in zip((top, left), size, sides, strict=True)
+    ]
+    part = levelled.values[tuple(slice(s, s + side) for s, side in zip(starts, sides, strict=True))]
+    return height_map(part, spacing(levelled))
+
+
+def true_map(name: str, files: dict[str, Path], folder: Path) -> tuple[xr.DataArray, dict]:
+    """Return a truth and its results, from the folder where they are kept.
+
+    The results are the mean pressures (Pa), and by quantity a list (load).
+    """
+    kept = folder / f"{name}.nc"
+    if kept.exists():
+        height = xr.load_dataarray(kept)
+        return height, json.loads(height.attrs.pop("results"))
+    height = synthetic(name) if name in MADE else measured(files[name])
+    contact = {"contact_modulus": MODULUS, "relative_pressure": list(LOADS)}
+    found = rc.evaluate(height, contact=contact, uncertainty={"sources": []})
+    results = {"mean_pressure": found["mean_pressure"].values.tolist()} | truth_of(found)
+    height.assign_attrs(results=json.dumps(results)).to_netcdf(kept)
+    return height, results
+
+
+def spoilt(spoiler: str, name: str, height: xr.DataArray) -> Measurement:
+    """Return a true map with an error, whose random numbers depend on both names alone."""
+    return SPOILERS[spoiler].spoil(height, zlib.crc32(f"{name}, {spoiler}".encode()))
+
+
+def measure(
+    name: str, spoiler: str, files: dict[str, Path], folder: Path, *, again: bool, stated: bool
+) -> list[dict]:
+    """Return rows (load, quantity) of a spoilt truth, from the folder where they are kept unless `again`."""
+    os.environ["OMP_NUM_THREADS"] = "1"
+    warnings.simplefilter("ignore")
+    kept = folder / f"{name}, {spoiler}, {'' if stated else 'un'}stated.json"
+    if kept.exists() and not again:
+        return json.loads(kept.read_text("utf-8"))
+    height, truth = true_map(name, files, folder)
+    case = spoilt(spoiler, name, height)
+    contact = {"contact_modulus": case.modulus, "mean_pressure": truth["mean_pressure"]}
+    statement = statements(case, folder / f"{name}, {spoiler}.nc") if stated else {}
+    found = rc.evaluate(case.height, contact=contact | statement.pop("contact", {}), **statement)
+    flags = [[text.split(":")[0] for text in reasons] for _, reasons in json.loads(found.attrs["verdicts"])]
+    rows = [
+        {
+            "group": "synthetic" if name in MADE else "measured",
+            "truth": name,
+            "spoiler": spoiler,
+            "stated": stated,
+            "load": load,
+            "quantity": shown,
+            "value": float(found[quantity][at]),
+            **{end: float(found[f"{quantity}_{end}"][at]) for end in ("lower", "upper")},
+            **dict(zip(("map_lower", "map_upper"), map_ends(found, quantity, at), strict=True)),
+            "true": truth[quantity][at],
+            "flags": "; ".join(flags[at]),
+        }
+        for at, load in enumerate(LOADS)
+        for quantity, shown in SHOWN.items()
+    ]
+    kept.write_text(json.dumps(rows, ensure_ascii=False), encoding="utf-8")
+    return rows
+
+
+def statements(case: Measurement, finer: Path) -> dict[str, dict]:
+    """Return the settings that state what is known of an error; the finer map is written to a file."""
+    instrument = dict(case.instrument or {})
+    if case.finer is not None:
+        case.finer.to_netcdf(finer)
+        instrument["finer_spectrum"] = str(finer)
+    found = {"instrument": instrument} if instrument else {}
+    if case.modulus_uncertainty is not None:
+        found["contact"] = {"contact_modulus_uncertainty": case.modulus_uncertainty}
+    return found
+
+
+def map_ends(found: xr.Dataset, quantity: str, at: int) -> tuple[float, float]:
+    """Return the ends of the interval for the map itself."""
+    if f"{quantity}_map_lower" in found:
+        return tuple(float(found[f"{quantity}_map_{end}"][at]) for end in ("lower", "upper"))
+    widths = found[f"{quantity}_uncertainty"][at].sel(source=["solver", "discretisation"]).values
+    value, width = float(found[quantity][at]), float(np.sqrt(np.nansum(widths**2)))
+    return value - width, value + width
+
+
+def judged(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows with the relative error, and for both intervals half-width, inside or not, and silence.
+
+    An end that is missing is open: *at least*, or *at most*. A truth outside is silent where no check warns
+    of such errors.
+    """
+    rows = rows.assign(error=(rows["true"] - rows["value"]).abs() / rows["value"].abs())
+    rounding = 1e-9 * rows["value"].abs()
+    flagged = rows["flags"].fillna("").map(lambda flags: any(flag in flags.split("; ") for flag in FLAGS))
+    for which in ("", "map_"):
+        lower, upper = rows[f"{which}lower"], rows[f"{which}upper"]
+        outside = (rows["true"] < lower - rounding) | (rows["true"] > upper + rounding)
+        rows[f"{which}inside"] = ~outside
+        rows[f"{which}half_width"] = (upper - lower) / 2 / rows["value"].abs()
+        rows[f"{which}silent"] = outside & ~flagged
+    return rows
+
+
+def counted(rows: pd.DataFrame, which: str = "") -> dict:
+    """Return of some rows the shares inside and silent (%), and the widths by quantity.
+
+    A width is the median half-width over the 95 % quantile of the errors. `which` is "map_" for the interval
+    of the map.
+    """
+    row: dict = {"cases": len(rows[["truth", "spoiler"]].drop_duplicates())}
+    for quantity in SHOWN.values():
+        some = rows[rows["quantity"] == quantity]
+        largest = some["error"].quantile(0.95)
+        row[f"{quantity} inside (%)"] = 100 * some[f"{which}inside"].mean()
+        # without an error there is nothing that a width could be held against
+        row[f"{quantity} width"] = some[f"{which}half_width"].median() / largest if largest > 1e-9 else np.nan
+    return row | {"silent (%)": 100 * rows[f"{which}silent"].mean()}
+
+
+def tables(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Return coverage and widths by error and by cause, for the map and for the surface."""
+    rows = judged(rows)
+    in_order = rows["spoiler"].map(list(SPOILERS).index)
+    rows = rows.iloc[in_order.argsort(kind="stable")]
+    rows = rows.assign(cause=rows["spoiler"].map(lambda name: SPOILERS[name].cause))
+    errors, causes = [], []
+    for interval, which in (("map", "map_"), ("surface", "")):
+        for error, some in rows.groupby("spoiler", sort=False):
+            errors.append({"interval": interval, "error": error} | counted(some, which))
+        for cause, some in rows.groupby("cause", sort=False):
+            for group in ("synthetic", "measured", "all"):
+                chosen = some if group == "all" else some[some["group"] == group]
+                if len(chosen):
+                    causes.append(
+                        {"interval": interval, "cause": cause, "group": group} | counted(chosen, which)
+                    )
+    found = {"errors": pd.DataFrame(errors), "causes": pd.DataFrame(causes)}
+    return {
+        name: pages.text(
+            frame,
+            {
+                column: ".0f" if column.endswith("inside (%)") else ".1f"
+                for column in frame.columns
+                if column.endswith(("(%)", "width"))
+            },
+        )
+        for name, frame in found.items()
+    }
+
+
+def main() -> None:
+    """Measure what is asked for, keep the rows, print or write the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("folders", nargs="*", type=Path, help="folders of instrument files")
+    parser.add_argument("--quick", action="store_true", help="four truths")
+    parser.add_argument("--only", nargs="+", choices=SPOILERS, default=list(SPOILERS), help="errors")
+    parser.add_argument("--unstated", action="store_true", help="state nothing of instrument and modulus")
+    parser.add_argument("--work", type=Path, default=WORK, help="where truths and rows are kept")
+    parser.add_argument("--again", action="store_true", help="evaluate spoilt maps anew; truths are kept")
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--write", action="store_true", help="write the tables and their page; else print")
+    options = parser.parse_args()
+    warnings.simplefilter("ignore")
+    files = {path.name: path for folder in options.folders for path in folder.iterdir()}
+    names = [*MADE, *(name for name in MEASURED if name in files)]
+    names = [name for name in names if name in QUICK or not options.quick]
+    errors = [error for error in options.only if not (options.unstated and "finer" in error)]
+    options.work.mkdir(parents=True, exist_ok=True)
+    with ProcessPoolExecutor(options.processes) as pool:
+        jobs = []
+        for name, (height, _) in zip(
+            names, pool.map(partial(true_map, files=files, folder=options.work), names), strict=True
+        ):
+            pitch = max(spacing(height))
+            jobs += [
+                (name, spoiler)
+                for spoiler in errors
+                if SPOILERS[spoiler].pitches[0] <= pitch <= SPOILERS[spoiler].pitches[1]
+            ]
+        run = partial(
+            measure, files=files, folder=options.work, again=options.again, stated=not options.unstated
+        )
+        found = [row for rows in pool.map(run, *zip(*jobs, strict=True)) for row in rows]
+    rows = pd.DataFrame(found)
+    rows.to_csv(options.work / "rows.csv", index=False, float_format="%.6g", lineterminator="\n")
+    if options.write:
+        pages.publish("measurement", tables(rows))
+    else:
+        pages.show(tables(rows))
+
+
+if __name__ == "__main__":
+    main()
