@@ -199,4 +199,6 @@ def complete_statistics(
     """
     yielding = with_first_yield(counted, window, settings["contact"], threads=threads)
     complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])
-    return with_verdicts(complete, window)
+    stated = settings.get("instrument", {}).items()
+    known = {f"instrument_{key}": value for key, value in stated if isinstance(value, float)}
+    return with_verdicts(complete.assign_attrs(known), window)
