@@ -30,7 +30,8 @@ PAIR_FIRST_ROW = "counter_face_first_row"
 INSTRUMENT = tuple(
     key for key in Instrument.model_fields if key != "finer_spectrum"
 )  # prevail over the settings
-COLUMNS = (*REQUIRED, PAIR, PAIR_FIRST_ROW, *TEXTS, *NUMBERS, *INSTRUMENT)
+REPEAT = "repeat_of"  # name of a surface that is the same place measured again, for the noise of both
+COLUMNS = (*REQUIRED, PAIR, PAIR_FIRST_ROW, REPEAT, *TEXTS, *NUMBERS, *INSTRUMENT)
 
 
 @dataclass(frozen=True)
@@ -141,6 +142,7 @@ def read_surfaces(
         mistakes.append("has no row; add one line with the name and the path of each surface")
     folders = [folders[0], table.parent, *folders[1:]]
     surfaces: dict[str, Surface] = {}
+    repeats: dict[str, str] = {}
     for line, cells in rows if readable else ():
         row = dict(zip(header, cells, strict=False))
         if any(cells[len(header) :]):
@@ -160,7 +162,10 @@ def read_surfaces(
         surfaces[name] = Surface(
             name, path or Path(), f"{table}, line {line}", given, counter_face, row.get(PAIR_FIRST_ROW, "")
         )
+        if row.get(REPEAT):
+            repeats[name] = row[REPEAT]
         mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
+    mistakes += _link_repeats(surfaces, repeats)
     if members_each:
         mistakes += _names_of_parts(surfaces, members(surfaces, members_each))
     if mistakes:
@@ -279,6 +284,25 @@ def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Sur
         )
     if not row.get("path"):
         mistakes.append(f"line {line}, path: is empty; give the file of surface {name}")
+    return mistakes
+
+
+def _link_repeats(surfaces: dict[str, Surface], repeats: Mapping[str, str]) -> list[str]:
+    """Let each of two repeats know the file of the other, and return what is wrong with them."""
+    mistakes = []
+    for name, other in repeats.items():
+        pair = [surfaces.get(each) for each in (name, other)]
+        if name == other or None in pair or any(each and each.counter_face for each in pair):
+            place = surfaces[name].origin.rpartition(", ")[2]
+            hint = nearest(other, [each for each in surfaces if each != name])
+            mistakes.append(f"{place}, {REPEAT} = {other!r}: is no other single surface of the table; {hint}")
+            continue
+        own = [dict(each.given) for each in pair if each]
+        for each, of_other, given in zip((name, other), (other, name), reversed(own), strict=True):
+            if "repeat" not in surfaces[each].given:
+                repeat = {"path": str(surfaces[of_other].path), **given}
+                repeat.pop("repeat", None)
+                surfaces[each].given["repeat"] = repeat
     return mistakes
 
 
