@@ -53,7 +53,7 @@ def test_parts_are_drawn_in_percent_of_the_value_at_their_load(numbers):
 
 def test_the_table_names_parts_in_points_of_percent_and_the_largest_one(numbers):
     budget = shown_budget(numbers)
-    assert budget["header"][2:] == ["solver", "pixel size", "window", "largest part"]
+    assert budget["header"][2:] == ["solver", "grid", "window", "largest part"]
     assert budget["rows"][0] == [
         "1.00 MPa",
         "10.00 −0.40 +0.50",
@@ -62,4 +62,4 @@ def test_the_table_names_parts_in_points_of_percent_and_the_largest_one(numbers)
         "± 0.30",
         "window",
     ]
-    assert budget["notes"] == ["Not in the ±: processing."]
+    assert budget["notes"][:1] == ["Not in the ±: processing, instrument, material, unresolved waves."]

@@ -12,7 +12,7 @@ from roughcontact.configuration import dependencies
 ROOT = Path(__file__).parents[2]
 PAGES = {"contact", "crosscheck", "report", "validation", "validation_page", "cost"}
 CHAIN = {"contact", "measure_cost"}  # both import roughcontact.pipeline
-READERS = {"prepare", "contact", "validate"}
+READERS = {"prepare", *CHAIN, "validate"}
 KERNELS = {*CHAIN, "prepare", "crosscheck", "report", "validate"}  # roughness is transformed, too
 SCRIPTS = sorted(path for path in (ROOT / "workflow/scripts").glob("[a-z]*.py"))
 _PROBE = """

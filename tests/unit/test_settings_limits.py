@@ -66,10 +66,27 @@ LIMITS = {
     "uncertainty.windows": ([4], [3]),
     "uncertainty.extent": ([1, 3.5], [BELOW_ONE, 0]),
     "uncertainty.sources": ([[], ["window"]], [["lens"], "window"]),
+    "instrument.noise": ([SMALLEST, None], [0, -1]),
+    "instrument.resolution": ([SMALLEST, None], [0, -1]),
+    "instrument.numerical_aperture": ([SMALLEST, 1.6, None], [0, math.nextafter(1.6, 2)]),
+    "instrument.wavelength": ([SMALLEST, None], [0, -1]),
+    "instrument.tip_radius": ([SMALLEST, None], [0, -1]),
+    "instrument.amplification_z": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
+    "instrument.amplification_xy": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
+    "instrument.finer_spectrum": (["patch.nid", None], [""]),
+    "contact.contact_modulus_uncertainty": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
+    "contact.mean_pressure_uncertainty": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
     "validation.finest_grid": ([256], [255]),
     "surfaces": (["s"], [""]),
 }
-OTHERS = {"composite.rotations", "contact.bodies", "contact.target", "uncertainty.sources", "surfaces"}
+OTHERS = {
+    "composite.rotations",
+    "contact.bodies",
+    "contact.target",
+    "uncertainty.sources",
+    "instrument.finer_spectrum",
+    "surfaces",
+}
 NUMBERS = [key for key in LIMITS if key not in OTHERS]
 COUNTS = [
     "level.order",

@@ -7,8 +7,10 @@ import pytest
 from roughcontact.command_line.program import _FILE_OPTIONS
 from roughcontact.configuration.surfaces import (
     COLUMNS,
+    INSTRUMENT,
     PAIR,
     PAIR_FIRST_ROW,
+    REPEAT,
     REQUIRED,
     find,
     measured,
@@ -151,8 +153,8 @@ def test_a_missing_table_is_named(tmp_path):
 
 @pytest.mark.parametrize("verb", [read_height_map, inspect_file])
 def test_columns_and_options_are_the_arguments_of_reading(verb):
-    arguments = [name for name in inspect.signature(verb).parameters if name != "path"]
-    assert set(COLUMNS) - {*REQUIRED, PAIR, PAIR_FIRST_ROW} == set(arguments)
+    arguments = [name for name in inspect.signature(verb).parameters if name not in ("path", "instrument")]
+    assert set(COLUMNS) - {*REQUIRED, PAIR, PAIR_FIRST_ROW, REPEAT, *INSTRUMENT} == set(arguments)
     assert [name.replace("-", "_") for name in _FILE_OPTIONS] == arguments
 
 
@@ -242,3 +244,21 @@ def test_an_unknown_column_hides_no_mistake_in_the_rows(table):
     assert "column 'colour': unknown, valid are surface" in said
     assert "line 2, dx = '-1': must be a number" in said
     assert "line 3, surface = a: occurs twice" in said
+
+
+def test_repeats_know_each_other(table):
+    surfaces = read_surfaces(table("surface\tpath\trepeat_of\tnoise", "a\ta.npy\tb\t", "b\tb.npy\t\t2 nm"))
+    assert surfaces["a"].given["repeat"] == {"path": "b.npy", "instrument": {"noise": pytest.approx(2e-9)}}
+    assert surfaces["b"].given["repeat"] == {"path": "a.npy"}
+
+
+@pytest.mark.parametrize("other", ["a", "nobody"])
+def test_a_repeat_of_nothing_is_refused(table, other):
+    with pytest.raises(SettingsError, match=f"line 2, repeat_of = '{other}': is no other single surface"):
+        read_surfaces(table("surface\tpath\trepeat_of", f"a\ta.npy\t{other}", "b\tb.npy\t"))
+
+
+@pytest.mark.parametrize("cell", ["-1 nm", "much"])
+def test_a_noise_that_is_no_length_is_refused(table, cell):
+    with pytest.raises(SettingsError, match=f"line 2, noise = '{cell}'"):
+        read_surfaces(table("surface\tpath\tnoise", f"a\ta.npy\t{cell}"))

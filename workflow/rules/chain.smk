@@ -117,6 +117,13 @@ rule report:
             holds="all numbers",
             file="table",
         ),
+        budget=for_report(
+            "results/uncertainty.csv",
+            "uncertainty",
+            "All surfaces",
+            holds="components of every interval",
+            file="table",
+        ),
         page=for_report(
             "results/report.html",
             "page",

@@ -86,8 +86,10 @@ def measured_file(wildcards):
 
     It is where it is: neither the prefix of a module nor a default storage is for it.
     """
-    path = str(PLAN.measured[wildcards.surface].path)
-    return [] if from_the_future(wildcards) else local(path)
+    file = PLAN.measured[wildcards.surface]
+    repeat = file.given.get("repeat")
+    paths = [str(file.path), *([repeat["path"]] if repeat else [])]
+    return [] if from_the_future(wildcards) else [local(path) for path in paths]
 
 
 def from_the_future(wildcards):

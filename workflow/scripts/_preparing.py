@@ -10,15 +10,19 @@ from roughcontact.faces.positions import relative_positions
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
 from roughcontact.results.storage import opened_dataset, read_dataset
+from roughcontact.uncertainty.repeats import noise_of_repeats
 from roughcontact.window.periodic_window import periodic_window
 
 
 def height(settings: dict) -> None:
     """Read the measured file: metres, NaN where not measured, metadata and checksum of the file."""
     file = snakemake.params.file
-    given = {key: value for key, value in settings["surface"].items() if key != "name"}
+    given = {key: value for key, value in settings["surface"].items() if key not in ("name", "repeat")}
+    repeat = settings["surface"].get("repeat")
     try:
         found = read_height_map(file["path"], **given)
+        if repeat and "instrument_noise" not in found.attrs:
+            found.attrs["instrument_noise"] = noise_of_repeats(found, read_height_map(**repeat))
     except RoughContactError as error:
         raise type(error)(f"{error} ({file['origin']})") from error
     for warning in json.loads(found.attrs["ingest_warnings"]):

@@ -23,7 +23,9 @@ SMALLEST_TOLERANCE = 1e-15
 
 Extra = Literal["auto", "always", "never"]  # what is computed beside the contact
 
-UncertaintySource = Literal["solver", "discretisation", "window", "processing"]
+UncertaintySource = Literal[
+    "solver", "discretisation", "window", "processing", "instrument", "material", "unresolved"
+]
 OutsideCode = Literal["tamaas", "contactmechanics"]
 Resampling = Literal["linear"]
 Checksum = Literal["ignore"]

@@ -20,6 +20,7 @@ def evaluate(
     contact: Mapping[str, Any] | None = None,
     statistics: Mapping[str, Any] | None = None,
     uncertainty: Mapping[str, Any] | None = None,
+    instrument: Mapping[str, Any] | None = None,
     threads: int = 1,
 ) -> xr.Dataset:
     """Read, level, window, solve and count one map, and return its statistics with their intervals.
@@ -28,7 +29,7 @@ def evaluate(
     ----------
     source : str, Path or DataArray (y, x), m
         a measured file, or a height map as `read_height_map` returns it.
-    level, window, contact, statistics, uncertainty : mapping, optional
+    level, window, contact, statistics, uncertainty, instrument : mapping, optional
         sections of the configuration, with numbers possibly as text with a unit ("115 GPa"); missing keys
         have their defaults. `contact` states the elasticity, as `contact_modulus` or `bodies`.
     threads : int
@@ -75,6 +76,7 @@ def evaluate(
         "contact": contact,
         "statistics": statistics,
         "uncertainty": uncertainty,
+        "instrument": instrument,
     }
     full = resolve({section: dict(values) for section, values in given.items() if values is not None})[""]
     settings = {section: full[section] for section in given}

@@ -19,7 +19,7 @@ from roughcontact.statistics.contact_statistics import SOLUTION_COLUMNS, statist
 from roughcontact.statistics.first_yield import with_first_yield
 from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.statistics.targets import wanted_loads
-from roughcontact.uncertainty.budget import error_budget
+from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
 from roughcontact.variables import describe
 from roughcontact.window.periodic_window import periodic_window
 
@@ -58,8 +58,8 @@ def run_chain(
     height : DataArray (y, x), m
         as `read_height_map` returns it.
     settings : mapping
-        the sections `level`, `window`, `contact`, `statistics`, `uncertainty`, complete, as `resolve` returns
-        them.
+        the sections `level`, `window`, `contact`, `statistics`, `uncertainty`, `instrument`, complete, as
+        `resolve` returns them.
     threads : int
         threads of the solver.
     progress : callable, optional
@@ -117,10 +117,12 @@ def bound_error(
 ) -> xr.Dataset:
     """Return the `error_budget` of a solution that has yet to be computed.
 
-    Uses the levelled map, the window, the sections `level`, `window`, `uncertainty` of the settings, and the
-    solver arguments of `solver_arguments`.
+    Uses the levelled map, the window, the sections `level`, `window`, `contact`, `uncertainty`,
+    `instrument` of the settings, and the solver arguments of `solver_arguments`.
     """
-    verbs = {"level": settings["level"], "window": settings["window"], "contact": solver}
+    stated = {key: settings["contact"][key] for key in MATERIAL_UNCERTAINTIES}
+    verbs = {key: settings[key] for key in ("level", "window", "instrument")}
+    verbs["contact"] = {**solver, **stated}
     return error_budget(levelled, window, verbs, **settings["uncertainty"])
 
 
@@ -197,4 +199,6 @@ def complete_statistics(
     """
     yielding = with_first_yield(counted, window, settings["contact"], threads=threads)
     complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])
-    return with_verdicts(complete, window)
+    stated = settings.get("instrument", {}).items()
+    known = {f"instrument_{key}": value for key, value in stated if isinstance(value, float)}
+    return with_verdicts(complete.assign_attrs(known), window)

@@ -232,11 +232,14 @@ def plus_minus(value: float, half_width: float) -> str:
     return " ± ".join(shown)
 
 
+NO_UPPER_END = 9.0  # times the value: an upper end so far above it is not known from the map
+
+
 def with_interval(value: float, lower: float, upper: float) -> str:
     """Return a value with its interval: ± where it is about symmetric, else − and +.
 
     An end equal to the value, up to rounding, is left out, since nothing is certain to ± 0. An unknown upper
-    end beside a known lower one reads "or more".
+    end beside a known lower one reads "or more", and so does one beyond ten times the value: it says nothing.
 
     Parameters
     ----------
@@ -258,7 +261,7 @@ def with_interval(value: float, lower: float, upper: float) -> str:
     """
     down = 0.0 if math.isclose(lower, value, rel_tol=_ROUNDING) else value - lower
     up = 0.0 if math.isclose(upper, value, rel_tol=_ROUNDING) else upper - value
-    if math.isnan(up) and math.isfinite(down):
+    if math.isfinite(down) and (math.isnan(up) or up > NO_UPPER_END * value > 0):
         return f"{with_interval(value, lower, value)} or more"
     wider, narrower = max(down, up), min(down, up)
     if not math.isfinite(wider) or narrower < 0 or narrower >= (1 - _AS_FAR) * wider:

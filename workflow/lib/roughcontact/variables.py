@@ -107,79 +107,10 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
         "probability density of the areas of the contact patches; not defined for a profile",
     ),
     "points_per_shortest_wavelength": ("1", "pixels per shortest wavelength of the map"),
-    # error budget, per load and source
-    "relative_contact_area_uncertainty": ("1", "half-width of the 95 % interval of the contact area"),
-    "mean_gap_uncertainty": ("m", "half-width of the 95 % interval of the mean gap"),
-    "max_pressure_uncertainty": ("Pa", "half-width of the 95 % interval of the largest pressure"),
-    "mean_contact_pressure_uncertainty": ("Pa", "half-width of the 95 % interval of the pressure in contact"),
-    "relative_contact_area_lower": ("1", "lower end of the 95 % interval of the contact area"),
-    "relative_contact_area_upper": ("1", "upper end of the 95 % interval of the contact area"),
-    "mean_gap_lower": ("m", "lower end of the 95 % interval of the mean gap"),
-    "mean_gap_upper": ("m", "upper end of the 95 % interval of the mean gap"),
-    "max_pressure_lower": ("Pa", "lower end of the 95 % interval of the largest pressure"),
-    "max_pressure_upper": ("Pa", "upper end of the 95 % interval of the largest pressure"),
-    "mean_contact_pressure_lower": ("Pa", "lower end of the 95 % interval of the pressure in contact"),
-    "mean_contact_pressure_upper": ("Pa", "upper end of the 95 % interval of the pressure in contact"),
-    "relative_contact_area_parts": ("1", "contact area of each part of the window, solved by itself"),
-    "mean_gap_parts": ("m", "mean gap of each part of the window, solved by itself"),
-    "max_pressure_parts": ("Pa", "largest pressure of each part of the window, solved by itself"),
-    "mean_contact_pressure_parts": ("Pa", "pressure in contact of each part of the window, solved by itself"),
-    "relative_contact_area_choices": ("1", "contact area with other choices of processing"),
-    "mean_gap_choices": ("m", "mean gap with other choices of processing"),
-    "max_pressure_choices": ("Pa", "largest pressure with other choices of processing"),
-    "mean_contact_pressure_choices": ("Pa", "pressure in contact with other choices of processing"),
-    "conductance_per_conductivity_uncertainty": (
-        "m-1",
-        "half-width of the 95 % interval of the conductance over the mean conductivity",
-    ),
-    "conductance_per_conductivity_lower": (
-        "m-1",
-        "lower end of the 95 % interval of the conductance over the mean conductivity",
-    ),
-    "conductance_per_conductivity_upper": (
-        "m-1",
-        "upper end of the 95 % interval of the conductance over the mean conductivity",
-    ),
-    "conductance_per_conductivity_parts": (
-        "m-1",
-        "conductance over the mean conductivity of each part of the window, solved by itself",
-    ),
-    "conductance_per_conductivity_choices": (
-        "m-1",
-        "conductance over the mean conductivity with other choices of processing",
-    ),
-    "critical_constriction_x_uncertainty": (
-        "m",
-        "half-width of the 95 % interval of the narrowest place along x",
-    ),
-    "critical_constriction_x_lower": ("m", "lower end of the 95 % interval of the narrowest place along x"),
-    "critical_constriction_x_upper": (
-        "m",
-        "upper end of the 95 % interval of the narrowest place along x; none where grooves leave the map",
-    ),
-    "critical_constriction_x_parts": (
-        "m",
-        "narrowest place along x of each part of the window, solved by itself",
-    ),
-    "critical_constriction_x_choices": ("m", "narrowest place along x with other choices of processing"),
     "critical_constriction_x_half_way": (
         "m",
         "largest height that a way along x keeps which crosses half of the map",
     ),
-    "critical_constriction_y_uncertainty": (
-        "m",
-        "half-width of the 95 % interval of the narrowest place along y",
-    ),
-    "critical_constriction_y_lower": ("m", "lower end of the 95 % interval of the narrowest place along y"),
-    "critical_constriction_y_upper": (
-        "m",
-        "upper end of the 95 % interval of the narrowest place along y; none where grooves leave the map",
-    ),
-    "critical_constriction_y_parts": (
-        "m",
-        "narrowest place along y of each part of the window, solved by itself",
-    ),
-    "critical_constriction_y_choices": ("m", "narrowest place along y with other choices of processing"),
     "critical_constriction_y_half_way": (
         "m",
         "largest height that a way along y keeps which crosses half of the map",
@@ -267,6 +198,13 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
         "1",
         "hardness / E* of annealed metals, structural steels, hardened steels, ceramics and glassy polymers",
     ),
+    # the magnification curve
+    "cutoff_wavelength": ("m", "shortest wave that is kept"),
+    "gradient_at_cutoff": ("1", "spectral root mean square gradient of the waves that are kept"),
+    # the components of the intervals
+    "degrees_of_freedom": ("1", "degrees of freedom of each uncertainty source"),
+    "coverage_factor": ("1", "expanded over standard uncertainty of each source"),
+    "input": (None, "input that a result is sensitive to"),
     # labels
     "source": (None, "source of an uncertainty; combined: root of the sum of their squares"),
     "choice": (None, "processing choice that differs from the settings"),
@@ -276,6 +214,41 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "case_name": (None, "name of the case, as in the settings"),
 }
 
+# quantities that have an interval: unit, and what they are called in descriptions
+_WITH_INTERVAL = {
+    "relative_contact_area": ("1", "contact area"),
+    "mean_gap": ("m", "mean gap"),
+    "max_pressure": ("Pa", "largest pressure"),
+    "mean_contact_pressure": ("Pa", "pressure in contact"),
+    "conductance_per_conductivity": ("m-1", "conductance over the mean conductivity"),
+    "critical_constriction_x": ("m", "narrowest place along x"),
+    "critical_constriction_y": ("m", "narrowest place along y"),
+}
+_OF_INTERVALS = {
+    "uncertainty": "half-width of the 95 % interval of the {}",
+    "lower": "lower end of the 95 % interval of the {}",
+    "upper": "upper end of the 95 % interval of the {}; none where nothing bounds it",
+    "estimate": "value of the {} that the components of its interval refer to",
+    "down": "components of the lower half-width of the {}, without a bias",
+    "up": "components of the upper half-width of the {}, without a bias",
+    "bias": "known bias of the {}, added to its upper end",
+    "shift_down": "one-sided shifts of the lower end of the {}",
+    "shift_up": "one-sided shifts of the upper end of the {}; NaN: without an end",
+    "map_lower": "lower end of the 95 % interval of the {}, of this map and the waves that it holds",
+    "map_upper": "upper end of the 95 % interval of the {}, of this map and the waves that it holds",
+    "parts": "{} of each part of the window, solved by itself",
+    "choices": "{} with other choices of processing",
+    "at_cutoff": "{} of the waves that are kept, by the shortest of them",
+}
+VARIABLES |= {
+    f"{name}_sensitivity": ("1", f"d ln Q/d ln input of the {words}")
+    for name, (_, words) in _WITH_INTERVAL.items()
+}
+VARIABLES |= {
+    f"{name}_{ending}": (unit, text.format(words))
+    for name, (unit, words) in _WITH_INTERVAL.items()
+    for ending, text in _OF_INTERVALS.items()
+}
 
 # comments of variables that need more than a line
 _COMMENTS = {

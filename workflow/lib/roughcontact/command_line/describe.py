@@ -144,7 +144,7 @@ def solution(result: Mapping[str, Any]) -> str:
         *_lines_of_hardness(surface),
         "",
         *_table(result["loads"]),
-        *_about(result["settings"]["uncertainty"]),
+        *_about(result),
         "",
         _line("verdict", result["verdict"]),
     ]
@@ -162,12 +162,16 @@ def _lines_of_hardness(surface: Mapping[str, Any]) -> list[str]:
     return [_line("hardness", quantity(surface["hardness"], "Pa")), _line("first yield", first)]
 
 
-def _about(uncertainty: Mapping[str, Any]) -> list[str]:
-    """Return the line with the range of validity of the ±, if it includes the surface beyond the map."""
-    if "window" not in uncertainty["sources"]:
-        return []
-    times = number(uncertainty["extent"], digits=2)
-    return ["", _line("±", f"for this surface over {times} times the length of the map")]
+def _about(result: Mapping[str, Any]) -> list[str]:
+    """Return the lines with the waves that the numbers hold for, and the range of validity of the ±."""
+    lines = [""]
+    if shortest := result["window"].get("shortest_wavelength"):
+        lines.append(_line("waves", f"longer than {quantity(shortest, 'm')}"))
+    uncertainty = result["settings"]["uncertainty"]
+    if "window" in uncertainty["sources"]:
+        times = number(uncertainty["extent"], digits=2)
+        lines.append(_line("±", f"for this surface over {times} times the length of the map"))
+    return lines if lines[1:] else []
 
 
 def _cell(load: Mapping[str, Any], name: str, unit: str) -> str:

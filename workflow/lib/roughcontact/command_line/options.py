@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from pydantic.fields import FieldInfo
 
-from roughcontact.configuration.models import Contact, Level, Section, Uncertainty, Window
+from roughcontact.configuration.models import Contact, Instrument, Level, Section, Uncertainty, Window
 from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import SettingsError
 
@@ -25,12 +25,14 @@ _SECTIONS: dict[str, type[Section]] = {
     "level": Level,
     "window": Window,
     "uncertainty": Uncertainty,
+    "instrument": Instrument,
 }
 _HEADINGS = {
     "contact": "contact (give --contact-modulus or --body twice)",
     "level": "levelling",
     "window": "periodic window",
     "uncertainty": "error budget, the ± of the numbers",
+    "instrument": "what is known of the instrument, for the ±",
 }
 
 

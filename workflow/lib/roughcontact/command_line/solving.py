@@ -74,6 +74,9 @@ def solve_file(
             "nx": window.shape[1],
             "periodisation": window.attrs.get("periodisation", "none"),
             "share": float(window.attrs.get("window_share", 1.0)),
+            "shortest_wavelength": float(statistics["cutoff_wavelength"][0])
+            if "cutoff" in statistics.dims
+            else None,
         },
         **_plain_numbers(
             statistics, checks.load_flags(statistics, window.size), checks.load_verdicts(statistics, window)
@@ -82,7 +85,8 @@ def solve_file(
         "verdict": checks.VERDICTS[checks.verdict(outcome)],
         "warnings": json.loads(height.attrs["ingest_warnings"]),
         "settings": {
-            key: settings[key] for key in ("contact", "level", "window", "statistics", "uncertainty")
+            key: settings[key]
+            for key in ("contact", "level", "window", "statistics", "uncertainty", "instrument")
         },
     }
 

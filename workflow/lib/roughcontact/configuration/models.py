@@ -53,6 +53,7 @@ def _as_list(value: Any) -> Any:
 Number = Annotated[float, BeforeValidator(_not_boolean)]
 Count = Annotated[int, BeforeValidator(_not_boolean)]
 Positive = Annotated[Number, Field(gt=0)]
+RelativeUncertainty = Annotated[Number, Field(ge=0, lt=1)]
 # quantities with a dimension: a bare number in SI units, or a number with its unit
 _POSITIVE = {"type": "number", "exclusiveMinimum": 0}
 _WITH_UNIT = {"anyOf": [_POSITIVE, {"type": "string"}]}
@@ -296,6 +297,16 @@ class Contact(Section):
         "surface, otherwise the hardness)",
         examples=[["percolation"]],
     )
+    contact_modulus_uncertainty: RelativeUncertainty | None = Field(
+        default=None,
+        description="of the contact modulus, relative, expanded (95 %), no unit; it is part of the ±",
+        examples=[0.05],
+    )
+    mean_pressure_uncertainty: RelativeUncertainty | None = Field(
+        default=None,
+        description="of the loads, relative, expanded (95 %), no unit; it is part of the ±",
+        examples=[0.02],
+    )
     tolerance: Number = Field(
         default=1e-4,
         ge=SMALLEST_TOLERANCE,
@@ -391,6 +402,43 @@ class Uncertainty(Section):
     )
 
 
+class Instrument(Section):
+    """What is known of the instrument, for the ±; columns of the table of surfaces prevail."""
+
+    noise: Length | None = Field(default=None, description="measurement noise N_M, rms, m", examples=["2 nm"])
+    resolution: Length | None = Field(
+        default=None,
+        description="topographic spatial resolution W_R, m: the wavelength of which half is transmitted",
+        examples=["1.5 um"],
+    )
+    numerical_aperture: Annotated[Number, Field(gt=0, le=1.6)] | None = Field(
+        default=None, description="of the lens, no unit", examples=[0.55]
+    )
+    wavelength: Length | None = Field(
+        default=None, description="of the light, m; null: 550 nm", examples=["520 nm"]
+    )
+    tip_radius: Length | None = Field(
+        default=None, description="of a stylus or a probe, m", examples=["2 um"]
+    )
+    amplification_z: RelativeUncertainty | None = Field(
+        default=None,
+        description="uncertainty of the height scale, relative, expanded (95 %), no unit",
+        examples=[0.01],
+    )
+    amplification_xy: RelativeUncertainty | None = Field(
+        default=None,
+        description="uncertainty of the lateral scale, relative, expanded (95 %), no unit",
+        examples=[0.005],
+    )
+    finer_spectrum: str | None = Field(
+        default=None,
+        min_length=1,
+        description="path of a finer map or profile of the same finish, whose spectrum continues that of "
+        "the map",
+        examples=["measured/afm-patch.nid"],
+    )
+
+
 class Report(Section):
     """The page with the results."""
 
@@ -434,6 +482,7 @@ class Settings(Section):
     contact: Contact = Field(default_factory=Contact)
     statistics: Statistics = Field(default_factory=Statistics)
     uncertainty: Uncertainty = Field(default_factory=Uncertainty)
+    instrument: Instrument = Field(default_factory=Instrument)
     report: Report = Field(default_factory=Report)
     crosscheck: Crosscheck = Field(default_factory=Crosscheck)
     validation: Validation = Field(default_factory=Validation)

@@ -13,8 +13,8 @@ SECTIONS: dict[str, tuple[str, ...]] = {
     "levelled": ("level",),
     "window": ("level", "window"),
     "contact": ("level", "window", "contact"),
-    "uncertainty": ("level", "window", "contact", "uncertainty"),
-    "statistics": ("level", "window", "contact", "uncertainty", "statistics"),
+    "uncertainty": ("level", "window", "contact", "uncertainty", "instrument"),
+    "statistics": ("level", "window", "contact", "uncertainty", "instrument", "statistics"),
 }
 
 

@@ -13,8 +13,12 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
 
 from roughcontact.configuration.messages import NAME_RULE, is_name, nearest
+from roughcontact.configuration.models import Instrument
 from roughcontact.errors import SettingsError
 from roughcontact.units import carries_unit, in_base_unit
 
@@ -23,7 +27,11 @@ NUMBERS = ("dx", "dy")
 TEXTS = ("channel", "unit", "height_unit", "resample", "checksum", "first_row")
 PAIR = "counter_face"
 PAIR_FIRST_ROW = "counter_face_first_row"
-COLUMNS = (*REQUIRED, PAIR, PAIR_FIRST_ROW, *TEXTS, *NUMBERS)
+INSTRUMENT = tuple(
+    key for key in Instrument.model_fields if key != "finer_spectrum"
+)  # prevail over the settings
+REPEAT = "repeat_of"  # name of a surface that is the same place measured again, for the noise of both
+COLUMNS = (*REQUIRED, PAIR, PAIR_FIRST_ROW, REPEAT, *TEXTS, *NUMBERS, *INSTRUMENT)
 
 
 @dataclass(frozen=True)
@@ -49,7 +57,7 @@ class Surface:
     name: str
     path: Path
     origin: str
-    given: dict[str, str | float]
+    given: dict[str, Any]
     counter_face: Path | None = None
     counter_face_first_row: str = ""
 
@@ -134,12 +142,16 @@ def read_surfaces(
         mistakes.append("has no row; add one line with the name and the path of each surface")
     folders = [folders[0], table.parent, *folders[1:]]
     surfaces: dict[str, Surface] = {}
+    repeats: dict[str, str] = {}
     for line, cells in rows if readable else ():
         row = dict(zip(header, cells, strict=False))
         if any(cells[len(header) :]):
             mistakes.append(f"line {line}: {len(cells)} cells, the header has {len(header)}")
         mistakes += _mistakes_in_row(row, line, surfaces)
-        given: dict[str, str | float] = {key: row[key] for key in TEXTS if row.get(key)}
+        given: dict[str, Any] = {key: row[key] for key in TEXTS if row.get(key)}
+        stated, wrong = _instrument(row, line)
+        mistakes += wrong
+        given |= {"instrument": stated} if stated else {}
         given |= {
             key: row[key] if carries_unit(row[key]) else _number(row[key]) for key in NUMBERS if row.get(key)
         }
@@ -150,7 +162,10 @@ def read_surfaces(
         surfaces[name] = Surface(
             name, path or Path(), f"{table}, line {line}", given, counter_face, row.get(PAIR_FIRST_ROW, "")
         )
+        if row.get(REPEAT):
+            repeats[name] = row[REPEAT]
         mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
+    mistakes += _link_repeats(surfaces, repeats)
     if members_each:
         mistakes += _names_of_parts(surfaces, members(surfaces, members_each))
     if mistakes:
@@ -270,6 +285,37 @@ def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Sur
     if not row.get("path"):
         mistakes.append(f"line {line}, path: is empty; give the file of surface {name}")
     return mistakes
+
+
+def _link_repeats(surfaces: dict[str, Surface], repeats: Mapping[str, str]) -> list[str]:
+    """Let each of two repeats know the file of the other, and return what is wrong with them."""
+    mistakes = []
+    for name, other in repeats.items():
+        pair = [surfaces.get(each) for each in (name, other)]
+        if name == other or None in pair or any(each and each.counter_face for each in pair):
+            place = surfaces[name].origin.rpartition(", ")[2]
+            hint = nearest(other, [each for each in surfaces if each != name])
+            mistakes.append(f"{place}, {REPEAT} = {other!r}: is no other single surface of the table; {hint}")
+            continue
+        own = [dict(each.given) for each in pair if each]
+        for each, of_other, given in zip((name, other), (other, name), reversed(own), strict=True):
+            if "repeat" not in surfaces[each].given:
+                repeat = {"path": str(surfaces[of_other].path), **given}
+                repeat.pop("repeat", None)
+                surfaces[each].given["repeat"] = repeat
+    return mistakes
+
+
+def _instrument(row: Mapping[str, str], line: int) -> tuple[dict[str, float], list[str]]:
+    """Return what a row says of its instrument, in SI units, and what is wrong with it."""
+    cells = {key: row[key] for key in INSTRUMENT if row.get(key)}
+    try:
+        return Instrument.model_validate(cells).model_dump(exclude_none=True), []
+    except ValidationError as error:
+        return {}, [
+            f"line {line}, {detail['loc'][0]} = {cells[str(detail['loc'][0])]!r}: {detail['msg']}"
+            for detail in error.errors()
+        ]
 
 
 def _length(text: str) -> float:

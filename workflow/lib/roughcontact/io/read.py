@@ -9,6 +9,7 @@ instrument's software shows. The attribute `first_row` keeps the position of the
 """
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,6 +36,7 @@ def read_height_map(
     resample: str | None = None,
     checksum: str | None = None,
     first_row: str | None = None,
+    instrument: Mapping[str, float] | None = None,
 ) -> "xr.DataArray":
     r"""Read a measured height map (or a profile) into metres.
 
@@ -61,6 +63,10 @@ def read_height_map(
     first_row : str, optional
         ``top`` or ``bottom``: position of the file's first row in the picture of the surface. For files that
         do not state it (NumPy, MATLAB, numbers without a header); it overrides the file, with a warning.
+    instrument : mapping, optional
+        What is known of the instrument beside the file, for the error budget: `noise`, `resolution`,
+        `wavelength`, `tip_radius` (m), `numerical_aperture`, `amplification_z`, `amplification_xy`; kept as
+        the attributes `instrument_noise` and so on.
 
     Returns
     -------
@@ -128,5 +134,6 @@ def read_height_map(
             "missing_points": missing,
             "missing_share": missing / converted.heights.size,
             "ingest_warnings": json.dumps(notes, ensure_ascii=False),
+            **{f"instrument_{key}": float(value) for key, value in (instrument or {}).items()},
         },
     )

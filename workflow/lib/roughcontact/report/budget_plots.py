@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, with_interval
+from roughcontact.quantities import NO_UPPER_END, number, percent, prefix, quantity, with_interval
 from roughcontact.report.charts import COLOURS, MARKERS, Axis, Chart
 from roughcontact.report.units import unit_of
 
@@ -19,9 +19,12 @@ _SHOWN = {
 }
 _WORDS = {
     "solver": "solver",
-    "discretisation": "pixel size",
+    "discretisation": "grid",
     "window": "window",
     "processing": "processing",
+    "instrument": "instrument",
+    "material": "material",
+    "unresolved": "unresolved waves",
     "combined": "all together",
 }
 _LEAST = 0.01  # percent; less is not drawn
@@ -45,7 +48,8 @@ def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
     area = numbers["relative_contact_area"]
     budget = numbers["relative_contact_area_uncertainty"]
     shown = [area, *(numbers[f"relative_contact_area_{end}"] for end in ("lower", "upper"))]
-    present = [s for s in _WORDS if s != "combined" and np.isfinite(budget.sel(source=s)).any()]
+    in_use = [s for s in _WORDS if s in budget["source"].values[:-1]]  # the last one is combined
+    present = [s for s in in_use if np.isfinite(budget.sel(source=s)).any()]
     rows = []
     for index in range(numbers.sizes["load"]):
         parts = {s: float(budget.sel(source=s)[index]) for s in present}
@@ -62,8 +66,9 @@ def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
     absent = [_WORDS[s] for s in _WORDS if s not in (*present, "combined")]
     if absent:
         notes.append(f"Not in the ±: {', '.join(absent)}.")
+    notes += _notes_on_the_band(numbers)
     return {
-        "images": _images(numbers, present),
+        "images": [*_images(numbers, present), *_magnification(numbers)],
         "header": [
             "mean pressure p̄",
             "contact area A/A₀",
@@ -124,6 +129,67 @@ def _images(numbers: xr.Dataset, present: Sequence[str]) -> list[tuple[str, str]
             chart.line(load * factor, share, colour="#000000", width=2.2, dash=dash, label=words)
         images.append((title, chart.source("below", columns=2)))
     return images
+
+
+def _notes_on_the_band(numbers: xr.Dataset) -> list[str]:
+    """Return sentences on the waves that the numbers hold for, and on ends that are not known."""
+    notes = []
+    if "cutoff_wavelength" in numbers and numbers.sizes["cutoff"] > 1:
+        shortest = float(numbers["cutoff_wavelength"][0])
+        changes = []
+        for name in ("relative_contact_area", "max_pressure"):
+            fine, coarse = numbers[f"{name}_at_cutoff"].values.T[:2]
+            changes.append(percent(float(np.abs(fine / coarse - 1).max())))
+        notes.append(
+            f"The numbers hold for waves longer than {quantity(shortest, 'm')} (two pixels). Of these the "
+            f"shortest octave, below {quantity(2 * shortest, 'm')}, changed the contact area by up to "
+            f"{changes[0]} and the largest pressure by up to {changes[1]}. Shorter waves, which this map "
+            "does not show, may change them again: that is the source unresolved waves."
+        )
+    unknown = []
+    for name, words in _SHOWN.items():
+        upper = numbers[f"{name}_upper"].values
+        if (np.isnan(upper) | (upper > (1 + NO_UPPER_END) * numbers[name].values)).any():
+            unknown.append(words)
+    if unknown:
+        notes.append(
+            f"“Or more”: the upper end is not known from this map ({', '.join(unknown)}). Either shorter "
+            "waves, which carry the largest pressure, are not resolved, or too few independent parts fit "
+            "into the map."
+        )
+    return notes
+
+
+def _magnification(numbers: xr.Dataset) -> list[tuple[str, str]]:
+    """Draw the contact area against the shortest wave that is kept, one line for a few of the loads."""
+    if "cutoff_wavelength" not in numbers or numbers.sizes["cutoff"] < 2:
+        return []
+    wavelengths = numbers["cutoff_wavelength"].values
+    area = numbers["relative_contact_area_at_cutoff"].values
+    factor, unit = prefix(float(wavelengths[0]), "m")
+    loads = np.unique(np.linspace(0, len(area) - 1, min(len(area), 4)).round().astype(int))
+    shown = 100 * area[loads]
+    chart = Chart(
+        Axis(
+            f"shortest wave kept ({unit})",
+            wavelengths[0] * factor / 1.3,
+            wavelengths[-1] * factor * 1.3,
+            log=True,
+        ),
+        Axis("contact area A/A₀ (%)", 0.0, min(1.15 * float(np.nanmax(shown)), 105.0)),
+        title="Contact area by the shortest wave",
+        size=(330.0, 290.0),
+    )
+    for place, (load, values) in enumerate(zip(loads, shown, strict=True)):
+        chart.marks(
+            wavelengths * factor,
+            values,
+            colour=COLOURS[place],
+            marker=MARKERS[place],
+            joined=1.5,
+            label=unit_of(numbers, "Pa").text(float(numbers["mean_pressure"][load])),
+        )
+    return [("contact area by the shortest wave", chart.source("below", columns=2))]
 
 
 def _in_percent(half_width: np.ndarray, value: np.ndarray) -> np.ndarray:

@@ -5,6 +5,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import pandas as pd
+import xarray as xr
+
 from roughcontact.report.page import write_report
 from roughcontact.results.collect import (
     Entry,
@@ -15,6 +19,7 @@ from roughcontact.results.collect import (
     with_failures,
 )
 from roughcontact.results.storage import provenance, write_dataset, write_table
+from roughcontact.uncertainty.combination import uncertainty_table
 
 
 class Finished(Entry):
@@ -34,7 +39,9 @@ def write_results(
     failures: Sequence[Failure] = (),
     seen_from: str | Path | None = None,
 ) -> None:
-    """Write `statistics.nc`, `summary.csv`, `pairs.csv` and `report.html` of all surfaces of a run.
+    """Write the datasets, tables and page of all surfaces of a run.
+
+    These are `statistics.nc`, `summary.csv`, `uncertainty.csv`, `pairs.csv` and `report.html`.
 
     Parameters
     ----------
@@ -62,6 +69,7 @@ def write_results(
     write_dataset(statistics.assign_attrs(attrs), folder / "statistics.nc")
     summary = summary_table(statistics)
     write_table(with_failures(summary, failures), folder / "summary.csv")
+    write_table(budget_table(statistics), folder / "uncertainty.csv")
     known = {member: pair for member, pair in pairs.items() if member in set(summary["surface"])}
     if known:
         write_table(pairs_table(summary, known), folder / "pairs.csv")
@@ -75,3 +83,16 @@ def write_results(
         failures=failures,
         folder=seen_from,
     )
+
+
+def budget_table(statistics: xr.Dataset) -> pd.DataFrame:
+    """Return the components of every interval of the surfaces (and cases) of `collect_statistics`."""
+    tables = []
+    dims = [dim for dim in ("case", "surface") if dim in statistics.dims]
+    for place in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
+        one = statistics.isel(dict(zip(dims, place, strict=True)))
+        table = uncertainty_table(one.isel(load=np.isfinite(one["mean_pressure"].values)))
+        for number, dim in enumerate(dims):
+            table.insert(number, dim, one[dim].item())
+        tables.append(table)
+    return pd.concat(tables, ignore_index=True)

@@ -36,9 +36,9 @@ _COORDINATES = (
 )
 _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")
 # dimensions
-_NOT_IN_TABLE = {*_BINS, "depth", "source", "hardness_over_modulus"}
+_NOT_IN_TABLE = {*_BINS, "depth", "source", "hardness_over_modulus", "input", "cutoff"}
 # labels of a dimension that are the same for all surfaces
-_COMMON_LABELS = {"source": object, "hardness_over_modulus": float}
+_COMMON_LABELS = {"source": object, "input": object, "hardness_over_modulus": float}
 _WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged", "gap_percolates_x", "gap_percolates_y")
 
 
@@ -177,7 +177,9 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
         name
         for name in map(str, statistics.variables)
         # the verdict stands there in words
-        if not name.endswith("_name") and name != "verdict" and not _NOT_IN_TABLE & set(statistics[name].dims)
+        if not name.endswith(("_name", "_estimate"))
+        and name != "verdict"
+        and not _NOT_IN_TABLE & set(statistics[name].dims)
     ]
     names.sort(key=lambda name: _LEADING.index(name) if name in _LEADING else len(_LEADING))
     order = [dim for dim in ("case", "surface", "load") if dim in statistics.dims]
@@ -210,7 +212,7 @@ def _with_columns_of_the_budget(statistics: xr.Dataset) -> xr.Dataset:
     columns = {
         name: variable.sel(source="combined", drop=True)
         for name, variable in statistics.data_vars.items()
-        if "source" in variable.dims
+        if "source" in variable.dims and str(name).endswith("_uncertainty")
     }
     area = statistics["relative_contact_area_uncertainty"]
     for source in statistics["source"].values:

@@ -89,6 +89,8 @@ def surface_checks(
     -------
     list of Check
     """
+    stated = {key: value for key, value in statistics.attrs.items() if str(key).startswith("instrument_")}
+    window = {**stated, **window}  # the table of surfaces prevails over the settings
     return [
         contact_checks.units(statistics),
         contact_checks.convergence(statistics),

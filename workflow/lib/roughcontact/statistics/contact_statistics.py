@@ -243,10 +243,7 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     """
     if not np.array_equal(statistics["mean_pressure"].values, budget["mean_pressure"].values):
         raise SettingsError("the error budget is for other loads than the statistics; compute both again")
-    endings = ("_uncertainty", "_lower", "_upper")
-    found = [
-        name for name in map(str, budget.data_vars) if name.endswith(endings) or name == "rejected_load_share"
-    ]
+    found = [name for name in map(str, budget.data_vars) if not name.endswith(("_parts", "_choices"))]
     words = {
         key: budget.attrs[key]
         for key in ("window_reason", "window_flag", "processing_reason")

@@ -1,7 +1,7 @@
 """The error budget: uncertainty of each headline quantity, by source and combined."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -9,32 +9,31 @@ import xarray as xr
 from roughcontact.checking import check_choice
 from roughcontact.choices import UncertaintySource
 from roughcontact.contact.solve import solve_contact
+from roughcontact.errors import HeightMapError
 from roughcontact.uncertainty.answers import (
     ANSWERS,
     answers_present,
     half_length_constrictions,
     headline_and_answers,
 )
+from roughcontact.uncertainty.combination import SOURCES, combine
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, resolution_indicators
 from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.instrument import instrument_uncertainty, stated_instrument
+from roughcontact.uncertainty.magnification import magnification_curve
 from roughcontact.uncertainty.processing import processing_uncertainty
 from roughcontact.uncertainty.rejected import rejected_load_share
+from roughcontact.uncertainty.scaling import log_sensitivities, scaling_uncertainty
 from roughcontact.uncertainty.solver import solver_uncertainty
+from roughcontact.uncertainty.unresolved import waves_not_resolved
 from roughcontact.uncertainty.window_sampling import window_uncertainty
 
-SOURCES: tuple[UncertaintySource, ...] = get_args(UncertaintySource)
-COMBINED = "combined"
 # endings of the variables that hold the results of ensemble members
 _ENSEMBLES: dict[UncertaintySource, str] = {"window": "parts", "processing": "choices"}
-_COMMENT = (
-    "half-widths of 95 % intervals, in the unit of the quantity; the larger one where an interval is "
-    "asymmetric; combined: root of the sum of squares of the sources given (for the pressure in contact the "
-    "known bias of whole pixels is added linearly); NaN: not requested, not available from this map, or not "
-    "bounded above by it"
-)
-_ENDS = {
-    "lower": "lower end of the 95 % interval, all sources combined",
-    "upper": "upper end of the 95 % interval, all sources combined; NaN beside a lower end: not bounded",
+# settings of the contact that are uncertainties -> the input whose they are
+MATERIAL_UNCERTAINTIES = {
+    "contact_modulus_uncertainty": "contact_modulus",
+    "mean_pressure_uncertainty": "mean_pressure",
 }
 
 
@@ -55,7 +54,9 @@ def error_budget(
     The interval is for the surface over `extent` times the length of the map, under the same mean pressure.
     Sources: `solver` (error bound), `discretisation` (pixels half as large), `window` (ensemble of subwindows
     and growth of the heights with the length), `processing` (alternative ways to level, fill and make
-    periodic). They are independent: U² = sum of U_i² ([1]_, 5.1.2), separately below and above the result.
+    periodic), `instrument` (what is stated of it), `material` (contact modulus and load), `unresolved` (waves
+    that the map does not show). They are independent: U² = sum of U_i² ([1]_, 5.1.2), separately below and
+    above the result; known biases are added on their side (`roughcontact.uncertainty.combination`).
 
     Parameters
     ----------
@@ -63,7 +64,9 @@ def error_budget(
         the levelled map and its periodic window.
     settings : dict
         `level`, `window`, `contact`: the keyword arguments of `level`, `periodic_window` and `solve_contact`
-        (loads included) that led to the result.
+        (loads included) that led to the result; `contact` may also hold `contact_modulus_uncertainty` and
+        `mean_pressure_uncertainty` (relative, expanded), and `instrument` what is stated of the instrument
+        (`roughcontact.uncertainty.instrument`).
     sources : list of str
         uncertainty sources to evaluate; an empty list gives no intervals.
     windows : int
@@ -75,18 +78,22 @@ def error_budget(
     -------
     Dataset
         dims (load, source): `{quantity}_uncertainty`, the half-width of the 95 % interval in the unit of the
-        quantity (the larger one of both sides), `source` being the four and `combined`; NaN for a source that
-        was not requested or that this map does not allow. Along `load` the ends of the combined interval,
-        `{quantity}_lower` and `{quantity}_upper`. Along (member, load) and (choice, load) the results of the
-        members of the two ensembles, `{quantity}_parts` and `{quantity}_choices`. For any sources:
-        `rejected_load_share` (load), from `roughcontact.uncertainty.rejected`. Attributes: `window_reason`
-        and `processing_reason` describe the two ensembles, `window_flag` and `processing_flag` their
-        deficiencies.
+        quantity (the larger one of both sides), `source` being the seven and `combined`; NaN for a source
+        that was not requested or that this map does not allow, and the components that `combine` makes it of.
+        Along `load` the ends of the combined interval, `{quantity}_lower` and `{quantity}_upper`, and of that
+        of this map in the band of its waves, `{quantity}_map_lower` and `{quantity}_map_upper`.
+        `{quantity}_at_cutoff` (load, cutoff): the magnification curve; `{quantity}_sensitivity` (load,
+        input). Along (member, load) and (choice, load) the results of the members of the two ensembles,
+        `{quantity}_parts` and `{quantity}_choices`. For any sources: `rejected_load_share` (load), from
+        `roughcontact.uncertainty.rejected`. Attributes: `window_reason` and `processing_reason` describe the
+        two ensembles, `window_flag` and `processing_flag` their deficiencies.
 
     Raises
     ------
     SettingsError
         for an unknown source, or too few windows.
+    HeightMapError
+        for a map that has not been levelled.
     ConvergenceError
         where the solution of the window misses its tolerance.
 
@@ -105,7 +112,13 @@ def error_budget(
     """
     for source in sources:
         check_choice("uncertainty.sources", source, UncertaintySource)
-    contact = settings["contact"]
+    if "processing" in sources and "filled" not in levelled.coords and "periodisation" in window.attrs:
+        raise HeightMapError(
+            "error_budget needs the map as `level` returns it, with its record of filled points: pass "
+            "level(height, ...), or leave the source 'processing' out"
+        )
+    contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
+    material = {key: settings["contact"].get(name) for name, key in MATERIAL_UNCERTAINTIES.items()}
     coordinates = {"mean_pressure": ("load", np.asarray(contact["mean_pressure"], float))}
     # a load that does not converge gives NaN instead of ending the job
     lenient = {**contact, "on_failure": "flag"}
@@ -140,12 +153,29 @@ def error_budget(
             solved=solved,
             chosen=chosen,
         )
+    instrument = stated_instrument(levelled, settings.get("instrument"))
+    if "instrument" in sources:
+        found["instrument"] = instrument_uncertainty(
+            window,
+            contact=lenient,
+            solved=solved,
+            instrument=instrument,
+            s_filter=settings.get("level", {}).get("s_filter"),
+        )
+    if "material" in sources:
+        found["material"] = _material_uncertainty(solved, material)
+    curve = magnification_curve(window, contact=lenient, solved=solved) if "unresolved" in sources else None
+    if curve is not None:
+        found["unresolved"] = waves_not_resolved(window, curve, solved, settings, instrument)
     found = {source: found[source] for source in SOURCES if source in sources}
     budget = (
         combine(found, solved, hardness=contact.get("hardness"))
         .assign_coords(coordinates)
         .assign({rejected.name: rejected})
+        .merge(log_sensitivities(solved))
     )
+    if curve is not None:
+        budget = budget.merge(curve.drop_vars("mean_pressure", errors="ignore"))
     for source, ending in _ENSEMBLES.items():
         if source in found:
             names = {f"{name}_members": f"{name}_{ending}" for name in (*QUANTITIES, *ANSWERS)}
@@ -159,85 +189,13 @@ def error_budget(
     return budget
 
 
-def combine(
-    found: Mapping[UncertaintySource, xr.Dataset], result: xr.Dataset, *, hardness: float | None = None
-) -> xr.Dataset:
-    """Return combined uncertainties and interval ends from the half-widths of each source.
-
-    Below the result U = sqrt(sum (U_i - b_i)²), above it U = b + sqrt(sum (U_i - b_i)²), b = sum b_i; a
-    source that is absent, or NaN at a load, does not count. b_i is the amount by which the result is known to
-    be too low ([1]_, F.2.4.5); only the pressure in contact, a mean over whole pixels, has such a bias. The
-    interval is limited to physical values: the area lies between 0 and 1, the pressure in contact is at least
-    the load, and no pressure exceeds the hardness.
-
-    Parameters
-    ----------
-    found : dict
-        source -> Dataset (load) with the half-widths of `QUANTITIES`, also as `{name}_down` and `{name}_up`
-        where they differ, and the known bias b_i as `{name}_bias`.
-    result : Dataset
-        `QUANTITIES` (load), and `mean_pressure`.
-    hardness : float, Pa, optional
-        upper limit of the pressure.
-
-    Returns
-    -------
-    Dataset
-        `{name}_uncertainty` with dims (load, source), `source` being the four and `combined`: the larger
-        half-width; NaN where none is known or where one side is unbounded (infinite). Along `load` the ends
-        of the combined interval, `{name}_lower` and `{name}_upper`, NaN for an unbounded end.
-
-    References
-    ----------
-    .. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> solver, pixels = (xr.Dataset({name: ("load", [u]) for name in QUANTITIES}) for u in (0.3, 0.4))
-    >>> result = xr.Dataset({name: ("load", [0.6]) for name in QUANTITIES})
-    >>> result["mean_pressure"] = ("load", [0.2])
-    >>> found = combine({"solver": solver, "discretisation": pixels}, result)
-    >>> found["mean_gap_uncertainty"].values
-    array([[0.3, 0.4, nan, nan, 0.5]])
-    >>> [round(found[f"relative_contact_area_{end}"].item(), 2) for end in ("lower", "upper")]
-    [0.1, 1.0]
-    """
-    load = result["mean_pressure"].values
-    least = {"mean_contact_pressure": load, "max_pressure": load}
-    limit = np.inf if hardness is None else hardness
-    most = {"relative_contact_area": 1.0, "max_pressure": limit, "mean_contact_pressure": limit}
-    columns: dict[str, tuple] = {}
-    for name in (*QUANTITIES, *answers_present(result)):
-        shown = np.full((load.size, len(SOURCES)), np.nan)
-        below, above, bias = np.zeros((3, *shown.shape))
-        for source, dataset in found.items():
-            if name not in dataset:  # the answers have no solver uncertainty
-                continue
-            column = SOURCES.index(source)
-            shown[:, column] = dataset[name].values
-            off = dataset[f"{name}_bias"].values if f"{name}_bias" in dataset else np.zeros(load.size)
-            bias[:, column] = off
-            for side, values in (("down", below), ("up", above)):
-                half_width = dataset.get(f"{name}_{side}", dataset[name]).values
-                values[:, column] = half_width - off
-        absent = np.isnan(shown)
-        down, up = (np.sqrt(np.sum(np.where(absent, 0, v) ** 2, axis=1)) for v in (below, above))
-        up = up + np.where(absent, 0, bias).sum(axis=1)
-        nothing = absent.all(axis=1)
-        down, up = (np.where(nothing, np.nan, half_width) for half_width in (down, up))
-        value = result[name].values
-        # a result at a physical limit, up to rounding, stays inside its own interval
-        lower = np.maximum(value - down, np.minimum(value, least.get(name, 0.0)))
-        upper = np.minimum(value + up, np.maximum(value, most.get(name, np.inf)))
-        columns[_uncertainty(name)] = (
-            ("load", "source"),
-            _bounded(np.column_stack([shown, np.maximum(down, up)])),
-            {"comment": _COMMENT},
-        )
-        for end, values in (("lower", lower), ("upper", upper)):
-            columns[f"{name}_{end}"] = ("load", _bounded(values), {"comment": _ENDS[end]})
-    return xr.Dataset(columns, coords={"source": [*SOURCES, COMBINED]})
+def _material_uncertainty(solved: xr.Dataset, material: Mapping[str, float | None]) -> xr.Dataset:
+    """Return the uncertainty due to modulus and load; NaN where neither is stated."""
+    inputs = {key: value for key, value in material.items() if value}
+    if inputs:
+        return scaling_uncertainty(solved, inputs)
+    nothing = np.full(solved.sizes["load"], np.nan)
+    return xr.Dataset(dict.fromkeys((*QUANTITIES, *answers_present(solved)), ("load", nothing)))
 
 
 def _count(contact: xr.Dataset) -> xr.Dataset:
@@ -247,11 +205,6 @@ def _count(contact: xr.Dataset) -> xr.Dataset:
     return counted.merge(half_length_constrictions(contact)).merge(
         open_by_solver.rename({name: _uncertainty(name) for name in QUANTITIES})
     )
-
-
-def _bounded(values: np.ndarray) -> np.ndarray:
-    """Return the values with infinite ones replaced by NaN."""
-    return np.where(np.isinf(values), np.nan, values)
 
 
 def _uncertainty(name: str) -> str:

@@ -28,7 +28,8 @@ rms pressure and eps times the rms gap. The count is that of all points within o
 points within four where this is more, because the error is not uniform.
 
 **Pressures.** The peak is a single point; its relative error was mostly below eps, and 2 eps is used. The
-mean over the contact is p̄ over the share of points in contact and has the relative uncertainty of that share.
+mean over the contact is p̄ over the share of points in contact and has the relative uncertainty of that
+share.
 
 The three constants are calibrated against solutions converged to 1e-10
 (tests/unit/test_uncertainty_solver.py).

@@ -1,0 +1,293 @@
+"""Instrument, material and unresolved waves in the error budget, against known lenses, tips, finer maps."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.ndimage import grey_dilation
+
+import roughcontact as rc
+from roughcontact.contact.solve import solve_contact
+from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.maps import height_map, spacing
+from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
+from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.uncertainty.answers import headline_and_answers
+from roughcontact.uncertainty.budget import error_budget
+from roughcontact.uncertainty.combination import uncertainty_table
+from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.instrument import check_instrument, instrument_uncertainty, stated_instrument
+from roughcontact.uncertainty.magnification import magnification_curve, without_shortest_waves
+from roughcontact.uncertainty.repeats import noise_of_repeats
+from roughcontact.uncertainty.scaling import log_sensitivities, scaling_uncertainty
+from roughcontact.uncertainty.transfer import eroded, reliability_length, restored, transfer, with_noise
+from roughcontact.uncertainty.unresolved import expected_growth, growth_by_finer_spectrum
+
+MODULUS = 1e9
+LENS = {"numerical_aperture": 0.3, "wavelength": 0.55e-6}
+
+
+@pytest.fixture(scope="module")
+def surface() -> xr.DataArray:
+    """Return a periodic self-affine surface with waves from 1.6 to 32 um, rough to its pixels of 0.4 um."""
+    return self_affine_surface(
+        (160, 160), 0.4e-6, hurst=0.8, shortest=1.6e-6, longest=32e-6, rms_gradient=0.1, seed=3
+    )
+
+
+def loads(window: xr.DataArray, *relative: float) -> list[float]:
+    return [share * MODULUS * rms_gradient(window) for share in relative]
+
+
+def results(window: xr.DataArray, pressures: list[float], modulus: float = MODULUS) -> xr.Dataset:
+    return solve_contact(
+        window, contact_modulus=modulus, mean_pressure=pressures, tolerance=1e-6, reduce=headline_and_answers
+    )
+
+
+def rescaled(window: xr.DataArray, pressures: list[float], source: str, factor: float) -> xr.Dataset:
+    """Return the results with one input `factor` times as large."""
+    modulus = MODULUS * (factor if source == "contact_modulus" else 1.0)
+    if source == "mean_pressure":
+        pressures = [factor * each for each in pressures]
+    if source == "amplification_z":
+        window = factor * window
+    if source == "amplification_xy":
+        window = window.assign_coords({d: factor * window[d] for d in "xy"})
+    return results(window, pressures, modulus)
+
+
+@pytest.mark.parametrize(
+    "source", ["contact_modulus", "mean_pressure", "amplification_z", "amplification_xy"]
+)
+def test_sensitivities_are_the_changes_of_a_solved_problem(surface, source):
+    pressures = loads(surface, 0.08, 0.1, 0.125)
+    sensitivity = log_sensitivities(results(surface, pressures)).sel(input=source)
+    less, more = (rescaled(surface, pressures[1:2], source, factor) for factor in (1 / 1.1, 1.1))
+    for name in (*QUANTITIES, "conductance_per_conductivity"):
+        expected = math.log(float(more[name][0] / less[name][0])) / (2 * math.log(1.1))
+        assert float(sensitivity[f"{name}_sensitivity"][1]) == pytest.approx(expected, abs=0.1), name
+
+
+def test_five_percent_of_modulus_and_load_are_in_the_interval(surface):
+    pressures = loads(surface, 0.02, 0.1, 0.4)
+    base = results(surface, pressures)
+    found = scaling_uncertainty(base, {"contact_modulus": 0.05, "mean_pressure": 0.02})
+    for modulus in (0.95, 1.05):
+        other = results(surface, pressures, modulus * MODULUS)
+        for name in QUANTITIES:
+            down, up = found[f"{name}_down"], found[f"{name}_up"]
+            # the slope between loads so far apart is not quite that at a load
+            assert (other[name] >= base[name] - 1.25 * down).all(), name
+            assert (other[name] <= base[name] + 1.25 * up).all(), name
+
+
+def test_a_lens_transmits_what_goodman_says():
+    cutoff = 2 * LENS["numerical_aperture"] / LENS["wavelength"]
+    # (2/pi) (acos v - v sqrt(1 - v^2)) at v = 1/2 is 2/3 - sqrt(3)/(2 pi)
+    assert transfer(np.array([cutoff / 2]), LENS)[0] == pytest.approx(2 / 3 - math.sqrt(3) / (2 * math.pi))
+
+
+def test_the_interval_of_a_blurred_map_reaches_the_sharp_one(surface):
+    frequency = np.hypot(np.fft.fftfreq(160, 0.4e-6)[:, None], np.fft.rfftfreq(160, 0.4e-6)[None, :])
+    v = np.clip(frequency * LENS["wavelength"] / (2 * LENS["numerical_aperture"]), 0, 1)
+    share = 2 / np.pi * (np.arccos(v) - v * np.sqrt(1 - v**2))
+    blurred = surface.copy(data=np.fft.irfft2(np.fft.rfft2(surface.values) * share, s=surface.shape))
+    pressures = loads(surface, 0.02, 0.1)
+    truth, seen = results(surface, pressures), results(blurred, pressures)
+    problem = {"contact_modulus": MODULUS, "mean_pressure": pressures}
+    found = instrument_uncertainty(blurred, contact=problem, solved=seen, instrument=LENS)
+    assert (truth["relative_contact_area"] < 0.95 * seen["relative_contact_area"]).all()
+    for name in QUANTITIES:
+        assert (truth[name] >= seen[name] - found[f"{name}_shift_down"] * 1.001).all(), name
+        assert (truth[name] <= seen[name] + found[f"{name}_shift_up"] * 1.001).all(), name
+    assert (found["relative_contact_area_shift_up"] == 0).all()
+
+
+def test_restoring_stops_at_the_noise(surface):
+    noisy, _ = with_noise(surface, 0.05 * float(surface.std()))
+    careful = restored(noisy, {"resolution": 1e-6}, noise=0.05 * float(surface.std()))
+    careless = restored(noisy, {"resolution": 1e-6})
+    assert rms_gradient(careful) < 0.7 * rms_gradient(careless)
+
+
+def test_the_interval_of_a_noisy_map_reaches_the_true_one(surface):
+    noise = 0.01 * float(surface.std())
+    noisy = surface.copy(data=surface.values + noise * np.random.default_rng(1).standard_normal((160, 160)))
+    pressures = loads(surface, 0.02, 0.1)
+    truth, seen = results(surface, pressures), results(noisy, pressures)
+    problem = {"contact_modulus": MODULUS, "mean_pressure": pressures}
+    found = instrument_uncertainty(noisy, contact=problem, solved=seen, instrument={"noise": noise})
+    area = "relative_contact_area"
+    assert (truth[area] > 1.005 * seen[area]).all()
+    assert (truth[area] <= seen[area] + found[f"{area}_shift_up"]).all()
+    assert (found[f"{area}_shift_up"] < 4 * (truth[area] - seen[area])).all()
+
+
+def test_noise_that_is_all_of_the_gradient_leaves_no_upper_end(surface):
+    smooth = without_shortest_waves(surface, 8)
+    noise = 0.5 * float(smooth.std())
+    noisy, _ = with_noise(smooth, noise)
+    pressures = loads(noisy, 0.05)
+    problem = {"contact_modulus": MODULUS, "mean_pressure": pressures}
+    solved = results(noisy, pressures)
+    found = instrument_uncertainty(noisy, contact=problem, solved=solved, instrument={"noise": 2 * noise})
+    area = float(solved["relative_contact_area"][0])
+    assert float(found["relative_contact_area_shift_up"][0]) == pytest.approx(1 - area, rel=1e-4)
+
+
+def _tip(radius: float, step: float) -> np.ndarray:
+    reach = np.arange(-12, 13) * step
+    return np.sqrt(radius**2 - reach[:, None] ** 2 - reach[None, :] ** 2) - radius
+
+
+def test_erosion_undoes_the_tip_where_it_touched(surface):
+    radius = 20e-6
+    traced = surface.copy(data=grey_dilation(surface.values, structure=_tip(radius, 0.4e-6), mode="wrap"))
+    back = eroded(traced, radius)
+    assert (back.values >= surface.values - 1e-15).all()
+    assert float(np.mean(np.isclose(back, surface, rtol=0, atol=1e-12))) > 0.1
+
+
+def test_the_reliability_length_is_that_of_the_tips_cusps(surface):
+    traced = surface.copy(data=grey_dilation(surface.values, structure=_tip(20e-6, 0.4e-6), mode="wrap"))
+    assert reliability_length(traced, 20e-6) >= 1.6e-6
+    assert reliability_length(traced, 20e-9) == 0.0
+
+
+def test_coarser_maps_keep_the_longer_waves(surface):
+    coarse = without_shortest_waves(surface, 4)
+    assert spacing(coarse) == pytest.approx((1.6e-6, 1.6e-6))
+    q = np.abs(np.fft.fft2(surface.values))[:15, :15] / surface.size
+    assert np.allclose(np.abs(np.fft.fft2(coarse.values))[:15, :15] / coarse.size, q, rtol=0, atol=1e-15)
+    profile = without_shortest_waves(surface[:1], 2)
+    assert profile.shape == (1, 80)
+
+
+def test_the_magnification_curve_begins_with_the_result_and_ends_smoother(surface):
+    pressures = loads(surface, 0.05)
+    solved = results(surface, pressures)
+    problem = {"contact_modulus": MODULUS, "mean_pressure": pressures}
+    curve = magnification_curve(surface, contact=problem, solved=solved)
+    assert curve["cutoff_wavelength"].values == pytest.approx(0.8e-6 * 2.0 ** np.arange(4))
+    area = curve["relative_contact_area_at_cutoff"][0].values
+    assert area[0] == solved["relative_contact_area"][0]
+    assert (np.diff(area[1:]) > 0).all()
+    again = results(without_shortest_waves(surface, 4), pressures)
+    assert area[2] == pytest.approx(float(again["relative_contact_area"][0]), rel=0.02)
+
+
+def test_white_noise_is_expected_to_grow_fourfold_or_more():
+    window = height_map(np.random.default_rng(0).standard_normal((256, 256)), 1.0)
+    solved = xr.Dataset({name: ("load", [0.1]) for name in QUANTITIES} | {"mean_pressure": ("load", [1.0])})
+    gradients = [rms_gradient(without_shortest_waves(window, 2**k)) for k in range(4)]
+    curve = xr.Dataset(
+        coords={"cutoff_wavelength": 2.0 ** np.arange(1, 5), "gradient_at_cutoff": ("c", gradients)}
+    )
+    assert solved.sizes["load"] == 1
+    assert expected_growth(curve).gradient == pytest.approx(1.3 * math.log(4), rel=0.1)
+
+
+@pytest.mark.parametrize("patch", [slice(None), slice(0, 1)])
+def test_a_finer_spectrum_tells_the_true_gradient(patch):
+    fine = self_affine_surface(
+        (512, 512), 1e-6, hurst=0.6, shortest=4e-6, longest=128e-6, rms_gradient=0.1, seed=5
+    )
+    coarse = without_shortest_waves(fine, 8)
+    true = math.log(rms_gradient(fine) / rms_gradient(coarse))
+    lines = fine[patch] if patch.stop else fine[:256, :256]
+    assert growth_by_finer_spectrum(coarse, lines) == pytest.approx(true, rel=0.25)
+
+
+@pytest.mark.parametrize(
+    ("stated", "words"),
+    [
+        ({"noise": -1e-9}, "instrument.noise = -1e-09"),
+        ({"noise": 1.0}, "larger than the rms height"),
+        ({"tip_radius": 1.0}, "larger than the map"),
+        ({"resolution": 1e-7}, "finer than two pixels"),
+    ],
+)
+def test_a_statement_that_cannot_be_true_is_refused(surface, stated, words):
+    with pytest.raises(SettingsError, match=words):
+        check_instrument(surface, stated)
+
+
+def test_the_table_prevails_over_the_settings_and_both_over_the_file(surface):
+    file = surface.assign_attrs(instrument=json.dumps({"numerical_aperture": 0.4}))
+    assert stated_instrument(file, {}) == {"numerical_aperture": 0.4}
+    assert stated_instrument(file, {"tip_radius": 2e-6}) == {"tip_radius": 2e-6}
+    row = file.assign_attrs(instrument_noise=1e-9)
+    assert stated_instrument(row, {"noise": 3e-9})["noise"] == 1e-9
+
+
+@pytest.fixture(scope="module")
+def evaluated() -> xr.Dataset:
+    """Return the statistics of a map of which all is stated."""
+    return rc.evaluate(
+        rough_reference_surface(64),
+        contact={
+            "contact_modulus": MODULUS,
+            "relative_pressure": [0.05, 0.2],
+            "contact_modulus_uncertainty": 0.05,
+            "mean_pressure_uncertainty": 0.02,
+        },
+        instrument={"noise": "1 mm", "amplification_z": 0.01, "tip_radius": 1e-2, "resolution": 0.05},
+    )
+
+
+def test_every_source_has_its_part(evaluated):
+    parts = evaluated["relative_contact_area_uncertainty"]
+    assert np.isfinite(parts).all()
+    for end in ("lower", "upper"):
+        wide, narrow = (evaluated[f"mean_contact_pressure_{kind}{end}"] for kind in ("", "map_"))
+        assert ((wide <= narrow) if end == "lower" else (wide >= narrow)).all()
+
+
+def test_the_interval_is_rebuilt_from_the_table_of_components(evaluated):
+    table = uncertainty_table(evaluated)
+    limits = {"relative_contact_area": (0.0, 1.0)}
+    for (name, load), rows in table.groupby(["quantity", "mean_pressure_Pa"]):
+        parts, combined = rows[rows["source"] != "combined"], rows[rows["source"] == "combined"].iloc[0]
+        value = float(parts["value"].iloc[0])
+        expanded = {
+            end: math.sqrt(sum((parts[f"standard_uncertainty_{end}"] * parts["coverage_factor"]) ** 2))
+            for end in ("lower", "upper")
+        }
+        lower = (value - expanded["lower"]) * np.prod(np.maximum(1 - parts["one_sided_lower"] / value, 0.0))
+        upper = (value + parts["bias"].sum() + expanded["upper"]) * np.prod(
+            1 + parts["one_sided_upper"] / value
+        )
+        least, most = limits.get(name, (load if "pressure" in name else 0.0, math.inf))
+        assert combined["lower"] == pytest.approx(max(lower, least), rel=1e-12), name
+        if np.isfinite(combined["upper"]):
+            assert combined["upper"] == pytest.approx(min(upper, most), rel=1e-12), name
+        else:
+            assert not np.isfinite(upper)
+        assert set(parts["evaluation_type"]) <= {"A", "B"}
+
+
+def test_a_band_that_the_settings_choose_has_no_unresolved_waves():
+    window = rough_reference_surface(64)
+    settings = {
+        "window": {"shortest_wavelength": 4 / 64},
+        "contact": {"contact_modulus": 1.0, "mean_pressure": [0.1]},
+    }
+    found = error_budget(window, window, settings, sources=["unresolved"])
+    assert float(found["relative_contact_area_uncertainty"].sel(source="unresolved")[0]) == 0.0
+
+
+def test_a_map_that_was_not_levelled_is_named(surface):
+    window = rc.periodic_window(surface)
+    problem = {"level": {}, "window": {}, "contact": {"contact_modulus": 1e9, "mean_pressure": [1e6]}}
+    with pytest.raises(HeightMapError, match="as `level` returns it"):
+        error_budget(surface, window, problem)
+
+
+def test_repeats_of_another_size_or_place_are_refused(surface):
+    with pytest.raises(HeightMapError, match="differ in size or pitch"):
+        noise_of_repeats(surface, surface[:100])
+    with pytest.raises(HeightMapError, match="do not show the same place"):
+        noise_of_repeats(surface, surface.roll(x=40, roll_coords=False))

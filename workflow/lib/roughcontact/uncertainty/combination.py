@@ -1,0 +1,289 @@
+"""Combination of uncertainty sources into intervals, and the table of their components."""
+
+from collections.abc import Mapping
+from typing import get_args
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from scipy.special import stdtrit
+
+from roughcontact.choices import UncertaintySource
+from roughcontact.uncertainty.answers import ANSWERS, answers_present
+from roughcontact.uncertainty.headline import QUANTITIES
+
+SOURCES: tuple[UncertaintySource, ...] = get_args(UncertaintySource)
+COMBINED = "combined"
+_NORMAL = 1.959963984540054  # coverage factor of 95 % for infinite degrees of freedom
+# A: evaluated from a scatter; B: from bounds, models and statements
+_TYPES = ["A" if source == "window" else "B" for source in SOURCES]
+_PARTS = ("down", "up", "bias", "shift_down", "shift_up")
+# sources of the interval of this map in the band of waves that it holds
+_OF_THE_MAP: tuple[UncertaintySource, ...] = (
+    "solver",
+    "discretisation",
+    "processing",
+    "instrument",
+    "material",
+)
+_COMMENT = (
+    "half-widths of 95 % intervals, in the unit of the quantity; the larger one where an interval is "
+    "asymmetric; combined: root of the sum of squares of the sources given (for the pressure in contact the "
+    "known bias of whole pixels is added linearly); NaN: not requested, not available from this map, or not "
+    "bounded above by it"
+)
+_ENDS = {
+    "lower": "lower end of the 95 % interval, all sources combined",
+    "upper": "upper end of the 95 % interval, all sources combined; NaN beside a lower end: not bounded",
+    "map_lower": "lower end of the 95 % interval of this map, for the waves that it holds",
+    "map_upper": "upper end of the 95 % interval of this map, for the waves that it holds; NaN: not bounded",
+}
+
+
+def combine(
+    found: Mapping[UncertaintySource, xr.Dataset], result: xr.Dataset, *, hardness: float | None = None
+) -> xr.Dataset:
+    """Return combined uncertainties and interval ends from the half-widths of each source.
+
+    Let Q be a result, U_i the half-widths without a known bias b_i, and s_i one-sided shifts:
+
+        lower = (Q - sqrt(sum U_i²)) prod (1 - s_i/Q),   upper = (Q + sum b_i + sqrt(sum U_i²)) prod (1 +
+        s_i/Q),
+
+    each with the values of its side; where Q = 0 the shifts are added. A source that is absent, or NaN at a
+    load, does not count. b_i is the amount by which the result is known to be too low ([1]_, F.2.4.5): only
+    the pressure in contact, a mean over whole pixels, has such a bias. Shifts are changes of known direction
+    and unknown extent: noise, lens, tip, waves that are not resolved. The interval is limited to physical
+    values: the area lies between 0 and 1, the pressure in contact is at least the load, and no pressure
+    exceeds the hardness.
+
+    Parameters
+    ----------
+    found : dict
+        source -> Dataset (load) with the half-widths of `QUANTITIES`, also as `{name}_down` and `{name}_up`
+        where they differ, the known bias b_i as `{name}_bias`, and the shifts as `{name}_shift_down` and
+        `{name}_shift_up`; attributes `degrees_of_freedom` and `coverage_factor` where these are finite.
+    result : Dataset
+        `QUANTITIES` (load), and `mean_pressure`.
+    hardness : float, Pa, optional
+        upper limit of the pressure.
+
+    Returns
+    -------
+    Dataset
+        `{name}_uncertainty` with dims (load, source), `source` being the seven and `combined`: the larger
+        half-width; NaN where none is known or where one side is unbounded (infinite). With the same dims what
+        it is made of: `{name}_down`, `{name}_up`, `{name}_bias`, `{name}_shift_down`, `{name}_shift_up`.
+        Along `load` the ends of the combined interval, `{name}_lower` and `{name}_upper`, and of that of the
+        map, `{name}_map_lower` and `{name}_map_upper`; NaN for an unbounded end. Along `source`
+        `degrees_of_freedom` and `coverage_factor`.
+
+    References
+    ----------
+    .. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> solver, pixels = (xr.Dataset({name: ("load", [u]) for name in QUANTITIES}) for u in (0.3, 0.4))
+    >>> result = xr.Dataset({name: ("load", [0.6]) for name in QUANTITIES})
+    >>> result["mean_pressure"] = ("load", [0.2])
+    >>> found = combine({"solver": solver, "discretisation": pixels}, result)
+    >>> found["mean_gap_uncertainty"].values
+    array([[0.3, 0.4, nan, nan, nan, nan, nan, 0.5]])
+    >>> [round(found[f"relative_contact_area_{end}"].item(), 2) for end in ("lower", "upper")]
+    [0.1, 1.0]
+    """
+    load = result["mean_pressure"].values
+    least = {"mean_contact_pressure": load, "max_pressure": load}
+    limit = np.inf if hardness is None else hardness
+    most = {"relative_contact_area": 1.0, "max_pressure": limit, "mean_contact_pressure": limit}
+    columns: dict[str, tuple] = _degrees_of_freedom(found)
+    for name in (*QUANTITIES, *answers_present(result)):
+        value = result[name].values
+        columns[f"{name}_estimate"] = ("load", value)
+        parts = _components(name, found, load.size)
+        nothing = np.full(load.size, np.nan)
+        # a result at a physical limit, up to rounding, stays inside its own interval
+        low, high = np.minimum(value, least.get(name, 0.0)), np.maximum(value, most.get(name, np.inf))
+        for ending, sources in (("", SOURCES), ("map_", _OF_THE_MAP)):
+            down, up = _half_widths(value, parts, [SOURCES.index(source) for source in sources])
+            if not ending:
+                columns |= {
+                    f"{name}_{part}": (("load", "source"), _bounded(np.column_stack([values, nothing])))
+                    for part, values in parts.items()
+                    if part != "shown"
+                }
+                shown = _bounded(np.column_stack([parts["shown"], np.maximum(down, up)]))
+                columns[_uncertainty(name)] = (("load", "source"), shown, {"comment": _COMMENT})
+            ends = {"lower": np.maximum(value - down, low), "upper": np.minimum(value + up, high)}
+            for end, values in ends.items():
+                comment = {"comment": _ENDS[f"{ending}{end}"]}
+                columns[f"{name}_{ending}{end}"] = ("load", _bounded(values), comment)
+    return xr.Dataset(columns, coords={"source": [*SOURCES, COMBINED]})
+
+
+def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
+    """Return the components of every interval, one row for each quantity, load and source.
+
+    Parameters
+    ----------
+    budget : Dataset
+        from `error_budget`, or statistics that contain it.
+
+    Returns
+    -------
+    DataFrame
+        columns `quantity`, `mean_pressure_Pa`, `source`, `evaluation_type` (A: statistical, B: other),
+        `value`, `standard_uncertainty_lower`, `standard_uncertainty_upper`, `degrees_of_freedom`,
+        `sensitivity` (each component is evaluated in the unit of the result: 1), `coverage_factor`, `bias`,
+        `one_sided_lower`, `one_sided_upper`, `lower`, `upper`. Of the source `combined` the standard
+        uncertainties are the root of the sum of squares, the degrees of freedom those of Welch and
+        Satterthwaite ([1]_, G.4.1), and the ends those of the interval.
+
+    References
+    ----------
+    .. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.uncertainty.budget import error_budget
+    >>> height = rough_reference_surface(64)
+    >>> settings = {"window": {}, "contact": {"contact_modulus": 1.0, "mean_pressure": [0.1]}}
+    >>> table = uncertainty_table(error_budget(height, height, settings, sources=["solver"]))
+    >>> table["source"].unique().tolist()
+    ['solver', 'combined']
+    """
+    if "source" not in budget.dims:
+        return pd.DataFrame(columns=["quantity", "mean_pressure_Pa", "source"])
+    loads = budget["mean_pressure"].values
+    present = [list(budget["source"].values).index(source) for source in SOURCES]
+    freedom, factor = (budget[name].values[present] for name in ("degrees_of_freedom", "coverage_factor"))
+    frames = []
+    for name in (*QUANTITIES, *ANSWERS):
+        if f"{name}_uncertainty" not in budget:
+            continue
+        part = {key: budget[f"{name}_{key}"].values[:, present] for key in ("uncertainty", *_PARTS)}
+        unbounded = np.isnan(part["up"]) | np.isnan(part["shift_up"])
+        lower, upper = part["down"] / factor, np.where(unbounded, np.inf, part["up"] / factor)
+        known = ~np.isnan(part["uncertainty"]) | unbounded
+        rows, columns = np.nonzero(known)
+        frames.append(
+            pd.DataFrame(
+                {
+                    "quantity": name,
+                    "mean_pressure_Pa": loads[rows],
+                    "source": np.array(SOURCES, dtype=object)[columns],
+                    "evaluation_type": np.array(_TYPES, dtype=object)[columns],
+                    "value": budget[f"{name}_estimate"].values[rows],
+                    "standard_uncertainty_lower": lower[known],
+                    "standard_uncertainty_upper": upper[known],
+                    "degrees_of_freedom": freedom[columns],
+                    "sensitivity": 1.0,
+                    "coverage_factor": factor[columns],
+                    "bias": part["bias"][known],
+                    "one_sided_lower": part["shift_down"][known],
+                    "one_sided_upper": np.where(unbounded, np.inf, part["shift_up"])[known],
+                }
+            )
+        )
+        lower, upper = (np.where(known, each, 0.0) for each in (lower, upper))
+        both = [frames.pop(), _combined_rows(budget, name, lower, upper, freedom)]
+        frames.append(pd.concat(both).sort_values("mean_pressure_Pa", kind="stable"))
+    return pd.concat(frames, ignore_index=True)
+
+
+def _combined_rows(
+    budget: xr.Dataset, name: str, lower: np.ndarray, upper: np.ndarray, freedom: np.ndarray
+) -> pd.DataFrame:
+    """Return the rows of the combined uncertainty, from the standard ones of each source (load, source)."""
+    below, above = (np.sqrt(np.sum(each**2, axis=1)) for each in (lower, upper))
+    larger, of_sources = np.maximum(below, above), np.maximum(lower, upper)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        effective = larger**4 / np.sum(np.where(of_sources > 0, of_sources**4 / freedom, 0.0), axis=1)
+    finite = np.isfinite(effective)
+    factor = np.where(finite, stdtrit(np.where(finite, effective, 1.0), 0.975), _NORMAL)
+    return pd.DataFrame(
+        {
+            "quantity": name,
+            "mean_pressure_Pa": budget["mean_pressure"].values,
+            "source": COMBINED,
+            "value": budget[f"{name}_estimate"].values,
+            "standard_uncertainty_lower": below,
+            "standard_uncertainty_upper": above,
+            "degrees_of_freedom": np.where(finite, effective, np.inf),
+            "coverage_factor": factor,
+            "lower": budget[f"{name}_lower"].values,
+            "upper": budget[f"{name}_upper"].values,
+        }
+    )
+
+
+def _degrees_of_freedom(found: Mapping[UncertaintySource, xr.Dataset]) -> dict[str, tuple]:
+    """Return degrees of freedom and coverage factors along `source`."""
+    freedom, factor = np.full((2, len(SOURCES) + 1), np.nan)
+    for source, dataset in found.items():
+        column = SOURCES.index(source)
+        freedom[column] = dataset.attrs.get("degrees_of_freedom", np.inf)
+        factor[column] = dataset.attrs.get("coverage_factor", _NORMAL)
+    return {
+        "degrees_of_freedom": ("source", freedom),
+        "coverage_factor": ("source", factor),
+    }
+
+
+def _components(
+    name: str, found: Mapping[UncertaintySource, xr.Dataset], loads: int
+) -> dict[str, np.ndarray]:
+    """Return the parts (load, source) of the uncertainty of one quantity, NaN where a source says nothing.
+
+    `shown` is the larger half-width; `down` and `up` are the half-widths without the known `bias`, which is
+    added linearly above; `shift_down` and `shift_up` are one-sided.
+    """
+    parts = {key: np.zeros((loads, len(SOURCES))) for key in _PARTS}
+    parts["shown"] = np.full((loads, len(SOURCES)), np.nan)
+    for source, dataset in found.items():
+        if name not in dataset:  # the answers have no solver uncertainty
+            continue
+        column = SOURCES.index(source)
+        parts["shown"][:, column] = dataset[name].values
+        if f"{name}_bias" in dataset:
+            parts["bias"][:, column] = dataset[f"{name}_bias"].values
+        for side in ("down", "up"):
+            shift = dataset.get(f"{name}_shift_{side}")
+            if shift is not None:
+                parts[f"shift_{side}"][:, column] = shift.values
+            symmetric = dataset[name] if shift is None else xr.zeros_like(dataset[name])
+            width = dataset.get(f"{name}_{side}", symmetric)
+            parts[side][:, column] = width.values - parts["bias"][:, column]
+    absent = np.isnan(parts["shown"])
+    return {key: np.where(absent, 0.0, part) if key != "shown" else part for key, part in parts.items()}
+
+
+def _half_widths(
+    value: np.ndarray, parts: Mapping[str, np.ndarray], columns: list[int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the distances of both ends of an interval from the result; NaN without sources."""
+    down, up = (np.sqrt(np.sum(parts[side][:, columns] ** 2, axis=1)) for side in ("down", "up"))
+    up = up + parts["bias"][:, columns].sum(axis=1)
+    below, above = parts["shift_down"][:, columns], parts["shift_up"][:, columns]
+    positive = value > 0
+    scale = np.where(positive, value, 1.0)[:, None]
+    with np.errstate(invalid="ignore"):
+        reduction = 1 - np.prod(np.maximum(1 - below / scale, 0.0), axis=1)
+        growth = np.prod(1 + above / scale, axis=1) - 1
+        down = down + np.where(positive, (value - down) * reduction, below.sum(axis=1))
+        up = up + np.where(positive, (value + up) * growth, above.sum(axis=1))
+    nothing = np.isnan(parts["shown"][:, columns]).all(axis=1)
+    return np.where(nothing, np.nan, down), np.where(nothing, np.nan, up)
+
+
+def _bounded(values: np.ndarray) -> np.ndarray:
+    """Return the values with infinite ones replaced by NaN."""
+    return np.where(np.isinf(values), np.nan, values)
+
+
+def _uncertainty(name: str) -> str:
+    """Return the name of the uncertainty of a quantity."""
+    return f"{name}_uncertainty"

@@ -1,0 +1,250 @@
+"""Effects of an instrument on a surface: transfer functions and their inverse, tips, measurement noise.
+
+The terms are those of ISO 25178-600:2019: measurement noise N_M, topographic spatial resolution W_R.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from scipy.ndimage import grey_erosion
+
+from roughcontact.fourier import wavevectors
+from roughcontact.maps import spacing
+from roughcontact.roughness.parameters import rms_gradient
+
+WAVELENGTH = 550e-9  # m, of the light where none is stated: the middle of the visible spectrum
+LEAST_TRANSFER = 0.2  # waves of which less is transmitted are hidden in noise and are not restored further
+_NOISE_SEED = 0
+_FINEST_SCALE, _COARSEST_SCALE = 1, 64  # points; distances at which curvatures are compared with a tip
+_MAX_TIP_POINTS = 24  # half-width of the part of a tip that can touch two places of a map at once
+
+
+def transfer(frequency: np.ndarray, instrument: Mapping[str, Any]) -> np.ndarray:
+    """Return the share of the amplitude of a wave that an instrument transmits.
+
+    A lens of numerical aperture NA in incoherent light of the wavelength L transmits (2/pi) (acos v - v
+    sqrt(1 - v^2)), v = f L/(2 NA), of a wave of the frequency f [1]_. An instrument of which the topographic
+    spatial resolution W_R is stated is taken to be a Gaussian that transmits half at the wavelength W_R.
+
+    Parameters
+    ----------
+    frequency : array, cycles per m
+    instrument : mapping
+        `numerical_aperture`, `wavelength` (m), `resolution` (m); absent or None where not stated.
+
+    Returns
+    -------
+    array
+        1 where nothing is stated.
+
+    References
+    ----------
+    .. [1] Goodman (1968), Introduction to Fourier Optics, section 6-3.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> lens = {"numerical_aperture": 0.5, "wavelength": 0.5e-6}
+    >>> transfer(np.array([0.0, 1e6, 2e6]), lens).round(3).tolist()
+    [1.0, 0.391, 0.0]
+    >>> transfer(np.array([1e6]), {"resolution": 1e-6}).round(3).tolist()
+    [0.5]
+    """
+    share = np.ones_like(frequency)
+    if aperture := instrument.get("numerical_aperture"):
+        v = np.clip(frequency * (instrument.get("wavelength") or WAVELENGTH) / (2 * aperture), 0.0, 1.0)
+        share = share * 2 / np.pi * (np.arccos(v) - v * np.sqrt(1 - v**2))
+    if resolution := instrument.get("resolution"):
+        share = share * 0.5 ** ((frequency * resolution) ** 2)
+    return share
+
+
+def shortest_transmitted(instrument: Mapping[str, Any]) -> float:
+    """Return the shortest wavelength that is transmitted to a fifth or more, m; 0 where nothing is stated.
+
+    Parameters
+    ----------
+    instrument : mapping
+        as of `transfer`.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> f"{shortest_transmitted({'resolution': 1e-6}):.3g}"
+    '6.57e-07'
+    """
+    scale = max(
+        (instrument.get("wavelength") or WAVELENGTH) / instrument["numerical_aperture"]
+        if instrument.get("numerical_aperture")
+        else 0.0,
+        instrument.get("resolution") or 0.0,
+    )
+    if not scale:
+        return 0.0
+    frequency = np.linspace(0.0, 4 / scale, 4001)
+    return float(1 / frequency[np.flatnonzero(transfer(frequency, instrument) >= LEAST_TRANSFER)[-1]])
+
+
+def restored(window: xr.DataArray, instrument: Mapping[str, Any], *, noise: float = 0.0) -> xr.DataArray:
+    """Return a periodic map with the known transfer of its instrument undone as far as it carries signal.
+
+    Waves are divided by what is transmitted of them, by no less than a fifth, where the power of their ring
+    in the spectrum is at least twice that of white noise: of the stated one, or, where the lens transmits
+    nothing of the shortest waves of the map, of what is measured there.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+    instrument : mapping
+        as of `transfer`.
+    noise : float, m
+        rms of the measurement noise.
+
+    Returns
+    -------
+    DataArray (y, x), m
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((1, 64), 1e-6, amplitude=1e-7, wavelength=8e-6)
+    >>> found = restored(wave * 0.5, {"resolution": 8e-6})
+    >>> bool(np.allclose(found - found.mean(), wave - wave.mean(), atol=1e-12))
+    True
+    """
+    values = window.values
+    frequency = np.hypot(*wavevectors(values.shape, spacing(window))) / (2 * np.pi)
+    share = transfer(frequency, instrument)
+    spectrum = np.fft.rfft2(values)
+    power = np.abs(spectrum) ** 2
+    floor = values.size * noise**2  # of white noise, at each frequency
+    hidden = share < 0.01
+    if hidden.any():
+        floor = max(floor, float(np.median(power[hidden])))
+    rings = np.rint(frequency / frequency.max() * max(values.shape)).astype(int)
+    mean = np.bincount(rings.ravel(), power.ravel()) / np.maximum(np.bincount(rings.ravel()), 1)
+    carries_signal = mean[rings] >= 2 * floor
+    gain = np.where(carries_signal & ~hidden, 1 / np.maximum(share, LEAST_TRANSFER), 1.0)
+    return window.copy(data=np.fft.irfft2(spectrum * gain, s=values.shape))
+
+
+def with_noise(
+    window: xr.DataArray, noise: float, *, s_filter: float | None = None
+) -> tuple[xr.DataArray, float]:
+    """Return a map with white noise added to it, and the rms gradient of that noise.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+    noise : float, m
+        rms of the noise before the filter.
+    s_filter : float, m, optional
+        nesting index of the areal Gaussian filter that noise and map have gone through (ISO 16610-61).
+
+    Returns
+    -------
+    noisy : DataArray (y, x), m
+    gradient : float
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.maps import height_map
+    >>> noisy, gradient = with_noise(height_map(np.zeros((64, 64)), 1.0), 0.1)
+    >>> f"{float(noisy.std()):.2f} {gradient / (0.1 * np.pi * np.sqrt(2 / 3)):.2f}"
+    '0.10 1.00'
+    """
+    added = noise * np.random.default_rng(_NOISE_SEED).standard_normal(window.shape)
+    if s_filter:
+        frequency = np.hypot(*wavevectors(window.shape, spacing(window))) / (2 * np.pi)
+        added = np.fft.irfft2(np.fft.rfft2(added) * 0.5 ** ((frequency * s_filter) ** 2), s=added.shape)
+    return window.copy(data=window.values + added), rms_gradient(window.copy(data=added))
+
+
+def eroded(window: xr.DataArray, tip_radius: float) -> xr.DataArray:
+    """Return the highest surface that a spherical tip could have traced as this periodic map.
+
+    It is the erosion of the map by the tip: exact where the tip touched, an upper bound elsewhere [1]_.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic; the centre of the tip less its radius.
+    tip_radius : float, m
+
+    Returns
+    -------
+    DataArray (y, x), m
+
+    References
+    ----------
+    .. [1] Villarrubia (1997), J. Res. Natl. Inst. Stand. Technol. 102, 425.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.maps import height_map
+    >>> x = np.arange(-16, 16.0)
+    >>> traced = height_map(-(x[None, :] ** 2) / (2 * 50.0), 1.0)  # a spike, traced by a tip of radius 50
+    >>> peak = eroded(traced, 50.0).values
+    >>> bool(peak[0, 16] == 0 and peak[0, 20] < traced.values[0, 20])
+    True
+    """
+    reach = np.ptp(window.values)  # no part of the tip above this height touches anything
+    radius = math.sqrt(max(2 * tip_radius * reach - reach**2, 0.0)) if reach < tip_radius else tip_radius
+    halves = [
+        min(int(radius / step), _MAX_TIP_POINTS, (n - 1) // 2)
+        for n, step in zip(window.shape, spacing(window), strict=True)
+    ]
+    y, x = (np.arange(-k, k + 1) * step for k, step in zip(halves, spacing(window), strict=True))
+    square = y[:, None] ** 2 + x[None, :] ** 2
+    inside = square <= tip_radius**2
+    tip = np.where(inside, np.sqrt(np.maximum(tip_radius**2 - square, 0.0)) - tip_radius, 0.0)
+    return window.copy(data=grey_erosion(window.values, footprint=inside, structure=tip, mode="wrap"))
+
+
+def reliability_length(window: xr.DataArray, tip_radius: float) -> float:
+    """Return the wavelength below which a map that a tip traced is not reliable, m; 0 where all waves are.
+
+    A tip of the radius R leaves no valley sharper than 1/R. A map is taken to be shaped by the tip at the
+    distances at which its sharpest valley has a curvature of 1/(2R) or more [1]_; waves are twice as long.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+    tip_radius : float, m
+
+    Returns
+    -------
+    float
+
+    References
+    ----------
+    .. [1] Sanner, Nöhring, Thimons, Jacobs and Pastewka (2022), Scale-dependent roughness parameters for
+       topography analysis, Appl. Surf. Sci. Adv. 7, 100190.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import westergaard_surface
+    >>> wave = westergaard_surface((1, 64), 1e-6, amplitude=1e-6, wavelength=16e-6)  # curvature 1.5e5 per m
+    >>> reliability_length(wave, 1e-6), reliability_length(wave, 1e-5) > 0
+    (0.0, True)
+    """
+    longest = 0.0
+    for axis, (points, step) in enumerate(zip(window.shape, spacing(window), strict=True)):
+        scale = _FINEST_SCALE
+        while scale <= min(_COARSEST_SCALE, points // 4):
+            around = sum(np.roll(window.values, shift, axis) for shift in (-scale, scale))
+            if (around - 2 * window.values).max() * 2 * tip_radius >= (scale * step) ** 2:
+                longest = max(longest, 2 * scale * step)
+            scale *= 2
+    return longest

@@ -1,0 +1,275 @@
+"""Uncertainty due to the waves that a map does not resolve: at most an octave beyond its shortest wave.
+
+Most surfaces are rough below the pixel of their map. The rms gradient g(lambda) of the waves longer than
+lambda grows octave by octave; let d1 and d2 be the growth of ln g over the last and the last but one resolved
+octave. The next octave is expected to add
+
+    d = 1.3 d1 min(max(d1/d2, 1), 2),
+
+since pixels average over their own area and so hide a part of the last octave as well. On 27 measured maps
+with their pixels merged 2 x 2, d was between 0.6 and 1.9 times the gradient that was lost, 0.95 in the
+median. Each result may continue to change as it did over the last resolved octave, d/d1 times; the area by no
+less than Persson's law says, erfinv(A) ~ 1/g. The shifts are one-sided and widen the interval; they correct
+nothing. Two octaves cannot be extrapolated: errors then double.
+
+Where an instrument resolves less than its pixels (a lens, a tip), the trend is taken over the octaves that it
+does resolve, and continued to the pixels, at least one octave and at most two.
+
+The spectrum of a finer map or profile of the same finish replaces the trend.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.io.read import read_height_map
+from roughcontact.levelling.level import level
+from roughcontact.maps import spacing
+from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.uncertainty.answers import answers_present
+from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.instrument import one_sided
+from roughcontact.uncertainty.scaling import AREA, PEAK, PRESSURE, effort
+from roughcontact.uncertainty.transfer import eroded, reliability_length, restored, shortest_transmitted
+
+_CHOSEN_BAND = (
+    2.0  # shortest wave that the settings keep, over two pixels, from which on it defines the result
+)
+_MARGIN = 1.3  # on the growth of the gradient over the next octave
+_LARGEST_ACCELERATION = 2.0  # of that growth, from octave to octave
+_MAX_OCTAVES = 2.0
+_CONVERGED = 0.1  # growth of ln g below which the largest pressure has an upper end
+_FINER_UNCERTAINTY = 0.15  # of the growth that a finer spectrum shows
+_SMALLEST_GROWTH = 1e-3  # of ln g in an octave, to divide by
+
+
+class Growth(NamedTuple):
+    """Growth of the gradient by the waves that are not resolved.
+
+    Attributes
+    ----------
+    gradient : float
+        expected growth of ln g.
+    octaves : float
+        over that of the last resolved octave.
+    level : int
+        entry of the magnification curve at which the last resolved octave ends.
+    """
+
+    gradient: float
+    octaves: float
+    level: int
+
+
+def expected_growth(curve: xr.Dataset, *, resolved: float = 0.0, reference: float | None = None) -> Growth:
+    """Return the expected growth of the rms gradient by the waves that a map does not resolve.
+
+    Parameters
+    ----------
+    curve : Dataset
+        from `magnification_curve`.
+    resolved : float, m
+        shortest wavelength that the instrument resolves, if that is longer than two pixels.
+    reference : float, optional
+        rms gradient that the growth is counted from; that of the map where it is not given.
+
+    Returns
+    -------
+    Growth
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> gradients = {"gradient_at_cutoff": ("cutoff", np.exp([0.0, -0.1, -0.2]))}
+    >>> curve = xr.Dataset(coords={"cutoff_wavelength": ("cutoff", [2.0, 4.0, 8.0]), **gradients})
+    >>> f"{expected_growth(curve).gradient:.3f}"
+    '0.130'
+    """
+    wavelengths, gradients = curve["cutoff_wavelength"].values, curve["gradient_at_cutoff"].values
+    if len(wavelengths) < 2 or not gradients.min() > 0:
+        return Growth(0.0, 0.0, 0)
+    hidden = math.log2(max(resolved / wavelengths[0], 1.0))
+    level = min(math.ceil(hidden - 0.25), len(wavelengths) - 2)
+    logarithms = np.log(gradients[level:])
+    last = max(logarithms[0] - logarithms[1], _SMALLEST_GROWTH)
+    before = max(logarithms[1] - logarithms[2], _SMALLEST_GROWTH) if len(logarithms) > 2 else last
+    acceleration = float(np.clip(last / before, 1.0, _LARGEST_ACCELERATION))
+    octaves = float(np.clip(hidden, 1.0, _MAX_OCTAVES)) * _MARGIN * acceleration
+    start = math.log((reference or gradients[0]) / gradients[level])
+    return Growth(max(last * octaves - max(start, 0.0), 0.0), octaves, level)
+
+
+def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> float:
+    """Return the growth of ln g by the waves that a finer map or profile of the same finish shows.
+
+    Slopes along the lines of both are compared: up to the wavenumber q0 those of the window count, beyond it
+    those of the finer one. q0 is a quarter of the highest wavenumber of the window, where its pixels do not
+    yet attenuate, or the fourth wave of the finer line if that is shorter.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+    finer : DataArray (y, x), m
+        a map or a profile (a single row or column), levelled; its lines are tapered by a Hann window.
+
+    Returns
+    -------
+    float
+        0 where the finer spectrum adds nothing.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.uncertainty.magnification import without_shortest_waves
+    >>> finer = rough_reference_surface(128)
+    >>> coarse = without_shortest_waves(finer, 4)
+    >>> 0.0 < growth_by_finer_spectrum(coarse, finer) < 1.0
+    True
+    """
+    own = [(q, c) for q, c in _line_spectra(window, periodic=True)]
+    fine = _line_spectra(finer, periodic=False)
+    limit = max([min(q[-1] for q, _ in own) / 4, *(4 * q[1] for q, _ in fine)])
+    kept = sum(float(np.sum(c[q <= limit])) for q, c in own) / len(own)
+    whole = sum(float(np.sum(c)) for _, c in own) / len(own)
+    added = sum(float(np.sum(c[q > limit])) for q, c in fine) / len(fine)
+    if not whole > 0:
+        return 0.0
+    return max(0.5 * math.log((kept + added) / whole), 0.0)
+
+
+def unresolved_uncertainty(
+    curve: xr.Dataset, solved: xr.Dataset, growth: Growth, *, known: bool = False
+) -> xr.Dataset:
+    """Return one-sided uncertainties due to waves that are not resolved.
+
+    Parameters
+    ----------
+    curve : Dataset
+        from `magnification_curve`.
+    solved : Dataset
+        the result: quantities along `load`.
+    growth : Growth
+        from `expected_growth`, or with the gradient from `growth_by_finer_spectrum`.
+    known : bool
+        whether the growth was measured on a finer spectrum.
+
+    Returns
+    -------
+    Dataset
+        along `load` as of `one_sided`, with `{name}`; the largest pressure has no upper end (infinite) where
+        the gradient has not converged and is not known.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> solved = xr.Dataset({name: ("load", [0.1]) for name in (*QUANTITIES, "mean_pressure")})
+    >>> levels = {f"{name}_at_cutoff": (("load", "cutoff"), [[0.1, 0.12]]) for name in QUANTITIES}
+    >>> found = unresolved_uncertainty(xr.Dataset(levels), solved, Growth(0.5, 1.3, 0))
+    >>> found["max_pressure_shift_up"].item(), found["relative_contact_area_shift_down"].item() > 0.03
+    (inf, True)
+    """
+    changes = {}
+    for variable in curve.data_vars:
+        name = str(variable).removesuffix("_at_cutoff")
+        if name == PRESSURE or name not in solved:
+            continue
+        levels = curve[variable].values
+        if levels.shape[1] < 2:
+            changes[name] = np.zeros(levels.shape[0])
+            continue
+        fine, coarse = (
+            np.nan_to_num(effort(v) if name == AREA else v)
+            for v in levels[:, growth.level : growth.level + 2].T
+        )
+        usable = (fine > 0) & (coarse > 0)
+        change = np.log(np.where(usable, fine, 1.0)) - np.log(np.where(usable, coarse, 1.0))
+        changes[name] = growth.octaves * change
+        if name == AREA:
+            changes[name] = np.minimum(changes[name], -growth.gradient)
+        elif name == PEAK:
+            changes[name] = np.maximum(changes[name], growth.gradient)
+            if growth.gradient > _CONVERGED and not known:
+                changes[name] = np.full_like(change, np.inf)
+    found = one_sided(solved, changes, _FINER_UNCERTAINTY if known else 0.0)
+    larger = {
+        str(name).removesuffix("_shift_up"): np.maximum(values, found[str(name).replace("_up", "_down")])
+        for name, values in found.data_vars.items()
+        if str(name).endswith("_shift_up")
+    }
+    return found.assign(larger)
+
+
+def _line_spectra(height: xr.DataArray, *, periodic: bool) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return for each axis with lines the wavenumbers and their contributions to the mean square slope."""
+    found = []
+    for axis, step in enumerate(spacing(height)):
+        points = height.shape[axis]
+        if points < 8:
+            continue
+        lines = np.moveaxis(height.values, axis, -1).reshape(-1, points)
+        lines = lines - lines.mean(axis=1, keepdims=True)
+        if not periodic:
+            taper = np.hanning(points)
+            lines = lines * taper / math.sqrt(np.mean(taper**2))
+        power = np.mean(np.abs(np.fft.rfft(lines, axis=1)) ** 2, axis=0) / points**2
+        power[1 : (points + 1) // 2] *= 2
+        q = 2 * np.pi * np.fft.rfftfreq(points, step)
+        found.append((q, power * q**2))
+    return found
+
+
+def waves_not_resolved(
+    window: xr.DataArray,
+    curve: xr.Dataset,
+    solved: xr.Dataset,
+    settings: Mapping[str, Mapping[str, Any]],
+    instrument: Mapping[str, Any],
+) -> xr.Dataset:
+    """Return the uncertainty due to waves that a map does not resolve, by its trend or a finer spectrum.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+    curve : Dataset
+        from `magnification_curve`.
+    solved : Dataset
+        the result: quantities along `load`.
+    settings : mapping
+        sections `level` and `window`. Where they leave out the waves below four pixels (S-filter, band),
+        these define what is measured, and nothing is added for shorter ones.
+    instrument : mapping
+        what is known of it; `finer_spectrum` is a path or a map (y, x; m).
+
+    Returns
+    -------
+    Dataset
+        as of `unresolved_uncertainty`.
+    """
+    shortest = float(curve["cutoff_wavelength"][0])
+    band = [settings.get("level", {}).get("s_filter"), settings.get("window", {}).get("shortest_wavelength")]
+    if max(each or 0.0 for each in band) >= _CHOSEN_BAND * shortest:
+        zeros = {
+            name: ("load", np.zeros(solved.sizes["load"])) for name in (*QUANTITIES, *answers_present(solved))
+        }
+        return xr.Dataset(zeros)
+    resolved, reference = shortest_transmitted(instrument), window
+    if resolved > shortest:
+        reference = restored(window, instrument, noise=instrument.get("noise") or 0.0)
+    if tip_radius := instrument.get("tip_radius"):
+        resolved = max(resolved, reliability_length(window, tip_radius))
+        reference = eroded(window, tip_radius)
+    growth = expected_growth(curve, resolved=resolved, reference=rms_gradient(reference))
+    finer = instrument.get("finer_spectrum")
+    if finer is None:
+        return unresolved_uncertainty(curve, solved, growth)
+    if not isinstance(finer, xr.DataArray):
+        finer = read_height_map(finer)
+    known = growth_by_finer_spectrum(window, level(finer, form="plane"))
+    last = growth.gradient / growth.octaves if growth.octaves else 0.0
+    octaves = min(known / last, 4.0) if last > 0 else 0.0
+    return unresolved_uncertainty(curve, solved, Growth(known, octaves, growth.level), known=True)
