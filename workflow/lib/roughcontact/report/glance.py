@@ -204,8 +204,10 @@ def _seals(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell:
     more = []
     for words, name in (("leak rate", "leak_rate"), ("narrowest place", "critical_constriction")):
         if _known(numbers, f"{name}_x"):
-            found = (f"{_unbroken(numbers, f'{name}_{axis}', units, place)} ({axis})" for axis in is_open)
-            more.append(f"{words} {', '.join(found)}")
+            found = {axis: _unbroken(numbers, f"{name}_{axis}", units, place) for axis in is_open}
+            if len(is_open) == 2 and len(set(found.values())) == 1:  # one place decides both ways
+                found = {"x and y": found["x"]}
+            more.append(f"{words} {', '.join(f'{text} ({axis})' for axis, text in found.items())}")
     closed = {"x": "y", "y": "x"}[is_open[0]]
     answer = "leaks" if len(is_open) == 2 else f"seals along {closed}, leaks along {is_open[0]}"
     return Cell(answer + doubt, "; ".join(more))
