@@ -36,7 +36,7 @@ from study import command, environment, results, start_again, write_study
 
 from roughcontact.results.storage import read_dataset
 
-GATHERED = ("results/statistics.nc", "results/summary.csv", "results/report.html")
+GATHERED = ("results/statistics.nc", "results/summary.csv", "results/uncertainty.csv", "results/report.html")
 KINDS = ("script", "scheduler", "group", "writing")
 HANGS = 900.0  # seconds from which a run that does nothing any more is taken for one that never will
 AFTERWARDS = 5.0  # seconds in which jobs have to notice that their run is gone

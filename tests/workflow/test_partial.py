@@ -14,7 +14,7 @@ from roughcontact.report.partial import write_partial_results
 from roughcontact.results.storage import read_dataset
 
 QUICK = SETTINGS | {"uncertainty": {"sources": []}}
-REPORT = ("results/statistics.nc", "results/summary.csv", "results/report.html")
+REPORT = ("results/statistics.nc", "results/summary.csv", "results/uncertainty.csv", "results/report.html")
 
 
 @pytest.fixture

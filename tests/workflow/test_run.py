@@ -24,6 +24,7 @@ EACH += ["panel.html", "panel.json"]
 FILES = [
     "statistics.nc",
     "summary.csv",
+    "uncertainty.csv",
     "report.html",
     *(f"{s}/{f}" for s in ("ground", "turned") for f in EACH),
 ]
@@ -249,7 +250,7 @@ def test_a_case_computes_only_what_it_changes(study):
 
 
 def test_the_folder_of_every_case_is_complete(study):
-    assert files_of(study) == {"statistics.nc", "summary.csv", "report.html"} | {
+    assert files_of(study) == {"statistics.nc", "summary.csv", "uncertainty.csv", "report.html"} | {
         f"{case}/ground/{name}" for case in CASES for name in EACH
     }
     first, second = (
