@@ -170,7 +170,7 @@ def test_the_report_of_snakemake_has_each_surface_with_captions_and_labels(finis
     assert list(categories) == ["All surfaces", "ground", "turned"]
     of_ground = [f"results/ground/{name}" for name in ("panel.html", "statistics.nc")]
     assert sorted(path for paths in categories["ground"].values() for path in paths) == of_ground
-    assert sum(map(len, categories["All surfaces"].values())) == 3
+    assert sum(map(len, categories["All surfaces"].values())) == 4
     for words in (
         "figures and checks",
         "what touches: maps, area and gap against load",
