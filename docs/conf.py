@@ -76,7 +76,7 @@ def escape_bars(app, what, name, obj, options, lines):
 def rubrics_in_modules(app, what, name, obj, options, lines):
     """Make rubrics of the headings in a docstring of a module: numpydoc does not, and modules share pages."""
     if what == "module":
-        text = re.sub(r"^(\w+)\n-+$", r".. rubric:: \1", "\n".join(lines), flags=re.MULTILINE)
+        text = re.sub(r"^(\w+)\n-+$", r".. rubric:: \1\n", "\n".join(lines), flags=re.MULTILINE)
         lines[:] = text.split("\n")
 
 
