@@ -92,6 +92,7 @@ OF_THE_SOLVER |= {"max_penetration"}
 NO_NUMBER = {"height", "filled", "line_offset", "rejected_height", "pressure", "gap", "contact", "x", "y"}
 NO_NUMBER |= {
     "input",
+    "component",
     "verdict",
     "source",
     "choice",
@@ -104,8 +105,7 @@ NO_NUMBER |= {
 NO_NUMBER |= {name for name in VARIABLES if name.startswith("other_") or name.endswith("_difference")}
 ENDINGS = (
     # of an interval or a magnification curve, of the same kind as its number
-    r"_(uncertainty|(map_)?lower|(map_)?upper|parts|choices|half_way|estimate|at_cutoff|(shift_)?down"
-    r"|(shift_)?up|bias)$"
+    r"_(uncertainty|(map_)?lower|(map_)?upper|parts|choices|half_way|estimate|at_cutoff|components)$"
 )
 
 BODIES = (

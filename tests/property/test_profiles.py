@@ -39,7 +39,7 @@ NONE = {
 }
 # of the error budget, sources that ask how fine the grid and how accurate the solver is
 OF_THE_GRID = ["solver", "discretisation", "unresolved", "combined"]
-BY_SOURCE = ("_sensitivity", "_uncertainty", "_down", "_up", "_bias")
+BY_SOURCE = ("_sensitivity", "_uncertainty", "_components")
 
 
 def statistics(heights, pitch, *, along, hardness):

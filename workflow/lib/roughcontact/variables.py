@@ -204,6 +204,7 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     # the components of the intervals
     "degrees_of_freedom": ("1", "degrees of freedom of each uncertainty source"),
     "coverage_factor": ("1", "expanded over standard uncertainty of each source"),
+    "component": (None, "half-width down or up, known bias (upwards), shift of the end down or up"),
     "input": (None, "input that a result is sensitive to"),
     # labels
     "source": (None, "source of an uncertainty; combined: root of the sum of their squares"),
@@ -229,11 +230,7 @@ _OF_INTERVALS = {
     "lower": "lower end of the 95 % interval of the {}",
     "upper": "upper end of the 95 % interval of the {}; none where nothing bounds it",
     "estimate": "value of the {} that the components of its interval refer to",
-    "down": "components of the lower half-width of the {}, without a bias",
-    "up": "components of the upper half-width of the {}, without a bias",
-    "bias": "known bias of the {}, added to its upper end",
-    "shift_down": "one-sided shifts of the lower end of the {}",
-    "shift_up": "one-sided shifts of the upper end of the {}; NaN: without an end",
+    "components": "half-widths, bias and one-sided shifts that the interval of the {} is made of",
     "map_lower": "lower end of the 95 % interval of the {}, of this map and the waves that it holds",
     "map_upper": "upper end of the 95 % interval of the {}, of this map and the waves that it holds",
     "parts": "{} of each part of the window, solved by itself",

@@ -109,18 +109,15 @@ def combine(
         for ending, sources in (("", SOURCES), ("map_", _OF_THE_MAP)):
             down, up = _half_widths(value, parts, [SOURCES.index(source) for source in sources])
             if not ending:
-                columns |= {
-                    f"{name}_{part}": (("load", "source"), _bounded(np.column_stack([values, nothing])))
-                    for part, values in parts.items()
-                    if part != "shown"
-                }
+                made_of = np.stack([np.column_stack([parts[key], nothing]) for key in _PARTS], axis=2)
+                columns[f"{name}_components"] = (("load", "source", "component"), _bounded(made_of))
                 shown = _bounded(np.column_stack([parts["shown"], np.maximum(down, up)]))
                 columns[_uncertainty(name)] = (("load", "source"), shown, {"comment": _COMMENT})
             ends = {"lower": np.maximum(value - down, low), "upper": np.minimum(value + up, high)}
             for end, values in ends.items():
                 comment = {"comment": _ENDS[f"{ending}{end}"]}
                 columns[f"{name}_{ending}{end}"] = ("load", _bounded(values), comment)
-    return xr.Dataset(columns, coords={"source": [*SOURCES, COMBINED]})
+    return xr.Dataset(columns, coords={"source": [*SOURCES, COMBINED], "component": list(_PARTS)})
 
 
 def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
@@ -164,10 +161,13 @@ def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
     for name in (*QUANTITIES, *ANSWERS):
         if f"{name}_uncertainty" not in budget:
             continue
-        part = {key: budget[f"{name}_{key}"].values[:, present] for key in ("uncertainty", *_PARTS)}
+        shown = budget[f"{name}_uncertainty"].values[:, present]
+        part = dict(
+            zip(_PARTS, np.moveaxis(budget[f"{name}_components"].values[:, present], 2, 0), strict=True)
+        )
         unbounded = np.isnan(part["up"]) | np.isnan(part["shift_up"])
         lower, upper = part["down"] / factor, np.where(unbounded, np.inf, part["up"] / factor)
-        known = ~np.isnan(part["uncertainty"]) | unbounded
+        known = ~np.isnan(shown) | unbounded
         rows, columns = np.nonzero(known)
         frames.append(
             pd.DataFrame(

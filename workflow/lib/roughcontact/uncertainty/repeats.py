@@ -31,7 +31,7 @@ def noise_of_repeats(first: xr.DataArray, second: xr.DataArray) -> float:
     """
     names = [each.attrs.get("source_file") or "a map" for each in (first, second)]
     steps = [spacing(each) for each in (first, second)]
-    if first.shape != second.shape or not np.allclose(*steps, rtol=1e-6, atol=0):
+    if first.shape != second.shape or not np.allclose(steps[0], steps[1], rtol=1e-6, atol=0):
         sizes = [f"{each.shape[1]} x {each.shape[0]} points" for each in (first, second)]
         raise HeightMapError(
             f"repeat_of: {names[0]} ({sizes[0]}) and {names[1]} ({sizes[1]}) differ in size "
