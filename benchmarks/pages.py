@@ -22,7 +22,7 @@ BLOCKS = {
     "speed": ROOT / "README.md",
     "aims": RESULTS / "speed.md",
     "window": ROOT / "docs/explanation/surface.md",
-} | dict.fromkeys(("pixels", "answers", "coverage"), ROOT / "docs/explanation/uncertainty.md")
+} | dict.fromkeys(("pixels", "answers", "coverage", "measurement"), ROOT / "docs/explanation/uncertainty.md")
 
 
 def read(folder: Path) -> dict:
