@@ -1,0 +1,160 @@
+"""Doubts about the table of a text: a row above it, thousands separators, row numbers among the heights."""
+
+import re
+from collections import defaultdict
+from itertools import chain, islice
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.text.columns import is_heading
+from roughcontact.io.text.header import parse_header
+from roughcontact.io.text.table import COMMENT_SIGNS, pieces, word_in_row
+
+_LENGTHS = {"length_x", "length_y", "dx", "dy", "step"}  # entries of a header with a decimal sign
+_WIDE = 8  # columns; the headings of so many differ from one another
+_MIN_CELLS = 10  # cells with three digits behind the mark, of which fewer say nothing
+_MAX_CELLS = 200_000  # cells that are compared column by column
+_MIN_COUNTED = 5  # rows or columns; fewer count 1, 2, 3 by chance
+
+
+def refuse_lost_row(
+    header: list[str], width: int, delimiter: str | None, decimal_comma: bool, path: Path
+) -> None:
+    """Refuse a table of `width` columns below a line that is one of its rows except for a word.
+
+    Examples
+    --------
+    >>> refuse_lost_row(["Width: 2 mm"], 4, None, False, Path("map.txt"))
+    >>> refuse_lost_row(["trace", "1.5 hole 2.5 3.5"], 4, None, False, Path("map.txt"))
+    Traceback (most recent call last):
+    roughcontact.errors.InputFileError: map.txt: line 2 has as many cells as the rows of the table below it, \
+most of them numbers, and 'hole': correct it, write NaN for a missing point, or delete the line if it is no \
+row of the map
+    """
+    number = next((place for place in reversed(range(len(header))) if header[place].strip()), None)
+    if number is None:
+        return
+    line = header[number]
+    word = word_in_row(line, width, delimiter, decimal_comma)
+    most = "most of them numbers, and "
+    if word is None:
+        word, most = _repeated_word(line, width, delimiter), "all of them "
+    if word is None or (any(sign in line for sign in ":=") and re.search(r"[^\W\d]\s*[:=]", line)):
+        return
+    if (width <= 3 and (line.strip()[0].isalpha() or line.strip()[0] in COMMENT_SIGNS)) or parse_header(
+        [line]
+    ):
+        return
+    raise InputFileError(
+        f"{path}: line {number + 1} has as many cells as the rows of the table below it, {most}"
+        f"{word[:40]!r}: correct it, write NaN for a missing point, or delete the line if it is no row of "
+        "the map"
+    )
+
+
+def _repeated_word(line: str, width: int, delimiter: str | None) -> str | None:
+    """Return the word that fills a line of a wide table and is neither a heading nor a unit."""
+    cells = [cell.strip() for cell in line.strip().split(delimiter)]
+    same = width >= _WIDE and len(cells) == width and len(set(cells)) == 1 and any(map(str.isalnum, cells[0]))
+    return cells[0] if same and not is_heading(cells[0]) else None
+
+
+def thousands(
+    header: list[str], body: list[str], delimiter: str | None, decimal_comma: bool, path: Path
+) -> list[str]:
+    """Return a warning where all numbers have three digits behind a mark that may separate thousands.
+
+    A number below one, one with four digits in a row or another number of decimals, also in a length of the
+    header, shows that it is a decimal sign.
+
+    Raises
+    ------
+    InputFileError
+        Where a column has whole numbers below a thousand, too, or numbers have commas and others such points.
+
+    Examples
+    --------
+    >>> thousands([], ["1.250 2.500 3.750"] * 4, None, False, Path("map.txt"))[0][:60]
+    "every number has three digits behind its '.', as in '1.250':"
+    >>> thousands([], ["0.250 2.500 3.750"] * 4, None, False, Path("map.txt"))
+    []
+    """
+    mark = "," if decimal_comma else "."
+    if decimal_comma:
+        _refuse_both_marks(body, path)
+    decimal = re.compile(
+        rf"(?<!\d)0+{re.escape(mark)}|(?<!\d){re.escape(mark)}\d|\d{{4}}|\d[eEdD][-+]?\d"
+        rf"|\d{re.escape(mark)}\d{{0,2}}(?!\d)"
+    )
+    lengths = (line for line in header if decimal.search(line) and _LENGTHS & set(parse_header([line])))
+    if any(map(decimal.search, body)) or any(lengths):
+        return []
+    grouped = re.compile(rf"[-+]?[1-9]\d{{0,2}}{re.escape(mark)}\d{{3}}")
+    marked: dict[int, int] = defaultdict(int)
+    whole: dict[int, str] = {}
+    example = ""
+    cells = (
+        cell for line in body for cell in enumerate(chain.from_iterable(pieces(line.strip(), delimiter)))
+    )
+    for column, cell in islice(cells, _MAX_CELLS):
+        text = cell.strip()
+        if grouped.fullmatch(text):
+            marked[column] += 1
+            example = example or text
+        elif re.fullmatch(r"[-+]?[1-9]\d{0,2}", text):
+            whole.setdefault(column, text)
+    if sum(marked.values()) < _MIN_CELLS:
+        return []
+    way_out = "write the numbers without separators of thousands"
+    if mixed := marked.keys() & whole.keys():
+        raise InputFileError(
+            f"{path}: {example!r} and {whole[min(mixed)]!r} in one table, with three digits behind every "
+            f"{mark!r}: it separates thousands or decimals; {way_out}, or with four decimals"
+        )
+    return [
+        (
+            f"every number has three digits behind its {mark!r}, as in {example!r}: it is read as the "
+            f"decimal sign; if it separates thousands, {way_out}"
+        )
+    ]
+
+
+def _refuse_both_marks(body: list[str], path: Path) -> None:
+    """Refuse points as separators of thousands, or decimals, in a table with decimal commas."""
+    number = re.compile(r"(?<![\d.,])\d+([.,])(\d+)(?![\d.,])")
+    if not any("." in line and number.search(line) for line in body):
+        return
+    behind: dict[str, set[int]] = {".": set(), ",": set()}
+    examples: dict[str, str] = {}
+    for found in (found for line in body for found in number.finditer(line)):
+        behind[found[1]].add(len(found[2]))
+        examples.setdefault(found[1], found[0])
+    if len(examples) == 2 and {3} in behind.values():
+        raise InputFileError(
+            f"{path}: {examples[',']!r} and {examples['.']!r} in one table: either mark may be the "
+            "decimal sign or separate thousands; write the numbers without separators of thousands"
+        )
+
+
+def counting(values: np.ndarray) -> list[str]:
+    """Return warnings where the first column or row of a matrix of heights counts from 0 or 1.
+
+    Examples
+    --------
+    >>> counting(np.array([[1, 0.5], [2, 0.7], [3, 0.1], [4, 0.2], [5, 0.9]]))[0][:67]
+    'the first column counts 1, 2, 3 ... and is read as heights: if it h'
+    """
+    found = []
+    for table, name, counted in ((values.T, "column", "row"), (values, "row", "column")):
+        if min(table.shape) < 2 or table.shape[1] < _MIN_COUNTED:
+            continue
+        first = table[0]
+        if first[0] in (0, 1) and np.all(np.diff(first) == 1) and not np.all(np.diff(table[1]) == 1):
+            count = ", ".join(f"{number:.0f}" for number in first[:3])
+            found.append(
+                f"the first {name} counts {count} ... and is read as heights: "
+                f"if it has {counted} numbers, delete it"
+            )
+    return found
