@@ -73,13 +73,13 @@ def read(path: Path) -> MeasuredFile:
     table = parse_table(rows, delimiter, decimal_comma, path, first=first + len(body) - len(rows))
     said = parse_header(header)
     refuse_lost_row(header, table.values.shape[1], delimiter, decimal_comma, path)
-    doubts = thousands(header, rows, delimiter, decimal_comma, path)
-    doubts += [
+    doubts = [
         f"{word!r} stands in {several(count, 'cell')} of the table and is taken for a missing point: "
         "write NaN if it is one, or correct it"
         for word, count in table.spoken.items()
     ]
     remove_marker_values(table.values, [float(said["missing"])] if said.get("missing") is not None else [])
+    doubts += thousands(header, rows, table.values, delimiter, decimal_comma, path)
     file = _file(table, header, said, counts, delimiter, path)
     file.warnings += doubts
     file.instrument = instrument_metadata({word: said.get(key) for word, key in _INSTRUMENT.items()})

@@ -62,12 +62,18 @@ def _repeated_word(line: str, width: int, delimiter: str | None) -> str | None:
 
 
 def thousands(
-    header: list[str], body: list[str], delimiter: str | None, decimal_comma: bool, path: Path
+    header: list[str],
+    body: list[str],
+    values: np.ndarray,
+    delimiter: str | None,
+    decimal_comma: bool,
+    path: Path,
 ) -> list[str]:
     """Return a warning where all numbers have three digits behind a mark that may separate thousands.
 
     A number below one, one with four digits in a row or another number of decimals, also in a length of the
-    header, shows that it is a decimal sign.
+    header, shows that the mark is a decimal sign. `values` are the numbers of the whole table; their text is
+    compared in the first cells.
 
     Raises
     ------
@@ -76,29 +82,28 @@ def thousands(
 
     Examples
     --------
-    >>> thousands([], ["1.250 2.500 3.750"] * 4, None, False, Path("map.txt"))[0][:60]
+    >>> thousands([], ["1.250 2.500"] * 5, np.array([[1.25, 2.5]] * 5), None, False, Path("map.txt"))[0][:60]
     "every number has three digits behind its '.', as in '1.250':"
-    >>> thousands([], ["0.250 2.500 3.750"] * 4, None, False, Path("map.txt"))
+    >>> thousands([], ["0.250 2.500"] * 5, np.array([[0.25, 2.5]] * 5), None, False, Path("map.txt"))
     []
     """
-    mark = "," if decimal_comma else "."
     if decimal_comma:
         _refuse_both_marks(body, path)
-    decimal = re.compile(
-        rf"(?<!\d)0+{re.escape(mark)}|(?<!\d){re.escape(mark)}\d|\d{{4}}|\d[eEdD][-+]?\d"
-        rf"|\d{re.escape(mark)}\d{{0,2}}(?!\d)"
-    )
+    if not _in_thousandths(values):
+        return []
+    sign = "," if decimal_comma else "."
+    mark = re.escape(sign)
+    decimal = re.compile(rf"(?<!\d)0+{mark}|(?<!\d){mark}\d|\d{{4}}|\d[eEdD][-+]?\d|\d{mark}\d{{0,2}}(?!\d)")
+    body = body[: 1 + _MAX_CELLS // values.shape[1]]
     lengths = (line for line in header if decimal.search(line) and _LENGTHS & set(parse_header([line])))
     if any(map(decimal.search, body)) or any(lengths):
         return []
-    grouped = re.compile(rf"[-+]?[1-9]\d{{0,2}}{re.escape(mark)}\d{{3}}")
+    grouped = re.compile(rf"[-+]?[1-9]\d{{0,2}}{mark}\d{{3}}")
     marked: dict[int, int] = defaultdict(int)
     whole: dict[int, str] = {}
     example = ""
-    cells = (
-        cell for line in body for cell in enumerate(chain.from_iterable(pieces(line.strip(), delimiter)))
-    )
-    for column, cell in islice(cells, _MAX_CELLS):
+    rows = (chain.from_iterable(pieces(line.strip(), delimiter)) for line in body)
+    for column, cell in islice((cell for row in rows for cell in enumerate(row)), _MAX_CELLS):
         text = cell.strip()
         if grouped.fullmatch(text):
             marked[column] += 1
@@ -111,14 +116,21 @@ def thousands(
     if mixed := marked.keys() & whole.keys():
         raise InputFileError(
             f"{path}: {example!r} and {whole[min(mixed)]!r} in one table, with three digits behind every "
-            f"{mark!r}: it separates thousands or decimals; {way_out}, or with four decimals"
+            f"{sign!r}: it separates thousands or decimals; {way_out}, or with four decimals"
         )
     return [
         (
-            f"every number has three digits behind its {mark!r}, as in {example!r}: it is read as the "
+            f"every number has three digits behind its {sign!r}, as in {example!r}: it is read as the "
             f"decimal sign; if it separates thousands, {way_out}"
         )
     ]
+
+
+def _in_thousandths(values: np.ndarray) -> bool:
+    """Return whether all numbers are 0 or, without their sign, thousandths between 1 and 1000."""
+    numbers = np.abs(values[np.isfinite(values) & (values != 0)])
+    within = numbers.size > 0 and numbers.min() >= 1 and numbers.max() < 1000
+    return bool(within and np.all(np.abs(1000 * numbers - np.rint(1000 * numbers)) < 1e-6))
 
 
 def _refuse_both_marks(body: list[str], path: Path) -> None:
