@@ -53,7 +53,7 @@ def read(tmp_path, text, **arguments):
     return read_height_map(path, **({"dx": 1, "dy": 1, "unit": "um", "height_unit": "nm"} | arguments))
 
 
-def told(height):
+def warnings_of(height):
     return " | ".join(json.loads(height.attrs["ingest_warnings"]))
 
 
@@ -82,9 +82,16 @@ DIALECTS = {
     ),
     "a first row of unknown words": (
         marked("n.b.", *((0, place) for place in range(16))),
-        "all of them 'n.b.'",
+        LOST.format("'n.b.'"),
         "",
     ),
+    "a first row of more unknown words than numbers": (
+        marked("n.b.", *((0, place) for place in range(12))),
+        LOST.format("'n.b.'"),
+        "",
+    ),
+    "units of all columns": ("\t".join(["nm"] * 16) + "\n" + text_of(rows_of()), ROUGH, ""),
+    "one name of all columns": ("\t".join(["Profile"] * 16) + "\n" + text_of(rows_of()), ROUGH, ""),
     "below a title": ("scan of Monday\n\n" + marked("n.b.", CORNER), "line 3 has as many cells", ""),
     "semicolons and commas": (
         marked("n.b.", CORNER, separator=";").replace(".", ","),
@@ -93,20 +100,20 @@ DIALECTS = {
     ),
     "unknown word in a later row": (marked("n.b.", (8, 3)), NO_ROW.format(9), ""),
     "hash at the beginning of a later row": (marked("#", (8, 0)), NO_ROW.format(9), ""),
-    "known word in the first row": (marked("out", CORNER), without(CORNER), "'out' stands in 1 cell"),
+    "known word in the first row": (marked("out", CORNER), without(CORNER), "'out' occurs in 1 cell"),
     "known word in the last row": (
         marked("Ungültig", (11, 15)),
         without((11, 15)),
-        "'Ungültig' stands in 1 cell",
+        "'Ungültig' occurs in 1 cell",
     ),
     "known word at both ends": (
         marked("undefined", CORNER, (11, 15)),
         without(CORNER, (11, 15)),
-        "'undefined' stands in 2 cells",
+        "'undefined' occurs in 2 cells",
     ),
     "No Data in the first row": (marked("No Data", CORNER), without(CORNER), ""),
     "No Data in the first row, blanks": (marked("No Data", CORNER, separator=" "), without(CORNER), ""),
-    "out of range in the first row": (marked("Out of range", (0, 2)), without((0, 2)), "'outofrange' stands"),
+    "out of range in the first row": (marked("Out of range", (0, 2)), without((0, 2)), "'outofrange' occurs"),
     # lines that are headings
     "a comment of numbers": ("# " + "\t".join(map(str, range(16))) + "\n" + text_of(rows_of()), ROUGH, ""),
     "an entry with a word for missing points": ("Masked\t12\n" + text_of(rows_of()), ROUGH, ""),
@@ -169,7 +176,7 @@ DIALECTS = {
     "empty of MySQL": (marked(r"\N", CORNER, (5, 0)), without(CORNER, (5, 0)), ""),
     "error of Excel": (marked("#NAME?", CORNER, (5, 0)), without(CORNER, (5, 0)), ""),
 }
-DOUBTS = ("stands in", "three digits", "counts", "is taken for a missing")
+DOUBTS = ("occurs in", "three digits", "counts", "is taken as missing")
 
 
 @pytest.mark.parametrize("name", DIALECTS)
@@ -181,18 +188,18 @@ def test_a_dialect_is_right_or_refused_or_named(tmp_path, name):
         return
     height = read(tmp_path, text)
     np.testing.assert_allclose(height.values[::-1], right * 1e-9, rtol=1e-14)
-    assert warning in told(height)
+    assert warning in warnings_of(height)
     if not warning:
-        assert not [words for words in DOUBTS if words in told(height)]
+        assert not [words for words in DOUBTS if words in warnings_of(height)]
 
 
 def test_the_refusal_of_a_row_above_the_table(tmp_path):
     with pytest.raises(InputFileError) as caught:
         read(tmp_path, "Width: 16 um\nHeight: 12 um\n" + marked("n.b.", (0, 7)))
     assert str(caught.value) == (
-        f"{tmp_path / 'map.txt'}: line 3 has as many cells as the rows of the table below it, most of them "
-        "numbers, and 'n.b.': correct it, write NaN for a missing point, or delete the line if it is no row "
-        "of the map"
+        f"{tmp_path / 'map.txt'}: line 3 has as many cells as the rows of the table below it, and 'n.b.' in "
+        "place of a number: correct it, write NaN for a missing point, or delete the line if it is no row of "
+        "the map"
     )
 
 
@@ -211,21 +218,23 @@ def test_the_first_point_of_a_list_is_no_heading(tmp_path):
     expected = ROUGH[:3, :4] * 1e-9
     expected[0, 0] = np.nan
     np.testing.assert_allclose(height.values, expected, rtol=1e-14)
-    assert "'undef' stands in 1 cell" in told(height)
+    assert "'undef' occurs in 1 cell" in warnings_of(height)
 
 
 def test_a_length_of_the_header_shows_the_decimal_sign(tmp_path):
     table = text_of(rows_of(COUNTS / 1e3, "{:.3f}"))
-    assert THOUSANDS.format(".") in told(read(tmp_path, table))
+    assert THOUSANDS.format(".") in warnings_of(read(tmp_path, table))
     height = read(tmp_path, "Width: 16.5 um\nHeight: 12.0 um\n" + table, dx=None, dy=None)
-    assert "three digits" not in told(height)
+    assert "three digits" not in warnings_of(height)
     np.testing.assert_allclose(height.values[::-1], COUNTS * 1e-12, rtol=1e-14)
 
 
 def test_positions_that_count_are_no_row_numbers(tmp_path):
     profile = "".join(f"{place}\t{value:g}\n" for place, value in enumerate(ROUGH[0]))
-    assert "counts" not in told(read(tmp_path, profile, dx=None, dy=None))
-    assert "counts" not in told(read(tmp_path, text_of(rows_of(np.add.outer(np.arange(9), np.arange(9))))))
+    assert "counts" not in warnings_of(read(tmp_path, profile, dx=None, dy=None))
+    assert "counts" not in warnings_of(
+        read(tmp_path, text_of(rows_of(np.add.outer(np.arange(9), np.arange(9)))))
+    )
 
 
 @pytest.mark.parametrize("shape", [(9, 13), (10, 10), (11, 18)])

@@ -74,8 +74,8 @@ def read(path: Path) -> MeasuredFile:
     said = parse_header(header)
     refuse_lost_row(header, table.values.shape[1], delimiter, decimal_comma, path)
     doubts = [
-        f"{word!r} stands in {several(count, 'cell')} of the table and is taken for a missing point: "
-        "write NaN if it is one, or correct it"
+        f"{word!r} occurs in {several(count, 'cell')} of the table and is taken as missing: "
+        "write NaN if the point is missing, or correct it"
         for word, count in table.spoken.items()
     ]
     remove_marker_values(table.values, [float(said["missing"])] if said.get("missing") is not None else [])

@@ -8,12 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.text.columns import is_heading
 from roughcontact.io.text.header import parse_header
 from roughcontact.io.text.table import COMMENT_SIGNS, pieces, word_in_row
 
 _LENGTHS = {"length_x", "length_y", "dx", "dy", "step"}  # entries of a header with a decimal sign
-_WIDE = 8  # columns; the headings of so many differ from one another
 _MIN_CELLS = 10  # cells with three digits behind the mark, of which fewer say nothing
 _MAX_CELLS = 200_000  # cells that are compared column by column
 _MIN_COUNTED = 5  # rows or columns; fewer count 1, 2, 3 by chance
@@ -30,7 +28,7 @@ def refuse_lost_row(
     >>> refuse_lost_row(["trace", "1.5 hole 2.5 3.5"], 4, None, False, Path("map.txt"))
     Traceback (most recent call last):
     roughcontact.errors.InputFileError: map.txt: line 2 has as many cells as the rows of the table below it, \
-most of them numbers, and 'hole': correct it, write NaN for a missing point, or delete the line if it is no \
+and 'hole' in place of a number: correct it, write NaN for a missing point, or delete the line if it is no \
 row of the map
     """
     number = next((place for place in reversed(range(len(header))) if header[place].strip()), None)
@@ -38,27 +36,15 @@ row of the map
         return
     line = header[number]
     word = word_in_row(line, width, delimiter, decimal_comma)
-    most = "most of them numbers, and "
-    if word is None:
-        word, most = _repeated_word(line, width, delimiter), "all of them "
-    if word is None or (any(sign in line for sign in ":=") and re.search(r"[^\W\d]\s*[:=]", line)):
+    if word is None or re.search(r"[^\W\d]\s*[:=]", line) or parse_header([line]):
         return
-    if (width <= 3 and (line.strip()[0].isalpha() or line.strip()[0] in COMMENT_SIGNS)) or parse_header(
-        [line]
-    ):
+    if width <= 3 and (line.strip()[0].isalpha() or line.strip()[0] in COMMENT_SIGNS):
         return
     raise InputFileError(
-        f"{path}: line {number + 1} has as many cells as the rows of the table below it, {most}"
-        f"{word[:40]!r}: correct it, write NaN for a missing point, or delete the line if it is no row of "
-        "the map"
+        f"{path}: line {number + 1} has as many cells as the rows of the table below it, and {word[:40]!r} "
+        "in place of a number: correct it, write NaN for a missing point, or delete the line if it is no row "
+        "of the map"
     )
-
-
-def _repeated_word(line: str, width: int, delimiter: str | None) -> str | None:
-    """Return the word that fills a line of a wide table and is neither a heading nor a unit."""
-    cells = [cell.strip() for cell in line.strip().split(delimiter)]
-    same = width >= _WIDE and len(cells) == width and len(set(cells)) == 1 and any(map(str.isalnum, cells[0]))
-    return cells[0] if same and not is_heading(cells[0]) else None
 
 
 def thousands(

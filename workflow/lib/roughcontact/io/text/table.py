@@ -13,6 +13,7 @@ import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.guards import brief, check_points
+from roughcontact.io.text.columns import is_heading
 from roughcontact.io.text.missing import is_missing, is_spoken, joined
 from roughcontact.quantities import several
 
@@ -21,6 +22,7 @@ _FORTRAN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)")  # double pre
 _MAX_HEADER_LINES = 100_000  # without empty lines
 _CHUNK_CHARACTERS = 2**20  # of a line, split at a time
 _MAX_PREFIX = 2**16  # characters of a line that decide whether it contains numbers
+_WIDE = 8  # columns; the headings of so many differ from one another
 _MAX_CELL = 64  # characters of a cell, on the average
 _WHITE = re.compile(r"\s")
 
@@ -261,8 +263,8 @@ def _refuse_unequal_rows(counts: array, path: Path) -> None:
 def word_in_row(line: str, width: int, delimiter: str | None, decimal_comma: bool) -> str | None:
     """Return the first word in a line that is a row of a table but for it: most of its cells are numbers.
 
-    The line has the `width` of the table; beside eight columns and more, a lost separator or a blank in a
-    word may make one cell less or more. None for other lines.
+    The line has the `width` of the table. In eight columns and more, a lost separator or a blank in a word
+    may make one cell fewer or more, and one repeated word may fill most of the cells. None for other lines.
 
     Examples
     --------
@@ -276,7 +278,7 @@ def word_in_row(line: str, width: int, delimiter: str | None, decimal_comma: boo
     while len(cells) > width and not cells[-1]:
         cells.pop()
     comment = bool(cells[0]) and cells[0][0] in COMMENT_SIGNS
-    if abs(len(cells) - width) > (width >= 8 and not comment) or (comment and len(cells[0]) > 1):
+    if abs(len(cells) - width) > (width >= _WIDE and not comment) or (comment and len(cells[0]) > 1):
         return None
     words, numbers, finite = [], 0, 0
     for cell in cells:
@@ -285,7 +287,12 @@ def word_in_row(line: str, width: int, delimiter: str | None, decimal_comma: boo
             numbers += bool(cell)
         except ValueError:
             words.append(cell)
-    return words[0] if words and finite and 2 * numbers > len(cells) else None
+    if words and finite and 2 * numbers > len(cells):
+        return words[0]
+    repeated = len(set(words)) == 1 < len(words) and len(cells) == width >= _WIDE
+    if repeated and any(map(str.isalnum, words[0])) and not is_heading(words[0]):
+        return words[0]
+    return None
 
 
 def _append(numbers: array, text: str, delimiter: str | None, spoken: Counter[str]) -> tuple[int, int]:
