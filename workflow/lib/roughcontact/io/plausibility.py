@@ -222,8 +222,9 @@ def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -
             "steps, not the surface"
         )
     for value, name in ((low, "lowest"), (high, "highest")):
-        share = np.count_nonzero(measured == value) / measured.size
-        if share > _PLATEAU:
+        count = np.count_nonzero(measured == value)
+        share = count / measured.size
+        if count > 1 and share > _PLATEAU:  # one point is always at the extreme
             found.append(
                 f"{percent(share)} of the points have exactly the {name} height ({quantity(value, 'm')}): "
                 "the instrument was saturated there, or this marks missing points"

@@ -23,8 +23,10 @@ from roughcontact.io.guards import check_memory
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.text.columns import Column, headed, unit_of_heights
+from roughcontact.io.text.doubts import counting, refuse_lost_row, thousands
 from roughcontact.io.text.header import parse_header
 from roughcontact.io.text.lines import lines_of, looks_like_text
+from roughcontact.io.text.missing import remove_marker_values
 from roughcontact.io.text.point_grid import points_on_grid
 from roughcontact.io.text.table import (
     Table,
@@ -35,11 +37,11 @@ from roughcontact.io.text.table import (
     unquoted,
 )
 from roughcontact.io.units import is_length, metres, same_length
+from roughcontact.quantities import several
 
 _MEMORY_PER_BYTE = 12  # bytes of memory per byte of text: lines, their cells, numbers
 _SIZES = {"length_x", "length_y", "dx", "dy", "step", "nx", "ny"}  # header entries on the size of a map
 _MAX_NARROW_ROWS = 1000  # rows of two or three columns that may be a map
-_MISSING_VALUES = (1.70141e38, 3.40282e38)  # written by Surfer and others for missing points
 _DEPTHS = ("depth", "tiefe", "profond", "profund")  # prefixes of headings that may be positive downwards
 # key of `roughcontact.io.metadata` -> key of the header
 _INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquisition_time": "date"}
@@ -70,11 +72,16 @@ def read(path: Path) -> MeasuredFile:
     counts, rows = counted(body, delimiter)
     table = parse_table(rows, delimiter, decimal_comma, path, first=first + len(body) - len(rows))
     said = parse_header(header)
-    if said.get("missing") is not None:
-        table.values[table.values == float(said["missing"])] = np.nan
-    for blank in _MISSING_VALUES:
-        table.values[np.abs(np.abs(table.values) / blank - 1) < 1e-5] = np.nan
+    refuse_lost_row(header, table.values.shape[1], delimiter, decimal_comma, path)
+    doubts = [
+        f"{word!r} occurs in {several(count, 'cell')} of the table and is taken as missing: "
+        "write NaN if the point is missing, or correct it"
+        for word, count in table.spoken.items()
+    ]
+    remove_marker_values(table.values, [float(said["missing"])] if said.get("missing") is not None else [])
+    doubts += thousands(header, rows, table.values, delimiter, decimal_comma, path)
     file = _file(table, header, said, counts, delimiter, path)
+    file.warnings += doubts
     file.instrument = instrument_metadata({word: said.get(key) for word, key in _INSTRUMENT.items()})
     return file
 
@@ -113,7 +120,9 @@ def _file(
         return _one_column(values, columns, said, path)
     if count not in (2, 3) or rows <= 2 or _is_stated_matrix(values, said):
         _refuse_unnamed_points(values, said, path)
-        return _matrix(values, said, path)
+        file = _matrix(values, said, path)
+        file.warnings += counting(values)
+        return file
     columns = columns or [Column("", None, "")] * count
     return _point_list(values, columns, list(range(count)), said, path, named=False)
 

@@ -108,6 +108,12 @@ def unit_of_heights(lines: Sequence[str]) -> str | None:
     return None
 
 
+def is_heading(cell: str) -> bool:
+    """Return whether a cell is a known heading or has a unit."""
+    column = _column(cell)
+    return bool(column.role or column.unit)
+
+
 def _indexed(columns: list[Column]) -> list[Column]:
     """Return the columns; a first column without a heading among others with headings is a row index."""
     first = columns[0]

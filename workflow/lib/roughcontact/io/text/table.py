@@ -4,26 +4,26 @@ import csv
 import re
 from array import array
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.guards import brief, check_points
+from roughcontact.io.text.columns import is_heading
+from roughcontact.io.text.missing import is_missing, is_spoken, joined
 from roughcontact.quantities import several
 
-_MISSING = {
-    *("nan", "na", "n/a", "bad", "null", "none", "void", "nodata", "invalid", "inf", "+inf", "-inf", ""),
-    *("1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan", "nan(ind)", "-nan(ind)", "1.#inf", "-1.#inf"),  # by C
-    *("#n/a", "#nv", "#null!", "#num!", "#div/0!", "#value!", "#wert!"),  # by spreadsheets
-}
-_FILLING = "-*?"  # characters that stand for a missing point, repeated any number of times
+COMMENT_SIGNS = "#%;!\\*/"  # at the beginning of a line
 _FORTRAN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)")  # double precision, 1.5D-03
 _MAX_HEADER_LINES = 100_000  # without empty lines
 _CHUNK_CHARACTERS = 2**20  # of a line, split at a time
 _MAX_PREFIX = 2**16  # characters of a line that decide whether it contains numbers
+_WIDE = 8  # columns; the headings of so many differ from one another
+_MAX_CELL = 64  # characters of a cell, on the average
 _WHITE = re.compile(r"\s")
 
 
@@ -38,12 +38,15 @@ class Table(NamedTuple):
         Columns of nothing but empty cells on both sides.
     empty_corner : bool
         Whether the first cell of the first row is empty.
+    spoken : dict
+        Words that were taken as missing, with a meaning besides -> how often.
     """
 
     values: np.ndarray
     empty_left: int = 0
     empty_right: int = 0
     empty_corner: bool = False
+    spoken: Mapping[str, int] = MappingProxyType({})
 
 
 def split_header(lines: list[str], path: Path) -> tuple[list[str], list[str]]:
@@ -200,13 +203,13 @@ def _parse(
     body: list[str], delimiter: str | None, decimal_comma: bool, path: Path, first: int, closed: bool
 ) -> Table:
     """Return the numbers of a table, whose lines may end with a delimiter."""
-    numbers, counts = array("d"), array("q")
+    numbers, counts, spoken = array("d"), array("q"), Counter[str]()
     sides: tuple[int, int] | None = None
     corner, empty_rows = False, 0
     for number, text in _rows(body, delimiter, decimal_comma, first, closed):
         before = len(numbers)
         try:
-            empty = _append(numbers, text, delimiter)
+            empty = _append(numbers, text, delimiter, spoken)
         except ValueError as error:
             raise InputFileError(
                 f"{path}: line {number} is no row of numbers ({brief(error)}); leave the table alone "
@@ -222,21 +225,27 @@ def _parse(
     _refuse_unequal_rows(counts, path)
     shape = len(counts), counts[0]
     check_points(shape, path)
-    return Table(np.array(numbers).reshape(shape), *(sides or (0, 0)), corner)
+    return Table(np.array(numbers).reshape(shape), *(sides or (0, 0)), corner, spoken)
 
 
 def _rows(
     body: list[str], delimiter: str | None, decimal_comma: bool, first: int, closed: bool
 ) -> Iterator[tuple[int, str]]:
     """Yield the number and the text, with decimal points, of each line that is not empty and no comment."""
+    row = ""
     for number, line in enumerate(body, start=first):
         text = line.strip(" \r\f" if delimiter == "\t" else None)
-        if not text or text.isspace() or (text.lstrip()[0] in "#%" and not _starts_with_missing(text)):
+        if not text or text.isspace():
             continue
+        if text.lstrip()[0] in "#%" and not _starts_with_missing(text):
+            width = len(row.split(delimiter))
+            if word_in_row(text, width, delimiter, decimal_comma) is None:
+                continue
         if decimal_comma:
             text = text.replace(",", ".")
         if delimiter is not None and closed:
             text = text.rstrip().removesuffix(delimiter)
+        row = text
         yield number, text
 
 
@@ -251,12 +260,50 @@ def _refuse_unequal_rows(counts: array, path: Path) -> None:
         raise _UnequalRowsError(f"{path}: row {bad + 1} has {found} where the others have {width}{cut}")
 
 
-def _append(numbers: array, text: str, delimiter: str | None) -> tuple[int, int]:
-    """Append the numbers of a row; return the numbers of empty cells at its beginning and at its end."""
+def word_in_row(line: str, width: int, delimiter: str | None, decimal_comma: bool) -> str | None:
+    """Return the first word in a line that is a row of a table but for it: most of its cells are numbers.
+
+    The line has the `width` of the table. In eight columns and more, a lost separator or a blank in a word
+    may make one cell fewer or more, and one repeated word may fill most of the cells. None for other lines.
+
+    Examples
+    --------
+    >>> word_in_row("1.5 hole 2.5 3", 4, None, False), word_in_row("# 1 2 3", 3, None, False)
+    ('hole', None)
+    """
+    if not width or len(line) > width * _MAX_CELL:
+        return None
+    text = joined(line.strip(" \r\f\n"))
+    cells = [cell.strip() for cell in (text.replace(",", ".") if decimal_comma else text).split(delimiter)]
+    while len(cells) > width and not cells[-1]:
+        cells.pop()
+    comment = bool(cells[0]) and cells[0][0] in COMMENT_SIGNS
+    if abs(len(cells) - width) > (width >= _WIDE and not comment) or (comment and len(cells[0]) > 1):
+        return None
+    words, numbers, finite = [], 0, 0
+    for cell in cells:
+        try:
+            finite += bool(np.isfinite(_number(cell)))
+            numbers += bool(cell)
+        except ValueError:
+            words.append(cell)
+    if words and finite and 2 * numbers > len(cells):
+        return words[0]
+    repeated = len(set(words)) == 1 < len(words) and len(cells) == width >= _WIDE
+    if repeated and any(map(str.isalnum, words[0])) and not is_heading(words[0]):
+        return words[0]
+    return None
+
+
+def _append(numbers: array, text: str, delimiter: str | None, spoken: Counter[str]) -> tuple[int, int]:
+    """Append the numbers of a row; return the numbers of empty cells at its beginning and at its end.
+
+    Words that are taken as missing but may have another meaning are counted in `spoken`.
+    """
     if "_" not in text:  # Python would read 1_000
         before = len(numbers)
         try:
-            for tokens in _pieces(text, delimiter):
+            for tokens in pieces(text, delimiter):
                 numbers.extend(map(float, tokens))
         except ValueError:
             del numbers[before:]
@@ -264,15 +311,21 @@ def _append(numbers: array, text: str, delimiter: str | None) -> tuple[int, int]
             if "n" not in text and "N" not in text:  # "inf" stands for a missing point
                 return 0, 0
             del numbers[before:]
-    text = re.sub(r"\bno data\b", "nan", text, flags=re.IGNORECASE)
-    tokens = text.split(delimiter)
+    tokens = joined(text).split(delimiter)
     numbers.extend([_number(token) for token in tokens])
+    spoken.update(filter(is_spoken, map(str.strip, tokens)))
     filled = [place for place, token in enumerate(tokens) if token.strip()]
     return (filled[0], len(tokens) - 1 - filled[-1]) if filled else (len(tokens), len(tokens))
 
 
-def _pieces(text: str, delimiter: str | None) -> Iterator[list[str]]:
-    """Yield the cells of a line, in chunks for a long line: a list of all cells takes 30 times its memory."""
+def pieces(text: str, delimiter: str | None) -> Iterator[list[str]]:
+    """Yield the cells of a line, in chunks for a long line.
+
+    Yields
+    ------
+    list of str
+        Up to a million characters of the line: a list of all its cells takes 30 times its memory.
+    """
     start = 0
     while len(text) - start > _CHUNK_CHARACTERS:
         if delimiter is None:
@@ -291,33 +344,35 @@ def _is_data(line: str) -> bool:
     """Return whether a line is a row of numbers."""
     if re.match(r";[-+.\d]", line) and ";" in line[1:]:  # an empty first cell, no comment
         line = line[1:]
-    if not line.strip() or (line.lstrip()[0] in "#%;!\\*/" and not _starts_with_missing(line)):
+    if not line.strip() or (line.lstrip()[0] in COMMENT_SIGNS and not _starts_with_missing(line)):
         return False
-    tokens = re.split(r'[;\t,\s"]+', line[:_MAX_PREFIX].strip().strip(';,"'))
+    text = joined(line[:_MAX_PREFIX])
+    tokens = re.split(r'[;\t,\s"]+', text.strip().strip(';,"'))
     if len(line) > _MAX_PREFIX:
         tokens.pop()  # it may be half a number
     try:
         values = [_number(token) for token in tokens]
     except ValueError:
         return False
+    if (
+        0 < len(values) <= 3
+        and tokens[0][:1].isalpha()
+        and (is_spoken(tokens[0]) or text != line[:_MAX_PREFIX])
+    ):
+        return False  # "Masked 12" is an entry of the header
     ruled = "---" in line and not any(map(str.isalnum, line))  # a line drawn below headings
     return bool(np.isfinite(values).any()) or (len(values) > 1 and not ruled)
 
 
 def _starts_with_missing(line: str) -> bool:
     """Return whether a line begins with a token for a missing point, such as ``#N/A`` or ``***``."""
-    return _is_missing(re.split(r"[;\t,\s]", line[:_MAX_PREFIX].lstrip(), maxsplit=1)[0])
-
-
-def _is_missing(word: str) -> bool:
-    """Return whether a token without blanks around it stands for a missing point."""
-    return word.lower() in _MISSING or not word.strip(_FILLING)
+    return is_missing(re.split(r"[;\t,\s]", line[:_MAX_PREFIX].lstrip(), maxsplit=1)[0])
 
 
 def _number(token: str) -> float:
     """Return the value of a token, NaN for one that stands for a missing point."""
     token = token.strip()
-    if _is_missing(token):
+    if is_missing(token):
         return np.nan
     if "_" in token:  # Python would read 1_000
         raise ValueError(f"no number: {token!r}")

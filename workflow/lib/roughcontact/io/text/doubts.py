@@ -1,0 +1,158 @@
+"""Doubts about the table of a text: a row above it, thousands separators, row numbers among the heights."""
+
+import re
+from collections import defaultdict
+from itertools import chain, islice
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.text.header import parse_header
+from roughcontact.io.text.table import COMMENT_SIGNS, pieces, word_in_row
+
+_LENGTHS = {"length_x", "length_y", "dx", "dy", "step"}  # entries of a header with a decimal sign
+_MIN_CELLS = 10  # cells with three digits behind the mark, of which fewer say nothing
+_MAX_CELLS = 200_000  # cells that are compared column by column
+_MIN_COUNTED = 5  # rows or columns; fewer count 1, 2, 3 by chance
+
+
+def refuse_lost_row(
+    header: list[str], width: int, delimiter: str | None, decimal_comma: bool, path: Path
+) -> None:
+    """Refuse a table of `width` columns below a line that is one of its rows except for a word.
+
+    Examples
+    --------
+    >>> refuse_lost_row(["Width: 2 mm"], 4, None, False, Path("map.txt"))
+    >>> refuse_lost_row(["trace", "1.5 hole 2.5 3.5"], 4, None, False, Path("map.txt"))
+    Traceback (most recent call last):
+    roughcontact.errors.InputFileError: map.txt: line 2 has as many cells as the rows of the table below it, \
+and 'hole' in place of a number: correct it, write NaN for a missing point, or delete the line if it is no \
+row of the map
+    """
+    number = next((place for place in reversed(range(len(header))) if header[place].strip()), None)
+    if number is None:
+        return
+    line = header[number]
+    word = word_in_row(line, width, delimiter, decimal_comma)
+    if word is None or re.search(r"[^\W\d]\s*[:=]", line) or parse_header([line]):
+        return
+    if width <= 3 and (line.strip()[0].isalpha() or line.strip()[0] in COMMENT_SIGNS):
+        return
+    raise InputFileError(
+        f"{path}: line {number + 1} has as many cells as the rows of the table below it, and {word[:40]!r} "
+        "in place of a number: correct it, write NaN for a missing point, or delete the line if it is no row "
+        "of the map"
+    )
+
+
+def thousands(
+    header: list[str],
+    body: list[str],
+    values: np.ndarray,
+    delimiter: str | None,
+    decimal_comma: bool,
+    path: Path,
+) -> list[str]:
+    """Return a warning where all numbers have three digits behind a mark that may separate thousands.
+
+    A number below one, one with four digits in a row or another number of decimals, also in a length of the
+    header, shows that the mark is a decimal sign. `values` are the numbers of the whole table; their text is
+    compared in the first cells.
+
+    Raises
+    ------
+    InputFileError
+        Where a column has whole numbers below a thousand, too, or numbers have commas and others such points.
+
+    Examples
+    --------
+    >>> thousands([], ["1.250 2.500"] * 5, np.array([[1.25, 2.5]] * 5), None, False, Path("map.txt"))[0][:60]
+    "every number has three digits behind its '.', as in '1.250':"
+    >>> thousands([], ["0.250 2.500"] * 5, np.array([[0.25, 2.5]] * 5), None, False, Path("map.txt"))
+    []
+    """
+    if decimal_comma:
+        _refuse_both_marks(body, path)
+    if not _in_thousandths(values):
+        return []
+    sign = "," if decimal_comma else "."
+    mark = re.escape(sign)
+    decimal = re.compile(rf"(?<!\d)0+{mark}|(?<!\d){mark}\d|\d{{4}}|\d[eEdD][-+]?\d|\d{mark}\d{{0,2}}(?!\d)")
+    body = body[: 1 + _MAX_CELLS // values.shape[1]]
+    lengths = (line for line in header if decimal.search(line) and _LENGTHS & set(parse_header([line])))
+    if any(map(decimal.search, body)) or any(lengths):
+        return []
+    grouped = re.compile(rf"[-+]?[1-9]\d{{0,2}}{mark}\d{{3}}")
+    marked: dict[int, int] = defaultdict(int)
+    whole: dict[int, str] = {}
+    example = ""
+    rows = (chain.from_iterable(pieces(line.strip(), delimiter)) for line in body)
+    for column, cell in islice((cell for row in rows for cell in enumerate(row)), _MAX_CELLS):
+        text = cell.strip()
+        if grouped.fullmatch(text):
+            marked[column] += 1
+            example = example or text
+        elif re.fullmatch(r"[-+]?[1-9]\d{0,2}", text):
+            whole.setdefault(column, text)
+    if sum(marked.values()) < _MIN_CELLS:
+        return []
+    way_out = "write the numbers without separators of thousands"
+    if mixed := marked.keys() & whole.keys():
+        raise InputFileError(
+            f"{path}: {example!r} and {whole[min(mixed)]!r} in one table, with three digits behind every "
+            f"{sign!r}: it separates thousands or decimals; {way_out}, or with four decimals"
+        )
+    return [
+        (
+            f"every number has three digits behind its {sign!r}, as in {example!r}: it is read as the "
+            f"decimal sign; if it separates thousands, {way_out}"
+        )
+    ]
+
+
+def _in_thousandths(values: np.ndarray) -> bool:
+    """Return whether all numbers are 0 or, without their sign, thousandths between 1 and 1000."""
+    numbers = np.abs(values[np.isfinite(values) & (values != 0)])
+    within = numbers.size > 0 and numbers.min() >= 1 and numbers.max() < 1000
+    return bool(within and np.all(np.abs(1000 * numbers - np.rint(1000 * numbers)) < 1e-6))
+
+
+def _refuse_both_marks(body: list[str], path: Path) -> None:
+    """Refuse points as separators of thousands, or decimals, in a table with decimal commas."""
+    number = re.compile(r"(?<![\d.,])\d+([.,])(\d+)(?![\d.,])")
+    if not any("." in line and number.search(line) for line in body):
+        return
+    behind: dict[str, set[int]] = {".": set(), ",": set()}
+    examples: dict[str, str] = {}
+    for found in (found for line in body for found in number.finditer(line)):
+        behind[found[1]].add(len(found[2]))
+        examples.setdefault(found[1], found[0])
+    if len(examples) == 2 and {3} in behind.values():
+        raise InputFileError(
+            f"{path}: {examples[',']!r} and {examples['.']!r} in one table: either mark may be the "
+            "decimal sign or separate thousands; write the numbers without separators of thousands"
+        )
+
+
+def counting(values: np.ndarray) -> list[str]:
+    """Return warnings where the first column or row of a matrix of heights counts from 0 or 1.
+
+    Examples
+    --------
+    >>> counting(np.array([[1, 0.5], [2, 0.7], [3, 0.1], [4, 0.2], [5, 0.9]]))[0][:67]
+    'the first column counts 1, 2, 3 ... and is read as heights: if it h'
+    """
+    found = []
+    for table, name, counted in ((values.T, "column", "row"), (values, "row", "column")):
+        if min(table.shape) < 2 or table.shape[1] < _MIN_COUNTED:
+            continue
+        first = table[0]
+        if first[0] in (0, 1) and np.all(np.diff(first) == 1) and not np.all(np.diff(table[1]) == 1):
+            count = ", ".join(f"{number:.0f}" for number in first[:3])
+            found.append(
+                f"the first {name} counts {count} ... and is read as heights: "
+                f"if it has {counted} numbers, delete it"
+            )
+    return found

@@ -1,0 +1,110 @@
+"""What programs write in a text for a missing point: words and numbers."""
+
+import re
+from collections.abc import Iterable
+
+import numpy as np
+
+# Words that are taken as missing, in lower case.
+_WORDS = {
+    "",  # empty cell
+    *("nan", "inf", "+inf", "-inf", "infinity", "+infinity", "-infinity"),  # IEEE 754, as C, Java and Python
+    *("nan(ind)", "-nan(ind)", "nan(snan)", "-nan(snan)"),  # C library of Windows, from 2015
+    *("1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan", "1.#snan", "-1.#snan", "1.#inf", "-1.#inf"),  # before 2015
+    *("na", "<na>", "none", "null"),  # R; pandas; Python; JSON
+    r"\n",  # NULL of MySQL and PostgreSQL
+    *("#n/a", "n/a", "#null!", "#num!", "#div/0!", "#value!", "#ref!", "#name?"),  # Excel, in English
+    *("#nv", "#zahl!", "#wert!", "#bezug!"),  # Excel, in German
+    *("#nombre!", "#valeur!"),  # Excel, in French
+    *("bad", "nodata"),  # Wyko Vision; Zygo MetroPro ("No Data") and Arc/Info
+    *("void", "invalid"),  # exports of several programs, whose headers have no such words
+}
+# Words of the language that stand for a missing point in exports: taken as missing, with a warning.
+_SPOKEN_WORDS = {
+    *("out", "outofrange", "overrange", "overflow", "underflow", "saturated", "clipped"),
+    *(
+        "missing",
+        "masked",
+        "blank",
+        "empty",
+        "undef",
+        "undefined",
+        "notmeasured",
+        "unmeasured",
+        "error",
+        "err",
+    ),
+    *(
+        "ungültig",
+        "ungueltig",
+        "fehlt",
+        "leer",
+        "maskiert",
+        "keinedaten",
+        "nichtgemessen",
+        "n.def.",
+        "undefiniert",
+    ),
+    *("invalide", "nonvalide", "nonmesuré", "manquant", "inválido", "sindatos", "nonvalido"),
+}
+# Numbers without unit or scale that no height reaches.
+_VALUES = (
+    1.70141e38,  # Surfer: blanked node of a grid
+    3.40282e38,  # C, float.h: FLT_MAX; the NODATA_value of Arc/Info grids with either sign
+    1.79769e308,  # C, float.h: DBL_MAX
+    9.91e37,  # SCPI-99, volume 1, 7.2.1: not a number
+    9.9e37,  # SCPI-99, volume 1, 7.2.1: infinity, with either sign
+    9.96921e36,  # netCDF, netcdf.h: NC_FILL_FLOAT and NC_FILL_DOUBLE
+)
+_FILLING = "-*?"  # characters that stand for a missing point, repeated any number of times
+_PHRASE = re.compile(
+    r"(?<!\S)(?:no data|not measured|out of range|n\. def\.|keine daten|nicht gemessen|non valide|non mesuré"
+    r"|sin datos|non valido)(?=[\s;,]|$)",
+    re.IGNORECASE,
+)
+
+
+def is_missing(word: str) -> bool:
+    """Return whether a cell without blanks around it stands for a missing point.
+
+    Examples
+    --------
+    >>> [is_missing(word) for word in ("NaN", "***", "Ungültig", "1.5", "trace")]
+    [True, True, True, False, False]
+    """
+    return word.lower() in _WORDS or is_spoken(word) or not word.strip(_FILLING)
+
+
+def is_spoken(word: str) -> bool:
+    """Return whether a cell is a word that may have another meaning beside that of a missing point."""
+    return word.lower() in _SPOKEN_WORDS
+
+
+def joined(line: str) -> str:
+    """Return a line in which the phrases for a missing point are one word each.
+
+    Examples
+    --------
+    >>> joined("1.5 No Data 2.5")
+    '1.5 nodata 2.5'
+    """
+    return _PHRASE.sub(lambda found: found[0].lower().replace(" ", ""), line) if " " in line else line
+
+
+def remove_marker_values(values: np.ndarray, others: Iterable[float] = ()) -> None:
+    """Replace infinite values, numbers that mark a missing point, and exactly the `others` by NaN, in place.
+
+    The largest double is infinite where its last digit was rounded up.
+
+    Examples
+    --------
+    >>> heights = np.array([1.5, 9.91e37, -9999.0])
+    >>> remove_marker_values(heights, [-9999])
+    >>> heights
+    array([1.5, nan, nan])
+    """
+    values[np.isinf(values)] = np.nan
+    for value in others:
+        values[values == value] = np.nan
+    for value in _VALUES:
+        values[np.abs(np.abs(values) / value - 1) < 1e-5] = np.nan
