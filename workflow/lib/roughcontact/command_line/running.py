@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from roughcontact.configuration.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
 
 PACKAGE = Path(__file__).parents[1]
@@ -167,7 +168,7 @@ def _check_start(given: argparse.Namespace) -> None:
             raise SettingsError(
                 f"--configfile {file}: no such file; `roughcontact init` writes one to change"
             )
-        _check_yaml(file)
+        check_yaml(file)
     homes = given.directory, workflow_file().parent, workflow_file().parents[1]
     if not given.configfile:
         found = [home / _FILES[0] for home in homes if (home / _FILES[0]).is_file()]
@@ -176,53 +177,13 @@ def _check_start(given: argparse.Namespace) -> None:
             raise SettingsError(
                 f"there is no {_FILES[0]} in {folder}: `roughcontact init` writes one to change"
             )
-        _check_yaml(found[0])
+        check_yaml(found[0])
     folder = given.directory.absolute()
     there = next(path for path in (folder, *folder.parents) if path.is_dir())
     if not os.access(there, os.W_OK):
         raise SettingsError(
             f"{there} is read-only, results cannot be written there: choose another folder with --directory"
         )
-
-
-def _check_yaml(file: Path) -> None:
-    """Raise an error for an unreadable configuration or duplicate keys, of which YAML takes only the last."""
-    import yaml  # comes with Snakemake
-
-    try:
-        text = file.read_text(encoding="utf-8")
-        root = yaml.compose(text, Loader=yaml.SafeLoader)
-    except (OSError, UnicodeDecodeError) as error:
-        raise SettingsError(f"{file}: is not UTF-8 text ({error}); save it as such") from error
-    except yaml.YAMLError as error:
-        mark, problem = (getattr(error, key, None) for key in ("problem_mark", "problem"))
-        line = f", line {mark.line + 1}" if mark else ""
-        raise SettingsError(
-            f"{file}{line}: is not valid YAML ({problem or error}); check this line and those above it"
-        ) from error
-    except RecursionError:
-        raise SettingsError(f"{file}: is nested too deeply; write fewer levels") from None
-    if root is None:
-        raise SettingsError(f"{file}: is empty; `roughcontact init` writes one to change")
-    if not isinstance(root, yaml.MappingNode):
-        raise SettingsError(f"{file}: has no keys at its top level, such as `contact:`")
-    waiting, seen = [root], set()
-    while waiting:
-        node = waiting.pop()
-        if id(node) in seen or isinstance(node, yaml.ScalarNode):  # of an alias once
-            continue
-        seen.add(id(node))
-        if isinstance(node, yaml.SequenceNode):
-            waiting += node.value
-            continue
-        keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
-        for key, value in node.value:
-            waiting.append(value)
-            if keys.count(key.value) > 1 and "__use_yte__" not in text:
-                raise SettingsError(
-                    f"{file}, line {key.start_mark.line + 1}: {key.value} occurs twice in the same group; "
-                    "delete one of them"
-                )
 
 
 def _left_locked(folder: Path) -> bool:
