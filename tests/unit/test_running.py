@@ -170,9 +170,16 @@ def bomb(levels, times, line):
         ("a: 1\nb: !!bool perhaps\n", ["line 2: b = perhaps", "no valid bool"]),
         ("a: 1\n? [b]\n: 2\n", ["line 2: is not valid YAML"]),
         ("a: 1 # " + "x" * 600_000, ["larger than 500 kB"]),
+        (
+            "contact:\n  mean_pressure: 0100000\n",
+            ["line 2: contact.mean_pressure = 0100000:", "octal", "32768", "delete the leading zeros"],
+        ),
+        ("contact: {mean_pressure: [1, -010]}\n", ["contact.mean_pressure[1] = -010:", "-8"]),
+        ("cases:\n  0100: {}\n", ["line 2: cases.0100 = 0100:", "64", "put it in quotes"]),
+        ("level:\n  order: 1:30\n", ["line 2: level.order = 1:30:", "90", "put it in quotes"]),
     ],
 )
-def test_a_configuration_that_grows_is_refused_at_once(folder, capsys, content, said):
+def test_a_configuration_that_grows_or_hides_a_value_is_refused_at_once(folder, capsys, content, said):
     (folder / "settings.yaml").write_text(content)
     begin = time.process_time()
     tracemalloc.start()

@@ -1,9 +1,10 @@
 """The text of a configuration file, checked before Snakemake reads it: each mistake with file and line.
 
-A few lines of YAML can stand for billions of values (aliases, merge keys), or for themselves. Nothing
-is expanded here: the nodes of the text are counted as often as aliases name them.
+A few lines of YAML can stand for billions of values (aliases, merge keys), for themselves, or for a number
+that was not meant. Nothing is expanded here: the nodes of the text are counted as often as aliases name them.
 """
 
+import re
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,12 +19,14 @@ _MAX_BYTES = 500_000  # the default configuration, with its comments, has a fift
 _MAX_LEVELS = 50  # settings have six
 _MAX_DIGITS = 300  # of a whole number: no floating-point number has more before its point
 _PREFIX = "tag:yaml.org,2002:"
+_OCTAL = re.compile(r"[-+]?0[0-7_]+")
+_BASE_60 = re.compile(r"[-+]?[0-9_]+(?::[0-9]+)+")
 
 
 def check_yaml(file: Path) -> None:
     """Raise a SettingsError for a configuration that is unreadable, ambiguous or larger than any study.
 
-    Ambiguous are duplicate keys, of which YAML takes only the last.
+    Ambiguous are duplicate keys, of which YAML takes only the last, and numbers that are not decimal.
     """
     import yaml  # comes with Snakemake
 
@@ -106,7 +109,7 @@ def _check_tag(node: "yaml.Node", place: str, where: str) -> None:
 
 
 def _check_scalar(node: "yaml.ScalarNode", place: str, where: str) -> None:
-    """Raise an error for a scalar that is not what its form or tag says."""
+    """Raise an error for a scalar that is not what its form or tag says, or a number that is not decimal."""
     import yaml
 
     text = node.value
@@ -119,12 +122,22 @@ def _check_scalar(node: "yaml.ScalarNode", place: str, where: str) -> None:
     if node.tag in (f"{_PREFIX}merge", f"{_PREFIX}value"):
         return
     try:
-        yaml.constructor.SafeConstructor().construct_object(node)
+        value = yaml.constructor.SafeConstructor().construct_object(node)
     except (ValueError, LookupError, AttributeError) as error:
         kind = node.tag.removeprefix(_PREFIX)
         raise SettingsError(
             f"{begin}: is no valid {kind} ({error}); correct it, or put it in quotes"
         ) from error
+    if whole and _OCTAL.fullmatch(text) and value != int(text.replace("_", "")):
+        raise SettingsError(
+            f"{begin}: YAML reads a number that begins with 0 as octal, here as {value}; delete the leading "
+            "zeros if it is decimal, put it in quotes if it is text"
+        )
+    if whole and _BASE_60.fullmatch(text):
+        raise SettingsError(
+            f"{begin}: YAML reads numbers with colons to the base of 60, here as {value}; write a decimal "
+            "number, or put it in quotes if it is text"
+        )
 
 
 def _check_expansion(file: Path, root: "yaml.Node") -> None:
