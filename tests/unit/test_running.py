@@ -8,10 +8,12 @@ import tracemalloc
 
 import numpy as np
 import pytest
+import snakemake.io
 import yaml
 
 from roughcontact.command_line import running
 from roughcontact.command_line.program import main
+from roughcontact.configuration.messages import name_mistake
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import read_surfaces
 from roughcontact.configuration.yaml_text import check_yaml
@@ -35,6 +37,41 @@ def test_init_writes_settings_and_a_table_that_can_be_run(folder, capsys):
         "Ground-1-2": "Ground-1.nc",
         "surface": "ß.x3p",
     }
+
+
+def test_init_makes_admitted_names_of_long_and_monotonous_ones(folder):
+    files = [
+        "g" * 100 + ".npy",
+        "ground-" * 20 + ".npy",
+        "long name " * 20 + "1.npy",
+        "long name " * 20 + "2.npy",
+    ]
+    for name in files:
+        (folder / name).write_text("1 2")
+    assert main(["init", *files]) == 0
+    surfaces = read_surfaces("config/surfaces.tsv")
+    assert [str(row.path) for row in surfaces.values()] == files
+    long = ("long-name-" * 6)[:56].strip("-")
+    assert list(surfaces) == ["surface", ("ground-" * 20)[:56].strip("-"), long, f"{long}-2"]
+
+
+@pytest.mark.parametrize("name", ["a" * 18, "g" * 63 + "h", "ab" * 18, "Ab-1" * 16, "0" * 18, "1-" * 9 + "1"])
+def test_snakemake_takes_every_name_that_is_admitted(folder, name):
+    """With the suffixes of a pair, and as the name of a case."""
+    assert not name_mistake(name)
+    detector = snakemake.io.PeriodicityDetector()
+    ends = ("", "-1", "-11", "-111", "-face", "-counter-face")
+    assert not any(detector.is_periodic(f"{name}{end}") for end in ends)
+
+
+def test_names_of_64_letters_are_planned_by_snakemake(folder, capfd):
+    np.save(folder / "a.npy", np.ones((4, 4)))
+    (folder / "surfaces.tsv").write_text("surface\tpath\tdx\tdy\tunit\n" + "g" * 63 + "h\ta.npy\t1\t1\tum\n")
+    case = "Ab-1" * 16
+    (folder / "settings.yaml").write_text(
+        f"surfaces: surfaces.tsv\ncontact: {{contact_modulus: 1e9}}\ncases: {{{case}: {{}}}}\n"
+    )
+    assert main(["run", "-n", "--configfile", "settings.yaml"]) == 0, capfd.readouterr().err
 
 
 def test_init_writes_over_nothing(folder, capsys):

@@ -18,6 +18,7 @@ from roughcontact.errors import SettingsError
 PACKAGE = Path(__file__).parents[1]
 _PROFILES = ("--profile", "--workflow-profile", "--executor", "-e")
 _CORES = ("--cores", "-c", "--jobs", "-j", *_PROFILES)
+_LONGEST_STEM = 56  # letters of a name made of that of a file; a number may follow
 _TRIES = 20  # tenths of a second in which jobs notice that their run has ended
 # with one of these the screen is Snakemake's own
 _SHOW = ("--logger", "--quiet", "-q", "--verbose", "--printshellcmds", "-p", "--debug-dag")
@@ -98,10 +99,13 @@ def write_project(files: Sequence[str | Path]) -> list[Path]:
 
 
 def _names(files: Sequence[str | Path]) -> list[str]:
-    """Return a different name for each file, of letters, digits and hyphens."""
+    """Return a different admitted name for each file."""
+    from roughcontact.configuration.messages import name_mistake
+
     names: list[str] = []
     for file in files:
-        stem = re.sub(r"[^A-Za-z0-9]+", "-", Path(file).stem).strip("-") or "surface"
+        stem = re.sub(r"[^A-Za-z0-9]+", "-", Path(file).stem)[:_LONGEST_STEM].strip("-")
+        stem = "surface" if name_mistake(stem) else stem
         further = (f"{stem}-{number}" for number in range(2, len(files) + 2))
         names.append(stem if stem not in names else next(name for name in further if name not in names))
     return names
