@@ -4,12 +4,14 @@ import argparse
 import os
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from roughcontact.configuration.yaml_text import check_yaml
@@ -18,6 +20,7 @@ from roughcontact.errors import SettingsError
 PACKAGE = Path(__file__).parents[1]
 _PROFILES = ("--profile", "--workflow-profile", "--executor", "-e")
 _CORES = ("--cores", "-c", "--jobs", "-j", *_PROFILES)
+_PR_SET_PDEATHSIG = 1  # of prctl(2)
 _LONGEST_STEM = 56  # letters of a name made of that of a file; a number may follow
 _TRIES = 20  # tenths of a second in which jobs notice that their run has ended
 # with one of these the screen is Snakemake's own
@@ -142,7 +145,8 @@ def run_workflow(arguments: Sequence[str]) -> int:
         command += ["--workflow-profile", "none"]
     if _left_locked(given.directory):
         print("The last run in this folder was killed: it is continued.", file=sys.stderr, flush=True)
-        _wait([*command, "--unlock", *arguments, "--quiet"], given.directory)
+        if code := _wait([*command, "--unlock", *arguments, "--quiet"], given.directory):
+            return code
     if not any(word.split("=")[0] in _CORES for word in arguments):
         command += ["--cores", "all"]
     dry = {"-n", "--dry-run", "--dryrun"} & {*arguments}
@@ -279,11 +283,64 @@ def _cache(folder: Path) -> dict[str, str]:
 
 
 def _wait(command: Sequence[str], folder: Path, *, files: Sequence[int] = (), run: str = "") -> int:
-    """Run a command to its end, even after an interruption, which the command has received as well."""
+    """Run a command to its end, even after an interruption, which the command has received as well.
+
+    A termination has reached this process alone: it interrupts the command and its jobs. The exit status
+    is then that of a terminated program.
+    """
     variables = os.environ | _cache(folder) | {"ROUGHCONTACT_RUN": run}  # for its jobs
-    process = subprocess.Popen(command, env=variables, pass_fds=files)
-    while True:
-        try:
-            return process.wait()
-        except KeyboardInterrupt:
-            continue
+    prepare = _end_with_this_process()
+    process = subprocess.Popen(command, env=variables, pass_fds=files, preexec_fn=prepare)  # noqa: PLW1509 - no threads
+    terminated = False
+
+    def interrupt(*_: object) -> None:
+        nonlocal terminated
+        terminated = True
+        _interrupt(process.pid)
+
+    in_main_thread = threading.current_thread() is threading.main_thread()  # only there are signals handled
+    before = signal.signal(signal.SIGTERM, interrupt) if in_main_thread else None
+    try:
+        while True:
+            try:
+                code = process.wait()
+            except KeyboardInterrupt:
+                continue
+            return 128 + signal.SIGTERM if terminated else code
+    finally:
+        if in_main_thread:
+            signal.signal(signal.SIGTERM, before)
+
+
+def _interrupt(started: int) -> None:
+    """Interrupt Snakemake as Ctrl-C does, so that it cleans up, and end its jobs, which it would wait for."""
+    import psutil  # comes with Snakemake
+
+    # shells let what they start in the background ignore interruptions
+    ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    with suppress(psutil.NoSuchProcess):
+        first = psutil.Process(started)
+        jobs = first.children(recursive=True)
+        first.send_signal(signal.SIGTERM if ignored else signal.SIGINT)
+        for job in jobs:
+            with suppress(psutil.NoSuchProcess):
+                job.terminate()
+
+
+def _end_with_this_process() -> Callable[[], None] | None:
+    """Return a function for a child to run first, so that the system kills it when this process ends.
+
+    Only Linux offers this. Jobs notice by themselves that the killed command no longer holds its file.
+    """
+    if sys.platform != "linux":
+        return None
+    import ctypes
+
+    library, parent = ctypes.CDLL(None), os.getpid()
+
+    def prepare() -> None:
+        library.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:  # it has ended before
+            os._exit(1)
+
+    return prepare
