@@ -12,6 +12,7 @@ workflow with the lowest versions that pyproject.toml allows, in .venv-lowest.
 import hashlib
 import importlib.util
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -131,14 +132,45 @@ def lowest(*arguments):
 
 
 def run(command, programs=BIN):
-    """Run a command with an environment's programs first on the path, and return its exit status."""
+    """Run a command with an environment's programs first on the path, and return its exit status.
+
+    A termination of this program is handed on to the command, and ends both.
+    """
     environment = os.environ | {"PATH": f"{programs}{os.pathsep}{os.environ.get('PATH', '')}"}
-    process = subprocess.Popen(command, env=environment)
+    prepare = end_with_this_program()
+    process = subprocess.Popen(command, env=environment, preexec_fn=prepare)  # noqa: PLW1509 - no threads
+    terminated = []
+
+    def terminate(*_):
+        terminated.append(True)
+        process.terminate()
+
+    before = signal.signal(signal.SIGTERM, terminate)
     while True:
         try:
-            return process.wait()
+            code = process.wait()
         except KeyboardInterrupt:  # the program was interrupted as well and is closing down
             continue
+        signal.signal(signal.SIGTERM, before)
+        if terminated:
+            sys.exit(128 + signal.SIGTERM)
+        return code
+
+
+def end_with_this_program():
+    """Return a function for a child to run first: Linux then terminates it when this program is killed."""
+    if sys.platform != "linux":
+        return None
+    import ctypes
+
+    library, parent = ctypes.CDLL(None), os.getpid()
+
+    def prepare():
+        library.prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG
+        if os.getppid() != parent:  # it has ended before
+            os._exit(1)
+
+    return prepare
 
 
 if __name__ == "__main__":

@@ -2,14 +2,16 @@
 
 import fcntl
 import re
+import signal
 import socket
 import subprocess
+import sys
 import time
 
 import psutil
 import pytest
-from kills import family, kill_at_random, words
-from study import command, environment, write_study
+from kills import family, kill_at_random, session, words
+from study import ROOT, command, environment, write_study
 
 
 def test_a_killed_run_goes_on_and_leaves_the_same_bytes(tmp_path):
@@ -18,6 +20,56 @@ def test_a_killed_run_goes_on_and_leaves_the_same_bytes(tmp_path):
     )
     assert not wrong
     assert counts["kills"] == 3
+
+
+RUN_PY = """
+import sys
+sys.path.insert(0, sys.argv[1])
+import run
+sys.exit(run.run(sys.argv[2:]))
+"""
+
+
+@pytest.mark.parametrize("by", [signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize("wrapper", ["roughcontact run", "run.py", "in the background"])
+def test_nothing_goes_on_after_the_program_alone_was_ended(tmp_path, by, wrapper):
+    """Of a termination Snakemake has cleaned up as after Ctrl-C; after a kill the next run continues."""
+    write_study(tmp_path, sides=(48,), cases=False)
+    words_of_it = command(tmp_path, "results/surface-1/levelled.nc")
+    if wrapper == "run.py":
+        words_of_it = [sys.executable, "-c", RUN_PY, str(ROOT), *words_of_it]
+    with (tmp_path / "said.txt").open("w") as said:
+        run = subprocess.Popen(
+            words_of_it,
+            env=environment(),
+            stdout=said,
+            stderr=said,
+            start_new_session=True,
+            preexec_fn=deaf_to_interruptions if wrapper == "in the background" else None,  # noqa: PLW1509
+        )
+    try:
+        while not any(words(each).endswith(".prepare.py") for each in family(run)):
+            assert run.poll() is None, (tmp_path / "said.txt").read_text()
+            time.sleep(0.002)
+        started = family(run)[1:]
+        assert len(started) >= 2
+        run.send_signal(by)
+        assert run.wait(timeout=60) == (143 if by == signal.SIGTERM else -signal.SIGKILL)
+        _, left = psutil.wait_procs([*started, *session(run)], timeout=30)
+        assert [words(each) for each in left] == []
+        said = (tmp_path / "said.txt").read_text()
+        assert "Traceback" not in said
+        if by == signal.SIGTERM:
+            assert not list(tmp_path.glob(".snakemake/locks/*"))
+        assert not list(tmp_path.glob("results/**/*.nc"))
+    finally:
+        for each in session(run):
+            each.kill()
+
+
+def deaf_to_interruptions():
+    """Ignore SIGINT, as shells let programs do that they start in the background."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @pytest.mark.slow

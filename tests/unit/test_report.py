@@ -23,6 +23,7 @@ import pytest
 import xarray as xr
 from PIL import Image
 
+import roughcontact
 from roughcontact import materials
 from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.solve import solve_contact
@@ -636,6 +637,64 @@ def test_page_in_a_browser(page, tmp_path, width):
     assert not Path(tmp_path / "page_files").exists()
 
 
+INTRUDER = """
+<script>document.body.dataset.intruder = "script"</script>
+<img src="data:," onerror="document.body.dataset.intruder = 'handler'">
+<img src="https://example.org/a.png"><iframe src="https://example.org"></iframe>
+<form action="https://example.org"><button>go</button></form>
+<a id="intruder" href="javascript:document.body.dataset.intruder = 'link'">go</a>
+<style>body { color: rgb(1, 2, 3) }</style>
+"""
+INTRUDED = """
+<script>
+const blocked = [];
+document.addEventListener("securitypolicyviolation", event => blocked.push(event.effectiveDirective));
+window.addEventListener("load", () => {
+  document.getElementById("intruder").click();
+  setTimeout(() => {
+    const said = {
+      blocked, ran: document.body.dataset.intruder ?? "", colour: getComputedStyle(document.body).color,
+      buttons: document.querySelectorAll("button.enlarge").length,
+    };
+    document.body.setAttribute("data-said", encodeURIComponent(JSON.stringify(said)));
+  }, 500);
+});
+</script>
+"""
+
+
+def without_policy(text):
+    """Return a page whose styles a test may change."""
+    changed = re.sub(r'<meta http-equiv="Content-Security-Policy" [^>]*>', "", text)
+    assert changed != text
+    return changed
+
+
+def test_every_page_has_the_policy_before_anything_that_it_admits():
+    pages = [
+        text
+        for path in Path(roughcontact.__file__).parent.rglob("templates/*.html")
+        if "<head>" in (text := path.read_text(encoding="utf-8"))
+    ]
+    assert len(pages) == 4  # of the run, of a surface, of the validation, of the cost
+    for text in pages:
+        before, include, _ = text.partition('{% include "style.html" %}')
+        assert include
+        assert not re.search("<(script|style|link|img|body)", before)
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+def test_the_policy_of_the_page_admits_nothing_but_the_page(page, tmp_path):
+    text = page.read_text(encoding="utf-8").replace("</main>", INTRUDER + "</main>")
+    said = said_by(text.replace("<head>", "<head>" + INTRUDED), tmp_path)
+    assert not said["ran"]
+    assert said["colour"] != "rgb(1, 2, 3)"
+    assert said["buttons"] > 3  # the script of the page has run
+    wanted = {"script-src-elem", "script-src-attr", "img-src", "frame-src", "style-src-elem"}
+    assert wanted <= set(said["blocked"])
+
+
 FRAME_PROBE = """
 <script>
 const frame = document.querySelector("iframe"), wait = time => new Promise(done => setTimeout(done, time));
@@ -656,6 +715,8 @@ frame.addEventListener("load", async () => {
       }
     }
   }
+  inside.addEventListener("securitypolicyviolation", event => said.blocked.push(event.effectiveDirective));
+  said.blocked = [];
   said.captions = [...inside.querySelectorAll("table")].filter(table => !table.caption).length;
   const seen = kind => [...inside.querySelectorAll(kind)].map(check => check.checkVisibility());
   said.doubts = seen(".checks .look, .checks .failed");
@@ -718,7 +779,7 @@ def test_nothing_is_cut_off_and_maps_can_be_read(page, tmp_path, shown):
     """At both widths, and with the rules of the printed page on A4 between its margins."""
     text = page.read_text(encoding="utf-8")
     if shown == "print":
-        text = text.replace("@media print", "@media all")
+        text = without_policy(text).replace("@media print", "@media all")
     window = xr.open_dataset(page.parent / "all" / "holes" / "contact.nc")
     pressures = window["pressure"].sortby("mean_pressure").values
     rows, columns = pressures.shape[1:]
@@ -727,7 +788,7 @@ def test_nothing_is_cut_off_and_maps_can_be_read(page, tmp_path, shown):
     )
     assert said["page"] <= 0
     assert said["tables"] <= 0
-    assert said["broken"] == []
+    assert said["broken"] == said["blocked"] == []
     assert said["heads"] == said["captions"] == 0
     assert all(said["doubts"])
     assert said["passed"]
@@ -1153,7 +1214,7 @@ def test_a_printed_index_has_its_heads_on_every_page(study, tmp_path):
     text = study.read_text(encoding="utf-8")
     head, rows, _ = re.split(r"<tbody>|</tbody>", text, maxsplit=2)
     # heads in a colour by which they are known; what follows the table is left out
-    marked = head.replace("</style>", ".many thead th { color: #010203 }</style>")
+    marked = without_policy(head).replace("</style>", ".many thead th { color: #010203 }</style>")
     page, printed = tmp_path / "index.html", tmp_path / "index.pdf"
     page.write_text(f"{marked}<tbody>{10 * rows}</tbody></table></div></section></main>", encoding="utf-8")
     subprocess.run(
@@ -1225,9 +1286,7 @@ window.addEventListener("load", () => {
 </script>
 """
     page = tmp_path / "index.html"
-    page.write_text(
-        study.read_text(encoding="utf-8").replace("</body>", script + "</body>"), encoding="utf-8"
-    )
+    page.write_text(study.read_text(encoding="utf-8").replace("<head>", "<head>" + script), encoding="utf-8")
     browser = subprocess.run(
         [
             CHROMIUM,

@@ -3,15 +3,20 @@
 import socket
 import subprocess
 import sys
+import time
+import tracemalloc
 
 import numpy as np
 import pytest
+import snakemake.io
 import yaml
 
 from roughcontact.command_line import running
 from roughcontact.command_line.program import main
+from roughcontact.configuration.messages import name_mistake
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import read_surfaces
+from roughcontact.configuration.yaml_text import check_yaml
 
 
 @pytest.fixture(autouse=True)
@@ -32,6 +37,41 @@ def test_init_writes_settings_and_a_table_that_can_be_run(folder, capsys):
         "Ground-1-2": "Ground-1.nc",
         "surface": "ß.x3p",
     }
+
+
+def test_init_makes_admitted_names_of_long_and_monotonous_ones(folder):
+    files = [
+        "g" * 100 + ".npy",
+        "ground-" * 20 + ".npy",
+        "long name " * 20 + "1.npy",
+        "long name " * 20 + "2.npy",
+    ]
+    for name in files:
+        (folder / name).write_text("1 2")
+    assert main(["init", *files]) == 0
+    surfaces = read_surfaces("config/surfaces.tsv")
+    assert [str(row.path) for row in surfaces.values()] == files
+    long = ("long-name-" * 6)[:56].strip("-")
+    assert list(surfaces) == ["surface", ("ground-" * 20)[:56].strip("-"), long, f"{long}-2"]
+
+
+@pytest.mark.parametrize("name", ["a" * 18, "g" * 63 + "h", "ab" * 18, "Ab-1" * 16, "0" * 18, "1-" * 9 + "1"])
+def test_snakemake_takes_every_name_that_is_admitted(folder, name):
+    """With the suffixes of a pair, and as the name of a case."""
+    assert not name_mistake(name)
+    detector = snakemake.io.PeriodicityDetector()
+    ends = ("", "-1", "-11", "-111", "-face", "-counter-face")
+    assert not any(detector.is_periodic(f"{name}{end}") for end in ends)
+
+
+def test_names_of_64_letters_are_planned_by_snakemake(folder, capfd):
+    np.save(folder / "a.npy", np.ones((4, 4)))
+    (folder / "surfaces.tsv").write_text("surface\tpath\tdx\tdy\tunit\n" + "g" * 63 + "h\ta.npy\t1\t1\tum\n")
+    case = "Ab-1" * 16
+    (folder / "settings.yaml").write_text(
+        f"surfaces: surfaces.tsv\ncontact: {{contact_modulus: 1e9}}\ncases: {{{case}: {{}}}}\n"
+    )
+    assert main(["run", "-n", "--configfile", "settings.yaml"]) == 0, capfd.readouterr().err
 
 
 def test_init_writes_over_nothing(folder, capsys):
@@ -126,6 +166,83 @@ def test_a_configuration_that_cannot_be_read_is_named(folder, capsys, content, s
     (folder / "settings.yaml").write_bytes(content)
     assert main(["run", "--configfile", "settings.yaml"]) == 2
     assert said in capsys.readouterr().err
+
+
+def bomb(levels, times, line):
+    """Return a text of a few lines that stands for `times` to the power of `levels` values."""
+    lines = ["contact: {mean_pressure: 1}", f"x0: &x0 {line.replace('ALIASES', '1')}"]
+    for level in range(1, levels + 1):
+        aliases = ", ".join([f"*x{level - 1}"] * times)
+        lines.append(f"x{level}: &x{level} {line.replace('ALIASES', aliases)}")
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (
+            bomb(8, 20, "{<<: [ALIASES]}").replace("{<<: [1]}", "{a: 1}"),
+            ["line 6", "more than 100000 values", "*name"],
+        ),
+        (bomb(30, 3, "[ALIASES]"), ["more than 100000 values"]),
+        (bomb(1500, 1, "[ALIASES]"), ["nested too deeply"]),
+        ("a: " + "{b: " * 60 + "1" + "}" * 60, ["line 1: is nested too deeply"]),
+        ("contact:\n  bodies: &b [1, [*b]]\n", ["line 2", "alias (*name) of itself"]),
+        ("contact: &c\n  level: {again: *c}\n", ["alias (*name) of itself"]),
+        ("contact: &c\n  <<: *c\n", ["alias (*name) of itself"]),
+        (
+            "contact:\n  mean_pressure: " + "9" * 5000,
+            ["line 2: contact.mean_pressure = 99999999999999999999 ...", "5000 digits", "at most 300"],
+        ),
+        (
+            "contact:\n  mean_pressure: [1, 0x" + "9" * 5000 + "]",
+            ["line 2: contact.mean_pressure[1]", "digits"],
+        ),
+        (
+            "a: 1\nb:\n  - !!python/object/apply:os.system [touch here]\n",
+            ["line 3: b[0]", "!!python/object/apply:os.system", "delete the tag"],
+        ),
+        ("a: 1\nb: !!python/name:os.system\n", ["line 2: b ", "!!python/name:os.system"]),
+        ("a: 1\nb: 2011-13-45\n", ["line 2: b = 2011-13-45", "no valid timestamp"]),
+        ("a: 1\nb: !!bool perhaps\n", ["line 2: b = perhaps", "no valid bool"]),
+        ("a: 1\n? [b]\n: 2\n", ["line 2: is not valid YAML"]),
+        ("a: 1 # " + "x" * 600_000, ["larger than 500 kB"]),
+        (
+            "contact:\n  mean_pressure: 0100000\n",
+            ["line 2: contact.mean_pressure = 0100000:", "octal", "32768", "delete the leading zeros"],
+        ),
+        ("contact: {mean_pressure: [1, -010]}\n", ["contact.mean_pressure[1] = -010:", "-8"]),
+        ("cases:\n  0100: {}\n", ["line 2: cases.0100 = 0100:", "64", "put it in quotes"]),
+        ("level:\n  order: 1:30\n", ["line 2: level.order = 1:30:", "90", "put it in quotes"]),
+    ],
+)
+def test_a_configuration_that_grows_or_hides_a_value_is_refused_at_once(folder, capsys, content, said):
+    (folder / "settings.yaml").write_text(content)
+    begin = time.process_time()
+    tracemalloc.start()
+    try:
+        assert main(["run", "--configfile", "settings.yaml"]) == 2
+        assert tracemalloc.get_traced_memory()[1] < 50e6
+    finally:
+        tracemalloc.stop()
+    assert time.process_time() - begin < 1 + 3  # tracing makes it slower
+    text = capsys.readouterr().err
+    assert "settings.yaml" in text
+    for words in said:
+        assert words in text
+    assert len(text.splitlines()) == 1
+    assert len(text) < 400
+    assert not (folder / ".snakemake").exists()
+
+
+@pytest.mark.parametrize(
+    "text", ["'0100000'", "100000", "1e5", "0", "007", "0.5", "00.5", "0x10", "2011-07-23", "08"]
+)
+def test_decimal_numbers_and_quoted_text_are_admitted(folder, text):
+    (folder / "settings.yaml").write_text(
+        f"contact: &c {{mean_pressure: {text}}}\ncases: {{a: {{<<: *c}}}}\n"
+    )
+    check_yaml(folder / "settings.yaml")
 
 
 def test_a_configuration_of_aliases_is_looked_at_once(folder, capsys):

@@ -263,6 +263,11 @@ def test_schema_is_json_and_knows_every_key():
         ("a_b", "cases.a_b: a name has letters, digits and hyphens only (it becomes a folder)"),
         ("a\n", "cases.a\n: a name has letters, digits and hyphens only (it becomes a folder)"),
         ("", "cases.: a name has letters, digits and hyphens only (it becomes a folder)"),
+        ("c" * 65, f"cases.{'c' * 65}: a name has at most 64 characters, this one has 65; shorten it"),
+        (
+            "ab" * 20,
+            f"cases.{'ab' * 20}: the name ends with ab 19 times or more; Snakemake refuses it, change it",
+        ),
         (7, "cases.7: a name is text, put it in quotes"),
     ],
 )

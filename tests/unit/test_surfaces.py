@@ -178,6 +178,21 @@ def test_a_row_that_ends_early_is_named(table):
     ]
 
 
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("g" * 65, "at most 64 characters, this one has 65; shorten it"),
+        ("a" * 20, "ends with a 19 times or more; Snakemake refuses it, change it"),
+        ("seal" + "-1" * 19, "ends with -1 19 times or more"),
+        ("0" * 64, "ends with 0 19 times or more"),
+    ],
+)
+def test_names_that_snakemake_cannot_take_are_named(table, name, said):
+    text = mistakes(table("surface\tpath", f"{name}\ta.txt"))
+    assert f"line 2, surface = '{name}': " in text
+    assert said in text
+
+
 def test_cells_are_stripped_and_empty_ones_beyond_the_header_are_none(table):
     surface = read_surfaces(table(" surface\tpath \tunit", " a \t a.txt\t \t\t"))["a"]
     assert (surface.name, surface.path.name, surface.given) == ("a", "a.txt", {})

@@ -1,7 +1,7 @@
 """The program `roughcontact`: its commands and exit codes.
 
 Exit codes: 0 done, 1 a load missed the tolerance or two runs differ, 2 bad input (one sentence on standard
-error), 130 interrupted, 141 the reader of the output has closed it.
+error), 130 interrupted, 143 terminated, 141 the reader of the output has closed it.
 """
 
 import argparse

@@ -4,19 +4,24 @@ import argparse
 import os
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from roughcontact.configuration.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
 
 PACKAGE = Path(__file__).parents[1]
 _PROFILES = ("--profile", "--workflow-profile", "--executor", "-e")
 _CORES = ("--cores", "-c", "--jobs", "-j", *_PROFILES)
+_PR_SET_PDEATHSIG = 1  # of prctl(2)
+_LONGEST_STEM = 56  # letters of a name made of that of a file; a number may follow
 _TRIES = 20  # tenths of a second in which jobs notice that their run has ended
 # with one of these the screen is Snakemake's own
 _SHOW = ("--logger", "--quiet", "-q", "--verbose", "--printshellcmds", "-p", "--debug-dag")
@@ -97,10 +102,13 @@ def write_project(files: Sequence[str | Path]) -> list[Path]:
 
 
 def _names(files: Sequence[str | Path]) -> list[str]:
-    """Return a different name for each file, of letters, digits and hyphens."""
+    """Return a different admitted name for each file."""
+    from roughcontact.configuration.messages import name_mistake
+
     names: list[str] = []
     for file in files:
-        stem = re.sub(r"[^A-Za-z0-9]+", "-", Path(file).stem).strip("-") or "surface"
+        stem = re.sub(r"[^A-Za-z0-9]+", "-", Path(file).stem)[:_LONGEST_STEM].strip("-")
+        stem = "surface" if name_mistake(stem) else stem
         further = (f"{stem}-{number}" for number in range(2, len(files) + 2))
         names.append(stem if stem not in names else next(name for name in further if name not in names))
     return names
@@ -137,7 +145,8 @@ def run_workflow(arguments: Sequence[str]) -> int:
         command += ["--workflow-profile", "none"]
     if _left_locked(given.directory):
         print("The last run in this folder was killed: it is continued.", file=sys.stderr, flush=True)
-        _wait([*command, "--unlock", *arguments, "--quiet"], given.directory)
+        if code := _wait([*command, "--unlock", *arguments, "--quiet"], given.directory):
+            return code
     if not any(word.split("=")[0] in _CORES for word in arguments):
         command += ["--cores", "all"]
     dry = {"-n", "--dry-run", "--dryrun"} & {*arguments}
@@ -167,7 +176,7 @@ def _check_start(given: argparse.Namespace) -> None:
             raise SettingsError(
                 f"--configfile {file}: no such file; `roughcontact init` writes one to change"
             )
-        _check_yaml(file)
+        check_yaml(file)
     homes = given.directory, workflow_file().parent, workflow_file().parents[1]
     if not given.configfile:
         found = [home / _FILES[0] for home in homes if (home / _FILES[0]).is_file()]
@@ -176,53 +185,13 @@ def _check_start(given: argparse.Namespace) -> None:
             raise SettingsError(
                 f"there is no {_FILES[0]} in {folder}: `roughcontact init` writes one to change"
             )
-        _check_yaml(found[0])
+        check_yaml(found[0])
     folder = given.directory.absolute()
     there = next(path for path in (folder, *folder.parents) if path.is_dir())
     if not os.access(there, os.W_OK):
         raise SettingsError(
             f"{there} is read-only, results cannot be written there: choose another folder with --directory"
         )
-
-
-def _check_yaml(file: Path) -> None:
-    """Raise an error for an unreadable configuration or duplicate keys, of which YAML takes only the last."""
-    import yaml  # comes with Snakemake
-
-    try:
-        text = file.read_text(encoding="utf-8")
-        root = yaml.compose(text, Loader=yaml.SafeLoader)
-    except (OSError, UnicodeDecodeError) as error:
-        raise SettingsError(f"{file}: is not UTF-8 text ({error}); save it as such") from error
-    except yaml.YAMLError as error:
-        mark, problem = (getattr(error, key, None) for key in ("problem_mark", "problem"))
-        line = f", line {mark.line + 1}" if mark else ""
-        raise SettingsError(
-            f"{file}{line}: is not valid YAML ({problem or error}); check this line and those above it"
-        ) from error
-    except RecursionError:
-        raise SettingsError(f"{file}: is nested too deeply; write fewer levels") from None
-    if root is None:
-        raise SettingsError(f"{file}: is empty; `roughcontact init` writes one to change")
-    if not isinstance(root, yaml.MappingNode):
-        raise SettingsError(f"{file}: has no keys at its top level, such as `contact:`")
-    waiting, seen = [root], set()
-    while waiting:
-        node = waiting.pop()
-        if id(node) in seen or isinstance(node, yaml.ScalarNode):  # of an alias once
-            continue
-        seen.add(id(node))
-        if isinstance(node, yaml.SequenceNode):
-            waiting += node.value
-            continue
-        keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
-        for key, value in node.value:
-            waiting.append(value)
-            if keys.count(key.value) > 1 and "__use_yte__" not in text:
-                raise SettingsError(
-                    f"{file}, line {key.start_mark.line + 1}: {key.value} occurs twice in the same group; "
-                    "delete one of them"
-                )
 
 
 def _left_locked(folder: Path) -> bool:
@@ -314,11 +283,64 @@ def _cache(folder: Path) -> dict[str, str]:
 
 
 def _wait(command: Sequence[str], folder: Path, *, files: Sequence[int] = (), run: str = "") -> int:
-    """Run a command to its end, even after an interruption, which the command has received as well."""
+    """Run a command to its end, even after an interruption, which the command has received as well.
+
+    A termination has reached this process alone: it interrupts the command and its jobs. The exit status
+    is then that of a terminated program.
+    """
     variables = os.environ | _cache(folder) | {"ROUGHCONTACT_RUN": run}  # for its jobs
-    process = subprocess.Popen(command, env=variables, pass_fds=files)
-    while True:
-        try:
-            return process.wait()
-        except KeyboardInterrupt:
-            continue
+    prepare = _end_with_this_process()
+    process = subprocess.Popen(command, env=variables, pass_fds=files, preexec_fn=prepare)  # noqa: PLW1509 - no threads
+    terminated = False
+
+    def interrupt(*_: object) -> None:
+        nonlocal terminated
+        terminated = True
+        _interrupt(process.pid)
+
+    in_main_thread = threading.current_thread() is threading.main_thread()  # only there are signals handled
+    before = signal.signal(signal.SIGTERM, interrupt) if in_main_thread else None
+    try:
+        while True:
+            try:
+                code = process.wait()
+            except KeyboardInterrupt:
+                continue
+            return 128 + signal.SIGTERM if terminated else code
+    finally:
+        if in_main_thread:
+            signal.signal(signal.SIGTERM, before)
+
+
+def _interrupt(started: int) -> None:
+    """Interrupt Snakemake as Ctrl-C does, so that it cleans up, and end its jobs, which it would wait for."""
+    import psutil  # comes with Snakemake
+
+    # shells let what they start in the background ignore interruptions
+    ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    with suppress(psutil.NoSuchProcess):
+        first = psutil.Process(started)
+        jobs = first.children(recursive=True)
+        first.send_signal(signal.SIGTERM if ignored else signal.SIGINT)
+        for job in jobs:
+            with suppress(psutil.NoSuchProcess):
+                job.terminate()
+
+
+def _end_with_this_process() -> Callable[[], None] | None:
+    """Return a function for a child to run first, so that the system kills it when this process ends.
+
+    Only Linux offers this. Jobs notice by themselves that the killed command no longer holds its file.
+    """
+    if sys.platform != "linux":
+        return None
+    import ctypes
+
+    library, parent = ctypes.CDLL(None), os.getpid()
+
+    def prepare() -> None:
+        library.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:  # it has ended before
+            os._exit(1)
+
+    return prepare

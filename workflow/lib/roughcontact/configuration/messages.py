@@ -10,7 +10,10 @@ from pydantic_core import ErrorDetails
 from roughcontact.configuration.fields import field_at, fields_at, words_of
 from roughcontact.errors import SettingsError
 
-NAME_RULE = "a name has letters, digits and hyphens only (it becomes a folder)"
+_NAME_RULE = "a name has letters, digits and hyphens only (it becomes a folder)"
+_LONGEST_NAME = 64
+# at the end of a name: Snakemake refuses twenty, of which the ending of a member of a pair may be one
+_REPETITIONS = 19
 
 # the rule behind a mistake, by its name in pydantic
 _RULES = {
@@ -35,15 +38,23 @@ _TYPES = {
 }
 
 
-def is_name(text: str) -> bool:
-    """Return whether a surface or a case may have this name: letters, digits and hyphens, at least one.
+def name_mistake(name: str) -> str:
+    """Return what is wrong with the name of a surface or a case, an empty text for a good one.
 
     Examples
     --------
-    >>> is_name("ground-1"), is_name("ground 1"), is_name("")
-    (True, False, False)
+    >>> name_mistake("ground-1"), name_mistake("ground 1")
+    ('', 'a name has letters, digits and hyphens only (it becomes a folder)')
     """
-    return re.fullmatch(r"[A-Za-z0-9-]+", text) is not None
+    if re.fullmatch(r"[A-Za-z0-9-]+", name) is None:
+        return _NAME_RULE
+    if len(name) > _LONGEST_NAME:
+        return f"a name has at most {_LONGEST_NAME} characters, this one has {len(name)}; shorten it"
+    for length in range(1, _LONGEST_NAME // _REPETITIONS + 1):
+        end = name[-length:]
+        if name.endswith(end * _REPETITIONS):
+            return f"the name ends with {end} {_REPETITIONS} times or more; Snakemake refuses it, change it"
+    return ""
 
 
 def nearest(word: object, valid: Collection[str]) -> str:

@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from roughcontact.configuration.messages import NAME_RULE, implausible, is_name, mistake
+from roughcontact.configuration.messages import implausible, mistake, name_mistake
 from roughcontact.configuration.models import Settings
 from roughcontact.configuration.suspicious_units import suspicious_units
 from roughcontact.errors import SettingsError
@@ -127,8 +127,8 @@ def _mistakes_in_cases(cases: Any) -> list[str]:
         return [f"cases = {cases!r}: must be a mapping from names to settings"]
     mistakes = []
     for name, overrides in cases.items():
-        if not is_name(str(name)):
-            mistakes.append(f"cases.{name}: {NAME_RULE}")
+        if wrong := name_mistake(str(name)):
+            mistakes.append(f"cases.{name}: {wrong}")
         if not isinstance(name, str):
             mistakes.append(f"cases.{name}: a name is text, put it in quotes")
         if not isinstance(overrides, dict):

@@ -11,10 +11,9 @@ from roughcontact.choices import Checksum, FirstRow, Resampling
 from roughcontact.configuration.models import Composite, Settings
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import PAIR_FIRST_ROW, Surface, find, read_surfaces
+from roughcontact.configuration.yaml_text import MAX_VALUES
 from roughcontact.errors import SettingsError
 from roughcontact.units import unknown_unit, value_of
-
-_MAX_VALUES = 100_000  # of a configuration: a thousand times as many as in a large study
 
 
 def read_study(
@@ -90,7 +89,7 @@ def _members_each(config: Mapping[str, Any]) -> int:
 def _check_size(config: Mapping[str, Any]) -> None:
     """Reject more values than any study has: a few lines of aliases can stand for a billion."""
     waiting: list[Any] = [config]
-    for _ in range(_MAX_VALUES):
+    for _ in range(MAX_VALUES):
         if not waiting:
             return
         value = waiting.pop()
@@ -99,7 +98,7 @@ def _check_size(config: Mapping[str, Any]) -> None:
         elif isinstance(value, list):
             waiting += value
     raise SettingsError(
-        f"the configuration has more than {_MAX_VALUES} values: look for aliases (*name) that stand for one "
+        f"the configuration has more than {MAX_VALUES} values: look for aliases (*name) that stand for one "
         "another, and write out their values"
     )
 

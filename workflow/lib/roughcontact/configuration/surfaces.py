@@ -17,7 +17,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from roughcontact.configuration.messages import NAME_RULE, is_name, nearest
+from roughcontact.configuration.messages import name_mistake, nearest
 from roughcontact.configuration.models import Instrument
 from roughcontact.errors import SettingsError
 from roughcontact.units import carries_unit, in_base_unit
@@ -276,8 +276,8 @@ def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Sur
         for key in NUMBERS
         if row.get(key) and not 0 < _length(row[key]) < math.inf
     ]
-    if not is_name(name):
-        mistakes.append(f"line {line}, surface = {name!r}: {NAME_RULE}")
+    if wrong := name_mistake(name):
+        mistakes.append(f"line {line}, surface = {name!r}: {wrong}")
     if name in before:
         mistakes.append(
             f"line {line}, surface = {name}: occurs twice (also {before[name].origin}); rename one"

@@ -261,7 +261,7 @@ class Chart:
 
     def picture(self, source: str, *, smooth: bool) -> None:
         """Lay a picture (data URI) over the area between the axes, with points as rectangles or `smooth`."""
-        rendering = "" if smooth else ' style="image-rendering:pixelated"'
+        rendering = "" if smooth else ' image-rendering="pixelated"'
         width, height = self.area[2:]
         self._drawn.append(
             f'<image width="{width:.1f}" height="{height:.1f}" preserveAspectRatio="none" '

@@ -1,0 +1,182 @@
+"""The text of a configuration file, checked before Snakemake reads it: each mistake with file and line.
+
+A few lines of YAML can stand for billions of values (aliases, merge keys), for themselves, or for a number
+that was not meant. Nothing is expanded here: the nodes of the text are counted as often as aliases name them.
+"""
+
+import re
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from roughcontact.errors import SettingsError
+
+if TYPE_CHECKING:
+    import yaml
+
+MAX_VALUES = 100_000  # of a configuration: a thousand times as many as in a large study
+_MAX_BYTES = 500_000  # the default configuration, with its comments, has a fiftieth
+_MAX_LEVELS = 50  # settings have six
+_MAX_DIGITS = 300  # of a whole number: no floating-point number has more before its point
+_PREFIX = "tag:yaml.org,2002:"
+_OCTAL = re.compile(r"[-+]?0[0-7_]+")
+_BASE_60 = re.compile(r"[-+]?[0-9_]+(?::[0-9]+)+")
+
+
+def check_yaml(file: Path) -> None:
+    """Raise a SettingsError for a configuration that is unreadable, ambiguous or larger than any study.
+
+    Ambiguous are duplicate keys, of which YAML takes only the last, and numbers that are not decimal.
+    """
+    import yaml  # comes with Snakemake
+
+    text = _text(file)
+    try:
+        root = yaml.compose(text, Loader=yaml.SafeLoader)
+        if root is None:
+            raise SettingsError(f"{file}: is empty; `roughcontact init` writes one to change")
+        if not isinstance(root, yaml.MappingNode):
+            raise SettingsError(f"{file}: has no keys at its top level, such as `contact:`")
+        _check_nodes(file, root, duplicates="__use_yte__" in text)
+        _check_expansion(file, root)
+        yaml.constructor.SafeConstructor().construct_document(root)
+    except yaml.YAMLError as error:
+        mark, problem = (getattr(error, key, None) for key in ("problem_mark", "problem"))
+        line = f", line {mark.line + 1}" if mark else ""
+        raise SettingsError(
+            f"{file}{line}: is not valid YAML ({problem or error}); check this line and those above it"
+        ) from error
+    except RecursionError:
+        raise SettingsError(f"{file}: is nested too deeply; write fewer levels") from None
+
+
+def _text(file: Path) -> str:
+    """Return the text of a configuration file of reasonable size."""
+    try:
+        with file.open("rb") as stream:
+            content = stream.read(_MAX_BYTES + 1)
+        if len(content) > _MAX_BYTES:
+            raise SettingsError(
+                f"{file}: is larger than {_MAX_BYTES // 1000} kB, as no configuration is; name the right file"
+            )
+        return content.decode("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise SettingsError(f"{file}: is not UTF-8 text ({error}); save it as such") from error
+
+
+def _check_nodes(file: Path, root: "yaml.MappingNode", *, duplicates: bool) -> None:
+    """Raise an error for duplicate keys, unless admitted, and for wrong scalars."""
+    import yaml
+
+    waiting: list[tuple[yaml.Node, str]] = [(root, "")]
+    seen: set[int] = set()
+    while waiting:
+        node, where = waiting.pop()
+        if id(node) in seen:  # of an alias once
+            continue
+        seen.add(id(node))
+        place = f"{file}, line {node.start_mark.line + 1}"
+        _check_tag(node, place, where)
+        if isinstance(node, yaml.ScalarNode):
+            _check_scalar(node, place, where)
+        elif isinstance(node, yaml.SequenceNode):
+            waiting += [(item, f"{where}[{number}]") for number, item in enumerate(node.value)]
+        else:
+            keys = Counter(key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode))
+            for key, value in node.value:
+                if not isinstance(key, yaml.ScalarNode):
+                    continue  # refused when it is constructed
+                if keys[key.value] > 1 and not duplicates:
+                    line = key.start_mark.line + 1
+                    raise SettingsError(
+                        f"{file}, line {line}: {key.value} occurs twice in the same group; delete one of them"
+                    )
+                name = f"{where}.{key.value}" if where else key.value
+                waiting += [(value, name), (key, name)]
+
+
+def _check_tag(node: "yaml.Node", place: str, where: str) -> None:
+    """Raise an error for a value that YAML would hand to a program, such as !!python/object."""
+    import yaml
+
+    known = yaml.SafeLoader.yaml_constructors
+    if node.tag not in known and node.tag not in (f"{_PREFIX}merge", f"{_PREFIX}value"):
+        tag = node.tag.replace(_PREFIX, "!!", 1)
+        raise SettingsError(
+            f"{place}: {where or 'the configuration'} has the tag {tag:.80}, which is not admitted; delete "
+            "the tag and write a number, text, list or group"
+        )
+
+
+def _check_scalar(node: "yaml.ScalarNode", place: str, where: str) -> None:
+    """Raise an error for a scalar that is not what its form or tag says, or a number that is not decimal."""
+    import yaml
+
+    text = node.value
+    begin = f"{place}: {where:.80} = {text if len(text) <= 40 else text[:20] + ' ...'}"
+    whole = node.tag == f"{_PREFIX}int"
+    if whole and len(text) > _MAX_DIGITS:
+        raise SettingsError(
+            f"{begin}: a whole number of {len(text)} digits; write one of at most {_MAX_DIGITS}"
+        )
+    if node.tag in (f"{_PREFIX}merge", f"{_PREFIX}value"):
+        return
+    try:
+        value = yaml.constructor.SafeConstructor().construct_object(node)
+    except (ValueError, LookupError, AttributeError) as error:
+        kind = node.tag.removeprefix(_PREFIX)
+        raise SettingsError(
+            f"{begin}: is no valid {kind} ({error}); correct it, or put it in quotes"
+        ) from error
+    if whole and _OCTAL.fullmatch(text) and value != int(text.replace("_", "")):
+        raise SettingsError(
+            f"{begin}: YAML reads a number that begins with 0 as octal, here as {value}; delete the leading "
+            "zeros if it is decimal, put it in quotes if it is text"
+        )
+    if whole and _BASE_60.fullmatch(text):
+        raise SettingsError(
+            f"{begin}: YAML reads numbers with colons to the base of 60, here as {value}; write a decimal "
+            "number, or put it in quotes if it is text"
+        )
+
+
+def _check_expansion(file: Path, root: "yaml.Node") -> None:
+    """Raise an error for values in themselves, too many levels, or too many values with all aliases."""
+    found: dict[int, tuple[int, int]] = {}  # values and levels of the complete nodes
+    above: set[int] = set()
+    waiting = [(root, False)]
+    while waiting:
+        node, complete = waiting.pop()
+        place = f"{file}, line {node.start_mark.line + 1}"
+        if id(node) in found:
+            continue
+        children = _children(node)
+        if not complete:
+            if id(node) in above:
+                raise SettingsError(
+                    f"{place}: a value contains an alias (*name) of itself; write out what is meant"
+                )
+            above.add(id(node))
+            waiting.append((node, True))
+            waiting += [(child, False) for child in children]
+            continue
+        above.discard(id(node))
+        values = 1 + sum(found[id(child)][0] for child in children)
+        levels = 1 + max((found[id(child)][1] for child in children), default=0)
+        if values > MAX_VALUES:
+            raise SettingsError(
+                f"{place}: the configuration has more than {MAX_VALUES} values up to here: look for "
+                "aliases (*name) that stand for one another, and write out their values"
+            )
+        if levels > _MAX_LEVELS:
+            raise SettingsError(f"{place}: is nested too deeply; write fewer levels")
+        found[id(node)] = values, levels
+
+
+def _children(node: "yaml.Node") -> list["yaml.Node"]:
+    """Return keys and values of a mapping, the items of a sequence."""
+    import yaml
+
+    if isinstance(node, yaml.MappingNode):
+        return [part for pair in node.value for part in pair]
+    return node.value if isinstance(node, yaml.SequenceNode) else []
