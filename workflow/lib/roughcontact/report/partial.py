@@ -31,13 +31,13 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
     finished: list[Finished] = []
     failures: list[Failure] = []
     for run in plan.runs:
-        name = {"surface": run.surface, "case": run.case or None}
+        surface, case = run.surface, run.case or None
         reason = _reason(plan, run)
         if reason is None and _is_of_this_run(plan, run):
-            entry = {"statistics": plan.file("statistics", *run), "panel": plan.panel(*run)}
-            finished.append(Finished(**name, **entry))  # type: ignore[typeddict-item]
+            statistics, panel = plan.file("statistics", *run), plan.panel(*run)
+            finished.append(Finished(surface=surface, case=case, statistics=statistics, panel=panel))
         else:
-            failures.append(Failure(**name, reason=reason or "not finished"))  # type: ignore[typeddict-item]
+            failures.append(Failure(surface=surface, case=case, reason=reason or "not finished"))
     if not (finished and failures):
         return failures
     staging = Path(".snakemake/partial")

@@ -14,9 +14,8 @@ from roughcontact.maps import spacing
 STEEPEST = -7.0
 _EDGES = 2.0 ** np.arange(-4, 0.01, 0.25)  # of the bands of frequency, four per octave
 _WAVES = 8  # in a band, fewer say little
-_ACROSS = (
-    3  # bands over which an exponent is taken: less than an octave, so that noise hides little of a fall
-)
+# bands over which an exponent is taken: less than an octave, so that noise hides little of a fall
+_ACROSS = 3
 _LOWEST = 0.19  # frequency from which on exponents are judged: below it a small map has few waves in a band
 _SAMPLE = 2**18  # quantiles are estimated from about so many points, medians from so many waves
 _TAIL, _FLANK = 0.001, 0.1  # quantiles of the curvature: its tails, and its body

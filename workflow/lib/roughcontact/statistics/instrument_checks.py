@@ -3,7 +3,8 @@
 A map that was smoothed or is noisy looks like any other. What shows is its spectrum near the pixel, the
 curvature of its peaks, repeated heights, and one peak that carries what many should
 (`roughcontact.roughness.traces`). How often the checks flag maps with a fault, and maps as they are, is
-counted in `benchmarks/results/instrument_checks.csv`.
+counted in `benchmarks/results/instrument_checks.csv`. `height` and `window` are the attributes of the map as
+measured (`instrument` is what the file says of it, as JSON) and of the periodic window.
 """
 
 import json
@@ -50,15 +51,6 @@ def smoothed(window: Attributes) -> Check:
     peaks that are blunter than valleys (tip of a stylus), and repeated heights (median filter). What the
     settings state or remove is no fault: the attributes `instrument_resolution` and `instrument_tip_radius`
     (m), an S-filter, or a limit of the band.
-
-    Parameters
-    ----------
-    window : mapping
-        attributes of the periodic window.
-
-    Returns
-    -------
-    Check
 
     Examples
     --------
@@ -135,15 +127,7 @@ def _in_pixels(wavelength: float, window: Attributes) -> str:
 def isolated_peak(statistics: xr.Dataset) -> Check:
     """Check that no single patch carries pressures far above those of all others.
 
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it. Loads at which the contact covers more than a quarter of the area
-        do not count: patches have merged there.
-
-    Returns
-    -------
-    Check
+    Loads at which the contact covers more than a quarter of the area do not count: patches have merged there.
 
     Examples
     --------
@@ -186,17 +170,6 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
 
     With a stated noise, attribute `instrument_noise` (m), its share is known. Else a spectrum that is flat
     down to the pixel is taken for noise, which waves shorter than the pixel resemble.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        as `contact_statistics` returns it.
-    window : mapping
-        attributes of the periodic window.
-
-    Returns
-    -------
-    Check
 
     Examples
     --------
@@ -251,17 +224,6 @@ def _judged_noise(text: str, share: float, way_out: str) -> Check:
 def height_unit(height: Attributes, window: Attributes) -> Check:
     """Check that the heights are not smaller than what an instrument can tell from noise.
 
-    Parameters
-    ----------
-    height : mapping
-        attributes of the map as measured.
-    window : mapping
-        attributes of the periodic window.
-
-    Returns
-    -------
-    Check
-
     Examples
     --------
     >>> height_unit({}, {"pixel_roughness": 4e-12, "pixel_pitch": 1e-6, "spectrum_exponent": -3.0}).outcome
@@ -287,17 +249,6 @@ def height_unit(height: Attributes, window: Attributes) -> Check:
 
 def pixel_size(height: Attributes, window: Attributes) -> Check:
     """Check that the instrument which the file names can have pixels of this size.
-
-    Parameters
-    ----------
-    height : mapping
-        attributes of the map as measured: `instrument` is what the file says of it (JSON).
-    window : mapping
-        attributes of the periodic window.
-
-    Returns
-    -------
-    Check
 
     Examples
     --------

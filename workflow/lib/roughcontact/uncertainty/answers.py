@@ -4,6 +4,8 @@ They are computed from the same solutions as the four headline quantities and ha
 sources except the solver, to whose tolerance they are insensitive.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 import xarray as xr
 
@@ -11,7 +13,7 @@ from roughcontact.contact.dataset import influence_of
 from roughcontact.contact.response import linear_response
 from roughcontact.maps import spacing
 from roughcontact.sealing.percolation import half_way_levels, percolation_columns
-from roughcontact.uncertainty.headline import fields_of, headline
+from roughcontact.uncertainty.headline import QUANTITIES, fields_of, headline
 
 # names of `roughcontact.variables`
 ANSWERS = ("conductance_per_conductivity", "critical_constriction_x", "critical_constriction_y")
@@ -72,6 +74,30 @@ def answers_present(found: xr.Dataset) -> list[str]:
     ['critical_constriction_x']
     """
     return [name for name in ANSWERS if name in found]
+
+
+def quantities_in(found: xr.Dataset) -> tuple[str, ...]:
+    """Return the names of the headline quantities, and of the answers that a dataset contains.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> quantities_in(xr.Dataset({"critical_constriction_x": 2.0}))[-2:]
+    ('mean_contact_pressure', 'critical_constriction_x')
+    """
+    return *QUANTITIES, *answers_present(found)
+
+
+def counter_of(found: xr.Dataset) -> Callable[[xr.Dataset], xr.Dataset]:
+    """Return the function that computes from a solution the quantities that a dataset contains.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> counter_of(xr.Dataset()) is headline
+    True
+    """
+    return headline_and_answers if answers_present(found) else headline
 
 
 def half_length_constrictions(contact: xr.Dataset) -> xr.Dataset:

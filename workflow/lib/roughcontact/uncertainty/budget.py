@@ -12,9 +12,9 @@ from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError
 from roughcontact.uncertainty.answers import (
     ANSWERS,
-    answers_present,
     half_length_constrictions,
     headline_and_answers,
+    quantities_in,
 )
 from roughcontact.uncertainty.combination import SOURCES, combine
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, resolution_indicators
@@ -195,7 +195,7 @@ def _material_uncertainty(solved: xr.Dataset, material: Mapping[str, float | Non
     if inputs:
         return scaling_uncertainty(solved, inputs)
     nothing = np.full(solved.sizes["load"], np.nan)
-    return xr.Dataset(dict.fromkeys((*QUANTITIES, *answers_present(solved)), ("load", nothing)))
+    return xr.Dataset(dict.fromkeys(quantities_in(solved), ("load", nothing)))
 
 
 def _count(contact: xr.Dataset) -> xr.Dataset:

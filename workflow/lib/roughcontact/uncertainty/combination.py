@@ -9,7 +9,7 @@ import xarray as xr
 from scipy.special import stdtrit
 
 from roughcontact.choices import UncertaintySource
-from roughcontact.uncertainty.answers import ANSWERS, answers_present
+from roughcontact.uncertainty.answers import ANSWERS, quantities_in
 from roughcontact.uncertainty.headline import QUANTITIES
 
 SOURCES: tuple[UncertaintySource, ...] = get_args(UncertaintySource)
@@ -19,13 +19,7 @@ _NORMAL = 1.959963984540054  # coverage factor of 95 % for infinite degrees of f
 _TYPES = ["A" if source == "window" else "B" for source in SOURCES]
 _PARTS = ("down", "up", "bias", "shift_down", "shift_up")
 # sources of the interval of this map in the band of waves that it holds
-_OF_THE_MAP: tuple[UncertaintySource, ...] = (
-    "solver",
-    "discretisation",
-    "processing",
-    "instrument",
-    "material",
-)
+_OF_THE_MAP = tuple(source for source in SOURCES if source not in ("window", "unresolved"))
 _COMMENT = (
     "half-widths of 95 % intervals, in the unit of the quantity; the larger one where an interval is "
     "asymmetric; combined: root of the sum of squares of the sources given (for the pressure in contact the "
@@ -47,8 +41,8 @@ def combine(
 
     Let Q be a result, U_i the half-widths without a known bias b_i, and s_i one-sided shifts:
 
-        lower = (Q - sqrt(sum U_i²)) prod (1 - s_i/Q),   upper = (Q + sum b_i + sqrt(sum U_i²)) prod (1 +
-        s_i/Q),
+        lower = (Q - sqrt(sum U_i²)) prod (1 - s_i/Q)
+        upper = (Q + sum b_i + sqrt(sum U_i²)) prod (1 + s_i/Q)
 
     each with the values of its side; where Q = 0 the shifts are added. A source that is absent, or NaN at a
     load, does not count. b_i is the amount by which the result is known to be too low ([1]_, F.2.4.5): only
@@ -73,8 +67,8 @@ def combine(
     Dataset
         `{name}_uncertainty` with dims (load, source), `source` being the seven and `combined`: the larger
         half-width; NaN where none is known or where one side is unbounded (infinite). With the same dims what
-        it is made of: `{name}_down`, `{name}_up`, `{name}_bias`, `{name}_shift_down`, `{name}_shift_up`.
-        Along `load` the ends of the combined interval, `{name}_lower` and `{name}_upper`, and of that of the
+        it is made of: `{name}_components`, along `component` down, up, bias, shift_down and shift_up. Along
+        `load` the ends of the combined interval, `{name}_lower` and `{name}_upper`, and of that of the
         map, `{name}_map_lower` and `{name}_map_upper`; NaN for an unbounded end. Along `source`
         `degrees_of_freedom` and `coverage_factor`.
 
@@ -99,7 +93,7 @@ def combine(
     limit = np.inf if hardness is None else hardness
     most = {"relative_contact_area": 1.0, "max_pressure": limit, "mean_contact_pressure": limit}
     columns: dict[str, tuple] = _degrees_of_freedom(found)
-    for name in (*QUANTITIES, *answers_present(result)):
+    for name in quantities_in(result):
         value = result[name].values
         columns[f"{name}_estimate"] = ("load", value)
         parts = _components(name, found, load.size)
@@ -112,7 +106,7 @@ def combine(
                 made_of = np.stack([np.column_stack([parts[key], nothing]) for key in _PARTS], axis=2)
                 columns[f"{name}_components"] = (("load", "source", "component"), _bounded(made_of))
                 shown = _bounded(np.column_stack([parts["shown"], np.maximum(down, up)]))
-                columns[_uncertainty(name)] = (("load", "source"), shown, {"comment": _COMMENT})
+                columns[f"{name}_uncertainty"] = (("load", "source"), shown, {"comment": _COMMENT})
             ends = {"lower": np.maximum(value - down, low), "upper": np.minimum(value + up, high)}
             for end, values in ends.items():
                 comment = {"comment": _ENDS[f"{ending}{end}"]}
@@ -152,72 +146,59 @@ def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
     >>> table["source"].unique().tolist()
     ['solver', 'combined']
     """
-    if "source" not in budget.dims:
+    tables = [_rows(budget, name) for name in (*QUANTITIES, *ANSWERS) if f"{name}_uncertainty" in budget]
+    if not tables:
         return pd.DataFrame(columns=["quantity", "mean_pressure_Pa", "source"])
-    loads = budget["mean_pressure"].values
-    present = [list(budget["source"].values).index(source) for source in SOURCES]
-    freedom, factor = (budget[name].values[present] for name in ("degrees_of_freedom", "coverage_factor"))
-    frames = []
-    for name in (*QUANTITIES, *ANSWERS):
-        if f"{name}_uncertainty" not in budget:
-            continue
-        shown = budget[f"{name}_uncertainty"].values[:, present]
-        part = dict(
-            zip(_PARTS, np.moveaxis(budget[f"{name}_components"].values[:, present], 2, 0), strict=True)
-        )
-        unbounded = np.isnan(part["up"]) | np.isnan(part["shift_up"])
-        lower, upper = part["down"] / factor, np.where(unbounded, np.inf, part["up"] / factor)
-        known = ~np.isnan(shown) | unbounded
-        rows, columns = np.nonzero(known)
-        frames.append(
-            pd.DataFrame(
-                {
-                    "quantity": name,
-                    "mean_pressure_Pa": loads[rows],
-                    "source": np.array(SOURCES, dtype=object)[columns],
-                    "evaluation_type": np.array(_TYPES, dtype=object)[columns],
-                    "value": budget[f"{name}_estimate"].values[rows],
-                    "standard_uncertainty_lower": lower[known],
-                    "standard_uncertainty_upper": upper[known],
-                    "degrees_of_freedom": freedom[columns],
-                    "sensitivity": 1.0,
-                    "coverage_factor": factor[columns],
-                    "bias": part["bias"][known],
-                    "one_sided_lower": part["shift_down"][known],
-                    "one_sided_upper": np.where(unbounded, np.inf, part["shift_up"])[known],
-                }
-            )
-        )
-        lower, upper = (np.where(known, each, 0.0) for each in (lower, upper))
-        both = [frames.pop(), _combined_rows(budget, name, lower, upper, freedom)]
-        frames.append(pd.concat(both).sort_values("mean_pressure_Pa", kind="stable"))
-    return pd.concat(frames, ignore_index=True)
+    return pd.DataFrame({key: np.concatenate([table[key] for table in tables]) for key in tables[0]})
 
 
-def _combined_rows(
-    budget: xr.Dataset, name: str, lower: np.ndarray, upper: np.ndarray, freedom: np.ndarray
-) -> pd.DataFrame:
-    """Return the rows of the combined uncertainty, from the standard ones of each source (load, source)."""
-    below, above = (np.sqrt(np.sum(each**2, axis=1)) for each in (lower, upper))
-    larger, of_sources = np.maximum(below, above), np.maximum(lower, upper)
+def _rows(budget: xr.Dataset, name: str) -> dict[str, np.ndarray]:
+    """Return the columns of the table of one quantity: load by load its sources, and them combined."""
+    shape = budget[f"{name}_uncertainty"].shape
+    load, value, lower, upper = (
+        np.broadcast_to(budget[key].values[:, None], shape)
+        for key in ("mean_pressure", *(f"{name}_{end}" for end in ("estimate", "lower", "upper")))
+    )
+    freedom, factor = (
+        np.broadcast_to(budget[key].values, shape).copy() for key in ("degrees_of_freedom", "coverage_factor")
+    )
+    down, up, bias, shift_down, shift_up = np.moveaxis(budget[f"{name}_components"].values, 2, 0)
+    combined = np.broadcast_to(budget["source"].values == COMBINED, shape)
+    unbounded = ~combined & (np.isnan(up) | np.isnan(shift_up))
+    known = combined | unbounded | ~np.isnan(budget[f"{name}_uncertainty"].values)
+    below, above = down / factor, np.where(unbounded, np.inf, up / factor)
+    lower_parts, upper_parts = (np.where(known & ~combined, part, 0.0) for part in (below, above))
+    below[:, -1], above[:, -1] = (np.sqrt(np.sum(part**2, axis=1)) for part in (lower_parts, upper_parts))
+    freedom[:, -1], factor[:, -1] = _effective(lower_parts, upper_parts, freedom)
+    columns = {
+        "quantity": np.full(shape, name, dtype=object),
+        "mean_pressure_Pa": load,
+        "source": np.broadcast_to(budget["source"].values.astype(object), shape),
+        "evaluation_type": np.broadcast_to(np.array([*_TYPES, np.nan], dtype=object), shape),
+        "value": value,
+        "standard_uncertainty_lower": below,
+        "standard_uncertainty_upper": above,
+        "degrees_of_freedom": freedom,
+        "sensitivity": np.where(combined, np.nan, 1.0),
+        "coverage_factor": factor,
+        "bias": bias,
+        "one_sided_lower": shift_down,
+        "one_sided_upper": np.where(unbounded, np.inf, shift_up),
+        "lower": np.where(combined, lower, np.nan),
+        "upper": np.where(combined, upper, np.nan),
+    }
+    return {key: values[known] for key, values in columns.items()}
+
+
+def _effective(lower: np.ndarray, upper: np.ndarray, freedom: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return effective degrees of freedom and coverage factor from standard uncertainties (load, source)."""
+    larger = np.maximum(lower, upper)
     with np.errstate(invalid="ignore", divide="ignore"):
-        effective = larger**4 / np.sum(np.where(of_sources > 0, of_sources**4 / freedom, 0.0), axis=1)
+        fourth = np.sum(np.where(larger > 0, larger**4 / freedom, 0.0), axis=1)
+        effective = np.maximum(*(np.sum(part**2, axis=1) for part in (lower, upper))) ** 2 / fourth
     finite = np.isfinite(effective)
     factor = np.where(finite, stdtrit(np.where(finite, effective, 1.0), 0.975), _NORMAL)
-    return pd.DataFrame(
-        {
-            "quantity": name,
-            "mean_pressure_Pa": budget["mean_pressure"].values,
-            "source": COMBINED,
-            "value": budget[f"{name}_estimate"].values,
-            "standard_uncertainty_lower": below,
-            "standard_uncertainty_upper": above,
-            "degrees_of_freedom": np.where(finite, effective, np.inf),
-            "coverage_factor": factor,
-            "lower": budget[f"{name}_lower"].values,
-            "upper": budget[f"{name}_upper"].values,
-        }
-    )
+    return np.where(finite, effective, np.inf), factor
 
 
 def _degrees_of_freedom(found: Mapping[UncertaintySource, xr.Dataset]) -> dict[str, tuple]:
@@ -282,8 +263,3 @@ def _half_widths(
 def _bounded(values: np.ndarray) -> np.ndarray:
     """Return the values with infinite ones replaced by NaN."""
     return np.where(np.isinf(values), np.nan, values)
-
-
-def _uncertainty(name: str) -> str:
-    """Return the name of the uncertainty of a quantity."""
-    return f"{name}_uncertainty"

@@ -44,7 +44,7 @@ import xarray as xr
 from roughcontact.contact.solve import solve_contact
 from roughcontact.maps import refined, spacing
 from roughcontact.statistics.contact_geometry import count_switches
-from roughcontact.uncertainty.answers import answers_present, headline_and_answers
+from roughcontact.uncertainty.answers import answers_present, headline_and_answers, quantities_in
 from roughcontact.uncertainty.ensemble import Count
 from roughcontact.uncertainty.headline import QUANTITIES, fields_of, headline
 from roughcontact.uncertainty.representative_loads import (
@@ -159,7 +159,7 @@ def _changes(window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Datase
     load, part = solved["mean_pressure"].values, _subwindow(window, solved["place_of_the_peak"].values)
     wanted = representative_loads(load, solved["relative_contact_area"].values)
     problem = {**contact, "mean_pressure": load[wanted]}
-    names = [*QUANTITIES, *answers_present(solved)]
+    names = list(quantities_in(solved))
     coarse = solved.isel(load=wanted) if part is window else _solve(part, problem, names)
     fine = _solve(refined(part, 2), problem, names)
     changes = {}

@@ -9,8 +9,8 @@ import xarray as xr
 
 from roughcontact.contact.solve import MOST_LOAD, solve_contact
 from roughcontact.maps import spacing
-from roughcontact.uncertainty.answers import answers_present
-from roughcontact.uncertainty.headline import QUANTITIES, headline
+from roughcontact.uncertainty.answers import quantities_in
+from roughcontact.uncertainty.headline import headline
 
 _OVERRIDDEN = ("tolerance", "fields", "reduce", "progress")  # arguments that a member sets itself
 
@@ -71,10 +71,7 @@ def solve_member(
     found = solve_contact(window, **solver_arguments(contact, tolerance=tolerance), reduce=count)
     converged = found["converged"].values == 1
     return Member(
-        {
-            name: np.where(converged, found[name].values, np.nan)
-            for name in (*QUANTITIES, *answers_present(found))
-        },
+        {name: np.where(converged, found[name].values, np.nan) for name in quantities_in(found)},
         float(found["operator_applications"].sum()) * window.size,
     )
 

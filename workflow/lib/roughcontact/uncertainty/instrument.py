@@ -4,18 +4,15 @@ The result is that of the map as measured; the interval reaches to where the tru
 
 * Amplification (calibration of the scales) follows from the solved curve (`scaling`).
 * Noise adds to the gradient: g^2 = g_true^2 + g_noise^2, so that the area comes out too small and pressure
-and
-  gap too large. The window is solved once more with the same noise added; the exponent d ln Q/d ln g that
+  and gap too large. The window is solved once more with the same noise added; the exponent d ln Q/d ln g that
   follows from it takes the result back from g to g_true (simulation and extrapolation, Cook and Stefanski
   1994). On 43 measured and made maps with noise of 1 to 10 % of Sq the truth lay at 1.2 times this shift in
   the median, at twice the shift in the outer tenth: half of the shift is added to it, and half is its
   uncertainty.
 * A lens, or a stated resolution, attenuates short waves. The window is solved once more with the transfer
-undone
-  (`transfer.restored`).
+  undone (`transfer.restored`).
 * A tip rounds peaks. The window is solved once more as the eroded map (`transfer.eroded`), which undoes it
-where
-  the tip touched.
+  where the tip touched.
 
 The last three are one-sided: each shifts the end of the interval on its side (JCGM 100:2008, F.2.4.5).
 """
@@ -31,27 +28,16 @@ import xarray as xr
 from roughcontact.errors import SettingsError
 from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.uncertainty.answers import answers_present, headline_and_answers
+from roughcontact.uncertainty.answers import counter_of, quantities_in
 from roughcontact.uncertainty.ensemble import solve_member
-from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.uncertainty.scaling import AREA, PRESSURE, effort, half_widths, scaling_uncertainty
 from roughcontact.uncertainty.transfer import eroded, restored, with_noise
 
 _TOLERANCE = 1e-3  # of the pressure
-_NOISE_MARGIN = 0.5  # of the shift by noise, added to it and taken for its uncertainty
+_NOISE_MARGIN = 1.0  # of the shift by noise: half of it is added, half is its uncertainty
 _RESTORING_UNCERTAINTY = 0.25  # of the shift by a lens or a tip
 _MOST_NOISE = 0.95  # of g^2; a map with more noise says nothing of its surface
-# keys of the section `instrument`
-INSTRUMENT = (
-    "noise",
-    "resolution",
-    "numerical_aperture",
-    "wavelength",
-    "tip_radius",
-    "amplification_z",
-    "amplification_xy",
-    "finer_spectrum",
-)
+_STATED = "instrument_"  # beginning of the attributes of a map that hold what the table says
 _AMPLIFICATIONS = ("amplification_z", "amplification_xy")
 
 
@@ -97,6 +83,7 @@ def instrument_uncertainty(
     --------
     >>> from roughcontact.contact.solve import solve_contact
     >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.uncertainty.headline import headline
     >>> window, problem = rough_reference_surface(64), {"contact_modulus": 1.0, "mean_pressure": [0.1]}
     >>> solved = solve_contact(window, **problem, reduce=headline)
     >>> found = instrument_uncertainty(
@@ -106,7 +93,6 @@ def instrument_uncertainty(
     True
     """
     check_instrument(window, instrument)
-    names = (*QUANTITIES, *answers_present(solved))
     stated = {key: value for key, value in instrument.items() if key != "finer_spectrum" and value}
     scales = {key: stated[key] for key in _AMPLIFICATIONS if key in stated}
     parts = [scaling_uncertainty(solved, scales)] if scales else []
@@ -117,7 +103,7 @@ def instrument_uncertainty(
         parts.append(_shift_to(changed, contact, solved))
     if tip_radius := stated.get("tip_radius"):
         parts.append(_shift_to(eroded(window, tip_radius), contact, solved))
-    return added_up(parts, names, solved)
+    return added_up(parts, quantities_in(solved), solved)
 
 
 def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> None:
@@ -224,7 +210,8 @@ def one_sided(solved: xr.Dataset, changes: Mapping[str, np.ndarray], uncertainty
     Returns
     -------
     Dataset
-        `{name}_shift_down` and `{name}_shift_up` along `load`, in the unit of the quantity.
+        `{name}_shift_down`, `{name}_shift_up` and `{name}`, the larger one, along `load`, in the unit of the
+        quantity.
 
     Examples
     --------
@@ -280,8 +267,7 @@ def _solve_again(
     window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset
 ) -> dict[str, np.ndarray]:
     """Return the results of a changed window."""
-    count = headline_and_answers if answers_present(solved) else headline
-    return solve_member(window, contact, tolerance=_TOLERANCE, count=count).values
+    return solve_member(window, contact, tolerance=_TOLERANCE, count=counter_of(solved)).values
 
 
 def _shift_to(changed: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset) -> xr.Dataset:
@@ -304,7 +290,7 @@ def _noise_shift(
         back = -0.5 * math.log1p(-share) / max(math.log(more / measured), 1e-12)
     with np.errstate(invalid="ignore"):
         without = {name: np.where(change == 0, 0.0, -change * back) for name, change in changes.items()}
-    return one_sided(solved, without, 2 * _NOISE_MARGIN)
+    return one_sided(solved, without, _NOISE_MARGIN)
 
 
 def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None) -> dict[str, Any]:
@@ -321,7 +307,7 @@ def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None
     Returns
     -------
     dict
-        the names of `INSTRUMENT` that are known.
+        the keys of the section that are known.
 
     Examples
     --------
@@ -333,12 +319,11 @@ def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None
     known = dict(settings or {})
     of_file = json.loads(levelled.attrs.get("instrument", "{}") or "{}").get("numerical_aperture")
     optics = ("numerical_aperture", "resolution", "tip_radius")
-    table = {
-        key: levelled.attrs[f"instrument_{key}"]
-        for key in INSTRUMENT
-        if f"instrument_{key}" in levelled.attrs
+    known |= {
+        str(key).removeprefix(_STATED): value
+        for key, value in levelled.attrs.items()
+        if str(key).startswith(_STATED)
     }
-    known |= table
     if of_file and not any(known.get(key) for key in optics):
         known["numerical_aperture"] = float(of_file)
     return {key: value for key, value in known.items() if value is not None}

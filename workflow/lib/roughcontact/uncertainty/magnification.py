@@ -14,9 +14,8 @@ import xarray as xr
 
 from roughcontact.maps import height_map, spacing
 from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.uncertainty.answers import answers_present, headline_and_answers
+from roughcontact.uncertainty.answers import counter_of, quantities_in
 from roughcontact.uncertainty.ensemble import solve_member
-from roughcontact.uncertainty.headline import QUANTITIES, headline
 
 _TOLERANCE = 1e-2  # of the pressure, as of the members of the ensembles
 _MIN_POINTS_PER_SIDE = 16  # of the coarsest grid
@@ -90,14 +89,14 @@ def magnification_curve(
     --------
     >>> from roughcontact.contact.solve import solve_contact
     >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.uncertainty.headline import headline
     >>> window, problem = rough_reference_surface(64), {"contact_modulus": 1.0, "mean_pressure": [0.1]}
     >>> solved = solve_contact(window, **problem, reduce=headline)
     >>> curve = magnification_curve(window, contact=problem, solved=solved)
     >>> curve["relative_contact_area_at_cutoff"].round(2).values.tolist()
     [[0.34, 0.35, 0.4]]
     """
-    names = (*QUANTITIES, *answers_present(solved))
-    count = headline_and_answers if answers_present(solved) else headline
+    names, count = quantities_in(solved), counter_of(solved)
     levels = [{name: solved[name].values for name in names}]
     maps = [window]
     sides = [n for n in window.shape if n > 1]

@@ -21,9 +21,9 @@ from roughcontact.levelling.rejected import rejected_points, with_rejected
 from roughcontact.levelling.row_jitter import find_row_jitter
 from roughcontact.maps import spacing
 from roughcontact.statistics.checks import FORM
-from roughcontact.uncertainty.answers import answers_present, headline_and_answers
+from roughcontact.uncertainty.answers import counter_of, quantities_in
 from roughcontact.uncertainty.ensemble import Member, measured_slices, rescaled_to, solve_member
-from roughcontact.uncertainty.headline import QUANTITIES, headline
+from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.window.periodic_window import periodic_window
 
 COVERAGE_FACTOR = 2.0  # of the expanded uncertainty: about 95 %
@@ -106,9 +106,9 @@ def processing_uncertainty(
     >>> found.attrs["reason"]
     'The map is periodic and has no doubtful points: no alternative processing changes the result.'
     """
-    count = headline_and_answers if answers_present(solved) else headline
+    count = counter_of(solved)
     chosen = periodic_window(levelled, **window) if chosen is None else chosen
-    known = {name: solved[name].values for name in (*QUANTITIES, *answers_present(solved))}
+    known = {name: solved[name].values for name in quantities_in(solved)}
     choices, members = [], []
     for choice, other in _choices(levelled, chosen, level, window):
         choices.append(choice)

@@ -1,8 +1,8 @@
 """Uncertainty of load, contact modulus and amplification, from the solved curve alone.
 
 The elastic contact of a surface depends on one number, the load over modulus times slope. With heights a,
-lengths b, modulus c and load d times as large, every result follows from the solution at the load p d b/(c
-a):
+lengths b, modulus c and load d times as large, every result follows from the solution at the load
+p d b/(c a):
 
     A(p) = A0,   u = a u0,   p_c = p d/A,   p_max = (c a/b) p_max0,   K/E* = kappa0/b,   gap height = a c0
 
@@ -16,12 +16,12 @@ import numpy as np
 import xarray as xr
 from scipy.special import erf, erfinv
 
-from roughcontact.uncertainty.answers import ANSWERS, answers_present
+from roughcontact.uncertainty.answers import ANSWERS, quantities_in
 from roughcontact.uncertainty.headline import QUANTITIES
 
 AREA, GAP, PEAK, PRESSURE = QUANTITIES
 CONDUCTANCE = ANSWERS[0]
-_MAX_AREA = 1 - 1e-6  # keeps erfinv finite
+_MAX_AREA = 1 - 1e-6  # keeps erfinv finite: hardly a point is open
 # Power of an input in the load p d b/(c a).
 _POWER_IN_LOAD = {
     "mean_pressure": 1.0,
@@ -90,7 +90,7 @@ def log_slopes(solved: xr.Dataset) -> dict[str, np.ndarray]:
     load = np.log(solved["mean_pressure"].values)
     order = np.argsort(load)
     slopes = {}
-    for name in (*QUANTITIES, *answers_present(solved)):
+    for name in quantities_in(solved):
         if name == PRESSURE:
             continue
         values = solved[name].values
@@ -111,10 +111,10 @@ def log_slopes(solved: xr.Dataset) -> dict[str, np.ndarray]:
     return slopes
 
 
-def _sensitivities(solved: xr.Dataset, source: str) -> dict[str, np.ndarray]:
+def _sensitivities(slopes: dict[str, np.ndarray], source: str) -> dict[str, np.ndarray]:
     """Return d ln Q/d ln(input), of the area that of its effort; the pressure in contact follows from it."""
     found = {}
-    for name, slope in log_slopes(solved).items():
+    for name, slope in slopes.items():
         like = GAP if name in ANSWERS[1:] else name
         found[name] = _EXPLICIT_POWER.get((source, like), 0.0) + _POWER_IN_LOAD[source] * slope
     return found
@@ -147,8 +147,9 @@ def log_sensitivities(solved: xr.Dataset) -> xr.Dataset:
     # d ln A/d ln x of A = erf(x)
     slope = np.where(area > 0, 2 / np.sqrt(np.pi) * x * np.exp(-(x**2)) / np.where(area > 0, area, 1.0), 0.0)
     columns: dict[str, list[np.ndarray]] = {}
+    slopes = log_slopes(solved)
     for source in inputs:
-        found = _sensitivities(solved, source)
+        found = _sensitivities(slopes, source)
         found[AREA] = slope * found[AREA]
         found[PRESSURE] = _EXPLICIT_POWER.get((source, PRESSURE), 0.0) - found[AREA]
         for name, values in found.items():
@@ -192,8 +193,9 @@ def scaling_uncertainty(solved: xr.Dataset, inputs: dict[str, float]) -> xr.Data
     [0.051, 0.051]
     """
     squares: dict[str, np.ndarray] = {}
+    slopes = log_slopes(solved)
     for source, width in inputs.items():
-        for name, sensitivity in _sensitivities(solved, source).items():
+        for name, sensitivity in _sensitivities(slopes, source).items():
             squares[name] = squares.get(name, 0.0) + (width * sensitivity) ** 2
     logarithms = {name: np.sqrt(square) for name, square in squares.items()}
     relative_load = inputs.get("mean_pressure", 0.0)
@@ -224,8 +226,7 @@ def half_widths(
     Returns
     -------
     Dataset
-        along `load`: `{name}{ending}_down` and `{name}{ending}_up`, and without an ending `{name}`, the
-        larger one.
+        along `load`: `{name}{ending}_down` and `{name}{ending}_up`, and `{name}`, the larger one.
 
     Examples
     --------
@@ -249,8 +250,7 @@ def half_widths(
     found: dict[str, tuple[str, np.ndarray]] = {}
     for name, (down, up) in widths.items():
         found |= {f"{name}{ending}_down": ("load", down), f"{name}{ending}_up": ("load", up)}
-        if not ending:
-            found[name] = ("load", np.maximum(down, up))
+        found[name] = ("load", np.maximum(down, up))
     return xr.Dataset(found)
 
 

@@ -11,11 +11,11 @@ import numpy as np
 import xarray as xr
 from scipy.ndimage import grey_erosion
 
-from roughcontact.fourier import wavevectors
+from roughcontact.fourier import wavenumbers
 from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.window.band import LIGHT_WAVELENGTH
 
-WAVELENGTH = 550e-9  # m, of the light where none is stated: the middle of the visible spectrum
 LEAST_TRANSFER = 0.2  # waves of which less is transmitted are hidden in noise and are not restored further
 _NOISE_SEED = 0
 _FINEST_SCALE, _COARSEST_SCALE = 1, 64  # points; distances at which curvatures are compared with a tip
@@ -55,7 +55,7 @@ def transfer(frequency: np.ndarray, instrument: Mapping[str, Any]) -> np.ndarray
     """
     share = np.ones_like(frequency)
     if aperture := instrument.get("numerical_aperture"):
-        v = np.clip(frequency * (instrument.get("wavelength") or WAVELENGTH) / (2 * aperture), 0.0, 1.0)
+        v = np.clip(frequency * (instrument.get("wavelength") or LIGHT_WAVELENGTH) / (2 * aperture), 0.0, 1.0)
         share = share * 2 / np.pi * (np.arccos(v) - v * np.sqrt(1 - v**2))
     if resolution := instrument.get("resolution"):
         share = share * 0.5 ** ((frequency * resolution) ** 2)
@@ -80,7 +80,7 @@ def shortest_transmitted(instrument: Mapping[str, Any]) -> float:
     '6.57e-07'
     """
     scale = max(
-        (instrument.get("wavelength") or WAVELENGTH) / instrument["numerical_aperture"]
+        (instrument.get("wavelength") or LIGHT_WAVELENGTH) / instrument["numerical_aperture"]
         if instrument.get("numerical_aperture")
         else 0.0,
         instrument.get("resolution") or 0.0,
@@ -120,7 +120,7 @@ def restored(window: xr.DataArray, instrument: Mapping[str, Any], *, noise: floa
     True
     """
     values = window.values
-    frequency = np.hypot(*wavevectors(values.shape, spacing(window))) / (2 * np.pi)
+    frequency = wavenumbers(values.shape, spacing(window)) / (2 * np.pi)
     share = transfer(frequency, instrument)
     spectrum = np.fft.rfft2(values)
     power = np.abs(spectrum) ** 2
@@ -164,8 +164,11 @@ def with_noise(
     """
     added = noise * np.random.default_rng(_NOISE_SEED).standard_normal(window.shape)
     if s_filter:
-        frequency = np.hypot(*wavevectors(window.shape, spacing(window))) / (2 * np.pi)
-        added = np.fft.irfft2(np.fft.rfft2(added) * 0.5 ** ((frequency * s_filter) ** 2), s=added.shape)
+        frequency = wavenumbers(window.shape, spacing(window)) / (2 * np.pi)
+        share = transfer(
+            frequency, {"resolution": s_filter}
+        )  # that filter transmits half at its nesting index
+        added = np.fft.irfft2(np.fft.rfft2(added) * share, s=added.shape)
     return window.copy(data=window.values + added), rms_gradient(window.copy(data=added))
 
 

@@ -29,15 +29,12 @@ from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
 from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.uncertainty.answers import answers_present
-from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.answers import quantities_in
 from roughcontact.uncertainty.instrument import one_sided
 from roughcontact.uncertainty.scaling import AREA, PEAK, PRESSURE, effort
 from roughcontact.uncertainty.transfer import eroded, reliability_length, restored, shortest_transmitted
 
-_CHOSEN_BAND = (
-    2.0  # shortest wave that the settings keep, over two pixels, from which on it defines the result
-)
+_CHOSEN_BAND = 2.0  # shortest wave that is kept, over two pixels, from which on it defines the result
 _MARGIN = 1.3  # on the growth of the gradient over the next octave
 _LARGEST_ACCELERATION = 2.0  # of that growth, from octave to octave
 _MAX_OCTAVES = 2.0
@@ -130,7 +127,7 @@ def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> float
     >>> 0.0 < growth_by_finer_spectrum(coarse, finer) < 1.0
     True
     """
-    own = [(q, c) for q, c in _line_spectra(window, periodic=True)]
+    own = _line_spectra(window, periodic=True)
     fine = _line_spectra(finer, periodic=False)
     limit = max([min(q[-1] for q, _ in own) / 4, *(4 * q[1] for q, _ in fine)])
     kept = sum(float(np.sum(c[q <= limit])) for q, c in own) / len(own)
@@ -160,12 +157,13 @@ def unresolved_uncertainty(
     Returns
     -------
     Dataset
-        along `load` as of `one_sided`, with `{name}`; the largest pressure has no upper end (infinite) where
+        along `load` as of `one_sided`; the largest pressure has no upper end (infinite) where
         the gradient has not converged and is not known.
 
     Examples
     --------
     >>> import numpy as np
+    >>> from roughcontact.uncertainty.headline import QUANTITIES
     >>> solved = xr.Dataset({name: ("load", [0.1]) for name in (*QUANTITIES, "mean_pressure")})
     >>> levels = {f"{name}_at_cutoff": (("load", "cutoff"), [[0.1, 0.12]]) for name in QUANTITIES}
     >>> found = unresolved_uncertainty(xr.Dataset(levels), solved, Growth(0.5, 1.3, 0))
@@ -194,13 +192,7 @@ def unresolved_uncertainty(
             changes[name] = np.maximum(changes[name], growth.gradient)
             if growth.gradient > _CONVERGED and not known:
                 changes[name] = np.full_like(change, np.inf)
-    found = one_sided(solved, changes, _FINER_UNCERTAINTY if known else 0.0)
-    larger = {
-        str(name).removesuffix("_shift_up"): np.maximum(values, found[str(name).replace("_up", "_down")])
-        for name, values in found.data_vars.items()
-        if str(name).endswith("_shift_up")
-    }
-    return found.assign(larger)
+    return one_sided(solved, changes, _FINER_UNCERTAINTY if known else 0.0)
 
 
 def _line_spectra(height: xr.DataArray, *, periodic: bool) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -253,17 +245,16 @@ def waves_not_resolved(
     shortest = float(curve["cutoff_wavelength"][0])
     band = [settings.get("level", {}).get("s_filter"), settings.get("window", {}).get("shortest_wavelength")]
     if max(each or 0.0 for each in band) >= _CHOSEN_BAND * shortest:
-        zeros = {
-            name: ("load", np.zeros(solved.sizes["load"])) for name in (*QUANTITIES, *answers_present(solved))
-        }
-        return xr.Dataset(zeros)
-    resolved, reference = shortest_transmitted(instrument), window
+        return xr.Dataset(dict.fromkeys(quantities_in(solved), ("load", np.zeros(solved.sizes["load"]))))
+    resolved, reference = shortest_transmitted(instrument), None
     if resolved > shortest:
         reference = restored(window, instrument, noise=instrument.get("noise") or 0.0)
     if tip_radius := instrument.get("tip_radius"):
         resolved = max(resolved, reliability_length(window, tip_radius))
         reference = eroded(window, tip_radius)
-    growth = expected_growth(curve, resolved=resolved, reference=rms_gradient(reference))
+    growth = expected_growth(
+        curve, resolved=resolved, reference=None if reference is None else rms_gradient(reference)
+    )
     finer = instrument.get("finer_spectrum")
     if finer is None:
         return unresolved_uncertainty(curve, solved, growth)

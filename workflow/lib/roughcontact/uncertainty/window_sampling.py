@@ -44,7 +44,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from scipy.special import erf, erfinv, stdtrit
+from scipy.special import erf, stdtrit
 
 from roughcontact.checking import check_map
 from roughcontact.errors import SettingsError
@@ -55,12 +55,13 @@ from roughcontact.roughness.texture import texture_parameters
 from roughcontact.uncertainty.answers import (
     answers_present,
     constrictions_in_grooves,
-    headline_and_answers,
+    counter_of,
     interval_from_subwindows,
 )
 from roughcontact.uncertainty.ensemble import measured_slices, solve_member
 from roughcontact.uncertainty.growth import form_order, growth_exponent
-from roughcontact.uncertainty.headline import QUANTITIES, headline
+from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.scaling import effort
 from roughcontact.window.periodic_window import periodic_window
 
 _TOLERANCE = 1e-2  # of the pressure: 0.4 % of the area (rms), where subwindows differ by 5 % and more
@@ -72,7 +73,6 @@ _MIN_EXPONENT = 0.25  # real surfaces scatter more than stationary ones, which h
 _GROWTH_MARGIN = 1.25  # factor on the increase of the mean gap expected from growing heights
 _MIN_DEGREES_OF_FREEDOM = 2.0  # however strong the lay
 _LOGARITHM_FLOOR = 1e-2  # of the window's result: the logarithm of smaller gaps is meaningless
-_MAX_AREA = 1 - 1e-6  # limit that keeps erfinv finite: hardly a point of a subwindow is open
 _GROWTH_FLAG_LIMIT = 0.25  # logarithm of the growth of the heights: waves are then as long as the map
 _FEW_DEGREES_OF_FREEDOM = 2.5  # below this limit a lay leaves about three independent subwindows
 _KURTOSIS_FLAG_LIMIT = 8.0  # above this limit a few places hold most of the mean square height
@@ -159,7 +159,7 @@ def window_uncertainty(
     whole = measured_slices(levelled, chosen)
     parts = _subwindows(whole, spacing(levelled), int(number), window.get("shortest_wavelength") or 0.0)
     own = {**window, "placement": "largest", "min_share": 0.0}
-    count = headline_and_answers if answers_present(solved) else headline
+    count = counter_of(solved)
     members = []
     for part in parts:
         periodic = periodic_window(_relevelled(levelled.isel(part), form_order(levelled)), **own)
@@ -325,7 +325,7 @@ def _area_half_widths(values: np.ndarray, result: np.ndarray, extrapolation: _Ex
 
 def _log_erfinv(area: np.ndarray) -> np.ndarray:
     """Return ln erfinv(A), in Persson's law ln(p/(E* g)) plus a constant."""
-    return np.log(erfinv(np.minimum(area, _MAX_AREA)))
+    return np.log(effort(area))
 
 
 def _gap_half_widths(values: np.ndarray, result: np.ndarray, extrapolation: _Extrapolation) -> HalfWidths:

@@ -13,7 +13,7 @@ from roughcontact.levelling.level import level
 from roughcontact.maps import refined
 from roughcontact.quantities import number
 from roughcontact.references import synthetic
-from roughcontact.uncertainty.answers import answers_present, headline_and_answers
+from roughcontact.uncertainty.answers import headline_and_answers, quantities_in
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, resolution_indicators
 from roughcontact.uncertainty.ensemble import Count
@@ -154,7 +154,7 @@ def measured_cases(maps: int, *, master_points: int, seed: int = 7) -> Cases:
         result = solve_contact(window, **contact, reduce=headline_and_answers)
         truth = _truth(refined(master, 2), loads, count=headline_and_answers, box=2 * window.shape[0])
         half_widths = {}
-        for name in (*QUANTITIES, *answers_present(result)):
+        for name in quantities_in(result):
             lower, upper = (budget[f"{name}_{end}"] for end in ("lower", "upper"))
             upper = upper.where(np.isfinite(upper) | np.isnan(lower), np.inf)
             half_widths[name] = xr.where(

@@ -16,7 +16,7 @@ from roughcontact.maps import spacing
 # (2 / pi) (acos v - v sqrt(1 - v^2)) = 1/2
 _HALF_CONTRAST = 0.4039727532995172
 _RELATIVE_MARGIN = 1e-9  # so that a wave of the map exactly at a limit is kept
-_LIGHT_WAVELENGTH = 550e-9  # m, assumed: files do not state it reliably
+LIGHT_WAVELENGTH = 550e-9  # m, assumed: files do not state it reliably
 
 
 def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
@@ -49,7 +49,7 @@ def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
     if aperture:
         known.append(
             (
-                _LIGHT_WAVELENGTH / (2 * aperture * _HALF_CONTRAST),
+                LIGHT_WAVELENGTH / (2 * aperture * _HALF_CONTRAST),
                 f"the lens (numerical aperture {aperture:g})",
             )
         )
