@@ -206,6 +206,15 @@ def test_hdf5_of_another_kind_is_named_with_its_arrays(tmp_path):
         read_height_map(tmp_path / "map.h5")
 
 
+def test_an_axis_scale_that_is_a_single_number_is_refused(tmp_path):
+    with h5py.File(tmp_path / "map.h5", "w") as file:
+        file["heights"], file["step"] = HEIGHTS, 1e-6
+        file["step"].make_scale("x")
+        file["heights"].dims[1].attach_scale(file["step"])
+    with pytest.raises(InputFileError, match=r"/step of this HDF5 file is the scale of an axis but a single"):
+        read_height_map(tmp_path / "map.h5")
+
+
 def test_a_heap_of_hdf5_without_an_end_is_refused(tmp_path):
     path = tmp_path / "map.nc"
     axes = {axis: (axis, 1e-6 * np.arange(5), {"units": "m"}) for axis in ("y", "x")}

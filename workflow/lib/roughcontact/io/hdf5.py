@@ -48,7 +48,8 @@ def datasets(path: Path) -> dict[str, tuple[int, ...]]:
     ------
     InputFileError
         For a link to another file, external storage or a virtual array (the heights would be bytes of other
-        files of this computer), for more than 10 000 objects, and for a file that is damaged.
+        files of this computer), for more than 10 000 objects, for an axis scale that is a single number,
+        and for a file that is damaged.
     """
     _check_heaps(path)
     with opened(path) as file:
@@ -107,11 +108,23 @@ def _arrays(file: "h5py.File", path: Path) -> Iterator[tuple[str, tuple[int, ...
             if isinstance(entry, h5py.Group):
                 groups.append((entry, depth + 1))
             elif isinstance(entry, h5py.Dataset):
-                if entry.external:
-                    raise _outside(path, f"the numbers of {entry.name} lie in another file")
-                if entry.is_virtual:
-                    raise _outside(path, f"{entry.name} is put together from other files")
+                _check_array(entry, path)
                 yield entry.name, entry.shape or ()
+
+
+def _check_array(array: "h5py.Dataset", path: Path) -> None:
+    """Refuse an array whose numbers lie in other files, and one on which the netCDF library crashes."""
+    import h5py
+
+    if array.external:
+        raise _outside(path, f"the numbers of {array.name} lie in another file")
+    if array.is_virtual:
+        raise _outside(path, f"{array.name} is put together from other files")
+    if array.shape == () and h5py.h5ds.is_scale(array.id):
+        raise InputFileError(
+            f"{path}: {array.name} of this HDF5 file is the scale of an axis but a single number, so that "
+            "nothing says where points lie; save the heights as .npy or netCDF"
+        )
 
 
 def _outside(path: Path, what: str) -> InputFileError:
