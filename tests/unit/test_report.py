@@ -260,6 +260,7 @@ def test_the_summary_of_a_panel_lies_beside_it(page, tmp_path):
         "verdict": "look",
         "reasons": ["Form: <b> & ±"],
         "not_judged": ["Band"],
+        "waves": "waves longer than 2 µm",
     }
     write_summary(known, tmp_path / "panel.html")
     assert read_summary(tmp_path / "panel.html") == known

@@ -1,4 +1,4 @@
-"""Figures and table of the error budget: the ± of each quantity by source."""
+"""Figures and tables of the error budget: the ± of each quantity by source, results by the shortest wave."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import NO_UPPER_END, number, percent, prefix, quantity, with_interval
+from roughcontact.quantities import NO_UPPER_END, number, percent, prefix, with_interval
 from roughcontact.report.charts import COLOURS, MARKERS, Axis, Chart
 from roughcontact.report.units import unit_of
+from roughcontact.uncertainty.combination import COMBINED, uncertainty_table
 
 # names of the quantities on the page
 _SHOWN = {
@@ -27,15 +28,27 @@ _WORDS = {
     "unresolved": "unresolved waves",
     "combined": "all together",
 }
+# of the magnification curve: names on the page and units
+_BY_CUTOFF = {
+    "relative_contact_area": ("contact area A/A₀", "%"),
+    "mean_contact_pressure": ("pressure in contact", "Pa"),
+    "max_pressure": ("largest pressure", "Pa"),
+    "mean_gap": ("mean gap ū", "m"),
+    "conductance_per_conductivity": ("conductance by conductivity", "m-1"),
+}
+_CONVERGED = 0.03  # change over the shortest octave that counts as none
+_UNITS_OF_PARTS = {"relative_contact_area": "%", "mean_gap": "m"}  # the others are pressures
 _LEAST = 0.01  # percent; less is not drawn
 
 
-def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
-    """Return figures, table and notes of the error budget of a surface; None where it has none.
+def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, Any] | None:
+    """Return figures, tables and notes of the error budget of a surface; None where it has none.
 
-    `numbers` are the statistics of one surface with `{quantity}_uncertainty` (load, source). The result has
-    `images`, for each quantity its name and its figure (a data URI), `header` and `rows` of the table, as
-    text, and `notes` on how the parts were found and which are missing.
+    `numbers` are the statistics of one surface with `{quantity}_uncertainty` (load, source), `loads` the
+    indices of those whose components are listed. The result has `images`, for each quantity its name and its
+    figure (a data URI), `header` and `rows` of the table, as text, `components`, a table of the same form,
+    `magnification`, the figures of the results by the shortest wave, and notes: `notes` on how the parts
+    were found and which are missing, `converged` on the waves.
 
     Examples
     --------
@@ -66,9 +79,12 @@ def shown_budget(numbers: xr.Dataset) -> dict[str, Any] | None:
     absent = [_WORDS[s] for s in _WORDS if s not in (*present, "combined")]
     if absent:
         notes.append(f"Not in the ±: {', '.join(absent)}.")
-    notes += _notes_on_the_band(numbers)
+    notes += _note_on_open_ends(numbers)
     return {
-        "images": [*_images(numbers, present), *_magnification(numbers)],
+        "images": _images(numbers, present),
+        "components": _component_table(numbers.isel(load=list(loads))) if len(loads) else None,
+        "magnification": _magnification(numbers),
+        "converged": _note_on_convergence(numbers),
         "header": [
             "mean pressure p̄",
             "contact area A/A₀",
@@ -131,65 +147,130 @@ def _images(numbers: xr.Dataset, present: Sequence[str]) -> list[tuple[str, str]
     return images
 
 
-def _notes_on_the_band(numbers: xr.Dataset) -> list[str]:
-    """Return sentences on the waves that the numbers hold for, and on ends that are not known."""
-    notes = []
-    if "cutoff_wavelength" in numbers and numbers.sizes["cutoff"] > 1:
-        shortest = float(numbers["cutoff_wavelength"][0])
-        changes = []
-        for name in ("relative_contact_area", "max_pressure"):
-            fine, coarse = numbers[f"{name}_at_cutoff"].values.T[:2]
-            changes.append(percent(float(np.abs(fine / coarse - 1).max())))
-        notes.append(
-            f"The numbers hold for waves longer than {quantity(shortest, 'm')} (two pixels). Of these the "
-            f"shortest octave, below {quantity(2 * shortest, 'm')}, changed the contact area by up to "
-            f"{changes[0]} and the largest pressure by up to {changes[1]}. Shorter waves, which this map "
-            "does not show, may change them again: that is the source unresolved waves."
-        )
+def _note_on_open_ends(numbers: xr.Dataset) -> list[str]:
+    """Return a sentence on upper ends that are not known."""
     unknown = []
     for name, words in _SHOWN.items():
         upper = numbers[f"{name}_upper"].values
         if (np.isnan(upper) | (upper > (1 + NO_UPPER_END) * numbers[name].values)).any():
             unknown.append(words)
-    if unknown:
-        notes.append(
-            f"“Or more”: the upper end is not known from this map ({', '.join(unknown)}). Either shorter "
-            "waves, which carry the largest pressure, are not resolved, or too few independent parts fit "
-            "into the map."
+    if not unknown:
+        return []
+    text = (
+        f"“Or more”: the upper end is not known from this map ({', '.join(unknown)}). Either shorter waves, "
+        "which carry the largest pressure, are not resolved, or too few independent parts fit into the map."
+    )
+    return [text]
+
+
+def _component_table(numbers: xr.Dataset) -> dict[str, Any]:
+    """Return the components of every interval (`uncertainty_table`) as text: `header` and `rows`."""
+    rows = []
+    for _, row in uncertainty_table(numbers).iterrows():
+        name = str(row["quantity"])
+        if name not in _SHOWN:
+            continue
+        unit = unit_of(numbers, _UNITS_OF_PARTS.get(name, "Pa"))
+        down, up, below, above = (
+            _amount(float(row[f"{key}_{side}"]) * unit.factor)
+            for key in ("standard_uncertainty", "one_sided")
+            for side in ("lower", "upper")
         )
-    return notes
+        combined = row["source"] == COMBINED
+        ends = [unit.number(float(row[end])) if np.isfinite(row[end]) else "–" for end in ("lower", "upper")]
+        rows.append(
+            [
+                f"{_SHOWN[name]} at {unit_of(numbers, 'Pa').text(float(row['mean_pressure_Pa']))}",
+                _WORDS[str(row["source"])],
+                "–" if combined else str(row["evaluation_type"]),
+                f"{down} / {up} {unit.shown}",
+                "∞" if np.isinf(row["degrees_of_freedom"]) else number(row["degrees_of_freedom"], digits=2),
+                number(row["coverage_factor"]),
+                f"{ends[0]} to {ends[1]} {unit.shown}" if combined else f"{below} / {above} {unit.shown}",
+            ]
+        )
+    header = [
+        "result",
+        "source",
+        "type",
+        "u, below / above",
+        "degrees of freedom",
+        "coverage factor k",
+        "one-sided, below / above; combined: interval",
+    ]
+    return {"header": header, "rows": rows}
+
+
+def _amount(value: float) -> str:
+    """Return an uncertainty with two digits; one that is not bounded in words."""
+    return number(value, digits=2) if np.isfinite(value) else "no bound"
+
+
+def _note_on_convergence(numbers: xr.Dataset) -> str:
+    """Return a sentence on the results that still change over the shortest octave of waves."""
+    if "cutoff_wavelength" not in numbers or numbers.sizes["cutoff"] < 2:
+        return ""
+    moving, settled = [], []
+    for name, (words, _) in _BY_CUTOFF.items():
+        if f"{name}_at_cutoff" not in numbers:
+            continue
+        fine, coarse = numbers[f"{name}_at_cutoff"].values.T[:2]
+        usable = np.isfinite(fine) & (coarse > 0)
+        change = float(np.max(np.abs(fine[usable] / coarse[usable] - 1), initial=0.0))
+        if change > _CONVERGED:
+            moving.append(f"{words} (by up to {percent(change)})")
+        else:
+            settled.append(words)
+    found = []
+    if moving:
+        found.append(
+            f"Not converged, the shortest octave of waves still changes them: {', '.join(moving)}. Waves "
+            "that this map does not show may do so again: that is the source unresolved waves."
+        )
+    if settled:
+        found.append(f"Converged, within {percent(_CONVERGED)}: {', '.join(settled)}.")
+    return " ".join(found)
 
 
 def _magnification(numbers: xr.Dataset) -> list[tuple[str, str]]:
-    """Draw the contact area against the shortest wave that is kept, one line for a few of the loads."""
+    """Draw results against the shortest wave that is kept, one line for a few of the loads."""
     if "cutoff_wavelength" not in numbers or numbers.sizes["cutoff"] < 2:
         return []
     wavelengths = numbers["cutoff_wavelength"].values
-    area = numbers["relative_contact_area_at_cutoff"].values
     factor, unit = prefix(float(wavelengths[0]), "m")
-    loads = np.unique(np.linspace(0, len(area) - 1, min(len(area), 4)).round().astype(int))
-    shown = 100 * area[loads]
-    chart = Chart(
-        Axis(
-            f"shortest wave kept ({unit})",
-            wavelengths[0] * factor / 1.3,
-            wavelengths[-1] * factor * 1.3,
-            log=True,
-        ),
-        Axis("contact area A/A₀ (%)", 0.0, min(1.15 * float(np.nanmax(shown)), 105.0)),
-        title="Contact area by the shortest wave",
-        size=(330.0, 290.0),
-    )
-    for place, (load, values) in enumerate(zip(loads, shown, strict=True)):
-        chart.marks(
-            wavelengths * factor,
-            values,
-            colour=COLOURS[place],
-            marker=MARKERS[place],
-            joined=1.5,
-            label=unit_of(numbers, "Pa").text(float(numbers["mean_pressure"][load])),
+    pressures = numbers["mean_pressure"].values
+    loads = np.unique(np.linspace(0, pressures.size - 1, min(pressures.size, 4)).round().astype(int))
+    images = []
+    for name, (words, si) in _BY_CUTOFF.items():
+        if f"{name}_at_cutoff" not in numbers:
+            continue
+        own = unit_of(numbers, si)
+        shown = numbers[f"{name}_at_cutoff"].values[loads] * own.factor
+        shown = np.where(np.isfinite(shown) & (shown > 0), shown, np.nan)
+        if np.isnan(shown).all():
+            continue
+        chart = Chart(
+            Axis(
+                f"shortest wave kept ({unit})",
+                wavelengths[0] * factor / 1.3,
+                wavelengths[-1] * factor * 1.3,
+                log=True,
+            ),
+            Axis(f"{words} ({own.shown})", np.nanmin(shown) / 1.5, np.nanmax(shown) * 1.5, log=True),
+            title=words,
+            size=(330.0, 290.0),
         )
-    return [("contact area by the shortest wave", chart.source("below", columns=2))]
+        for place, (load, values) in enumerate(zip(loads, shown, strict=True)):
+            chart.marks(
+                wavelengths * factor,
+                values,
+                colour=COLOURS[place],
+                marker=MARKERS[place],
+                joined=1.5,
+                label=unit_of(numbers, "Pa").text(float(pressures[load])),
+            )
+        images.append((words, chart.source("below", columns=2)))
+    return images
 
 
 def _in_percent(half_width: np.ndarray, value: np.ndarray) -> np.ndarray:

@@ -130,6 +130,21 @@ def spectrum_caption(window: xr.DataArray, numbers: xr.Dataset) -> str:
     return f"{band}." if 1 in window.shape else f"Mean over all directions. {band}."
 
 
+def waves_in_words(window: xr.DataArray) -> str:
+    """Return the waves for which the numbers of a window hold; nothing where its band is not known.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.maps import height_map
+    >>> band = {"band_shortest": 2e-6, "reliable_wavelength": 3.3e-6}
+    >>> waves_in_words(height_map(np.zeros((2, 2)), 1e-6).assign_attrs(band))
+    'waves longer than 3.30 µm'
+    """
+    limits = [float(window.attrs.get(name, 0.0)) for name in ("band_shortest", "reliable_wavelength")]
+    return f"waves longer than {quantity(max(limits), 'm')}" if max(limits) else ""
+
+
 def lay_caption(numbers: xr.Dataset) -> str:
     """Return the direction of the lay, from `Str` and `Std` (degrees); isotropic surfaces have none.
 

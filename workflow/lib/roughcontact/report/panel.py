@@ -96,7 +96,7 @@ def write_panel(
         fields=fields,
         waves=_waves(solved, numbers) if rough else [],
         charts=_charts(numbers, solved, shown) if rough else [],
-        budget=shown_budget(numbers),
+        budget=shown_budget(numbers, shown),
         tables=tables.number_tables(numbers, checks.load_flags(numbers, solved.size)),
         material=tables.material_table(numbers, shown),
         crosscheck=tables.crosscheck_table(crosscheck, numbers, order) if crosscheck else None,
@@ -123,6 +123,7 @@ def write_panel(
             "verdict": verdict,
             "reasons": [checks.reason(check) for check in doubts],
             "not_judged": [check.name for check in not_judged],
+            "waves": facts.waves_in_words(solved),
         },
         path,
     )

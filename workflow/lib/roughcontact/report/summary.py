@@ -17,6 +17,7 @@ class Summary(TypedDict):
     verdict: str  # a key of `checks.VERDICTS`
     reasons: list[str]  # a sentence for each check that did not pass, the most important first
     not_judged: list[str]  # names of the checks that could not be made
+    waves: str  # for which the numbers hold, in words
 
 
 def write_summary(summary: Summary, panel: str | Path) -> None:
