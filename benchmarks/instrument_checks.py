@@ -21,7 +21,6 @@ import pandas as pd
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.connectivity import largest_elsewhere
 from roughcontact.maps import height_map, spacing
 from roughcontact.references.synthetic import ground_surface, self_affine_surface
 from roughcontact.statistics import instrument_checks as checks
@@ -122,7 +121,6 @@ def counted(contact: xr.Dataset) -> xr.Dataset:
     pressures = contact["pressure"].values
     columns = {
         "max_pressure": [pressure.max() for pressure in pressures],
-        "max_pressure_elsewhere": [largest_elsewhere(pressure) for pressure in pressures],
         "mean_contact_pressure": [pressure[pressure > 0].mean() for pressure in pressures],
         "relative_contact_area_pixels": [(pressure > 0).mean() for pressure in pressures],
     }
@@ -147,7 +145,7 @@ def judged(task: tuple[str, str, xr.DataArray, int]) -> list[dict]:
         found = [
             checks.smoothed(window.attrs),
             checks.noise(solved, window.attrs),
-            checks.isolated_peak(solved),
+            checks.isolated_peak(solved, window.attrs),
             checks.height_unit(height.attrs, window.attrs),
             checks.pixel_size(height.attrs, window.attrs),
         ]

@@ -45,7 +45,6 @@ LAWS = {
     **dict.fromkeys(["hardness", "first_yield_pressure", "first_subsurface_yield_pressure"], PRESSURE),
     **dict.fromkeys(["max_von_mises_stress", "max_tresca_stress", "von_mises_profile"], PRESSURE),
     **dict.fromkeys(["pressure_bin_centre", "pressure_bin_bounds", "beside_the_peak"], PRESSURE),
-    "max_pressure_elsewhere": PRESSURE,
     "first_yield_pressure_by_ratio": PRESSURE._replace(similar=True),
     "contact_modulus": Law(0, 0, 1),
     "pressure_density": PER_PRESSURE,
@@ -326,11 +325,10 @@ def test_a_map_beside_itself_has_the_same_contact(seed):
             "max_von_mises_x",
             "max_von_mises_y",
             "Std",
-            "max_pressure_elsewhere",
             *OVER_THE_EDGES,
         ):
-            # depths are those of the longer window, of four equal places any may be named, the highest peak
-            # has three equals elsewhere, and angles of waves are told apart as finely as the window is long
+            # depths are those of the longer window, of four equal places any may be named, and angles of
+            # waves are told apart as finely as the window is long
             continue
         found, expected = (
             each[name].isel(load=slice(2), missing_dims="ignore").values for each in (after, before)

@@ -28,9 +28,8 @@ def window_of(values, pitch=1e-6):
     return rc.periodic_window(rc.level(height_map(values, pitch)))
 
 
-def loads(largest, elsewhere, mean, area):
-    columns = {"max_pressure": largest, "max_pressure_elsewhere": elsewhere, "mean_contact_pressure": mean}
-    columns["relative_contact_area_pixels"] = area
+def loads(largest, mean):
+    columns = {"max_pressure": largest, "mean_contact_pressure": mean}
     return xr.Dataset({name: ("load", np.array(values, float)) for name, values in columns.items()})
 
 
@@ -168,34 +167,47 @@ def test_stated_noise_counts_whatever_the_spectrum():
     assert checks.noise(xr.Dataset(), steep | {"instrument_noise": 4e-9}).outcome == "look"
 
 
-def test_dust_is_found():
-    values = surface()
+def with_dust():
     rows, columns = np.ogrid[:160, :160]
-    values = values + 10 * values.std() * np.exp(-((rows - 70) ** 2 + (columns - 90) ** 2) / 2)
-    window = window_of(values)
+    return surface() + 10 * surface().std() * np.exp(-((rows - 70) ** 2 + (columns - 90) ** 2) / 2)
+
+
+def test_dust_is_found():
+    window = window_of(with_dust())
     problem = {"contact_modulus": 1e9, "mean_pressure": 0.02e9 * window.attrs["rms_gradient_after"]}
     solved = rc.contact_statistics(rc.solve_contact(window, **problem, tolerance=1e-2), flow="never")
-    assert checks.isolated_peak(solved).outcome == "look"
+    check = checks.isolated_peak(solved, window.attrs)
+    assert check.outcome == "look"
+    assert "at x = 90.5 µm and y = 70.5 µm; the largest pressure is" in check.sentence
+
+
+def test_a_mirrored_map_has_its_summit_once():
+    window = rc.periodic_window(rc.level(height_map(with_dust(), 1e-6)), method="mirror")
+    assert window.attrs["summit_over_next"] > checks.SUMMIT_OVER_NEXT
 
 
 def test_an_isolated_peak_warns_just_beyond_its_limits():
-    mean, others = checks.PEAK_OVER_MEAN, checks.PEAK_OVER_OTHERS
+    mean, above = checks.PEAK_OVER_MEAN, checks.SUMMIT_OVER_NEXT
     more = 1 + 1e-6
-    assert checks.isolated_peak(loads([mean * more], [mean / others], [1], [0.1])).outcome == "look"
-    assert checks.isolated_peak(loads([mean], [mean / others / more], [1], [0.1])).outcome == "passed"
-    assert checks.isolated_peak(loads([mean * more], [mean * more / others], [1], [0.1])).outcome == "passed"
-    assert checks.isolated_peak(loads([20], [1], [1], [checks.PEAK_AREA + 1e-6])).outcome == "not made"
-    assert checks.isolated_peak(loads([20, 5], [1, 4], [1, 1], [0.01, 0.2])).outcome == "look"
-    assert checks.isolated_peak(xr.Dataset()).outcome == "not made"
+    dust = {"summit_over_next": above * more, "summit_x": 1e-5, "summit_y": 2e-5}
+    assert checks.isolated_peak(loads([mean * more], [1]), dust).outcome == "look"
+    assert checks.isolated_peak(loads([mean], [1]), dust).outcome == "passed"
+    assert (
+        checks.isolated_peak(loads([mean * more], [1]), dust | {"summit_over_next": above}).outcome
+        == "passed"
+    )
+    assert checks.isolated_peak(loads([2, 20], [1, 1]), dust).outcome == "look"
+    assert checks.isolated_peak(loads([20], [1]), {}).outcome == "not made"
 
 
 def test_the_sentence_of_an_isolated_peak():
-    sentence = checks.isolated_peak(loads([20, 5], [1, 4], [1, 1], [0.01, 0.2])).sentence
-    assert sentence.startswith(
-        "One peak stands out: its pressure is 20 times the mean in contact, and 20 times the largest in any "
-        "other patch."
+    dust = {"summit_over_next": 2.0, "summit_x": 1e-5, "summit_y": 2e-5}
+    assert checks.isolated_peak(loads([20], [1]), dust).sentence.startswith(
+        "One summit stands out, 2.0 times as high above its surroundings as any other, at x = 10.0 µm and "
+        "y = 20.0 µm; the largest pressure is 20 times the mean in contact."
     )
-    assert "no other patch touches" in checks.isolated_peak(loads([20], [0], [1], [0.01])).sentence
+    alone = checks.isolated_peak(loads([20], [1]), dust | {"summit_over_next": np.inf})
+    assert alone.sentence.startswith("One summit stands out, and no other summit does, at")
 
 
 def test_heights_below_all_noise_warn():

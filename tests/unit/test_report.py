@@ -335,7 +335,7 @@ def test_each_check_can_ask_for_a_look(good):
     poor["relative_contact_area_pixels"][:] = [50 / 96**2, 1.0]
     poor["rms_gradient"] = 0.5
     poor["rejected_load_share"] = ("load", [0.11, 0.04])
-    poor["mean_contact_pressure"] = poor["max_pressure_elsewhere"] = poor["max_pressure"] / 20
+    poor["mean_contact_pressure"] = poor["max_pressure"] / 20
     poor.attrs["window_flag"] = "The heights grow with the length of the map."
     found, verdict = outcomes(
         poor,
@@ -367,6 +367,9 @@ def test_each_check_can_ask_for_a_look(good):
             "noise_gradient_share": 0.5,
             "pixel_roughness": 1e-12,
             "pixel_pitch": 2e-3,
+            "summit_over_next": 3.0,
+            "summit_x": 1e-5,
+            "summit_y": 1e-5,
         },
     )
     looks = {name for name, check in found.items() if check.outcome == checks.LOOK}

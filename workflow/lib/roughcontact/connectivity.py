@@ -55,34 +55,6 @@ def region_sizes(inside: np.ndarray) -> np.ndarray:
     return total[total > 0]
 
 
-def largest_elsewhere(values: np.ndarray) -> float:
-    """Return the largest value outside the region of positive values that holds the largest one.
-
-    Parameters
-    ----------
-    values : array (ny, nx)
-        of a periodic map, none negative; regions are connected as in `connected_regions`.
-
-    Returns
-    -------
-    float
-        0 where there is no other region.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> largest_elsewhere(np.array([[3.0, 0.0, 2.0, 0.0, 5.0]]))
-    2.0
-    """
-    labels, roots, _ = _joined_over_seams(values > 0)
-    largest = np.zeros(roots.size)
-    np.maximum.at(largest, labels.ravel(), values.ravel())
-    of_region = np.zeros(roots.size)
-    np.maximum.at(of_region, roots, largest)
-    of_region[np.argmax(of_region)] = 0.0
-    return float(of_region.max())
-
-
 def runs_around(inside: np.ndarray) -> tuple[bool, bool]:
     """Return whether any region (`connected_regions`) of a periodic map percolates along y, and along x.
 

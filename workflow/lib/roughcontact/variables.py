@@ -47,7 +47,6 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "rejected_load_share": ("1", "share of the load that the rejected points would carry if they were kept"),
     "mean_contact_pressure": ("Pa", "mean pressure over the contact pixels"),
     "max_pressure": ("Pa", "largest pressure"),
-    "max_pressure_elsewhere": ("Pa", "largest pressure outside the contact patch that carries max_pressure"),
     "pressure_std": ("Pa", "standard deviation of the pressure over the contact pixels"),
     "mean_gap": ("m", "mean of the gap over the window"),
     "contact_stiffness": (

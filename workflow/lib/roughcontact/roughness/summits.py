@@ -1,4 +1,4 @@
-"""Summits of a periodic map."""
+"""Summits of a periodic map: their statistics, and one that stands out."""
 
 import math
 
@@ -11,6 +11,7 @@ from roughcontact.kernels.fft import make_plan
 from roughcontact.maps import spacing
 
 _POINTS_PER_BLOCK = 2**16  # few enough to stay in the cache
+_SUMMIT, _SURROUNDINGS = 3, 15  # points along each side: of the mean at a summit, and around it
 
 
 def summit_statistics(height: xr.DataArray) -> dict[str, float]:
@@ -58,6 +59,51 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
         result["height_std"] = float(heights.std())
         result["mean_height"] = float(heights.mean())
     return result
+
+
+def summit_that_stands_out(height: xr.DataArray, *, images: int = 1) -> dict[str, float]:
+    """Return the summit highest above its surroundings, and how much higher than the next one it is.
+
+    The height of a summit is the mean of 3 x 3 points less that of the 15 x 15 points around.
+
+    Parameters
+    ----------
+    height : DataArray (y, x), m
+        periodic.
+    images : int
+        number of mirror images along each axis that make up the map, of which one is searched.
+
+    Returns
+    -------
+    dict
+        `summit_over_next`, the ratio of the heights of the two highest summits that do not overlap, infinite
+        where there is no second one; `summit_x`, `summit_y` (m), the place of the higher one. Empty for a map
+        without summits.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.maps import height_map
+    >>> bumps = np.zeros((64, 64))
+    >>> bumps[20, 40], bumps[50, 10] = 3.0, 2.0
+    >>> summit_that_stands_out(height_map(bumps, 1e-6))["summit_over_next"]
+    1.5
+    """
+    from scipy.ndimage import uniform_filter
+
+    values = height.values.astype(float, copy=False)
+    above = uniform_filter(values, _SUMMIT, mode="wrap") - uniform_filter(values, _SURROUNDINGS, mode="wrap")
+    above = above[tuple(slice(max(n // images, 1)) for n in above.shape)]
+    place = np.unravel_index(above.argmax(), above.shape)
+    highest, rounding = float(above[place]), 1e-12 * float(np.abs(values).max(initial=0.0))
+    if not highest > rounding:
+        return {}
+    reach = np.arange(-(_SURROUNDINGS // 2), _SURROUNDINGS // 2 + 1)
+    above[np.ix_(*((i + reach) % n for i, n in zip(place, above.shape, strict=True)))] = -np.inf
+    following = float(above.max())
+    y, x = (float(height[axis][i]) for axis, i in zip(("y", "x"), place, strict=True))
+    ratio = highest / following if following > rounding else math.inf
+    return {"summit_over_next": ratio, "summit_x": x, "summit_y": y}
 
 
 def _is_summit(values: np.ndarray) -> np.ndarray:

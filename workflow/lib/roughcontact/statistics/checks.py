@@ -98,7 +98,7 @@ def surface_checks(
         contact_checks.resolution(statistics),
         instrument_checks.smoothed(window),
         instrument_checks.noise(statistics, window),
-        instrument_checks.isolated_peak(statistics),
+        instrument_checks.isolated_peak(statistics, window),
         map_checks.missing_points(statistics, height, levelled),
         map_checks.outliers(statistics, levelled),
         map_checks.scan_lines(levelled, statistics),

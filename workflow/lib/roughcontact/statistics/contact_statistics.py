@@ -9,7 +9,7 @@ import xarray as xr
 
 from roughcontact.checking import check_choice
 from roughcontact.choices import Extra, Influence
-from roughcontact.connectivity import largest_elsewhere, region_sizes
+from roughcontact.connectivity import region_sizes
 from roughcontact.contact.dataset import influence_of
 from roughcontact.contact.response import linear_response
 from roughcontact.elasticity.energy import elastic_energy
@@ -486,7 +486,6 @@ def _one_load(
     of_carried = {
         "mean_contact_pressure": carried.mean(),
         "max_pressure": carried.max(),
-        "max_pressure_elsewhere": largest_elsewhere(pressure),
         "pressure_std": carried.std(),
     }
     bearing = bearing_numbers(carried, contact_modulus=contact_modulus, hardness=hardness)

@@ -27,10 +27,10 @@ SPECTRUM_ENDS = STEEPEST
 ROUNDED = 0.6
 # Repeated heights over those of quantised ones: 0.7 to 1.35 in measured maps, above 2 after a median filter.
 REPEATED = 1.45
-# Largest pressure over the mean in contact: 3 to 7 on made surfaces of all kinds, 20 on dust; and over the
-# largest in any other patch: 1 to 1.4, for the highest peaks of a surface are about equally sharp.
-PEAK_OVER_MEAN, PEAK_OVER_OTHERS = 8.0, 2.0
-PEAK_AREA = 0.25  # largest contact area at which a peak has a patch of its own
+# Largest pressure over the mean in contact: 3 to 5 on made surfaces of all kinds, 16 on dust. Height of the
+# highest summit above its surroundings over that of the next one: 1.1 to 1.5, since the highest summits of a
+# surface are about equally high; 3 on dust.
+PEAK_OVER_MEAN, SUMMIT_OVER_NEXT = 6.5, 1.55
 # exponent above which the Hurst exponent would be negative: noise, or shorter waves folded back by sampling
 WHITE = -2.0
 NOISE_SHARE = 0.2  # share of the mean square gradient that makes areas 11 % too small
@@ -124,43 +124,33 @@ def _in_pixels(wavelength: float, window: Attributes) -> str:
     return f"{words} ({number(wavelength / pixel, digits=2)} pixels)" if pixel else words
 
 
-def isolated_peak(statistics: xr.Dataset) -> Check:
-    """Check that no single patch carries pressures far above those of all others.
-
-    Loads at which the contact covers more than a quarter of the area do not count: patches have merged there.
+def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
+    """Check that no single summit stands far above all others and carries a pressure far above the mean.
 
     Examples
     --------
     >>> import xarray as xr
-    >>> pressures = {"max_pressure": 27.0, "max_pressure_elsewhere": 6.0, "mean_contact_pressure": 1.0}
-    >>> dust = xr.Dataset({name: ("load", [value]) for name, value in pressures.items()})
-    >>> isolated_peak(dust.assign(relative_contact_area_pixels=("load", [0.1]))).outcome
+    >>> pressures = {"max_pressure": ("load", [27.0]), "mean_contact_pressure": ("load", [1.0])}
+    >>> dust = {"summit_over_next": 3.0, "summit_x": 1e-5, "summit_y": 4e-5}
+    >>> isolated_peak(xr.Dataset(pressures), dust).outcome
     'look'
     """
-    if "max_pressure_elsewhere" not in statistics:
-        return Check("Isolated peak", NOT_MADE, "Not made: the pressures were not counted by patches.")
-    low = statistics.isel(load=statistics["relative_contact_area_pixels"].values <= PEAK_AREA)
-    if low.sizes["load"] == 0:
-        text = f"Not made: the contact covers more than {percent(PEAK_AREA)} of the area at every load."
-        return Check("Isolated peak", NOT_MADE, text)
-    largest, elsewhere = low["max_pressure"].values, low["max_pressure_elsewhere"].values
-    over_mean = largest / low["mean_contact_pressure"].values
-    with np.errstate(divide="ignore"):
-        over_others = np.where(largest > 0, largest / elsewhere, 0.0)
-    isolated = (over_mean > PEAK_OVER_MEAN) & (over_others > PEAK_OVER_OTHERS)
-    at = int(np.argmax(np.where(isolated, over_mean, 0.0) if isolated.any() else over_mean))
-    times = f"{number(over_mean[at], digits=2)} times the mean in contact"
-    if not isolated.any():
-        text = f"The largest pressure is at most {times}, or not that of one patch alone."
+    if "summit_over_next" not in window:
+        return Check("Isolated peak", NOT_MADE, "Not made: the map has no summit.")
+    over_next = window["summit_over_next"]
+    over_mean = float((statistics["max_pressure"] / statistics["mean_contact_pressure"]).max())
+    times = f"{number(over_mean, digits=2)} times the mean in contact"
+    if not (over_mean > PEAK_OVER_MEAN and over_next > SUMMIT_OVER_NEXT):
+        text = f"The largest pressure is at most {times}, or not that of one summit alone."
         return Check("Isolated peak", PASSED, text)
-    others = "no other patch touches"
-    if elsewhere[at] > 0:
-        others = f"{number(over_others[at], digits=2)} times the largest in any other patch"
+    higher = f"{number(over_next, digits=2)} times as high above its surroundings as any other"
+    if np.isinf(over_next):
+        higher = "and no other summit does"
+    where = " and ".join(f"{axis} = {quantity(window[f'summit_{axis}'], 'm')}" for axis in ("x", "y"))
     text = (
-        f"One peak stands out: its pressure is {times}, and {others}. Dust and burrs look like this. The "
-        "largest pressure, and gaps at low loads, are those of this peak. See where it lies in the map of "
-        "pressure: unless it belongs to the surface, clean and measure again, cut the map, or lower "
-        "level.outlier_threshold."
+        f"One summit stands out, {higher}, at {where}; the largest pressure is {times}. Dust and burrs look "
+        "like this. The largest pressure, and gaps at low loads, are those of this summit: unless it belongs "
+        "to the surface, clean and measure again, cut the map, or lower level.outlier_threshold."
     )
     return Check("Isolated peak", LOOK, text)
 

@@ -13,6 +13,7 @@ from roughcontact.levelling.forms import form_from_record
 from roughcontact.levelling.polynomial import share_of_form
 from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import interior_rms_gradient, rms_gradient, steepest_share
+from roughcontact.roughness.summits import summit_that_stands_out
 from roughcontact.roughness.traces import instrument_traces
 from roughcontact.window import periodisation
 from roughcontact.window.band import limit_band
@@ -74,7 +75,8 @@ def periodic_window(
         * `band_shortest`, `band_longest` (m, limits of the remaining waves), `band_reason` (what limits
           them), `band_removed_rms_height` (m), `band_removed_rms_gradient`, `reliable_wavelength` (m)
         * what the instrument left in the map before waves were removed, by
-          `roughcontact.roughness.traces.instrument_traces`
+          `roughcontact.roughness.traces.instrument_traces`, and the summit that stands out, by
+          `roughcontact.roughness.summits.summit_that_stands_out`
         * `window_offset_x`, `window_offset_y` (m), `window_share`, `window_reason`, and after a search
           `window_scores` (JSON: the best candidates and the largest rectangle, with the terms of their
           scores)
@@ -265,7 +267,9 @@ def _record(
     periodic = xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs)
     whole_gradient, rms = rms_gradient(periodic), float(np.std(values))
     window = limit_band(periodic, **waves)
-    window.attrs |= instrument_traces(periodic) | {
+    window.attrs |= instrument_traces(periodic)
+    window.attrs |= summit_that_stands_out(window, images=2 if method == "mirror" else 1)
+    window.attrs |= {
         "periodisation": method,
         "periodisation_rms_change": change,
         "periodisation_relative_change": change / rms if rms > 0 else 0.0,
