@@ -8,12 +8,13 @@ import numpy as np
 import xarray as xr
 from scipy import ndimage
 
-from roughcontact.maps import spacing
+from roughcontact.maps import height_map, spacing
 
 
 def with_noise(height: xr.DataArray, rms: float, seed: int) -> xr.DataArray:
     """Add white Gaussian noise of a given `rms` (m)."""
-    return height + rms * np.random.default_rng(seed).standard_normal(height.shape)
+    noise = rms * np.random.default_rng(seed).standard_normal(height.shape)
+    return height.copy(data=height.values + noise)
 
 
 def through_lens(height: xr.DataArray, numerical_aperture: float, wavelength: float) -> xr.DataArray:
@@ -99,10 +100,40 @@ def with_dust(height: xr.DataArray, peak: float, width: float, place: tuple[int,
     """Add a Gaussian bell at a `place` (row, column), `peak` (m) high, with a deviation of `width` points."""
     rows, columns = np.ogrid[: height.shape[0], : height.shape[1]]
     square = (rows - place[0]) ** 2 + (columns - place[1]) ** 2
-    return height + peak * np.exp(-square / (2 * width**2))
+    return height.copy(data=height.values + peak * np.exp(-square / (2 * width**2)))
 
 
 def with_compressed_peaks(height: xr.DataArray, share: float, factor: float) -> xr.DataArray:
     """Return the map with the heights of its highest `share` of points, above the rest, times `factor`."""
     limit = float(np.quantile(height.values, 1 - share))
     return height.copy(data=np.where(height > limit, limit + factor * (height - limit), height))
+
+
+def other_surface(kind: str, points: int, longest: float, *, hurst: float, seed: int) -> xr.DataArray:
+    """Return a periodic surface of a kind that is not among `roughcontact.validation.masters`, of unit pitch.
+
+    "cratered": dents of scattered size, as by shot peening; "conical": cones of scattered height, as of
+    abrasive grains; "stretched": self-affine with a lay, waves three times as long along y; "lognormal": the
+    exponential of a self-affine surface. All have roughness down to two points; `longest` (points) is the
+    length of the longest waves.
+    """
+    generator, shape = np.random.default_rng(seed), (points, points)
+    along, across = np.fft.fftfreq(points)[:, None], np.fft.fftfreq(points)[None, :]
+    frequency = np.hypot(3 * along if kind == "stretched" else along, across)
+    amplitude = np.maximum(frequency, 1 / longest) ** -(1 + hurst)
+    fine = np.fft.ifft2(np.fft.fft2(generator.standard_normal(shape)) * amplitude).real
+    fine /= fine.std()
+    if kind == "stretched":
+        return height_map(fine, 1.0)
+    if kind == "lognormal":
+        return height_map(np.exp(0.5 * fine), 1.0)
+    coarse, places = np.zeros(shape), np.arange(points)
+    for _ in range(400):
+        radius, centre = longest / 2 * generator.uniform(0.2, 1.0), generator.uniform(0, points, 2)
+        rows, columns = (np.abs((places - at + points / 2) % points - points / 2) for at in centre)
+        distance = np.hypot(rows[:, None], columns[None, :]) / radius
+        if kind == "cratered":
+            coarse = np.minimum(coarse, radius * (distance**2 - 1))
+        else:
+            coarse = np.maximum(coarse, radius * (1 - distance))
+    return height_map(coarse / coarse.std() + 0.3 * fine, 1.0)

@@ -16,7 +16,14 @@ def truth():
 
 def rows(**columns):
     """Return rows of one quantity and truth, one for each entry of the columns."""
-    common = {"truth": "a", "spoiler": "none", "group": "synthetic", "quantity": "area", "flags": ""}
+    common = {
+        "truth": "a",
+        "spoiler": "none",
+        "group": "synthetic",
+        "quantity": "area",
+        "flags": "",
+        "of_cause": 0.1,
+    }
     frame = pd.DataFrame({"value": 1.0, "lower": 0.9, "upper": 1.1, "true": 1.0, **columns})
     return frame.assign(**{"map_lower": frame["lower"], "map_upper": frame["upper"], **common})
 

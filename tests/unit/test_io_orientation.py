@@ -64,11 +64,10 @@ def mat(rows):
 
 
 def netcdf(rows, y=None):
-    stream = io.BytesIO()
     metres = {"units": "m"}
     coords = {} if y is None else {"y": ("y", y, metres), "x": ("x", DX * np.arange(4), metres)}
-    xr.Dataset({"height": (("y", "x"), rows, metres)}, coords=coords).to_netcdf(stream, engine="scipy")
-    return stream.getvalue()
+    dataset = xr.Dataset({"height": (("y", "x"), rows, metres)}, coords=coords)
+    return bytes(dataset.to_netcdf(engine="scipy"))
 
 
 def x3p(rows, origin="", y_scale=DY):

@@ -20,7 +20,7 @@ def rough():
     height = self_affine_surface(
         (48, 64), 1e-6, hurst=0.8, shortest=6e-6, longest=24e-6, rms_height=2e-7, seed=4
     )
-    return height + 0.01 * height["x"]
+    return height.copy(data=(height + 0.01 * height["x"]).values)
 
 
 def test_half_of_a_wave_touches_at_half_of_the_load_that_closes_it():

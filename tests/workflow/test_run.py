@@ -19,6 +19,7 @@ from roughcontact import evaluate, read_height_map
 from roughcontact.configuration.resolve import resolve
 from roughcontact.results.storage import read_dataset
 
+EPSILON = np.finfo(float).eps
 EACH = ["height.nc", "levelled.nc", "window.nc", "contact.nc", "uncertainty.nc", "statistics.nc"]
 EACH += ["panel.html", "panel.json"]
 FILES = [
@@ -82,7 +83,10 @@ def test_the_numbers_are_those_of_evaluate(finished):
     written = read_dataset(finished.path("results/turned/statistics.nc"))
     assert {*found.variables} == {*written.variables}
     for name in found.variables:
-        np.testing.assert_array_equal(found[name], written[name], err_msg=name)
+        if written[name].dtype.kind == "f":  # sums of the flow depend on where arrays lie in memory
+            np.testing.assert_allclose(found[name], written[name], rtol=4 * EPSILON, err_msg=name)
+        else:
+            np.testing.assert_array_equal(found[name], written[name], err_msg=name)
     assert found.attrs["verdicts"] == written.attrs["verdicts"]
     assert found.attrs["reasons"] == written.attrs["reasons"]
     assert written["verdict"].attrs["flag_meanings"] == "use review do_not_use"
