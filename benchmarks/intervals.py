@@ -192,7 +192,8 @@ def results_of(found: list[dict]) -> pd.DataFrame:
     ]
     results = pd.DataFrame(rows).replace({"group": {"made": "synthetic"}})
     rounding, base = 1e-9 * results["result"].abs(), results["result"].where(results["result"] > 0, 1.0)
-    results["inside"] = results["truth"].between(results["lower"] - rounding, results["upper"] + rounding)
+    upper = results["upper"].fillna(np.inf).where(results["lower"].notna())  # without an end: *or more*
+    results["inside"] = results["truth"].between(results["lower"] - rounding, upper + rounding)
     results["half_width"] = (results["upper"] - results["lower"]) / 2 / base
     results["error"] = (results["truth"] - results["result"]).abs() / base
     return results

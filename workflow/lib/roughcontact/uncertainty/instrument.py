@@ -32,6 +32,7 @@ from roughcontact.uncertainty.answers import counter_of, quantities_in
 from roughcontact.uncertainty.ensemble import solve_member
 from roughcontact.uncertainty.scaling import AREA, PRESSURE, effort, half_widths, scaling_uncertainty
 from roughcontact.uncertainty.transfer import eroded, restored, with_noise
+from roughcontact.window.band import numerical_aperture
 
 _TOLERANCE = 1e-3  # of the pressure
 _NOISE_MARGIN = 1.0  # of the shift by noise: half of it is added, half is its uncertainty
@@ -300,7 +301,8 @@ def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None
     ----------
     levelled : DataArray (y, x), m
         whose attributes `instrument_{name}` hold what the table says of this map, and whose attribute
-        `instrument` (JSON) what the file says; of the latter the numerical aperture counts.
+        `instrument` (JSON) what the file says; of the latter the numerical aperture counts, that of a comment
+        (`NA: 0.60`) too.
     settings : mapping or None
         section `instrument`, over which the table prevails; the file comes last.
 
@@ -317,7 +319,7 @@ def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None
     {'noise': 1e-09}
     """
     known = dict(settings or {})
-    of_file = json.loads(levelled.attrs.get("instrument", "{}") or "{}").get("numerical_aperture")
+    of_file = numerical_aperture(json.loads(levelled.attrs.get("instrument", "{}") or "{}"))
     optics = ("numerical_aperture", "resolution", "tip_radius")
     known |= {
         str(key).removeprefix(_STATED): value
@@ -325,5 +327,5 @@ def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None
         if str(key).startswith(_STATED)
     }
     if of_file and not any(known.get(key) for key in optics):
-        known["numerical_aperture"] = float(of_file)
+        known["numerical_aperture"] = of_file
     return {key: value for key, value in known.items() if value is not None}

@@ -45,7 +45,7 @@ def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
     """
     pitch = max(d for n, d in zip(height.shape, spacing(height), strict=True) if n > 1)
     known = [(2 * pitch, "two pixels")]
-    aperture = _numerical_aperture(json.loads(height.attrs.get("instrument", "{}")))
+    aperture = numerical_aperture(json.loads(height.attrs.get("instrument", "{}")))
     if aperture:
         known.append(
             (
@@ -145,8 +145,14 @@ def _check_limits(shortest: float | None, longest: float | None) -> None:
         )
 
 
-def _numerical_aperture(instrument: Mapping) -> float | None:
-    """Return the numerical aperture from the file's metadata, an entry of its own or a comment `NA: 0.60`."""
+def numerical_aperture(instrument: Mapping) -> float | None:
+    """Return the numerical aperture from the file's metadata, an entry of its own or a comment `NA: 0.60`.
+
+    Examples
+    --------
+    >>> numerical_aperture({"numerical_aperture": 0.3}), numerical_aperture({"comment": "20x, NA: 0.60"})
+    (0.3, 0.6)
+    """
     if "numerical_aperture" in instrument:
         return float(instrument["numerical_aperture"])
     match = re.search(r"\bNA\s*[:=]?\s*(0?\.\d+|1\.[0-5]\d*)", str(instrument.get("comment", "")))
