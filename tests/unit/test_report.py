@@ -28,6 +28,7 @@ from roughcontact import materials
 from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import InputFileError
+from roughcontact.evaluation import evaluate
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.quantities import number, percent, prefix, quantity, with_interval
@@ -43,6 +44,7 @@ from roughcontact.results.collect import collect_statistics, summary_table, with
 from roughcontact.results.storage import provenance, read_dataset, table_text, write_dataset, write_table
 from roughcontact.statistics import checks, map_checks
 from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.uncertainty.combination import uncertainty_table
 from roughcontact.window.periodic_window import periodic_window
 
 STAGES = ("height", "levelled", "window", "contact", "statistics")
@@ -960,6 +962,31 @@ def test_parts_of_an_interval_that_are_larger_than_the_value_are_drawn():
     _, (_, image), *_ = shown_budget(numbers.assign({end: numbers[end] * np.nan for end in ends}))["images"]
     axes = ElementTree.fromstring(unquote(image.partition(",")[2])).find("{*}svg")
     assert not [path for path in axes if path.get("fill") != "none"]
+
+
+def test_the_components_of_the_interval_and_the_results_by_the_shortest_wave():
+    numbers = evaluate(rough(3), contact={"contact_modulus": 2e9, "relative_pressure": [0.05, 0.3]})
+    shown = shown_budget(numbers, [0])
+    rows = [row for row in shown["components"]["rows"] if row[0].startswith("contact area")]
+    table = uncertainty_table(numbers.isel(load=[0])).query("quantity == 'relative_contact_area'")
+    assert [row[1] for row in rows] == [
+        "solver",
+        "grid",
+        "window",
+        "processing",
+        "unresolved waves",
+        "all together",
+    ]
+    lower, upper = (number(100 * float(table[end].iloc[-1])) for end in ("lower", "upper"))
+    assert rows[-1][-1] == f"{lower} % to {upper} %"
+    window = table.query("source == 'window'").iloc[0]
+    sides = (number(100 * window[f"standard_uncertainty_{side}"], digits=2) for side in ("lower", "upper"))
+    assert rows[2][2:] == ["A", f"{' / '.join(sides)} %", "8.0", "2.31", "–"]
+    # results by the shortest wave
+    fine, coarse = numbers["max_pressure_at_cutoff"].values.T[:2]
+    change = percent(np.abs(fine / coarse - 1).max())
+    assert f"largest pressure (by up to {change})" in shown["converged"]
+    assert [name for name, _ in shown["magnification"]][:2] == ["contact area A/A₀", "pressure in contact"]
 
 
 # --- many surfaces -----------------------------------------------------------------------------------------

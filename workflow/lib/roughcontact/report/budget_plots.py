@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import NO_UPPER_END, number, percent, prefix, with_interval
+from roughcontact.quantities import NO_UPPER_END, Unit, number, percent, prefix, with_interval
 from roughcontact.report.charts import COLOURS, MARKERS, Axis, Chart
 from roughcontact.report.units import unit_of
 from roughcontact.uncertainty.combination import COMBINED, uncertainty_table
@@ -170,23 +170,16 @@ def _component_table(numbers: xr.Dataset) -> dict[str, Any]:
         name = str(row["quantity"])
         if name not in _SHOWN:
             continue
-        unit = unit_of(numbers, _UNITS_OF_PARTS.get(name, "Pa"))
-        down, up, below, above = (
-            _amount(float(row[f"{key}_{side}"]) * unit.factor)
-            for key in ("standard_uncertainty", "one_sided")
-            for side in ("lower", "upper")
-        )
-        combined = row["source"] == COMBINED
-        ends = [unit.number(float(row[end])) if np.isfinite(row[end]) else "–" for end in ("lower", "upper")]
+        unit, combined = unit_of(numbers, _UNITS_OF_PARTS.get(name, "Pa")), row["source"] == COMBINED
         rows.append(
             [
                 f"{_SHOWN[name]} at {unit_of(numbers, 'Pa').text(float(row['mean_pressure_Pa']))}",
                 _WORDS[str(row["source"])],
                 "–" if combined else str(row["evaluation_type"]),
-                f"{down} / {up} {unit.shown}",
+                _both_sides(row, "standard_uncertainty", unit),
                 "∞" if np.isinf(row["degrees_of_freedom"]) else number(row["degrees_of_freedom"], digits=2),
                 number(row["coverage_factor"]),
-                f"{ends[0]} to {ends[1]} {unit.shown}" if combined else f"{below} / {above} {unit.shown}",
+                _ends(row, unit) if combined else _both_sides(row, "one_sided", unit),
             ]
         )
     header = [
@@ -196,14 +189,24 @@ def _component_table(numbers: xr.Dataset) -> dict[str, Any]:
         "u, below / above",
         "degrees of freedom",
         "coverage factor k",
-        "one-sided, below / above; combined: interval",
+        "one-sided, below / above; all together: interval",
     ]
     return {"header": header, "rows": rows}
 
 
-def _amount(value: float) -> str:
-    """Return an uncertainty with two digits; one that is not bounded in words."""
-    return number(value, digits=2) if np.isfinite(value) else "no bound"
+def _both_sides(row: Any, name: str, unit: Unit) -> str:
+    """Return an uncertainty below and above a result, two digits; a dash where both vanish."""
+    sides = [float(row[f"{name}_{side}"]) * unit.factor for side in ("lower", "upper")]
+    texts = [number(side, digits=2) if np.isfinite(side) else "no bound" for side in sides]
+    return f"{' / '.join(texts)} {unit.shown}" if any(sides) else "–"
+
+
+def _ends(row: Any, unit: Unit) -> str:
+    """Return the ends of an interval; the upper one may not be known."""
+    lower, upper = (float(row[end]) for end in ("lower", "upper"))
+    return f"{unit.number(lower)} {unit.shown} " + (
+        f"to {unit.text(upper)}" if np.isfinite(upper) else "or more"
+    )
 
 
 def _note_on_convergence(numbers: xr.Dataset) -> str:
