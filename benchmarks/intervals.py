@@ -23,6 +23,7 @@ import warnings
 from functools import partial
 from pathlib import Path
 
+import instruments
 import numpy as np
 import pages
 import pandas as pd
@@ -32,6 +33,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 import roughcontact as rc
 from roughcontact.contact.loads import plan_loads
 from roughcontact.errors import RoughContactError
+from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics import checks
 from roughcontact.statistics.contact_statistics import with_uncertainty
 from roughcontact.uncertainty.answers import ANSWERS, headline_and_answers
@@ -52,6 +54,7 @@ LONGEST = (1 / 8, 1 / 3, 1, 3)  # waves of made surfaces, of the length of the m
 MADE_SIDE, ANSWERS_SIDE = 192, 96
 PLACES, ANSWERS_PLACES = 4, 2  # maps of each made surface
 GROOVED = ("ground", "honed")
+CELLULAR = "cratered"
 WORK = Path(__file__).parent / "work" / "coverage.json"
 
 
@@ -118,7 +121,11 @@ def real_map(path: Path) -> dict | None:
 def made_surface(kind: str, longest: float, seed: int, side: int) -> tuple:
     """Return a synthetic surface three times as long as maps of `side` points, and its loads (E* = 1)."""
     hurst = (0.5, 0.7, 0.9)[seed % 3]
-    surface = master_surface(kind, CUTS * side, longest=longest / CUTS, seed=seed, hurst=hurst)
+    if kind == CELLULAR:
+        surface = instruments.other_surface(kind, CUTS * side, longest * side, hurst=hurst, seed=seed)
+        surface = surface * (0.1 / rms_gradient(surface))
+    else:
+        surface = master_surface(kind, CUTS * side, longest=longest / CUTS, seed=seed, hurst=hurst)
     return surface, list(plan_loads(surface, contact_modulus=1.0, relative_pressure=list(LOADS)))
 
 
@@ -157,15 +164,16 @@ def answers_held(kind: str, longest: float, seed: int) -> list[dict]:
 
 
 def shown(name: str, kind: str) -> str:
-    """Return the name of an answer in the table: narrowest places stand apart for kinds with grooves."""
+    """Return the name of an answer in the table: narrowest places by what the kind has, grooves or cells."""
     if name.startswith("critical_constriction"):
-        return f"narrowest places, {'with' if kind in GROOVED else 'without'} grooves"
+        words = "cells" if kind == CELLULAR else f"{'with' if kind in GROOVED else 'without'} grooves"
+        return f"narrowest places, {words}"
     return "mean gap" if name == "mean_gap" else "conductance"
 
 
 def answers(seeds: list[int]) -> dict[str, pd.DataFrame]:
     """Return the table of the answers, of all kinds and longest waves."""
-    cases = itertools.product(KINDS, LONGEST, seeds)
+    cases = [*itertools.product(KINDS, LONGEST, seeds), *itertools.product([CELLULAR], LONGEST[:2], seeds)]
     rows = pd.DataFrame([row for case in cases for row in answers_held(*case)])
     shares = 100 * rows.groupby(["quantity", "waves"])[["inside", "open"]].mean()
     table = shares.rename(columns={"inside": "inside (%)", "open": "without an upper end (%)"}).reset_index()

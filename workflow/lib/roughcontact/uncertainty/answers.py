@@ -4,7 +4,7 @@ They are computed from the same solutions as the four headline quantities and ha
 sources except the solver, to whose tolerance they are insensitive.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import xarray as xr
@@ -234,3 +234,43 @@ def interval_from_subwindows(
         return -result * np.expm1(-shift - np.hypot(half_width, doubt)), up
     beyond = 0.0 if half_way is None else np.maximum(half_way - result, 0.0)
     return np.minimum(half_width, result), shift + np.hypot(np.hypot(half_width, doubt), beyond)
+
+
+def with_common_lower_end(
+    half_widths: Mapping[str, tuple[np.ndarray, np.ndarray]], solved: xr.Dataset
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Return the half-widths of the constrictions of a surface without a lay, lower ends in common.
+
+    On a large surface without a lay the gap percolates along both axes at the same level [1]_; that of a map
+    depends on where its few walls lie, and may be closed along one axis by chance alone. The lower end along
+    each axis is therefore the lower one of both.
+
+    Parameters
+    ----------
+    half_widths : mapping
+        quantity -> half-widths below and above (load).
+    solved : Dataset
+        the result.
+
+    Returns
+    -------
+    dict
+        the constrictions among the quantities, both of which or none are present.
+
+    References
+    ----------
+    .. [1] Stauffer and Aharony (1994), Introduction to Percolation Theory, 2nd ed., chapter 4.
+
+    Examples
+    --------
+    >>> x, y = ANSWERS[1:]
+    >>> solved = xr.Dataset({x: ("load", [3.0]), y: ("load", [1.0])})
+    >>> found = with_common_lower_end({x: (np.ones(1), np.ones(1)), y: (np.ones(1), np.ones(1))}, solved)
+    >>> found[x][0].item(), found[y][0].item()
+    (3.0, 1.0)
+    """
+    names = [name for name in ANSWERS[1:] if name in half_widths]
+    if not names:
+        return {}
+    lowest = np.min([solved[name].values - half_widths[name][0] for name in names], axis=0)
+    return {name: (solved[name].values - lowest, half_widths[name][1]) for name in names}

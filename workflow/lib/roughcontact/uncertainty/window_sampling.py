@@ -57,6 +57,7 @@ from roughcontact.uncertainty.answers import (
     constrictions_in_grooves,
     counter_of,
     interval_from_subwindows,
+    with_common_lower_end,
 )
 from roughcontact.uncertainty.ensemble import measured_slices, solve_member
 from roughcontact.uncertainty.growth import form_order, growth_exponent
@@ -175,15 +176,6 @@ def window_uncertainty(
         down, up = widths["mean_gap"]
         added = np.maximum(grown["mean_gap"] - solved["mean_gap"].values, 0.0)
         widths["mean_gap"] = down, np.hypot(up, _GROWTH_MARGIN * added)
-    result: dict[str, tuple] = {}
-    for name in QUANTITIES:
-        down, up = widths[name]
-        result |= {
-            name: ("load", np.maximum(down, up)),
-            f"{name}_down": ("load", down),
-            f"{name}_up": ("load", up),
-            f"{name}_members": (("member", "load"), values[name]),
-        }
     open_directions = constrictions_in_grooves(chosen) if answers_present(solved) else []
     for name in answers_present(solved):
         of_parts = np.array([member.values[name] for member in members])
@@ -199,11 +191,16 @@ def window_uncertainty(
         )
         if name in open_directions and half_way is not None:
             up = np.where(half_way > 0, np.inf, up)
+        widths[name], values[name] = (down, up), of_parts
+    if extrapolation.dimensions == 2:  # no lay
+        widths |= with_common_lower_end(widths, solved)
+    result: dict[str, tuple] = {}
+    for name, (down, up) in widths.items():
         result |= {
             name: ("load", np.maximum(down, up)),
             f"{name}_down": ("load", down),
             f"{name}_up": ("load", up),
-            f"{name}_members": (("member", "load"), of_parts),
+            f"{name}_members": (("member", "load"), values[name]),
         }
     covered = sum(math.prod(levelled.isel(part).shape) for part in parts) / levelled.size
     incomplete = any(np.isnan(member.values["mean_gap"]).any() for member in members)
