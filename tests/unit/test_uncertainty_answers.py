@@ -267,8 +267,8 @@ def test_intervals_hold_the_answers_of_the_surface_three_times_as_long():
 
 def test_the_narrowest_places_of_a_surface_without_a_lay_have_one_lower_end():
     surface = self_affine_surface((96, 96), 1e-6, hurst=0.8, shortest=6e-6, longest=24e-6, rms_gradient=0.1)
-    settings = {"level": {}, "window": {}, "contact": {"contact_modulus": 1.0, "relative_pressure": 0.05}}
-    budget = rc.error_budget(surface, rc.periodic_window(surface), settings, sources=["window"])
+    settings = {"level": {}, "window": {}, "contact": {"contact_modulus": 1.0, "mean_pressure": [5e-3]}}
+    budget = error_budget(surface, rc.periodic_window(surface), settings, sources=["window"])
     lower, other = (budget[f"critical_constriction_{axis}_lower"].item() for axis in "xy")
     assert lower == pytest.approx(other)
     assert lower < min(budget[f"critical_constriction_{axis}_estimate"].item() for axis in "xy")
