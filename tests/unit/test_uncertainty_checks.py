@@ -7,15 +7,20 @@ from roughcontact.contact.solve import solve_contact
 from roughcontact.references import synthetic
 from roughcontact.statistics import checks
 from roughcontact.statistics.contact_statistics import contact_statistics
+from roughcontact.uncertainty.combination import SOURCES
 
 
-def found(longest, window=(), **contact):
-    """Return {name: check} of a surface with such a longest wave (sides)."""
+def found(longest, window=(), budget=None, **contact):
+    """Return {name: check} of a surface with such a longest wave (sides), and with the sources of `budget`."""
     height = synthetic.self_affine_surface(
         (96, 96), 1e-6, hurst=0.8, shortest=8e-6, longest=longest * 96e-6, rms_gradient=0.1, seed=2
     )
     solved = solve_contact(height, contact_modulus=1e9, mean_pressure=2e7, **contact)
     statistics = contact_statistics(solved)
+    if budget is not None:
+        known = [[0.01 if source in budget else np.nan for source in SOURCES]]
+        statistics = statistics.assign_coords(source=list(SOURCES))
+        statistics["relative_contact_area_uncertainty"] = (("load", "source"), known)
     outcome = checks.surface_checks(statistics, height={}, levelled={}, window=dict(window), points=96 * 96)
     return {check.name: check for check in outcome}
 
@@ -23,6 +28,17 @@ def found(longest, window=(), **contact):
 @pytest.mark.parametrize(("longest", "outcome"), [(0.2, checks.PASSED), (1.0, checks.LOOK)])
 def test_a_window_shorter_than_its_waves_asks_for_a_look(longest, outcome):
     assert found(longest)["Longest wave"].outcome == outcome
+
+
+def test_what_the_interval_includes_is_a_note():
+    check = found(1.0, budget=["window"])["Longest wave"]
+    assert check.outcome == checks.NOTE
+    assert check.sentence.endswith("The ± includes it.")
+    assert found(1.0, budget=["processing"])["Longest wave"].outcome == checks.LOOK
+    edges = {"periodisation": "mirror", "rms_gradient_before": 1.0, "rms_gradient_after": 0.5}
+    assert found(0.2, edges, budget=["window"])["Periodic window"].outcome == checks.LOOK
+    assert found(0.2, edges, budget=["processing"])["Periodic window"].outcome == checks.NOTE
+    assert checks.verdict([check]) == checks.PASSED
 
 
 def test_waves_beyond_the_lens_ask_for_a_look():
@@ -39,10 +55,10 @@ def test_waves_beyond_the_lens_ask_for_a_look():
     assert found(0.2, pixels)["Band"].outcome == checks.NOT_MADE
 
 
-def test_a_hardness_that_is_reached_asks_for_a_look_with_the_plasticity_index():
+def test_a_hardness_that_is_reached_is_noted_with_the_plasticity_index():
     assert found(0.2, hardness=8e8)["Plasticity"].outcome == checks.PASSED
     check = found(0.2, hardness=8e7)["Plasticity"]
-    assert check.outcome == checks.LOOK
+    assert check.outcome == checks.NOTE  # the settings ask for it
     assert "80.0 MPa" in check.sentence
     assert np.isclose(1e9 * 0.1 / 8e7, 1.25)
     assert "1.2" in check.sentence or "1.3" in check.sentence

@@ -74,6 +74,7 @@ def write_panel(
     identifier = surface if case is None else f"{case}--{surface}"
     verdict = checks.verdict(outcome)
     doubts = by_weight(checks.reasons(outcome))
+    notes = [check for check in outcome if check.outcome == checks.NOTE]
     not_judged = [check for check in outcome if check.outcome == checks.NOT_MADE]
     known = facts.surface_facts(measured, plane, solved, numbers)
     maps = _maps(measured, plane, solved, numbers, counter_face)
@@ -87,6 +88,7 @@ def write_panel(
         verdict=verdict,
         verdict_words=checks.VERDICTS[verdict],
         doubts=doubts,
+        notes=notes,
         not_judged=not_judged,
         sound=[check for check in outcome if check.outcome == checks.PASSED],
         facts=known,

@@ -1,9 +1,9 @@
 """All checks of a surface, their verdict, and the warnings of single loads.
 
-A check passes, warns (`look`: review the result, the sentence says by how much it may be off), or fails (do
-not use it); one that cannot be made says so and never passes. The verdict on a surface, or on one of its
-loads, is that of the worst check. The checks and their limits stand in `contact_checks`, `map_checks` and
-`instrument_checks`; this module exports all that is needed to show them.
+A check passes, notes what the interval includes, warns (`look`: review the result, the sentence says by how
+much it may be off), or fails (do not use it); one that cannot be made says so and never passes. The verdict
+on a surface, or on one of its loads, is that of the worst check. The checks and their limits stand in
+`contact_checks`, `map_checks` and `instrument_checks`; this module exports all that is needed to show them.
 """
 
 import json
@@ -32,6 +32,7 @@ from roughcontact.statistics.outcome import (
     FAILED,
     LOOK,
     NOT_MADE,
+    NOTE,
     PASSED,
     VERDICTS,
     Check,
@@ -40,6 +41,15 @@ from roughcontact.statistics.outcome import (
     verdict,
 )
 from roughcontact.variables import describe
+
+# warnings of what a source of the interval evaluates
+_IN_THE_INTERVAL = {
+    "Resolution": "unresolved",
+    "Periodic window": "processing",
+    "Window": "window",
+    "Longest wave": "window",
+    "Band": "instrument",
+}
 
 __all__ = [
     "CONTACT_POINTS",
@@ -50,6 +60,7 @@ __all__ = [
     "HEIGHT_CHANGE",
     "LENGTHS",
     "LOOK",
+    "NOTE",
     "NOT_MADE",
     "OVERCOUNT",
     "PASSED",
@@ -91,7 +102,7 @@ def surface_checks(
     """
     stated = {key: value for key, value in statistics.attrs.items() if str(key).startswith("instrument_")}
     window = {**stated, **window}  # the table of surfaces prevails over the settings
-    return [
+    found = [
         contact_checks.units(statistics),
         contact_checks.convergence(statistics),
         contact_checks.contact_points(statistics, points),
@@ -116,6 +127,20 @@ def surface_checks(
         instrument_checks.pixel_size(height, window),
         map_checks.reading(height, levelled),
     ]
+    return [_noted(check, statistics) for check in found]
+
+
+def _noted(check: Check, statistics: xr.Dataset) -> Check:
+    """Return a warning as a note where the interval includes what it says, or the settings ask for it."""
+    if check.outcome != LOOK:
+        return check
+    if check.name == "Plasticity" and "hardness" in statistics:
+        return check._replace(outcome=NOTE)
+    source = _IN_THE_INTERVAL.get(check.name)
+    budget = statistics.get("relative_contact_area_uncertainty")
+    if source is None or budget is None or not np.isfinite(budget.sel(source=source)).all():
+        return check
+    return check._replace(outcome=NOTE, sentence=f"{check.sentence} The ± includes it.")
 
 
 def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:

@@ -1,17 +1,18 @@
-"""Outcome of a check (passed, look, failed or not made) with its sentence, and the worst of several."""
+"""Outcome of a check (passed, note, look, failed or not made) with its sentence, and the worst of several."""
 
 import textwrap
 from collections.abc import Iterable
 from typing import NamedTuple
 
 PASSED, LOOK, FAILED = "passed", "look", "failed"
+NOTE = "note"  # worth knowing, but in the interval or in what was asked for; it does not affect the verdict
 NOT_MADE = "not made"  # for lack of data; it does not affect the verdict
 _SHORT = 80  # letters of a first sentence that is followed by its interpretation
 VERDICTS = {PASSED: "use", LOOK: "review", FAILED: "do not use"}  # in the order of the flag `verdict`
 
 
 class Check(NamedTuple):
-    """One check: its name, its outcome (passed, look, failed, not made), and a sentence with the numbers."""
+    """One check: its name, its outcome (one of those above), and a sentence with the numbers."""
 
     name: str
     outcome: str
@@ -21,14 +22,14 @@ class Check(NamedTuple):
 def verdict(checks: Iterable[Check]) -> str:
     """Return the worst outcome among the checks, a key of `VERDICTS`; `look` where none was made.
 
-    Checks that were not made do not count.
+    Notes count as passed, checks that were not made not at all.
 
     Examples
     --------
     >>> verdict([Check("Form", PASSED, "No bow."), Check("Slopes", LOOK, "Steep.")])
     'look'
     """
-    outcomes = {check.outcome for check in checks}
+    outcomes = {PASSED if check.outcome == NOTE else check.outcome for check in checks}
     return next((outcome for outcome in (FAILED, LOOK, PASSED) if outcome in outcomes), LOOK)
 
 
