@@ -11,7 +11,7 @@ from roughcontact.uncertainty.combination import SOURCES
 
 
 def found(longest, window=(), budget=None, **contact):
-    """Return {name: check} of a surface with such a longest wave (sides), and with the sources of `budget`."""
+    """Return {name: check} of a surface with such a longest wave (sides) and sources of its interval."""
     height = synthetic.self_affine_surface(
         (96, 96), 1e-6, hurst=0.8, shortest=8e-6, longest=longest * 96e-6, rms_gradient=0.1, seed=2
     )
