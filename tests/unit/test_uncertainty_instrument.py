@@ -23,7 +23,11 @@ from roughcontact.uncertainty.magnification import magnification_curve, without_
 from roughcontact.uncertainty.repeats import noise_of_repeats
 from roughcontact.uncertainty.scaling import log_sensitivities, scaling_uncertainty
 from roughcontact.uncertainty.transfer import eroded, reliability_length, restored, transfer, with_noise
-from roughcontact.uncertainty.unresolved import expected_growth, growth_by_finer_spectrum
+from roughcontact.uncertainty.unresolved import (
+    expected_growth,
+    growth_by_finer_spectrum,
+    unresolved_uncertainty,
+)
 
 MODULUS = 1e9
 LENS = {"numerical_aperture": 0.3, "wavelength": 0.55e-6}
@@ -291,3 +295,20 @@ def test_repeats_of_another_size_or_place_are_refused(surface):
         noise_of_repeats(surface, surface[:100])
     with pytest.raises(HeightMapError, match="do not show the same place"):
         noise_of_repeats(surface, surface.roll(x=40, roll_coords=False))
+
+
+def test_an_instrument_that_hides_more_than_two_octaves_leaves_the_area_without_a_lower_end():
+    gradients = {"gradient_at_cutoff": ("cutoff", np.exp([0.0, -0.1, -0.2, -0.3, -0.4]))}
+    waves = {"cutoff_wavelength": ("cutoff", [2.0, 4.0, 8.0, 16.0, 32.0]), **gradients}
+    levels = {
+        f"{name}_at_cutoff": (("load", "cutoff"), [[0.1, 0.11, 0.12, 0.13, 0.14]]) for name in QUANTITIES
+    }
+    curve = xr.Dataset(levels, coords=waves)
+    solved = xr.Dataset({name: ("load", [0.1]) for name in (*QUANTITIES, "mean_pressure")})
+    for resolved, bounded in ((8.0, True), (16.0, False)):
+        growth = expected_growth(curve, resolved=resolved)
+        assert growth.bounded is bounded
+        found = unresolved_uncertainty(curve, solved, growth)
+        assert (found["relative_contact_area_shift_down"].item() < 0.1) is bounded
+        known = unresolved_uncertainty(curve, solved, growth, known=True)
+        assert known["relative_contact_area_shift_down"].item() < 0.1

@@ -13,7 +13,8 @@ less than Persson's law says, erfinv(A) ~ 1/g. The shifts are one-sided and wide
 nothing. Two octaves cannot be extrapolated: errors then double.
 
 Where an instrument resolves less than its pixels (a lens, a tip), the trend is taken over the octaves that it
-does resolve, and continued to the pixels, at least one octave and at most two.
+does resolve, and continued to the pixels, at least one octave and at most two. Where it hides more than two,
+nothing bounds the area below and the pressures above.
 
 The spectrum of a finer map or profile of the same finish replaces the trend.
 """
@@ -54,11 +55,14 @@ class Growth(NamedTuple):
         over that of the last resolved octave.
     level : int
         entry of the magnification curve at which the last resolved octave ends.
+    bounded : bool
+        whether few enough octaves are hidden for the growth to be extrapolated.
     """
 
     gradient: float
     octaves: float
     level: int
+    bounded: bool = True
 
 
 def expected_growth(curve: xr.Dataset, *, resolved: float = 0.0, reference: float | None = None) -> Growth:
@@ -96,7 +100,8 @@ def expected_growth(curve: xr.Dataset, *, resolved: float = 0.0, reference: floa
     acceleration = float(np.clip(last / before, 1.0, _LARGEST_ACCELERATION))
     octaves = float(np.clip(hidden, 1.0, _MAX_OCTAVES)) * _MARGIN * acceleration
     start = math.log((reference or gradients[0]) / gradients[level])
-    return Growth(max(last * octaves - max(start, 0.0), 0.0), octaves, level)
+    growth = max(last * octaves - max(start, 0.0), 0.0)
+    return Growth(growth, octaves, level, bounded=hidden < _MAX_OCTAVES + 0.5)
 
 
 def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> float:
@@ -157,8 +162,9 @@ def unresolved_uncertainty(
     Returns
     -------
     Dataset
-        along `load` as of `one_sided`; the largest pressure has no upper end (infinite) where
-        the gradient has not converged and is not known.
+        along `load` as of `one_sided`. Unless the growth is known, the largest pressure has no upper end
+        (infinite) where the gradient has not converged, and the area no lower one where the growth is not
+        bounded.
 
     Examples
     --------
@@ -188,9 +194,11 @@ def unresolved_uncertainty(
         changes[name] = growth.octaves * change
         if name == AREA:
             changes[name] = np.minimum(changes[name], -growth.gradient)
+            if not growth.bounded and not known:
+                changes[name] = np.full_like(change, -np.inf)
         elif name == PEAK:
             changes[name] = np.maximum(changes[name], growth.gradient)
-            if growth.gradient > _CONVERGED and not known:
+            if (growth.gradient > _CONVERGED or not growth.bounded) and not known:
                 changes[name] = np.full_like(change, np.inf)
     return one_sided(solved, changes, _FINER_UNCERTAINTY if known else 0.0)
 
