@@ -35,8 +35,8 @@ def compare_size(path: Path, needed: int) -> tuple[str, list[str]]:
     size = path.stat().st_size
     if size < needed:
         raise InputFileError(
-            f"{path}: {size} bytes where its header needs {needed}: it was cut off, or lost bytes on the way; "
-            "copy or export it again"
+            f"{path}: {size} bytes where its header needs {needed}: it was cut off, or lost bytes on the "
+            "way; copy or export it again"
         )
     if size == needed:
         return "", []
@@ -44,8 +44,9 @@ def compare_size(path: Path, needed: int) -> tuple[str, list[str]]:
         stream.seek(needed)
         excess = stream.read(_EXAMINED)
     if excess.count(excess[:1]) == size - needed:
-        return "", [
-            f"the file has {size} bytes where its header needs {needed}; the last {size - needed} of them are "
-            f"all {excess[0]} and are taken for padding behind the heights"
-        ]
+        note = (
+            f"the file has {size} bytes where its header needs {needed}; the last {size - needed} of them "
+            f"are all {excess[0]} and are taken for padding behind the heights"
+        )
+        return "", [note]
     return f"{size} bytes where its header needs {needed}", []

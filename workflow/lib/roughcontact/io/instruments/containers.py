@@ -1,5 +1,6 @@
 """Containers of many formats (TIFF, ZIP, OLE): checks before opening, and names of unsupported ones."""
 
+import mmap
 import struct
 import zipfile
 from collections.abc import Iterator
@@ -47,7 +48,7 @@ class Tag(NamedTuple):
     length: int
 
 
-def tiff_tags(stream: IO[bytes]) -> Iterator[Tag]:
+def tiff_tags(stream: IO[bytes] | mmap.mmap) -> Iterator[Tag]:
     """Yield the tags of all pages of a TIFF that `check_tiff` has passed."""
     for order, begin, count in _tiff_pages(stream, ""):
         for place in range(begin + 2, begin + 2 + 12 * count, 12):
@@ -58,7 +59,7 @@ def tiff_tags(stream: IO[bytes]) -> Iterator[Tag]:
             yield Tag(number, f"{order}{values}{letter}", position if length > 4 else place + 8, length)
 
 
-def tiff_end(stream: IO[bytes]) -> int:
+def tiff_end(stream: IO[bytes] | mmap.mmap) -> int:
     """Return the end of the last page, value or strip of a TIFF that `check_tiff` has passed, bytes."""
     ends = [begin + 6 + 12 * count for _, begin, count in _tiff_pages(stream, "")]
     strips: dict[int, list[int]] = {_STRIPS: [], _STRIP_LENGTHS: []}
@@ -71,7 +72,7 @@ def tiff_end(stream: IO[bytes]) -> int:
     return max([*ends, *map(sum, zip(*strips.values(), strict=False))])
 
 
-def _tiff_pages(stream: IO[bytes], path: Path | str) -> Iterator[tuple[str, int, int]]:
+def _tiff_pages(stream: IO[bytes] | mmap.mmap, path: Path | str) -> Iterator[tuple[str, int, int]]:
     """Yield byte order, position and number of tags of every page; errors name the path."""
     stream.seek(0, 2)
     size = stream.tell()  # a mapped file returns no position from seek

@@ -1,4 +1,4 @@
-"""Sizes of instrument files by their own headers and directories, and the extremes that some of them state.
+"""Sizes of instrument files by their own headers and directories.
 
 A file of another size than its header needs has lost or gained bytes, so that the heights behind that place
 moved.

@@ -106,7 +106,8 @@ def _check_unpacked_size(path: Path) -> None:
                     )
         if tag:
             raise InputFileError(
-                f"{path}: damaged MATLAB file: {len(tag)} bytes follow its last variable; copy or save it again"
+                f"{path}: damaged MATLAB file: {len(tag)} bytes follow its last variable; copy or save it "
+                "again"
             )
 
 
