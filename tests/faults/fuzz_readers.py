@@ -161,8 +161,11 @@ SEEDS: dict[str, Callable[[Path], None]] = {
 }
 
 
-def _seeds(folder: Path) -> dict[str, tuple[bytes, bool]]:
-    """Return the whole files: name -> content, and whether it is one of the project's own results."""
+def whole_files(folder: Path, largest: int = _LARGEST_SEED) -> dict[str, tuple[bytes, bool]]:
+    """Return the whole files: name -> content, and whether it is one of the project's own results.
+
+    Real files are those of up to `largest` bytes.
+    """
     found = {}
     for name, write in SEEDS.items():
         write(folder / "seed.npy")
@@ -179,7 +182,7 @@ def _seeds(folder: Path) -> dict[str, tuple[bytes, bool]]:
         for folder_of_files in (DATA, DATA.parent / "more_data"):
             for path in sorted(folder_of_files.glob("*.*")):
                 known = path.suffix not in (".md", ".tsv", ".json")
-                if known and 0 < path.stat().st_size <= _LARGEST_SEED:
+                if known and 0 < path.stat().st_size <= largest:
                     found[path.name] = path.read_bytes(), False
     return found
 
@@ -262,7 +265,7 @@ def _words(data, choose):
 _WAYS = (_flip, _flip, _random_bytes, _extreme_number, _cut, _left_out, _doubled, _words)
 
 
-def outcome_of(path: Path, read: Callable[[Path], None]) -> Outcome:
+def outcome_of(path: Path, read: Callable[[Path], str | None]) -> Outcome:
     """Return what reading a file comes to, in a process of its own."""
     said, tell = os.pipe()
     process = os.fork()
@@ -284,7 +287,7 @@ def outcome_of(path: Path, read: Callable[[Path], None]) -> Outcome:
     return Outcome(kind, seconds, peak, text)
 
 
-def _read_and_tell(path: Path, read: Callable[[Path], None], tell: int) -> None:
+def _read_and_tell(path: Path, read: Callable[[Path], str | None], tell: int) -> None:
     """Read a file within limits, write kind and words, and end this process."""
     words = "exception\nnothing was said"
     try:
@@ -296,8 +299,7 @@ def _read_and_tell(path: Path, read: Callable[[Path], None], tell: int) -> None:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         warnings.filterwarnings("error", category=RuntimeWarning, module="roughcontact")
         try:
-            read(path)
-            words = "map\n"
+            words = f"map\n{read(path) or ''}"
         except RoughContactError as error:
             named = path.name in str(error) and len(str(error)) <= _LONGEST_MESSAGE
             words = f"{'refused' if named else 'message'}\n{error}"
@@ -333,7 +335,7 @@ def fuzz(mutants: int, seed: int, folder: Path) -> dict[str, Counter]:
         an empty folder, in which the files that went wrong stay.
     """
     choose = random.Random(seed)
-    seeds = _seeds(folder)
+    seeds = whole_files(folder)
     for data, result in seeds.values():  # so that no process has to import anything
         (folder / "whole").write_bytes(data)
         with suppress(RoughContactError):
