@@ -29,7 +29,7 @@ import pandas as pd
 
 sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 
-from fuzz_readers import GIVEN, SEEDS, outcome_of, whole_files
+from fuzz_readers import GIVEN, outcome_of, whole_files, writing
 
 from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
@@ -188,19 +188,31 @@ def compared(path: Path, original: Whole) -> str:
     )
 
 
+def _originals(folder: Path) -> dict[str, Whole]:
+    """Return the whole files: every kind with the sample as measured and levelled, and the real ones."""
+    measured = read_height_map(ROOT / "data_samples/ground.txt").values[40:64, 40:64]
+    y, x = np.indices(measured.shape)
+    plane = np.column_stack([np.ones(measured.size), x.ravel(), y.ravel()])
+    fitted = plane @ np.linalg.lstsq(plane, measured.ravel(), rcond=None)[0]
+    levelled = measured - fitted.reshape(measured.shape)
+    originals: dict[str, Whole] = {}
+    for words, heights in {"": measured, ", levelled": levelled}.items():
+        with writing(heights):
+            for name, (data, _) in whole_files(folder, 0 if words else _LARGEST).items():
+                path = folder / "whole"
+                path.write_bytes(data)
+                if (original := whole(path)) is not None:
+                    originals[name + words] = original
+                path.unlink()
+    return originals
+
+
 def fuzz(mutants: int, seed: int, folder: Path, ways: dict = WAYS) -> list[dict]:
     """Damage files so many times; return a record of each mutant, and keep the files that went wrong."""
     choose = random.Random(seed)
-    originals: dict[str, Whole] = {}
-    for name, (data, _) in whole_files(folder, _LARGEST).items():
-        path = folder / "whole"
-        path.write_bytes(data)
-        original = whole(path)
-        path.unlink()
-        if original is not None:
-            originals[name] = original
-    made = [name for name in originals if name in SEEDS or name == "own result"]
-    real = [name for name in originals if name not in made]
+    originals = _originals(folder)
+    real = [name for name in originals if "." in name]
+    made = [name for name in originals if name not in real]
     records = []
     for number in range(mutants):
         name = choose.choice(real if real and number % 2 else made)
