@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from roughcontact.checking import STEEPEST
 from roughcontact.io.instrument_kinds import ANY, Kind
 from roughcontact.quantities import number, percent, quantity
 
 _SAMPLE = 2**18  # quantiles and distinct values are estimated from about this many points
-_STEEPEST = 3.0  # rms gradient (72°) above all that are measured
 _FLATTEST = 1e-8  # rms gradient below that of polished optics
 _COARSE = 0.1  # quantisation step over rms height above which it affects the contact
 _PLATEAU = 0.005  # share of the points at one height
@@ -171,7 +171,7 @@ def _ranges(shape: tuple[int, ...], span: float, dx: float, dy: float, kind: Kin
 def _slopes(height: np.ndarray, dx: float, dy: float) -> list[str]:
     """Suspect slopes that no instrument measures."""
     _, gradient = roughness_off_plane(height, dx, dy)
-    if gradient > _STEEPEST:
+    if gradient > STEEPEST:
         return [
             (
                 f"the slopes are steeper than anything that is measured (rms gradient {number(gradient)}, "
