@@ -4,10 +4,11 @@
     .venv/bin/python tests/faults/unnoticed.py --mutants 300
     .venv/bin/python tests/faults/unnoticed.py --write          # the tables, and the page that shows them
 
-The files are those of `fuzz_readers.py`, real ones up to 2.5 MB, each damaged in one way; every way is equally
-frequent. Each mutant is read in a process of its own (10 s, 2 GB) and compared with the whole file: shape,
-steps and every height, to the last bit. A word is a refusal or a warning whose sentence, apart from its
-numbers, the whole file does not have.
+The files are those of `fuzz_readers.py`, with a sample of the project as map, once as measured (multiples of
+0.1 nm) and once without its mean plane, and real ones up to 2.5 MB. Each is damaged in one way, all ways
+equally often. Each mutant is read in a process of its own (10 s, 2 GB) and compared with the whole file:
+shape, steps and every height, to the last bit. A word is a refusal or a warning whose sentence, apart from
+its numbers, the whole file does not have.
 """
 
 import argparse
@@ -27,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from fuzz_readers import GIVEN, outcome_of, whole_files, writing
 
@@ -183,6 +184,7 @@ def compared(path: Path, original: Whole) -> str:
             "other": "heights",
             "word": word,
             "points": int(differs.sum()),
+            "of": differs.size,
             "change": float("inf") if gone.any() else float(change / rms),
         }
     )
@@ -207,8 +209,11 @@ def _originals(folder: Path) -> dict[str, Whole]:
     return originals
 
 
-def fuzz(mutants: int, seed: int, folder: Path, ways: dict = WAYS) -> list[dict]:
-    """Damage files so many times; return a record of each mutant, and keep the files that went wrong."""
+def fuzz(mutants: int, seed: int, folder: Path, records_at: Path | None = None) -> list[dict]:
+    """Damage files so many times; return a record of each mutant, and keep the files that went wrong.
+
+    The records are added to a file of JSON lines as they come, where one is named.
+    """
     choose = random.Random(seed)
     originals = _originals(folder)
     real = [name for name in originals if "." in name]
@@ -216,16 +221,19 @@ def fuzz(mutants: int, seed: int, folder: Path, ways: dict = WAYS) -> list[dict]
     records = []
     for number in range(mutants):
         name = choose.choice(real if real and number % 2 else made)
-        way = choose.choice(list(ways))
+        way = choose.choice(list(WAYS))
         original = originals[name]
         path = folder / f"mutant-{number}"
-        path.write_bytes(ways[way](original.data, choose))
+        path.write_bytes(WAYS[way](original.data, choose))
         found = outcome_of(path, lambda path, original=original: compared(path, original))
         record = {"file": name, "real": name in real, "way": way, "kind": found.kind, "said": found.said}
         if found.kind == "map":
             record |= json.loads(found.said)
             record["kind"] = "same" if not record["other"] else ("warned" if record["word"] else "silent")
         records.append(record)
+        if records_at is not None:
+            with records_at.open("a", encoding="utf-8") as stream:
+                stream.write(json.dumps(record) + "\n")
         if found.kind in _FAULTS:
             print(f"{found.kind}: {path} (of {name}, {way}): {found.said[-1500:]}", flush=True)
         else:
@@ -233,23 +241,105 @@ def fuzz(mutants: int, seed: int, folder: Path, ways: dict = WAYS) -> list[dict]
     return records
 
 
+def reason(record: dict) -> str:
+    """Return why nothing can be known of a mutant that was read with other heights in silence."""
+    if record["other"] == "steps":
+        return "a digit of a size or step: the file says it once"
+    if record["other"] == "shape":
+        return "a text cut or joined between two rows or points: nothing says their number"
+    if record["way"] == "bits flipped" or record["points"] <= 3:
+        return f"{_SIZES[record['change'] > _SMALL]} in {_FEW_POINTS}"
+    if record["points"] > 0.9 * record["of"]:
+        return "a digit of the height scale: the file says it once"
+    return "rows or runs of the map exchanged, doubled or lost in place: each is a possible surface"
+
+
+_FEW_POINTS = "one to three heights, in a format without checksum"
+_SIZES = {False: "a change below 1 % of the rms height", True: "a change within the scatter of the heights"}
+
+
 def counts(records: list[dict], by: str) -> pd.DataFrame:
     """Return the counts by a column of the records."""
     rows = []
     for name in dict.fromkeys(record[by] for record in records):
         kinds = Counter(record["kind"] for record in records if record[by] == name)
-        rows.append(
-            {
-                by: name,
-                "mutants": kinds.total(),
-                "refused": kinds["refused"],
-                "same heights": kinds["same"],
-                "other, with a warning": kinds["warned"],
-                "other, silent": kinds["silent"],
-                "faults": sum(kinds[fault] for fault in _FAULTS),
-            }
+        rows.append({by: name} | _counted(kinds))
+    return pd.DataFrame(rows).sort_values(by, key=lambda column: column.str.lower())
+
+
+def _counted(kinds: Counter) -> dict:
+    return {
+        "mutants": kinds.total(),
+        "refused": kinds["refused"],
+        "same heights": kinds["same"],
+        "other, with a warning": kinds["warned"],
+        "other, silent": kinds["silent"],
+        "exceptions": kinds["exception"] + kinds["message"],
+        "hangs": kinds["time"],
+        "crashes": kinds["signal"] + kinds["memory"],
+    }
+
+
+def tables(records: list[dict]) -> dict[str, pd.DataFrame]:
+    """Return the tables of the page: by way, by format, and the reasons of what came in silence."""
+    silent = [record for record in records if record["kind"] == "silent"]
+    for record in records:
+        record["format"] = _format(record)
+        record["way of damage"] = record["way"]
+    by_format = counts(records, "format")
+    by_format["why silent"] = [
+        "; ".join(
+            f"{count} {why}"
+            for why, count in Counter(
+                _SHORT[reason(record)] for record in silent if record["format"] == name
+            ).most_common()
         )
-    return pd.DataFrame(rows)
+        for name in by_format["format"]
+    ]
+    reasons = Counter(reason(record) for record in silent).most_common()
+    return {
+        "ways": counts(records, "way of damage"),
+        "formats": by_format,
+        "reasons": pd.DataFrame(reasons, columns=["reason", "mutants"]),
+    }
+
+
+_SHORT = {
+    "a digit of a size or step: the file says it once": "digit of a size",
+    "a text cut or joined between two rows or points: nothing says their number": "number of rows",
+    f"{_SIZES[False]} in {_FEW_POINTS}": "small flip",
+    f"{_SIZES[True]} in {_FEW_POINTS}": "flip",
+    "a digit of the height scale: the file says it once": "digit of a scale",
+    "rows or runs of the map exchanged, doubled or lost in place: each is a possible surface": "exchange",
+}
+
+
+def _format(record: dict) -> str:
+    """Return the format of a record's file: the reader of a made one, the ending of a real one."""
+    name = record["file"].removesuffix(", levelled")
+    if record["real"]:
+        ending = Path(name).suffix.removeprefix(".")
+        return {"003": "di", "txt": "text", "csv": "text", "h5-jpk": "jpk_hdf5", "dat": "metropro"}.get(
+            ending, ending
+        )
+    return "text" if name.startswith("text") else "own result" if name == "own result" else name
+
+
+def summary(records: list[dict]) -> dict[str, str]:
+    """Return the numbers of the page that are no table."""
+    kinds = Counter(record["kind"] for record in records)
+    other, read = kinds["warned"] + kinds["silent"], kinds["warned"] + kinds["silent"] + kinds["same"]
+    return {
+        "mutants": str(len(records)),
+        "faults": str(sum(kinds[fault] for fault in _FAULTS)),
+        "refused": str(kinds["refused"]),
+        "same": str(kinds["same"]),
+        "other": str(other),
+        "silent": str(kinds["silent"]),
+        "silent of those read (%)": f"{100 * kinds['silent'] / max(read, 1):.1f}",
+        "silent of those with other heights (%)": f"{100 * kinds['silent'] / max(other, 1):.1f}",
+        "silent of all (%)": f"{100 * kinds['silent'] / len(records):.1f}",
+    }
 
 
 def main() -> int:
@@ -257,23 +347,30 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--mutants", type=int, default=5000)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--records", type=Path, help="write a record of each mutant as JSON lines")
+    parser.add_argument("--records", type=Path, help="add a record of each mutant to this file")
+    parser.add_argument("--write", action="store_true", help="write the tables and the page that shows them")
+    parser.add_argument("--of", type=Path, help="take the records of such a file, and damage nothing")
     options = parser.parse_args()
     warnings.simplefilter("ignore")
-    import SurfaceTopography.IO  # noqa: F401  # before any process is forked: it takes a second
-
     folder = Path(tempfile.mkdtemp(prefix="unnoticed-"))
-    records = fuzz(options.mutants, options.seed, folder)
-    if options.records:
-        options.records.write_text("".join(json.dumps(record) + "\n" for record in records))
-    for by in ("way", "file"):
-        print(counts(records, by).to_string(index=False))
-    kinds = Counter(record["kind"] for record in records)
-    print(dict(kinds))
-    faults = sum(kinds[fault] for fault in _FAULTS)
-    if not faults:
+    if options.of:
+        records = [json.loads(line) for line in options.of.read_text().splitlines()]
+    else:
+        import SurfaceTopography.IO  # noqa: F401  # before any process is forked: it takes a second
+
+        records = fuzz(options.mutants, options.seed, folder, options.records)
+    found, said = tables(records), summary(records)
+    if options.write:
+        sys.path.append(str(ROOT / "benchmarks"))
+        from pages import publish
+
+        publish("damage", found, said | {"seed": str(options.seed)})
+    for frame in found.values():
+        print(frame.to_string(index=False), end="\n\n")
+    print("; ".join(f"{name}: {value}" for name, value in said.items()))
+    if said["faults"] == "0":
         shutil.rmtree(folder)
-    return 1 if faults else 0
+    return int(said["faults"] != "0")
 
 
 if __name__ == "__main__":

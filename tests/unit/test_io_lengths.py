@@ -169,9 +169,9 @@ def test_headers_that_contradict_themselves_are_refused(name, place, said, tmp_p
 @pytest.mark.parametrize(
     ("name", "place", "layout", "height", "said"),
     [
-        ("sur-2.sur", 512 + 4 * 5000, "<i", 110_000, "1 point lies beyond .* \(from 0.00891 to 0.0104 mm"),
-        ("stp-1.stp", 4607 + 8 * 5000, "<d", 13.5, "1 point lies beyond .* \(from −0.863 to 12.8 nm"),
-        ("bcrf-1.bcrf", 4096 + 4 * 5000, "<f", 49.2, "1 point lies beyond .* \(from 49369 nm"),
+        ("sur-2.sur", 512 + 4 * 5000, "<i", 110_000, r"1 point lies beyond .* \(from 0.00891 to 0.0104 mm"),
+        ("stp-1.stp", 4607 + 8 * 5000, "<d", 13.5, r"1 point lies beyond .* \(from −0.863 to 12.8 nm"),
+        ("bcrf-1.bcrf", 4096 + 4 * 5000, "<f", 49.2, r"1 point lies beyond .* \(from 49369 nm"),
     ],
 )
 def test_a_height_beyond_the_stated_extremes_is_named(name, place, layout, height, said, tmp_path):
