@@ -37,6 +37,7 @@ from roughcontact.io.read import read_height_map
 
 ROOT = Path(__file__).resolve().parents[2]
 _LARGEST = 2_500_000  # bytes of a real file
+_LARGEST_WHOLE = 5_000_000  # where every file is damaged in few ways
 _BLOCK = 4096  # bytes; the longest that is inserted, lost, doubled or exchanged
 _FAULTS = ("exception", "message", "time", "memory", "signal")
 _SMALL = 0.01  # of the rms height
@@ -190,8 +191,11 @@ def compared(path: Path, original: Whole) -> str:
     )
 
 
-def _originals(folder: Path) -> dict[str, Whole]:
-    """Return the whole files: every kind with the sample as measured and levelled, and the real ones."""
+def _originals(folder: Path, largest: int = _LARGEST) -> dict[str, Whole]:
+    """Return the whole files: every kind with the sample as measured and levelled, and the real ones.
+
+    These have `largest` bytes at most.
+    """
     measured = read_height_map(ROOT / "data_samples/ground.txt").values[40:64, 40:64]
     y, x = np.indices(measured.shape)
     plane = np.column_stack([np.ones(measured.size), x.ravel(), y.ravel()])
@@ -200,7 +204,7 @@ def _originals(folder: Path) -> dict[str, Whole]:
     originals: dict[str, Whole] = {}
     for words, heights in {"": measured, ", levelled": levelled}.items():
         with writing(heights):
-            for name, (data, _) in whole_files(folder, 0 if words else _LARGEST).items():
+            for name, (data, _) in whole_files(folder, 0 if words else largest).items():
                 path = folder / "whole"
                 path.write_bytes(data)
                 if (original := whole(path)) is not None:
@@ -209,17 +213,20 @@ def _originals(folder: Path) -> dict[str, Whole]:
     return originals
 
 
-def fuzz(mutants: int, seed: int, folder: Path, records_at: Path | None = None) -> list[dict]:
+def fuzz(
+    mutants: int, seed: int, folder: Path, records_at: Path | None = None, largest: int = _LARGEST
+) -> list[dict]:
     """Damage files so many times; return a record of each mutant, and keep the files that went wrong.
 
-    The records are added to a file of JSON lines as they come, where one is named.
+    The records are added to a file of JSON lines as they come, where one is named. Real files have `largest`
+    bytes at most.
     """
-    choose = random.Random(seed)
-    originals = _originals(folder)
+    originals = _originals(folder, largest)
     real = [name for name in originals if "." in name]
     made = [name for name in originals if name not in real]
     records = []
     for number in range(mutants):
+        choose = random.Random(f"{seed} {number}")  # the same mutant whatever was done to those before
         name = choose.choice(real if real and number % 2 else made)
         way = choose.choice(list(WAYS))
         original = originals[name]
@@ -342,6 +349,83 @@ def summary(records: list[dict]) -> dict[str, str]:
     }
 
 
+def _inserted_at_60(data: bytes) -> bytes:
+    place = 6 * len(data) // 10
+    return data[:place] + random.Random(place).randbytes(1000) + data[place:]
+
+
+def _lost_at_60(data: bytes) -> bytes:
+    place = 6 * len(data) // 10
+    return data[:place] + data[place + 100 :]
+
+
+SIZES: dict[str, Callable[[bytes], bytes]] = {
+    "1000 bytes inserted": _inserted_at_60,
+    "100 bytes lost": _lost_at_60,
+    "last 1 % cut off": lambda data: data[: -max(1, len(data) // 100)],
+    "512 zeros added": lambda data: data + bytes(512),
+}
+
+
+def sizes(folder: Path) -> pd.DataFrame:
+    """Return what is said of every file of 500 bytes and more with bytes too many or too few, by format."""
+    found: dict[str, dict[str, Counter]] = {}
+    for name, original in _originals(folder, _LARGEST_WHOLE).items():
+        if len(original.data) < 500 or name.endswith("levelled"):
+            continue
+        kind = _format({"file": name, "real": "." in name})
+        for way, damage in SIZES.items():
+            path = folder / "damaged"
+            path.write_bytes(damage(original.data))
+            try:
+                said = json.loads(compared(path, original))
+                outcome = (
+                    "warned" if said["word"] else "other heights, silent" if said["other"] else "same heights"
+                )
+            except RoughContactError:
+                outcome = "refused"
+            found.setdefault(kind, {}).setdefault(way, Counter())[outcome] += 1
+            path.unlink()
+    rows = [
+        {"format": kind, "files": sum(next(iter(ways.values())).values())}
+        | {
+            way: ", ".join(_times(outcome, n) for outcome, n in each.most_common())
+            for way, each in ways.items()
+        }
+        for kind, ways in sorted(found.items(), key=lambda item: item[0].lower())
+    ]
+    return pd.DataFrame(rows)
+
+
+def _times(outcome: str, count: int) -> str:
+    return outcome if count == 1 else f"{count} {outcome}"
+
+
+def dialects(folder: Path) -> pd.DataFrame:
+    """Return how often a text with a known map is read right, with a question, refused, or wrong silently."""
+    sys.path.append(str(ROOT / "tests/unit"))
+    from test_io_text_dialects import DIALECTS, DOUBTS
+
+    kinds: Counter = Counter()
+    path = folder / "dialect.txt"
+    for text, right, warning in DIALECTS.values():
+        path.write_text(text, encoding="utf-8")
+        try:
+            height = read_height_map(path, dx=1, dy=1, unit="um", height_unit="nm")
+        except RoughContactError:
+            kinds["refused"] += 1
+            continue
+        said = " | ".join(json.loads(height.attrs["ingest_warnings"]))
+        asked = any(doubt in said for doubt in DOUBTS)
+        same = not isinstance(right, str) and np.allclose(height.values[::-1], right * 1e-9, equal_nan=True)
+        kinds[
+            "read with a question" if asked or warning else "read right" if same else "wrong in silence"
+        ] += 1
+    path.unlink()
+    names = ("read right", "read with a question", "refused", "wrong in silence")
+    return pd.DataFrame([{"texts": kinds.total()} | {name: kinds[name] for name in names}])
+
+
 def main() -> int:
     """Run it, and say what came of it."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
@@ -360,6 +444,7 @@ def main() -> int:
 
         records = fuzz(options.mutants, options.seed, folder, options.records)
     found, said = tables(records), summary(records)
+    found |= {"sizes": sizes(folder), "dialects": dialects(folder)}
     if options.write:
         sys.path.append(str(ROOT / "benchmarks"))
         from pages import publish
