@@ -107,7 +107,7 @@ class MeasuredFile:
     warnings : list of str
         Warnings about the file as a whole.
     stale : str
-        Which checksum in the file differs from its content; empty where none does.
+        Which checksum or size that the file states differs from its content; empty where none does.
     first_row_assumed : bool
         Whether neither the file nor its format states `first_row`, so that it is only the usual convention.
     """
