@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from roughcontact.errors import InputFileError
 from roughcontact.io import instrument_kinds
-from roughcontact.io.text.missing import remove_marker_values
+from roughcontact.io.markers import remove_marker_values
 
 _LEAST_MARKER = 1e36  # no unit makes a height so large
 _LONGEST = 1e100  # of positions, whose squares must be finite
@@ -228,7 +228,7 @@ def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -
     -------
     array (ny, nx)
         A copy, float64; NaN where masked, infinite, equal to `missing`, or one of the numbers beyond all
-        heights that mark missing points (`text.missing`).
+        heights that mark missing points (`io.markers`).
 
     Raises
     ------
