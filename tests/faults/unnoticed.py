@@ -249,7 +249,7 @@ def fuzz(
 
 
 def reason(record: dict) -> str:
-    """Return why nothing can be known of a mutant that was read with other heights in silence."""
+    """Return why a mutant was read with other heights in silence."""
     if record["other"] == "steps":
         return "a digit of a size or step: the file says it once"
     if record["other"] == "shape":
@@ -258,7 +258,7 @@ def reason(record: dict) -> str:
         return f"{_SIZES[record['change'] > _SMALL]} in {_FEW_POINTS}"
     if record["points"] > 0.9 * record["of"]:
         return "a digit of the height scale: the file says it once"
-    return "rows or runs of the map exchanged, doubled or lost in place: each is a possible surface"
+    return "heights in other places of a file whose size stays, in a format without checksum"
 
 
 _FEW_POINTS = "one to three heights, in a format without checksum"
@@ -317,7 +317,7 @@ _SHORT = {
     f"{_SIZES[False]} in {_FEW_POINTS}": "small flip",
     f"{_SIZES[True]} in {_FEW_POINTS}": "flip",
     "a digit of the height scale: the file says it once": "digit of a scale",
-    "rows or runs of the map exchanged, doubled or lost in place: each is a possible surface": "exchange",
+    "heights in other places of a file whose size stays, in a format without checksum": "exchange",
 }
 
 
