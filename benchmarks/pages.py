@@ -22,6 +22,7 @@ BLOCKS = {
     "speed": ROOT / "README.md",
     "aims": RESULTS / "speed.md",
     "window": ROOT / "docs/explanation/surface.md",
+    "damage": ROOT / "docs/explanation/reliability.md",
 } | dict.fromkeys(("pixels", "answers", "coverage", "measurement"), ROOT / "docs/explanation/uncertainty.md")
 
 

@@ -29,8 +29,8 @@ import traceback
 import warnings
 import zipfile
 from collections import Counter
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -80,10 +80,25 @@ class Outcome(NamedTuple):
     said: str
 
 
+_chosen: list[np.ndarray] = []
+
+
 def heights(n: int = 24) -> np.ndarray:
-    """Return a smooth random map of about 1 µm."""
+    """Return a smooth random map of about 1 µm, or the one that `writing` has chosen."""
+    if _chosen:
+        return _chosen[-1]
     rng = np.random.default_rng(1)
     return 1e-6 * np.cumsum(np.cumsum(rng.standard_normal((n, n)), axis=0), axis=1) / n
+
+
+@contextmanager
+def writing(chosen: np.ndarray) -> Iterator[None]:
+    """Let the files that are written hold this map (24, 24; m)."""
+    _chosen.append(chosen)
+    try:
+        yield
+    finally:
+        _chosen.pop()
 
 
 def _text(path: Path, text: str, encoding: str = "utf-8") -> None:
@@ -161,8 +176,11 @@ SEEDS: dict[str, Callable[[Path], None]] = {
 }
 
 
-def _seeds(folder: Path) -> dict[str, tuple[bytes, bool]]:
-    """Return the whole files: name -> content, and whether it is one of the project's own results."""
+def whole_files(folder: Path, largest: int = _LARGEST_SEED) -> dict[str, tuple[bytes, bool]]:
+    """Return the whole files: name -> content, and whether it is one of the project's own results.
+
+    Real files are those of up to `largest` bytes.
+    """
     found = {}
     for name, write in SEEDS.items():
         write(folder / "seed.npy")
@@ -179,7 +197,7 @@ def _seeds(folder: Path) -> dict[str, tuple[bytes, bool]]:
         for folder_of_files in (DATA, DATA.parent / "more_data"):
             for path in sorted(folder_of_files.glob("*.*")):
                 known = path.suffix not in (".md", ".tsv", ".json")
-                if known and 0 < path.stat().st_size <= _LARGEST_SEED:
+                if known and 0 < path.stat().st_size <= largest:
                     found[path.name] = path.read_bytes(), False
     return found
 
@@ -262,7 +280,7 @@ def _words(data, choose):
 _WAYS = (_flip, _flip, _random_bytes, _extreme_number, _cut, _left_out, _doubled, _words)
 
 
-def outcome_of(path: Path, read: Callable[[Path], None]) -> Outcome:
+def outcome_of(path: Path, read: Callable[[Path], str | None]) -> Outcome:
     """Return what reading a file comes to, in a process of its own."""
     said, tell = os.pipe()
     process = os.fork()
@@ -284,7 +302,7 @@ def outcome_of(path: Path, read: Callable[[Path], None]) -> Outcome:
     return Outcome(kind, seconds, peak, text)
 
 
-def _read_and_tell(path: Path, read: Callable[[Path], None], tell: int) -> None:
+def _read_and_tell(path: Path, read: Callable[[Path], str | None], tell: int) -> None:
     """Read a file within limits, write kind and words, and end this process."""
     words = "exception\nnothing was said"
     try:
@@ -296,8 +314,7 @@ def _read_and_tell(path: Path, read: Callable[[Path], None], tell: int) -> None:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         warnings.filterwarnings("error", category=RuntimeWarning, module="roughcontact")
         try:
-            read(path)
-            words = "map\n"
+            words = f"map\n{read(path) or ''}"
         except RoughContactError as error:
             named = path.name in str(error) and len(str(error)) <= _LONGEST_MESSAGE
             words = f"{'refused' if named else 'message'}\n{error}"
@@ -333,7 +350,7 @@ def fuzz(mutants: int, seed: int, folder: Path) -> dict[str, Counter]:
         an empty folder, in which the files that went wrong stay.
     """
     choose = random.Random(seed)
-    seeds = _seeds(folder)
+    seeds = whole_files(folder)
     for data, result in seeds.values():  # so that no process has to import anything
         (folder / "whole").write_bytes(data)
         with suppress(RoughContactError):

@@ -1,15 +1,26 @@
 """Numbers far from any surface: a clear error or a right answer, never an exception of the machinery."""
 
+import re
+import warnings
+
 import numpy as np
 import pytest
 import xarray as xr
 
 from roughcontact.contact.loads import plan_loads
 from roughcontact.contact.solve import solve_contact
-from roughcontact.errors import ConvergenceError, HeightMapError, RoughContactError, SettingsError
+from roughcontact.errors import (
+    ConvergenceError,
+    HeightMapError,
+    HeightMapWarning,
+    RoughContactError,
+    SettingsError,
+)
+from roughcontact.evaluation import evaluate
 from roughcontact.levelling.level import level
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.window.periodic_window import periodic_window
 
 BAND = {"hurst": 0.8, "shortest": 4e-6, "longest": 16e-6, "rms_gradient": 0.1}
@@ -194,3 +205,37 @@ def test_a_needle_is_no_ball(form):
         HeightMapError, match=f"a {form} cannot have a range of heights of .*: check the unit"
     ):
         level(SURFACE * 1e20, form=form)
+
+
+@pytest.mark.parametrize("shape", [(1, 2), (2, 1), (2, 2), (3, 3), (3, 5)])
+def test_a_map_of_few_points_is_solved_with_a_warning(shape):
+    few = on_pixels(1e-7 * np.random.default_rng(3).standard_normal(shape), 1e-6)
+    said = rf"^the map has {shape[0]} x {shape[1]} points: .* check how it was cut or read$"
+    with pytest.warns(HeightMapWarning, match=said):
+        contact = solved(few)
+    with pytest.warns(HeightMapWarning, match=said):
+        contact_statistics(contact)
+
+
+@pytest.mark.parametrize("factor", [31.0, 1e30])
+def test_slopes_beyond_any_surface_are_solved_with_a_warning(factor):
+    steep = SURFACE * factor
+    with pytest.warns(HeightMapWarning, match="the units of heights and positions differ") as caught:
+        contact = solved(steep, mean_pressure=0.1 * factor * PRESSURE)
+    assert [warning.filename for warning in caught] == [__file__]
+    with pytest.warns(HeightMapWarning, match=re.escape(f"is {0.1 * factor:.3g}, steeper")):
+        contact_statistics(contact)
+
+
+def test_usual_maps_are_solved_without_a_warning():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", HeightMapWarning)
+        for window in (SURFACE, PROFILE, SURFACE * 29, SURFACE[:4, :4]):
+            contact_statistics(solved(window))
+
+
+def test_evaluate_says_each_of_it_once():
+    few = on_pixels(1e-7 * np.random.default_rng(3).standard_normal((3, 3)), 1e-6)
+    with pytest.warns(HeightMapWarning, match="3 x 3 points") as caught:
+        evaluate(few, contact={"contact_modulus": MODULUS, "mean_pressure": [PRESSURE]})
+    assert sum("3 x 3" in str(warning.message) for warning in caught) == 1

@@ -45,7 +45,7 @@ def test_truemap_with_any_comment(tmp_path, comment):
 
 
 def test_truemap_that_is_damaged(tmp_path):
-    with pytest.raises(InputFileError, match="239 bytes where its header needs 240: it was cut off"):
+    with pytest.raises(InputFileError, match="272 bytes where its header needs 273: it was cut off"):
         read_height_map(saved(tmp_path, tmd()[:-1]))
     with pytest.raises(InputFileError, match="it was cut off"):
         read_height_map(saved(tmp_path, tmd()[:40]))

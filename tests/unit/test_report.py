@@ -248,7 +248,7 @@ def test_the_page_says_at_which_limits_its_checks_ask_for_a_look(page):
         ("a window shorter than {} autocorrelation lengths", f"{checks.LENGTHS}"),
         ("mean pressure in contact above {} E*", f"{materials.METALS[0]}"),
         ("largest pressure above {} E*, at which metals flow", f"{materials.METALS[1]}"),
-        ("the rms gradient is above {},", f"{checks.TOO_STEEP:.0f}"),
+        ("the rms gradient is above {},", f"{checks.STEEPEST:.0f}"),
         ("the mean pressure in contact exceeds {} E* with no hardness", f"{materials.HARDEST}"),
     ):
         assert words.format(limit) in legend

@@ -190,6 +190,25 @@ def test_numbers_may_be_missing_and_coordinates_may_not(tmp_path):
         assert "_FillValue" not in file["y"].attrs
 
 
+@pytest.mark.parametrize("side", [16, 70])
+def test_a_flipped_bit_of_a_result_is_an_error(tmp_path, side):
+    """In arrays of 256 elements and more, which carry a checksum."""
+    path = tmp_path / "gap.nc"
+    heights = np.random.default_rng(2).standard_normal((side, side))
+    write_dataset(height_map(heights, 1e-6).rename("gap"), path)
+    whole = path.read_bytes()
+    write_dataset(height_map(heights, 1e-6).rename("gap"), path)
+    assert path.read_bytes() == whole
+    with h5py.File(path) as file:
+        assert file["gap"].fletcher32
+        assert not file["x"].fletcher32
+        chunk = file["gap"].id.get_chunk_info(0)
+    for place in range(chunk.byte_offset, chunk.byte_offset + chunk.size, 97):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 4]) + whole[place + 1 :])
+        with pytest.raises(InputFileError, match=r"gap\.nc"):
+            read_dataset(path)
+
+
 def test_loads_come_in_any_order_and_may_be_alike(tmp_path):
     problem = {"contact_modulus": 1.0, "mean_pressure": [0.2, 0.05, 0.2]}
     height = rough_reference_surface(96)

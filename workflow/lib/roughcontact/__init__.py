@@ -41,6 +41,7 @@ _HOME = {
     "InputFileError": "roughcontact.errors",
     "SettingsError": "roughcontact.errors",
     "HeightMapError": "roughcontact.errors",
+    "HeightMapWarning": "roughcontact.errors",
     "ConvergenceError": "roughcontact.errors",
 }
 

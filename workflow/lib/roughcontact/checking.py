@@ -1,11 +1,12 @@
 """Checks of height maps and of arguments that the public functions make first."""
 
 import difflib
+import warnings
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.errors import HeightMapError, HeightMapWarning, SettingsError
 
 if TYPE_CHECKING:  # a run with nothing to do imports this module, but no large library
     import xarray as xr
@@ -13,6 +14,8 @@ if TYPE_CHECKING:  # a run with nothing to do imports this module, but no large 
 # limits of every length, pressure and ratio, so far within the range of floats that squares of products are
 # finite
 SMALLEST, LARGEST = 1e-100, 1e100
+STEEPEST = 3.0  # rms gradient (72°) above all that are measured: a unit is wrong
+FEWEST_POINTS = 16  # of a map whose contact may mean something
 
 
 def check_labelled(height: object) -> "xr.DataArray":
@@ -92,6 +95,37 @@ def check_map(height: "xr.DataArray") -> np.ndarray:
     if (largest := float(np.nanmax(np.abs(values)))) > LARGEST:
         raise HeightMapError(f"{name} has heights of {largest:g} m: check the unit, or how the file was read")
     return values
+
+
+def warn_of_map(shape: tuple[int, ...], rms_gradient: float) -> None:
+    """Warn the caller's caller of a map that is unlike any measured surface. It changes no number.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        (ny, nx).
+    rms_gradient : float
+
+    Warns
+    -----
+    HeightMapWarning
+        For fewer than 16 points, or an rms gradient above 3.
+    """
+    ny, nx = shape
+    if ny * nx < FEWEST_POINTS:
+        warnings.warn(
+            f"the map has {ny} x {nx} points: that is no rough surface, and its contact is that of "
+            f"{ny * nx} pixels; check how it was cut or read",
+            HeightMapWarning,
+            stacklevel=3,
+        )
+    if rms_gradient > STEEPEST:
+        warnings.warn(
+            f"the rms gradient of the map is {rms_gradient:.3g}, steeper than any measured surface: the "
+            "units of heights and positions differ, or one of them is wrong",
+            HeightMapWarning,
+            stacklevel=3,
+        )
 
 
 def check_choice(key: str, value: object, choices: Any) -> None:

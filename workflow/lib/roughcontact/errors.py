@@ -60,3 +60,7 @@ class DeviationError(RoughContactError, RuntimeError):
 
 class CrossCheckError(RoughContactError, RuntimeError):
     """Another code, asked for a cross-check, that does not run or does not converge."""
+
+
+class HeightMapWarning(UserWarning):
+    """A map that is solved as asked, though no measured surface is like it: too few points, too steep."""

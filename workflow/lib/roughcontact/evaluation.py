@@ -1,12 +1,15 @@
 """One call from a measured file to its numbers, with the settings of the configuration."""
 
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
+from roughcontact.checking import warn_of_map
 from roughcontact.configuration.resolve import resolve
+from roughcontact.errors import HeightMapWarning
 from roughcontact.io.read import read_height_map
 from roughcontact.pipeline import run_chain
 from roughcontact.results.storage import provenance
@@ -81,7 +84,10 @@ def evaluate(
     full = resolve({section: dict(values) for section, values in given.items() if values is not None})[""]
     settings = {section: full[section] for section in given}
     height = source if isinstance(source, xr.DataArray) else read_height_map(source)
-    found = run_chain(height, settings, threads=threads)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", HeightMapWarning)  # of every solution; said once below
+        found = run_chain(height, settings, threads=threads)
+    warn_of_map(found.window.shape, float(found.statistics["rms_gradient"]))
     origin = provenance(
         settings,
         source_sha256=str(height.attrs.get("source_sha256", "")),

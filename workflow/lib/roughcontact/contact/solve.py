@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import xarray as xr
 
-from roughcontact.checking import check_choice, check_positive
+from roughcontact.checking import check_choice, check_positive, warn_of_map
 from roughcontact.choices import SMALLEST_TOLERANCE, Influence, OnFailure, Precision, ZeroFrequency
 from roughcontact.contact.dataset import as_dataset, joined
 from roughcontact.contact.loads import check_loads
@@ -100,6 +100,11 @@ def solve_contact(
     ConvergenceError
         where a load does not reach the tolerance and `on_failure` is ``raise``.
 
+    Warns
+    -----
+    HeightMapWarning
+        of a map of fewer than 16 points, or steeper than any measured surface (rms gradient above 3).
+
     References
     ----------
     .. [1] Johnson (1985), Contact Mechanics, chapter 13.
@@ -151,6 +156,7 @@ def solve_contact(
         )
     working = DOUBLE if precision == "double" else SINGLE
     problem, window = pose(window, precision=working, threads=threads), on_host(window)
+    warn_of_map(window.shape, problem.gradient)
     if zero_frequency != "zero" and 1 in window.shape:
         raise SettingsError(
             f"zero_frequency = {zero_frequency!r} is for maps: the mean displacement of an infinitely wide "

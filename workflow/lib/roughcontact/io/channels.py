@@ -9,7 +9,9 @@ from numpy.typing import ArrayLike
 
 from roughcontact.errors import InputFileError
 from roughcontact.io import instrument_kinds
+from roughcontact.io.markers import remove_marker_values
 
+_LEAST_MARKER = 1e36  # no unit makes a height so large
 _LONGEST = 1e100  # of positions, whose squares must be finite
 
 
@@ -105,7 +107,7 @@ class MeasuredFile:
     warnings : list of str
         Warnings about the file as a whole.
     stale : str
-        Which checksum in the file differs from its content; empty where none does.
+        Which checksum or size that the file states differs from its content; empty where none does.
     first_row_assumed : bool
         Whether neither the file nor its format states `first_row`, so that it is only the usual convention.
     """
@@ -225,7 +227,8 @@ def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -
     Returns
     -------
     array (ny, nx)
-        A copy, float64; NaN where masked, infinite or equal to `missing`.
+        A copy, float64; NaN where masked, infinite, equal to `missing`, or one of the numbers beyond all
+        heights that mark missing points (`io.markers`).
 
     Raises
     ------
@@ -250,6 +253,8 @@ def as_heights(values: ArrayLike, where: str, *, missing: float | None = None) -
     if missing is not None:
         heights[heights == missing] = np.nan
     heights[~np.isfinite(heights)] = np.nan
+    if np.nanmax(np.abs(heights), initial=0.0) > _LEAST_MARKER:
+        remove_marker_values(heights)
     return heights
 
 

@@ -13,6 +13,7 @@ from roughcontact.checking import check_choice
 from roughcontact.choices import Checksum, FirstRow
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, choose_channel
+from roughcontact.io.odd_numbers import odd_numbers
 from roughcontact.io.request import Request
 from roughcontact.io.resampling import on_even_grid
 from roughcontact.io.scale import decide_scale
@@ -85,12 +86,13 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
     channel, request, done = on_even_grid(channel, request, path)
     scale = decide_scale(channel, request, path)
     with np.errstate(over="ignore"):  # infinite heights are refused below
-        heights = channel.read() * scale.height_factor
-    heights = _checked(heights, path)
+        values = channel.read()
+        heights = _checked(values * scale.height_factor, path)
+    doubts = [] if done else odd_numbers(values)
     first_row, assumed, turned = _first_row(file, channel, request, path)
     if first_row == "top":
         heights = np.ascontiguousarray(heights[::-1])
-    notes += [*done, *scale.notes, *turned]
+    notes += [*done, *scale.notes, *turned, *doubts]
     return Converted(channel, choice, heights, scale.dx, scale.dy, notes, first_row, assumed)
 
 

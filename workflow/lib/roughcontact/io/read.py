@@ -58,8 +58,8 @@ def read_height_map(
         ``linear``: points that form no even grid are interpolated to a grid with steps `dx` and `dy` (by
         default the mean distance of the points). Without it such a file is refused.
     checksum : str, optional
-        ``ignore``: a file whose content differs from its own checksum (an X3P edited by hand) is read, with a
-        warning. Without it such a file is refused.
+        ``ignore``: a file whose content differs from its own checksum (an X3P edited by hand), or that is
+        longer than its header says, is read, with a warning. Without it such a file is refused.
     first_row : str, optional
         ``top`` or ``bottom``: position of the file's first row in the picture of the surface. For files that
         do not state it (NumPy, MATLAB, numbers without a header); it overrides the file, with a warning.

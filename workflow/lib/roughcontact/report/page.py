@@ -142,7 +142,7 @@ def write_report(
             "lengths": checks.LENGTHS,
             "steep": number(checks.STEEP, digits=1),
             "places": f"{100 * checks.STEEP_PLACES:g} %",
-            "too_steep": number(checks.TOO_STEEP, digits=1),
+            "too_steep": number(checks.STEEPEST, digits=1),
             "metals": [number(limit, digits=1) for limit in materials.METALS],
             "hardest": number(materials.HARDEST, digits=1),
         },

@@ -36,6 +36,9 @@ class Array(NamedTuple):
 
 
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
+_CHECKED_FROM = (
+    256  # elements; the checksum needs a chunk, which in smaller arrays makes tables a quarter larger
+)
 _CHECKED: dict[str, Any] = {"fletcher32": True}  # a flipped bit becomes an error, not a number
 _COMPRESSION = _CHECKED | {"zlib": True, "complevel": 1, "shuffle": True}
 _PIECE = (1, 512, 1024)  # chunk of a map: loads are read one by one
@@ -142,8 +145,8 @@ def _commit() -> str:
 def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
     """Write a dataset as netCDF-4, to a temporary name first, so that no half file is ever seen.
 
-    Every variable gets its unit and description from `roughcontact.variables`. Arrays of 4096 elements and
-    more carry checksums and are compressed (fastest zlib, byte shuffle), but for the gap.
+    Every variable gets its unit and description from `roughcontact.variables`. Arrays of 256 elements and
+    more carry checksums; those of 4096 and more are compressed (fastest zlib, byte shuffle), but for the gap.
 
     Parameters
     ----------
@@ -181,8 +184,12 @@ def _write(dataset: xr.Dataset, path: Path, *, mode: Literal["w", "a"] = "w") ->
         encoding[name] = {"_FillValue": None}
         if name in dataset.data_vars and np.issubdtype(variable.dtype, np.floating):
             encoding[name] = {"_FillValue": np.nan}
-        if variable.size >= _COMPRESSED_FROM and variable.dtype.kind in "fiub":
+        if variable.dtype.kind not in "fiub":
+            continue
+        if variable.size >= _COMPRESSED_FROM:
             encoding[name] |= _packed(str(name), variable)
+        elif variable.size >= _CHECKED_FROM:
+            encoding[name] |= _CHECKED
     with _uncached():
         dataset.to_netcdf(path, engine="netcdf4", mode=mode, encoding=encoding)
 

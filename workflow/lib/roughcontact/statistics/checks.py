@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.checking import STEEPEST
 from roughcontact.statistics import contact_checks, instrument_checks, map_checks
 from roughcontact.statistics.contact_checks import CONTACT_POINTS, OVERCOUNT, overcount
 from roughcontact.statistics.map_checks import (
@@ -24,7 +25,6 @@ from roughcontact.statistics.map_checks import (
     ROW_JITTER,
     STEEP,
     STEEP_PLACES,
-    TOO_STEEP,
     WINDOW_SHARE,
     Attributes,
 )
@@ -67,8 +67,8 @@ __all__ = [
     "REJECTED_LOAD",
     "ROW_JITTER",
     "STEEP",
+    "STEEPEST",
     "STEEP_PLACES",
-    "TOO_STEEP",
     "VERDICTS",
     "WINDOW_SHARE",
     "Check",

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.checking import check_choice
+from roughcontact.checking import check_choice, warn_of_map
 from roughcontact.choices import Extra, Influence
 from roughcontact.connectivity import region_sizes
 from roughcontact.contact.dataset import influence_of
@@ -121,6 +121,11 @@ def contact_statistics(
     SettingsError
         where a number of bins is no whole number of at least 1, or stresses are asked for without bodies.
 
+    Warns
+    -----
+    HeightMapWarning
+        as `solve_contact`, where the numbers of the surface are computed here.
+
     Examples
     --------
     A wave under 30 % of the load that flattens it touches over (2/π) asin √0.3 = 0.369 of its length.
@@ -146,6 +151,7 @@ def contact_statistics(
     mean_pressure = np.asarray(contact["mean_pressure"].values, float)
     if surface is None:
         surface = surface_numbers(height, contact_modulus=modulus, work_of_adhesion=work_of_adhesion)
+        warn_of_map(height.shape, surface.parameters["rms_gradient"])
     parameters = dict(surface.parameters)
     gradient = parameters["rms_gradient"]
     # a flat map has neither gradient nor heights to set the scale of the bins

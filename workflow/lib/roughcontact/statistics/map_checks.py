@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.checking import STEEPEST
 from roughcontact.io.plausibility import SPIKES_ADVICE
 from roughcontact.levelling.record import kinds_in_words
 from roughcontact.quantities import number, percent, quantity, several
@@ -29,7 +30,6 @@ STEEP_PLACES = 0.5  # share of the mean square gradient that the steepest 1 % of
 LENGTHS = 5
 WINDOW_SHARE = 0.5  # share of the measured area that was used
 STEEP = 0.3  # rms gradient from which small-slope elasticity is a rough approximation
-TOO_STEEP = 3.0  # rms gradient that no rough surface has: a unit is wrong
 
 Attributes = Mapping[str, Any]
 
@@ -270,7 +270,7 @@ def slope(statistics: xr.Dataset) -> Check:
     """
     gradient = float(statistics["rms_gradient"])
     text = f"The rms gradient is {number(gradient)}"
-    if gradient > TOO_STEEP:
+    if gradient > STEEPEST:
         text += ": no rough surface is so steep. Check the units of heights and steps."
         return Check("Slopes", FAILED, text)
     if gradient > STEEP:

@@ -1,8 +1,11 @@
 """Containers of many formats (TIFF, ZIP, OLE): checks before opening, and names of unsupported ones."""
 
+import mmap
 import struct
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
+from typing import IO, NamedTuple
 
 from roughcontact.errors import InputFileError
 from roughcontact.io.guards import ARCHIVE_ERRORS
@@ -11,6 +14,8 @@ TIFF = (b"II*\0", b"MM\0*")
 ZIP = (b"PK\x03\x04",)
 OLE = (b"\xd0\xcf\x11\xe0",)
 _MOST_PAGES = 10_000
+_TIFF_TYPES = {3: "H", 4: "I", 5: "Q", 8: "h", 9: "i", 10: "q", 11: "f", 12: "d"}  # all others: bytes
+_STRIPS, _STRIP_LENGTHS = 273, 279  # tags
 # member of an archive -> its format in SurfaceTopography
 _MEMBERS = {
     "index.xml": "plux",
@@ -26,24 +31,70 @@ def check_tiff(path: Path) -> None:
 
     A page is a count of its tags (2 bytes), 12 bytes for each of them, and the position of the next page.
     """
-    size = path.stat().st_size
-    seen: set[int] = set()
     with path.open("rb") as stream:
-        order = "<" if stream.read(4) == TIFF[0] else ">"
-        position = _number(stream.read(4), order + "I")
-        while position:
-            if position in seen or len(seen) == _MOST_PAGES:
-                raise InputFileError(
-                    f"{path}: damaged TIFF: its pages form a loop, or are more than {_MOST_PAGES}"
-                )
-            seen.add(position)
-            stream.seek(min(position, size))
-            tags = stream.read(2)
-            stream.seek(12 * _number(tags, order + "H"), 1)
-            following = stream.read(4)
-            if len(tags) < 2 or len(following) < 4:
-                raise InputFileError(f"{path}: damaged or cut off TIFF: a page lies outside the file")
-            position = _number(following, order + "I")
+        for _ in _tiff_pages(stream, path):
+            pass
+
+
+class Tag(NamedTuple):
+    """One tag of a TIFF: its number, and where its value lies (bytes).
+
+    A value of up to four bytes lies within the tag.
+    """
+
+    number: int
+    layout: str
+    place: int
+    length: int
+
+
+def tiff_tags(stream: IO[bytes] | mmap.mmap) -> Iterator[Tag]:
+    """Yield the tags of all pages of a TIFF that `check_tiff` has passed."""
+    for order, begin, count in _tiff_pages(stream, ""):
+        for place in range(begin + 2, begin + 2 + 12 * count, 12):
+            stream.seek(place)
+            number, kind, values, position = struct.unpack(order + "HHII", stream.read(12))
+            letter = _TIFF_TYPES.get(kind, "s")
+            length = values * struct.calcsize(order + letter)
+            yield Tag(number, f"{order}{values}{letter}", position if length > 4 else place + 8, length)
+
+
+def tiff_end(stream: IO[bytes] | mmap.mmap) -> int:
+    """Return the end of the last page, value or strip of a TIFF that `check_tiff` has passed, bytes."""
+    ends = [begin + 6 + 12 * count for _, begin, count in _tiff_pages(stream, "")]
+    strips: dict[int, list[int]] = {_STRIPS: [], _STRIP_LENGTHS: []}
+    for tag in tiff_tags(stream):
+        ends.append(tag.place + tag.length)
+        if tag.number in strips:
+            stream.seek(tag.place)
+            data = stream.read(tag.length)
+            strips[tag.number] += struct.unpack(tag.layout, data) if len(data) == tag.length else ()
+    return max([*ends, *map(sum, zip(*strips.values(), strict=False))])
+
+
+def _tiff_pages(stream: IO[bytes] | mmap.mmap, path: Path | str) -> Iterator[tuple[str, int, int]]:
+    """Yield byte order, position and number of tags of every page; errors name the path."""
+    stream.seek(0, 2)
+    size = stream.tell()  # a mapped file returns no position from seek
+    stream.seek(0)
+    order = "<" if stream.read(4) == TIFF[0] else ">"
+    position = _number(stream.read(4), order + "I")
+    seen: set[int] = set()
+    while position:
+        if position in seen or len(seen) == _MOST_PAGES:
+            raise InputFileError(
+                f"{path}: damaged TIFF: its pages form a loop, or are more than {_MOST_PAGES}"
+            )
+        seen.add(position)
+        stream.seek(min(position, size))
+        tags = stream.read(2)
+        count = _number(tags, order + "H")
+        stream.seek(12 * count, 1)
+        following = stream.read(4)
+        if len(tags) < 2 or len(following) < 4:
+            raise InputFileError(f"{path}: damaged or cut off TIFF: a page lies outside the file")
+        yield order, position, count
+        position = _number(following, order + "I")
 
 
 def _number(data: bytes, layout: str) -> int:

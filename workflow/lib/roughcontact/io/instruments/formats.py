@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from roughcontact.io.instrument_kinds import ANY, OPTICAL, PROBE, STYLUS, Kind
+from roughcontact.io.instruments import containers
 from roughcontact.io.instruments.containers import OLE, TIFF, ZIP
 from roughcontact.io.interface import RecognisedBy
 from roughcontact.io.text.lines import looks_like_text
@@ -66,10 +67,6 @@ class Format:
         """Return whether a header from the library can be of this format: guards against chance matches."""
         return True
 
-    def claimed_bytes(self, header: Header, points: int) -> int:
-        """Return the size in bytes of a file with maps of so many points by its header; 0 where unknown."""
-        return 0
-
     def steps(self, header: Header, steps: np.ndarray) -> np.ndarray:
         """Return the steps (dx, dy), from those that the library found."""
         return steps
@@ -85,6 +82,10 @@ class Format:
         """Return the file's metadata of the instrument beyond those that the library finds, by label."""
         return {}
 
+    def contradiction(self, path: Path, header: Header) -> str:
+        """Return which statements of the header contradict each other; empty where none do."""
+        return ""
+
     def sign_notes(self, header: Header) -> list[str]:
         """Return a sentence where the header says that heights were inverted, or are those of an imprint."""
         return []
@@ -96,20 +97,28 @@ _IMPRINT = (
 )
 
 
-class _Alicona(Format):
-    def claimed_bytes(self, header, points):
-        start = int(header.get("TextureImageOffset", 0))
-        planes = len(str(header.get("TexturePtr", "")).split(";"))
-        return start + planes * int(header["Rows"]) * int(header["Cols"]) if start else 0
-
-
 class _DigitalSurf(Format):
     def sign_notes(self, header):
         notes = [_IMPRINT] if int(header.get("imprint") or 0) else []
         return [*notes, _INVERTED] if int(header.get("inversion") or 0) else notes
 
 
+class _Igor(Format):
+    def contradiction(self, path, header):
+        # the 16-bit words of both headers of version 5 add up to zero (WaveMetrics, Technical Note 003)
+        with path.open("rb") as stream:
+            words = np.frombuffer(stream.read(384), "<u2")
+        words = words if words[0] == 5 else words.byteswap()
+        return "the checksum of its header does not match its content" if int(words.sum()) & 0xFFFF else ""
+
+
 class _MetroPro(Format):
+    def contradiction(self, path, header):
+        points = header["cn_org_width"] * header["cn_org_height"]
+        if header["cn_n_bytes"] == 4 * points:
+            return ""
+        return f"its header counts {header['cn_n_bytes']} bytes of heights, which are no {points} points"
+
     def sign_notes(self, header):
         return [_INVERTED] if int(header.get("sign") or 0) else []
 
@@ -125,6 +134,7 @@ class _MicroProf(Format):
         return (counts < limits["first_valid"]) | (counts > limits["last_valid"])
 
 
+_PARK_DATA = 50434  # tag of TIFF
 _DATE_OF_NANOFOCUS = 1076  # position in the header, bytes
 
 
@@ -145,10 +155,15 @@ class _NanoFocus(Format):
         return {"acquisition_time": date and date[0].decode()}
 
 
-class _Sensofar(Format):
-    def claimed_bytes(self, header, points):
-        layout = header["measurement_configuration"]
-        return layout["num_layers"] * points * (4 + 3 * layout["num_images"])
+class _Park(Format):
+    def contradiction(self, path, header):
+        points = header["nb_grid_pts_x"] * header["nb_grid_pts_y"]
+        with path.open("rb") as stream:
+            stored = next((tag.length for tag in containers.tiff_tags(stream) if tag.number == _PARK_DATA), 0)
+        needed = points * (2 if header.get("data_type", 0) == 0 else 4)
+        if stored == needed:
+            return ""
+        return f"its tag of the heights has {stored} bytes where {points} points need {needed}"
 
 
 class _Wyko(Format):
@@ -181,7 +196,7 @@ FORMATS = (
     Format("ezd", (b"[DataSet]",), PROBE, "Nanosurf", text_header=True),
     Format("mi", (b"fileType",), PROBE, "Molecular Imaging", text_header=True),
     _DigitalSurf("sur", (b"DIGITAL SURF",)),
-    _Alicona("al3d", (b"AliconaImaging",), OPTICAL, "Alicona"),
+    Format("al3d", (b"AliconaImaging",), OPTICAL, "Alicona"),
     _MicroProf("frt", (b"FRTM_GLIDERV",), OPTICAL, "FRT"),
     Format("wsxm", (b"WSxM",), PROBE, "Nanotec", text_header=True, binary_data=True),
     Format("gwy", (b"GWYP",)),
@@ -193,7 +208,7 @@ FORMATS = (
     Format("datx", (b"\x89HDF",), OPTICAL, "Zygo", recognised_by=RecognisedBy.CONTENTS),
     Format("mnt", OLE),
     Format("oir", (b"OLYMPUSRAWFORMAT",), OPTICAL, "Olympus"),
-    Format("ps", TIFF, PROBE, "Park Systems"),
+    _Park("ps", TIFF, PROBE, "Park Systems"),
     Format("jpk", TIFF, PROBE, "JPK"),
     Format("lext", TIFF, OPTICAL, "Olympus"),
     Format("plux", ZIP, OPTICAL, "Sensofar"),
@@ -205,8 +220,8 @@ FORMATS = (
     _MetroPro("metropro", (b"\x88\x1b\x03\x6f", b"\x88\x1b\x03\x70", b"\x88\x1b\x03\x71"), OPTICAL, "Zygo"),
     _Wyko("opd", (b"Directory",), OPTICAL, "Wyko", offset=2),
     Format("os3d", (b"OmniSurf3D",)),
-    Format("ibw", (), PROBE),
-    _Sensofar("plu", (), OPTICAL, "Sensofar"),
+    _Igor("ibw", (), PROBE),
+    Format("plu", (), OPTICAL, "Sensofar"),
     _NanoFocus("nms", (), OPTICAL, "NanoFocus"),
 )
 

@@ -27,8 +27,11 @@ from roughcontact.io.channels import (
 )
 from roughcontact.io.guards import brief, check_line_ends, check_memory, check_points
 from roughcontact.io.instruments import containers
+from roughcontact.io.instruments.extremes import beyond_stated
 from roughcontact.io.instruments.formats import Format, Header
+from roughcontact.io.instruments.sizes import stated_size
 from roughcontact.io.interface import head_of
+from roughcontact.io.lengths import compare_size
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 
@@ -150,9 +153,9 @@ def _open(reader: Any, file_format: Format, path: Path) -> MeasuredFile:
         raise FileFormatMismatch
     # Heights are read once here: an incomplete channel shows that the file was cut off.
     channels = [_channel(info, file_format, path) for info in infos]
-    _refuse_short_file(infos[0], file_format, path)
+    stale, notes = _compared(infos[0], file_format, path)
     instrument = _instrument(infos[0], file_format, path)
-    return MeasuredFile(reader.name(), channels, first_row="top", instrument=instrument)
+    return MeasuredFile(reader.name(), channels, "top", instrument, notes, stale)
 
 
 def _channel(info: Any, file_format: Format, path: Path) -> Channel:
@@ -197,6 +200,8 @@ def _channel(info: Any, file_format: Format, path: Path) -> Channel:
         heights[not_measured] = np.nan
     dx, dy = _steps(topography, file_format, header)
     notes = file_format.sign_notes(header)
+    if height_unit is not None and not no_height:
+        notes += beyond_stated(file_format.name, header, heights, height_unit)
     return Channel(info.channel_id, heights.shape, lambda: heights, dx=dx, dy=dy, notes=notes, **attributes)
 
 
@@ -220,11 +225,14 @@ def _steps(topography: Any, file_format: Format, header: Header) -> tuple[float 
     return float(steps[0]), float(steps[1]) if steps.size > 1 else None
 
 
-def _refuse_short_file(info: Any, file_format: Format, path: Path) -> None:
-    """Refuse a file whose header claims more bytes than it has: it was cut off after the heights."""
-    size, claimed = path.stat().st_size, file_format.claimed_bytes(_header(info), prod(info.nb_grid_pts))
-    if size < claimed:
-        raise InputFileError(f"{path}: {size} bytes where its header needs {claimed}: it was cut off")
+def _compared(info: Any, file_format: Format, path: Path) -> tuple[str, list[str]]:
+    """Compare a file with the size and the checksum that its header states, as `compare_size` does."""
+    header = _header(info)
+    contradiction = file_format.contradiction(path, header)
+    stated = stated_size(file_format.name, path, header, prod(info.nb_grid_pts))
+    if contradiction or stated is None or (stated.more and path.stat().st_size >= stated.size):
+        return contradiction, []
+    return compare_size(path, stated.size)
 
 
 def _instrument(info: Any, file_format: Format, path: Path) -> dict:

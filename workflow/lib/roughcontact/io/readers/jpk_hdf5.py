@@ -16,6 +16,7 @@ from roughcontact.io import hdf5, instrument_kinds
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_points
 from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.lengths import compare_size
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length
 
@@ -53,7 +54,11 @@ def read(path: Path) -> MeasuredFile:
     if not channels:
         raise InputFileError(f"{path}: this JPK file holds no map")
     channels.sort(key=lambda ranked: ranked[0])
-    return MeasuredFile("JPK (HDF5)", [channel for _, channel in channels], "bottom", instrument)
+    needed = hdf5.stated_size(path)
+    stale, notes = ("", []) if needed is None else compare_size(path, needed)
+    return MeasuredFile(
+        "JPK (HDF5)", [channel for _, channel in channels], "bottom", instrument, notes, stale
+    )
 
 
 def _frames(group: Any, said: dict[str, Any], before: str, path: Path) -> list[tuple[int, Channel]]:

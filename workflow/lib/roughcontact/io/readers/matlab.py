@@ -17,7 +17,7 @@ from roughcontact.io.interface import Reader, RecognisedBy
 
 _MARK = b"MATLAB 5.0 MAT-file"
 _HEADER_BYTES = 128
-_COMPRESSED = 15  # type of a variable
+_MATRIX, _COMPRESSED = 14, 15  # types of a variable
 _NUMBERS = ("double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
 
 
@@ -84,6 +84,11 @@ def _check_unpacked_size(path: Path) -> None:
         order: Literal["little", "big"] = "little" if stream.read(_HEADER_BYTES)[126:128] == b"IM" else "big"
         while len(tag := stream.read(8)) == 8:
             kind, count = (int.from_bytes(part, order) for part in (tag[:4], tag[4:]))
+            if kind not in (_MATRIX, _COMPRESSED):
+                raise InputFileError(
+                    f"{path}: damaged MATLAB file: no variable begins {stream.tell() - 8} bytes from its "
+                    "beginning, where the one before ends; copy or save it again"
+                )
             if stream.tell() + count > size:
                 raise InputFileError(
                     f"{path}: the last variable of this MATLAB file is not whole: it was cut off"
@@ -99,6 +104,11 @@ def _check_unpacked_size(path: Path) -> None:
                     raise InputFileError(
                         f"{path}: its variables unpack to more than the {MAX_UNPACKED_BYTES} bytes allowed"
                     )
+        if tag:
+            raise InputFileError(
+                f"{path}: damaged MATLAB file: {len(tag)} bytes follow its last variable; copy or save it "
+                "again"
+            )
 
 
 READER = Reader(RecognisedBy.MARK, recognises, read)

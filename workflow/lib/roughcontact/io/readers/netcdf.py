@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io import cdf5, hdf5
+from roughcontact.io import classic, hdf5
 from roughcontact.io.channels import (
     Channel,
     MeasuredFile,
@@ -27,11 +27,12 @@ from roughcontact.io.channels import (
 )
 from roughcontact.io.guards import MAX_POINTS, brief, check_points
 from roughcontact.io.interface import Reader, RecognisedBy, head_of
+from roughcontact.io.lengths import compare_size
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.units import is_length, same_length
 
-_CLASSIC = (b"CDF\x01", b"CDF\x02")  # the second with 64-bit offsets
-_MARKS = (*_CLASSIC, cdf5.MARK, hdf5.MARK)
+_SCIPY = (b"CDF\x01", b"CDF\x02")  # read without the netCDF library
+_MARKS = (*classic.MARKS, hdf5.MARK)
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -52,11 +53,10 @@ def read(path: Path) -> MeasuredFile:
     named height, heights or z come first.
     """
     head = head_of(path)
-    if head.startswith(cdf5.MARK):
-        cdf5.check_header(path)
+    needed = classic.check_header(path) if head.startswith(classic.MARKS) else hdf5.stated_size(path)
+    stale, notes = ("", []) if needed is None else compare_size(path, needed)
     arrays = hdf5.datasets(path) if head.startswith(hdf5.MARK) else {}
-    # In a classic file that was cut off, the netCDF library reads zeros; SciPy misses the bytes.
-    engine = "scipy" if head.startswith(_CLASSIC) else "netcdf4"
+    engine = "scipy" if head.startswith(_SCIPY) else "netcdf4"
     too_long = {} if engine == "scipy" else _oversized_variables(path)
     with _opened(path, engine, too_long) as dataset:
         opener = partial(_opened, path, engine, too_long)
@@ -75,6 +75,8 @@ def read(path: Path) -> MeasuredFile:
         # in files of early versions of this project y ran downwards where the measured file began at the top
         first_row="top" if own.get("first_row") == "top" and "y_axis" not in own else "bottom",
         instrument=_instrument(own.get("instrument"), attributes),
+        warnings=notes,
+        stale=stale,
     )
 
 

@@ -8,6 +8,7 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import brief, check_points
 from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.lengths import compare_size
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -36,9 +37,12 @@ def read(path: Path) -> MeasuredFile:
             f"{path}: an array of shape {values.shape}; a map has two axes (y, x), a profile one"
         )
     check_points(shape, path)
+    stale, notes = compare_size(path, getattr(values, "offset", 0) + values.nbytes)
     kind = "" if values.dtype.kind in "iuf" else f"values of type {values.dtype}, not real numbers"
     channel = Channel("height", shape, lambda: as_heights(values, str(path)), no_height=kind)
-    return MeasuredFile("NumPy array", [channel], first_row="bottom", first_row_assumed=True)
+    return MeasuredFile(
+        "NumPy array", [channel], first_row="bottom", warnings=notes, stale=stale, first_row_assumed=True
+    )
 
 
 READER = Reader(RecognisedBy.MARK, recognises, read)

@@ -12,9 +12,11 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import brief, check_memory, check_points
 from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.lengths import compare_size
 from roughcontact.io.metadata import instrument_metadata
 
 _MARKS = (b"aISO-", b"bISO-", b"aBCR-", b"bBCR-", b"\xef\xbb\xbfaISO-")
+_TEXT = bytes([*b"\t\n\r", *range(32, 127)])
 _MEMORY_PER_BYTE = 12  # memory for each byte of a file: numbers as text, their pieces, in double precision
 
 
@@ -57,7 +59,11 @@ def read(path: Path) -> MeasuredFile:
         dy=_step(header.y_scale) if file.data.shape[0] > 1 else None,
         lateral_unit="m",
     )
-    return MeasuredFile("SDF (ISO 25178-71)", [channel], first_row="bottom", instrument=instrument)
+    # behind the heights of a binary file lies text or nothing
+    trailer = file.trailer if isinstance(file.trailer, bytes) else b""
+    needed = size - len(trailer) if trailer.translate(None, _TEXT) else size
+    stale, notes = compare_size(path, needed)
+    return MeasuredFile("SDF (ISO 25178-71)", [channel], "bottom", instrument, notes, stale)
 
 
 def _step(value: float | None) -> float | None:

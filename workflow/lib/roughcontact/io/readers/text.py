@@ -21,12 +21,12 @@ from roughcontact.io.channels import (
 )
 from roughcontact.io.guards import check_memory
 from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.markers import remove_marker_values
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.text.columns import Column, headed, unit_of_heights
 from roughcontact.io.text.doubts import counting, refuse_lost_row, thousands
 from roughcontact.io.text.header import parse_header
 from roughcontact.io.text.lines import lines_of, looks_like_text
-from roughcontact.io.text.missing import remove_marker_values
 from roughcontact.io.text.point_grid import points_on_grid
 from roughcontact.io.text.table import (
     Table,

@@ -14,6 +14,7 @@ from roughcontact.errors import InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, as_heights
 from roughcontact.io.guards import check_line_ends, check_points
 from roughcontact.io.interface import Reader, RecognisedBy
+from roughcontact.io.lengths import compare_size
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.text.lines import looks_like_text
 
@@ -48,13 +49,12 @@ def read(path: Path) -> MeasuredFile:
         begin = len(words[0]) + len(words[1]) + 2
         stream.seek(begin)
         header = stream.read(_HEADER.size)
-        size, needed = path.stat().st_size - begin, _HEADER.size
-        if len(header) == needed:
+        needed = begin + _HEADER.size
+        if len(header) == _HEADER.size:
             nx, ny, length_x, length_y, *_ = _HEADER.unpack(header)
             check_points((ny, nx), path)
             needed += 4 * nx * ny
-        if size < needed:
-            raise InputFileError(f"{path}: {size} bytes where its header needs {needed}: it was cut off")
+        stale, notes = compare_size(path, needed)
         if not nx * ny or not (0 < length_x < np.inf and 0 < length_y < np.inf):
             raise InputFileError(
                 f"{path}: looks like TrueMap TMD, but is damaged ({nx} x {ny} points on {length_x:g} mm x "
@@ -74,7 +74,7 @@ def read(path: Path) -> MeasuredFile:
     instrument = instrument_metadata(
         {"vendor": "TrueMap" if "TrueMap" in comment else "", "comment": comment}
     )
-    return MeasuredFile("TrueMap TMD", [channel], first_row="top", instrument=instrument)
+    return MeasuredFile("TrueMap TMD", [channel], "top", instrument, warnings=notes, stale=stale)
 
 
 READER = Reader(RecognisedBy.MARK, recognises, read)

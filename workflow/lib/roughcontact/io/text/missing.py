@@ -1,9 +1,6 @@
-"""What programs write in a text for a missing point: words and numbers."""
+"""Words that programs write in a text for a missing point; numbers are in `io.markers`."""
 
 import re
-from collections.abc import Iterable
-
-import numpy as np
 
 # Words that are taken as missing, in lower case.
 _WORDS = {
@@ -47,15 +44,6 @@ _SPOKEN_WORDS = {
     ),
     *("invalide", "nonvalide", "nonmesuré", "manquant", "inválido", "sindatos", "nonvalido"),
 }
-# Numbers without unit or scale that no height reaches.
-_VALUES = (
-    1.70141e38,  # Surfer: blanked node of a grid
-    3.40282e38,  # C, float.h: FLT_MAX; the NODATA_value of Arc/Info grids with either sign
-    1.79769e308,  # C, float.h: DBL_MAX
-    9.91e37,  # SCPI-99, volume 1, 7.2.1: not a number
-    9.9e37,  # SCPI-99, volume 1, 7.2.1: infinity, with either sign
-    9.96921e36,  # netCDF, netcdf.h: NC_FILL_FLOAT and NC_FILL_DOUBLE
-)
 _FILLING = "-*?"  # characters that stand for a missing point, repeated any number of times
 _PHRASE = re.compile(
     r"(?<!\S)(?:no data|not measured|out of range|n\. def\.|keine daten|nicht gemessen|non valide|non mesuré"
@@ -89,22 +77,3 @@ def joined(line: str) -> str:
     '1.5 nodata 2.5'
     """
     return _PHRASE.sub(lambda found: found[0].lower().replace(" ", ""), line) if " " in line else line
-
-
-def remove_marker_values(values: np.ndarray, others: Iterable[float] = ()) -> None:
-    """Replace infinite values, numbers that mark a missing point, and exactly the `others` by NaN, in place.
-
-    The largest double is infinite where its last digit was rounded up.
-
-    Examples
-    --------
-    >>> heights = np.array([1.5, 9.91e37, -9999.0])
-    >>> remove_marker_values(heights, [-9999])
-    >>> heights
-    array([1.5, nan, nan])
-    """
-    values[np.isinf(values)] = np.nan
-    for value in others:
-        values[values == value] = np.nan
-    for value in _VALUES:
-        values[np.abs(np.abs(values) / value - 1) < 1e-5] = np.nan

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from roughcontact.errors import InputFileError
-from roughcontact.io import cdf5
+from roughcontact.io import classic
 from roughcontact.io.read import read_height_map
 
 HEIGHTS = np.arange(12.0).reshape(4, 3)
@@ -45,7 +45,7 @@ def test_cut_files_are_refused(tmp_path, records):
     for length in range(4, len(whole) - 3):  # the last bytes may be what fills up to a multiple of four
         path.write_bytes(whole[:length])
         with pytest.raises(InputFileError, match="damaged or cut off netCDF file"):
-            cdf5.check_header(path)
+            classic.check_header(path)
 
 
 def test_counts_beyond_the_file_are_refused_before_the_library_sees_them(tmp_path):
@@ -57,7 +57,7 @@ def test_counts_beyond_the_file_are_refused_before_the_library_sees_them(tmp_pat
     for place in places:
         path.write_bytes(whole[:place] + (2**62).to_bytes(8) + whole[place + 8 :])
         try:
-            cdf5.check_header(path)
+            classic.check_header(path)
         except InputFileError:
             refused += 1
     assert refused == len(places)

@@ -1,0 +1,226 @@
+"""Files that have gained or lost bytes: refused where heights may have moved, else named.
+
+`tests/faults/unnoticed.py` counts over many random ones what is noticed.
+"""
+
+import json
+import re
+import struct
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+import xarray as xr
+from shared_data import DATA
+
+from roughcontact.errors import InputFileError
+from roughcontact.io.inspection import inspect_file
+from roughcontact.io.odd_numbers import odd_numbers
+from roughcontact.io.plausibility import suspicions
+from roughcontact.io.read import read_height_map
+
+sys.path.append(str(Path(__file__).parents[1] / "faults"))
+from fuzz_readers import GIVEN, SEEDS
+
+MORE = DATA.parent / "more_data"
+CHECKED = ("npy", "netcdf 3", "netcdf 4", "netcdf 5", "jpk_hdf5", "tmd", "sdf")
+# real files whose headers say where the last byte lies
+REAL = (
+    *("al3d-1.al3d", "bcrf-1.bcrf", "di-1.di", "di-3.di", "example_ps.tiff", "frt-1.frt", "grid.nid"),
+    *("metropro-1.dat", "mi-1.mi", "nid-1.nid", "nms-1.nms", "opd-1.opd", "stp-1.stp", "sur-2.sur"),
+    *("sur-3.sur", "test_1.opd", "test_uncompressed.sur", "tmd-1.tmd", "valid_zygo_dat_file.dat"),
+    *("SBS-PMMA.nid", "Veeco_20160622.003", "circles_holes.nid", "gelsight-testing.tmd"),
+)
+
+
+def arguments(name):
+    return GIVEN if name in ("npy", "matlab") else {}
+
+
+def changed(data, place, inserted):
+    """Return bytes with some more, or without so many, at a share of their length."""
+    at = int(place * len(data))
+    return (
+        data[:at] + inserted + data[at:] if isinstance(inserted, bytes) else data[:at] + data[at + inserted :]
+    )
+
+
+def notes_of(height):
+    return " | ".join(json.loads(height.attrs["ingest_warnings"]))
+
+
+@pytest.fixture(params=CHECKED)
+def made(request, tmp_path):
+    path = tmp_path / "map.npy"
+    SEEDS[request.param](path)
+    return path, arguments(request.param)
+
+
+def test_bytes_inserted_or_lost_are_refused(made):
+    path, given = made
+    whole = path.read_bytes()
+    for place in (0.6, 0.99):
+        for inserted in (bytes(range(1, 101)), 100):
+            path.write_bytes(changed(whole, place, inserted))
+            with pytest.raises(InputFileError, match=r"map\.npy: "):
+                read_height_map(path, **given)
+
+
+def test_padding_is_named_and_moves_nothing(made):
+    path, given = made
+    right = read_height_map(path, **given)
+    size = path.stat().st_size
+    path.write_bytes(path.read_bytes() + bytes(96))
+    padded = read_height_map(path, **given)
+    np.testing.assert_array_equal(padded.values, right.values)
+    said = f"the file has {size + 96} bytes where its header needs {size}; the last 96 of them are all 0 and"
+    assert said in notes_of(padded)
+    assert said not in notes_of(right)
+
+
+def test_the_refusal_and_the_way_out(tmp_path):
+    path = tmp_path / "map.npy"
+    np.save(path, np.arange(20.0).reshape(4, 5))
+    path.write_bytes(path.read_bytes() + b"0123456789")
+    given = {"dx": 1, "dy": 1, "unit": "um"}
+    with pytest.raises(InputFileError) as caught:
+        read_height_map(path, **given)
+    assert str(caught.value) == (
+        f"{path}: 298 bytes where its header needs 288: not readable as NumPy array, because it was changed "
+        "or damaged after it was written; export it again, or, where you know the change, give checksum = "
+        "ignore (table of surfaces or argument)"
+    )
+    assert inspect_file(path, **given)["problem"] == str(caught.value)
+    read = read_height_map(path, checksum="ignore", **given)
+    np.testing.assert_allclose(read.values, 1e-6 * np.arange(20.0).reshape(4, 5), rtol=1e-15)
+    assert "298 bytes where its header needs 288: read nevertheless, as asked" in notes_of(read)
+    path.write_bytes(path.read_bytes()[:270])
+    with pytest.raises(InputFileError, match="not readable as a NumPy array"):
+        read_height_map(path, checksum="ignore", **given)
+
+
+def test_what_follows_a_variable_of_matlab_is_refused(tmp_path):
+    path = tmp_path / "map.mat"
+    scipy.io.savemat(path, {"z": np.random.default_rng(1).standard_normal((20, 30))})
+    whole = path.read_bytes()
+    for data in (changed(whole, 0.6, bytes(range(100))), whole + b"\1\2\3", whole + bytes(64)):
+        path.write_bytes(data)
+        with pytest.raises(InputFileError, match=r"damaged MATLAB file: .* copy or save it again"):
+            read_height_map(path, **GIVEN)
+
+
+@pytest.mark.parametrize("kind", ["NETCDF3_CLASSIC", "NETCDF3_64BIT", "NETCDF3_64BIT_DATA"])
+def test_a_classic_header_that_contradicts_itself_is_refused(tmp_path, kind):
+    path = tmp_path / "map.nc"
+    heights = np.random.default_rng(1).standard_normal((40, 50))
+    axes = {name: (name, np.arange(float(n)), {"units": "um"}) for name, n in (("y", 40), ("x", 50))}
+    array = xr.DataArray(heights, coords=axes, dims=("y", "x"), name="height", attrs={"units": "um"})
+    array.to_netcdf(path, format=kind, engine="netcdf4")
+    whole = path.read_bytes()
+    header = whole.index(heights.astype(">f8").tobytes()[:8])
+    count = 8 if kind.endswith("DATA") else 4
+    for number in (40, 50, 8 * 40 * 50, header):  # two axes, bytes of a variable, its place
+        place = whole.index(number.to_bytes(count, "big"), 8)
+        for other in (number - 1, number + 1, number // 2):
+            path.write_bytes(whole[:place] + other.to_bytes(count, "big") + whole[place + count :])
+            with pytest.raises(InputFileError, match="damaged or cut off netCDF file"):
+                read_height_map(path)
+
+
+@pytest.mark.shared_data
+@pytest.mark.parametrize("name", REAL)
+def test_a_real_file_is_as_long_as_its_header_says(name, tmp_path):
+    source = DATA / name if (DATA / name).exists() else MORE / name
+    whole = source.read_bytes()
+    right = read_height_map(source)
+    assert "where its header needs" not in notes_of(right)
+    path = tmp_path / name
+    # one byte alone is never padding; bytes that differ are none either
+    for data in (changed(whole, 0.6, bytes(range(250)) * 4), changed(whole, 0.6, 100), whole + b"behind it"):
+        path.write_bytes(data)
+        with pytest.raises(InputFileError, match=name.replace(".", r"\.")):
+            read_height_map(path)
+    path.write_bytes(whole + bytes(512))
+    padded = read_height_map(path)
+    np.testing.assert_array_equal(padded.values, right.values)
+    assert "512 of them are all 0 and are taken for padding behind the heights" in notes_of(padded)
+
+
+@pytest.mark.shared_data
+@pytest.mark.parametrize(
+    ("name", "place", "said"),
+    [
+        ("metropro-1.dat", 75, "its header counts .* bytes of heights, which are no 307200 points"),
+        ("spot_1-1000nm.ibw", 150, "the checksum of its header does not match its content"),
+    ],
+)
+def test_headers_that_contradict_themselves_are_refused(name, place, said, tmp_path):
+    data = bytearray((DATA / name).read_bytes())
+    data[place] ^= 4
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(InputFileError, match=f"{said}: not readable as .* give checksum = ignore"):
+        read_height_map(tmp_path / name)
+    assert "read nevertheless" in notes_of(read_height_map(tmp_path / name, checksum="ignore"))
+
+
+@pytest.mark.shared_data
+@pytest.mark.parametrize(
+    ("name", "place", "layout", "height", "said"),
+    [
+        ("sur-2.sur", 512 + 4 * 5000, "<i", 110_000, r"1 point lies beyond .* \(from 0.00891 to 0.0104 mm"),
+        ("stp-1.stp", 4607 + 8 * 5000, "<d", 13.5, r"1 point lies beyond .* \(from −0.863 to 12.8 nm"),
+        ("bcrf-1.bcrf", 4096 + 4 * 5000, "<f", 49.2, r"1 point lies beyond .* \(from 49369 nm"),
+    ],
+)
+def test_a_height_beyond_the_stated_extremes_is_named(name, place, layout, height, said, tmp_path):
+    data = bytearray((DATA / name).read_bytes())
+    struct.pack_into(layout, data, place, height)
+    (tmp_path / name).write_bytes(data)
+    notes = read_height_map(tmp_path / name)
+    assert any(re.match(said, note) for note in json.loads(notes.attrs["ingest_warnings"]))
+    assert "beyond the heights" not in notes_of(read_height_map(DATA / name))
+
+
+@pytest.mark.parametrize("marker", [9.91e37, -9.9e37, 9.96921e36, 3.40282347e38, 1.70141e38])
+@pytest.mark.parametrize("kind", ["<f4", "<f8"])
+def test_numbers_beyond_all_heights_are_missing_points(tmp_path, marker, kind):
+    heights = np.arange(20.0).reshape(4, 5)
+    heights[1, 2] = marker
+    np.save(tmp_path / "map.npy", heights.astype(kind))
+    read = read_height_map(tmp_path / "map.npy", dx=1, dy=1, unit="um")
+    assert np.flatnonzero(np.isnan(read.values)).tolist() == [7]
+
+
+MAP = np.cumsum(np.random.default_rng(4).standard_normal((40, 50)), axis=1)
+
+
+@pytest.mark.parametrize(
+    ("values", "other"),
+    [(np.round(MAP, 2), 0.004), (np.round(MAP / 0.37) * 0.37, 0.1), (MAP.astype(np.float32), 1e-9)],
+)
+def test_a_number_unlike_all_others_is_named(values, other):
+    values = values.astype(float)
+    assert odd_numbers(values) == []
+    for count in (1, 3):
+        odd = values.copy()
+        odd.flat[[100, 700, 1900][:count]] += other
+        (said,) = odd_numbers(odd)
+        assert said.startswith(f"{count} of 2000 numbers")
+    assert odd_numbers(MAP) == []  # of as many digits as there are
+    assert odd_numbers(np.where(np.arange(50) % 2, values, MAP)) == []  # two kinds of numbers
+
+
+def test_points_alone_are_named_and_drawn_tips_are_not():
+    smooth = 1e-6 * np.add.outer(np.sin(np.arange(40) / 5), np.cos(np.arange(50) / 7))
+    smooth += 1e-9 * np.random.default_rng(5).standard_normal(smooth.shape)
+    assert not [note for note in suspicions(smooth, 1e-6, 1e-6) if "nearest neighbour" in note]
+    for count in (1, 3):
+        spiky = smooth.copy()
+        spiky[[7, 20, 33][:count], [9, 30, 40][:count]] -= 1e-6
+        (said,) = [note for note in suspicions(spiky, 1e-6, 1e-6) if "nearest neighbour" in note]
+        assert said.startswith("1 point differs" if count == 1 else "3 points differ")
+    y, x = np.indices((41, 41)) - 20
+    for drawn in (np.maximum(abs(x), abs(y)), np.hypot(x, y), -(x**2) - y**2):
+        assert not [note for note in suspicions(1e-7 * drawn, 1e-6, 1e-6) if "nearest neighbour" in note]

@@ -1,0 +1,148 @@
+"""Check of the header of netCDF's classic formats (CDF-1, CDF-2, CDF-5) against itself and the file.
+
+The netCDF library trusts every count of CDF-5, and reads zeros where a classic file was cut off.
+"""
+
+from collections.abc import Callable
+from math import prod
+from pathlib import Path
+from typing import BinaryIO, NamedTuple, NoReturn
+
+from roughcontact.errors import InputFileError
+
+# mark -> bytes of a count, bytes of a position
+_WIDTHS = {b"CDF\x01": (4, 4), b"CDF\x02": (4, 8), b"CDF\x05": (8, 8)}
+MARKS = tuple(_WIDTHS)
+# type -> bytes per value
+_BYTES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 4, 6: 8, 7: 1, 8: 2, 9: 4, 10: 8, 11: 8}
+_DIMENSIONS, _VARIABLES, _ATTRIBUTES = 10, 11, 12
+_MOST_AXES = 1024
+
+
+class _Placed(NamedTuple):
+    """One variable: where it begins, its bytes (those of one record), its stated bytes, and of what kind."""
+
+    begin: int
+    length: int
+    stated: int
+    recorded: bool
+
+
+def check_header(path: Path) -> int | None:
+    """Refuse a file with one of `MARKS` whose header contradicts itself or counts more than the file holds.
+
+    Checked are the lists, the axes of the variables, their stated sizes against their axes, and that they lie
+    in the file, behind the header and one behind the other.
+
+    Returns
+    -------
+    int or None
+        Bytes that the file has by its header; None where the number of records is left open (streaming).
+
+    References
+    ----------
+    Unidata, The NetCDF Classic Format Specification, appendix B of the NetCDF User's Guide.
+    """
+    size = path.stat().st_size
+    with path.open("rb") as stream:
+        return _Header(stream, size, path).check()
+
+
+class _Header:
+    """A header, read from its beginning to its end."""
+
+    def __init__(self, stream: BinaryIO, size: int, path: Path) -> None:
+        self.stream, self.size, self.path = stream, size, path
+        self.count, self.position = _WIDTHS[stream.read(4)]
+
+    def refuse(self, why: str) -> NoReturn:
+        """Raise the error for a damaged file."""
+        raise InputFileError(f"{self.path}: damaged or cut off netCDF file ({why})")
+
+    def number(self, length: int = 0) -> int:
+        """Return the next number, big-endian; without a length, a count."""
+        length = length or self.count
+        data = self.stream.read(length)
+        if len(data) < length:
+            self.refuse("its header is not whole")
+        return int.from_bytes(data, "big")
+
+    def skip(self, length: int) -> None:
+        """Skip so many bytes and the padding to a multiple of four."""
+        length += -length % 4
+        if length > self.size - self.stream.tell():
+            self.refuse("its header counts more than the file has")
+        self.stream.seek(length, 1)
+
+    def entries(self, tag: int, read: Callable[[], None]) -> None:
+        """Read a list; each entry has at least eight bytes."""
+        found, count = self.number(4), self.number()
+        if found not in (tag, 0) or (found == 0 and count) or count > self.size // 8:
+            self.refuse("its header has no list where one is due")
+        for _ in range(count):
+            read()
+
+    def attribute(self) -> None:
+        """Skip an attribute."""
+        self.skip(self.number())
+        kind, count = self.number(4), self.number()
+        if kind not in _BYTES:
+            self.refuse("an attribute has an unknown type")
+        self.skip(_BYTES[kind] * count)
+
+    def check(self) -> int | None:
+        """Read the header, check it, and return the size of the file that it describes."""
+        records = self.number()
+        lengths: list[int] = []
+        placed: list[_Placed] = []
+
+        def dimension() -> None:
+            self.skip(self.number())
+            lengths.append(self.number())
+
+        def variable() -> None:
+            self.skip(self.number())
+            count = self.number()
+            if count > _MOST_AXES:
+                self.refuse("a variable has too many axes")
+            axes = [self.number() for _ in range(count)]
+            if any(axis >= len(lengths) for axis in axes):
+                self.refuse("a variable has an axis that does not exist")
+            self.entries(_ATTRIBUTES, self.attribute)
+            kind, stated, begin = self.number(4), self.number(), self.number(self.position)
+            if kind not in _BYTES:
+                self.refuse("a variable has an unknown type")
+            sizes = [lengths[axis] for axis in axes]
+            recorded = bool(sizes) and sizes[0] == 0
+            placed.append(
+                _Placed(begin, _BYTES[kind] * prod(sizes[1:] if recorded else sizes), stated, recorded)
+            )
+
+        self.entries(_DIMENSIONS, dimension)
+        self.entries(_ATTRIBUTES, self.attribute)
+        self.entries(_VARIABLES, variable)
+        streaming = records == 256**self.count - 1
+        needed = self.place(placed, 0 if streaming else records)
+        return None if streaming and any(each.recorded for each in placed) else needed
+
+    def place(self, placed: list[_Placed], records: int) -> int:
+        """Check where the variables lie, and return the end of the last one."""
+        most = 256**self.count - 4  # larger ones state nothing
+        for each in placed:
+            padded = each.length + -each.length % 4
+            if each.stated not in (padded, each.length) and padded <= most:
+                self.refuse(f"a variable of {each.length} bytes is said to have {each.stated}")
+        alone = sum(each.recorded for each in placed) == 1
+        step = sum(each.length + (0 if alone else -each.length % 4) for each in placed if each.recorded)
+        end = self.stream.tell()
+        for each in sorted(placed, key=lambda each: (each.begin, each.length)):
+            if not each.length or (each.recorded and not records):
+                continue
+            if each.begin % 4 or each.begin < end:
+                self.refuse("its variables overlap")
+            end = each.begin + each.length
+            if end + (step * (records - 1) if each.recorded else 0) > self.size:
+                self.refuse("numbers lie behind the end of the file")
+        if records and step:
+            end += step * (records - 1)
+        return min(end + -end % 4, max(self.size, end))

@@ -1,0 +1,194 @@
+"""Sizes of instrument files by their own headers and directories.
+
+A file of another size than its header needs has lost or gained bytes, so that the heights behind that place
+moved.
+"""
+
+import mmap
+import re
+import struct
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from roughcontact.io.instruments.containers import tiff_end
+
+Header = Mapping[str, Any]
+
+
+class Stated(NamedTuple):
+    """The size of a file as its header states it.
+
+    Attributes
+    ----------
+    size : int
+        Bytes up to the end of the last block that the header or directory counts.
+    more : bool
+        Whether the format has blocks behind these that nothing counts.
+    """
+
+    size: int
+    more: bool = False
+
+
+def _digital_surf(data: mmap.mmap, header: Header, points: int) -> Stated:
+    """Count header, comment, private zone and points; further objects (a series, colours) follow."""
+    size = 512 + header["comment_size"] + header["private_size"] + header["itemsize"] // 8 * points
+    return Stated(size, more=header["nb_objects"] != 1 or header["type"] != 2)
+
+
+def _metropro(data: mmap.mmap, header: Header, points: int) -> Stated:
+    """Count header, intensities (two bytes a point, in each bucket) and phases (four bytes)."""
+    intensities = header["ac_n_buckets"] * header["ac_org_height"] * header["ac_org_width"]
+    return Stated(header["header_size"] + 2 * intensities + 4 * points)
+
+
+def _nanofocus(data: mmap.mmap, header: Header, points: int) -> Stated:
+    """Count header and heights (two bytes), behind which lie whole images of a byte a point."""
+    images = max(0, round((len(data) - 3468) / points) - 2)
+    return Stated(3468 + (2 + images) * points)
+
+
+def _alicona(data: mmap.mmap, header: Header, points: int) -> Stated | None:
+    """Count up to the end of the texture, a byte a point in rows of a multiple of eight bytes."""
+    start = int(header.get("TextureImageOffset") or 0)
+    row = -(-int(header["Cols"]) // 8) * 8
+    planes = int(header.get("NumberOfPlanes") or len(str(header.get("TexturePtr", "")).split(";")))
+    return Stated(start + planes * int(header["Rows"]) * row) if start else None
+
+
+def _sensofar(data: mmap.mmap, header: Header, points: int) -> Stated:
+    """Count the layers: their size, heights, extremes, and images of three bytes a point."""
+    layout = header["measurement_configuration"]
+    start = 500 if layout["area_type"] != 6 else 496
+    return Stated(start + layout["num_layers"] * (16 + points * (4 + 3 * layout["num_images"])), more=True)
+
+
+def _wsxm(data: mmap.mmap, header: Header, points: int) -> Stated | None:
+    """Count the header, whose size it states, and the points."""
+    found = re.search(rb"Image header size:\s*(\d+)", data[:4096])
+    kind = header["General Info"].get("Image Data Type", "short")
+    width = {"short": 2, "integer": 2, "float": 4, "double": 8}.get(kind)
+    return Stated(int(found[1]) + width * points) if found and width else None
+
+
+def _bcr(data: mmap.mmap, header: Header, points: int) -> Stated:
+    """Count a header of a stated number of characters, and the points."""
+    kind = str(header["fileformat"])
+    characters = int(header.get("headersize", 2048))
+    width = 4 if kind.startswith("bcrf") else 2
+    return Stated(characters * (2 if kind.endswith("unicode") else 1) + width * points)
+
+
+def _molecular_imaging(data: mmap.mmap, header: Header, points: int) -> Stated | None:
+    """Count the header up to its last line, and all buffers."""
+    last = re.search(rb"^data {10}(BINARY|BINARY_32)?\r?\n", data, re.MULTILINE)
+    if last is None:
+        return None
+    buffers = len(re.findall(rb"^bufferLabel", data[: last.start()], re.MULTILINE))
+    return Stated(last.end() + buffers * points * (4 if last[1] == b"BINARY_32" else 2))
+
+
+def _microprof(data: mmap.mmap, header: Header, points: int) -> Stated:
+    """Count the tagged blocks."""
+    entry = struct.Struct("<HI" if data[12:16] == b"1.00" else "<HQ")
+    (blocks,) = struct.unpack_from("<H", data, 16)
+    place = 18
+    for _ in range(blocks):
+        if place + entry.size > len(data):
+            return Stated(place + entry.size)
+        place += entry.size + entry.unpack_from(data, place)[1]
+    return Stated(place)
+
+
+def _wyko(data: mmap.mmap, header: Header, points: int) -> Stated:
+    """Count the directory and the blocks that it lists."""
+    entry = struct.Struct("<16shiH")
+    size = 2 + entry.unpack_from(data, 2)[2]
+    for place in range(2 + entry.size, min(size, len(data) - entry.size + 1), entry.size):
+        size += max(0, entry.unpack_from(data, place)[2])
+    return Stated(size)
+
+
+def _nanoscope(data: mmap.mmap, header: Header, points: int) -> Stated | None:
+    """Count up to the end of the last block that a section of the header places."""
+    text = data[: max(0, data.find(b"\\*File list end"))]
+    ends = []
+    for section in text.split(b"\\*"):
+        place = re.search(rb"^\\Data offset: (\d+)", section, re.MULTILINE)
+        length = re.search(rb"^\\Data length: (\d+)", section, re.MULTILINE)
+        if place and length:
+            ends.append(int(place[1]) + int(length[1]))
+    return Stated(max(ends)) if ends else None
+
+
+def _nanosurf(data: mmap.mmap, header: Header, points: int) -> Stated | None:
+    """Count the header up to its mark, and every data set that it lists."""
+    begin = data.find(b"\r\n#!")
+    if begin < 0:
+        return None
+    sections: dict[bytes, dict[bytes, bytes]] = {}
+    for section in re.split(rb"\r\n(?=\[)", data[:begin]):
+        name, _, rest = section.partition(b"]")
+        sections[name.strip().lstrip(b"[")] = dict(
+            re.findall(rb"^([^=\r\n]+)=([^\r\n]*)", rest, re.MULTILINE)
+        )
+    size = begin + 4
+    for key, name in sections.get(b"DataSet", {}).items():
+        said = sections.get(name, {})
+        if re.fullmatch(rb"Gr\d+-Ch\d+", key) and b"SaveBits" in said:
+            size += int(said[b"Points"]) * int(said[b"Lines"]) * int(said[b"SaveBits"]) // 8
+    return Stated(size)
+
+
+def _gwyddion(data: mmap.mmap, header: Header, points: int) -> Stated:
+    """Count the one object of the file: its name, its size (four bytes), and as many bytes."""
+    name = data.find(b"\0", 4) + 1
+    return Stated(name + 4 + struct.unpack_from("<I", data, name)[0])
+
+
+def _park(data: mmap.mmap, header: Header, points: int) -> Stated:
+    """Count up to the end of the last page, value or strip of the TIFF."""
+    return Stated(tiff_end(data))
+
+
+_SIZES: dict[str, Callable[[mmap.mmap, Header, int], Stated | None]] = {
+    "al3d": _alicona,
+    "bcr": _bcr,
+    "di": _nanoscope,
+    "ezd": _nanosurf,
+    "frt": _microprof,
+    "gwy": _gwyddion,
+    "metropro": _metropro,
+    "mi": _molecular_imaging,
+    "nms": _nanofocus,
+    "opd": _wyko,
+    "plu": _sensofar,
+    "ps": _park,
+    "sur": _digital_surf,
+    "wsxm": _wsxm,
+}
+
+
+def stated_size(name: str, path: Path, header: Header, points: int) -> Stated | None:
+    """Return the size of a file by its header; None where its format states none.
+
+    Parameters
+    ----------
+    name : str
+        Of the format, in SurfaceTopography.
+    path : Path
+    header : mapping
+        As SurfaceTopography gives it with the first channel.
+    points : int
+        In a map of the file.
+
+    Returns
+    -------
+    Stated or None
+    """
+    count = _SIZES.get(name)
+    if count is None:
+        return None
+    with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        return count(data, header, points)

@@ -1,0 +1,52 @@
+"""Comparison of the size of a file with the size that its header states."""
+
+from pathlib import Path
+
+from roughcontact.errors import InputFileError
+
+_EXAMINED = 2**20  # bytes of an excess that are compared with each other
+
+
+def compare_size(path: Path, needed: int) -> tuple[str, list[str]]:
+    """Compare the size of a file with the bytes that its header needs.
+
+    Excess bytes may have been inserted anywhere, so that the heights behind them moved. Only where all of
+    them are equal they are padding at the end, as some transfers and disks leave it.
+
+    Parameters
+    ----------
+    path : Path
+    needed : int
+        Bytes of the whole file by its header.
+
+    Returns
+    -------
+    stale : str
+        How the size differs, as in `MeasuredFile.stale`; empty where it agrees, or where the excess is
+        padding.
+    notes : list of str
+        A warning about padding.
+
+    Raises
+    ------
+    InputFileError
+        For a file that is too short.
+    """
+    size = path.stat().st_size
+    if size < needed:
+        raise InputFileError(
+            f"{path}: {size} bytes where its header needs {needed}: it was cut off, or lost bytes on the "
+            "way; copy or export it again"
+        )
+    if size == needed:
+        return "", []
+    with path.open("rb") as stream:
+        stream.seek(needed)
+        excess = stream.read(_EXAMINED)
+    if excess.count(excess[:1]) == size - needed:
+        note = (
+            f"the file has {size} bytes where its header needs {needed}; the last {size - needed} of them "
+            f"are all {excess[0]} and are taken for padding behind the heights"
+        )
+        return "", [note]
+    return f"{size} bytes where its header needs {needed}", []
