@@ -1,11 +1,14 @@
 """Flags in words that belong to the error budget: long waves, the instrument's band, plasticity."""
 
+import json
+
 import numpy as np
 import pytest
 
 from roughcontact.contact.solve import solve_contact
+from roughcontact.io.plausibility import SPIKES_ADVICE
 from roughcontact.references import synthetic
-from roughcontact.statistics import checks
+from roughcontact.statistics import checks, map_checks
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.uncertainty.combination import SOURCES
 
@@ -62,3 +65,18 @@ def test_a_hardness_that_is_reached_is_noted_with_the_plasticity_index():
     assert "80.0 MPa" in check.sentence
     assert np.isclose(1e9 * 0.1 / 8e7, 1.25)
     assert "1.2" in check.sentence or "1.3" in check.sentence
+
+
+def test_what_the_user_asked_for_and_which_channel_was_chosen_are_notes():
+    chosen, doubt = "channel 'Height', the first of 2, was read", "all heights are equal"
+    spikes = f"3 points lie far above all others; {SPIKES_ADVICE}"
+    height = {"ingest_facts": json.dumps([chosen])}
+    for warnings, threshold, outcome in (
+        ([], None, checks.PASSED),
+        ([chosen], None, checks.NOTE),
+        ([chosen, spikes], None, checks.LOOK),
+        ([chosen, spikes], 10.0, checks.NOTE),
+        ([chosen, doubt], 10.0, checks.LOOK),
+    ):
+        said = height | {"ingest_warnings": json.dumps(warnings)}
+        assert map_checks.reading(said, {"outlier_threshold": threshold}).outcome == outcome

@@ -157,6 +157,11 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
             *_orientation_warnings(face),
         )
     ]
+    facts = [
+        f"{face.name}: {fact}"
+        for face in (lower, upper)
+        for fact in json.loads(face.height.attrs.get("ingest_facts", "[]"))
+    ]
     shifted = max((one, other), key=lambda attrs: attrs.get("row_jitter", 0.0))
     coarser = max((lower, upper), key=lambda face: reliable_wavelength(face.height)[0])
     return one | {
@@ -165,6 +170,7 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
         "source_sha256": " + ".join(attrs.get("source_sha256", "") for attrs in (one, other)),
         "instrument": coarser.height.attrs.get("instrument", "{}"),
         "ingest_warnings": json.dumps(warnings, ensure_ascii=False),
+        "ingest_facts": json.dumps(facts, ensure_ascii=False),
         "missing_share": max(attrs.get("missing_share", 0.0) for attrs in (one, other)),
         "outliers_rejected": sum(attrs.get("outliers_rejected", 0) for attrs in (one, other)),
         "outlier_kinds": json.dumps({k: sum(each.get(k, 0) for each in kinds) for k in kinds[0] | kinds[1]}),

@@ -37,6 +37,8 @@ class Converted:
         Steps.
     notes : list of str
         Sentences for the user.
+    facts : list of str
+        Those of them that say what the user asked for.
     first_row : str
         Where the first row of the file lies in the picture: ``top`` or ``bottom``.
     first_row_assumed : bool
@@ -49,6 +51,7 @@ class Converted:
     dx: float
     dy: float
     notes: list[str]
+    facts: list[str]
     first_row: str
     first_row_assumed: bool
 
@@ -92,8 +95,9 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
     first_row, assumed, turned = _first_row(file, channel, request, path)
     if first_row == "top":
         heights = np.ascontiguousarray(heights[::-1])
-    notes += [*done, *scale.notes, *turned, *doubts]
-    return Converted(channel, choice, heights, scale.dx, scale.dy, notes, first_row, assumed)
+    facts = [*done, *scale.notes, *turned]
+    notes += [*facts, *doubts]
+    return Converted(channel, choice, heights, scale.dx, scale.dy, notes, facts, first_row, assumed)
 
 
 def _first_row(

@@ -18,6 +18,7 @@ _WIDEST_GAP = 1000.0
 _GAP = 4.0  # between a distance to the neighbours and the next smaller one
 _MOST = (0.005, 0.995)  # quantiles that enclose nearly all heights
 
+SIZE_ADVICE = "check the size of the map, or whether the file was cut"
 SPIKES_ADVICE = "level.outlier_threshold finds isolated ones"  # for a map as measured
 
 
@@ -143,7 +144,7 @@ def _geometry(shape: tuple[int, ...], dx: float, dy: float) -> list[str]:
                 "rows and columns, or the two sizes, were exchanged"
             )
         ]
-    return [f"{found}check the size of the map, or whether the file was cut"]
+    return [found + SIZE_ADVICE]
 
 
 def _ranges(shape: tuple[int, ...], span: float, dx: float, dy: float, kind: Kind) -> list[str]:

@@ -17,7 +17,7 @@ import numpy as np
 
 from roughcontact.io.conversion import convert
 from roughcontact.io.guards import sha256
-from roughcontact.io.plausibility import suspicions
+from roughcontact.io.plausibility import SIZE_ADVICE, suspicions
 from roughcontact.io.registry import open_file
 from roughcontact.io.request import Request
 
@@ -76,7 +76,7 @@ def read_height_map(
         `channel`, `channels` (JSON list), `instrument` (JSON object), `y_axis` ("up"), `first_row` ("top" or
         "bottom" of the picture: position of the file's first row), `first_row_assumed` (1 where it is only
         the usual convention of the format), `missing_points`, `missing_share`, `ingest_warnings` (JSON list
-        of sentences).
+        of sentences), `ingest_facts` (those of them that say what was asked for or chosen).
 
     Raises
     ------
@@ -109,10 +109,12 @@ def read_height_map(
     request = Request(channel, dx, dy, unit, height_unit, resample, checksum, first_row)
     file = open_file(path)
     converted = convert(file, request, path)
-    notes = list(converted.notes)
+    notes, facts = list(converted.notes), list(converted.facts)
     if len(file.channels) > 1 and request.channel is None:
-        notes.append(f"channel {converted.choice}, was read; name another one with channel")
+        facts.append(f"channel {converted.choice}, was read; name another one with channel")
+        notes.append(facts[-1])
     notes += suspicions(converted.heights, converted.dx, converted.dy, kind=file.kind)
+    facts += [note for note in notes if note.endswith(SIZE_ADVICE)]
     x, y = converted.centres()
     missing = int(np.isnan(converted.heights).sum())
     return xr.DataArray(
@@ -134,6 +136,7 @@ def read_height_map(
             "missing_points": missing,
             "missing_share": missing / converted.heights.size,
             "ingest_warnings": json.dumps(notes, ensure_ascii=False),
+            "ingest_facts": json.dumps(facts, ensure_ascii=False),
             **{f"instrument_{key}": float(value) for key, value in (instrument or {}).items()},
         },
     )

@@ -15,7 +15,7 @@ from roughcontact.checking import STEEPEST
 from roughcontact.io.plausibility import SPIKES_ADVICE
 from roughcontact.levelling.record import kinds_in_words
 from roughcontact.quantities import number, percent, quantity, several
-from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, PASSED, Check
+from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, NOTE, PASSED, Check
 
 FILLED_IN_CONTACT = (0.01, 0.1)  # share of the contact on points that were not measured: look, fail
 REJECTED_LOAD = 0.02  # share of the load that rejected points would carry if they were kept
@@ -307,15 +307,20 @@ def steep_places(window: Attributes) -> Check:
 def reading(height: Attributes, levelled: Attributes) -> Check:
     """Check that the file was read without a warning.
 
+    What the user asked for, which channel was chosen, and spikes that were searched for, are notes.
+
     Examples
     --------
     >>> reading({"ingest_warnings": '["the unit of the heights was guessed"]'}, {}).sentence
     'The unit of the heights was guessed.'
     """
     warnings = json.loads(height.get("ingest_warnings", "[]"))
-    if warnings:
-        text = " ".join(f"{warning[0].upper()}{warning[1:].rstrip('.')}." for warning in warnings)
-        if levelled.get("outlier_threshold"):
-            text = text.replace(SPIKES_ADVICE, "isolated ones were searched for and removed")
-        return Check("Reading the file", LOOK, text)
-    return Check("Reading the file", PASSED, "Read without a warning.")
+    if not warnings:
+        return Check("Reading the file", PASSED, "Read without a warning.")
+    facts = set(json.loads(height.get("ingest_facts", "[]")))
+    if levelled.get("outlier_threshold"):
+        facts |= {warning for warning in warnings if SPIKES_ADVICE in warning}
+    text = " ".join(f"{warning[0].upper()}{warning[1:].rstrip('.')}." for warning in warnings)
+    if levelled.get("outlier_threshold"):
+        text = text.replace(SPIKES_ADVICE, "isolated ones were searched for and removed")
+    return Check("Reading the file", NOTE if facts.issuperset(warnings) else LOOK, text)
