@@ -178,6 +178,17 @@ def _end_with_the_run() -> None:
         threading.Thread(target=watch, daemon=True).start()
 
 
+def _hold_script() -> "TextIO | None":
+    """Lock the script that Snakemake wrote for this job, until it ends: the next run removes the others."""
+    with suppress(ImportError, OSError):
+        import fcntl
+
+        file = Path(sys.argv[0]).open(encoding="utf-8")  # noqa: SIM115 - open until the job ends
+        fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        return file
+    return None
+
+
 def _say_done() -> None:
     """Write the last line of a log, which a killed job does not have."""
     if sys.excepthook is _report_error:
@@ -187,5 +198,6 @@ def _say_done() -> None:
 collect_rarely()
 atexit.register(_say_done)
 _end_with_the_run()
+_SCRIPT = _hold_script()
 sys.excepthook = _report_error
 warnings.showwarning = _log_warning
