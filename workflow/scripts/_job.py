@@ -23,8 +23,9 @@ from __main__ import snakemake  # the global of the script; only few versions ha
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
 
-from roughcontact.errors import RoughContactError
+from roughcontact.errors import InputFileError, RoughContactError
 from roughcontact.garbage import collect_rarely
+from roughcontact.io.checksums import checksum
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -80,6 +81,14 @@ def say(text: str) -> None:
 def progress(done: int, total: int, text: str) -> None:
     """Report the progress of a sweep over loads."""
     say(f"load {done} of {total}: {text}")
+
+
+def check_sources() -> None:
+    """Raise an error where a file from outside has changed since the plan; log the checksum of each."""
+    for path, expected in snakemake.params.sources.items():
+        if checksum(path) != expected:
+            raise InputFileError(f"{path}: changed while the run was at work; run again")
+        _record(f"[{_NAME}] has read {path}, SHA-256 {expected}\n")
 
 
 def save(
