@@ -10,6 +10,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 import study
 
@@ -51,6 +52,61 @@ def test_a_read_only_folder_is_named_before_anything_starts(disk, capsys):
     for folder in (read_only, read_only / "new"):
         assert main(["run", f"--directory={folder}"]) == 2
         assert f"{read_only} is read-only, results cannot be written there" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("what", ["a file", "a link to results"])
+@pytest.mark.parametrize("option", ["", "-n", "--unlock"])
+def test_something_else_in_the_place_of_the_results_is_named(tmp_path, capsys, what, option):
+    study.write_study(tmp_path, cases=False)
+    results = tmp_path / "results"
+    results.touch() if what == "a file" else results.symlink_to("results")
+    assert main(study.command(tmp_path, *filter(None, [option]))[3:]) == 2
+    said = capsys.readouterr().err
+    assert f"{results}: is {what}" in said
+    assert len(said.splitlines()) == 1
+
+
+def test_results_on_a_read_only_disk_are_named(tmp_path, disk, capsys):
+    study.write_study(tmp_path, cases=False)
+    results = tmp_path / "results"
+    results.symlink_to(disk("ro"))
+    assert main(study.command(tmp_path)[3:]) == 2
+    assert f"{results} is read-only, results cannot be written there" in capsys.readouterr().err
+
+
+def test_results_from_the_future_are_named_with_the_way_out(tmp_path, capfd):
+    study.write_study(tmp_path, cases=False)
+    result = tmp_path / "results/surface-1/window.nc"
+    result.parent.mkdir(parents=True)
+    result.touch()
+    future = time.time() + 4 * 365 * 86400
+    os.utime(result, (future, future))
+    assert main(study.command(tmp_path)[3:]) == 2
+    said = capfd.readouterr().err
+    assert f"{result}: is dated {time.strftime('%Y-%m-%d %H:%M', time.localtime(future))}, by a clock" in said
+    assert len(said.splitlines()) == 1
+    subprocess.run(said.rpartition(": ")[2], shell=True, check=True)
+    assert main(study.command(tmp_path, "-n")[3:]) == 0
+
+
+@pytest.mark.slow
+def test_a_disk_that_is_full_when_the_rest_is_reported_is_named(disk):
+    folder = disk("size=8m")
+    study.write_study(folder, cases=False)
+    assert run(folder, "results/surface-1/panel.html").returncode == 0
+    (folder / "measured/2.npy").write_bytes(b"")
+    free = shutil.disk_usage(folder).free
+    (folder / "filler").write_bytes(bytes(free - 120_000))  # less than a report has
+    full = run(folder)
+    assert full.returncode == 1
+    said = [line for line in full.stdout.splitlines() if "no report of what is finished" in line]
+    assert len(said) == 1
+    assert ".snakemake/partial/" in said[0]
+    assert "the disk is full" in said[0]
+    assert f"The disk of {folder} is full: make room and run again." in full.stdout
+    assert "Traceback" not in full.stdout
+    (folder / "filler").unlink()
+    assert "results/report.html and results/summary.csv have the others" in run(folder).stdout
 
 
 @pytest.mark.slow
@@ -107,7 +163,10 @@ def test_files_from_the_future(tmp_path):
     second = run(tmp_path / "study", LEVELLED)
     assert "Nothing to be done" in second.stdout
     assert study.results(tmp_path / "study") == before
-    os.utime(measured, (future + 1, future + 1))
+    os.utime(measured, (future + 1, future + 1))  # the content is what counts
+    assert "Nothing to be done" in run(tmp_path / "study", LEVELLED, "--dry-run").stdout
+    np.save(measured, 2 * np.load(measured))
+    os.utime(measured, (future, future))
     planned = run(tmp_path / "study", LEVELLED, "--dry-run").stdout
     assert re.search(r"^prepare +1$", planned, re.MULTILINE)
 

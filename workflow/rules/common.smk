@@ -9,10 +9,12 @@ from functools import cache
 from pathlib import Path
 
 from roughcontact.configuration.dependencies import PACKAGE, source_digest
+from roughcontact.configuration.places import check_places
 from roughcontact.configuration.plan import Plan, one_of
 from roughcontact.configuration.stages import settings_of
 from roughcontact.configuration.study import read_study
 from roughcontact.configuration.surfaces import find
+from roughcontact.configuration.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
 from roughcontact.garbage import collect_rarely
 from roughcontact.io.checksums import checksum
@@ -23,9 +25,23 @@ collect_rarely()
 
 # Without --configfile: the configuration of the working directory, else the one that comes with the workflow.
 # One file only, never two laid over each other, so that what a file says is all that is set.
+DEFAULT = find("config/config.yaml", [".", ROOT])
+try:
+    check_places(Path())
+    # of another workflow, which has this one as a module, the files are its own
+    if Path(workflow.basedir).resolve() in (
+        ROOT.resolve(),
+        ROOT.resolve() / "workflow",
+    ):
+        for file in filter(os.path.isfile, workflow.configfiles or [DEFAULT]):
+            check_yaml(Path(file))
+except SettingsError as error:
+    # the sentences alone: a WorkflowError comes with lines of this file
+    sys.exit(str(error))
+
 if not workflow.configfiles:
 
-    configfile: find("config/config.yaml", [".", ROOT])
+    configfile: DEFAULT
 
 
 # Relative paths: in the working directory, then beside the file that names them, then in this checkout.
@@ -34,7 +50,6 @@ FOLDERS = [".", *(Path(file).parent for file in workflow.configfiles[-1:]), ROOT
 try:
     PLAN = Plan(*read_study(config, FOLDERS, measured_in=[".", ROOT]))
 except SettingsError as error:
-    # the sentences alone: a WorkflowError comes with lines of this file
     sys.exit(str(error))
 
 # what the command is told that makes the report of a run in which surfaces have failed

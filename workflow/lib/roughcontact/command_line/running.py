@@ -13,6 +13,7 @@ from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
 
 from roughcontact.command_line.hold import Hold, held, left_locked, remove_scripts
+from roughcontact.configuration.places import check_dates, check_places, check_writable
 from roughcontact.configuration.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
 
@@ -195,12 +196,9 @@ def _check_start(given: argparse.Namespace) -> None:
                 f"there is no {_FILES[0]} in {folder}: `roughcontact init` writes one to change"
             )
         check_yaml(found[0])
-    folder = given.directory.absolute()
-    there = next(path for path in (folder, *folder.parents) if path.is_dir())
-    if not os.access(there, os.W_OK):
-        raise SettingsError(
-            f"{there} is read-only, results cannot be written there: choose another folder with --directory"
-        )
+    check_places(given.directory)
+    check_writable(given.directory)
+    check_dates(given.directory)
 
 
 def _cache(folder: Path) -> dict[str, str]:

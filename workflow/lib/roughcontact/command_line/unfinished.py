@@ -6,9 +6,12 @@ writes the partial report and names the missing surfaces.
 
 import json
 import sys
+from pathlib import Path
 
+from roughcontact.configuration.places import check_dates
 from roughcontact.configuration.plan import Plan
 from roughcontact.configuration.study import read_study
+from roughcontact.errors import RoughContactError, SettingsError
 from roughcontact.report.partial import write_partial_results
 
 
@@ -18,8 +21,15 @@ def main() -> int:
     The exit code is 0.
     """
     stated = json.load(sys.stdin)
-    plan = Plan(*read_study(stated["config"], stated["folders"], measured_in=stated["measured_in"]))
-    failures = write_partial_results(plan)
+    try:
+        plan = Plan(*read_study(stated["config"], stated["folders"], measured_in=stated["measured_in"]))
+        failures = write_partial_results(plan)
+    except (RoughContactError, OSError) as error:
+        print(
+            f"Not finished, and no report of what is finished can be written: {error}",
+            file=sys.stderr,
+        )
+        return 0
     names = ", ".join(dict.fromkeys(failure["surface"] for failure in failures)) or "the report"
     lines = [f"Not finished: {names}. The lines with ERROR above give the reasons; logs/ has more."]
     if 0 < len(failures) < len(plan.runs):
@@ -32,6 +42,10 @@ def main() -> int:
             "A row of the table of surfaces that starts with # is ignored: run again without these rows for",
             "the report of the others; finished jobs are not repeated.",
         ]
+    try:
+        check_dates(Path())
+    except SettingsError as error:
+        lines.append(str(error))
     print(*lines, sep="\n", file=sys.stderr)
     return 0
 
