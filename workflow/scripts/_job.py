@@ -23,6 +23,7 @@ from __main__ import snakemake  # the global of the script; only few versions ha
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
 
+from roughcontact.configuration.places import check_dates
 from roughcontact.errors import InputFileError, RoughContactError
 from roughcontact.garbage import collect_rarely
 from roughcontact.io.checksums import checksum
@@ -210,3 +211,4 @@ _end_with_the_run()
 _SCRIPT = _hold_script()
 sys.excepthook = _report_error
 warnings.showwarning = _log_warning
+check_dates(snakemake.input)

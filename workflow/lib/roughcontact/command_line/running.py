@@ -13,7 +13,7 @@ from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
 
 from roughcontact.command_line.hold import Hold, held, left_locked, remove_scripts
-from roughcontact.configuration.places import check_dates, check_places, check_writable
+from roughcontact.configuration.places import check_places, check_writable
 from roughcontact.configuration.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
 
@@ -198,7 +198,6 @@ def _check_start(given: argparse.Namespace) -> None:
         check_yaml(found[0])
     check_places(given.directory)
     check_writable(given.directory)
-    check_dates(given.directory)
 
 
 def _cache(folder: Path) -> dict[str, str]:

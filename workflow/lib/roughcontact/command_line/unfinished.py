@@ -6,12 +6,10 @@ writes the partial report and names the missing surfaces.
 
 import json
 import sys
-from pathlib import Path
 
-from roughcontact.configuration.places import check_dates
 from roughcontact.configuration.plan import Plan
 from roughcontact.configuration.study import read_study
-from roughcontact.errors import RoughContactError, SettingsError
+from roughcontact.errors import RoughContactError
 from roughcontact.report.partial import write_partial_results
 
 
@@ -42,10 +40,6 @@ def main() -> int:
             "A row of the table of surfaces that starts with # is ignored: run again without these rows for",
             "the report of the others; finished jobs are not repeated.",
         ]
-    try:
-        check_dates(Path())
-    except SettingsError as error:
-        lines.append(str(error))
     print(*lines, sep="\n", file=sys.stderr)
     return 0
 

@@ -1,11 +1,12 @@
-"""The folders that a run writes to, checked before it begins."""
+"""The folders that a run writes to, and the dates of the files that a job reads."""
 
 import os
 import time
+from collections.abc import Iterable
 from datetime import datetime
 from pathlib import Path
 
-from roughcontact.errors import SettingsError
+from roughcontact.errors import InputFileError, SettingsError
 
 _SKEW = 60  # s by which clocks of file servers may be ahead
 
@@ -33,15 +34,14 @@ def check_writable(folder: Path) -> None:
             )
 
 
-def check_dates(folder: Path) -> None:
-    """Raise a SettingsError where a result is from the future: what is made of it would count as older."""
+def check_dates(paths: Iterable[str]) -> None:
+    """Raise an InputFileError where a file is from the future: what is made of it would count as older."""
     now = time.time()
-    for place, _, names in os.walk(folder / "results"):
-        for path in (Path(place, name) for name in names):
-            if path.exists() and (changed := path.stat().st_mtime) > now + _SKEW:
-                date, present = (f"{datetime.fromtimestamp(each):%Y-%m-%d %H:%M}" for each in (changed, now))
-                raise SettingsError(
-                    f"{path}: is dated {date}, by a clock that was ahead, or that of this computer is behind "
-                    f"({present}): set the clock right, or date such files of today: "
-                    f"find {folder / 'results'} -newermt now -exec touch {{}} +"
-                )
+    for path in map(Path, paths):
+        if path.exists() and (changed := path.stat().st_mtime) > now + _SKEW:
+            date, present = (f"{datetime.fromtimestamp(each):%Y-%m-%d %H:%M}" for each in (changed, now))
+            raise InputFileError(
+                f"{path}: is dated {date}, by a clock that was ahead, or that of this computer is behind "
+                f"({present}): set the clock right, or date such files of today: "
+                f"find {path.parent} -newermt now -exec touch {{}} +"
+            )
