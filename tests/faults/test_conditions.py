@@ -116,7 +116,7 @@ def test_a_disk_that_is_full_when_the_rest_is_reported_is_named(disk):
 def test_a_full_disk_is_named_and_the_run_goes_on_when_there_is_room(tmp_path, disk):
     study.write_study(tmp_path / "elsewhere", cases=False)
     assert run(tmp_path / "elsewhere", LEVELLED).returncode == 0
-    folder = disk("size=120k")
+    folder = disk("size=124k")
     study.write_study(folder, cases=False)
     full = run(folder, LEVELLED)
     assert full.returncode
