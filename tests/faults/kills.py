@@ -10,6 +10,8 @@ kills the same command goes on at once, after the others when no job is left. Wh
 
 - script: one job of the run;
 - scheduler: Snakemake alone, so that its jobs have to notice by themselves;
+- wrapper: the program `roughcontact run` alone, so that what it has started has to end by itself;
+- terminated: the same program, by SIGTERM, as a service or a container ends one;
 - group: the run and all its jobs at once;
 - writing: the same, at the moment a result is being written.
 
@@ -29,6 +31,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 
 import psutil
@@ -37,13 +40,15 @@ from study import command, environment, results, start_again, write_study
 from roughcontact.results.storage import read_dataset
 
 GATHERED = ("results/statistics.nc", "results/summary.csv", "results/uncertainty.csv", "results/report.html")
-KINDS = ("script", "scheduler", "group", "writing")
+KINDS = ("script", "scheduler", "wrapper", "terminated", "group", "writing")
 HANGS = 900.0  # seconds from which a run that does nothing any more is taken for one that never will
 AFTERWARDS = 5.0  # seconds in which jobs have to notice that their run is gone
 COUNTED = {
     "kills": "kills",
     "script": "of a job",
     "scheduler": "of Snakemake",
+    "wrapper": "of roughcontact run alone",
+    "terminated": "of roughcontact run alone, by SIGTERM",
     "group": "of everything",
     "writing": "of everything, while a result was written",
     "at once": "after which the run went on at once",
@@ -135,14 +140,12 @@ def run_with_kills(folder, targets, kills, longest, choose, expected, counts, co
                 complain("refused or failed", f"after a kill of {previous}: {file.read_text()[-2000:]}")
             return longest * (0.7 if counts["kills"] - before < FEW else 1.0)
         for victim in victims:
-            try:
-                victim.kill()
-            except psutil.NoSuchProcess:
-                continue
+            with suppress(psutil.NoSuchProcess):
+                victim.send_signal(signal.SIGTERM if kind == "terminated" else signal.SIGKILL)
         counts["kills"] += 1
         counts[kind] += 1
-        # where a job alone was killed, the run ends by itself
-        if end_of(run) == -signal.SIGKILL and kind == "script":
+        # where a job alone was killed, or the run was asked to end, it ends by itself
+        if end_of(run) == -signal.SIGKILL and kind in ("script", "terminated"):
             complain("hung", f"after a kill of {kind}: {file.read_text()[-2000:]}")
         if at_once:
             counts["at once"] += 1
@@ -180,7 +183,9 @@ def wait_and_find(run, folder, kind, after):
             everyone = family(run)
             scripts = [process for process in everyone if ".snakemake/scripts" in words(process)]
             scheduler = [process for process in everyone if " snakemake --snakefile " in words(process)]
-            found = {"scheduler": scheduler, "script": scripts[:1]}.get(kind, everyone)
+            of_kind = {"scheduler": scheduler, "script": scripts[:1]}
+            found = of_kind | dict.fromkeys(("wrapper", "terminated"), everyone[:1])
+            found = found.get(kind, everyone)
             if found:
                 return found
             time.sleep(0.05)

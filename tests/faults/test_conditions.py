@@ -10,10 +10,11 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 import study
 
-from roughcontact.command_line import running
+from roughcontact.command_line.hold import left_locked
 from roughcontact.command_line.program import main
 from roughcontact.results.storage import _commit
 
@@ -34,16 +35,16 @@ def run(folder, *arguments, **variables):
 
 @pytest.mark.parametrize("held_by_another_computer", [False, True])
 def test_locks_of_a_run_that_is_gone_are_told_from_those_of_one_at_work(tmp_path, held_by_another_computer):
-    assert not running._left_locked(tmp_path)
+    assert not left_locked(tmp_path)
     (tmp_path / ".snakemake/locks").mkdir(parents=True)
     (tmp_path / ".snakemake/locks/0.output.lock").touch()
-    assert not running._left_locked(tmp_path)  # nobody knows whose they are
+    assert not left_locked(tmp_path)  # nobody knows whose they are
     held = tmp_path / ".snakemake/running"
     held.write_text("another" if held_by_another_computer else socket.gethostname())
-    assert running._left_locked(tmp_path) is not held_by_another_computer
+    assert left_locked(tmp_path) is not held_by_another_computer
     with held.open() as file:
         fcntl.flock(file, fcntl.LOCK_EX)
-        assert not running._left_locked(tmp_path)
+        assert not left_locked(tmp_path)
 
 
 def test_a_read_only_folder_is_named_before_anything_starts(disk, capsys):
@@ -53,11 +54,69 @@ def test_a_read_only_folder_is_named_before_anything_starts(disk, capsys):
         assert f"{read_only} is read-only, results cannot be written there" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("what", ["a file", "a link to results"])
+@pytest.mark.parametrize("option", ["", "-n", "--unlock"])
+def test_something_else_in_the_place_of_the_results_is_named(tmp_path, capsys, what, option):
+    study.write_study(tmp_path, cases=False)
+    results = tmp_path / "results"
+    results.touch() if what == "a file" else results.symlink_to("results")
+    assert main(study.command(tmp_path, *filter(None, [option]))[3:]) == 2
+    said = capsys.readouterr().err
+    assert f"{results}: is {what}" in said
+    assert len(said.splitlines()) == 1
+
+
+def test_results_on_a_read_only_disk_are_named(tmp_path, disk, capsys):
+    study.write_study(tmp_path, cases=False)
+    results = tmp_path / "results"
+    results.symlink_to(disk("ro"))
+    assert main(study.command(tmp_path)[3:]) == 2
+    assert f"{results} is read-only, results cannot be written there" in capsys.readouterr().err
+
+
+def test_results_from_the_future_are_named_with_the_way_out(tmp_path):
+    study.write_study(tmp_path, sides=(40,), cases=False)
+    window, levelled = (f"results/surface-1/{name}.nc" for name in ("window", "levelled"))
+    assert run(tmp_path, levelled).returncode == 0
+    future = time.time() + 4 * 365 * 86400
+    os.utime(tmp_path / window, (future, future))
+    target = "results/surface-1/statistics.nc"
+    failed = run(tmp_path, target)
+    assert failed.returncode == 1
+    date = time.strftime("%Y-%m-%d %H:%M", time.localtime(future))
+    (said,) = re.findall(r"^\[contact surface-1\] ERROR: (.*)$", failed.stdout, re.MULTILINE)
+    assert said.startswith(f"{window}: is dated {date}, by a clock that was ahead")
+    assert "Traceback" not in failed.stdout
+    assert "load 1" not in (tmp_path / "logs/surface-1/contact.log").read_text()  # before it computes
+    subprocess.run(said.rpartition(": ")[2], shell=True, check=True, cwd=tmp_path)
+    assert run(tmp_path, target).returncode == 0
+
+
+@pytest.mark.slow
+def test_a_disk_that_is_full_when_the_rest_is_reported_is_named(disk):
+    folder = disk("size=8m")
+    study.write_study(folder, cases=False)
+    assert run(folder, "results/surface-1/panel.html").returncode == 0
+    (folder / "measured/2.npy").write_bytes(b"")
+    free = shutil.disk_usage(folder).free
+    (folder / "filler").write_bytes(bytes(free - 120_000))  # less than a report has
+    full = run(folder)
+    assert full.returncode == 1
+    said = [line for line in full.stdout.splitlines() if "no report of what is finished" in line]
+    assert len(said) == 1
+    assert ".snakemake/partial/" in said[0]
+    assert "the disk is full" in said[0]
+    assert f"The disk of {folder} is full: make room and run again." in full.stdout
+    assert "Traceback" not in full.stdout
+    (folder / "filler").unlink()
+    assert "results/report.html and results/summary.csv have the others" in run(folder).stdout
+
+
 @pytest.mark.slow
 def test_a_full_disk_is_named_and_the_run_goes_on_when_there_is_room(tmp_path, disk):
     study.write_study(tmp_path / "elsewhere", cases=False)
     assert run(tmp_path / "elsewhere", LEVELLED).returncode == 0
-    folder = disk("size=120k")
+    folder = disk("size=124k")
     study.write_study(folder, cases=False)
     full = run(folder, LEVELLED)
     assert full.returncode
@@ -107,7 +166,10 @@ def test_files_from_the_future(tmp_path):
     second = run(tmp_path / "study", LEVELLED)
     assert "Nothing to be done" in second.stdout
     assert study.results(tmp_path / "study") == before
-    os.utime(measured, (future + 1, future + 1))
+    os.utime(measured, (future + 1, future + 1))  # the content is what counts
+    assert "Nothing to be done" in run(tmp_path / "study", LEVELLED, "--dry-run").stdout
+    np.save(measured, 2 * np.load(measured))
+    os.utime(measured, (future, future))
     planned = run(tmp_path / "study", LEVELLED, "--dry-run").stdout
     assert re.search(r"^prepare +1$", planned, re.MULTILINE)
 

@@ -72,6 +72,52 @@ def deaf_to_interruptions():
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
+@pytest.mark.parametrize("started_by", ["roughcontact run", "snakemake"])
+def test_beside_a_run_at_work_none_begins_and_its_locks_stay(tmp_path, started_by):
+    write_study(tmp_path, sides=(48,), cases=False)
+    first = command(tmp_path, "results/surface-1/levelled.nc")
+    if started_by == "snakemake":
+        first[2:4] = ["snakemake", "--snakefile", str(ROOT / "Snakefile")]
+    with (tmp_path / "said.txt").open("w") as said:
+        run = subprocess.Popen(first, env=environment(), stdout=said, stderr=said, start_new_session=True)
+    try:
+        while not (jobs := [each for each in family(run) if words(each).endswith(".prepare.py")]):
+            assert run.poll() is None, (tmp_path / "said.txt").read_text()
+            time.sleep(0.002)
+        jobs[0].suspend()
+        locks = {*tmp_path.glob(".snakemake/locks/*.lock")}
+        assert locks
+        for beside in (command(tmp_path), command(tmp_path, "--unlock"), command(tmp_path, "--nolock")):
+            refused = subprocess.run(beside, env=environment(), capture_output=True, text=True, check=False)
+            assert refused.returncode == 2
+            assert f"a run is at work there (process {run.pid} on {socket.gethostname()})" in refused.stderr
+            assert len(refused.stderr.splitlines()) == 1
+        assert {*tmp_path.glob(".snakemake/locks/*.lock")} == locks
+        jobs[0].resume()
+        assert run.wait(timeout=60) == 0, (tmp_path / "said.txt").read_text()
+    finally:
+        for each in session(run):
+            each.kill()
+
+
+def test_the_scripts_of_killed_jobs_are_gone_after_the_next_run(tmp_path):
+    write_study(tmp_path, sides=(48,), cases=False)
+    words_of_it = command(tmp_path, "results/surface-1/levelled.nc")
+    with (tmp_path / "said.txt").open("w") as said:
+        run = subprocess.Popen(words_of_it, env=environment(), stdout=said, stderr=said)
+    while not any(words(each).endswith(".prepare.py") for each in family(run)):
+        assert run.poll() is None, (tmp_path / "said.txt").read_text()
+        time.sleep(0.002)
+    started = family(run)
+    for each in started:
+        each.kill()
+    run.wait()
+    psutil.wait_procs(started)
+    assert list(tmp_path.glob(".snakemake/scripts/tmp*"))
+    subprocess.run(words_of_it, env=environment(), check=True, capture_output=True)
+    assert not list(tmp_path.glob(".snakemake/scripts/tmp*"))
+
+
 @pytest.mark.slow
 def test_a_job_that_is_killed_says_how_much_memory_it_had_asked_for(tmp_path):
     write_study(tmp_path, sides=(40,), cases=False)

@@ -29,10 +29,10 @@ def plan(cases=None, *, pair=False, path="ground.x3p", **sections):
 def test_a_surface_has_two_jobs():
     made = plan()
     prepare, contact = (made.job(part, "ground") for part in ("prepare", "contact"))
-    assert prepare == (ALL[:3], [], {"measured": "ground.x3p"})
+    assert prepare == (ALL[:3], [], {}, ["ground.x3p"])
     folder = "results/ground"
     read = {name: f"{folder}/{name}.nc" for name in ("height", "levelled", "window")}
-    assert contact == (ALL[3:], [], read)
+    assert contact == (ALL[3:], [], read, [])
     assert made.preparing == [""]
     assert made.following == []
     assert made.links() == []

@@ -1,5 +1,7 @@
 """The workflow from the command line: settings and table to begin with, and what a run is refused for."""
 
+import fcntl
+import os
 import socket
 import subprocess
 import sys
@@ -12,11 +14,13 @@ import snakemake.io
 import yaml
 
 from roughcontact.command_line import running
+from roughcontact.command_line.hold import held, left_locked, remove_scripts
 from roughcontact.command_line.program import main
 from roughcontact.configuration.messages import name_mistake
 from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import read_surfaces
 from roughcontact.configuration.yaml_text import check_yaml
+from roughcontact.errors import SettingsError
 
 
 @pytest.fixture(autouse=True)
@@ -105,27 +109,70 @@ def test_a_run_that_cannot_begin_is_refused_in_a_sentence(monkeypatch, tmp_path,
 
 def test_a_run_holds_its_file_and_so_does_what_it_starts(folder):
     """The lock is gone when both are, however they end; a run that comes to its end leaves no name."""
-    held = folder / ".snakemake/running"
-    with running._held(folder, dry=False) as (files, run):
-        assert held.read_text() == f"{socket.gethostname()} {run}\n"
+    running = folder / ".snakemake/running"
+    with held(folder) as (files, run, killed):
+        assert running.read_text() == f"{socket.gethostname()} {run}\n"
+        assert not killed
         started = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE, pass_fds=files)
-        with running._held(folder, dry=False) as beside:
-            assert beside == ([], "")
         (folder / ".snakemake/locks").mkdir()
         (folder / ".snakemake/locks/0.output.lock").touch()
-    assert not running._left_locked(folder)  # Snakemake is at work, without the program that started it
+    assert not left_locked(folder)  # Snakemake is at work, without the program that started it
+    at_work = rf"a run is at work there \(process {os.getpid()} on {socket.gethostname()}\): wait for its end"
+    for unlocks in (False, True):
+        with pytest.raises(SettingsError, match=at_work), held(folder, unlocks=unlocks):
+            pass
     started.communicate()
-    assert running._left_locked(folder)
+    assert left_locked(folder)
+    with held(folder) as (_, _, killed):
+        assert killed
     (folder / ".snakemake/locks/0.output.lock").unlink()
-    with running._held(folder, dry=False):
+    with held(folder):
         pass
-    assert held.read_text() == ""
+    assert running.read_text() == ""
+
+
+def test_a_run_on_another_computer_is_named_until_the_user_says_that_it_is_gone(folder):
+    (folder / ".snakemake/locks").mkdir(parents=True)
+    (folder / ".snakemake/locks/0.output.lock").touch()
+    (folder / ".snakemake/running").write_text("node-7 4711-1700000000\n")
+    with (
+        pytest.raises(SettingsError, match=r"on the computer node-7 \(process 4711\).*--unlock"),
+        held(folder),
+    ):
+        pass
+    assert (folder / ".snakemake/running").read_text() == "node-7 4711-1700000000\n"
+    with held(folder, unlocks=True) as (_, run, killed):
+        assert run
+        assert not killed
+
+
+def test_what_killed_jobs_have_left_of_their_scripts_is_removed_and_no_other_file(folder):
+    scripts = folder / ".snakemake/scripts"
+    scripts.mkdir(parents=True)
+    for name in ("tmp1.prepare.py", "tmp2.contact.py", "mine.py"):
+        (scripts / name).touch()
+    with (scripts / "tmp2.contact.py").open() as at_work:
+        fcntl.flock(at_work, fcntl.LOCK_SH)
+        remove_scripts(folder)
+    assert {path.name for path in scripts.iterdir()} == {"tmp2.contact.py", "mine.py"}
+
+
+@pytest.mark.parametrize("option", ["-n", "-np", "--dry-run", "--summary", "--list-rules", "--dag=mermaid"])
+def test_what_only_shows_something_is_not_held(option):
+    assert running._SHOWS.fullmatch(option)
+
+
+@pytest.mark.parametrize("option", ["-k", "-p", "--nolock", "--unlock", "-j4", "-sn", "--report-after-run"])
+def test_what_runs_or_unlocks_is_held(option):
+    assert not running._SHOWS.fullmatch(option)
 
 
 def test_a_dry_run_holds_nothing(folder):
-    with running._held(folder, dry=True) as held:
-        assert held == ([], "")
-    assert not (folder / ".snakemake").exists()
+    np.save(folder / "a.npy", np.ones((4, 4)))
+    assert main(["init", "a.npy"]) == 0
+    with held(folder):
+        assert main(["run", "-n", "--quiet"]) == 0
+        assert main(["run", "--unlock"]) == 2
 
 
 def test_options_of_a_run_go_to_snakemake(folder, capfd):

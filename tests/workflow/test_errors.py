@@ -135,6 +135,52 @@ def test_a_mistake_in_settings_or_table_is_found_before_anything_runs(project, s
     assert not project.path("results").exists()
 
 
+def bomb():
+    """Return eight lines that stand for 20 to the power of 8 values."""
+    lines = [f"x{n}: &x{n} {{<<: [{', '.join([f'*x{n - 1}'] * 20)}]}}" for n in range(1, 9)]
+    return "\n".join(["contact: {mean_pressure: 1}", "x0: &x0 {a: 1}", *lines])
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (bomb(), "line 6: the configuration has more than 100000 values"),
+        ("contact: &c\n  level: {again: *c}\n", "a value contains an alias (*name) of itself"),
+        ("contact: {mean_pressure: " + "9" * 5000 + "}\n", "a whole number of 5000 digits"),
+    ],
+)
+def test_plain_snakemake_refuses_a_configuration_that_grows_before_it_reads_it(project, text, said):
+    project.path("config").mkdir()
+    project.path("config/config.yaml").write_text(text)
+    words = [sys.executable, "-m", "snakemake", "--snakefile", str(project.checkout / "Snakefile"), "-n"]
+    run = subprocess.run(words, cwd=project.folder, capture_output=True, text=True, check=False, timeout=60)
+    assert run.returncode == 1
+    assert run.stderr.startswith("config/config.yaml, line ")
+    assert said in run.stderr
+    assert "Traceback" not in run.stderr
+    assert len(run.stderr.splitlines()) == 1
+
+
+def test_plain_snakemake_asks_about_octal_numbers(project):
+    settings = project.path("settings.yaml")
+    settings.write_text("contact: {contact_modulus: 0100000}\nsurfaces: surfaces.tsv\n")
+    run = project.run("-n")
+    assert run.returncode == 1
+    assert "settings.yaml, line 1: contact.contact_modulus = 0100000: YAML reads" in run.stderr
+    assert "octal, here as 32768" in run.stderr
+
+
+@pytest.mark.parametrize("what", ["a file", "a link to results"])
+def test_something_else_than_a_folder_in_the_place_of_the_results_is_named(project, what):
+    results = project.path("results")
+    results.touch() if what == "a file" else results.symlink_to("results")
+    run = project.run()
+    assert run.returncode == 1
+    assert f"{results}: is {what}" in run.stderr
+    assert "rename or delete it" in run.stderr
+    assert "Traceback" not in run.stderr
+
+
 def started(project, word, *arguments):
     """Start the workflow and return its process as soon as the log of the contact has `word`."""
     command = project.command("results/ground/contact.nc", *arguments)

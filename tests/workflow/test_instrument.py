@@ -1,11 +1,18 @@
 """What is known of the instrument, from the settings, the table and a repeat, reaches the results."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from small_project import SETTINGS, Project
 
+from roughcontact.configuration.plan import Plan
+from roughcontact.configuration.study import read_study
 from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.report.partial import write_partial_results
 from roughcontact.results.storage import read_dataset
 
 NOISE = 5e-9  # m
@@ -26,8 +33,16 @@ def project(tmp_path_factory, checkout):
         f"{name}\tmeasured/{name}.npy\tum\t1\t1\t{rest}"
         for name, rest in (("first", "second\t"), ("second", "\t"), ("third", "\t20 nm"))
     ]
+    finer = self_affine_surface((64, 64), 1e-7, **waves | {"shortest": 4e-7, "longest": 3.2e-6}).values
+    np.savetxt(
+        project.path("measured/finer.txt"),
+        1e9 * finer,
+        header="Width: 6.4 um\nHeight: 6.4 um\nValue units: nm",
+        comments="",
+    )
     contact = SETTINGS["contact"] | {"contact_modulus_uncertainty": 0.05}
-    project.write(SETTINGS | {"contact": contact, "instrument": {"amplification_z": 0.01}}, table)
+    instrument = {"amplification_z": 0.01, "finer_spectrum": "measured/finer.txt"}
+    project.write(SETTINGS | {"contact": contact, "instrument": instrument}, table)
     project.last = project.run()
     assert project.last.returncode == 0, project.last.stderr
     return project
@@ -60,7 +75,46 @@ def test_all_sources_are_in_every_table(project):
     assert combined["lower"].to_numpy() == pytest.approx(summary["mean_gap_lower_m"].to_numpy(), rel=1e-12)
 
 
-def test_a_repeat_that_changes_is_measured_again(project):
+def test_a_finer_map_that_is_replaced_by_an_older_one_is_read_again(project):
+    path = project.path("measured/finer.txt")
+    before = path.read_text()
+    path.write_text(before.replace("-", "", 1))
+    os.utime(path, (1e9, 1e9))
+    assert project.jobs() == {"contact": 3, "report": 1}
+    path.write_text(before)
+    assert project.jobs() == {}
+
+
+def test_of_a_finer_map_that_was_replaced_no_result_is_in_a_partial_report(project, monkeypatch):
+    monkeypatch.chdir(project.folder)
+    plan = Plan(*read_study(yaml.safe_load(Path("settings.yaml").read_text()), ["."], measured_in=["."]))
+    assert write_partial_results(plan) == []
+    path, before = Path("measured/finer.txt"), Path("measured/finer.txt").read_text()
+    path.write_text(before.replace("-", "", 1))
+    os.utime(path, (1e9, 1e9))
+    failures = write_partial_results(plan)
+    path.write_text(before)
+    assert [(each["surface"], each["reason"]) for each in failures] == [
+        (name, "not finished") for name in ("first", "second", "third")
+    ]
+
+
+def test_a_finer_map_that_is_not_there_is_named_before_anything_runs(project):
+    path = project.path("measured/finer.txt")
+    path.rename(aside := path.with_name("aside"))
+    run = project.run()
+    aside.rename(path)
+    assert run.returncode
+    assert "instrument.finer_spectrum = measured/finer.txt: no such file; correct the path" in run.stderr
+    assert "Traceback" not in run.stderr
+
+
+@pytest.mark.parametrize("date", ["of today", "of 2001"])
+def test_a_repeat_that_changes_is_measured_again(project, date):
     path = project.path("measured/second.npy")
     np.save(path, np.load(path)[::-1])
-    assert project.jobs()["prepare"] == 2
+    if date == "of 2001":
+        os.utime(path, (1e9, 1e9))
+    jobs = project.jobs()
+    np.save(path, np.load(path)[::-1])
+    assert jobs["prepare"] == 2

@@ -54,7 +54,9 @@ def test_what_is_mended_is_in_the_next_report_though_it_is_as_before(done):
     assert "measured/turned.txt: the file is empty" in failure["reason"]
     measured.write_bytes(text)
     os.utime(measured, ns=(times.st_atime_ns, times.st_mtime_ns))
-    assert counted(done.run("--rerun-incomplete")) == {"report": 1}  # what was there had been put back
+    assert not done.path("results/turned/window.nc").exists()  # of the failed job
+    assert counted(done.run("--rerun-incomplete")) == {"prepare": 1, "contact": 1, "report": 1}
+    assert done.path("results/turned/window.nc").exists()
     assert contents(done) == complete
     assert "Nothing to be done" in done.run().stderr
 

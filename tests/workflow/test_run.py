@@ -6,11 +6,14 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
-from contextlib import contextmanager
+import time
+from contextlib import contextmanager, suppress
 
 import numpy as np
+import psutil
 import pytest
 import xarray as xr
 from small_project import ROOT, SETTINGS, TABLE, Project, counted, write_maps
@@ -223,6 +226,65 @@ def test_an_edited_measurement_reruns_that_surface(finished):
     with edited(finished.path("measured/turned.txt"), "\n", "\n "):
         jobs = finished.jobs()
     assert jobs == OF_ONE
+
+
+@contextmanager
+def replaced(path, *, seconds):
+    """Put another map of the same size and that date in the place of one, and put it back at the end."""
+    aside, other = path.with_name("aside.npy"), path.with_name("another.npy")
+    np.save(other, 5 * np.load(path))
+    os.utime(other, (seconds, seconds))
+    path.replace(aside)
+    other.replace(path)
+    yield
+    aside.replace(path)
+
+
+@pytest.mark.parametrize("date", ["older", "the same"])
+def test_a_measurement_that_was_replaced_reruns_whatever_the_date_of_the_other(finished, date):
+    path = finished.path("measured/ground.npy")
+    size, seconds = path.stat().st_size, 1e9 if date == "older" else path.stat().st_mtime
+    with replaced(path, seconds=seconds):
+        assert path.stat().st_size == size
+        assert finished.jobs() == OF_ONE
+    assert finished.jobs() == {}  # the content counts
+
+
+def test_a_measurement_that_was_only_touched_reruns_nothing(finished):
+    """Below a megabyte, where Snakemake compares contents."""
+    os.utime(finished.path("measured/ground.npy"))
+    assert finished.jobs() == {}
+
+
+def test_a_measurement_that_is_replaced_at_work_leaves_no_result(project):
+    path = project.path("measured/turned.txt")
+    target = "results/turned/levelled.nc"
+    with project.path("said.txt").open("w") as said:
+        run = subprocess.Popen(project.command(target), stdout=said, stderr=said)
+    while not (jobs := [each for each in family(run) if ".prepare.py" in " ".join(each)]):
+        assert run.poll() is None, project.path("said.txt").read_text()
+        time.sleep(0.002)
+    os.kill(int(jobs[0][0]), signal.SIGSTOP)
+    path.write_text(path.read_text().replace("-", "", 1))
+    os.utime(path, (1e9, 1e9))
+    os.kill(int(jobs[0][0]), signal.SIGCONT)
+    assert run.wait()
+    said = project.path("said.txt").read_text()
+    assert "[prepare turned] ERROR: measured/turned.txt: changed while " in said
+    assert not list(project.path("results").rglob("*.nc"))
+    again = project.run(target)
+    assert again.returncode == 0, again.stderr
+    checksum = hashlib.sha256(path.read_bytes()).hexdigest()
+    assert read_dataset(project.path(target)).attrs["source_sha256"] == checksum
+
+
+def family(run):
+    """Return number and command line of all processes that a run has started."""
+    found = []
+    for process in psutil.Process(run.pid).children(recursive=True):
+        with suppress(psutil.Error):
+            found.append([str(process.pid), *process.cmdline()])
+    return found
 
 
 CASES = {

@@ -9,12 +9,15 @@ from functools import cache
 from pathlib import Path
 
 from roughcontact.configuration.dependencies import PACKAGE, source_digest
+from roughcontact.configuration.places import check_places
 from roughcontact.configuration.plan import Plan, one_of
 from roughcontact.configuration.stages import settings_of
 from roughcontact.configuration.study import read_study
 from roughcontact.configuration.surfaces import find
+from roughcontact.configuration.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
 from roughcontact.garbage import collect_rarely
+from roughcontact.io.checksums import checksum
 from roughcontact.io.size import estimate_points
 
 # a plan of thousands of jobs is millions of objects that stay
@@ -22,9 +25,23 @@ collect_rarely()
 
 # Without --configfile: the configuration of the working directory, else the one that comes with the workflow.
 # One file only, never two laid over each other, so that what a file says is all that is set.
+DEFAULT = find("config/config.yaml", [".", ROOT])
+try:
+    check_places(Path())
+    # of another workflow, which has this one as a module, the files are its own
+    if Path(workflow.basedir).resolve() in (
+        ROOT.resolve(),
+        ROOT.resolve() / "workflow",
+    ):
+        for file in filter(os.path.isfile, workflow.configfiles or [DEFAULT]):
+            check_yaml(Path(file))
+except SettingsError as error:
+    # the sentences alone: a WorkflowError comes with lines of this file
+    sys.exit(str(error))
+
 if not workflow.configfiles:
 
-    configfile: find("config/config.yaml", [".", ROOT])
+    configfile: DEFAULT
 
 
 # Relative paths: in the working directory, then beside the file that names them, then in this checkout.
@@ -33,7 +50,6 @@ FOLDERS = [".", *(Path(file).parent for file in workflow.configfiles[-1:]), ROOT
 try:
     PLAN = Plan(*read_study(config, FOLDERS, measured_in=[".", ROOT]))
 except SettingsError as error:
-    # the sentences alone: a WorkflowError comes with lines of this file
     sys.exit(str(error))
 
 # what the command is told that makes the report of a run in which surfaces have failed
@@ -61,14 +77,17 @@ def job(part, surface, case):
 
 
 def files_of(part):
-    """Return the input function of a job of the chain: its files by name."""
+    """Return the input function of a job of the chain: its files by name.
+
+    Files from outside are where they are: neither the prefix of a module nor a default storage is for them. Files from
+    the future, by a wrong clock, are left out, since every result would be older; their content counts all the same.
+    """
 
     def files(wildcards):
-        names = job(part, wildcards.surface, wildcards.get("case", "")).inputs
-        return {
-            name: measured_file(wildcards) if name == "measured" else path
-            for name, path in names.items()
-        }
+        asked = of(job, part)(wildcards)
+        now = time.time()
+        past = [path for path in asked.sources if os.path.getmtime(path) <= now]
+        return asked.inputs | {"sources": [local(path) for path in past]}
 
     return files
 
@@ -79,28 +98,6 @@ def files_of_panel(wildcards):
     if wildcards.surface in PLAN.members:
         names += ("counter_face",)
     return {name: of(PLAN.file, name)(wildcards) for name in names}
-
-
-def measured_file(wildcards):
-    """Return the measured file; none where it is from the future, which every result would be older than.
-
-    It is where it is: neither the prefix of a module nor a default storage is for it.
-    """
-    file = PLAN.measured[wildcards.surface]
-    repeat = file.given.get("repeat")
-    paths = [str(file.path), *([repeat["path"]] if repeat else [])]
-    return [] if from_the_future(wildcards) else [local(path) for path in paths]
-
-
-def from_the_future(wildcards):
-    """Return the time of a measured file that is later than now, by a wrong clock; None for all others.
-
-    As a parameter it shows an edit of such a file.
-    """
-    if wildcards.surface not in PLAN.measured:
-        return None
-    changed = os.path.getmtime(PLAN.measured[wildcards.surface].path)
-    return changed if changed > time.time() else None
 
 
 def place_in_table(wildcards, input):
@@ -128,7 +125,9 @@ def params_of(part):
             for step in of(job, part)(wildcards).steps
         },
         "file": place_in_table,
-        "future": from_the_future,
+        "sources": lambda wildcards: {
+            path: checksum(path) for path in of(job, part)(wildcards).sources
+        },
         "code": code(part),
     }
 

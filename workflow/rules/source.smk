@@ -7,7 +7,7 @@ from snakemake.sourcecache import LocalSourceFile
 
 # The folder of this file, also where another workflow imports this one: workflow/rules of a checkout, or on a host.
 # `current_basedir` here, and `configfiles` in common.smk, are the two attributes of `workflow` beside `source_path`
-# that are used (Snakemake 9.22 to 9.27): nothing in its manual says the same.
+# and `basedir` that are used (Snakemake 9.22 to 9.27): nothing in its manual says the same.
 HERE = workflow.current_basedir
 
 

@@ -23,8 +23,10 @@ from __main__ import snakemake  # the global of the script; only few versions ha
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
 
-from roughcontact.errors import RoughContactError
+from roughcontact.configuration.places import check_dates
+from roughcontact.errors import InputFileError, RoughContactError
 from roughcontact.garbage import collect_rarely
+from roughcontact.io.checksums import checksum
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -80,6 +82,14 @@ def say(text: str) -> None:
 def progress(done: int, total: int, text: str) -> None:
     """Report the progress of a sweep over loads."""
     say(f"load {done} of {total}: {text}")
+
+
+def check_sources() -> None:
+    """Raise an error where a file from outside has changed since the plan; log the checksum of each."""
+    for path, expected in snakemake.params.sources.items():
+        if checksum(path) != expected:
+            raise InputFileError(f"{path}: changed while the run was at work; run again")
+        _record(f"[{_NAME}] has read {path}, SHA-256 {expected}\n")
 
 
 def save(
@@ -178,6 +188,17 @@ def _end_with_the_run() -> None:
         threading.Thread(target=watch, daemon=True).start()
 
 
+def _hold_script() -> "TextIO | None":
+    """Lock the script that Snakemake wrote for this job, until it ends: the next run removes the others."""
+    with suppress(ImportError, OSError):
+        import fcntl
+
+        file = Path(sys.argv[0]).open(encoding="utf-8")  # noqa: SIM115 - open until the job ends
+        fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        return file
+    return None
+
+
 def _say_done() -> None:
     """Write the last line of a log, which a killed job does not have."""
     if sys.excepthook is _report_error:
@@ -187,5 +208,7 @@ def _say_done() -> None:
 collect_rarely()
 atexit.register(_say_done)
 _end_with_the_run()
+_SCRIPT = _hold_script()
 sys.excepthook = _report_error
 warnings.showwarning = _log_warning
+check_dates(snakemake.input)

@@ -1,6 +1,6 @@
 """Bound the error, solve, count, draw: window.nc to uncertainty.nc, contact.nc, statistics.nc, panel.*."""
 
-from _job import FILES, link, progress, save, snakemake
+from _job import FILES, check_sources, link, progress, save, snakemake
 from _preparing import prepare
 
 from roughcontact import pipeline
@@ -49,3 +49,4 @@ write_panel(
     settings=settings,
     **{name: FILES[name] for name in drawn if name in FILES},
 )
+check_sources()

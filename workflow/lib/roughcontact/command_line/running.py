@@ -5,15 +5,15 @@ import os
 import re
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import threading
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
 
+from roughcontact.command_line.hold import Hold, held, left_locked, remove_scripts
+from roughcontact.configuration.places import check_places, check_writable
 from roughcontact.configuration.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
 
@@ -22,10 +22,13 @@ _PROFILES = ("--profile", "--workflow-profile", "--executor", "-e")
 _CORES = ("--cores", "-c", "--jobs", "-j", *_PROFILES)
 _PR_SET_PDEATHSIG = 1  # of prctl(2)
 _LONGEST_STEM = 56  # letters of a name made of that of a file; a number may follow
-_TRIES = 20  # tenths of a second in which jobs notice that their run has ended
 # with one of these the screen is Snakemake's own
 _SHOW = ("--logger", "--quiet", "-q", "--verbose", "--printshellcmds", "-p", "--debug-dag")
-_LOCKS = ".snakemake/locks/*.lock"  # those of Snakemake, while a run is at work
+# with one of these Snakemake runs nothing, and asks for no lock
+_SHOWS = re.compile(
+    r"-[npqkFr]*[nSDv]|-n[npqkFr]*|--(dry-?run|summary|detailed-summary|list.*|lint|report|version"
+    r"|dag|rulegraph|filegraph|d3dag)(=.*)?"
+)
 _FILES = Path("config/config.yaml"), Path("config/surfaces.tsv")
 
 _SETTINGS_HEAD = """\
@@ -143,17 +146,24 @@ def run_workflow(arguments: Sequence[str]) -> int:
     command += ["--rerun-incomplete", "--keep-going"]
     if not any(word.split("=")[0] in _PROFILES for word in arguments):
         command += ["--workflow-profile", "none"]
-    if _left_locked(given.directory):
-        print("The last run in this folder was killed: it is continued.", file=sys.stderr, flush=True)
-        if code := _wait([*command, "--unlock", *arguments, "--quiet"], given.directory):
-            return code
-    if not any(word.split("=")[0] in _CORES for word in arguments):
-        command += ["--cores", "all"]
-    dry = {"-n", "--dry-run", "--dryrun"} & {*arguments}
-    with _held(given.directory, dry=bool(dry)) as (files, run):
-        code = _wait([*command, *arguments], given.directory, files=files, run=run)
-    if code and given.directory.is_dir() and shutil.disk_usage(given.directory).free < 1e6:
-        print(f"The disk of {given.directory.absolute()} is full: make room and run again.", file=sys.stderr)
+    unlocks, folder = "--unlock" in arguments, given.directory
+    hold: AbstractContextManager[Hold]
+    if any(map(_SHOWS.fullmatch, arguments)) and "--report-after-run" not in arguments:
+        hold = nullcontext(Hold([], "", killed=left_locked(folder)))
+    else:
+        hold = held(folder, unlocks=unlocks)
+    with hold as (files, run, killed):
+        if killed and not unlocks:
+            print("The last run in this folder was killed: it is continued.", file=sys.stderr, flush=True)
+            if code := _wait([*command, "--unlock", *arguments, "--quiet"], folder, files=files):
+                return code
+        if run and not any(word.split("=")[0] in _PROFILES for word in arguments):
+            remove_scripts(folder)
+        if not any(word.split("=")[0] in _CORES for word in arguments):
+            command += ["--cores", "all"]
+        code = _wait([*command, *arguments], folder, files=files, run=run)
+    if code and folder.is_dir() and shutil.disk_usage(folder).free < 1e6:
+        print(f"The disk of {folder.absolute()} is full: make room and run again.", file=sys.stderr)
     return code
 
 
@@ -186,90 +196,8 @@ def _check_start(given: argparse.Namespace) -> None:
                 f"there is no {_FILES[0]} in {folder}: `roughcontact init` writes one to change"
             )
         check_yaml(found[0])
-    folder = given.directory.absolute()
-    there = next(path for path in (folder, *folder.parents) if path.is_dir())
-    if not os.access(there, os.W_OK):
-        raise SettingsError(
-            f"{there} is read-only, results cannot be written there: choose another folder with --directory"
-        )
-
-
-def _left_locked(folder: Path) -> bool:
-    """Return whether Snakemake's locks in a working directory are those of a run that has ended.
-
-    A run holds a lock on .snakemake/running, which the system releases when the run ends in whatever way.
-    After a run on another computer this cannot be known.
-    """
-    if os.name == "nt" or not any(folder.glob(_LOCKS)):
-        return False
-    import fcntl
-
-    try:
-        with (folder / ".snakemake/running").open(encoding="utf-8") as file:
-            if file.read().split()[:1] != [socket.gethostname()]:
-                return False
-            return _locked(file.fileno(), fcntl.LOCK_EX)
-    except OSError:
-        return False
-
-
-@contextmanager
-def _held(folder: Path, *, dry: bool) -> Iterator[tuple[list[int], str]]:
-    """Lock .snakemake/running as long as this process or the Snakemake that it starts lives.
-
-    The system releases the lock when both have ended, in whatever way: by this a job knows that its run has
-    ended (`_job.py`), and the next run that the locks of Snakemake are those of a killed run. The file names
-    computer and run, so that a job of a killed run does not mistake the next run for its own. A completed run
-    leaves the file empty.
-
-    Yields
-    ------
-    files : list of int
-        file descriptors that Snakemake has to inherit.
-    run : str
-        the name of the run, empty without a lock: in a dry run, in a folder without locks, or beside
-        another run, where Snakemake refuses this one.
-    """
-    if dry or os.name == "nt":
-        yield [], ""
-        return
-    import fcntl
-
-    run, path = f"{os.getpid()}-{time.time_ns()}", folder / ".snakemake/running"
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        file = path.open("a+b", buffering=0)
-    except OSError:  # a folder that cannot be written
-        yield [], ""
-        return
-    with file:
-        if not _locked(file.fileno(), fcntl.LOCK_EX):
-            yield [], ""
-            return
-        line = f"{socket.gethostname()} {run}\n".encode()
-        # in place, then truncated: after a kill in between the computer's name is there
-        with path.open("r+b", buffering=0) as content:
-            content.write(line)
-            content.truncate(len(line))
-        yield [file.fileno()], run
-        if not any(folder.glob(_LOCKS)):  # else Snakemake was killed
-            file.truncate(0)
-
-
-def _locked(file: int, how: int) -> bool:
-    """Lock a file, if necessary after a moment: the jobs of a run that was just killed have to notice it."""
-    import fcntl
-
-    for _ in range(_TRIES):
-        try:
-            fcntl.flock(file, how | fcntl.LOCK_NB)
-        except BlockingIOError:
-            time.sleep(0.1)
-        except OSError:
-            return False
-        else:
-            return True
-    return False
+    check_places(given.directory)
+    check_writable(given.directory)
 
 
 def _cache(folder: Path) -> dict[str, str]:

@@ -9,6 +9,7 @@ import sys
 
 from roughcontact.configuration.plan import Plan
 from roughcontact.configuration.study import read_study
+from roughcontact.errors import RoughContactError
 from roughcontact.report.partial import write_partial_results
 
 
@@ -18,8 +19,15 @@ def main() -> int:
     The exit code is 0.
     """
     stated = json.load(sys.stdin)
-    plan = Plan(*read_study(stated["config"], stated["folders"], measured_in=stated["measured_in"]))
-    failures = write_partial_results(plan)
+    try:
+        plan = Plan(*read_study(stated["config"], stated["folders"], measured_in=stated["measured_in"]))
+        failures = write_partial_results(plan)
+    except (RoughContactError, OSError) as error:
+        print(
+            f"Not finished, and no report of what is finished can be written: {error}",
+            file=sys.stderr,
+        )
+        return 0
     names = ", ".join(dict.fromkeys(failure["surface"] for failure in failures)) or "the report"
     lines = [f"Not finished: {names}. The lines with ERROR above give the reasons; logs/ has more."]
     if 0 < len(failures) < len(plan.runs):

@@ -30,7 +30,7 @@ PREPARED: dict[Kind, tuple[str, ...]] = {
 SOLVED = ("uncertainty", "contact", "statistics", "panel")
 # files that are read to make each file; the heights of a member are those of its face
 _READ = {
-    "height": ("measured",),
+    "height": (),
     "levelled": ("height",),
     "window": ("levelled",),
     "uncertainty": ("levelled", "window"),
@@ -55,11 +55,14 @@ class Job(NamedTuple):
         the files it links, since another case has computed them.
     inputs : dict
         name -> path: files that the steps read and do not make themselves, and the targets of the links.
+    sources : list of str
+        paths of the files from outside that the steps read.
     """
 
     steps: list[str]
     links: list[str]
     inputs: dict[str, str]
+    sources: list[str]
 
 
 class Run(NamedTuple):
@@ -181,7 +184,18 @@ class Plan:
         steps = [name for name in made if name not in SECTIONS or self.owners[name][case] == case]
         links = [name for name in made if name not in steps]
         read = [name for step in steps for name in self._read(step, kind) if name not in steps]
-        return Job(steps, links, {name: self.file(name, surface, case) for name in sorted({*read, *links})})
+        inputs = {name: self.file(name, surface, case) for name in sorted({*read, *links})}
+        return Job(steps, links, inputs, self._sources(steps, surface, case))
+
+    def _sources(self, steps: Iterable[str], surface: str, case: str) -> list[str]:
+        """Return the files from outside that some steps read: maps, repeats of them, finer maps."""
+        found = []
+        if "height" in steps:
+            row = self.measured[surface]
+            repeat = row.given.get("repeat")
+            found += [str(row.path), *([repeat["path"]] if repeat else [])]
+        finer = self.cases[case]["instrument"]["finer_spectrum"]
+        return found + ([finer] if finer and "uncertainty" in steps else [])
 
     def _read(self, step: str, kind: Kind) -> tuple[str, ...]:
         """Return the files that are read to make a file of a surface of some kind."""
@@ -192,11 +206,9 @@ class Plan:
     def file(self, name: str, surface: str, case: str = "") -> str:
         """Return the path of a file of a surface, in the folder of the case that computes it.
 
-        The name is that of a stage, or "panel", "measured"; for a member also "counter_face" (the heights of
+        The name is that of a stage, or "panel"; for a member also "counter_face" (the heights of
         the counter-face), "face" and "facing" (both faces, levelled).
         """
-        if name == "measured":
-            return str(self.measured[surface].path)
         if name == "panel":
             return f"{self.folder}/panel.html".format(surface=surface, case=case)
         if surface in self.members:
@@ -306,14 +318,26 @@ class Plan:
         solving = (240 + 190 * self.loads(case)) * points / 60e6
         return solving + (0 if case in self.preparing else prepare)
 
+    def sources(self, run: Run) -> list[str]:
+        """Return the paths of all files from outside that contribute to a result, each once."""
+        jobs = [job for job in self._contributing(run) if job[0] != "crosscheck"]
+        return list(dict.fromkeys(path for job in jobs for path in self.job(*job).sources))
+
     def log_files(self, run: Run) -> list[str]:
         """Return the paths of the logs of all jobs that contribute to a result, in their order.
 
         Some of these jobs may not exist.
         """
+        return [
+            f"{self.logs}/{part}.log".format(surface=surface, case=case)
+            for part, surface, case in self._contributing(run)
+        ]
+
+    def _contributing(self, run: Run) -> list[tuple[Part, str, str]]:
+        """Return part, surface and case of all jobs that contribute to a result; some may not exist."""
         member = self.members.get(run.surface)
         faces = [member.face, member.counter_face] if member else []
-        jobs: dict[tuple[str, str, str], None] = {}  # each once
+        jobs: dict[tuple[Part, str, str], None] = {}  # each once
         for stage in SECTIONS:
             case = self.owners[stage][run.case]
             for face in faces if stage in PREPARED["face"] else ():
@@ -323,7 +347,7 @@ class Plan:
                 jobs["prepare" if first else "contact", run.surface, case] = None
         jobs["contact", run.surface, run.case] = None
         jobs["crosscheck", run.surface, run.case] = None
-        return [f"{self.logs}/{part}.log".format(surface=surface, case=case) for part, surface, case in jobs]
+        return list(jobs)
 
 
 def one_of(names: Iterable[str]) -> str:

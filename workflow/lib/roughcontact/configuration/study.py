@@ -65,6 +65,12 @@ def read_study(
         cases = resolve(config)
     except SettingsError as error:
         mistakes.append(str(error))
+    finer = dict.fromkeys(settings["instrument"]["finer_spectrum"] for settings in cases.values())
+    mistakes += [
+        f"instrument.finer_spectrum = {path}: no such file; correct the path (from the working folder)"
+        for path in finer
+        if path and not Path(path).is_file()
+    ]
     table = config.get("surfaces", Settings.model_fields["surfaces"].default)
     if isinstance(table, str) and table:  # otherwise it is among the mistakes in the settings
         try:

@@ -5,7 +5,7 @@ import os
 import zipfile
 import zlib
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
@@ -99,6 +99,48 @@ def sha256(path: Path) -> str:
     """
     with path.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def state_of(path: str | Path) -> list[int] | None:
+    """Return what changes when a file is written to or replaced: size, dates (ns), place on the disk.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    list of int or None
+        None where there is no such file.
+    """
+    try:
+        found = Path(path).stat()
+    except (OSError, ValueError):
+        return None
+    return [found.st_size, found.st_mtime_ns, found.st_ctime_ns, found.st_ino]
+
+
+@contextmanager
+def unchanged(path: Path) -> Iterator[None]:
+    """Refuse a file that changes within the block, which reads it.
+
+    Parameters
+    ----------
+    path : Path
+
+    Raises
+    ------
+    InputFileError
+        Also instead of the error of a reader that came upon half a file.
+    """
+    before = state_of(path)
+    try:
+        yield
+    finally:
+        if state_of(path) != before:
+            raise InputFileError(
+                f"{path}: changed while it was read; wait until it is complete, and read it again"
+            )
 
 
 def check_points(shape: tuple[int, int], where: str | Path) -> None:

@@ -18,6 +18,7 @@ import numpy as np
 from roughcontact.io.conversion import convert
 from roughcontact.io.guards import sha256
 from roughcontact.io.plausibility import SIZE_ADVICE, suspicions
+from roughcontact.io.guards import sha256, unchanged
 from roughcontact.io.registry import open_file
 from roughcontact.io.request import Request
 
@@ -81,7 +82,8 @@ def read_height_map(
     Raises
     ------
     InputFileError
-        For a file that is missing, damaged, cut off, of unknown format, or without size or units.
+        For a file that is missing, damaged, cut off, of unknown format, without size or units, or that
+        changes while it is read.
     HeightMapError
         For a map without a measured point, or of one point.
     SettingsError
@@ -107,8 +109,10 @@ def read_height_map(
 
     path = Path(path)
     request = Request(channel, dx, dy, unit, height_unit, resample, checksum, first_row)
-    file = open_file(path)
-    converted = convert(file, request, path)
+    with unchanged(path):
+        file = open_file(path)
+        converted = convert(file, request, path)
+        digest = sha256(path)
     notes, facts = list(converted.notes), list(converted.facts)
     if len(file.channels) > 1 and request.channel is None:
         facts.append(f"channel {converted.choice}, was read; name another one with channel")
@@ -125,7 +129,7 @@ def read_height_map(
         attrs={
             "units": "m",
             "source_file": path.name,
-            "source_sha256": sha256(path),
+            "source_sha256": digest,
             "source_format": file.format,
             "channel": converted.channel.name,
             "channels": json.dumps([each.name for each in file.channels], ensure_ascii=False),

@@ -1,15 +1,16 @@
 """Partial results after failures: of the finished surfaces, with the reasons for the others."""
 
-import hashlib
 import json
 import os
 import re
 import shutil
+from contextlib import suppress
 from pathlib import Path
 
 from roughcontact.configuration.plan import Plan, Run
 from roughcontact.configuration.stages import settings_of
 from roughcontact.errors import InputFileError
+from roughcontact.io.checksums import checksum
 from roughcontact.report.gather import Finished, write_results
 from roughcontact.results.collect import Failure
 from roughcontact.results.storage import read_arrays
@@ -23,9 +24,9 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
 
     A result counts as finished where all its files exist, are not older than those they are made of, record
     the settings of this run and the current checksum of the measured file, and where its jobs have logged
-    that they are done: where one fails Snakemake puts back the previous file. The files are dated long ago,
-    so that the next run makes them again; they are complete before they are moved to `folder`. Nothing is
-    written where all or none is finished.
+    that they are done, and the checksums of all files from outside: where one fails Snakemake puts back the
+    previous file. The files are dated long ago, so that the next run makes them again; they are complete
+    before they are moved to `folder`. Nothing is written where all or none is finished.
     """
     folder = Path(folder)
     finished: list[Finished] = []
@@ -72,6 +73,9 @@ def _is_of_this_run(plan: Plan, run: Run) -> bool:
         expected = plan.settings("statistics", *run), _checksum(plan, run.surface)
     except (OSError, InputFileError, KeyError):
         return False
+    logs = "".join(map(_text_of, plan.log_files(run)))
+    if not all(f"has read {path}, SHA-256 {checksum(path)}\n" in logs for path in plan.sources(run)):
+        return False
     return dates == sorted(dates) and recorded == (json.loads(json.dumps(expected[0])), expected[1])
 
 
@@ -79,18 +83,24 @@ def _checksum(plan: Plan, surface: str) -> str:
     """Return the recorded checksum of the measured files of a surface, of both faces of a pair."""
     member = plan.members.get(surface)
     names = [surface] if member is None else [member.face, member.counter_face]
-    return " + ".join(hashlib.sha256(plan.measured[name].path.read_bytes()).hexdigest() for name in names)
+    return " + ".join(checksum(plan.measured[name].path) for name in names)
 
 
 def _reason(plan: Plan, run: Run) -> str | None:
     """Return the error message of the first of its jobs that failed; None where none has."""
     for log in plan.log_files(run):
-        try:
-            text = Path(log).read_text(encoding="utf-8", errors="replace")
-        except OSError:
+        if not Path(log).is_file():
             continue
+        text = _text_of(log)
         if said := re.findall(r"^\[.*?\] ERROR: (.+)$", text, re.MULTILINE):
             return said[-1]
         if not text.endswith("] done\n"):
             return f"ended without a word, as a job does that is killed: {log}"
     return None
+
+
+def _text_of(log: str) -> str:
+    """Return the text of a log, empty where there is none."""
+    with suppress(OSError):
+        return Path(log).read_text(encoding="utf-8", errors="replace")
+    return ""

@@ -1,0 +1,78 @@
+"""Checksums of the files that are read from outside, by which a replaced file is noticed whatever its date.
+
+A checksum is noted with size, dates and place on the disk of its file, and computed anew only where one of
+them has changed. The date of the last change of a file's entry (ctime) is among them: no program can set it,
+as copying, unpacking and synchronising programs set the date of the content.
+"""
+
+import json
+import os
+import time
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+
+from roughcontact.io.guards import sha256, state_of
+
+NOTED = Path(".snakemake/roughcontact-checksums")
+# ns without a change after which the dates of the next change differ: FAT counts them by two seconds
+_SETTLED = 3_000_000_000
+
+
+def checksum(path: str | Path, *, noted: Path = NOTED) -> str:
+    """Return the SHA-256 of a file, as it was noted if the file has not changed since.
+
+    Parameters
+    ----------
+    path : str or Path
+    noted : Path
+        file of the noted checksums, a line of JSON for each; the last line of a path counts. Lines are added
+        where the folder of this file exists.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits; empty where the file cannot be read, which the job that reads it reports.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "a.txt"
+    ...     _ = path.write_text("1 2")
+    ...     first = checksum(path, noted=Path(folder) / "noted")
+    ...     _ = path.write_text("1 3")
+    ...     first == checksum(path, noted=Path(folder) / "noted")
+    False
+    """
+    state = state_of(path)
+    known = _noted(noted).get(str(path))
+    if known and known[0] == state:
+        return known[1]
+    try:
+        found = sha256(Path(path))
+    except OSError:
+        return ""
+    if state and state == state_of(path) and _is_settled(state):
+        _noted(noted)[str(path)] = state, found
+        with suppress(OSError), noted.open("a", encoding="utf-8") as file:
+            file.write(json.dumps([str(path), state, found]) + "\n")
+    return found
+
+
+@cache
+def _noted(file: Path) -> dict[str, tuple[list[int], str]]:
+    """Return the noted states and checksums by path; damaged lines, as of a killed run, are left out."""
+    found = {}
+    with suppress(OSError, UnicodeDecodeError):
+        for line in file.read_text(encoding="utf-8").splitlines():
+            with suppress(ValueError):
+                path, state, digest = json.loads(line)
+                found[path] = state, digest
+    return found
+
+
+def _is_settled(state: list[int]) -> bool:
+    """Return whether the next change of a file will show in its dates."""
+    _, modified, changed, _ = state
+    return time.time_ns() - (modified if os.name == "nt" else changed) > _SETTLED
