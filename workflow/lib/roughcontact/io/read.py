@@ -16,9 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from roughcontact.io.conversion import convert
-from roughcontact.io.guards import sha256
-from roughcontact.io.plausibility import SIZE_ADVICE, suspicions
 from roughcontact.io.guards import sha256, unchanged
+from roughcontact.io.plausibility import SIZE_ADVICE, suspicions
 from roughcontact.io.registry import open_file
 from roughcontact.io.request import Request
 

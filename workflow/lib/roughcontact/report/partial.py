@@ -24,8 +24,8 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
 
     A result counts as finished where all its files exist, are not older than those they are made of, record
     the settings of this run and the current checksum of the measured file, and where its jobs have logged
-    that they are done, and the checksums of all files from outside: where one fails Snakemake puts back the
-    previous file. The files are dated long ago, so that the next run makes them again; they are complete
+    that they are done, and the checksums of all files from outside, since a job that fails may leave its
+    previous files. The files are dated long ago, so that the next run makes them again; they are complete
     before they are moved to `folder`. Nothing is written where all or none is finished.
     """
     folder = Path(folder)
