@@ -96,6 +96,7 @@ def check(wheel):
 
 def system_needed(content):
     """Return the processor of a library, the libraries it needs, and the oldest version of its system."""
+    lief.logging.disable()  # it warns of sections of Windows that are empty
     binary = lief.parse(content)
     if isinstance(binary, lief.ELF.Binary):
         names = [
