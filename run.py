@@ -5,13 +5,15 @@ Needs only Python 3.11 or later. The environment is .venv beside this file; it i
 only after pyproject.toml, setup.py or the C source has changed. Further arguments are passed to Snakemake
 (`python3 run.py -n`) or, after `test`, to pytest (`python3 run.py test tests/unit`; `python3 run.py test -m
 slow` for long tests). `python3 run.py lint` runs only the checks of the source with which `test` begins,
-`python3 run.py docs` builds the documentation, and `python3 run.py lowest` runs the tests of package and
-workflow with the lowest versions that pyproject.toml allows, in .venv-lowest.
+`python3 run.py docs` builds the documentation, `python3 run.py wheels` what a release consists of, to
+build/wheels, and `python3 run.py lowest` runs the tests of package and workflow with the lowest versions that
+pyproject.toml allows, in .venv-lowest.
 """
 
 import hashlib
 import importlib.util
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -22,15 +24,18 @@ VENV = ROOT / ".venv"
 LOWEST = ROOT / ".venv-lowest"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PACKAGE = ROOT / "workflow/lib/roughcontact"
+NO_COMPILER = (
+    "There is no C compiler: pip fetches one (ziglang, 100 MB), building the compiled passes, a minute ..."
+)
 MAX_WORKERS = 4  # of the tests; each of them uses a few hundred megabytes
 
 
 def main(arguments):
     """Run the job named by the first argument, in an environment that is created if necessary."""
     check_python()
-    jobs = {"test": test, "lint": lint, "docs": docs, "lowest": lowest}
+    jobs = {"test": test, "lint": lint, "docs": docs, "lowest": lowest, "wheels": wheels}
     if arguments and arguments[0] in jobs:
-        install("dev")
+        install("wheels" if arguments[0] == "wheels" else "dev")
         os.chdir(ROOT)
         return jobs[arguments[0]](*arguments[1:])
     install("")
@@ -63,6 +68,8 @@ def install(group):
     if group in current:
         return
     print(f"Installing into {VENV} (a minute or two, once) ...", file=sys.stderr, flush=True)
+    if not any(map(shutil.which, (os.environ.get("CC", "").partition(" ")[0], "cc", "gcc", "clang"))):
+        print(NO_COMPILER, file=sys.stderr, flush=True)
     pip = [BIN / "python", "-m", "pip", "-qq", "--disable-pip-version-check", "install"]
     steps = [] if current else [[sys.executable, "-m", "venv", "--clear", VENV]]
     wanted = ["--editable", f"{ROOT}[workflow]"]
@@ -116,6 +123,11 @@ def docs():
     if not failed:
         print(ROOT / "build/docs/index.html")
     return failed
+
+
+def wheels(*platforms):
+    """Build and check the wheels of the platforms, by default of all, and the source distribution."""
+    return run([BIN / "python", "release/wheels.py", *platforms])
 
 
 def lowest(*arguments):

@@ -23,15 +23,17 @@ from setuptools import Extension, setup
 from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.command.build_ext import build_ext
 from setuptools.command.build_py import build_py
-from setuptools.errors import CompileError
+from setuptools.command.sdist import sdist
+from setuptools.errors import CompileError, SetupError
 
 SOURCES = Path("workflow/lib/roughcontact/kernels/c")
 # what a wheel needs to run the workflow; in a checkout it lies where it is
 WORKFLOW = ["workflow/Snakefile"]
 WORKFLOW += [f"workflow/{folder}/*" for folder in ("envs", "profiles/*", "report", "rules", "scripts")]
 WORKFLOW += ["data_samples/sandblasted.x3p"]  # for the validation
-# where the commit is noted in a wheel
+# where the commit is noted in a wheel, and in a source distribution below MODULES
 COMMIT = "roughcontact/_commit.txt"
+MODULES = "workflow/lib"
 # Sums named in the source may be reordered; all else is computed as written, infinities and NaN included.
 FLAGS = [
     *("-std=c11", "-O3", "-shared", "-fPIC", "-fvisibility=hidden", "-pthread"),
@@ -43,6 +45,7 @@ TARGETS = {
     "manylinux_2_17_x86_64": "x86_64-linux-gnu.2.17",
     "manylinux_2_17_aarch64": "aarch64-linux-gnu.2.17",
     "musllinux_1_2_x86_64": "x86_64-linux-musl",
+    "musllinux_1_2_aarch64": "aarch64-linux-musl",
     "macosx_11_0_x86_64": "x86_64-macos.11.0",
     "macosx_11_0_arm64": "aarch64-macos.11.0",
     "win_amd64": "x86_64-windows-gnu",
@@ -109,6 +112,9 @@ class BuildLibrary(build_ext):
 @cache
 def current_commit():
     """Return the commit that is built; nothing where it is not known."""
+    noted = Path(MODULES, COMMIT)
+    if noted.exists():
+        return noted.read_text(encoding="ascii")
     command = ["git", "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -140,8 +146,22 @@ class BuildWithWorkflow(build_py):
         if self.editable_mode:
             return {}
         target = Path(self.build_lib) / "roughcontact/_workflow"
-        files = [path for pattern in WORKFLOW for path in sorted(Path().glob(pattern)) if path.is_file()]
-        return {path: target / path for path in files}
+        found = {
+            pattern: [path for path in sorted(Path().glob(pattern)) if path.is_file()] for pattern in WORKFLOW
+        }
+        if missing := [pattern for pattern, files in found.items() if not files]:
+            raise SetupError(f"nothing to put into the wheel: {', '.join(missing)}; take a whole checkout")
+        return {path: target / path for files in found.values() for path in files}
+
+
+class SourceWithCommit(sdist):
+    """The sources, and the commit, which nothing else tells where there is no repository."""
+
+    def make_release_tree(self, base_dir, files):
+        """Copy the files and note the commit."""
+        super().make_release_tree(base_dir, files)
+        if commit := current_commit():
+            Path(base_dir, MODULES, COMMIT).write_text(commit, encoding="ascii")
 
 
 class PlatformWheel(bdist_wheel):
@@ -161,6 +181,11 @@ setup(
             optional=not PLATFORM,
         )
     ],
-    cmdclass={"build_ext": BuildLibrary, "build_py": BuildWithWorkflow, "bdist_wheel": PlatformWheel},
+    cmdclass={
+        "build_ext": BuildLibrary,
+        "build_py": BuildWithWorkflow,
+        "bdist_wheel": PlatformWheel,
+        "sdist": SourceWithCommit,
+    },
     setup_requires=[] if find_compiler() else ["ziglang>=0.13"],
 )

@@ -17,9 +17,14 @@ import pandas as pd
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 RESULTS = HERE / "results"
-PAGES = {"performance.md": ROOT / "docs/explanation/performance.md"}
+VALIDATION = ROOT / "docs/explanation/validation.csv"
+PAGES = {
+    "performance.md": ROOT / "docs/explanation/performance.md",
+    "trust.md": ROOT / "docs/explanation/trust.md",
+    "paper.md": ROOT / "paper/paper.md",
+}
 BLOCKS = {
-    "speed": ROOT / "README.md",
+    "peers": ROOT / "README.md",
     "aims": RESULTS / "speed.md",
     "window": ROOT / "docs/explanation/surface.md",
     "damage": ROOT / "docs/explanation/reliability.md",
@@ -62,10 +67,20 @@ def filled(name: str, results: Path = RESULTS) -> str:
         trim_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters |= {"where": where, "only": only, "table": table}
-    return environment.get_template(name).render(
-        {path.name: read(path) for path in results.iterdir() if path.is_dir()}
-    )
+    environment.filters |= {"where": where, "only": only, "table": table, "largest": largest}
+    tables = {path.name: read(path) for path in results.iterdir() if path.is_dir()}
+    return environment.get_template(name).render(tables | {"validation": validation()})
+
+
+def validation() -> list[dict]:
+    """Return the lines of the validation."""
+    return list(csv.DictReader(VALIDATION.read_text("utf-8").splitlines()))
+
+
+def largest(rows: list[dict], beginning: str = "") -> str:
+    """Return the largest deviation of the lines whose names begin so, in two digits."""
+    chosen = [float(row["deviation"]) for row in rows if row["what"].startswith(beginning)]
+    return f"{max(chosen):.1e}"
 
 
 def with_block(page: str, name: str, text: str) -> str:

@@ -187,7 +187,7 @@ def parse(arguments=None) -> argparse.Namespace:
     add("--growth-sizes", type=int, nargs="*", default=[512, 1024, 2048, 4096], help="points per side")
     add("--memory-sizes", type=int, nargs="*", default=[1024, 2048, 4096], help="points per side")
     add("--work", type=Path, default=HERE / "work", help="where records and converged solutions are kept")
-    add("--write", action="store_true", help="write tables, pages and the sentence of the README; else print")
+    add("--write", action="store_true", help="write tables and pages; else print")
     return parser.parse_args(arguments)
 
 

@@ -1,5 +1,6 @@
 """What comes with the workflow fits together: configuration, table, environment, profiles."""
 
+import json
 import re
 import tomllib
 from pathlib import Path
@@ -35,6 +36,55 @@ def test_the_conda_environment_has_the_packages_of_the_project():
     wanted = [f"python{project['requires-python']}", *project["dependencies"]]
     lowest_wanted = dict(re.match(r"([\w-]+)(>=[\d.]+)", line).groups() for line in wanted)
     assert found == {name.lower(): lowest for name, lowest in lowest_wanted.items()} | {"pip": None}
+
+
+def test_the_recipe_has_the_packages_of_the_project():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    recipe = yaml.safe_load((ROOT / "recipe/recipe.yaml").read_text())
+    assert recipe["context"]["version"] == project["version"]
+    names = {"matplotlib-base": "matplotlib", "snakemake-minimal": "snakemake"}
+    found = dict(line.split(" ", 1) for line in recipe["requirements"]["run"])
+    wanted = [*project["dependencies"], *project["optional-dependencies"]["workflow"]]
+    limits = dict(re.match(r"([\w-]+)(>=[\d.]+(?:,<[\d.]+)?)", line).groups() for line in wanted)
+    limits["python"] = project["requires-python"]
+    assert {names.get(name, name): limit for name, limit in found.items()} == {
+        name.lower(): limit for name, limit in limits.items()
+    }
+
+
+def test_the_version_is_the_same_everywhere():
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    archive = json.loads((ROOT / ".zenodo.json").read_text())
+    paper = yaml.safe_load((ROOT / "paper/paper.md").read_text(encoding="utf-8").split("---\n")[1])
+    assert citation["version"] == version
+    assert (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").splitlines()[2].startswith(f"## {version} ")
+    assert archive["title"] == citation["title"]
+    assert archive["keywords"] == citation["keywords"]
+    assert archive["license"] == citation["license"]
+    authors = [each["name"] for each in citation["authors"]]
+    assert [each["name"] for each in archive["creators"]] == authors
+    assert [each["name"] for each in paper["authors"]] == authors
+
+
+def test_the_paper_is_short_and_every_source_has_an_entry():
+    text = (ROOT / "paper/paper.md").read_text(encoding="utf-8").split("---\n", 2)[2]
+    assert len(text.split()) <= 1000
+    entries = re.findall(
+        r"^@\w+\{(\w+),(.*?)^\}", (ROOT / "paper/paper.bib").read_text(), re.MULTILINE | re.DOTALL
+    )
+    assert {name for name, _ in entries} == set(re.findall(r"@(\w+)", text))
+    assert all(re.search(r"doi = \{10\.\d+/\S+\}", body) for _, body in entries)
+
+
+def test_every_platform_of_setup_is_run_before_a_release():
+    targets = (ROOT / "setup.py").read_text().partition("TARGETS = {")[2].partition("}")[0]
+    workflow = yaml.safe_load((ROOT / ".github/workflows/release.yml").read_text())["jobs"]
+    matrices = [workflow[job]["strategy"]["matrix"]["include"] for job in ("run", "run-musl")]
+    assert sorted(each["wheel"] for rows in matrices for each in rows) == sorted(
+        re.findall(r'"(\w+)":', targets)
+    )
+    assert set(workflow["publish"]["needs"]) == {"run", "run-musl"}
 
 
 def test_the_lowest_versions_are_the_same_everywhere():

@@ -138,6 +138,12 @@ def _parser(*, settings: bool) -> argparse.ArgumentParser:
         "folder", metavar="FOLDER", help="the results of the run; ro-crate-metadata.json goes there"
     )
     crate.add_argument(
+        "--configfile",
+        metavar="FILE",
+        help="the settings of the run: they, the table and the measured files go into the crate, which then "
+        "repeats the run",
+    )
+    crate.add_argument(
         "--license",
         metavar="TEXT",
         help="address of the licence under which others may use the results, or its text",
@@ -273,6 +279,11 @@ def _crate(options: argparse.Namespace) -> int:
     """Write the description of a run, and print its path."""
     from roughcontact.results.crate import write_crate
 
-    stated = {"terms": options.license, "author": options.author, "publisher": options.publisher}
+    stated = {
+        "configuration": options.configfile,
+        "terms": options.license,
+        "author": options.author,
+        "publisher": options.publisher,
+    }
     print(write_crate(options.folder, **{name: text for name, text in stated.items() if text}))
     return 0

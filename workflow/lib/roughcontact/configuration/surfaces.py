@@ -135,7 +135,7 @@ def read_surfaces(
     {'unit': 'um', 'dx': 0.5}
     """
     table = Path(table)
-    header, rows = _cells(table)
+    header, rows = read_table(table)
     mistakes = _mistakes_in_header(header)
     readable = {*REQUIRED} <= {*header} and len({*header}) == len(header)
     if not mistakes and not rows:
@@ -228,8 +228,8 @@ def _names_of_parts(surfaces: Mapping[str, Surface], found: Mapping[str, Member]
     ]
 
 
-def _cells(table: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    """Return the header, and the cells of each further row with the number of its line."""
+def read_table(table: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """Return the header, and the cells of each further row with the number of its line, unchecked."""
     try:
         lines = table.read_text(encoding="utf-8-sig").splitlines()
     except FileNotFoundError as error:

@@ -2,6 +2,7 @@
 
 The crate follows RO-Crate 1.1 and the profile Process Run Crate 0.5: one action, with this program as its
 instrument, the measured files and the settings as its objects, and the files of the folder as its results.
+With copies of the measured files and the settings (`inputs`) whoever has the crate can repeat the run.
 """
 
 import json
@@ -13,6 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from roughcontact.errors import InputFileError, SettingsError
+from roughcontact.results.inputs import FOLDER as INPUTS
+from roughcontact.results.inputs import copy_inputs
 from roughcontact.results.storage import opened_dataset, write_text
 
 if TYPE_CHECKING:
@@ -28,10 +31,19 @@ _MEDIA_TYPES = {
     ".csv": "text/csv",
     ".html": "text/html",
     ".json": "application/json",
+    ".tsv": "text/tab-separated-values",
+    ".yaml": "application/yaml",
 }
 
 
-def write_crate(folder: str | Path, *, terms: str = _NO_TERMS, author: str = "", publisher: str = "") -> Path:
+def write_crate(
+    folder: str | Path,
+    *,
+    configuration: str | Path | None = None,
+    terms: str = _NO_TERMS,
+    author: str = "",
+    publisher: str = "",
+) -> Path:
     """Write `ro-crate-metadata.json` into the folder of a finished run.
 
     It lists the files of the folder with their types and sizes, the measured files by name and checksum, the
@@ -42,6 +54,10 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS, author: str = "",
     ----------
     folder : str or Path
         the folder `results` of a run.
+    configuration : str or Path, optional
+        the file with the settings of the run. They, the table of surfaces and the measured files are then
+        copied into the folder `run_inputs` of the crate; ``roughcontact run --configfile
+        run_inputs/config.yaml`` repeats the run. None leaves them out.
     terms : str
         of use of the results: the address of a licence, or words.
     author, publisher : str
@@ -56,9 +72,10 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS, author: str = "",
     Raises
     ------
     SettingsError
-        where the package rocrate is not installed.
+        where the package rocrate is not installed, or the settings of the run cannot be read.
     InputFileError
-        where the folder holds no finished run, or a file in it cannot be read.
+        where the folder holds no finished run, or a file in it cannot be read, or a measured file is no
+        longer the one that was read.
 
     References
     ----------
@@ -77,7 +94,7 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS, author: str = "",
         raise SettingsError("the package rocrate is not installed: pip install 'roughcontact[crate]'")
     from rocrate.rocrate import ROCrate
 
-    files = sorted(_files(folder))
+    files, inputs = sorted(_files(folder)), []
     ended = datetime.fromtimestamp(int(max(path.stat().st_mtime for path in files)), UTC).isoformat()
     crate = ROCrate(version="1.1")
     crate.metadata.extra_terms |= _TERMS
@@ -94,9 +111,7 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS, author: str = "",
     results, measured, programs, settings = [], {}, {}, ""
     for path in files:
         name = path.relative_to(folder).as_posix()
-        about = {"name": name, "contentSize": str(path.stat().st_size)}
-        if media_type := _MEDIA_TYPES.get(path.suffix):
-            about["encodingFormat"] = media_type
+        about = _about(path) | {"name": name}
         if path.suffix == ".nc":
             with opened_dataset(path) as dataset:
                 about["name"] = dataset.attrs.get("title", name)
@@ -108,6 +123,13 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS, author: str = "",
                 if path == folder / "statistics.nc":
                     settings = dataset.attrs["settings"]
         results.append(crate.add_file(dest_path=name, properties=about))
+    if configuration is not None:
+        copy_inputs(folder, Path(configuration), known=set(measured))
+        copies = sorted(path for path in (folder / INPUTS).rglob("*") if path.is_file())
+        inputs = [
+            crate.add_file(dest_path=path.relative_to(folder).as_posix(), properties=_about(path))
+            for path in copies
+        ]
     action = {
         "@type": "CreateAction",
         "name": "Run of roughcontact",
@@ -120,6 +142,7 @@ def write_crate(folder: str | Path, *, terms: str = _NO_TERMS, author: str = "",
     run["instrument"] = instruments if len(instruments) > 1 else instruments[0]
     run["object"] = [
         *(_add_measured(crate, source) for source in measured.values()),
+        *inputs,
         _add(crate, "#settings", {"@type": "PropertyValue", "name": "settings", "value": settings}),
     ]
     run["result"] = results
@@ -136,8 +159,16 @@ def _files(folder: Path) -> Iterator[Path]:
     """Yield the files of a run, without hidden ones and an earlier crate."""
     for path in folder.rglob("*"):
         inside = path.relative_to(folder)
-        if path.is_file() and inside != Path(_NAME) and not any(part[0] == "." for part in inside.parts):
+        hidden = inside.parts[0] == INPUTS or any(part[0] == "." for part in inside.parts)
+        if path.is_file() and inside != Path(_NAME) and not hidden:
             yield path
+
+
+def _about(path: Path) -> dict[str, str]:
+    """Return name, size and type of a file."""
+    about = {"name": path.name, "contentSize": str(path.stat().st_size)}
+    media_type = _MEDIA_TYPES.get(path.suffix)
+    return about | ({"encodingFormat": media_type} if media_type else {})
 
 
 def _add(crate: "ROCrate", identifier: str, properties: dict[str, Any]) -> Any:
