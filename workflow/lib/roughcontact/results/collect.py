@@ -37,6 +37,7 @@ _COORDINATES = (
 _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")
 # dimensions
 _NOT_IN_TABLE = {*_BINS, "depth", "source", "hardness_over_modulus", "input", "cutoff", "component"}
+_NOT_IN_TABLE |= {"member", "choice"}
 # labels of a dimension that are the same for all surfaces
 _COMMON_LABELS = {"source": object, "input": object, "component": object, "hardness_over_modulus": float}
 _WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged", "gap_percolates_x", "gap_percolates_y")
