@@ -203,7 +203,7 @@ def complete_statistics(
     yielding = with_first_yield(counted, window, settings["contact"], threads=threads)
     complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])
     stated = settings.get("instrument", {}).items()
-    known = {f"instrument_{key}": value for key, value in stated if isinstance(value, float)}
+    known: dict[str, Any] = {f"instrument_{key}": value for key, value in stated if isinstance(value, float)}
     # what a group of maps has to have in common
     known |= {key: window.attrs[key] for key in _BAND if key in window.attrs}
     known["measured_by"] = instrument_kind(window.attrs).name

@@ -20,7 +20,7 @@ References
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -33,6 +33,7 @@ from roughcontact.io.instrument_kinds import of_name
 from roughcontact.quantities import quantity
 from roughcontact.uncertainty.answers import ANSWERS, quantities_in
 from roughcontact.uncertainty.combination import SOURCES
+from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.uncertainty.random_effects import random_effects, stand_off, student
 from roughcontact.uncertainty.scaling import AREA, effort
 
@@ -91,6 +92,21 @@ def from_scale(name: str, values: np.ndarray) -> np.ndarray:
         return np.maximum(values, 0.0)
     with np.errstate(over="ignore"):
         return erf(np.exp(values)) if name == AREA else np.exp(values)
+
+
+def needed_for_groups(names: Iterable[str]) -> list[str]:
+    """Return those variables of a file of statistics that a group is made of.
+
+    Examples
+    --------
+    >>> needed_for_groups(["mean_gap", "mean_gap_lower", "mean_gap_density", "iterations"])
+    ['mean_gap', 'mean_gap_lower']
+    """
+    of_each = [
+        f"{name}{end}" for name in (*QUANTITIES, *ANSWERS) for end in ("", "_lower", "_upper", "_components")
+    ]
+    wanted = {*of_each, "mean_pressure", "contact_modulus", "rms_height"}
+    return [name for name in names if name in wanted]
 
 
 def group_statistics(
@@ -164,6 +180,12 @@ def group_statistics(
             "of its own and one part for each map"
         )
     words = f"group {group}" if group else "the group"
+    for name, one in zip(names, datasets, strict=True):
+        if one["mean_pressure"].dims != ("load",):
+            raise SettingsError(
+                f"{words}: {name} holds several surfaces; select one of them for each map (.sel(surface=...))"
+            )
+    datasets = [one.isel(load=np.isfinite(one["mean_pressure"].values)) for one in datasets]
     if len(datasets) > 1:
         _check_alike(words, names, datasets)
     loads = common_loads(words, names, datasets)
