@@ -12,7 +12,7 @@ from roughcontact.report.glance import Cell, glance_units, interval_cell, shown_
 from roughcontact.report.load_plots import group_curves, group_values
 from roughcontact.report.units import unit_of
 from roughcontact.uncertainty.group_tables import NamedGroup
-from roughcontact.uncertainty.groups import FEW
+from roughcontact.uncertainty.groups import is_range
 
 HEADINGS = (
     "mean pressure\N{NO-BREAK SPACE}p̄",
@@ -38,6 +38,8 @@ Row = dict[str, Any]
 
 def group_rows(groups: Sequence[NamedGroup]) -> list[Row]:
     """Return for each group its `name`, what it is `of`, its `remarks`, and `rows` of cells by `HEADINGS`."""
+    if not groups:
+        return []
     units = glance_units([group.answer for group in groups])
     rows = []
     for group in groups:
@@ -118,16 +120,10 @@ def _mean(answer: xr.Dataset, name: str, units: Mapping[str, Unit], place: int) 
     """Return the mean of a group with its ±; with the range of its maps where these are two."""
     if not np.isfinite(float(answer[name][place])):
         return Cell("–")
-    if _is_range(answer):
+    if is_range(answer):
         shown = units[name].text(float(answer[name][place]))
         return Cell(shown, f"range {_range(answer, name, '', units, place)}")
     return interval_cell(answer, name, units, place)
-
-
-def _is_range(answer: xr.Dataset) -> bool:
-    """Return whether a group has too few parts for an interval."""
-    parts = len(set(answer["part"].values))
-    return 1 < (answer.sizes["map"] if parts == 1 else parts) < FEW
 
 
 def _range(answer: xr.Dataset, name: str, which: str, units: Mapping[str, Unit], place: int) -> str:

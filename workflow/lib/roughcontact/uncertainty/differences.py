@@ -142,7 +142,7 @@ def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     -------
     Dataset
         dims (quantity, load): `ratio` of the second to the first, `ratio_lower`, `ratio_upper`; NaN where a
-        number is not positive or nothing bounds the difference.
+        number is not positive, has no uncertainty, or nothing bounds the difference.
 
     Examples
     --------
@@ -155,11 +155,24 @@ def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     rows = []
     for name in _names(one, two):
         before, after = (to_scale(name, data[name].values) for data in (one, two))
-        left = _left(
-            scaled_components(name, one), scaled_components(name, two), _correlations(name, one, two)
-        )
-        rows.append(_ratios(name, before, after - before, 0 * before, left))
+        left = _left(_widths(name, one), _widths(name, two), _correlations(name, one, two))
+        rows.append(_ratios(name, before, after - before, np.zeros(loads), left))
     return _table(_names(one, two), one["mean_pressure"].values, rows)
+
+
+def _widths(name: str, data: xr.Dataset) -> np.ndarray:
+    """Return the components (load, source, component) of a map; of an interval that has none its half-widths.
+
+    These stand in a single source; NaN where there is no interval.
+    """
+    if f"{name}_components" in data:
+        return scaled_components(name, data)
+    found = np.zeros((data.sizes["load"], len(SOURCES), 4))
+    middle = to_scale(name, data[name].values)
+    for place, (end, sign) in enumerate((("lower", -1.0), ("upper", 1.0))):
+        values = data.get(f"{name}_{end}", data[name] * np.nan).values
+        found[:, 0, place] = sign * (to_scale(name, values) - middle)
+    return found
 
 
 class _Compared(NamedTuple):
@@ -294,9 +307,9 @@ def _alike(first: xr.Dataset, second: xr.Dataset) -> np.ndarray:
 def _correlations(name: str, first: xr.Dataset, second: xr.Dataset) -> np.ndarray:
     """Return the correlations (load, source) of the errors of one map under two cases."""
     found = np.tile(_alike(first, second), (first.sizes["load"], 1))
+    if any(f"{name}_components" not in data for data in (first, second)):
+        return 0 * found  # nothing is known of what they share
     for source, members in (("window", "parts"), ("processing", "choices")):
-        if f"{name}_components" not in first:
-            continue
         moved = []
         for data in (first, second):
             values = data.get(f"{name}_{members}", xr.DataArray(np.empty((0, data.sizes["load"]))))

@@ -217,6 +217,18 @@ def group_statistics(
     )
 
 
+def is_range(answer: xr.Dataset) -> bool:
+    """Return whether a group has a range instead of intervals, by `group_statistics`.
+
+    Examples
+    --------
+    >>> is_range(xr.Dataset(coords={"map": ["a", "b", "c"], "part": ("map", ["p", "q", "q"])}))
+    True
+    """
+    parts = len(set(answer["part"].values))
+    return 1 < (answer.sizes["map"] if parts == 1 else parts) < FEW
+
+
 def _of_several(
     name: str, scaled: Scaled, parts: Sequence[str], *, placements: bool
 ) -> tuple[dict[str, tuple], np.ndarray]:
