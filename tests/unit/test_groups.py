@@ -234,7 +234,7 @@ def test_areas_have_the_scale_of_their_effort():
 def test_outcomes_in_words():
     near, same, wide = [1.0, 1.001, 0.999], [1.0, 1.001, 1.002], [1.0, 2.0, 0.5]
     groups = {name: group_of(gaps) for name, gaps in (("near", near), ("same", same), ("wide", wide))}
-    found = compare_all(groups)
+    found, _ = compare_all(groups)
     words = {pair: one["outcome"].item() for pair, one in found.items()}
     assert words["near", "same"].startswith("do not differ by more than 0.")
     assert words["near", "wide"].startswith("cannot tell: ")
@@ -262,7 +262,7 @@ def test_what_two_groups_share_cancels_and_the_solver_does_not():
 
 def test_p_values_are_adjusted_for_all_pairs():
     groups = {str(k): group_of(np.array([1.0, 1.1, 0.9]) * (1 + k / 4)) for k in range(3)}
-    found = compare_all(groups)
+    found, _ = compare_all(groups)
     assert len(found) == 3
     alone = [rc.compare_groups(groups[a], groups[b])["p_value"].item() for a, b in found]
     assert [one["p_value"].item() for one in found.values()] == pytest.approx(holm(np.array(alone)))
@@ -331,7 +331,7 @@ def test_tables_and_dataset_of_several_groups():
     contract = ["group", "maps", "mean_pressure_Pa", *(f"mean_gap{end}" for end in ("", "_lower", "_upper"))]
     assert {*contract, "mean_gap_next_lower", "mean_gap_next_upper"} <= {*table.columns}
     assert table["group"].tolist() == ["lapped", "ground"]
-    rows = comparisons_table(compare_all({one.label: one.answer for one in answers}))
+    rows = comparisons_table(compare_all({one.label: one.answer for one in answers})[0])
     assert rows.columns.tolist() == [
         *("first", "second", "quantity", "mean_pressure_Pa"),
         *("ratio", "ratio_lower", "ratio_upper", "p_value", "outcome"),

@@ -86,7 +86,8 @@ def write_results(
     if members:
         write_table(pairs_table(summary, members), folder / "pairs.csv")
     answers, left_out = group_answers(finished, groups)
-    compared = comparisons(answers)
+    compared, not_compared = comparisons(answers)
+    left_out += not_compared
     if groups:
         attrs["left_out"] = json.dumps(left_out, ensure_ascii=False)
         write_dataset(
@@ -134,21 +135,24 @@ def group_answers(
     return answers, left_out
 
 
-def comparisons(answers: Sequence[NamedGroup]) -> dict[tuple[str, str], xr.Dataset]:
+def comparisons(answers: Sequence[NamedGroup]) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
     """Return the comparisons of every two groups under a case, and of the cases of a group with its first.
 
-    The placements of a pair are compared under two cases alone: of other faces they say nothing.
+    With them comes a sentence for each that cannot be made. The placements of a pair are compared under two
+    cases alone: of other faces they say nothing.
     """
     found: dict[tuple[str, str], xr.Dataset] = {}
+    left_out: list[str] = []
     for case in dict.fromkeys(one.case for one in answers):
-        found |= compare_all(
-            {one.label: one.answer for one in answers if one.case == case and not one.placements}
-        )
+        own = {one.label: one.answer for one in answers if one.case == case and not one.placements}
+        compared, reasons = compare_all(own)
+        found, left_out = found | compared, left_out + reasons
     for name in dict.fromkeys(one.name for one in answers):
-        own = {one.label: one.answer for one in answers if one.name == name}
-        first, *others = own
-        found |= compare_all(own, cases=[(first, other) for other in others]) if others else {}
-    return found
+        first, *others = own = {one.label: one.answer for one in answers if one.name == name}
+        if others and own[first].sizes["map"] > 1:
+            compared, reasons = compare_all(own, cases=[(first, other) for other in others])
+            found, left_out = found | compared, left_out + reasons
+    return found, left_out
 
 
 def _numbers(path: str | Path) -> xr.Dataset:

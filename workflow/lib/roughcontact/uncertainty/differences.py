@@ -58,7 +58,8 @@ def compare_groups(
     relevant : float
         relative difference that matters: smaller ones need not be found.
     paired : bool
-        whether both are of the same maps, by name, under two cases: they are then compared map by map.
+        whether both are of the same maps, by name, under two cases: they are then compared map by map, and
+        as many loads in order, first with first.
 
     Returns
     -------
@@ -99,7 +100,7 @@ def compare_all(
     *,
     relevant: float = RELEVANT,
     cases: Sequence[tuple[str, str]] = (),
-) -> dict[tuple[str, str], xr.Dataset]:
+) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
     """Return the comparisons of every two groups, p-values adjusted for all loads and pairs together.
 
     Parameters
@@ -113,17 +114,18 @@ def compare_all(
 
     Returns
     -------
-    dict
-        (name of the first, of the second) -> as of `compare_groups`; pairs without a common load, or of a
-        single part, are left out.
+    compared : dict
+        (name of the first, of the second) -> as of `compare_groups`.
+    left_out : list of str
+        a sentence for each pair that cannot be compared.
     """
-    found = {}
+    found, left_out = {}, []
     for pair in cases or combinations(groups, 2):
         try:
             found[pair] = _compared(*(groups[name] for name in pair), paired=bool(cases))
-        except SettingsError:
-            continue
-    return dict(zip(found, _judged(list(found.values()), relevant), strict=True))
+        except SettingsError as error:
+            left_out.append(str(error))
+    return dict(zip(found, _judged(list(found.values()), relevant), strict=True)), left_out
 
 
 def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
@@ -201,7 +203,10 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
         raise SettingsError(
             f"compare_groups: {words[0]} and {words[1]} are not of the same maps; leave `paired` out"
         )
-    second = second.sel(map=first["map"].values) if paired else second
+    if paired:
+        second = second.sel(map=first["map"].values)
+        if second.sizes["load"] == first.sizes["load"]:  # as cases are: first with first
+            second = second.assign_coords(mean_pressure=first["mean_pressure"])
     groups = first, second
     loads = common_loads(" and ".join(words), words, groups)
     correlation = _alike(first, second)

@@ -433,7 +433,7 @@ def _remarks(
     """Return what a reader of a group has to know, in sentences."""
     units = len(set(parts)) if len(set(parts)) > 1 else len(names)
     noun = "placements" if placements else "maps" if units == len(names) else "parts"
-    said = []
+    said = ["A single map: its own numbers and intervals."] if len(names) == 1 else []
     if 1 < units < FEW:
         of = "their intervals" if placements else "the maps"
         said.append(
