@@ -142,6 +142,13 @@ def test_what_maps_share_is_added_once_and_the_window_not_at_all():
     assert placed["mean_gap_upper"].item() == placed["mean_gap_next_upper"].item()
 
 
+def test_two_placements_reach_from_end_to_end_of_their_intervals():
+    ends = {"mean_gap_lower": ("load", [0.5]), "mean_gap_upper": ("load", [3.0])}
+    maps = [one_map(1.0).assign(ends), one_map(2.0).assign(ends | {"mean_gap_lower": ("load", [0.8])})]
+    found = rc.group_statistics(maps, placements=True)
+    assert [found[f"mean_gap_{end}"].item() for end in ("lower", "upper")] == [0.5, 3.0]
+
+
 def test_an_unbounded_map_leaves_the_group_unbounded():
     maps = [one_map(gap, gap_parts={"processing": 0.01 * gap}) for gap in (1.0, 1.1, 0.9)]
     maps[1]["mean_gap_components"][:, SOURCES.index("unresolved"), 1] = np.nan

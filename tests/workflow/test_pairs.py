@@ -106,7 +106,7 @@ def test_mean_and_spread_over_the_members(paired):
             ]
             for end, of_members, most in zip(("lower", "upper"), ends, (min, max), strict=True):
                 if not np.isnan(of_members).any() and row[f"{name}_{end}"]:
-                    assert float(row[f"{name}_{end}"]) == pytest.approx(most(of_members), rel=0.02)
+                    assert float(row[f"{name}_{end}"]) == pytest.approx(most(of_members), rel=1e-8)
     for part in ("Counter-face, as measured", "turned.txt, its middle at", "turned by 90°"):
         assert part in page
 

@@ -200,6 +200,8 @@ def group_statistics(
         of_several, apart = _of_several(name, scaled, parts, placements=placements)
         columns |= of_several
         off |= apart
+        if placements and len(datasets) < FEW:
+            columns |= _hull(name, datasets, loads)
     columns["stands_off"] = (("map", "load"), off.astype(np.int8))
     columns["contact_modulus"] = ((), float(datasets[0].get("contact_modulus", np.nan)))
     if all("rms_height" in one for one in datasets):
@@ -239,13 +241,8 @@ def _of_several(
     nothing = np.full(effects.mean.shape, np.nan)
     columns = {"": from_scale(name, effects.mean), **dict.fromkeys(_FURTHER, nothing)}
     if effects.units < FEW:
-        # a range: of placements from end to end of their intervals
-        of_maps = zip(scaled.values, scaled.shared if placements else 0 * scaled.shared, strict=True)
-        ends = [_ends(name, value, 0 * value, of_map, sources) for value, of_map in of_maps]
-        lowest = to_scale(name, np.min([low for low, _ in ends], axis=0))
-        highest = to_scale(name, np.max([high for _, high in ends], axis=0))
-        widths = {"": (effects.mean - lowest, highest - effects.mean)}
-        shared = 0 * shared if placements else shared
+        # a range, from map to map
+        widths = {"": (effects.mean - scaled.values.min(axis=0), scaled.values.max(axis=0) - effects.mean)}
     else:
         mean = student(effects.freedom) * effects.error
         further = student(effects.next_map_freedom) * effects.next_map
@@ -259,6 +256,19 @@ def _of_several(
         columns[f"{key}upper"] = _ends(name, effects.mean, up, shared, sources)[1]
     columns |= {"between": effects.between, "within": effects.within}
     return _named(name, columns, scaled), stand_off(scaled.values)
+
+
+def _hull(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> dict[str, tuple]:
+    """Return the range of the intervals of maps: from the lowest end to the highest."""
+    columns = {}
+    for end, outermost in (("lower", np.min), ("upper", np.max)):
+        of_maps = []
+        for dataset in datasets:
+            order = np.argsort(dataset["mean_pressure"].values)
+            ends = dataset.get(f"{name}_{end}", dataset[name]).values[order]
+            of_maps.append(at_loads(dataset["mean_pressure"].values[order], loads, ends))
+        columns[f"{name}_{end}"] = ("load", outermost(of_maps, axis=0))
+    return columns
 
 
 def _of_one(name: str, dataset: xr.Dataset, scaled: Scaled) -> dict[str, tuple]:
