@@ -267,6 +267,15 @@ def test_repeats_know_each_other(table):
     assert surfaces["b"].given["repeat"] == {"path": "a.npy"}
 
 
+def test_repeats_in_a_group_are_of_one_part(table):
+    rows = ["a\ta.npy\tb\tground\t", "b\tb.npy\t\tground\t", "c\tc.npy\t\tground\t"]
+    surfaces = read_surfaces(table("surface\tpath\trepeat_of\tgroup\tpart", *rows))
+    assert [each.part for each in surfaces.values()] == ["b", "b", ""]
+    rows[0] += "left"  # what is stated stays
+    surfaces = read_surfaces(table("surface\tpath\trepeat_of\tgroup\tpart", *rows))
+    assert [each.part for each in surfaces.values()] == ["left", "", ""]
+
+
 @pytest.mark.parametrize("other", ["a", "nobody"])
 def test_a_repeat_of_nothing_is_refused(table, other):
     with pytest.raises(SettingsError, match=f"line 2, repeat_of = '{other}': is no other single surface"):

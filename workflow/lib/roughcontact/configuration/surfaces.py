@@ -11,7 +11,7 @@ positions of the faces (`roughcontact.faces.positions`), are solved.
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -179,6 +179,7 @@ def read_surfaces(
         mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
     mistakes += _link_repeats(surfaces, repeats)
     mistakes += _mistakes_in_groups(surfaces)
+    _join_repeats(surfaces, repeats)
     if members_each:
         mistakes += _names_of_parts(surfaces, members(surfaces, members_each))
     if mistakes:
@@ -321,6 +322,14 @@ def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> list[str]:
                 f"{place}: has {rows[0].name} alone; name further maps of the finish, or leave the cell empty"
             )
     return mistakes
+
+
+def _join_repeats(surfaces: dict[str, Surface], repeats: Mapping[str, str]) -> None:
+    """Let repeats of a place, which are no independent maps, be of one part, where none is stated."""
+    for name, other in repeats.items():
+        pair = [surfaces[each] for each in (name, other) if each in surfaces]
+        if len({each.group for each in pair}) == 1 and pair[0].group and not any(each.part for each in pair):
+            surfaces |= {each.name: replace(each, part=other) for each in pair}
 
 
 def _link_repeats(surfaces: dict[str, Surface], repeats: Mapping[str, str]) -> list[str]:

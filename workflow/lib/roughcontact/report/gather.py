@@ -19,7 +19,7 @@ from roughcontact.results.collect import (
     summary_table,
     with_failures,
 )
-from roughcontact.results.storage import provenance, read_arrays, write_dataset, write_table
+from roughcontact.results.storage import provenance, write_dataset, write_table
 from roughcontact.uncertainty.combination import uncertainty_table
 from roughcontact.uncertainty.differences import compare_all
 from roughcontact.uncertainty.group_tables import NamedGroup, comparisons_table, groups_table, joined_groups
@@ -85,7 +85,7 @@ def write_results(
     }
     if members:
         write_table(pairs_table(summary, members), folder / "pairs.csv")
-    answers, left_out = group_answers(finished, groups)
+    answers, left_out = group_answers(statistics, groups)
     compared, not_compared = comparisons(answers)
     left_out += not_compared
     if groups:
@@ -111,27 +111,31 @@ def write_results(
 
 
 def group_answers(
-    finished: Sequence[Entry], groups: Mapping[str, tuple[Mapping[str, str], bool]]
+    statistics: xr.Dataset, groups: Mapping[str, tuple[Mapping[str, str], bool]]
 ) -> tuple[list[NamedGroup], list[str]]:
-    """Return the answer of each group under each case, and a sentence for each that has none."""
+    """Return the answer of each group under each case, and a sentence for each that has none.
+
+    `statistics` are those of `collect_statistics`, `groups` as of `write_results`.
+    """
     answers, left_out = [], []
+    solved = _by_map(statistics)
     for name, (parts, placements) in groups.items():
-        for case in dict.fromkeys(entry["case"] for entry in finished):
-            own = [entry for entry in finished if entry["surface"] in parts and entry["case"] == case]
+        for case in dict.fromkeys(case for case, _ in solved):
+            own = {map_: solved[case, map_] for map_ in parts if (case, map_) in solved}
             if not own:
                 continue
             try:
                 found = group_statistics(
-                    [_numbers(entry["statistics"]) for entry in own],
-                    names=[entry["surface"] for entry in own],
-                    parts=[parts[entry["surface"]] for entry in own],
+                    list(own.values()),
+                    names=list(own),
+                    parts=[parts[map_] for map_ in own],
                     group=name,
                     placements=placements,
                 )
             except RoughContactError as error:
                 left_out.append(f"{error}{f' (case {case})' if case else ''}")
             else:
-                answers.append(NamedGroup(name, case, found, placements))
+                answers.append(NamedGroup(name, case or None, found, placements))
     return answers, left_out
 
 
@@ -155,10 +159,20 @@ def comparisons(answers: Sequence[NamedGroup]) -> tuple[dict[tuple[str, str], xr
     return found, left_out
 
 
-def _numbers(path: str | Path) -> xr.Dataset:
-    """Return what a group needs of a file of statistics."""
-    arrays, attrs = read_arrays(path)
-    return xr.Dataset({name: arrays[name] for name in needed_for_groups(arrays)}, attrs=attrs)
+def _by_map(statistics: xr.Dataset) -> dict[tuple[str, str], xr.Dataset]:
+    """Return what groups need of each solved map, by case ("" where there are none) and name."""
+    bands = json.loads(statistics.attrs["bands"])
+    dims = [dim for dim in ("case", "surface") if dim in statistics.dims]
+    needed = statistics[needed_for_groups(map(str, statistics.variables))].reset_coords()
+    variables = {str(name): needed[name].transpose(*dims, ...).variable for name in needed.data_vars}
+    found = {}
+    for place in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
+        *cases, surface = (str(statistics[dim].values[at]) for dim, at in zip(dims, place, strict=True))
+        case = cases[0] if cases else ""
+        if surface in bands[case]:
+            own = {name: (each.dims[len(dims) :], each.values[place]) for name, each in variables.items()}
+            found[case, surface] = xr.Dataset(own, attrs=bands[case][surface])
+    return found
 
 
 def budget_table(statistics: xr.Dataset) -> pd.DataFrame:
