@@ -7,9 +7,11 @@ import pytest
 from roughcontact.command_line.program import _FILE_OPTIONS
 from roughcontact.configuration.surfaces import (
     COLUMNS,
+    GROUP,
     INSTRUMENT,
     PAIR,
     PAIR_FIRST_ROW,
+    PART,
     REPEAT,
     REQUIRED,
     find,
@@ -154,7 +156,9 @@ def test_a_missing_table_is_named(tmp_path):
 @pytest.mark.parametrize("verb", [read_height_map, inspect_file])
 def test_columns_and_options_are_the_arguments_of_reading(verb):
     arguments = [name for name in inspect.signature(verb).parameters if name not in ("path", "instrument")]
-    assert set(COLUMNS) - {*REQUIRED, PAIR, PAIR_FIRST_ROW, REPEAT, *INSTRUMENT} == set(arguments)
+    assert set(COLUMNS) - {*REQUIRED, GROUP, PART, PAIR, PAIR_FIRST_ROW, REPEAT, *INSTRUMENT} == set(
+        arguments
+    )
     assert [name.replace("-", "_") for name in _FILE_OPTIONS] == arguments
 
 
