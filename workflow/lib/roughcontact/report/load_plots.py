@@ -112,13 +112,14 @@ def group_values(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> st
     shown in the unit `pressure`.
     """
     chart = _groups_chart(groups, pressure)
-    room = min(0.05, 0.4 / len(groups))  # ln(load) between groups at the same load
+    room = min(0.08, 0.5 / len(groups))  # ln(load) between the maps of a group and its mean
     for index, (name, answer) in enumerate(groups):
         colour, marker = _style(index)
         load = answer["mean_pressure"].values * pressure.factor
-        load = load * np.exp(room * 2 * (index - (len(groups) - 1) / 2))
+        load = load * np.exp(2 * room * (index - (len(groups) - 1) / 2))
         for of_map in answer[f"{_AREA}_of_maps"].values:
-            chart.marks(load * np.exp(-0.4 * room), 100 * of_map, colour=colour, marker=marker, filled=False)
+            chart.marks(load / np.exp(room / 2), 100 * of_map, colour=colour, marker=marker, filled=False)
+        load = load * np.exp(room / 2)
         chart.bars(load, *(100 * end for end in _ends(answer, _AREA)), colour=colour)
         chart.marks(load, 100 * answer[_AREA].values, colour=colour, marker=marker, label=name)
     return chart.source("below")

@@ -280,7 +280,7 @@ def _more(found: _Compared, place: tuple[int, ...], relevant: float) -> str:
     ends = to_scale(name, from_scale(name, mean) * np.array([1 - relevant, 1 + relevant]))
     target = float(np.nanmin(np.abs(ends - mean)))
     if found.shared[place] >= target:
-        return f"what their maps share is more than {percent(relevant)}, so that more maps would not"
+        return f"errors that all maps share are more than {percent(relevant)}, so that more maps would not"
     needed = maps_needed(float(found.spread[place]), target, paired=found.paired)
     more = max(needed - found.parts, 1)
     count = f"more than {_MOST}" if more > _MOST else str(more)
