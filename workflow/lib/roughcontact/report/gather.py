@@ -163,8 +163,8 @@ def _by_map(statistics: xr.Dataset) -> dict[tuple[str, str], xr.Dataset]:
     """Return what groups need of each solved map, by case ("" where there are none) and name."""
     bands = json.loads(statistics.attrs["bands"])
     dims = [dim for dim in ("case", "surface") if dim in statistics.dims]
-    needed = statistics[needed_for_groups(map(str, statistics.variables))].reset_coords()
-    variables = {str(name): needed[name].transpose(*dims, ...).variable for name in needed.data_vars}
+    needed = needed_for_groups(map(str, statistics.variables))
+    variables = {name: statistics[name].transpose(*dims, ...).variable for name in needed}
     found = {}
     for place in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
         *cases, surface = (str(statistics[dim].values[at]) for dim, at in zip(dims, place, strict=True))
