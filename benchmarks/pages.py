@@ -28,7 +28,9 @@ BLOCKS = {
     "aims": RESULTS / "speed.md",
     "window": ROOT / "docs/explanation/surface.md",
     "damage": ROOT / "docs/explanation/reliability.md",
-} | dict.fromkeys(("pixels", "answers", "coverage", "measurement"), ROOT / "docs/explanation/uncertainty.md")
+} | dict.fromkeys(
+    ("pixels", "answers", "coverage", "measurement", "groups"), ROOT / "docs/explanation/uncertainty.md"
+)
 
 
 def read(folder: Path) -> dict:

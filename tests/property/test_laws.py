@@ -101,10 +101,12 @@ NO_NUMBER |= {
     "case_name",
     "place_of_the_peak",
 }
+NO_NUMBER |= {"group", "group_name", "map", "map_name", "part", "maps", "stands_off"}
 NO_NUMBER |= {name for name in VARIABLES if name.startswith("other_") or name.endswith("_difference")}
 ENDINGS = (
     # of an interval or a magnification curve, of the same kind as its number
-    r"_(uncertainty|(map_)?lower|(map_)?upper|parts|choices|half_way|estimate|at_cutoff|components)$"
+    r"_(uncertainty|((map|next|next_part)_)?(lower|upper)|of_maps|parts|choices|half_way|estimate|at_cutoff"
+    r"|components)$"
 )
 
 BODIES = (
@@ -131,7 +133,10 @@ SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}
 
 def kind_of(name):
     """Return the name of the number that a variable is about."""
-    return "sensitivity" if name.endswith("_sensitivity") else re.sub(ENDINGS, "", name)
+    # on the scale of a group: a logarithm
+    if name.endswith(("_sensitivity", "_between", "_within", "_shared")):
+        return "sensitivity"
+    return re.sub(ENDINGS, "", name)
 
 
 def law_of(name):

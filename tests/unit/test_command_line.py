@@ -147,6 +147,30 @@ def test_solve_prints_a_table(capsys):
     assert "verdict" in out
 
 
+def test_several_files_are_solved_together(capsys, tmp_path):
+    files = []
+    for seed in (1, 2, 3):
+        waves = {"hurst": 0.8, "shortest": 8e-6, "longest": 16e-6, "rms_gradient": 0.1}
+        files.append(str(tmp_path / f"{seed}.npy"))
+        np.save(files[-1], self_affine_surface((48, 48), 1e-6, **waves, seed=seed).values)
+    given = ["--unit", "m", "--dx", "1e-6", "--dy", "1e-6", "--contact-modulus", "1GPa", *NO_BUDGET]
+    code, out, err = said(capsys, "solve", *files, *given, "--mean-pressure", "5MPa", "--json")
+    assert (code, err) == (0, "")
+    found = json.loads(out)
+    areas = [each["loads"][0]["relative_contact_area"] for each in found["maps"]]
+    (load,) = found["group"]["loads"]
+    assert load["relative_contact_area_lower"] < min(areas) < load["relative_contact_area"] < max(areas)
+    assert load["relative_contact_area_next_upper"] > load["relative_contact_area_upper"]
+    assert found["group"]["units"]["mean_gap_next_lower"] == "m"
+    code, out, _ = said(capsys, "solve", *files, *given, "--mean-pressure", "5MPa")
+    assert code == 0
+    assert "3 maps together" in out
+    assert "next map" in out
+    code, out, _ = said(capsys, "solve", *files[:2], *given, "--mean-pressure", "5MPa")
+    assert "range, from the lowest to the highest of the maps" in out
+    assert "±" not in out
+
+
 def test_an_interval_above_nothing_has_a_unit_that_suits_it():
     load = {"mean_gap": 0.0, "mean_gap_lower": 0.0, "mean_gap_upper": 2.2e-8}
     assert _cell(load, "mean_gap", "m") == "0 +22 nm"

@@ -1136,35 +1136,36 @@ def test_cases_are_compared_with_their_difference():
             "mean_contact_pressure": ("load", [1e7, 1e7]),
             "max_pressure": ("load", [3e7, 4e7]),
             "mean_gap": ("load", [2e-6, 0.0]),
-            "relative_contact_area_uncertainty": (("load", "source"), [[0.003], [0.0]]),
+            "mean_gap_lower": ("load", [2e-6 / np.exp(0.03), np.nan]),
+            "mean_gap_upper": ("load", [2e-6 * np.exp(0.03), np.nan]),
         },
-        coords={"source": ["combined"]},
     )
     second = first * 2
-    second["relative_contact_area_uncertainty"] = (("load", "source"), [[0.008], [0.0]])
+    ends = {"lower": 4e-6 / np.exp(0.04), "upper": 4e-6 * np.exp(0.04)}
+    second = second.assign({f"mean_gap_{end}": ("load", [value, np.nan]) for end, value in ends.items()})
     areas, *_, gaps = case_table({"one": first, "two": second})["groups"]
-    # 0.2 ± 0.008 against 0.1 ± 0.003: hypot(0.008, 2 * 0.003)/0.1 = 10 %
-    assert areas["rows"][0] == ["1.00 MPa / 2.00 MPa", "(10.00 ± 0.30) %", "(20.00 ± 0.80) %", "(100 ± 10) %"]
     assert areas["rows"][1] == ["2.00 MPa / 4.00 MPa", "20.0 %", "40.0 %", "100 %"]
+    # independent where nothing is known of what both share: 2 e^(± hypot(0.03, 0.04)) = 1.902 to 2.103
+    assert gaps["rows"][0][1:] == ["(2.000 ± 0.061) µm", "(4.00 ± 0.16) µm", "(100 ± 10) %"]
     assert gaps["rows"][1][-1] == "–"
     assert case_table({"one": first}) is None
 
 
 def test_differences_of_cases_reach_as_far_as_the_ends_of_both_intervals():
-    def case(area, lower, upper):
-        ones = {name: ("load", [1.0]) for name in ("mean_contact_pressure", "max_pressure", "mean_gap")}
-        ends = {
-            "relative_contact_area_lower": ("load", [lower]),
-            "relative_contact_area_upper": ("load", [upper]),
+    def case(gap, down, up):
+        ones = {
+            name: ("load", [1.0])
+            for name in ("mean_contact_pressure", "max_pressure", "relative_contact_area")
         }
-        return xr.Dataset(
-            {"mean_pressure": ("load", [1e6]), "relative_contact_area": ("load", [area])} | ones | ends
-        )
+        ends = {
+            "mean_gap_lower": ("load", [gap * np.exp(-down)]),
+            "mean_gap_upper": ("load", [gap * np.exp(up)]),
+        }
+        return xr.Dataset({"mean_pressure": ("load", [1e6]), "mean_gap": ("load", [gap])} | ones | ends)
 
-    table = case_table({"one": case(0.1, 0.08, 0.101), "two": case(0.2, 0.199, 0.24)})
-    # up: hypot(0.04, 2 * 0.02)/0.1 = 57 %, down: hypot(0.001, 2 * 0.001)/0.1 = 2.2 %
-    shown = ["1.00 MPa", "(10.00 −2.0 +0.10) %", "(20.00 −0.10 +4.0) %", "(100.0 −2.2 +57) %"]
-    assert table["groups"][0]["rows"][0] == shown
+    table = case_table({"one": case(1e-6, 0.3, 0.01), "two": case(2e-6, 0.01, 0.4)})
+    # up: 2 e^hypot(0.4, 0.3) = 3.297, down: 2 e^-hypot(0.01, 0.01) = 1.972
+    assert table["groups"][-1]["rows"][0][-1] == "(100.0 −2.8 +130) %"
     assert table["differences"] == ["two against one"]
 
 
@@ -1211,8 +1212,8 @@ def test_of_many_surfaces_it_is_counted_how_many_differ_by_more_than_their_inter
             {"mean_pressure": ("load", [1e6]), "relative_contact_area": ("load", [area])} | ones | ends
         )
 
-    narrow, wide = {"lower": -0.01, "upper": 0.01}, {"lower": -0.01, "upper": 0.09}
-    # 0.2 against 0.1 is clear; not so, where 0.1 may be 0.19: hypot(0.01, 2 * 0.09)/0.1 = 180 %
+    narrow, wide = {"lower": -0.01, "upper": 0.01}, {"lower": -0.01, "upper": 0.11}
+    # 0.2 against 0.1 is clear; not so, where 0.1 may be 0.21
     surfaces = [
         *({"one": surface(0.1, narrow), "two": surface(0.2, narrow)} for _ in range(3)),
         {"one": surface(0.1, wide), "two": surface(0.2, narrow)},

@@ -3,14 +3,13 @@
 import json
 
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 
 from roughcontact.maps import height_map
 from roughcontact.report.glance import Cell, glance_rows, loads_to_compare
-from roughcontact.report.tables import crosscheck_table, number_tables, pair_table, score_table
-from roughcontact.results.storage import write_dataset, write_table
+from roughcontact.report.tables import crosscheck_table, number_tables, score_table
+from roughcontact.results.storage import write_dataset
 
 
 def test_the_cross_check_says_by_how_much_the_other_code_is_off(tmp_path):
@@ -137,42 +136,6 @@ def test_columns_hold_their_loads_and_intervals():
     assert table["rows"] == [
         {"cells": ["1.00", "2.00 ± 0.20"], "flags": ""},
         {"cells": ["4.00", "1.000 −0.30 +0.010"], "flags": "coarse patches"},
-    ]
-
-
-def test_of_a_pair_the_spread_stands_beside_the_mean(tmp_path):
-    """Of four ways to lay the faces on one another, and of a single one, which has no spread."""
-    columns = {
-        "surface": ["ground", "lapped"],
-        "case": ["steel", "steel"],
-        "members": [4, 1],
-        "contact_modulus_Pa": [115e9, 115e9],
-        "rms_height_m": [4e-7, 4e-9],
-        "mean_pressure_Pa": [1e6, 2e6],
-        "spread_mean_pressure_Pa": [1e5, np.nan],
-        "relative_contact_area": [0.05, 0.06],
-        "spread_relative_contact_area": [0.002, np.nan],
-        "mean_contact_pressure_Pa": [2e7, 3e7],
-        "spread_mean_contact_pressure_Pa": [1e6, np.nan],
-        "max_pressure_Pa": [5e8, 6e8],
-        "spread_max_pressure_Pa": [2e7, np.nan],
-        "mean_gap_m": [1.2e-6, 5e-9],
-        "spread_mean_gap_m": [3e-8, np.nan],
-    }
-    write_table(pd.DataFrame(columns), tmp_path / "pairs.csv")
-    table = pair_table(tmp_path / "pairs.csv")
-    assert table["header"][:4] == ["pair", "members", "mean pressure p̄", "contact area A/A₀"]
-    assert table["rows"] == [
-        [
-            "ground · steel",
-            "4",
-            "1.00 MPa ± 0.100 MPa",
-            "5.00 % ± 0.200 %",
-            "20.0 MPa ± 1.00 MPa",
-            "500 MPa ± 20.0 MPa",
-            "1.20 µm ± 0.0300 µm",
-        ],
-        ["lapped · steel", "1", "2.00 MPa", "6.00 %", "30.0 MPa", "600 MPa", "5.00 nm"],
     ]
 
 

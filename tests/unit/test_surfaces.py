@@ -7,9 +7,11 @@ import pytest
 from roughcontact.command_line.program import _FILE_OPTIONS
 from roughcontact.configuration.surfaces import (
     COLUMNS,
+    GROUP,
     INSTRUMENT,
     PAIR,
     PAIR_FIRST_ROW,
+    PART,
     REPEAT,
     REQUIRED,
     find,
@@ -154,7 +156,9 @@ def test_a_missing_table_is_named(tmp_path):
 @pytest.mark.parametrize("verb", [read_height_map, inspect_file])
 def test_columns_and_options_are_the_arguments_of_reading(verb):
     arguments = [name for name in inspect.signature(verb).parameters if name not in ("path", "instrument")]
-    assert set(COLUMNS) - {*REQUIRED, PAIR, PAIR_FIRST_ROW, REPEAT, *INSTRUMENT} == set(arguments)
+    assert set(COLUMNS) - {*REQUIRED, GROUP, PART, PAIR, PAIR_FIRST_ROW, REPEAT, *INSTRUMENT} == set(
+        arguments
+    )
     assert [name.replace("-", "_") for name in _FILE_OPTIONS] == arguments
 
 
@@ -265,6 +269,15 @@ def test_repeats_know_each_other(table):
     surfaces = read_surfaces(table("surface\tpath\trepeat_of\tnoise", "a\ta.npy\tb\t", "b\tb.npy\t\t2 nm"))
     assert surfaces["a"].given["repeat"] == {"path": "b.npy", "instrument": {"noise": pytest.approx(2e-9)}}
     assert surfaces["b"].given["repeat"] == {"path": "a.npy"}
+
+
+def test_repeats_in_a_group_are_of_one_part(table):
+    rows = ["a\ta.npy\tb\tground\t", "b\tb.npy\t\tground\t", "c\tc.npy\t\tground\t"]
+    surfaces = read_surfaces(table("surface\tpath\trepeat_of\tgroup\tpart", *rows))
+    assert [each.part for each in surfaces.values()] == ["b", "b", ""]
+    rows[0] += "left"  # what is stated stays
+    surfaces = read_surfaces(table("surface\tpath\trepeat_of\tgroup\tpart", *rows))
+    assert [each.part for each in surfaces.values()] == ["left", "", ""]
 
 
 @pytest.mark.parametrize("other", ["a", "nobody"])

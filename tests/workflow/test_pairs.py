@@ -94,7 +94,19 @@ def test_mean_and_spread_over_the_members(paired):
             assert float(row[f"spread_{name}"]) == pytest.approx(np.std(values, ddof=1), rel=1e-6)
         assert float(row["spread_relative_contact_area"]) > 0
     page = paired.path("results/report.html").read_text()
-    assert "Two faces on one another" in page
+    assert "<b>seal</b>: 2 placements of two faces." in page
+    # the pair reaches as far as its members' intervals
+    for load, row in enumerate(table(paired, "groups.csv")):
+        assert (row["group"], row["maps"]) == ("seal", "2")
+        for name in ("relative_contact_area", "max_pressure"):
+            unit = "_Pa" if name == "max_pressure" else ""
+            ends = [
+                [float(member[f"{name}_{end}{unit}"] or "nan") for member in members[load::2]]
+                for end in ("lower", "upper")
+            ]
+            for end, of_members, most in zip(("lower", "upper"), ends, (min, max), strict=True):
+                if not np.isnan(of_members).any() and row[f"{name}_{end}"]:
+                    assert float(row[f"{name}_{end}"]) == pytest.approx(most(of_members), rel=1e-8)
     for part in ("Counter-face, as measured", "turned.txt, its middle at", "turned by 90°"):
         assert part in page
 

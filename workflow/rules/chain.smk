@@ -102,6 +102,7 @@ rule report:
             if PLAN.members
             else {}
         ),
+        **(outputs_of_groups() if PLAN.groups else {}),
         **({"pages": directory("results/pages")} if len(PLAN.runs) > ONE_PAGE else {}),
         statistics=for_report(
             "results/statistics.nc",
@@ -141,7 +142,7 @@ rule report:
         runtime=lambda wildcards, attempt: round(5 + attempt * len(PLAN.runs) / 300),
     params:
         runs=[list(run) for run in PLAN.runs],
-        pairs={name: member.pair for name, member in PLAN.members.items()},
+        groups={name: [*group] for name, group in PLAN.groups.items()},
         title=PLAN.common["report"]["title"],
         settings=PLAN.all_settings(),
         settings_of_statistics=PLAN.all_settings(

@@ -169,6 +169,25 @@ def for_report(path, caption, category, **labels):
     )
 
 
+def outputs_of_groups():
+    """Return the files of groups of maps, and of pairs of faces, by name."""
+    files = {
+        "groups": ("results/groups.nc", "netCDF", "answers of groups"),
+        "groups_table": ("results/groups.csv", "table", "answers of groups"),
+        "comparisons": ("results/comparisons.csv", "table", "differences of groups"),
+    }
+    return {
+        name: for_report(
+            path,
+            "comparisons" if name == "comparisons" else "groups",
+            "All surfaces",
+            holds=holds,
+            file=file,
+        )
+        for name, (path, file, holds) in files.items()
+    }
+
+
 def outputs_of(part, kind, **which):
     """Return the output files of a job of the chain, by name."""
     files = PLAN.outputs(part, kind, **which)

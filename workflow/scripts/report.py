@@ -1,13 +1,13 @@
-"""Put all surfaces together: results/statistics.nc, summary.csv, pairs.csv and report.html."""
+"""Put all surfaces together: datasets, tables and report.html of all surfaces, groups and pairs."""
 
 from pathlib import Path
 
-from _job import snakemake
+from _job import say, snakemake
 
 from roughcontact.report.gather import write_results
 
 params, files = snakemake.params, zip(snakemake.input.statistics, snakemake.input.panels, strict=True)
-write_results(
+left_out = write_results(
     Path(snakemake.output.page).parent,
     finished=[
         {"surface": surface, "case": case or None, "statistics": statistics, "panel": panel}
@@ -16,5 +16,7 @@ write_results(
     title=params.title,
     settings=params.settings,
     settings_of_statistics=params.settings_of_statistics,
-    pairs=params.pairs,
+    groups=params.groups,
 )
+for text in left_out:
+    say(f"warning: {text}")

@@ -8,7 +8,8 @@ The public verbs take and return labelled arrays (`xarray`), in SI units, and fo
     contact  = solve_contact(window, contact_modulus=1e9, mean_pressure=[1e6, 5e6])
     stats    = contact_statistics(contact)
 
-`evaluate(path, contact={"contact_modulus": 1e9})` goes all this way, to the numbers with their intervals.
+`evaluate(path, contact={"contact_modulus": 1e9})` goes all this way, to the numbers with their intervals;
+`group_statistics` makes one answer of several maps, and `compare_groups` tells whether two finishes differ.
 
 Names are imported on first use, so that a job pays only for what it needs.
 """
@@ -33,6 +34,8 @@ _HOME = {
     "first_yield_pressure": "roughcontact.statistics.first_yield",
     "error_budget": "roughcontact.uncertainty.budget",
     "evaluate": "roughcontact.evaluation",
+    "group_statistics": "roughcontact.uncertainty.groups",
+    "compare_groups": "roughcontact.uncertainty.differences",
     "compare_statistics": "roughcontact.results.comparison",
     "read_dataset": "roughcontact.results.storage",
     "read_statistics": "roughcontact.results.selection",

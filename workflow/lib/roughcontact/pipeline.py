@@ -17,11 +17,14 @@ from roughcontact.levelling.level import level
 from roughcontact.statistics.checks import with_verdicts
 from roughcontact.statistics.contact_statistics import SOLUTION_COLUMNS, statistics_of, with_uncertainty
 from roughcontact.statistics.first_yield import with_first_yield
+from roughcontact.statistics.instrument_checks import instrument_kind
 from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.statistics.targets import wanted_loads
 from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
 from roughcontact.variables import describe
 from roughcontact.window.periodic_window import periodic_window
+
+_BAND = ("band_shortest", "band_longest", "band_reason")
 
 Settings = Mapping[str, Mapping[str, Any]]
 Progress = Callable[[int, int, str], None]
@@ -200,5 +203,8 @@ def complete_statistics(
     yielding = with_first_yield(counted, window, settings["contact"], threads=threads)
     complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])
     stated = settings.get("instrument", {}).items()
-    known = {f"instrument_{key}": value for key, value in stated if isinstance(value, float)}
+    known: dict[str, Any] = {f"instrument_{key}": value for key, value in stated if isinstance(value, float)}
+    # what a group of maps has to have in common
+    known |= {key: window.attrs[key] for key in _BAND if key in window.attrs}
+    known["measured_by"] = instrument_kind(window.attrs).name
     return with_verdicts(complete.assign_attrs(known), window)

@@ -212,6 +212,17 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "surface_name": (None, "name of the surface, as in the table of surfaces"),
     "case": (None, "name of the case, as in the settings"),
     "case_name": (None, "name of the case, as in the settings"),
+    # groups of maps
+    "group": (None, "name of the group of maps, or of the pair of faces"),
+    "group_name": (None, "name of the group of maps, or of the pair of faces"),
+    "map": (None, "name of the map"),
+    "map_name": (None, "name of the map; empty beyond the maps of a group"),
+    "part": (None, "name of the part that the map is of"),
+    "maps": ("1", "number of the maps of the group"),
+    "stands_off": (
+        "1",
+        "1 for a map that stands off the others of its group (Grubbs's test, 1 %), 0 elsewhere",
+    ),
 }
 
 # quantities that have an interval: unit, and what they are called in descriptions
@@ -232,6 +243,11 @@ _OF_INTERVALS = {
     "components": "half-widths, bias and one-sided shifts that the interval of the {} is made of",
     "map_lower": "lower end of the 95 % interval of the {}, of this map and the waves that it holds",
     "map_upper": "upper end of the 95 % interval of the {}, of this map and the waves that it holds",
+    "next_lower": "lower end of the 95 % interval of the {} of the next map",
+    "next_upper": "upper end of the 95 % interval of the {} of the next map; none where nothing bounds it",
+    "next_part_lower": "lower end of the 95 % interval of the mean {} of the next part",
+    "next_part_upper": "upper end of the 95 % interval of the mean {} of the next part",
+    "of_maps": "{} of each map of the group",
     "parts": "{} of each part of the window, solved by itself",
     "choices": "{} with other choices of processing",
     "at_cutoff": "{} of the waves that are kept, by the shortest of them",
@@ -239,6 +255,17 @@ _OF_INTERVALS = {
 VARIABLES |= {
     f"{name}_sensitivity": ("1", f"d ln Q/d ln input of the {words}")
     for name, (_, words) in _WITH_INTERVAL.items()
+}
+_OF_GROUPS = {
+    "between": "standard deviation of the {} between parts, on its symmetric scale",
+    "within": "standard deviation of the {} between the maps of a part, on its symmetric scale",
+    "shared": "half-widths and shifts of the {} that the maps of a group share, on its symmetric scale",
+}
+VARIABLES |= {
+    # heights are their own scale, all others have a logarithm
+    f"{name}_{ending}": (unit if name.startswith("critical") else "1", text.format(words))
+    for name, (unit, words) in _WITH_INTERVAL.items()
+    for ending, text in _OF_GROUPS.items()
 }
 VARIABLES |= {
     f"{name}_{ending}": (unit, text.format(words))

@@ -20,6 +20,9 @@ _COLUMNS = (
     ("mean_gap", "mean gap", "m"),
     ("error_bound", "error bound", "1"),
 )
+# those of them that a group of maps has
+_OF_GROUPS = ("mean_pressure", "relative_contact_area", "mean_contact_pressure", "max_pressure", "mean_gap")
+_ABOUT_GROUPS = "95 %: ± of the mean of the finish, and of one more map"
 
 
 def as_json(value: object) -> str:
@@ -154,6 +157,35 @@ def solution(result: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
+def group(result: Mapping[str, Any]) -> str:
+    """Return the numbers of several maps together, by `solve_files`, and a line about each map."""
+    found = result["group"]
+    columns = [column for column in _COLUMNS if column[0] in _OF_GROUPS]
+    show = _ends if found["range"] else _cell
+    rows = [[columns[0][1], columns[1][1], "next map", *(heading for _, heading, _ in columns[2:])]]
+    for load in found["loads"]:
+        first, area, *others = (show(load, name, unit) for name, _, unit in columns)
+        rows.append([first, area, _ends(load, "relative_contact_area_next", "%"), *others])
+    about = "range, from the lowest to the highest of the maps" if found["range"] else _ABOUT_GROUPS
+    lines = [f"{found['maps']} maps together", "", *_aligned(rows), "", _line("intervals", about)]
+    lines += [_line("remark", text) for text in found["remarks"]]
+    for each in result["maps"]:
+        areas = ", ".join(percent(load["relative_contact_area"]) for load in each["loads"])
+        lines += ["", str(each["file"]), _line("A/A0", areas), _line("verdict", each["verdict"])]
+    return "\n".join(lines)
+
+
+def _ends(load: Mapping[str, Any], name: str, unit: str) -> str:
+    """Return an interval of a load by its ends; the number itself where it has none."""
+    low, high = (load.get(f"{name}_{end}", math.nan) for end in ("lower", "upper"))
+    if math.isnan(low):
+        return _cell(load, name, unit) if name in load else "–"
+    factor, shown = (100.0, "%") if unit == "%" else prefix(low, unit)
+    return (
+        f"{number(low * factor)} {'or more' if math.isnan(high) else f'to {number(high * factor)}'} {shown}"
+    )
+
+
 def _lines_of_hardness(surface: Mapping[str, Any]) -> list[str]:
     """Return hardness and first yield, if a hardness is given."""
     if "hardness" not in surface:
@@ -189,12 +221,18 @@ def _table(loads: Iterable[Mapping[str, Any]]) -> list[str]:
     for load in sorted(loads, key=lambda load: load["mean_pressure"]):
         cells = [_cell(load, name, unit) for name, _, unit in _COLUMNS]
         rows.append([*cells, ", ".join(load["flags"])])
-    widths = [max(len(row[column]) for row in rows) for column in range(len(_COLUMNS))]
-    lines = []
-    for *numbers, flags in rows:
-        cells = [cell.rjust(width) for cell, width in zip(numbers, widths, strict=True)]
-        lines.append("  ".join(["", *cells, flags]).rstrip())
-    return lines
+    return [
+        f"{numbers}  {flags}".rstrip()
+        for numbers, (*_, flags) in zip(_aligned([row[:-1] for row in rows]), rows, strict=True)
+    ]
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return rows of cells as lines, the cells of each column to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(["", *(cell.rjust(width) for cell, width in zip(row, widths, strict=True))]) for row in rows
+    ]
 
 
 def comparison(rows: Sequence[Mapping[str, Any]], *, share: float | None = None) -> str:

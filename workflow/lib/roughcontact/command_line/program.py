@@ -99,8 +99,13 @@ def _parser(*, settings: bool) -> argparse.ArgumentParser:
     _add_file_options(inspect)
     inspect.set_defaults(run=_inspect)
 
-    solve = verbs.add_parser("solve", help="read, level, make periodic and solve one map; print the numbers")
-    solve.add_argument("file", metavar="FILE", help="a measured height map, any format")
+    solve = verbs.add_parser("solve", help="read, level, make periodic and solve maps; print the numbers")
+    solve.add_argument(
+        "files",
+        nargs="+",
+        metavar="FILE",
+        help="a measured height map, any format; of several maps of a finish the numbers of all together",
+    )
     _add_file_options(solve)
     solve.set_defaults(run=_solve)
     if settings:
@@ -213,18 +218,21 @@ def _inspect(options: argparse.Namespace) -> int:
 
 
 def _solve(options: argparse.Namespace) -> int:
-    """Print the contact of one map."""
-    from roughcontact.command_line.describe import as_json, solution
+    """Print the contact of one map, or of several together."""
+    from roughcontact.command_line.describe import as_json, group, solution
     from roughcontact.command_line.options import chosen_settings, in_options
-    from roughcontact.command_line.solving import solve_file
+    from roughcontact.command_line.solving import solve_file, solve_files
 
     try:
         settings = chosen_settings(options)
-        result = solve_file(options.file, _given(options), settings, threads=options.threads)
+        given = {"given": _given(options), "settings": settings, "threads": options.threads}
+        together = len(options.files) > 1
+        result = solve_files(options.files, **given) if together else solve_file(options.files[0], **given)
     except SettingsError as error:
         raise SettingsError(in_options(error)) from error
-    print(as_json(result) if options.json else solution(result))
-    return 0 if all(load["converged"] for load in result["loads"]) else 1
+    print(as_json(result) if options.json else group(result) if together else solution(result))
+    maps = result["maps"] if together else [result]
+    return 0 if all(load["converged"] for each in maps for load in each["loads"]) else 1
 
 
 def _init(options: argparse.Namespace) -> int:

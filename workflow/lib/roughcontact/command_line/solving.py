@@ -1,8 +1,8 @@
-"""From one file to numbers by the chain of the workflow, as plain values, with a progress bar."""
+"""From a file, or several, to numbers by the chain of the workflow, as plain values, with a progress bar."""
 
 import json
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from roughcontact.io.read import read_height_map
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.pipeline import run_chain
 from roughcontact.statistics import checks
+from roughcontact.uncertainty.groups import group_statistics, is_range
 from roughcontact.variables import VARIABLES
 
 # attributes of the levelled map on removed and filled points
@@ -23,6 +24,49 @@ _LEVELLED = (
 _LEVELLED_JSON = ("outlier_kinds", "form_removed")
 
 Progress = Callable[[int, int | None, str], None]
+
+
+def solve_files(
+    paths: Sequence[str | Path], given: Mapping[str, Any], settings: Mapping[str, Any], *, threads: int = 1
+) -> dict[str, Any]:
+    """Solve several maps of a finish, and return their headline numbers and those of the group.
+
+    Parameters
+    ----------
+    paths : sequence of str or Path
+        measured height maps, two or more.
+    given, settings, threads
+        as of `solve_file`, for all maps.
+
+    Returns
+    -------
+    dict
+        `maps` (a result of `solve_file` each), `group`: `loads` (one dict per load, name -> number, those of
+        the intervals included), `maps` (number), `range` (whether the ends are those of a range),
+        `remarks` (sentences), `units`.
+
+    Raises
+    ------
+    RoughContactError
+        as `solve_file` does, and for maps that are no group.
+    """
+    solved = [_solved(path, given, settings, threads=threads) for path in paths]
+    answer = group_statistics([statistics for _, statistics in solved], names=[*map(str, paths)])
+    numbers = {str(name): answer[name].values for name in answer.variables if answer[name].dims == ("load",)}
+    loads = [
+        {name: values[place].item() for name, values in numbers.items()}
+        for place in range(answer.sizes["load"])
+    ]
+    return {
+        "maps": [result for result, _ in solved],
+        "group": {
+            "maps": len(solved),
+            "range": is_range(answer),
+            "remarks": json.loads(answer.attrs["remarks"]),
+            "loads": loads,
+            "units": {name: VARIABLES[name][0] for name in numbers},
+        },
+    }
 
 
 def solve_file(
@@ -55,6 +99,13 @@ def solve_file(
     RoughContactError
         for a file, a setting or a map that a stage rejects, or a load that misses the tolerance.
     """
+    return _solved(path, given, settings, threads=threads)[0]
+
+
+def _solved(
+    path: str | Path, given: Mapping[str, Any], settings: Mapping[str, Any], *, threads: int
+) -> tuple[dict[str, Any], xr.Dataset]:
+    """Return the result of `solve_file`, and the statistics that it is made of."""
     with _progress() as show:
         show(0, None, "reading")
         height = read_height_map(path, **given)
@@ -62,7 +113,7 @@ def solve_file(
     outcome = checks.surface_checks(
         statistics, height=height.attrs, levelled=levelled.attrs, window=window.attrs, points=window.size
     )
-    return {
+    result = {
         "file": str(path),
         "source_sha256": height.attrs["source_sha256"],
         "measured": {"ny": height.shape[0], "nx": height.shape[1], "format": height.attrs["source_format"]},
@@ -89,6 +140,7 @@ def solve_file(
             for key in ("contact", "level", "window", "statistics", "uncertainty", "instrument")
         },
     }
+    return result, statistics
 
 
 def _plain_numbers(

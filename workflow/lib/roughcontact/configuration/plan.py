@@ -75,6 +75,21 @@ class Run(NamedTuple):
     case: str
 
 
+class Group(NamedTuple):
+    """Maps that have one answer together.
+
+    Attributes
+    ----------
+    parts : dict
+        name of a solved surface -> the part that it is of.
+    placements : bool
+        whether they are the relative positions of two faces.
+    """
+
+    parts: dict[str, str]
+    placements: bool
+
+
 @dataclass(frozen=True)
 class Plan:
     """The plan of a run.
@@ -124,6 +139,21 @@ class Plan:
         for name, member in self.members.items():
             of_pair.setdefault(member.pair, []).append(name)
         return [name for row in self.table for name in of_pair.get(row, [row])]
+
+    @cached_property
+    def groups(self) -> dict[str, Group]:
+        """Name -> group of maps: those of the table, then the pairs of faces with their members."""
+        found: dict[str, Group] = {}
+        for surface in self.solved:
+            member = self.members.get(surface)
+            row = self.row(surface)
+            if row.group:
+                group = found.setdefault(row.group, Group({}, placements=False))
+                # placements of two faces are of one pair of parts
+                group.parts[surface] = row.part or (member.pair if member else surface)
+        for surface, member in self.members.items():
+            found.setdefault(member.pair, Group({}, placements=True)).parts[surface] = surface
+        return found
 
     @cached_property
     def runs(self) -> list[Run]:

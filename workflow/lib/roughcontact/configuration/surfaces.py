@@ -11,7 +11,7 @@ positions of the faces (`roughcontact.faces.positions`), are solved.
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +31,8 @@ INSTRUMENT = tuple(
     key for key in Instrument.model_fields if key != "finer_spectrum"
 )  # prevail over the settings
 REPEAT = "repeat_of"  # name of a surface that is the same place measured again, for the noise of both
-COLUMNS = (*REQUIRED, PAIR, PAIR_FIRST_ROW, REPEAT, *TEXTS, *NUMBERS, *INSTRUMENT)
+GROUP, PART = "group", "part"
+COLUMNS = (*REQUIRED, GROUP, PART, PAIR, PAIR_FIRST_ROW, REPEAT, *TEXTS, *NUMBERS, *INSTRUMENT)
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,8 @@ class Surface:
         the other file of a pair; None where a single face is measured.
     counter_face_first_row : str
         position of the first row of that file; empty: as in the file.
+    group, part : str
+        the finish and the part that the map is of; empty where it is of none, or of a part of its own.
     """
 
     name: str
@@ -60,6 +63,8 @@ class Surface:
     given: dict[str, Any]
     counter_face: Path | None = None
     counter_face_first_row: str = ""
+    group: str = ""
+    part: str = ""
 
 
 @dataclass(frozen=True)
@@ -160,12 +165,21 @@ def read_surfaces(
         )
         name = row.get("surface", "")
         surfaces[name] = Surface(
-            name, path or Path(), f"{table}, line {line}", given, counter_face, row.get(PAIR_FIRST_ROW, "")
+            name,
+            path or Path(),
+            f"{table}, line {line}",
+            given,
+            counter_face,
+            row.get(PAIR_FIRST_ROW, ""),
+            row.get(GROUP, ""),
+            row.get(PART, ""),
         )
         if row.get(REPEAT):
             repeats[name] = row[REPEAT]
         mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
     mistakes += _link_repeats(surfaces, repeats)
+    mistakes += _mistakes_in_groups(surfaces)
+    _join_repeats(surfaces, repeats)
     if members_each:
         mistakes += _names_of_parts(surfaces, members(surfaces, members_each))
     if mistakes:
@@ -285,6 +299,37 @@ def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Sur
     if not row.get("path"):
         mistakes.append(f"line {line}, path: is empty; give the file of surface {name}")
     return mistakes
+
+
+def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> list[str]:
+    """Return what is wrong with the groups of maps, a sentence for each group, and each part without one."""
+    groups: dict[str, list[Surface]] = {}
+    mistakes = []
+    for row in surfaces.values():
+        place = row.origin.rpartition(", ")[2]
+        if row.group:
+            groups.setdefault(row.group, []).append(row)
+        elif row.part:
+            mistakes.append(f"{place}, {PART} = {row.part}: is in no group; name its {GROUP} as well")
+    for name, rows in groups.items():
+        place = f"{rows[0].origin.rpartition(', ')[2]}, {GROUP} = {name}"
+        if wrong := name_mistake(name):
+            mistakes.append(f"{place}: {wrong}")
+        if name in surfaces:
+            mistakes.append(f"{place}: a surface has this name as well; rename one")
+        if len(rows) == 1 and rows[0].counter_face is None:
+            mistakes.append(
+                f"{place}: has {rows[0].name} alone; name further maps of the finish, or leave the cell empty"
+            )
+    return mistakes
+
+
+def _join_repeats(surfaces: dict[str, Surface], repeats: Mapping[str, str]) -> None:
+    """Let repeats of a place, which are no independent maps, be of one part, where none is stated."""
+    for name, other in repeats.items():
+        pair = [surfaces[each] for each in (name, other) if each in surfaces]
+        if len({each.group for each in pair}) == 1 and pair[0].group and not any(each.part for each in pair):
+            surfaces |= {each.name: replace(each, part=other) for each in pair}
 
 
 def _link_repeats(surfaces: dict[str, Surface], repeats: Mapping[str, str]) -> list[str]:

@@ -8,6 +8,7 @@ import xarray as xr
 
 from roughcontact.quantities import Unit, number, with_interval
 from roughcontact.report.units import middle_of, unit_of
+from roughcontact.uncertainty.differences import case_differences
 
 # quantity, its name, its unit (a share is given in percent)
 _COMPARED = (
@@ -29,8 +30,7 @@ def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
     """Return the numbers of one surface under several cases, with their differences from the first.
 
     `cases` maps names to statistics of the surface, loads rising. Loads are compared in order, first with
-    first. The ± of a difference is that of two independent numbers; what both cases have in common (the map,
-    mostly the window) makes it smaller.
+    first. The ± of a difference leaves out what both cases share (`case_differences`).
 
     Returns
     -------
@@ -52,6 +52,7 @@ def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
         return None
     loads, first = min(data.sizes["load"] for data in cases.values()), next(iter(cases.values()))
     names_of_loads = [_load([[data] for data in cases.values()], load) for load in range(loads)]
+    changes = [case_differences(first, other) for other in list(cases.values())[1:]]
     groups = []
     for name, title, unit in _COMPARED:
         rows = []
@@ -63,8 +64,8 @@ def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
                     names_of_loads[load],
                     *(_shown(*pair, unit_of(first, unit)) for pair in zip(values, ways, strict=True)),
                     *(
-                        _difference(values[0], ways[0], *pair)
-                        for pair in zip(values[1:], ways[1:], strict=True)
+                        _difference(values[0], value, _ends(change, name, load))
+                        for value, change in zip(values[1:], changes, strict=True)
                     ),
                 ]
             )
@@ -88,6 +89,10 @@ def case_medians(surfaces: Sequence[Mapping[str, xr.Dataset]]) -> dict[str, Any]
     by_case = [[surface[name] for surface in complete] for name in names]
     names_of_loads = [_load(by_case, load) for load in range(loads)]
     middle = middle_of(by_case[0])
+    changed = {
+        name: [case_differences(surface[names[0]], surface[name]) for surface in complete]
+        for name in names[1:]
+    }
     groups = []
     for quantity_name, title, unit in _COMPARED:
         values = np.array(
@@ -101,9 +106,7 @@ def case_medians(surfaces: Sequence[Mapping[str, xr.Dataset]]) -> dict[str, Any]
                 *(_quantiles(column, unit_of(middle, unit)) for column in values[:, :, load].T),
                 *(
                     _quantiles(np.where(np.abs(column) < _DUST, 0.0, column), _PERCENT)
-                    + _clear(
-                        [(surface[names[0]], surface[name]) for surface in complete], quantity_name, load
-                    )
+                    + _clear(changed[name], quantity_name, load)
                     for name, column in zip(names[1:], changes[:, :, load].T, strict=True)
                 ),
             ]
@@ -158,40 +161,32 @@ def _in_brackets(value: float, down: float, up: float, unit: str) -> str:
     return f"({text}) {unit}" if " " in text else f"{text} {unit}"
 
 
-def _difference(first: float, of_first: Ways, other: float, ways: Ways) -> str:
-    """Return the difference from the first case in percent, with its interval.
-
-    It is larger where the other number is, and where the first is smaller.
-    """
+def _difference(first: float, other: float, ends: tuple[float, float]) -> str:
+    """Return the difference from the first case in percent, with its interval."""
     if not first > 0:
         return "–"
-    change, (down, up) = _change(first, of_first, other, ways)
-    # no number falls by more than 100 %; min() keeps NaN
-    return _in_brackets(change, min(down, 100 + change), up, "%")
-
-
-def _change(first: float, of_first: Ways, other: float, ways: Ways) -> tuple[float, Ways]:
-    """Return the difference of a number from another one in percent, and the half-widths of its interval."""
-    ratio = other / first
-    down, up = (
-        100 * float(np.hypot(way, ratio * opposite)) / first
-        for way, opposite in zip(ways, of_first[::-1], strict=True)
+    change, *sides = (
+        0.0 if abs(percent) < _DUST else percent
+        for percent in (100 * (ratio - 1) for ratio in (other / first, *ends))
     )
-    change = 100 * (ratio - 1)
-    return (0.0 if abs(change) < _DUST else change), (down, up)
+    return _in_brackets(change, change - sides[0], sides[1] - change, "%")
 
 
-def _clear(pairs: Sequence[tuple[xr.Dataset, xr.Dataset]], name: str, load: int) -> str:
+def _ends(found: xr.Dataset, name: str, load: int) -> tuple[float, float]:
+    """Return both ends of a ratio to the first case; NaN where they are not known."""
+    if name not in found["quantity"].values:
+        return np.nan, np.nan
+    row = list(found["quantity"].values).index(name)
+    low, high = (float(found[f"ratio_{end}"].values[row, load]) for end in ("lower", "upper"))
+    return low, high
+
+
+def _clear(found: Sequence[xr.Dataset], name: str, load: int) -> str:
     """Return the number of surfaces whose difference between two cases is larger than its interval."""
-    known = clear = 0
-    for first, other in pairs:
-        values = [float(data[name][load]) for data in (first, other)]
-        ways = [_ways(data, name, load) for data in (first, other)]
-        if values[0] > 0 and np.isfinite([*values, *ways[0], *ways[1]]).all():
-            change, (down, up) = _change(values[0], ways[0], values[1], ways[1])
-            known += 1
-            clear += change - down > 0 or change + up < 0
-    return f"; beyond ± {clear} of {known}" if known else ""
+    ends = np.array([_ends(one, name, load) for one in found])
+    known = np.isfinite(ends).all(axis=1)
+    clear = known & ((ends[:, 0] > 1) | (ends[:, 1] < 1))
+    return f"; beyond ± {clear.sum()} of {known.sum()}" if known.any() else ""
 
 
 def _quantiles(values: np.ndarray, unit: Unit) -> str:

@@ -242,6 +242,14 @@ class Chart:
         if path:
             self._drawn.append(f'<path d="{path}" fill="none" {_stroke(colour, 1.1, "")}/>')
 
+    def shade(self, x: np.ndarray, lower: np.ndarray, upper: np.ndarray, *, colour: str) -> None:
+        """Fill the band between two lines, where both are known, below all that is drawn."""
+        known = np.isfinite([x, lower, upper]).all(axis=0)
+        if known.sum() > 1:
+            around = np.r_[x[known], x[known][::-1]], np.r_[lower[known], upper[known][::-1]]
+            path = f'<path d="{self._path(*around)}z" fill="{colour}" fill-opacity=".18"/>'
+            self._drawn.insert(0, path)
+
     def across(
         self, *, x: float | None = None, y: float | None = None, label: str = "", **style: str
     ) -> None:

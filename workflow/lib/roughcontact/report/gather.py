@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from roughcontact.errors import RoughContactError
 from roughcontact.report.page import write_report
 from roughcontact.results.collect import (
     Entry,
@@ -20,6 +21,9 @@ from roughcontact.results.collect import (
 )
 from roughcontact.results.storage import provenance, write_dataset, write_table
 from roughcontact.uncertainty.combination import uncertainty_table
+from roughcontact.uncertainty.differences import compare_all
+from roughcontact.uncertainty.group_tables import NamedGroup, comparisons_table, groups_table, joined_groups
+from roughcontact.uncertainty.groups import group_statistics, needed_for_groups
 
 
 class Finished(Entry):
@@ -35,13 +39,14 @@ def write_results(
     title: str,
     settings: dict[str, Any],
     settings_of_statistics: dict[str, Any],
-    pairs: Mapping[str, str],
+    groups: Mapping[str, tuple[Mapping[str, str], bool]],
     failures: Sequence[Failure] = (),
     seen_from: str | Path | None = None,
-) -> None:
-    """Write the datasets, tables and page of all surfaces of a run.
+) -> list[str]:
+    """Write the datasets, tables and page of all surfaces of a run, and return why groups were left out.
 
-    These are `statistics.nc`, `summary.csv`, `uncertainty.csv`, `pairs.csv` and `report.html`.
+    These are `statistics.nc`, `summary.csv`, `uncertainty.csv` and `report.html`; with groups also
+    `groups.nc`, `groups.csv` and `comparisons.csv`, with pairs of faces `pairs.csv`.
 
     Parameters
     ----------
@@ -53,8 +58,9 @@ def write_results(
         of the page.
     settings, settings_of_statistics : dict
         of the run (of each case, where there are cases), whole and as far as the statistics depend on them.
-    pairs : mapping
-        name of a member -> name of its pair; empty where there are no pairs.
+    groups : mapping
+        name -> (name of a solved surface -> its part, whether these are placements of a pair of faces), as of
+        `Plan.groups`; empty where there are none.
     failures : sequence of dict
         surfaces (and cases) without results, with the reason; table, page and dataset name them.
     seen_from : path or None
@@ -70,19 +76,103 @@ def write_results(
     summary = summary_table(statistics)
     write_table(with_failures(summary, failures), folder / "summary.csv")
     write_table(budget_table(statistics), folder / "uncertainty.csv")
-    known = {member: pair for member, pair in pairs.items() if member in set(summary["surface"])}
-    if known:
-        write_table(pairs_table(summary, known), folder / "pairs.csv")
+    members = {
+        member: name
+        for name, (parts, placements) in groups.items()
+        if placements
+        for member in parts
+        if member in set(summary["surface"])
+    }
+    if members:
+        write_table(pairs_table(summary, members), folder / "pairs.csv")
+    answers, left_out = group_answers(statistics, groups)
+    compared, not_compared = comparisons(answers)
+    left_out += not_compared
+    if groups:
+        attrs["left_out"] = json.dumps(left_out, ensure_ascii=False)
+        write_dataset(
+            joined_groups(answers).assign_attrs(attrs | {"title": "Groups of maps"}), folder / "groups.nc"
+        )
+        write_table(groups_table(answers), folder / "groups.csv")
+        write_table(comparisons_table(compared), folder / "comparisons.csv")
     write_report(
         folder / "report.html",
         panels=[entry["panel"] for entry in finished],
         statistics=folder / "statistics.nc",
         title=title,
         settings=settings,
-        pairs=folder / "pairs.csv" if known else None,
+        groups=answers,
+        compared=compared,
+        left_out=left_out,
         failures=failures,
         folder=seen_from,
     )
+    return left_out
+
+
+def group_answers(
+    statistics: xr.Dataset, groups: Mapping[str, tuple[Mapping[str, str], bool]]
+) -> tuple[list[NamedGroup], list[str]]:
+    """Return the answer of each group under each case, and a sentence for each that has none.
+
+    `statistics` are those of `collect_statistics`, `groups` as of `write_results`.
+    """
+    answers, left_out = [], []
+    solved = _by_map(statistics)
+    for name, (parts, placements) in groups.items():
+        for case in dict.fromkeys(case for case, _ in solved):
+            own = {map_: solved[case, map_] for map_ in parts if (case, map_) in solved}
+            if not own:
+                continue
+            try:
+                found = group_statistics(
+                    list(own.values()),
+                    names=list(own),
+                    parts=[parts[map_] for map_ in own],
+                    group=name,
+                    placements=placements,
+                )
+            except RoughContactError as error:
+                left_out.append(f"{error}{f' (case {case})' if case else ''}")
+            else:
+                answers.append(NamedGroup(name, case or None, found, placements))
+    return answers, left_out
+
+
+def comparisons(answers: Sequence[NamedGroup]) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
+    """Return the comparisons of every two groups under a case, and of the cases of a group with its first.
+
+    With them comes a sentence for each that cannot be made. The placements of a pair are compared under two
+    cases alone: of other faces they say nothing.
+    """
+    found: dict[tuple[str, str], xr.Dataset] = {}
+    left_out: list[str] = []
+    for case in dict.fromkeys(one.case for one in answers):
+        own = {one.label: one.answer for one in answers if one.case == case and not one.placements}
+        compared, reasons = compare_all(own)
+        found, left_out = found | compared, left_out + reasons
+    for name in dict.fromkeys(one.name for one in answers):
+        first, *others = own = {one.label: one.answer for one in answers if one.name == name}
+        if others and own[first].sizes["map"] > 1:
+            compared, reasons = compare_all(own, cases=[(first, other) for other in others])
+            found, left_out = found | compared, left_out + reasons
+    return found, left_out
+
+
+def _by_map(statistics: xr.Dataset) -> dict[tuple[str, str], xr.Dataset]:
+    """Return what groups need of each solved map, by case ("" where there are none) and name."""
+    bands = json.loads(statistics.attrs["bands"])
+    dims = [dim for dim in ("case", "surface") if dim in statistics.dims]
+    needed = needed_for_groups(map(str, statistics.variables))
+    variables = {name: statistics[name].transpose(*dims, ...).variable for name in needed}
+    found = {}
+    for place in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
+        *cases, surface = (str(statistics[dim].values[at]) for dim, at in zip(dims, place, strict=True))
+        case = cases[0] if cases else ""
+        if surface in bands[case]:
+            own = {name: (each.dims[len(dims) :], each.values[place]) for name, each in variables.items()}
+            found[case, surface] = xr.Dataset(own, attrs=bands[case][surface])
+    return found
 
 
 def budget_table(statistics: xr.Dataset) -> pd.DataFrame:

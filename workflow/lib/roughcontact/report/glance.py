@@ -143,10 +143,10 @@ def glance_rows(
     places = shown_loads(numbers["relative_contact_area"].values) if places is None else places
     return [
         [
-            _with_interval(numbers, "mean_pressure", units, place),
-            _with_interval(numbers, "relative_contact_area", units, place),
-            _with_interval(numbers, "mean_contact_pressure", units, place),
-            _with_interval(numbers, "mean_gap", units, place),
+            interval_cell(numbers, "mean_pressure", units, place),
+            interval_cell(numbers, "relative_contact_area", units, place),
+            interval_cell(numbers, "mean_contact_pressure", units, place),
+            interval_cell(numbers, "mean_gap", units, place),
             _seals(numbers, units, place),
             _yields(numbers.isel(load=place)),
             _largest(numbers, units, place),
@@ -180,7 +180,7 @@ def _known(numbers: xr.Dataset, name: str) -> bool:
     return name in numbers and bool(np.isfinite(numbers[name].values.astype(float)).any())
 
 
-def _with_interval(numbers: xr.Dataset, name: str, units: Mapping[str, Unit], place: int) -> Cell:
+def interval_cell(numbers: xr.Dataset, name: str, units: Mapping[str, Unit], place: int) -> Cell:
     """Return a number of a load and its interval."""
     factor, shown = units[name]
     value = float(numbers[name][place]) * factor
@@ -228,7 +228,7 @@ def _in_doubt(numbers: xr.Dataset, axis: str, place: int) -> bool:
 
 def _unbroken(numbers: xr.Dataset, name: str, units: Mapping[str, Unit], place: int) -> str:
     """Return a number of a load with its interval before its unit, joined by a no-break space."""
-    text, interval = _with_interval(numbers, name, units, place)
+    text, interval = interval_cell(numbers, name, units, place)
     value, _, unit = text.partition(" ")
     known, more, _ = " ".join(filter(None, (value, interval))).partition(" or more")
     return f"{known}\N{NO-BREAK SPACE}{unit}{more}"
@@ -263,7 +263,7 @@ def _largest(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell
     if capped:
         largest = float(numbers["max_pressure"][place])
         return Cell(units["max_pressure"].text(largest), "the hardness")
-    return _with_interval(numbers, "max_pressure", units, place)
+    return interval_cell(numbers, "max_pressure", units, place)
 
 
 def _conducts(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell:
@@ -274,6 +274,6 @@ def _conducts(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cel
         ("conductance_per_conductivity", "by conductivity"),
     ):
         if _known(numbers, name):
-            text, interval = _with_interval(numbers, name, units, place)
+            text, interval = interval_cell(numbers, name, units, place)
             return Cell(text, f"{interval}, {words}" if interval else words)
     return Cell(NOT_JUDGED)

@@ -20,6 +20,7 @@ from roughcontact.report.units import unit_of
 from roughcontact.roughness.summits import summit_statistics
 from roughcontact.statistics import theory
 
+_AREA = "relative_contact_area"
 _RELATIVE = "relative pressure p′ = p̄ / (E* g)"
 
 
@@ -95,14 +96,66 @@ def compare_areas(
         _theory_lines(chart, loads)
     for index, (name, load, area) in enumerate(series):
         order = np.argsort(load)
-        marker = MARKERS[(index // len(COLOURS) + index) % len(MARKERS)]
-        colour = COLOURS[index % len(COLOURS)]
+        colour, marker = _style(index)
         if ends:
             chart.bars(load * factor, *(100 * end for end in ends[index]), colour=colour)
         chart.marks(
             load[order] * factor, 100 * area[order], colour=colour, marker=marker, joined=1.0, label=name
         )
     return chart.source("below")
+
+
+def group_values(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> str:
+    """Draw the contact area of each map of some groups, and of the groups with their intervals.
+
+    `groups` has a (label, answer of `group_statistics`) for each, at the loads that are drawn; loads are
+    shown in the unit `pressure`.
+    """
+    chart = _groups_chart(groups, pressure)
+    room = min(0.08, 0.5 / len(groups))  # ln(load) between the maps of a group and its mean
+    for index, (name, answer) in enumerate(groups):
+        colour, marker = _style(index)
+        load = answer["mean_pressure"].values * pressure.factor
+        load = load * np.exp(2 * room * (index - (len(groups) - 1) / 2))
+        for of_map in answer[f"{_AREA}_of_maps"].values:
+            chart.marks(load / np.exp(room / 2), 100 * of_map, colour=colour, marker=marker, filled=False)
+        load = load * np.exp(room / 2)
+        chart.bars(load, *(100 * end for end in _ends(answer, _AREA)), colour=colour)
+        chart.marks(load, 100 * answer[_AREA].values, colour=colour, marker=marker, label=name)
+    return chart.source("below")
+
+
+def group_curves(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> str:
+    """Draw the contact area of some groups against the load, with the band of its interval.
+
+    Arguments are those of `group_values`, with all loads.
+    """
+    chart = _groups_chart(groups, pressure)
+    for index, (name, answer) in enumerate(groups):
+        colour, marker = _style(index)
+        load = answer["mean_pressure"].values * pressure.factor
+        chart.shade(load, *(100 * end for end in _ends(answer, _AREA)), colour=colour)
+        chart.marks(load, 100 * answer[_AREA].values, colour=colour, marker=marker, joined=1.4, label=name)
+    return chart.source("below")
+
+
+def _groups_chart(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> Chart:
+    """Return the axes that hold the areas of all maps of some groups."""
+    loads = np.concatenate([answer["mean_pressure"].values for _, answer in groups])
+    areas = np.concatenate(
+        [
+            np.ravel(answer[key].values)
+            for _, answer in groups
+            for key in (f"{_AREA}_of_maps", f"{_AREA}_lower")
+        ]
+    )
+    label = f"mean pressure p̄ ({pressure.shown})"
+    return _area_chart(loads * pressure.factor, areas, size=(560.0, 430.0), label=label)
+
+
+def _style(index: int) -> tuple[str, str]:
+    """Return colour and marker of one of several series."""
+    return COLOURS[index % len(COLOURS)], MARKERS[(index // len(COLOURS) + index) % len(MARKERS)]
 
 
 def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]]) -> dict[str, str]:

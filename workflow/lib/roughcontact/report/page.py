@@ -17,14 +17,16 @@ from roughcontact.report.captions import comparison_caption
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
 from roughcontact.report.glance import HEADINGS, glance_rows, glance_units, loads_to_compare
+from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
+from roughcontact.report.groups import comparison_rows, group_pictures, group_rows
 from roughcontact.report.load_plots import compare_areas, spread_of_areas
 from roughcontact.report.summary import Summary, read_summary
-from roughcontact.report.tables import pair_table
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
 from roughcontact.results.collect import Failure, summary_table, with_failures
 from roughcontact.results.storage import read_dataset, table_text, write_text
 from roughcontact.statistics import checks
+from roughcontact.uncertainty.group_tables import NamedGroup
 
 # columns of the index of many surfaces: of `HEADINGS` all but the last; and the variables that sort them
 _HEADINGS = ("rms height", "rms gradient\N{NO-BREAK SPACE}g", *HEADINGS[:-1])
@@ -46,7 +48,9 @@ def write_report(
     statistics: str | Path,
     title: str,
     settings: dict,
-    pairs: str | Path | None = None,
+    groups: Sequence[NamedGroup] = (),
+    compared: Mapping[tuple[str, str], xr.Dataset] | None = None,
+    left_out: Sequence[str] = (),
     failures: Sequence[Failure] = (),
     folder: str | Path | None = None,
 ) -> None:
@@ -67,8 +71,12 @@ def write_report(
         of the page.
     settings : dict
         the settings of the run (of each case, where there are cases).
-    pairs : path or None
-        the table of pairs of faces (`collect.pairs_table`), where there are any.
+    groups : sequence of NamedGroup
+        the answers of groups of maps, and of pairs of faces, where there are any.
+    compared : mapping, optional
+        their comparisons, as of `compare_all`.
+    left_out : sequence of str
+        why groups have no answer.
     failures : sequence of dict
         surfaces (and cases) without results, with the reason.
     folder : path or None
@@ -108,6 +116,7 @@ def write_report(
         shown_in = folder / "pages"
         pages = Path(path).parent / "pages"
         _write_pages(pages, rows, panels, by_surface, named, title=title, folder=shown_in)
+    grouped = {str(name) for group in groups for name in group.answer["map"].values}
     html = template("report.html").render(
         title=title,
         rows=rows,
@@ -127,7 +136,13 @@ def write_report(
         cases=_cases(by_surface, many=many),
         parts=[] if many else [_part(panel, folder) for panel in panels],
         failures=named,
-        pairs=pair_table(pairs) if pairs else None,
+        groups=group_rows(groups),
+        group_headings=GROUP_HEADINGS,
+        group_pictures=group_pictures(groups) if groups else [],
+        left_out=left_out,
+        compared=comparison_rows(compared or {}, groups),
+        compared_headings=("quantity", "mean pressure p̄", "ratio", "interval", "outcome"),
+        folded=bool(grouped) and set(by_surface) <= grouped,
         settings=json.dumps(settings, indent=1, sort_keys=True),
         limits={
             "points": checks.CONTACT_POINTS,

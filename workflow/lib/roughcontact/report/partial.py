@@ -50,7 +50,7 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
         title=plan.common["report"]["title"],
         settings=plan.all_settings(),
         settings_of_statistics=plan.all_settings(lambda settings: settings_of(settings, "statistics")),
-        pairs={name: member.pair for name, member in plan.members.items()},
+        groups=plan.groups,
         failures=failures,
         seen_from=folder,
     )

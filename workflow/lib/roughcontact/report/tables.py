@@ -1,4 +1,4 @@
-"""The tables of the report, as text: numbers against load, scores of windows, cross-check, pairs of faces."""
+"""The tables of the report, as text: numbers against load, scores of windows, cross-check."""
 
 import json
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ import xarray as xr
 
 from roughcontact.quantities import number, percent, quantity
 from roughcontact.report.units import unit_of
-from roughcontact.results.storage import read_dataset, read_table
+from roughcontact.results.storage import read_dataset
 from roughcontact.statistics.contact_checks import rubber_like
 from roughcontact.variables import VARIABLES
 from roughcontact.window.score import WEIGHTS
@@ -61,13 +61,6 @@ _GROUPS = {
         ("contact_on_filled_points", "contact on filled points", "%"),
     ),
 }
-_COLUMNS = (_LOAD, *(column for columns in _GROUPS.values() for column in columns))
-
-# variables that the units of a surface depend on, with their own
-_SETS_UNITS = {"contact_modulus": "Pa", "rms_height": "m"}
-
-# columns of the table of pairs
-_OF_PAIRS = ("mean_pressure", "relative_contact_area", "mean_contact_pressure", "max_pressure", "mean_gap")
 
 # the parts of the score of a window, as `WEIGHTS` names them, and whether in percent
 _SCORE_PARTS = (
@@ -226,30 +219,3 @@ def crosscheck_table(path: str | Path, numbers: xr.Dataset, order: np.ndarray) -
             ]
         )
     return {"code": f"{other.attrs['code']} {other.attrs['version']}", "header": header, "rows": rows}
-
-
-def pair_table(path: str | Path) -> Table:
-    """Return the table of pairs of faces: mean and spread over their relative positions.
-
-    `path` is the CSV of `collect.pairs_table`. The table has a `header` and `rows`, the cells of each pair
-    and load.
-    """
-    table = read_table(path)
-    columns = [
-        (title, unit, f"{name}_{unit}" if unit in ("m", "Pa") else name)
-        for name, title, unit in _COLUMNS
-        if name in _OF_PAIRS
-    ]
-    rows = []
-    for _, row in table.iterrows():
-        name = " · ".join(str(row[key]) for key in ("surface", "case") if key in table)
-        cells = [name, str(row["members"])]
-        own = {
-            name: float(row[f"{name}_{si}"]) for name, si in _SETS_UNITS.items() if f"{name}_{si}" in table
-        }
-        for _, unit, column in columns:
-            show = unit_of(own, unit).text
-            mean, spread = float(row[column]), float(row[f"spread_{column}"])
-            cells.append(show(mean) if np.isnan(spread) else f"{show(mean)} ± {show(spread)}")
-        rows.append(cells)
-    return {"header": ["pair", "members", *(title for title, _, _ in columns)], "rows": rows}

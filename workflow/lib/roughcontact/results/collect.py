@@ -37,8 +37,10 @@ _COORDINATES = (
 _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")
 # dimensions
 _NOT_IN_TABLE = {*_BINS, "depth", "source", "hardness_over_modulus", "input", "cutoff", "component"}
+_NOT_IN_TABLE |= {"member", "choice"}
 # labels of a dimension that are the same for all surfaces
 _COMMON_LABELS = {"source": object, "input": object, "component": object, "hardness_over_modulus": float}
+_BANDS = ("band_shortest", "band_longest", "band_reason", "measured_by")  # attributes of each file
 _WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged", "gap_percolates_x", "gap_percolates_y")
 
 
@@ -73,8 +75,8 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         coordinates `surface` and `case`; `surface_name` and `case_name` are the same. Loads and bins may
         differ between surfaces: shorter ones are padded with NaN, and `mean_pressure`, the centres and the
         bounds of the bins depend on the surface. The attributes are JSON: `source_sha256` has the checksum
-        of every measured file, `verdicts` and `reasons` those of each file, by case ("" where there are none)
-        and surface.
+        of every measured file, `verdicts`, `reasons` and `bands` (the waves that a map holds, and the kind of
+        its instrument) those of each file, by case ("" where there are none) and surface.
 
     Raises
     ------
@@ -118,6 +120,15 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
             collected = collected.assign_coords({name: first[name].values.astype(kind)})
     collected.attrs["source_sha256"] = json.dumps(checksums, sort_keys=True)
     collected.attrs |= _judgements(attributes)
+    collected.attrs["bands"] = json.dumps(
+        {
+            case: {
+                surface: {key: attrs[key] for key in _BANDS if key in attrs} for surface, attrs in of.items()
+            }
+            for case, of in attributes.items()
+        },
+        default=float,
+    )
     if cases == [None]:
         return collected.isel(case=0)
     return collected.assign_coords(_labels("case", cases))

@@ -249,13 +249,12 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
     """
     if not np.array_equal(statistics["mean_pressure"].values, budget["mean_pressure"].values):
         raise SettingsError("the error budget is for other loads than the statistics; compute both again")
-    found = [name for name in map(str, budget.data_vars) if not name.endswith(("_parts", "_choices"))]
     words = {
         key: budget.attrs[key]
         for key in ("window_reason", "window_flag", "processing_reason")
         if key in budget.attrs
     }
-    complete = statistics.merge(budget[found], compat="override", join="override").assign_attrs(words)
+    complete = statistics.merge(budget, compat="override", join="override").assign_attrs(words)
     return complete.assign(_ends_in_other_units(complete) | _ends_of_the_leak(complete))
 
 

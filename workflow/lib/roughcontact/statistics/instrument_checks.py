@@ -225,7 +225,7 @@ def height_unit(height: Attributes, window: Attributes) -> Check:
         text = "Not made: the noise of the instrument does not show in a map that is smooth at its pixels."
         return Check("Height unit", NOT_MADE, text)
     rough = float(window["pixel_roughness"])
-    probe = _kind(height) is PROBE or window.get("pixel_pitch", 1.0) < _PROBE_PIXEL
+    probe = instrument_kind(height) is PROBE or window.get("pixel_pitch", 1.0) < _PROBE_PIXEL
     quietest = QUIETEST_PROBE if probe else QUIETEST
     text = f"Neighbouring points differ as with a noise of {quantity(rough, 'm', digits=2)}"
     if rough < quietest:
@@ -246,7 +246,7 @@ def pixel_size(height: Attributes, window: Attributes) -> Check:
     >>> pixel_size(named, {"pixel_pitch": 1.1e-6}).sentence
     'Pixels of 1.1 µm are those of an optical profiler with a lens of 20×.'
     """
-    kind, pixel = _kind(height), float(window.get("pixel_pitch", 0.0))
+    kind, pixel = instrument_kind(height), float(window.get("pixel_pitch", 0.0))
     if kind is ANY or not pixel:
         return Check("Pixel size", NOT_MADE, "Not made: the file does not name the kind of its instrument.")
     words = f"Pixels of {quantity(pixel, 'm', digits=2)} are"
@@ -271,7 +271,7 @@ def _instrument(height: Attributes) -> dict:
     return named if isinstance(named, dict) else {}
 
 
-def _kind(height: Attributes) -> Kind:
+def instrument_kind(height: Attributes) -> Kind:
     """Return the kind of instrument that the file names."""
     return of_name(_instrument(height).get("kind"))
 

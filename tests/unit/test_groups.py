@@ -1,0 +1,345 @@
+"""Several maps, one answer: means, intervals and differences against published numbers and other code."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy import special, stats
+
+import roughcontact as rc
+from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.uncertainty.combination import SOURCES
+from roughcontact.uncertainty.differences import case_differences, compare_all
+from roughcontact.uncertainty.group_tables import NamedGroup, comparisons_table, groups_table, joined_groups
+from roughcontact.uncertainty.random_effects import (
+    holm,
+    maps_needed,
+    random_effects,
+    stand_off,
+    student,
+    welch,
+)
+
+# JCGM 100:2008, table H.9: means of ten days in µV above 10 V, standard deviations of five observations each
+DAYS = [172, 116, 13, 144, 106, 31, 60, 125, 163, 41]
+WITHIN = [60, 77, 111, 101, 67, 93, 80, 73, 88, 86]
+
+
+def one_map(gap, *, load=(1e6,), modulus=1e9, gap_parts=None, **attrs):
+    """Return the statistics of a map: its gaps, and (source -> half-width) of what makes up its interval."""
+    found = xr.Dataset(
+        {"mean_gap": ("load", np.atleast_1d(np.asarray(gap, float)))},
+        {"mean_pressure": ("load", np.asarray(load, float))},
+        attrs,
+    ).assign(contact_modulus=modulus)
+    if gap_parts is not None:
+        parts = np.zeros((found.sizes["load"], len(SOURCES) + 1, 5))
+        for source, half in gap_parts.items():
+            parts[:, SOURCES.index(source), :2] = half
+        found["mean_gap_components"] = (("load", "source", "component"), parts)
+    return found
+
+
+def group_of(gaps, **options):
+    return rc.group_statistics([one_map(gap) for gap in gaps], **options)
+
+
+def test_the_example_of_the_guide_with_days_for_parts():
+    """Zener voltage standard: u(V) = 18 µV with 9 degrees of freedom, means that scatter by 57 µV."""
+    unit = np.array([-2, -1, 0, 1, 2]) / np.std([-2, -1, 0, 1, 2], ddof=1)
+    values = np.concatenate([mean + spread * unit for mean, spread in zip(DAYS, WITHIN, strict=True)])
+    found = random_effects(values[:, None], np.repeat(np.arange(10), 5).astype(str))
+    assert found.mean.item() == pytest.approx(97.1)
+    assert found.error.item() == pytest.approx(18, abs=0.5)
+    assert found.freedom.item() == 9
+    assert found.within.item() == pytest.approx(85, abs=0.5)
+    assert np.sqrt(5) * np.std(DAYS, ddof=1) == pytest.approx(128, abs=0.5)  # s_a of the guide
+    assert found.between.item() == pytest.approx(43, abs=0.5)  # (128² - 85²)/5, the guide's s_A
+
+
+def test_single_maps_are_student_s_interval_and_that_of_a_further_value():
+    values = np.array([1.0, 1.3, 0.7, 1.1])
+    found = random_effects(values[:, None], list("abcd"))
+    half = (student(found.freedom) * found.error).item()
+    known = stats.t.interval(0.95, 3, values.mean(), stats.sem(values))
+    assert (found.mean.item() - half, found.mean.item() + half) == pytest.approx(known)
+    assert found.next_map.item() == pytest.approx(np.std(values, ddof=1) * np.sqrt(1 + 1 / 4))
+    as_one_part = random_effects(values[:, None], list("aaaa"))
+    assert as_one_part.error.item() == found.error.item()
+    assert np.isnan(as_one_part.between.item())
+
+
+@pytest.mark.parametrize("counts", [(3, 3, 3, 3), (1, 4, 2, 3, 1)])
+def test_intervals_of_nested_maps_hold_what_they_say(counts):
+    generator = np.random.default_rng(1)
+    parts = np.repeat(np.arange(len(counts)), counts)
+    size = 6000
+    shape = (parts.size, size)
+    values = generator.standard_normal((len(counts), size))[parts] + 0.7 * generator.standard_normal(shape)
+    found = random_effects(values, parts.astype(str))
+    mean = np.abs(found.mean) <= student(found.freedom) * found.error
+    further = np.hypot(1.0, 0.7) * generator.standard_normal(size)
+    next_map = np.abs(further - found.mean) <= student(found.next_map_freedom) * found.next_map
+    # exact for equal counts: 95 % within three standard errors
+    room = 3 * np.sqrt(0.95 * 0.05 / size) + (0.015 if len(set(counts)) > 1 else 0.0)
+    assert mean.mean() == pytest.approx(0.95, abs=room)
+    assert next_map.mean() == pytest.approx(0.95, abs=room + 0.01)
+
+
+def test_welch_is_that_of_scipy():
+    one, two = np.array([1.0, 1.2, 0.9, 1.1]), np.array([1.6, 1.1, 1.9])
+    difference, error, freedom = welch(
+        *(random_effects(v[:, None], list("abcd")[: v.size]) for v in (one, two))
+    )
+    known = stats.ttest_ind(two, one, equal_var=False)
+    assert (difference / error).item() == pytest.approx(known.statistic)
+    assert freedom.item() == pytest.approx(known.df)
+
+
+def test_holm_by_hand_and_power_by_simulation():
+    assert holm(np.array([[0.01, 0.02], [0.03, 0.04]])).tolist() == [[0.04, 0.06], [0.06, 0.06]]
+    count = maps_needed(1.0, 1.5)
+    generator = np.random.default_rng(5)
+    found = {}
+    for n in (count - 1, count):
+        one, two = generator.standard_normal((2, n, 20000))
+        found[n] = np.mean(stats.ttest_ind(one, two + 1.5).pvalue < 0.05)
+    assert found[count - 1] < 0.9 + 0.01
+    assert found[count] > 0.9 - 0.01
+
+
+@pytest.mark.parametrize(("count", "limit"), [(4, 1.496), (6, 1.973), (10, 2.482)])
+def test_the_limit_of_grubbs_is_that_of_iso_5725(count, limit):
+    """ISO 5725-2:1994, table 5, one largest or smallest, upper 1 %."""
+
+    def off(distance):
+        """Whether a number at so many standard deviations from the mean stands off the rest."""
+        rest = np.linspace(-1, 1, count - 1)
+        for far in np.linspace(1, 60, 20000):
+            values = np.r_[rest, far]
+            if (far - values.mean()) / values.std(ddof=1) >= distance:
+                return bool(stand_off(values[:, None])[-1, 0])
+        raise AssertionError(distance)
+
+    assert not off(limit - 0.003)
+    assert off(limit + 0.002)
+
+
+def test_what_maps_share_is_added_once_and_the_window_not_at_all():
+    gaps = np.array([1.0, 1.1, 0.9, 1.05]) * 1e-6
+    parts = {"window": 0.9, "processing": 0.03, "instrument": 0.04}
+    maps = [one_map(gap, gap_parts={key: gap * np.expm1(u) for key, u in parts.items()}) for gap in gaps]
+    found, bare = rc.group_statistics(maps), group_of(gaps)
+    scatter = np.log(bare["mean_gap_upper"] / bare["mean_gap"]).item()
+    assert np.log(found["mean_gap_upper"] / found["mean_gap"]).item() == pytest.approx(
+        np.hypot(scatter, 0.05)
+    )
+    placed = rc.group_statistics(maps, placements=True)
+    further = np.log(bare["mean_gap_next_upper"] / bare["mean_gap"]).item()
+    of_pair = np.log(placed["mean_gap_upper"] / placed["mean_gap"]).item()
+    assert of_pair == pytest.approx(np.sqrt(further**2 + 0.05**2 + 0.9**2))
+    assert placed["mean_gap_upper"].item() == placed["mean_gap_next_upper"].item()
+
+
+def test_two_placements_reach_from_end_to_end_of_their_intervals():
+    ends = {"mean_gap_lower": ("load", [0.5]), "mean_gap_upper": ("load", [3.0])}
+    maps = [one_map(1.0).assign(ends), one_map(2.0).assign(ends | {"mean_gap_lower": ("load", [0.8])})]
+    found = rc.group_statistics(maps, placements=True)
+    assert [found[f"mean_gap_{end}"].item() for end in ("lower", "upper")] == [0.5, 3.0]
+
+
+def test_an_unbounded_map_leaves_the_group_unbounded():
+    maps = [one_map(gap, gap_parts={"processing": 0.01 * gap}) for gap in (1.0, 1.1, 0.9)]
+    maps[1]["mean_gap_components"][:, SOURCES.index("unresolved"), 1] = np.nan
+    found = rc.group_statistics(maps)
+    assert np.isnan(found["mean_gap_upper"].item())
+    assert found["mean_gap_lower"].item() > 0
+
+
+def test_one_map_is_what_it_was_and_two_are_a_range():
+    single = one_map(2e-6).assign(mean_gap_lower=("load", [1e-6]), mean_gap_upper=("load", [5e-6]))
+    found = rc.group_statistics([single])
+    assert [found[f"mean_gap{end}"].item() for end in ("_lower", "", "_upper")] == [1e-6, 2e-6, 5e-6]
+    two = group_of([1e-6, 4e-6])
+    assert [two[f"mean_gap{end}"].item() for end in ("_lower", "", "_upper")] == pytest.approx(
+        [1e-6, 2e-6, 4e-6]
+    )
+    assert np.isnan(two["mean_gap_next_upper"].item())
+    assert json.loads(two.attrs["remarks"])[0].startswith("Two maps: a range")
+    of_two_parts = group_of([1e-6, 4e-6, 2e-6], parts=["a", "a", "b"])
+    assert json.loads(of_two_parts.attrs["remarks"])[0].startswith("Two parts: a range")
+
+
+def test_other_loads_are_interpolated_within_the_common_range_alone():
+    """A power law is a line in logarithms, which is met exactly."""
+    loads = [(1e6, 4e6, 9e6), (2e6, 8e6), (1.5e6, 3e6, 6e6)]
+    maps = [one_map(1e-6 * (np.array(load) / 1e6) ** -0.5, load=load) for load in loads]
+    found = rc.group_statistics(maps)
+    pressure = found["mean_pressure"].values
+    assert (pressure[0], pressure[-1]) == pytest.approx((2e6, 6e6))
+    np.testing.assert_allclose(found["mean_gap"], 1e-6 * (pressure / 1e6) ** -0.5, rtol=1e-12)
+    assert "compared from 2.00 MPa to 6.00 MPa" in json.loads(found.attrs["remarks"])[0]
+
+
+def test_a_map_that_stands_off_is_named_and_stays():
+    gaps = [1.0, 1.01, 0.99, 1.02, 0.98, 3.0]
+    found = group_of(gaps, names=["a", "b", "c", "d", "e", "chipped"])
+    assert found["stands_off"].values.ravel().tolist() == [0, 0, 0, 0, 0, 1]
+    assert json.loads(found.attrs["remarks"]) == [
+        "chipped stands off the others (Grubbs's test, 1 %) at 1 of 1 loads; it is included."
+    ]
+    assert found["mean_gap"].item() == pytest.approx(np.exp(np.mean(np.log(gaps))))
+
+
+@pytest.mark.parametrize(
+    ("second", "said"),
+    [
+        ({"modulus": 2e9}, "group g: a was solved with E* = 1.00 GPa and b with 2.00 GPa"),
+        (
+            {"load": [3e6]},
+            "group g: its maps have no load in common, b begins at 3.00 MPa and a ends at 1.00 MPa",
+        ),
+        ({"band_shortest": 3e-6}, "the shortest of a is 1.00 µm, that of b 3.00 µm; state one band for all"),
+        (
+            {"measured_by": "stylus profiler"},
+            "a was measured by an optical profiler, b was measured by a stylus profiler",
+        ),
+    ],
+)
+def test_maps_that_do_not_answer_the_same_question(second, said):
+    known = {"band_shortest": 1e-6, "band_reason": "the grid", "measured_by": "optical profiler"}
+    maps = [one_map(1e-6, **known), one_map(1e-6, **known | second)]
+    with pytest.raises(rc.SettingsError) as caught:
+        rc.group_statistics(maps, names=["a", "b"], group="g")
+    assert said in str(caught.value)
+
+
+def test_different_instruments_in_a_stated_band_are_a_group():
+    known = {"band_shortest": 1e-6, "band_reason": "window.shortest_wavelength"}
+    maps = [one_map(1e-6, **known, measured_by=kind) for kind in ("optical profiler", "stylus profiler")]
+    assert rc.group_statistics(maps).sizes["map"] == 2
+
+
+def test_groups_scale_with_the_units():
+    generator = np.random.default_rng(3)
+    gaps = np.exp(0.2 * generator.standard_normal(5))
+    one, two = group_of(gaps), group_of(1e-6 * gaps)
+    for end in ("", "_lower", "_upper", "_next_lower", "_next_upper", "_of_maps"):
+        np.testing.assert_allclose(two[f"mean_gap{end}"], 1e-6 * one[f"mean_gap{end}"], rtol=1e-12)
+    assert two["mean_gap_between"].item() == pytest.approx(one["mean_gap_between"].item())
+
+
+def test_areas_have_the_scale_of_their_effort():
+    areas = np.array([0.05, 0.1, 0.2, 0.6])
+    maps = [one_map(1.0).assign(relative_contact_area=("load", [area])) for area in areas]
+    found = rc.group_statistics(maps)["relative_contact_area"].item()
+    assert found == pytest.approx(special.erf(np.exp(np.mean(np.log(special.erfinv(areas))))))
+    assert rc.group_statistics(maps)["relative_contact_area_next_upper"].item() <= 1.0
+
+
+def test_outcomes_in_words():
+    near, same, wide = [1.0, 1.001, 0.999], [1.0, 1.001, 1.002], [1.0, 2.0, 0.5]
+    groups = {name: group_of(gaps) for name, gaps in (("near", near), ("same", same), ("wide", wide))}
+    found, _ = compare_all(groups)
+    words = {pair: one["outcome"].item() for pair, one in found.items()}
+    assert words["near", "same"].startswith("do not differ by more than 0.")
+    assert words["near", "wide"].startswith("cannot tell: ")
+    assert words["near", "wide"].endswith(" more maps of each would")
+    far = rc.compare_groups(groups["near"], group_of([2.0, 2.01, 1.99]))
+    assert far["outcome"].item() == "differ"
+    assert far["ratio_lower"].item() < 2.0 < far["ratio_upper"].item()
+    with pytest.raises(rc.SettingsError, match="has a single map"):
+        rc.compare_groups(groups["near"], group_of([1.0]))
+
+
+def test_what_two_groups_share_cancels_and_the_solver_does_not():
+    def made(factor):
+        maps = [
+            one_map(gap * factor, gap_parts={"processing": 0.3 * gap * factor, "solver": 1e-3 * gap * factor})
+            for gap in (1.0, 1.0, 1.0)
+        ]
+        return rc.group_statistics(maps)
+
+    found = rc.compare_groups(made(1.0), made(1.5))
+    assert np.log(found["ratio_upper"] / found["ratio"]).item() == pytest.approx(
+        np.hypot(1e-3, 1e-3), rel=2e-3
+    )
+
+
+def test_p_values_are_adjusted_for_all_pairs():
+    groups = {str(k): group_of(np.array([1.0, 1.1, 0.9]) * (1 + k / 4)) for k in range(3)}
+    found, _ = compare_all(groups)
+    assert len(found) == 3
+    alone = [rc.compare_groups(groups[a], groups[b])["p_value"].item() for a, b in found]
+    assert [one["p_value"].item() for one in found.values()] == pytest.approx(holm(np.array(alone)))
+
+
+def test_paired_maps_are_compared_map_by_map():
+    gaps = np.array([1.0, 2.0, 4.0])
+    first = group_of(gaps, names=["a", "b", "c"])
+    second = group_of((gaps * [1.1, 1.11, 1.09])[::-1], names=["c", "b", "a"])
+    found = rc.compare_groups(first, second, paired=True)
+    known = stats.ttest_1samp(np.log([1.1, 1.11, 1.09]), 0.0)
+    assert found["p_value"].item() == pytest.approx(known.pvalue)
+    assert found["outcome"].item() == "differ"
+    assert rc.compare_groups(first, second)["outcome"].item() != "differ"
+    with pytest.raises(rc.SettingsError, match="not of the same maps"):
+        rc.compare_groups(first, group_of(gaps), paired=True)
+
+
+@pytest.fixture(scope="module")
+def cases():
+    """The same map under two moduli at the same relative pressure, and under another form."""
+
+    def solved(modulus, **level):
+        return rc.evaluate(
+            rough_reference_surface(64).isel(x=slice(48), y=slice(48)),
+            contact={"contact_modulus": modulus, "relative_pressure": [0.05, 0.2]},
+            statistics={"flow": "never"},
+            level=level,
+        )
+
+    return solved("1 GPa"), solved("30 GPa"), solved("1 GPa", form="polynomial", order=3)
+
+
+def test_cases_that_are_equal_by_construction_differ_by_nothing(cases):
+    first, second, _ = cases
+    found = case_differences(first, second).sel(quantity="relative_contact_area")
+    alone = first["relative_contact_area_upper"] / first["relative_contact_area"] - 1
+    width = (found["ratio_upper"] - found["ratio_lower"]).values
+    assert (np.abs(found["ratio"] - 1) < 1e-9).all()
+    assert ((found["ratio_lower"] <= 1) & (found["ratio_upper"] >= 1)).all()
+    # the solver is left: its tolerance is 1e-4
+    assert (width < 2e-3).all()
+    assert (width < 0.05 * alone.values).all()
+
+
+def test_cases_that_change_the_map_keep_what_they_do_not_share(cases):
+    first, _, other = cases
+    found = case_differences(first, other).sel(quantity="mean_gap")
+    independent = case_differences(*(data.drop_vars("mean_gap_components") for data in (first, other)))
+    independent = independent.sel(quantity="mean_gap")
+    width, most = (np.log(one["ratio_upper"] / one["ratio_lower"]).values for one in (found, independent))
+    assert (width > 0).all()
+    assert (width < most).all()
+
+
+def test_tables_and_dataset_of_several_groups():
+    answers = [
+        NamedGroup("lapped", None, group_of([1.0, 1.1, 0.9])),
+        NamedGroup("ground", None, group_of([2.0, 2.2], names=["left", "right"])),
+    ]
+    joined = joined_groups(answers)
+    assert joined["mean_gap_of_maps"].dims == ("group", "load", "map")
+    assert joined.sel(group="ground")["map_name"].values.tolist() == ["left", "right", ""]
+    assert joined["maps"].values.tolist() == [3, 2]
+    table = groups_table(answers)
+    contract = ["group", "maps", "mean_pressure_Pa", *(f"mean_gap{end}" for end in ("", "_lower", "_upper"))]
+    assert {*contract, "mean_gap_next_lower", "mean_gap_next_upper"} <= {*table.columns}
+    assert table["group"].tolist() == ["lapped", "ground"]
+    rows = comparisons_table(compare_all({one.label: one.answer for one in answers})[0])
+    assert rows.columns.tolist() == [
+        *("first", "second", "quantity", "mean_pressure_Pa"),
+        *("ratio", "ratio_lower", "ratio_upper", "p_value", "outcome"),
+    ]

@@ -1,0 +1,91 @@
+"""Groups on the page: cells, pictures and comparisons in words."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import roughcontact as rc
+from roughcontact.report.glance import Cell
+from roughcontact.report.groups import HEADINGS, comparison_rows, group_pictures, group_rows
+from roughcontact.uncertainty.differences import compare_all
+from roughcontact.uncertainty.group_tables import NamedGroup
+
+
+def named(name, factors, *, parts=None, placements=False):
+    """Return a group of maps whose gaps differ by some factors."""
+    loads = {"mean_pressure": ("load", [1e6, 4e6]), "contact_modulus": 1e9, "rms_height": 1e-6}
+    maps = [
+        xr.Dataset(
+            {
+                "relative_contact_area": ("load", np.array([0.05, 0.2]) / factor),
+                "mean_gap": ("load", np.array([2e-6, 1e-6]) * factor),
+                "mean_contact_pressure": ("load", np.array([2e7, 2e7]) * factor),
+                "max_pressure": ("load", np.array([5e7, 6e7]) * factor),
+                **loads,
+            }
+        )
+        for factor in factors
+    ]
+    answer = rc.group_statistics(maps, parts=parts, placements=placements)
+    return NamedGroup(name, None, answer, placements)
+
+
+def test_a_group_has_its_interval_the_next_map_and_a_scatter_without_plus_minus():
+    (row,) = group_rows([named("lapped", (0.9, 1.0, 1.1))])
+    assert (row["name"], row["of"], row["remarks"]) == ("lapped", "3 maps", [])
+    cells = dict(zip(HEADINGS, row["rows"][0], strict=True))
+    assert cells[HEADINGS[0]] == Cell("1.00 MPa")
+    gap = cells[HEADINGS[5]]
+    half = (
+        4.302653 * np.std(np.log([0.9, 1.0, 1.1]), ddof=1) / np.sqrt(3)
+    )  # t of 95 % for two degrees of freedom
+    middle = 2 * np.exp(np.mean(np.log([0.9, 1.0, 1.1])))
+    assert gap.more == f"−{middle * (1 - np.exp(-half)):.2f} +{middle * (np.exp(half) - 1):.2f}"
+    assert cells["of the next map"].text.endswith(" %")
+    assert " to " in cells["of the next map"].text
+    assert "±" not in cells["scatter s"].text + cells["scatter s"].more
+    assert cells["conductance"] == Cell("–")
+
+
+def test_two_maps_are_a_range_and_parts_have_a_scatter_of_their_own():
+    two, nested = group_rows(
+        [named("two", (1.0, 1.2)), named("nested", (1.0, 1.1, 1.2, 1.3, 0.9, 0.8), parts=list("aabbcc"))]
+    )
+    gap = two["rows"][0][HEADINGS.index(HEADINGS[5])]
+    assert gap.more == "range 2.00 to 2.40 µm"
+    assert two["rows"][0][2] == Cell("–")
+    assert two["remarks"][0].startswith("Two maps: a range")
+    assert nested["of"] == "6 maps of 3 parts"
+    assert nested["rows"][0][3].text.startswith("parts ")
+    assert ", maps " in nested["rows"][0][3].text
+
+
+def test_placements_and_differences_in_words():
+    groups = [named("lapped", (0.9, 1.0, 1.1)), named("ground", (1.9, 2.0, 2.1))]
+    (pair,) = group_rows([named("seal", (0.9, 1.0, 1.1), placements=True)])
+    assert pair["of"] == "3 placements of two faces"
+    compared, left_out = compare_all({one.label: one.answer for one in groups})
+    assert left_out == []
+    (rows,) = comparison_rows(compared, groups)
+    assert (rows["first"], rows["second"]) == ("lapped", "ground")
+    quantity, load, ratio, ends, outcome = rows["rows"][-2]
+    assert (quantity, load, outcome) == ("largest pressure", "1.00 MPa", "differ")
+    low, high = (float(end) for end in ends.split(" to "))
+    assert low < float(ratio) < high
+
+
+def test_pictures_show_every_map():
+    groups = [named("lapped", (0.9, 1.0, 1.1)), named("ground", (1.9, 2.0, 2.1))]
+    values, curves = (image for image, _ in group_pictures(groups))
+    marks = values.count("scale(3.4)")
+    assert marks == 2 * (3 * 2 + 2) + 2  # of two groups three maps and a mean at two loads, and the legend
+    assert curves.count("fill-opacity=%22.18%22") == 2  # the bands
+
+
+@pytest.mark.parametrize("gaps", [[0.05, 0.2], [0.0, 0.2]])
+def test_a_number_that_is_not_positive_leaves_no_answer_at_its_load(gaps):
+    one = named("one", (1.0, 1.1, 1.2)).answer
+    maps = [one.isel(map=k).drop_vars(["map", "part"]) for k in range(3)]
+    maps = [each.assign(mean_gap=("load", gaps)) for each in maps]
+    found = rc.group_statistics([each[["mean_gap", "contact_modulus"]] for each in maps])
+    assert np.isfinite(found["mean_gap"].values).tolist() == [value > 0 for value in gaps]

@@ -1,0 +1,119 @@
+"""Groups of maps in a run: files, page, cases, and tables that cannot be right."""
+
+import csv
+
+import numpy as np
+import pytest
+from small_project import SETTINGS, Project
+
+from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.results.storage import read_dataset
+
+HEADER = "surface\tpath\tunit\tdx\tdy\tgroup\tpart"
+GRADIENTS = {"fine": (0.08, 0.09, 0.085), "coarse": (0.15, 0.17, 0.16)}
+ROWS = [
+    f"{group}-{number}\tmeasured/{group}-{number}.npy\tum\t1\t1\t{group}s\t"
+    for group, gradients in GRADIENTS.items()
+    for number in range(len(gradients))
+]
+QUICK = SETTINGS | {
+    "contact": {"contact_modulus": "1e9", "mean_pressure": ["5 MPa", "20 MPa"], "tolerance": "1e-5"},
+    "uncertainty": {"sources": ["solver", "discretisation"]},
+}
+
+
+@pytest.fixture
+def grouped(tmp_path, checkout):
+    """A project with six small maps of two finishes."""
+    project = Project(tmp_path / "project", checkout)
+    for group, gradients in GRADIENTS.items():
+        for number, gradient in enumerate(gradients):
+            wanted = {"hurst": 0.8, "shortest": 8, "longest": 16, "rms_gradient": gradient}
+            height = self_affine_surface((32, 32), 1.0, **wanted, seed=number)
+            np.save(project.path(f"measured/{group}-{number}.npy"), height.values)
+    project.write(QUICK, [HEADER, *ROWS])
+    return project
+
+
+def table(project, name):
+    with project.path(f"results/{name}").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_groups_have_their_files_and_stand_first_on_the_page(grouped):
+    run = grouped.run()
+    assert run.returncode == 0, run.stderr
+    rows = table(grouped, "groups.csv")
+    assert [(row["group"], row["maps"]) for row in rows] == [
+        (group, "3") for group in ("fines", "coarses") for _ in range(2)
+    ]
+    summary = table(grouped, "summary.csv")
+    for row in rows:
+        of_maps = [
+            float(one["relative_contact_area"])
+            for one in summary
+            if one["surface"].startswith(row["group"][:-1])
+            and one["mean_pressure_Pa"] == row["mean_pressure_Pa"]
+        ]
+        low, value, high = (float(row[f"relative_contact_area{end}"]) for end in ("_lower", "", "_upper"))
+        assert low < min(of_maps) * 1.05
+        assert min(of_maps) < value < max(of_maps)
+        assert high > max(of_maps) * 0.95
+        assert float(row["relative_contact_area_next_upper"]) > high
+    joined = read_dataset(grouped.path("results/groups.nc"))
+    assert joined["map_name"].sel(group="fines").values.tolist() == ["fine-0", "fine-1", "fine-2"]
+    compared = table(grouped, "comparisons.csv")
+    area = [row for row in compared if row["quantity"] == "relative_contact_area"]
+    assert [(row["first"], row["second"], row["outcome"]) for row in area] == [
+        ("fines", "coarses", "differ")
+    ] * 2
+    page = grouped.path("results/report.html").read_text()
+    assert page.index('<section id="groups">') < page.index('<section id="glance">')
+    assert "<b>fines</b>: 3 maps." in page
+    assert "coarses against fines" in page
+    # regrouping solves nothing again
+    grouped.write(QUICK, [HEADER, *(row.replace("\tcoarses\t", "\tfines\t") for row in ROWS)])
+    assert grouped.jobs() == {"report": 1}
+
+
+def test_a_group_of_different_pixels_is_named_and_the_rest_goes_on(grouped):
+    rows = [row.replace("\t1\t1\t", "\t2\t2\t") if row.startswith("fine-0") else row for row in ROWS[:3]]
+    cases = {"cases": {"soft": {}, "stiff": {"contact": {"contact_modulus": "2e9"}}}}
+    grouped.write(QUICK | cases, [HEADER, *rows])
+    run = grouped.run()
+    assert run.returncode == 0, run.stderr
+    said = "its maps hold different waves, the shortest of fine-1 is 2.00 µm, that of fine-0 4.00 µm"
+    assert said in run.stderr
+    assert said in grouped.path("results/report.html").read_text()
+    assert table(grouped, "groups.csv") == table(grouped, "comparisons.csv") == []
+
+
+@pytest.mark.slow
+def test_cases_of_a_group_are_compared_map_by_map(grouped):
+    cases = {
+        "soft": {},
+        "stiff": {"contact": {"contact_modulus": "2e9", "mean_pressure": ["10 MPa", "40 MPa"]}},
+    }
+    grouped.write(QUICK | {"cases": cases}, [HEADER, *ROWS[:3]])
+    run = grouped.run()
+    assert run.returncode == 0, run.stderr
+    assert {row["case"] for row in table(grouped, "groups.csv")} == {"soft", "stiff"}
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ([ROWS[0], ROWS[3], ROWS[4]], "line 2, group = fines: has fine-0 alone; name further maps"),
+        (
+            [row.replace("fines", "coarse-0") for row in ROWS],
+            "line 2, group = coarse-0: a surface has this name",
+        ),
+        ([row.replace("fines", "a b") for row in ROWS], "line 2, group = a b: a name has letters, digits"),
+        ([*ROWS[3:], "one\tmeasured/fine-0.npy\tum\t1\t1\t\tp1"], "line 5, part = p1: is in no group"),
+    ],
+)
+def test_tables_that_cannot_be_right(grouped, rows, said):
+    grouped.write(QUICK, [HEADER, *rows])
+    run = grouped.run("--dry-run")
+    assert run.returncode != 0
+    assert said in run.stderr

@@ -1,0 +1,157 @@
+"""The groups of maps on the page: their answers at two or three loads, pictures, and what differs."""
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.quantities import Unit, number, percent, several
+from roughcontact.report.glance import Cell, glance_units, interval_cell, shown_loads
+from roughcontact.report.load_plots import group_curves, group_values
+from roughcontact.report.units import unit_of
+from roughcontact.uncertainty.group_tables import NamedGroup
+from roughcontact.uncertainty.groups import is_range
+
+HEADINGS = (
+    "mean pressure\N{NO-BREAK SPACE}p̄",
+    "contact area\N{NO-BREAK SPACE}A/A₀",
+    "of the next map",
+    "scatter s",
+    "pressure in contact",
+    "mean\N{NO-BREAK SPACE}gap\N{NO-BREAK SPACE}ū",
+    "largest pressure",
+    "conductance",
+)
+_AREA = "relative_contact_area"
+_OTHERS = ("mean_contact_pressure", "mean_gap", "max_pressure", "conductance_per_conductivity")
+_NAMES = {
+    _AREA: "contact area A/A₀",
+    "mean_contact_pressure": "pressure in contact",
+    "mean_gap": "mean gap ū",
+    "max_pressure": "largest pressure",
+}
+
+Row = dict[str, Any]
+
+
+def group_rows(groups: Sequence[NamedGroup]) -> list[Row]:
+    """Return for each group its `name`, what it is `of`, its `remarks`, and `rows` of cells by `HEADINGS`."""
+    if not groups:
+        return []
+    units = glance_units([group.answer for group in groups])
+    rows = []
+    for group in groups:
+        answer = group.answer
+        places = shown_loads(answer[_AREA].values)
+        rows.append(
+            {
+                "name": group.label,
+                "of": _composition(group),
+                "remarks": json.loads(answer.attrs["remarks"]),
+                "rows": [_cells(answer, units, place) for place in places],
+            }
+        )
+    return rows
+
+
+def group_pictures(groups: Sequence[NamedGroup]) -> list[tuple[str, str]]:
+    """Return (image, caption) of the maps of the groups at two or three loads, and of area against load."""
+    pressure = min((unit_of(group.answer, "Pa") for group in groups), key=lambda unit: unit.factor)
+    shown = [
+        (group.label, group.answer.isel(load=shown_loads(group.answer[_AREA].values))) for group in groups
+    ]
+    caption = (
+        "Open marks: each map. Filled: the group, with the 95 % interval of its mean (of a pair of faces: of "
+        "the next placement; of two maps: their range). Groups stand beside one another at each load."
+    )
+    curves = group_curves([(group.label, group.answer) for group in groups], pressure)
+    return [
+        (group_values(shown, pressure), caption),
+        (curves, "Lines: the groups. Bands: the same intervals."),
+    ]
+
+
+def comparison_rows(
+    compared: Mapping[tuple[str, str], xr.Dataset], groups: Sequence[NamedGroup]
+) -> list[Row]:
+    """Return for each two groups `first`, `second` and `rows`: quantity, load, ratio, interval, outcome."""
+    answers = {group.label: group.answer for group in groups}
+    rows = []
+    for (first, second), found in compared.items():
+        pressure = unit_of(answers[first], "Pa")
+        area = np.interp(
+            found["mean_pressure"].values,
+            answers[first]["mean_pressure"].values,
+            answers[first][_AREA].values,
+        )
+        cells = [
+            _comparison(found.sel(quantity=name).isel(load=place), words, pressure)
+            for name, words in _NAMES.items()
+            if name in found["quantity"].values
+            for place in shown_loads(area)
+        ]
+        rows.append({"first": first, "second": second, "rows": cells})
+    return rows
+
+
+def _composition(group: NamedGroup) -> str:
+    """Return what a group is made of, in words."""
+    maps = group.answer.sizes["map"]
+    if group.placements:
+        return several(maps, "placement") + " of two faces"
+    parts = len(set(group.answer["part"].values))
+    return several(maps, "map") if parts == maps else f"{several(maps, 'map')} of {several(parts, 'part')}"
+
+
+def _cells(answer: xr.Dataset, units: Mapping[str, Unit], place: int) -> list[Cell]:
+    """Return the cells of a group at a load."""
+    return [
+        Cell(units["mean_pressure"].text(float(answer["mean_pressure"][place]))),
+        _mean(answer, _AREA, units, place),
+        Cell(_range(answer, _AREA, "next_", units, place)),
+        _scatter(answer.isel(load=place)),
+        *(_mean(answer, name, units, place) if name in answer else Cell("–") for name in _OTHERS),
+    ]
+
+
+def _mean(answer: xr.Dataset, name: str, units: Mapping[str, Unit], place: int) -> Cell:
+    """Return the mean of a group with its ±; with the range of its maps where these are two."""
+    if not np.isfinite(float(answer[name][place])):
+        return Cell("–")
+    if is_range(answer):
+        shown = units[name].text(float(answer[name][place]))
+        return Cell(shown, f"range {_range(answer, name, '', units, place)}")
+    return interval_cell(answer, name, units, place)
+
+
+def _range(answer: xr.Dataset, name: str, which: str, units: Mapping[str, Unit], place: int) -> str:
+    """Return an interval by its ends."""
+    factor, shown = units[name]
+    low, high = (float(answer[f"{name}_{which}{end}"][place]) for end in ("lower", "upper"))
+    if np.isnan(low):
+        return "–"
+    if np.isnan(high):
+        return f"{number(low * factor)} {shown} or more"
+    return f"{number(low * factor)} to {number(high * factor)} {shown}"
+
+
+def _scatter(load: xr.Dataset) -> Cell:
+    """Return the standard deviations of the area between parts and between maps."""
+    known = {
+        words: float(load[f"{_AREA}_{key}"])
+        for key, words in (("between", "parts"), ("within", "maps"))
+        if np.isfinite(load[f"{_AREA}_{key}"])
+    }
+    if len(known) == 1:
+        return Cell(percent(*known.values()))
+    return Cell(", ".join(f"{words} {percent(value)}" for words, value in known.items()) or "–")
+
+
+def _comparison(found: xr.Dataset, words: str, pressure: Unit) -> list[str]:
+    """Return the cells of a comparison: quantity, load, ratio, its interval, outcome."""
+    ratio, low, high = (float(found[key]) for key in ("ratio", "ratio_lower", "ratio_upper"))
+    ends = "–" if np.isnan(low) or np.isnan(high) else f"{number(low)} to {number(high)}"
+    load = pressure.text(float(found["mean_pressure"]))
+    return [words, load, "–" if np.isnan(ratio) else number(ratio), ends, str(found["outcome"].item())]

@@ -1,0 +1,382 @@
+"""Differences between groups of maps, and between two cases of the same map.
+
+Both are evaluated on the scales of `groups`, as ratios of the second to the first. What two results share
+cancels: of errors with the half-widths u1 and u2 and the correlation r the difference keeps ([1]_, 5.2.2)
+
+    u² = (u2 - r u1)² + (1 - r²) u1²
+
+References
+----------
+.. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.errors import SettingsError
+from roughcontact.quantities import percent
+from roughcontact.uncertainty.answers import quantities_in
+from roughcontact.uncertainty.combination import SOURCES
+from roughcontact.uncertainty.groups import (
+    HEIGHTS,
+    SHARED,
+    at_loads,
+    common_loads,
+    from_scale,
+    scaled_components,
+    to_scale,
+)
+from roughcontact.uncertainty.random_effects import (
+    SIGNIFICANCE,
+    holm,
+    maps_needed,
+    p_value,
+    random_effects,
+    student,
+    welch,
+)
+
+RELEVANT = 0.1  # relative difference that matters, unless another one is stated
+DIFFER = "differ"
+_MOST = 500  # maps: more are not asked for
+
+
+def compare_groups(
+    first: xr.Dataset, second: xr.Dataset, *, relevant: float = RELEVANT, paired: bool = False
+) -> xr.Dataset:
+    """Return the ratios of the results of two groups of maps, with their intervals, and whether they differ.
+
+    Parameters
+    ----------
+    first, second : Dataset
+        from `group_statistics`, of two parts or more each.
+    relevant : float
+        relative difference that matters: smaller ones need not be found.
+    paired : bool
+        whether both are of the same maps, by name, under two cases: they are then compared map by map, and
+        as many loads in order, first with first.
+
+    Returns
+    -------
+    Dataset
+        dims (quantity, load): `ratio` of the second to the first, `ratio_lower`, `ratio_upper` (95 % interval
+        of this ratio), `p_value` (Welch's test [1]_, adjusted for all loads by Holm [2]_), and `outcome`:
+        "differ", "do not differ by more than x", or "cannot tell", with the number of maps that would.
+        Coordinates `quantity`, `mean_pressure` (load; Pa). Narrowest places, which may be closed, are left
+        out.
+
+    Raises
+    ------
+    SettingsError
+        for groups of a single part, groups without a common load, and paired ones of different maps.
+
+    References
+    ----------
+    .. [1] Welch (1947), The generalization of Student's problem, Biometrika 34, 28.
+    .. [2] Holm (1979), A simple sequentially rejective multiple test procedure, Scand. J. Statist. 6, 65.
+
+    Examples
+    --------
+    >>> from roughcontact.uncertainty.groups import group_statistics
+    >>> def made(*gaps):
+    ...     loads = {"mean_pressure": ("load", [1e6])}
+    ...     return group_statistics([xr.Dataset({"mean_gap": ("load", [gap]), **loads}) for gap in gaps])
+    >>> found = compare_groups(made(1.0, 1.1, 0.9), made(2.0, 2.1, 1.9)).isel(load=0, quantity=0)
+    >>> round(found["ratio"].item(), 2), found["outcome"].item()
+    (2.01, 'differ')
+    >>> compare_groups(made(1.0, 1.5, 0.7), made(1.1, 1.6, 0.8))["outcome"].values.tolist()
+    [['cannot tell: 306 more maps of each would']]
+    """
+    return _judged([_compared(first, second, paired=paired)], relevant)[0]
+
+
+def compare_all(
+    groups: Mapping[str, xr.Dataset],
+    *,
+    relevant: float = RELEVANT,
+    cases: Sequence[tuple[str, str]] = (),
+) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
+    """Return the comparisons of every two groups, p-values adjusted for all loads and pairs together.
+
+    Parameters
+    ----------
+    groups : mapping
+        name -> result of `group_statistics`, those that are compared with one another.
+    relevant : float
+        as of `compare_groups`.
+    cases : sequence of (str, str)
+        pairs of names of the same maps under two cases; instead of every two groups.
+
+    Returns
+    -------
+    compared : dict
+        (name of the first, of the second) -> as of `compare_groups`.
+    left_out : list of str
+        a sentence for each pair that cannot be compared.
+    """
+    found, left_out = {}, []
+    for pair in cases or combinations(groups, 2):
+        try:
+            found[pair] = _compared(*(groups[name] for name in pair), paired=bool(cases))
+        except SettingsError as error:
+            left_out.append(str(error))
+    return dict(zip(found, _judged(list(found.values()), relevant), strict=True)), left_out
+
+
+def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
+    """Return the ratios of the results of one map under two cases, without what both share.
+
+    Loads are compared in order, first with first. The errors of both are taken as correlated as the results
+    of the same parts of the window (`window`) and of the same choices (`processing`) are; those of the
+    solver are independent, those of the material where the moduli differ; all others are the same.
+
+    Parameters
+    ----------
+    first, second : Dataset
+        statistics of the map, with their components, parts and choices.
+
+    Returns
+    -------
+    Dataset
+        dims (quantity, load): `ratio` of the second to the first, `ratio_lower`, `ratio_upper`; NaN where a
+        number is not positive, has no uncertainty, or nothing bounds the difference.
+
+    Examples
+    --------
+    >>> gap = xr.Dataset({"mean_gap": ("load", [2e-6]), "mean_pressure": ("load", [1e6])})
+    >>> case_differences(gap, gap * 2)["ratio"].item()
+    2.0
+    """
+    loads = min(first.sizes["load"], second.sizes["load"])
+    one, two = (data.isel(load=slice(loads)) for data in (first, second))
+    rows = []
+    for name in _names(one, two):
+        before, after = (to_scale(name, data[name].values) for data in (one, two))
+        left = _left(_widths(name, one), _widths(name, two), _correlations(name, one, two))
+        rows.append(_ratios(name, before, after - before, np.zeros(loads), left))
+    return _table(_names(one, two), one["mean_pressure"].values, rows)
+
+
+def _widths(name: str, data: xr.Dataset) -> np.ndarray:
+    """Return the components (load, source, component) of a map; of an interval that has none its half-widths.
+
+    These stand in a single source; NaN where there is no interval.
+    """
+    if f"{name}_components" in data:
+        return scaled_components(name, data)
+    found = np.zeros((data.sizes["load"], len(SOURCES), 4))
+    middle = to_scale(name, data[name].values)
+    for place, (end, sign) in enumerate((("lower", -1.0), ("upper", 1.0))):
+        values = data.get(f"{name}_{end}", data[name] * np.nan).values
+        found[:, 0, place] = sign * (to_scale(name, values) - middle)
+    return found
+
+
+class _Compared(NamedTuple):
+    """The ratios of two groups, and what a judgement of them needs, arrays (quantity, load)."""
+
+    table: xr.Dataset
+    p_value: np.ndarray
+    spread: np.ndarray  # standard deviation of a part (a pair of maps, where they are paired), on the scale
+    shared: np.ndarray  # half-width, on the scale, that more maps would not make smaller
+    mean: np.ndarray  # of the first group, on the scale
+    parts: int  # of the smaller group
+    noun: str  # what more of would tell
+    paired: bool
+
+
+def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compared:
+    """Return the comparison of two groups, without a judgement."""
+    words = [data.attrs.get("group") or noun for data, noun in ((first, "the first"), (second, "the second"))]
+    for word, data in zip(words, (first, second), strict=True):
+        if data.sizes["map"] < 2:
+            raise SettingsError(
+                f"compare_groups: {word} has a single map, whose scatter is not known; add maps, or compare "
+                "both maps with compare_statistics"
+            )
+    if paired and set(first["map"].values) != set(second["map"].values):
+        raise SettingsError(
+            f"compare_groups: {words[0]} and {words[1]} are not of the same maps; leave `paired` out"
+        )
+    if paired:
+        second = second.sel(map=first["map"].values)
+        if second.sizes["load"] == first.sizes["load"]:  # as cases are: first with first
+            second = second.assign_coords(mean_pressure=first["mean_pressure"])
+    groups = first, second
+    loads = common_loads(" and ".join(words), words, groups)
+    correlation = _alike(first, second)
+    names = _names(first, second)
+    parts = 0
+    rows, columns = [], []
+    for name in names:
+        (values, shared), (others, of_others) = (_at(name, data, loads) for data in groups)
+        one = random_effects(values, list(first["part"].values))
+        two = random_effects(others, list(second["part"].values))
+        if paired:
+            change = random_effects(others - values, list(first["part"].values))
+            difference, error, freedom = change.mean, change.error, change.freedom
+            spread, parts = error * math.sqrt(change.units), change.units
+        else:
+            difference, error, freedom = welch(one, two)
+            spread = np.sqrt((one.error**2 * one.units + two.error**2 * two.units) / 2)
+            parts = min(one.units, two.units)
+        width, left = student(freedom) * error, _left(shared, of_others, correlation)
+        rows.append(_ratios(name, one.mean, difference, width, left))
+        columns.append((p_value(difference, error, freedom), spread, np.maximum(*left), one.mean))
+    nested = any(1 < len(set(data["part"].values)) < data.sizes["map"] for data in groups)
+    table = _table(names, loads, rows)
+    p_values, spreads, lefts, means = (
+        np.reshape([column[place] for column in columns], (len(names), loads.size)) for place in range(4)
+    )
+    noun = "part" if nested else "map"
+    return _Compared(table, p_values, spreads, lefts, means, parts=parts, noun=noun, paired=paired)
+
+
+def _judged(found: Sequence[_Compared], relevant: float) -> list[xr.Dataset]:
+    """Return the comparisons with p-values adjusted for all of them and their loads, and with outcomes."""
+    names = dict.fromkeys(name for one in found for name in one.table["quantity"].values)
+    adjusted = [np.full(one.p_value.shape, np.nan) for one in found]
+    for name in names:
+        rows = [np.flatnonzero(one.table["quantity"].values == name) for one in found]
+        together = [one.p_value[row].ravel() for one, row in zip(found, rows, strict=True)]
+        pieces = np.split(holm(np.concatenate(together)), np.cumsum([each.size for each in together])[:-1])
+        for values, row, piece in zip(adjusted, rows, pieces, strict=True):
+            values[row] = piece.reshape(row.size, -1)
+    return [
+        one.table.assign(
+            p_value=(("quantity", "load"), values),
+            outcome=(("quantity", "load"), _outcomes(one, values, relevant)),
+        )
+        for one, values in zip(found, adjusted, strict=True)
+    ]
+
+
+def _outcomes(found: _Compared, p_values: np.ndarray, relevant: float) -> np.ndarray:
+    """Return for each ratio whether the groups differ, in words."""
+    words = np.full(p_values.shape, "", object)
+    ends = np.stack([found.table[f"ratio_{end}"].values for end in ("lower", "upper")])
+    for place in np.ndindex(*p_values.shape):
+        low, high = ends[(slice(None), *place)]
+        if not np.isfinite([low, high, p_values[place]]).all():
+            words[place] = "cannot tell: no interval"
+        elif p_values[place] < SIGNIFICANCE and not low <= 1 <= high:
+            words[place] = DIFFER
+        elif (most := max(1 - low, high - 1)) <= relevant:
+            words[place] = f"do not differ by more than {percent(most)}"
+        else:
+            words[place] = f"cannot tell: {_more(found, place, relevant)}"
+    return words
+
+
+def _more(found: _Compared, place: tuple[int, ...], relevant: float) -> str:
+    """Return how many more maps would show a difference that matters."""
+    name = str(found.table["quantity"].values[place[0]])
+    mean = found.mean[place]
+    ends = to_scale(name, from_scale(name, mean) * np.array([1 - relevant, 1 + relevant]))
+    target = float(np.nanmin(np.abs(ends - mean)))
+    if found.shared[place] >= target:
+        return f"errors that all maps share are more than {percent(relevant)}, so that more maps would not"
+    needed = maps_needed(float(found.spread[place]), target, paired=found.paired)
+    more = max(needed - found.parts, 1)
+    count = f"more than {_MOST}" if more > _MOST else str(more)
+    return f"{count} more {found.noun}{'s' if more > 1 else ''}{'' if found.paired else ' of each'} would"
+
+
+def _names(first: xr.Dataset, second: xr.Dataset) -> list[str]:
+    """Return the quantities of both that have ratios."""
+    return [name for name in quantities_in(first) if name in first and name in second and name not in HEIGHTS]
+
+
+def _at(name: str, group: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the numbers of the maps of a group on their scale (map, load), and what these share."""
+    own = group["mean_pressure"].values
+    of_maps = to_scale(name, group[f"{name}_of_maps"].values)
+    shared = group[f"{name}_shared"].values
+    kept = [source in (*SHARED, "solver") for source in SOURCES]
+    shared = np.where(np.isnan(shared), np.inf, shared) * np.array(kept)[:, None]
+    return at_loads(own, loads, of_maps.T).T, at_loads(own, loads, np.nan_to_num(shared, posinf=np.inf))
+
+
+def _alike(first: xr.Dataset, second: xr.Dataset) -> np.ndarray:
+    """Return the correlations (source) of the errors of two results that were measured and solved alike."""
+    moduli = [float(data.get("contact_modulus", np.nan)) for data in (first, second)]
+    independent = {"solver"} | ({"material"} if moduli[0] != moduli[1] else set())
+    return np.array([0.0 if source in independent else 1.0 for source in SOURCES])
+
+
+def _correlations(name: str, first: xr.Dataset, second: xr.Dataset) -> np.ndarray:
+    """Return the correlations (load, source) of the errors of one map under two cases."""
+    found = np.tile(_alike(first, second), (first.sizes["load"], 1))
+    if any(f"{name}_components" not in data for data in (first, second)):
+        return 0 * found  # nothing is known of what they share
+    for source, members in (("window", "parts"), ("processing", "choices")):
+        moved = []
+        for data in (first, second):
+            values = data.get(f"{name}_{members}", xr.DataArray(np.empty((0, data.sizes["load"]))))
+            scaled = to_scale(name, values.values)
+            if not len(scaled):
+                moved.append(scaled)
+                continue
+            # parts scatter about their mean, choices lead away from the result
+            middle = to_scale(name, data[name].values) if members == "choices" else scaled.mean(axis=0)
+            moved.append(scaled - middle)
+        found[:, SOURCES.index(source)] = _correlation(*moved)
+    return found
+
+
+def _correlation(first: np.ndarray, second: np.ndarray) -> np.ndarray | float:
+    """Return the correlation (load,) of deviations (member, load); 0 where the members are not the same."""
+    if first.shape != second.shape or not len(first):
+        return 0.0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        product = np.sum(first * second, axis=0)
+        found = product / np.sqrt(np.sum(first**2, axis=0) * np.sum(second**2, axis=0))
+    return np.clip(np.nan_to_num(found), -1.0, 1.0)
+
+
+def _left(first: np.ndarray, second: np.ndarray, correlation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the half-widths (load,) of a difference, down and up, from (load, source, component)."""
+    widths = []
+    for side, other in ((0, 1), (1, 0)):
+        # of the first error, the side that goes along with this one, and the one that goes against it
+        along = np.where(correlation >= 0, first[..., side], first[..., other])
+        with np.errstate(invalid="ignore"):
+            squares = (second[..., side] - correlation * along) ** 2
+            squares = squares + np.where(
+                correlation**2 < 1, (1 - correlation**2) * first[..., other] ** 2, 0.0
+            )
+            shifts = np.maximum(second[..., 2 + side] - first[..., 2 + side], 0.0)
+            shifts = shifts + np.maximum(first[..., 2 + other] - second[..., 2 + other], 0.0)
+            widths.append(np.sqrt(squares.sum(axis=-1)) + shifts.sum(axis=-1))
+    return widths[0], widths[1]
+
+
+def _ratios(
+    name: str,
+    mean: np.ndarray,
+    difference: np.ndarray,
+    width: np.ndarray,
+    left: tuple[np.ndarray, np.ndarray],
+) -> list[np.ndarray]:
+    """Return ratio and both ends of its interval (load,), from a difference on the scale."""
+    down, up = (np.hypot(width, each) for each in left)
+    base = from_scale(name, mean)
+    ratios = [
+        from_scale(name, mean + each) / base for each in (difference, difference - down, difference + up)
+    ]
+    return [np.where(np.isfinite(each), each, np.nan) for each in ratios]
+
+
+def _table(names: Sequence[str], loads: np.ndarray, rows: Sequence[Sequence[np.ndarray]]) -> xr.Dataset:
+    """Return ratios and their ends, a row for each quantity, as a dataset."""
+    keys = ("ratio", "ratio_lower", "ratio_upper")
+    arrays = np.reshape(rows, (len(names), len(keys), loads.size))
+    return xr.Dataset(
+        {key: (("quantity", "load"), arrays[:, place]) for place, key in enumerate(keys)},
+        {"quantity": np.array(names, object), "mean_pressure": ("load", loads)},
+    )

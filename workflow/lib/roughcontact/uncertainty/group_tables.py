@@ -1,0 +1,167 @@
+"""Groups of maps, and their comparisons, as one dataset and as tables."""
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from roughcontact.uncertainty.answers import quantities_in
+
+_ENDS = ("lower", "upper", "next_lower", "next_upper", "next_part_lower", "next_part_upper")
+_COMPARED = ("ratio", "ratio_lower", "ratio_upper", "p_value", "outcome")
+
+
+class NamedGroup(NamedTuple):
+    """The answer of a group, under a case.
+
+    Attributes
+    ----------
+    name : str
+        of the group, or of the pair of faces.
+    case : str or None
+        None in a run without cases.
+    answer : Dataset
+        from `group_statistics`.
+    placements : bool
+        whether its maps are placements of the same two faces.
+    """
+
+    name: str
+    case: str | None
+    answer: xr.Dataset
+    placements: bool = False
+
+    @property
+    def label(self) -> str:
+        """The name, with that of the case where there are cases."""
+        return self.name if self.case is None else f"{self.name} · {self.case}"
+
+
+def joined_groups(groups: Sequence[NamedGroup]) -> xr.Dataset:
+    """Return the answers of several groups in one dataset.
+
+    Parameters
+    ----------
+    groups : sequence of NamedGroup
+
+    Returns
+    -------
+    Dataset
+        dims (group, load, map, source, component), or (case, group, ...) where there are cases; groups of
+        fewer maps or loads are padded with NaN. Coordinates `group` (`group_name` is the same), `case`,
+        `mean_pressure` (group, load), `map_name` and `part` (group, map). The attribute `remarks` is JSON: by
+        case ("" where there are none) and group.
+
+    Examples
+    --------
+    >>> from roughcontact.uncertainty.groups import group_statistics
+    >>> one = xr.Dataset({"mean_gap": ("load", [2e-6]), "mean_pressure": ("load", [1e6])})
+    >>> found = joined_groups([NamedGroup("ground", None, group_statistics([one, one]))])
+    >>> found["mean_gap_of_maps"].dims, found["maps"].values.tolist()
+    (('group', 'load', 'map'), [2])
+    """
+    names = list(dict.fromkeys(group.name for group in groups))
+    cases = list(dict.fromkeys(group.case for group in groups)) or [None]
+    sizes = {"load": 0, "map": 0}
+    for group in groups:
+        sizes = {dim: max(size, group.answer.sizes[dim]) for dim, size in sizes.items()}
+    columns: dict[str, tuple[tuple[str, ...], np.ndarray]] = {}
+    remarks: dict[str, dict[str, list[str]]] = {case or "": {} for case in cases}
+    for group in groups:
+        place = cases.index(group.case), names.index(group.name)
+        remarks[group.case or ""][group.name] = json.loads(group.answer.attrs["remarks"])
+        numbers = group.answer.reset_coords()
+        numbers = numbers.drop_vars(["source", "component", "map"]).assign(
+            map_name=("map", group.answer["map"].values), maps=group.answer.sizes["map"]
+        )
+        for name, variable in numbers.transpose("load", "map", "source", "component").data_vars.items():
+            text = variable.dtype.kind not in "fiu"
+            full = tuple(sizes.get(str(dim), variable.sizes[dim]) for dim in variable.dims)
+            shape = (len(cases), len(names), *full)
+            empty = np.full(shape, "", object) if text else np.full(shape, np.nan)
+            _, values = columns.setdefault(str(name), (("case", "group", *map(str, variable.dims)), empty))
+            corner: tuple[int | slice, ...] = (*place, *(slice(size) for size in variable.shape))
+            values[corner] = variable.values
+    labels = {f"group{end}": ("group", np.array(names, object)) for end in ("", "_name")}
+    labels |= {f"case{end}": ("case", np.array(cases, object)) for end in ("", "_name")}
+    if groups:
+        labels |= {dim: (dim, groups[0].answer[dim].values.astype(object)) for dim in ("source", "component")}
+    joined = xr.Dataset(columns, labels, {"remarks": json.dumps(remarks, ensure_ascii=False)})
+    joined = joined.set_coords([name for name in ("mean_pressure", "map_name", "part") if name in joined])
+    return joined if cases != [None] else joined.isel(case=0, drop=True)
+
+
+def groups_table(groups: Sequence[NamedGroup]) -> pd.DataFrame:
+    """Return one row for each group (, case) and load, in SI units.
+
+    Parameters
+    ----------
+    groups : sequence of NamedGroup
+
+    Returns
+    -------
+    DataFrame
+        `case` where there are cases, `group`, `maps`, `parts` (numbers of them), `mean_pressure_Pa`, and of
+        each quantity `{quantity}`, `{quantity}_lower`, `{quantity}_upper`, for the next map
+        `{quantity}_next_lower` and `{quantity}_next_upper`, and for the next part
+        `{quantity}_next_part_lower` and `{quantity}_next_part_upper`.
+
+    Examples
+    --------
+    >>> from roughcontact.uncertainty.groups import group_statistics
+    >>> one = xr.Dataset({"mean_gap": ("load", [2e-6]), "mean_pressure": ("load", [1e6])})
+    >>> table = groups_table([NamedGroup("ground", None, group_statistics([one, one]))])
+    >>> table.columns[:6].tolist()
+    ['group', 'maps', 'parts', 'mean_pressure_Pa', 'mean_gap', 'mean_gap_lower']
+    """
+    rows = []
+    for name, case, answer, _ in groups:
+        first: dict[str, Any] = {} if case is None else {"case": case}
+        first |= {"group": name, "maps": answer.sizes["map"], "parts": len(set(answer["part"].values))}
+        names = [
+            column
+            for quantity in _quantities(answer)
+            for column in (quantity, *(f"{quantity}_{end}" for end in _ENDS))
+        ]
+        rows += [
+            first | {"mean_pressure_Pa": load} | {column: answer[column].values[place] for column in names}
+            for place, load in enumerate(answer["mean_pressure"].values)
+        ]
+    return pd.DataFrame(rows, columns=None if rows else ["group", "maps", "parts", "mean_pressure_Pa"])
+
+
+def comparisons_table(found: Mapping[tuple[str, str], xr.Dataset]) -> pd.DataFrame:
+    """Return one row for each comparison of `compare_all`, quantity and load.
+
+    Parameters
+    ----------
+    found : mapping
+        (name of the first, of the second) -> as of `compare_groups`.
+
+    Returns
+    -------
+    DataFrame
+        `first`, `second`, `quantity`, `mean_pressure_Pa`, `ratio` (of the second to the first),
+        `ratio_lower`, `ratio_upper`, `p_value`, `outcome`.
+
+    Examples
+    --------
+    >>> comparisons_table({}).columns.tolist()[:4]
+    ['first', 'second', 'quantity', 'mean_pressure_Pa']
+    """
+    rows = [
+        {"first": first, "second": second, "quantity": quantity, "mean_pressure_Pa": load}
+        | {key: one[key].values[row, column] for key in _COMPARED}
+        for (first, second), one in found.items()
+        for row, quantity in enumerate(one["quantity"].values)
+        for column, load in enumerate(one["mean_pressure"].values)
+    ]
+    return pd.DataFrame(rows, columns=["first", "second", "quantity", "mean_pressure_Pa", *_COMPARED])
+
+
+def _quantities(answer: xr.Dataset) -> list[str]:
+    """Return the quantities that a group has."""
+    return [name for name in quantities_in(answer) if name in answer]

@@ -1,0 +1,467 @@
+"""One answer of several maps: of the maps of a part, the parts of a batch, the placements of two faces.
+
+Each quantity is evaluated on the scale on which it scatters symmetrically: ln erfinv(A) for the area (see
+`window_sampling`), the height itself for the narrowest places, which may be closed, the logarithm for all
+others. On that scale
+
+    U² = (t s)² + U_shared²
+
+s is the standard uncertainty of the mean of the maps, with Student's t (`random_effects`); U_shared is what
+all maps share: discretisation, processing, instrument, material and waves not resolved, each averaged over
+the maps and added once ([1]_, 5.2). The window part of the maps is left out, since the scatter holds it, and
+so is the solver's. For the next map the variance of a single one is added.
+
+The group is what the maps are samples of: places of the size of a map. Waves longer than a map are not part
+of it.
+
+References
+----------
+.. [1] JCGM 100:2008, Guide to the expression of uncertainty in measurement.
+"""
+
+import json
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from scipy.interpolate import PchipInterpolator
+from scipy.special import erf
+
+from roughcontact.errors import SettingsError
+from roughcontact.io.instrument_kinds import of_name
+from roughcontact.quantities import quantity
+from roughcontact.uncertainty.answers import ANSWERS, quantities_in
+from roughcontact.uncertainty.combination import SOURCES
+from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.random_effects import random_effects, stand_off, student
+from roughcontact.uncertainty.scaling import AREA, effort
+
+SHARED = ("discretisation", "processing", "instrument", "material", "unresolved")
+# the placements of two faces share their maps, and with them the places where these were measured
+SHARED_BY_PLACEMENTS = (*SHARED, "window")
+HEIGHTS = ANSWERS[1:]  # narrowest places: evaluated on their own scale
+FEW = 3  # parts, or maps, below which there is a range instead of an interval
+_SAME_LOAD = 1e-6  # relative
+_GRID = "the grid"  # `band_reason` where no setting limits the band
+# largest ratio of the limits of the bands of two maps: a tenth at the short end changes the area by 2 % (at a
+# Hurst exponent of 0.8); the long end matters to the gap alone, and windows differ in size
+_SAME_BAND = {"shortest": 1.1, "longest": 2.0}
+_ENDS = ("lower", "upper")
+_FURTHER = ("next_lower", "next_upper", "next_part_lower", "next_part_upper")
+
+
+class Scaled(NamedTuple):
+    """A quantity of several maps on its scale.
+
+    Attributes
+    ----------
+    values : array (map, load)
+    shared : array (map, load, source, component)
+        half-widths down and up, and one-sided shifts down and up, by the sources of `SOURCES`; infinite where
+        nothing bounds them.
+    """
+
+    values: np.ndarray
+    shared: np.ndarray
+
+
+def to_scale(name: str, values: np.ndarray) -> np.ndarray:
+    """Return a quantity on the scale on which it scatters symmetrically; NaN where it is not positive.
+
+    Examples
+    --------
+    >>> to_scale("mean_gap", np.array([1.0, 0.0])), to_scale("critical_constriction_x", np.array([0.0]))
+    (array([ 0., nan]), array([0.]))
+    """
+    if name in HEIGHTS:
+        return np.asarray(values, float)
+    positive = effort(values) if name == AREA else np.asarray(values, float)
+    return np.log(np.where(positive > 0, positive, np.nan))
+
+
+def from_scale(name: str, values: np.ndarray) -> np.ndarray:
+    """Return a quantity from its symmetric scale.
+
+    Examples
+    --------
+    >>> from_scale("relative_contact_area", to_scale("relative_contact_area", np.array([0.2]))).round(6)
+    array([0.2])
+    """
+    if name in HEIGHTS:
+        return np.maximum(values, 0.0)
+    with np.errstate(over="ignore"):
+        return erf(np.exp(values)) if name == AREA else np.exp(values)
+
+
+def needed_for_groups(names: Iterable[str]) -> list[str]:
+    """Return those variables of a file of statistics that a group is made of.
+
+    Examples
+    --------
+    >>> needed_for_groups(["mean_gap", "mean_gap_lower", "mean_gap_density", "iterations"])
+    ['mean_gap', 'mean_gap_lower']
+    """
+    of_each = [
+        f"{name}{end}" for name in (*QUANTITIES, *ANSWERS) for end in ("", "_lower", "_upper", "_components")
+    ]
+    wanted = {*of_each, "mean_pressure", "contact_modulus", "rms_height"}
+    return [name for name in names if name in wanted]
+
+
+def group_statistics(
+    datasets: Sequence[xr.Dataset],
+    *,
+    names: Sequence[str] | None = None,
+    parts: Sequence[str] | None = None,
+    group: str = "",
+    placements: bool = False,
+) -> xr.Dataset:
+    """Return one answer of several maps of a finish, with its interval.
+
+    Three parts (maps, where each is of its own part) or more have intervals, two have the range of their
+    maps; a single map keeps its own numbers. Loads are those that all maps have; where these differ, those of
+    the maps within their common range, at which the others are interpolated (monotone cubic in the logarithm
+    of the load, on the scale of the quantity), never beyond.
+
+    Parameters
+    ----------
+    datasets : sequence of Dataset
+        statistics of one map each, as `evaluate` or `read_statistics` returns them.
+    names : sequence of str, optional
+        names of the maps; "1", "2" ... by default.
+    parts : sequence of str, optional
+        the part that each map is of; each is its own part by default.
+    group : str
+        name of the group, for messages.
+    placements : bool
+        whether the maps are placements of the same two faces: the window part is then shared as well, and
+        the interval is that of the next placement of newly measured faces.
+
+    Returns
+    -------
+    Dataset
+        along `load`, of each quantity that all maps have: `{quantity}` (back from the mean on its scale),
+        `{quantity}_lower` and `_upper` of the 95 % interval of the mean, `{quantity}_next_lower` and
+        `_next_upper` for the next map (of another part), `{quantity}_next_part_lower` and `_upper` for the
+        mean of the next part, NaN without parts of several maps; `{quantity}_of_maps` (map, load);
+        `{quantity}_between`, `{quantity}_within`: standard deviations on the scale, between parts and within
+        one; `{quantity}_shared` (load, source, component): half-widths and shifts on the scale, mean of the
+        maps; `stands_off` (map, load): 1 for a map that stands off the others in any quantity. Coordinates
+        `map`, `part` (map), `mean_pressure` (load; Pa). Attributes: `group`, `remarks` (JSON: list of
+        sentences).
+
+    Raises
+    ------
+    SettingsError
+        for no map, for different contact moduli, bands or kinds of instrument, and for maps without a common
+        load.
+
+    References
+    ----------
+    .. [1] Searle, Casella and McCulloch (1992), Variance Components, Wiley.
+    .. [2] JCGM 100:2008, Guide to the expression of uncertainty in measurement, H.5.
+
+    Examples
+    --------
+    >>> loads = {"mean_pressure": ("load", [1e6]), "contact_modulus": 1e9}
+    >>> maps = [xr.Dataset({"mean_gap": ("load", [gap]), **loads}) for gap in (1e-6, 2e-6, 4e-6)]
+    >>> found = group_statistics(maps)
+    >>> [f"{found[f'mean_gap{end}'].item():.2e}" for end in ("_lower", "", "_upper")]
+    ['3.57e-07', '2.00e-06', '1.12e-05']
+    """
+    if not datasets:
+        raise SettingsError("group_statistics: no map is given; give the statistics of one or more")
+    names = [str(place + 1) for place in range(len(datasets))] if names is None else [*map(str, names)]
+    parts = names if parts is None else [*map(str, parts)]
+    if not len(names) == len(parts) == len(datasets) == len(set(names)):
+        raise SettingsError(
+            f"group_statistics: {len(datasets)} maps, {len(names)} names, {len(parts)} parts; give one name "
+            "of its own and one part for each map"
+        )
+    words = f"group {group}" if group else "the group"
+    for name, one in zip(names, datasets, strict=True):
+        if one["mean_pressure"].dims != ("load",):
+            raise SettingsError(
+                f"{words}: {name} holds several surfaces; select one of them for each map (.sel(surface=...))"
+            )
+    datasets = [one.isel(load=np.isfinite(one["mean_pressure"].values)) for one in datasets]
+    if len(datasets) > 1:
+        _check_alike(words, names, datasets)
+    loads = common_loads(words, names, datasets)
+    found = [name for name in quantities_in(datasets[0]) if all(name in one for one in datasets)]
+    columns: dict[str, tuple] = {}
+    off = np.zeros((len(datasets), loads.size), bool)
+    for name in found:
+        scaled = scaled_at(name, datasets, loads)
+        if len(datasets) == 1:
+            columns |= _of_one(name, datasets[0], scaled)
+            continue
+        of_several, apart = _of_several(name, scaled, parts, placements=placements)
+        columns |= of_several
+        off |= apart
+        if placements and len(datasets) < FEW:
+            columns |= _hull(name, datasets, loads)
+    columns["stands_off"] = (("map", "load"), off.astype(np.int8))
+    columns["contact_modulus"] = ((), float(datasets[0].get("contact_modulus", np.nan)))
+    if all("rms_height" in one for one in datasets):
+        columns["rms_height"] = ((), float(np.median([float(one["rms_height"]) for one in datasets])))
+    coordinates = {
+        "source": [*SOURCES],
+        "component": ["down", "up", "shift_down", "shift_up"],
+        "mean_pressure": ("load", loads),
+        "map": np.array(names, object),
+        "part": ("map", np.array(parts, object)),
+    }
+    remarks = _remarks(datasets, names, parts, loads, off, placements=placements)
+    return xr.Dataset(
+        columns, coordinates, {"group": group, "remarks": json.dumps(remarks, ensure_ascii=False)}
+    )
+
+
+def is_range(answer: xr.Dataset) -> bool:
+    """Return whether a group has a range instead of intervals, by `group_statistics`.
+
+    Examples
+    --------
+    >>> is_range(xr.Dataset(coords={"map": ["a", "b", "c"], "part": ("map", ["p", "q", "q"])}))
+    True
+    """
+    parts = len(set(answer["part"].values))
+    return 1 < (answer.sizes["map"] if parts == 1 else parts) < FEW
+
+
+def _of_several(
+    name: str, scaled: Scaled, parts: Sequence[str], *, placements: bool
+) -> tuple[dict[str, tuple], np.ndarray]:
+    """Return the columns of a quantity of several maps, and which of these stand off (map, load)."""
+    effects = random_effects(scaled.values, parts)
+    sources = SHARED_BY_PLACEMENTS if placements else SHARED
+    shared = scaled.shared.mean(axis=0)
+    nothing = np.full(effects.mean.shape, np.nan)
+    columns = {"": from_scale(name, effects.mean), **dict.fromkeys(_FURTHER, nothing)}
+    if effects.units < FEW:
+        # a range, from map to map
+        widths = {"": (effects.mean - scaled.values.min(axis=0), scaled.values.max(axis=0) - effects.mean)}
+    else:
+        mean = student(effects.freedom) * effects.error
+        further = student(effects.next_map_freedom) * effects.next_map
+        widths = {
+            "": (further if placements else mean,) * 2,
+            "next_": (further,) * 2,
+            "next_part_": (student(effects.freedom) * effects.next_part,) * 2,
+        }
+    for key, (down, up) in widths.items():
+        columns[f"{key}lower"] = _ends(name, effects.mean, down, shared, sources)[0]
+        columns[f"{key}upper"] = _ends(name, effects.mean, up, shared, sources)[1]
+    columns |= {"between": effects.between, "within": effects.within}
+    return _named(name, columns, scaled), stand_off(scaled.values)
+
+
+def _hull(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> dict[str, tuple]:
+    """Return the range of the intervals of maps: from the lowest end to the highest."""
+    columns = {}
+    for end, outermost in (("lower", np.min), ("upper", np.max)):
+        of_maps = []
+        for dataset in datasets:
+            order = np.argsort(dataset["mean_pressure"].values)
+            ends = dataset.get(f"{name}_{end}", dataset[name]).values[order]
+            of_maps.append(at_loads(dataset["mean_pressure"].values[order], loads, ends))
+        columns[f"{name}_{end}"] = ("load", outermost(of_maps, axis=0))
+    return columns
+
+
+def _of_one(name: str, dataset: xr.Dataset, scaled: Scaled) -> dict[str, tuple]:
+    """Return the columns of a quantity of a single map: what it was."""
+    order = np.argsort(dataset["mean_pressure"].values)
+    nothing = np.full(order.size, np.nan)
+    columns = {"": dataset[name].values[order]}
+    columns |= {end: dataset.get(f"{name}_{end}", dataset[name] * np.nan).values[order] for end in _ENDS}
+    return _named(name, columns | dict.fromkeys((*_FURTHER, "between", "within"), nothing), scaled)
+
+
+def _named(name: str, columns: dict[str, np.ndarray], scaled: Scaled) -> dict[str, tuple]:
+    """Return the columns of a quantity under their names, with what they come from."""
+    shared = scaled.shared.mean(axis=0)
+    return {
+        **{f"{name}_{key}" if key else name: ("load", column) for key, column in columns.items()},
+        f"{name}_of_maps": (("map", "load"), from_scale(name, scaled.values)),
+        f"{name}_shared": (("load", "source", "component"), np.where(np.isinf(shared), np.nan, shared)),
+    }
+
+
+def _ends(
+    name: str, mean: np.ndarray, width: np.ndarray, shared: np.ndarray, sources: Sequence[str]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return both ends of an interval of a half-width, with what the maps share; NaN where not bounded."""
+    down, up = combined_shared(shared[:, [SOURCES.index(source) for source in sources]])
+    lower = mean - np.hypot(width, down[0]) - down[1]
+    upper = mean + np.hypot(width, up[0]) + up[1]
+    return from_scale(name, lower), np.where(np.isinf(upper), np.nan, from_scale(name, upper))
+
+
+def combined_shared(
+    shared: np.ndarray,
+) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
+    """Return half-width and shift (load,) below and above, of (load, source, component) on the scale."""
+    down, up, shift_down, shift_up = np.moveaxis(shared, 2, 0)
+    below, above = (np.sqrt(np.sum(width**2, axis=1)) for width in (down, up))
+    return (below, shift_down.sum(axis=1)), (above, shift_up.sum(axis=1))
+
+
+def scaled_components(name: str, dataset: xr.Dataset) -> np.ndarray:
+    """Return the components (load, source, component) of a quantity of a map on its scale.
+
+    Parameters
+    ----------
+    name : str
+        of the quantity.
+    dataset : Dataset
+        statistics of one map; without `{name}_components` all are 0.
+
+    Returns
+    -------
+    array
+        half-widths down and up, shifts down and up, a known bias among the latter; infinite where unbounded.
+    """
+    values = dataset[name].values.astype(float)
+    found = np.zeros((values.size, len(SOURCES), 4))
+    if f"{name}_components" not in dataset:
+        return found
+    parts = dataset[f"{name}_components"].transpose("load", "source", "component").values[:, : len(SOURCES)]
+    # an unbounded half-width is NaN in the file
+    down, up, bias, shift_down, shift_up = np.moveaxis(np.where(np.isnan(parts), np.inf, parts), 2, 0)
+    middle, value = to_scale(name, values)[:, None], values[:, None]
+    least = 0 * value if name in HEIGHTS else 1e-3 * value  # no logarithm of nothing
+    for place, by in enumerate((-down, up, -shift_down, shift_up + bias)):
+        with np.errstate(invalid="ignore"):
+            moved = np.abs(to_scale(name, np.maximum(value + by, least)) - middle)
+        found[:, :, place] = np.where(np.isposinf(by), np.inf, np.where(by == 0, 0.0, moved))
+    return found
+
+
+def scaled_at(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> Scaled:
+    """Return a quantity of several maps on its scale at some loads (Pa)."""
+    values, shared = [], []
+    for dataset in datasets:
+        order = np.argsort(dataset["mean_pressure"].values)
+        own = dataset["mean_pressure"].values[order]
+        values.append(at_loads(own, loads, to_scale(name, dataset[name].values)[order]))
+        shared.append(at_loads(own, loads, scaled_components(name, dataset)[order]))
+    return Scaled(np.stack(values), np.stack(shared))
+
+
+def at_loads(own: np.ndarray, loads: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return numbers (load, ...), known at a map's own rising loads, at others within their range.
+
+    Where the loads are not its own the numbers are interpolated (monotone cubic in the logarithm of the
+    load); they are NaN, or infinite, where a neighbour is.
+
+    Examples
+    --------
+    >>> at_loads(np.array([1.0, 100.0]), np.array([1.0, 10.0]), np.array([2.0, 4.0]))
+    array([2., 3.])
+    """
+    places = np.abs(own[None, :] - loads[:, None]).argmin(axis=1)
+    if np.allclose(own[places], loads, rtol=_SAME_LOAD, atol=0.0):
+        return values[places]
+    finite = np.isfinite(values)
+    within = np.clip(np.log(loads), *np.log(own[[0, -1]]))  # up to rounding
+    found = PchipInterpolator(np.log(own), np.where(finite, values, 0.0))(within)
+    beside = np.clip(np.searchsorted(own, loads), 1, own.size - 1)
+    unknown = np.where(finite, 0.0, values)  # 0, NaN or infinite
+    return found + unknown[beside] + unknown[beside - 1]
+
+
+def common_loads(words: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> np.ndarray:
+    """Return the loads (Pa, rising) at which all maps are known, some of them by interpolation."""
+    own = [np.sort(one["mean_pressure"].values.astype(float)) for one in datasets]
+    low, high = max(each[0] for each in own), min(each[-1] for each in own)
+    if low > high * (1 + _SAME_LOAD):
+        first, last = (
+            names[[each[place] for each in own].index(end)] for place, end in ((0, low), (-1, high))
+        )
+        raise SettingsError(
+            f"{words}: its maps have no load in common, {first} begins at {quantity(low, 'Pa')} and {last} "
+            f"ends at {quantity(high, 'Pa')}; solve them at the same mean_pressure, or at more loads"
+        )
+    every = np.sort(np.concatenate(own))
+    every = every[(every >= low * (1 - _SAME_LOAD)) & (every <= high * (1 + _SAME_LOAD))]
+    distinct = every[np.r_[True, np.diff(every) > _SAME_LOAD * every[:-1]]]
+    most = max(each.size for each in own)
+    if distinct.size <= most:
+        return distinct
+    return np.geomspace(low, high, most)
+
+
+def _check_alike(words: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> None:
+    """Reject maps that do not answer the same question, in one sentence."""
+    moduli = [float(one.get("contact_modulus", np.nan)) for one in datasets]
+    for name, modulus in zip(names, moduli, strict=True):
+        if abs(modulus - moduli[0]) > _SAME_LOAD * moduli[0]:
+            raise SettingsError(
+                f"{words}: {names[0]} was solved with E* = {quantity(moduli[0], 'Pa')} and {name} with "
+                f"{quantity(modulus, 'Pa')}; solve them with the same bodies, or put them into two groups"
+            )
+    for noun, most in _SAME_BAND.items():
+        limits = {
+            name: float(one.attrs[f"band_{noun}"])
+            for name, one in zip(names, datasets, strict=True)
+            if f"band_{noun}" in one.attrs
+        }
+        low, high = (choose(limits, key=limits.__getitem__, default="") for choose in (min, max))
+        if limits and limits[high] > most * limits[low]:
+            band = limits[high if noun == "shortest" else low]
+            raise SettingsError(
+                f"{words}: its maps hold different waves, the {noun} of {low} is "
+                f"{quantity(limits[low], 'm')}, that of {high} {quantity(limits[high], 'm')}; state one band "
+                f"for all (window: {noun}_wavelength: {quantity(band, 'm')}), or compare them as two groups"
+            )
+    kinds = {one.attrs.get("measured_by", ""): name for name, one in zip(names, datasets, strict=True)}
+    kinds.pop("", None)
+    # a band that the settings state, and not the pixels
+    stated = all(one.attrs.get("band_reason", _GRID) != _GRID for one in datasets)
+    if len(kinds) > 1 and not stated:
+        first, second = (
+            f"{name} was measured by {of_name(kind).words}" for kind, name in [*kinds.items()][:2]
+        )
+        raise SettingsError(
+            f"{words}: {first}, {second}, which do not resolve the same waves; state a band that both "
+            "resolve (window: shortest_wavelength), or compare them as two groups"
+        )
+
+
+def _remarks(
+    datasets: Sequence[xr.Dataset],
+    names: Sequence[str],
+    parts: Sequence[str],
+    loads: np.ndarray,
+    off: np.ndarray,
+    *,
+    placements: bool,
+) -> list[str]:
+    """Return what a reader of a group has to know, in sentences."""
+    units = len(set(parts)) if len(set(parts)) > 1 else len(names)
+    noun = "placements" if placements else "maps" if units == len(names) else "parts"
+    said = ["A single map: its own numbers and intervals."] if len(names) == 1 else []
+    if 1 < units < FEW:
+        of = "their intervals" if placements else "the maps"
+        said.append(
+            f"Two {noun}: a range, from the lowest to the highest of {of}; three {noun} or more have an "
+            "interval."
+        )
+    if len(set(parts)) == 1 < len(names):
+        said.append(f"All maps are of the part {parts[0]}: the interval says nothing of other parts.")
+    own = [one["mean_pressure"].values for one in datasets]
+    if any(each.size != loads.size or not np.allclose(np.sort(each), loads, rtol=_SAME_LOAD) for each in own):
+        said.append(
+            f"The maps were solved at different loads: they are compared from {quantity(loads[0], 'Pa')} to "
+            f"{quantity(loads[-1], 'Pa')}, which all of them reach, and interpolated there."
+        )
+    said += [
+        f"{name} stands off the others (Grubbs's test, 1 %) at {int(row.sum())} of {loads.size} loads; it is "
+        "included."
+        for name, row in zip(names, off, strict=True)
+        if row.any()
+    ]
+    return said
