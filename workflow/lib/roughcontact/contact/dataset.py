@@ -1,5 +1,6 @@
 """A dimensionless solution as a labelled dataset in SI units."""
 
+import json
 from collections.abc import Sequence
 
 import numpy as np
@@ -9,6 +10,7 @@ from roughcontact.checking import check_choice
 from roughcontact.choices import Influence
 from roughcontact.contact.problem import Problem, on_host
 from roughcontact.contact.sweep import Solution
+from roughcontact.elasticity.layers import LayeredPair, layered_pair
 from roughcontact.kernels.arrays import empty
 from roughcontact.kernels.choose import kernels_for
 
@@ -118,3 +120,17 @@ def influence_of(contact: xr.Dataset) -> Influence:
     influence: Influence = contact.attrs.get("influence", "sampled")
     check_choice("influence", influence, Influence)
     return influence
+
+
+def layers_of(contact: xr.Dataset) -> LayeredPair | None:
+    """Return the layers of the bodies that a contact was solved with, None for half-spaces.
+
+    `solve_contact` records them in the attributes.
+
+    Examples
+    --------
+    >>> layers_of(xr.Dataset()) is None
+    True
+    """
+    bodies = contact.attrs.get("bodies")
+    return None if bodies is None else layered_pair(json.loads(bodies))

@@ -18,6 +18,7 @@ from roughcontact.contact.state import (
     scale_to_load,
 )
 from roughcontact.elasticity.halfspace import HalfSpace
+from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.kernels.arrays import SINGLE, Array, empty, in_precision, precision_of
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.protocol import Factors, Weights
@@ -88,6 +89,8 @@ class Grid:
         largest pressure allowed (the hardness), or infinity.
     influence : {"sampled", "elements"}
         symbol of the operator (`roughcontact.elasticity.influence`).
+    layers : LayeredPair, optional
+        of the bodies, thicknesses in the unit of the lengths.
     threads : int
         of transforms and passes.
     """
@@ -101,11 +104,14 @@ class Grid:
         unit: float = 1.0,
         cap: float = np.inf,
         influence: Influence = "sampled",
+        layers: LayeredPair | None = None,
         threads: int = 1,
     ):
         self.cap = cap
         self.shape = tuple(heights.shape)
-        self.halfspace = HalfSpace(heights.shape, lengths, influence=influence, threads=threads, like=heights)
+        self.halfspace = HalfSpace(
+            heights.shape, lengths, influence=influence, layers=layers, threads=threads, like=heights
+        )
         self.kernels = kernels_for(heights, threads=threads)
         self._given, self._reference, self._unit = heights, reference, unit
         self._single: Array | None = None
@@ -327,7 +333,9 @@ class Grid:
         pitch, across = min(
             (d, w) for d, w, n in zip(pitches, (across_y, across_x), self.shape, strict=True) if n > 1
         )
-        return weights, 0.5 * np.pi / pitch / (4 * across + 8 * diagonal)
+        layers = self.halfspace.layers
+        factor = 1.0 if layers is None else float(layers.factor(np.array([np.pi / pitch]))[0])
+        return weights, 0.5 * np.pi / pitch / (4 * across + 8 * diagonal) / factor
 
     def _interpolate(self, workspace: "Workspace") -> None:
         """Put P of the workspace's values, zero at the inactive points, into its field."""

@@ -13,6 +13,7 @@ from roughcontact.contact.iteration import solve_on_grid
 from roughcontact.contact.nested_iteration import first_guess, nested_heights
 from roughcontact.contact.problem import Problem
 from roughcontact.contact.state import State, scale_to_load
+from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, in_precision
 
 # Points of a map up to which the workspace is kept for the next load. For larger maps it is half of the
@@ -53,6 +54,7 @@ def sweep(
     tolerance: float,
     cap: float = np.inf,
     influence: Influence = "sampled",
+    layers: LayeredPair | None = None,
     precision: str = DOUBLE,
     give_up: bool = False,
     threads: int,
@@ -72,6 +74,8 @@ def sweep(
         of the bound of the relative error.
     cap : float
         largest pressure allowed, in units of E* g.
+    layers : LayeredPair, optional
+        of the bodies, thicknesses in the unit of the lengths.
     precision : str
         of the result.
     give_up : bool
@@ -81,7 +85,9 @@ def sweep(
         for load in loads:
             yield _flat(problem, load, precision)
         return
-    make_grid = partial(Grid, lengths=problem.lengths, cap=cap, influence=influence, threads=threads)
+    make_grid = partial(
+        Grid, lengths=problem.lengths, cap=cap, influence=influence, layers=layers, threads=threads
+    )
     finest = make_grid(problem.heights, reference=problem.reference, unit=problem.scale)
     nested = nested_heights(finest.heights_in(SINGLE), problem.lengths)
     grids = [finest, *(make_grid(heights) for _, heights in nested)]
