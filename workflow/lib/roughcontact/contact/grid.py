@@ -364,7 +364,9 @@ class Grid:
     def _workspace_in(self, precision: str) -> "Workspace":
         if precision not in self._workspaces:
             like = self._given
-            interpolation = Interpolation(like, precision, self.halfspace.lengths, self.kernels)
+            interpolation = Interpolation(
+                like, precision, self.halfspace.lengths, self.kernels, self.halfspace.layers
+            )
             self._workspaces[precision] = Workspace(
                 interpolation, *(empty(like, precision) for _ in range(2))
             )
