@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.bodies import check_bodies
 from roughcontact.checking import check_choice, check_positive, warn_of_map
 from roughcontact.choices import SMALLEST_TOLERANCE, Influence, OnFailure, Precision, ZeroFrequency
 from roughcontact.contact.dataset import as_dataset, joined
 from roughcontact.contact.loads import check_loads
 from roughcontact.contact.problem import on_host, pose
 from roughcontact.contact.sweep import Solution, sweep
-from roughcontact.elasticity.bodies import check_bodies
 from roughcontact.elasticity.halfspace import zero_frequency_compliance
 from roughcontact.elasticity.layers import LayeredPair, layered_pair
 from roughcontact.errors import ConvergenceError, RoughContactError, SettingsError

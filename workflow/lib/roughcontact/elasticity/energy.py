@@ -61,6 +61,7 @@ def conforming_energy(
     *,
     contact_modulus: float,
     power: np.ndarray | None = None,
+    layers: LayeredPair | None = None,
 ) -> float:
     """Return the elastic energy per area of a map that is pressed flat, U = E*/4 sum |q| |h(q)|^2, J/m^2.
 
@@ -74,6 +75,8 @@ def conforming_energy(
         E*.
     power : array (ny, nx // 2 + 1), m^2, optional
         of its waves (`roughcontact.kernels.waves.wave_power`), if already known.
+    layers : LayeredPair, optional
+        of the bodies: each wave is divided by their factor.
 
     References
     ----------
@@ -89,5 +92,10 @@ def conforming_energy(
     1.000000
     """
     power = wave_power(height) if power is None else power
-    total = sum(float((np.sqrt(q2) * both).sum()) for q2, both in over_waves(power, height.shape, steps))
+    total = 0.0
+    for q2, both in over_waves(power, height.shape, steps):
+        q = np.sqrt(q2)
+        if layers is not None:
+            q /= layers.factor(np.where(q > 0, q, 1.0))
+        total += float((q * both).sum())
     return total * contact_modulus / 4

@@ -45,6 +45,17 @@ def check_bodies(bodies: Sequence[Mapping[str, Any]], *, where: str = "bodies") 
     return [_checked(body, f"{where}[{index}]") for index, body in enumerate(bodies)]
 
 
+def have_layers(bodies: Sequence[Mapping[str, Any]] | None) -> bool:
+    """Return whether one of the bodies of the settings, if there are any, has layers.
+
+    Examples
+    --------
+    >>> have_layers(None), have_layers([{"layers": [{"thickness": 1e-6}]}, {}])
+    (False, True)
+    """
+    return any(body.get("layers") for body in bodies or ())
+
+
 def _checked(body: Mapping[str, Any], where: str) -> dict[str, Any]:
     """Return one body whose numbers are checked."""
     base, layers = body.get("base"), body.get("layers") or []
