@@ -42,7 +42,7 @@ LIMITS = {
     "contact.bodies": ([[STEEL | MORE] * 2], [[], [STEEL], [STEEL] * 3]),
     "contact.bodies.youngs_modulus": ([SMALLEST_PRESSURE], [0, -1]),
     "contact.bodies.poissons_ratio": ([math.nextafter(-1, 0), 0.5], [-1, math.nextafter(0.5, 1)]),
-    "contact.bodies.layers.thickness": ([SMALLEST], [0, -1]),
+    "contact.bodies.layers.thickness": ([1e-9], [0, -1]),
     "contact.bodies.layers.youngs_modulus": ([1e9], [0, -1]),
     "contact.bodies.layers.poissons_ratio": (
         [math.nextafter(-1, 0), 0.5],

@@ -19,7 +19,7 @@ from roughcontact.contact.state import (
 )
 from roughcontact.elasticity.halfspace import HalfSpace
 from roughcontact.elasticity.layers import LayeredPair
-from roughcontact.kernels.arrays import SINGLE, Array, empty, in_precision, precision_of
+from roughcontact.kernels.arrays import SINGLE, Array, count_of, empty, in_precision, namespace, precision_of
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.protocol import Factors, Weights
 
@@ -153,7 +153,7 @@ class Grid:
         work, square, total, count, slope, slope_after = self.kernels.measure(
             separation, heights, reference, unit, *start, pressure, self.cap
         )
-        size = pressure.size
+        size = count_of(pressure)
         state = State(
             pressure=pressure,
             separation=separation,
@@ -235,7 +235,7 @@ class Grid:
         if total <= 0:  # a load far below the residual was lost to rounding: stay, safe steps follow
             return scale_to_load(state.pressure, mean_pressure, cap=cap, precision=precision_of(out))
         if cap == np.inf and line_loads is None:
-            kernels.rescale(out, mean_pressure * out.size / total, cap)
+            kernels.rescale(out, mean_pressure * count_of(out) / total, cap)
             return out
         kernels.rescale(out, 1.0, cap)
         if line_loads is not None:
@@ -287,7 +287,7 @@ class Grid:
         squares = self.kernels.project_residual(
             state.pressure, state.separation, state.offset, self.cap, interpolated
         )
-        change = float(np.sqrt(squares / interpolated.size * self.halfspace.largest_stiffness))
+        change = float(np.sqrt(squares / count_of(interpolated) * self.halfspace.largest_stiffness))
         if change <= SMALL_CHANGE * norm_of_interpolated:
             return norm_of_interpolated + change
         return float(np.sqrt(self.halfspace.pressure_spectrum(interpolated)[1]))
@@ -349,7 +349,7 @@ class Grid:
 
     def _restore_line_loads(self, pressure: Array, line_loads: Array) -> None:
         """Scale every line of `pressure` to the load that it had; points at the cap stay there."""
-        xp = pressure.__array_namespace__()
+        xp = namespace(pressure)
         free = xp.where(pressure < self.cap, pressure, xp.zeros_like(pressure))
         found, at_cap = self._line_sums(free), self._line_sums(pressure - free)
         factor = xp.clip(line_loads - at_cap, 0, None) / xp.where(found > 0, found, xp.ones_like(found))
@@ -358,7 +358,7 @@ class Grid:
 
     def _line_sums(self, field: Array) -> Array:
         """Return the sums, in double precision, over the lines that are contacts of their own."""
-        xp = field.__array_namespace__()
+        xp = namespace(field)
         return xp.sum(field, axis=self._line_axis, keepdims=True, dtype=xp.float64)
 
     def _workspace_in(self, precision: str) -> "Workspace":

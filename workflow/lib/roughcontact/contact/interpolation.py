@@ -34,7 +34,7 @@ import numpy as np
 
 from roughcontact.contact.coarsening import has_separate_lines, hierarchy, pitches_of, stencil
 from roughcontact.elasticity.layers import LayeredPair
-from roughcontact.kernels.arrays import Array, empty
+from roughcontact.kernels.arrays import Array, empty, namespace
 from roughcontact.kernels.protocol import Arrangement, Factors, Kernels, Weights
 
 # Wavenumber, over the inverse pitch of a cell, whose factor counts for it; 0.5 to 1.5 were measured to serve
@@ -91,7 +91,7 @@ class Interpolation:
         kernels: Kernels,
         layers: LayeredPair | None = None,
     ):
-        self.kernels, xp = kernels, like.__array_namespace__()
+        self.kernels, xp = kernels, namespace(like)
         self.active: Array = None
         self.weights = stencil(pitches_of(like.shape, lengths), like.shape)
         plan = hierarchy(like.shape, lengths)
@@ -122,7 +122,7 @@ class Interpolation:
 
     def set_active(self, active: Array) -> None:
         """Let C be the points where `active` is not zero; that array must not change while C is used."""
-        kernels, xp, self.active = self.kernels, active.__array_namespace__(), active
+        kernels, xp, self.active = self.kernels, namespace(active), active
         if self.grids:
             finest = self.grids[0]
             kernels.active_share(active, finest.factors, finest.means)
@@ -150,7 +150,7 @@ class Interpolation:
 
     def _weigh_by(self, factors: list[float]) -> None:
         """Change the weights of all cells to those of bodies with layers."""
-        xp = self.active.__array_namespace__()
+        xp = namespace(self.active)
         finer = self.active
         for grid, factor in zip(self.grids, factors, strict=True):
             parts, weight = grid.means, 1 - grid.empty
@@ -254,7 +254,7 @@ class Interpolation:
 
     def _gaps(self) -> Array:
         """Return 1 outside C and 0 on it, where there is no coarser grid."""
-        xp = self.active.__array_namespace__()
+        xp = namespace(self.active)
         return xp.astype(self.active == 0, self.active.dtype)
 
     def _sweep_back(self, total: Array, gaps: Array, weights: Weights) -> None:
@@ -277,6 +277,6 @@ def _arrangement(shape: tuple[int, int]) -> Arrangement:
 
 def _mean_over_contact(field: Array, gaps: Array) -> float:
     """Return the sum of `field` over that of the weights, 1 - `gaps`."""
-    xp = field.__array_namespace__()
+    xp = namespace(field)
     weight = float(xp.sum(1 - gaps))
     return float(xp.sum(field)) / weight if weight > 0 else 0.0

@@ -45,6 +45,7 @@ def solve_contact(
     on_failure: OnFailure = "raise",
     fields: bool = True,
     reduce: Callable[[xr.Dataset], xr.Dataset] | None = None,
+    arrays: Callable[[np.ndarray], Any] | None = None,
     threads: int = 1,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> xr.Dataset:
@@ -57,8 +58,8 @@ def solve_contact(
     ----------
     window : DataArray (y, x), m
         heights (any unit of length that the coordinates share), periodic, no NaN. A single row or column is a
-        profile, solved in one dimension. Heights in an array of CuPy, or of another library that follows the
-        Python array API, are solved by that library, on their device; the result is NumPy's.
+        profile, solved in one dimension. Heights in an array of another library that follows the Python array
+        API are solved by that library, on their device, as with `arrays`.
     contact_modulus : float, Pa
         E* (any unit of pressure that the loads share), unless `bodies` are given.
     mean_pressure : float or sequence of float, Pa
@@ -90,6 +91,9 @@ def solve_contact(
         called with the dataset of each load (fields included); its result replaces the fields, so that
         statistics need not keep them: ``reduce=contact_statistics``. Its variables must be among those of
         `roughcontact.variables`: another name is refused after the first load.
+    arrays : callable, optional
+        brings an array of NumPy into another library and onto its device, where the solve then takes place:
+        ``torch.asarray``. The result is NumPy's.
     threads : int
         threads of the solve; a forked process takes one.
     progress : callable, optional
@@ -167,7 +171,8 @@ def solve_contact(
             keys=("mean_pressure",),
         )
     working = DOUBLE if precision == "double" else SINGLE
-    problem, window = pose(window, precision=working, threads=threads), on_host(window)
+    problem = pose(window, precision=working, arrays=arrays, threads=threads)
+    window = on_host(window)
     warn_of_map(window.shape, problem.gradient)
     if zero_frequency != "zero" and 1 in window.shape:
         raise SettingsError(
