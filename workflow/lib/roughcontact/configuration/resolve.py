@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from roughcontact.bodies import check_bodies, have_layers
+from roughcontact.bodies import check_bodies, have_layers, sheet_on_rigid_base
 from roughcontact.configuration.messages import implausible, mistake, name_mistake
 from roughcontact.configuration.models import Settings
 from roughcontact.configuration.suspicious_units import suspicious_units
@@ -209,9 +209,11 @@ def _mistakes_with_layers(settings: Mapping[str, Any]) -> list[str]:
             "statistics.stress = 'always': the stresses below the surface are not judged for bodies with "
             "layers; leave it out"
         )
-    if settings["crosscheck"]["code"] != "none":
+    code = settings["crosscheck"]["code"]
+    if code == "tamaas" or (code != "none" and sheet_on_rigid_base(settings["contact"]["bodies"]) is None):
         mistakes.append(
-            "crosscheck.code: the other code is asked about half-spaces only; set none for bodies with layers"
+            f"crosscheck.code = {code!r}: of bodies with layers another code solves one layer on a rigid "
+            "base, pressed by a rigid body (youngs_modulus 1e20), and that is contactmechanics; set none"
         )
     return mistakes
 
