@@ -149,11 +149,11 @@ def contact_statistics(
                 f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
             )
     check_choice("flow", flow, Extra)
-    body = _body_to_strain(stress, bodies)
+    layers = layers_of(contact)
+    body = _body_to_strain(stress, bodies, layered=layers is not None)
     height, modulus = contact["height"], float(contact["contact_modulus"])
     steps = spacing(height)
     mean_pressure = np.asarray(contact["mean_pressure"].values, float)
-    layers = layers_of(contact)
     if surface is None:
         surface = surface_numbers(
             height, contact_modulus=modulus, work_of_adhesion=work_of_adhesion, layers=layers
@@ -589,10 +589,10 @@ def _inverse(compliance: float) -> float:
     return 1 / compliance if compliance > 0 else np.inf
 
 
-def _body_to_strain(stress: Extra, bodies: Bodies | None) -> dict[str, float] | None:
+def _body_to_strain(stress: Extra, bodies: Bodies | None, *, layered: bool) -> dict[str, float] | None:
     """Return the properties that the stresses below the surface need; None where they are not wanted."""
     check_choice("stress", stress, Extra)
-    if have_layers(bodies):
+    if layered:
         if stress == "always":
             raise SettingsError(
                 "stress = 'always': the stresses below the surface are not judged for bodies with layers; "
