@@ -12,7 +12,7 @@ from roughcontact.elasticity.halfspace import HalfSpace
 from roughcontact.elasticity.layers import layered_pair
 from roughcontact.errors import SettingsError
 from roughcontact.maps import height_map, spacing
-from roughcontact.references.synthetic import rough_reference_surface
+from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
 
 STEEL = {"youngs_modulus": 2.0, "poissons_ratio": 0.3}
 RIGID = {"youngs_modulus": 1e20, "poissons_ratio": 0.3}
@@ -203,3 +203,33 @@ def test_bodies_and_modulus_must_agree():
         solve_contact(height, bodies=[STEEL] * 3, mean_pressure=0.1)
     agreed = solve_contact(height, contact_modulus=1 / 0.91, bodies=[STEEL, STEEL], mean_pressure=0.1)
     assert agreed["contact_modulus"] == pytest.approx(1 / 0.91)
+
+
+@pytest.mark.parametrize("pixels", [4, 32])
+@pytest.mark.parametrize("ratio", [0.1, 0.5, 2.0, 5.0])
+def test_a_layer_takes_at_most_half_as_many_transforms_more_than_a_half_space(ratio, pixels):
+    height = self_affine_surface(
+        (256, 256), 1 / 256, hurst=0.8, shortest=6 / 256, longest=0.25, rms_gradient=1.0, seed=1
+    )
+    film = STEEL | {"layers": [layer(pixels / 256, STEEL["youngs_modulus"] * ratio)]}
+    pairs = []
+    for body in (STEEL, film):
+        modulus = (STEEL if body is STEEL else film["layers"][0])["youngs_modulus"] / 0.91
+        loads = [modulus * load for load in (0.003, 0.03, 0.3)]
+        found = solve_contact(height, bodies=[body, RIGID], mean_pressure=loads)
+        pairs.append(found["operator_applications"].values)
+    assert (pairs[1] <= 1.5 * pairs[0]).all()
+
+
+@pytest.mark.parametrize("pixels", [4, 32])
+def test_stiff_films_and_rigid_bases_stay_within_bounds(pixels):
+    height = self_affine_surface(
+        (256, 256), 1 / 256, hurst=0.8, shortest=6 / 256, longest=0.25, rms_gradient=1.0, seed=1
+    )
+    sheet = {"base": "rigid", "layers": [layer(pixels / 256, 2.0)]}
+    film = STEEL | {"layers": [layer(pixels / 256, 40.0)]}
+    for body, most in ((sheet, 16), (film, 40)):
+        modulus = body["layers"][0]["youngs_modulus"] / 0.91
+        loads = [modulus * load for load in (0.003, 0.03, 0.3)]
+        found = solve_contact(height, bodies=[body, RIGID], mean_pressure=loads)
+        assert found["operator_applications"].max() <= most

@@ -1,5 +1,7 @@
 """Bodies with layers from the settings to the report, beside the same bodies without them."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -56,6 +58,10 @@ def test_layers_go_from_the_settings_to_the_report(tmp_path, checkout):
     page = project.path("results/report.html").read_text()
     assert "20.0 µm of 3.00 MPa (ν 0.5) on a rigid base" in page
     assert "Not judged with layers" in page
+    panels = {case: project.path(f"results/{case}/ground/panel.html").read_text() for case in found}
+    converged = {case: re.findall(r"onverged[^<]*conductance", panel) for case, panel in panels.items()}
+    assert converged["plain"]
+    assert not converged["coated"]
     summary = pd.read_csv(project.path("results/summary.csv"))
     assert set(summary["case"]) == set(found)
 
