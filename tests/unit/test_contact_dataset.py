@@ -1,5 +1,6 @@
 """What `solve_contact` returns, refuses and promises, whatever the map."""
 
+import array_api_compat
 import numpy as np
 import pytest
 import xarray as xr
@@ -412,29 +413,61 @@ def test_awkward_maps_simply_work(name, share_of_full_contact):
     assert float(contact["error_bound"][0]) <= 1e-8
 
 
-@pytest.fixture(params=["array_api_strict", "cupy"])
-def array_library(request):
-    """array_api_strict has nothing but what the Python array API promises; CuPy needs a GPU."""
-    library = pytest.importorskip(request.param)
+@pytest.fixture(params=["array_api_strict", "unnamed", "cupy", "torch"])
+def arrays(request, monkeypatch):
+    """The function that brings an array of NumPy into another library.
+
+    array_api_strict has nothing but what the Python array API promises; without the name of its library in
+    its arrays it is as CuPy and PyTorch are, known to array-api-compat alone. CuPy needs a GPU.
+    """
+    unnamed = request.param == "unnamed"
+    library = pytest.importorskip("array_api_strict" if unnamed else request.param)
     if request.param == "cupy" and not library.cuda.is_available():
         pytest.skip("no GPU")
-    return library
+    if unnamed:
+        kind = type(library.asarray(0.0))
+        known = array_api_compat.array_namespace
+        monkeypatch.delattr(kind, "__array_namespace__")
+        monkeypatch.setattr(
+            array_api_compat,
+            "array_namespace",
+            lambda field: library if isinstance(field, kind) else known(field),
+        )
+    return library.asarray
 
 
+POLYMER = {"youngs_modulus": 4e9, "poissons_ratio": 0.3}
+FILM = {"thickness": 5e-6, "youngs_modulus": 1.2e10, "poissons_ratio": 0.2}
+ELASTICITY = {
+    "half-space": {"contact_modulus": MODULUS},
+    "layers": {"bodies": [POLYMER | {"layers": [FILM]}, POLYMER]},
+}
+
+
+@pytest.mark.parametrize("elasticity", list(ELASTICITY.values()), ids=list(ELASTICITY))
 @pytest.mark.parametrize("mean_pressure", [[2e6, 8e7], 4e9], ids=["two loads", "full contact"])
 @pytest.mark.parametrize("hardness", [None, 1e10])
-def test_the_solve_runs_in_the_array_library_of_the_heights(mean_pressure, hardness, array_library):
+def test_the_solve_runs_in_the_library_of_the_arrays(mean_pressure, hardness, elasticity, arrays):
     window = rough()
-    elsewhere = window.copy(data=array_library.asarray(window.values))
-    options = {"contact_modulus": MODULUS, "mean_pressure": mean_pressure, "hardness": hardness}
-    found, expected = (
-        rc.solve_contact(heights, tolerance=1e-8, **options) for heights in (elsewhere, window)
-    )
+    options = {"mean_pressure": mean_pressure, "hardness": hardness, "tolerance": 1e-8} | elasticity
+    found, expected = (rc.solve_contact(window, arrays=one, **options) for one in (arrays, None))
     assert isinstance(found["pressure"].data, np.ndarray)
     assert set(found.variables) == set(expected.variables)
     size = np.sqrt((expected["pressure"] ** 2).mean())
     assert np.sqrt(((found["pressure"] - expected["pressure"]) ** 2).mean()) < 1e-7 * size
     assert float(found["error_bound"].max()) <= 1e-8
+    np.testing.assert_allclose(found["operator_applications"], expected["operator_applications"], atol=4)
+
+
+def test_heights_of_another_library_are_solved_by_it():
+    library = pytest.importorskip("array_api_strict")
+    window = rough()
+    elsewhere = window.copy(data=library.asarray(window.values))
+    options = {"contact_modulus": MODULUS, "mean_pressure": 8e7, "tolerance": 1e-8}
+    found, expected = (rc.solve_contact(heights, **options) for heights in (elsewhere, window))
+    assert isinstance(found["pressure"].data, np.ndarray)
+    size = np.sqrt((expected["pressure"] ** 2).mean())
+    assert np.sqrt(((found["pressure"] - expected["pressure"]) ** 2).mean()) < 1e-7 * size
 
 
 def test_a_large_map_without_its_workspace_between_the_loads_has_the_same_solutions(monkeypatch):

@@ -150,3 +150,43 @@ def test_the_stored_numbers_of_the_other_codes(code):
         assert round(float(other["other_contact_area_pixels"][index]) * height.size) == points
         assert float(other["other_max_pressure"][index]) == pytest.approx(peak, rel=1e-7)
         assert float(other["other_mean_gap"][index]) == pytest.approx(gap, rel=1e-7)
+
+
+SHEET = {"thickness": 3e-6, "youngs_modulus": 2e9, "poissons_ratio": 0.45}
+RIGID = {"youngs_modulus": 1e20, "poissons_ratio": 0.3}
+
+
+def solved_on_a_sheet(counter_body=RIGID):
+    """Return map, contact and statistics of a layer on a rigid base."""
+    height = MAPS["map"]
+    bodies = [{"base": "rigid", "layers": [SHEET]}, counter_body]
+    contact = rc.solve_contact(height, bodies=bodies, mean_pressure=[3e6, 2e7], tolerance=1e-9)
+    return height, contact, rc.contact_statistics(contact)
+
+
+def test_a_layer_on_a_rigid_base_is_what_another_code_finds(other):
+    height, contact, statistics = solved_on_a_sheet()
+    result = crosscheck(height, contact, statistics, code="contactmechanics", python=other)
+    assert_equal_results(result, statistics)
+    assert not result["contact_difference"].any()
+    assert (result["pressure_difference"] < 1e-6).all()
+
+
+@pytest.mark.skipif(not OTHER_PYTHON, reason="needs CROSSCHECK_PYTHON, the Python of another code")
+def test_contactmechanics_finds_the_same_on_a_layer():
+    height, contact, statistics = solved_on_a_sheet()
+    result = crosscheck(height, contact, statistics, code="contactmechanics", python=OTHER_PYTHON)
+    assert_equal_results(result, statistics)
+    assert not result["contact_difference"].any()
+
+
+@pytest.mark.parametrize(
+    ("code", "counter_body"), [("tamaas", RIGID), ("contactmechanics", RIGID | {"youngs_modulus": 1e11})]
+)
+def test_layers_that_no_other_code_solves_are_refused(code, counter_body, other):
+    height, contact, statistics = solved_on_a_sheet(counter_body)
+    with pytest.raises(SettingsError, match="one layer on a rigid base"):
+        crosscheck(height, contact, statistics, code=code, python=other)
+    bodies = [{"base": "rigid", "layers": [SHEET]}, counter_body]
+    with pytest.raises(SettingsError, match="one layer on a rigid base"):
+        resolve({"contact": {"bodies": bodies}, "crosscheck": {"code": code, "python": "python"}})

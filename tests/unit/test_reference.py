@@ -4,9 +4,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy import special
 from scipy.integrate import quad
 
 from roughcontact.references import closed_forms
+from roughcontact.references.layered_sphere import rigid_base_factor, sphere_on_layer
 
 D, WAVELENGTH, MODULUS = 1.5e-6, 2e-3, 3e9
 FULL = closed_forms.westergaard_full_contact_pressure(D, WAVELENGTH, MODULUS)
@@ -234,3 +236,45 @@ def test_full_contact_of_the_wave_is_westergaards():
     pressure = closed_forms.full_contact_fluctuation(heights, steps, MODULUS)
     assert -pressure.min() == pytest.approx(FULL, rel=1e-12)
     assert closed_forms.full_contact_energy(heights, steps, MODULUS) == pytest.approx(D * FULL / 4, rel=1e-12)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+def test_a_sphere_on_a_layer_between_hertz_and_springs(nu):
+    thick = sphere_on_layer(0.1, 2.0, 1e3, nu)
+    hertz = closed_forms.hertz(0.1**3 * 4 / 6, 2.0, 1.0)
+    assert thick.approach == pytest.approx(hertz["approach"], rel=1e-3)
+    assert thick.force == pytest.approx(0.1**3 * 4 / 6, rel=1e-3)
+    if nu < 0.5:  # springs of t (1 - 2 nu)/((1 - nu)^2 E*): delta = a²/2R, F = pi a⁴/(4 R spring)
+        thin = sphere_on_layer(0.1, 2.0, 2e-3, nu)
+        spring = 2e-3 * (1 - 2 * nu) / (1 - nu) ** 2
+        assert thin.approach == pytest.approx(0.1**2 / 4, rel=5e-3)
+        assert thin.force == pytest.approx(np.pi * 0.1**4 / 8 / spring, rel=0.03)
+
+
+def test_the_equation_of_a_sphere_on_a_layer_is_fulfilled_by_displacements():
+    """The pressure that belongs to phi, by its Hankel transform, displaces the surface to the sphere."""
+    a, radius, thickness, nu = 0.8, 3.0, 1.0, 0.4
+    known = sphere_on_layer(a, radius, thickness, nu)
+    x, weight = np.polynomial.legendre.leggauss(300)
+    x, weight = (x + 1) * a / 2, weight * a / 2
+    q, share = np.polynomial.legendre.leggauss(4000)
+    q, share = (q + 1) * 100, share * 100
+    factor = rigid_base_factor(q * thickness, nu)
+    kernel = 2 / np.pi * ((1 - factor) * share * np.cos(np.outer(x, q))) @ np.cos(np.outer(q, x))
+    phi = np.linalg.solve(np.eye(300) - kernel * weight, (known.approach - x**2 / radius) / np.pi)
+    assert 2 * np.pi * weight @ phi == pytest.approx(known.force, rel=1e-6)
+    # p(q) = 2 pi int phi cos(qx) dx transforms the pressure, u(r) = int 2 f p(q) J0(qr) dq / 2 pi
+    transform = 2 * np.pi * np.cos(np.outer(q, x)) @ (phi * weight)
+    for r in (0.0, 0.3, 0.6):
+        displaced = (2 * factor * transform * special.j0(q * r) * share).sum() / (2 * np.pi)
+        assert displaced == pytest.approx(known.approach - r**2 / (2 * radius), rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("nu", "ratios"), [(0.5, (1.857, 3.371, 6.085)), (0.3, (1.591, 2.416, 3.546))], ids=["0.5", "0.3"]
+)
+def test_a_layer_stiffens_a_sphere_as_computed_elsewhere(nu, ratios):
+    for size, expected in zip((0.5, 1.0, 1.6), ratios, strict=True):
+        found = sphere_on_layer(size, 10.0, 1.0, nu)
+        hertz = 4 / 3 * np.sqrt(10.0) * found.approach**1.5
+        assert found.force / hertz == pytest.approx(expected, abs=6e-4)

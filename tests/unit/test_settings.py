@@ -93,7 +93,7 @@ def test_uncertainty_section_is_the_keyword_arguments_of_its_verb():
 def test_contact_section_is_the_keyword_arguments_of_its_verbs():
     verbs = (plan_loads, target_loads, solve_contact)
     arguments = {name: each for verb in verbs for name, each in inspect.signature(verb).parameters.items()}
-    of_the_run = {"window", "solver", "bodies", "fields", "reduce", "threads", "progress"}
+    of_the_run = {"window", "solver", "bodies", "fields", "reduce", "arrays", "threads", "progress"}
     of_the_budget = {"contact_modulus_uncertainty", "mean_pressure_uncertainty"}
     assert (
         set(Contact.model_fields) - {"bodies", "keep_fields", *of_the_budget} == set(arguments) - of_the_run

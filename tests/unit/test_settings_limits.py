@@ -17,6 +17,8 @@ ABOVE_ONE, BELOW_ONE = math.nextafter(1, 2), math.nextafter(1, 0)
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "hardness": None}
 # what else may be said of a body, where it is said of both
 MORE = {"yield_stress": 4e8, "thermal_conductivity": 50.0, "electrical_resistivity": 2e-7}
+MORE |= {"base": None, "layers": None}
+COATING = {"thickness": 1e-6, "youngs_modulus": 2e11, "poissons_ratio": 0.2}
 SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}
 ENDLESS = [math.inf, -math.inf, math.nan]
 
@@ -40,6 +42,12 @@ LIMITS = {
     "contact.bodies": ([[STEEL | MORE] * 2], [[], [STEEL], [STEEL] * 3]),
     "contact.bodies.youngs_modulus": ([SMALLEST_PRESSURE], [0, -1]),
     "contact.bodies.poissons_ratio": ([math.nextafter(-1, 0), 0.5], [-1, math.nextafter(0.5, 1)]),
+    "contact.bodies.layers.thickness": ([1e-9], [0, -1]),
+    "contact.bodies.layers.youngs_modulus": ([1e9], [0, -1]),
+    "contact.bodies.layers.poissons_ratio": (
+        [math.nextafter(-1, 0), 0.5],
+        [-1, math.nextafter(0.5, 1)],
+    ),
     "contact.bodies.hardness": ([SMALLEST_PRESSURE, None], [0, -1]),
     "contact.bodies.yield_stress": ([SMALLEST_PRESSURE, None], [0, -1]),
     "contact.bodies.thermal_conductivity": ([SMALLEST], [0, -1]),
@@ -103,6 +111,9 @@ def configured(key, value):
     """Return the smallest configuration in which the setting `key` has this value."""
     if key == "contact.bodies":
         return {"contact": {"bodies": value}}
+    if key.startswith("contact.bodies.layers."):
+        layer = COATING | {key.rpartition(".")[2]: value}
+        return {"contact": {"bodies": [STEEL | MORE, STEEL | MORE | {"layers": [layer]}]}}
     if key.startswith("contact.bodies."):
         return {"contact": {"bodies": [STEEL | MORE, STEEL | MORE | {key.rpartition(".")[2]: value}]}}
     if key.startswith("statistics.seal."):
@@ -167,7 +178,7 @@ def test_what_is_within_the_limits_is_kept(key):
 def test_what_is_beyond_the_limits_is_refused_by_its_name(key):
     for value in LIMITS[key][1]:
         line, keys = said(configured(key, value))
-        assert line.startswith(key.replace("bodies.", "bodies[1]."))
+        assert line.startswith(key.replace("bodies.", "bodies[1].").replace("layers.", "layers[0]."))
         assert keys == (".".join(key.split(".")[:2]),)
 
 

@@ -21,7 +21,7 @@ from roughcontact.contact.problem import pose
 from roughcontact.contact.projected_gradient import project_to_load, projected_gradient_step
 from roughcontact.contact.state import contact_mean, norm, scale_below_cap, scale_to_load
 from roughcontact.contact.sweep import sweep
-from roughcontact.kernels.arrays import DOUBLE, SINGLE, empty
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, empty, namespace
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 
@@ -258,7 +258,7 @@ def test_a_step_that_changes_the_precision_leaves_points_at_the_cap(lengths, lik
     assert float(np.float32(0.35)) < 0.35
     heights = like(rough())
     grid = Grid(heights, lengths, cap=cap)
-    uniform = heights.__array_namespace__().full_like(heights, 0.1)
+    uniform = namespace(heights).full_like(heights, 0.1)
     pressure, _ = first_guess_on_grid(grid, uniform, 0.1, tolerance=0.01)
     state, _ = grid.evaluate(pressure)
     at_cap = np.asarray(state.pressure) == np.float32(cap)

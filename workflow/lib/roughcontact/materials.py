@@ -5,7 +5,7 @@ the caller decides whether it is an error.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from roughcontact.quantities import number, quantity
 
@@ -48,10 +48,11 @@ class Doubt(NamedTuple):
         return f"{self.reason}; did you mean {likely}?" if likely else self.reason
 
 
-def contact_modulus(bodies: Sequence[Mapping[str, float]]) -> float:
+def contact_modulus(bodies: Sequence[Mapping[str, Any]]) -> float:
     """Return the plane-strain contact modulus (Pa) of two bodies, 1/E* = sum of (1 - nu^2)/E.
 
-    Each body has `youngs_modulus` (Pa) and `poissons_ratio`.
+    Each body has `youngs_modulus` (Pa) and `poissons_ratio`, and may have `layers` from the surface inwards,
+    of which the first counts: E* is that of the surfaces.
 
     References
     ----------
@@ -63,7 +64,19 @@ def contact_modulus(bodies: Sequence[Mapping[str, float]]) -> float:
     >>> f"{contact_modulus([steel, steel]):.4g}"
     '1.154e+11'
     """
-    return 1 / sum((1 - body["poissons_ratio"] ** 2) / body["youngs_modulus"] for body in bodies)
+    surfaces = [surface_of(body) for body in bodies]
+    return 1 / sum((1 - one["poissons_ratio"] ** 2) / one["youngs_modulus"] for one in surfaces)
+
+
+def surface_of(body: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the material at the surface of a body: that of its first layer, or its own.
+
+    Examples
+    --------
+    >>> surface_of({"base": "rigid", "layers": [{"thickness": 1e-3, "youngs_modulus": 2e6}]})["thickness"]
+    0.001
+    """
+    return body["layers"][0] if body.get("layers") else body
 
 
 def doubt_of_modulus(modulus: float) -> Doubt | None:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import xarray as xr
 
+from roughcontact.bodies import have_layers
 from roughcontact.contact.dataset import joined
 from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
 from roughcontact.errors import HeightMapError
@@ -112,6 +113,8 @@ def solver_arguments(window: xr.DataArray, contact: Mapping[str, Any], *, thread
         file = window.attrs.get("source_file")
         raise HeightMapError(f"{f'{file}: ' if file else ''}{error} (section contact)") from error
     chosen = {key: contact[key] for key in ("contact_modulus", *SOLVER_SETTINGS)}
+    if have_layers(contact["bodies"]):
+        chosen["bodies"] = contact["bodies"]
     return chosen | {"mean_pressure": loads, "threads": threads}
 
 

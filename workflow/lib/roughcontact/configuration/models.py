@@ -9,7 +9,7 @@ from functools import partial
 from types import NoneType
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic.json_schema import WithJsonSchema
 
 from roughcontact.choices import (
@@ -207,14 +207,44 @@ class Window(Section):
     )
 
 
+def _without_required(schema: dict[str, Any]) -> None:
+    """Require no elastic constants in the schema: a rigid base has none."""
+    schema.pop("required", None)
+
+
+class Layer(Section):
+    """A bonded layer of a body: a coating, a sheet."""
+
+    thickness: Length = Field(description="of the layer, m", examples=["2 um"])
+    youngs_modulus: Pressure = Field(description="Young's modulus of the layer, Pa", examples=["180 GPa"])
+    poissons_ratio: Number = Field(
+        gt=-1, le=0.5, description="Poisson's ratio of the layer, no unit", examples=[0.2]
+    )
+
+
 class Body(Section):
     """One of the two bodies."""
 
-    youngs_modulus: Pressure = Field(description="Young's modulus E, Pa", examples=["210 GPa"])
-    poissons_ratio: Number = Field(gt=-1, le=0.5, description="Poisson's ratio, no unit", examples=[0.3])
+    model_config = ConfigDict(json_schema_extra=_without_required)
+
+    youngs_modulus: Pressure | None = Field(description="Young's modulus E, Pa", examples=["210 GPa"])
+    poissons_ratio: Annotated[Number, Field(gt=-1, le=0.5)] | None = Field(
+        description="Poisson's ratio, no unit", examples=[0.3]
+    )
+    base: Literal["rigid"] | None = Field(
+        default=None,
+        description="rigid: the layers lie on a base that does not give way, and the body has no elastic "
+        "constants of its own",
+    )
+    layers: list[Layer] | None = Field(
+        default=None,
+        description="bonded layers from the surface inwards, each with thickness (m), youngs_modulus (Pa) "
+        "and poissons_ratio",
+        examples=[[{"thickness": "2 um", "youngs_modulus": "180 GPa", "poissons_ratio": 0.2}]],
+    )
     hardness: Pressure | None = Field(
         default=None,
-        description="largest pressure that it carries before it yields (indentation hardness), Pa",
+        description="largest pressure that its surface carries before it yields (indentation hardness), Pa",
         examples=["2 GPa"],
     )
     yield_stress: Pressure | None = Field(
@@ -233,6 +263,14 @@ class Body(Section):
         description="Ohm m, of both bodies: the results then include the electrical contact conductance",
         examples=[2.0e-7],
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _rigid(cls, values: Any) -> Any:
+        """Let a rigid base do without elastic constants."""
+        if isinstance(values, dict) and values.get("base") is not None:
+            return {"youngs_modulus": None, "poissons_ratio": None} | values
+        return values
 
 
 class Contact(Section):

@@ -6,6 +6,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from roughcontact.bodies import check_bodies, have_layers, sheet_on_rigid_base
 from roughcontact.configuration.messages import implausible, mistake, name_mistake
 from roughcontact.configuration.models import Settings
 from roughcontact.configuration.suspicious_units import suspicious_units
@@ -77,12 +78,17 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         return {}, mistakes + _unit_errors_in_valid_settings(
             name, overrides, merged, [detail["loc"] for detail in found]
         )
+    try:
+        _check_layers(settings["contact"]["bodies"], where)
+    except SettingsError as error:
+        return settings, [*mistakes, error]
     mistakes += [implausible(name, overrides, *found) for found in suspicious_units(merged, settings)]
     crosscheck = settings["crosscheck"]
     if crosscheck["code"] != "none" and not crosscheck["python"]:
         text = f"crosscheck.python: missing (path of the Python that has {crosscheck['code']})"
         mistakes.append(SettingsError(text))
     mistakes += [SettingsError(text) for text in _mistakes_in_bodies(settings["contact"]["bodies"], where)]
+    mistakes += [SettingsError(text) for text in _mistakes_with_layers(settings)]
     if settings["statistics"]["stress"] == "always" and not settings["contact"]["bodies"]:
         text = "statistics.stress = 'always': needs contact.bodies, for their Poisson's ratios"
         mistakes.append(SettingsError(text, keys=["statistics.stress"]))
@@ -97,9 +103,13 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
             "carries it"
         )
         mistakes.append(SettingsError(text, keys=["contact.mean_pressure"]))
-    limits = [settings["contact"]["hardness"], *(body["yield_stress"] for body in bodies or ())]
+    limits = [settings["contact"]["hardness"]]
+    if not have_layers(bodies):
+        limits += [body["yield_stress"] for body in bodies or ()]
     if "first_yield" in (settings["contact"]["target"] or ()) and not any(limits):
         text = f"{where}.target: first_yield needs the yield_stress of a body, or a hardness"
+        if have_layers(bodies):
+            text = f"{where}.target: first_yield needs a hardness where bodies have layers"
         mistakes.append(SettingsError(text, keys=["contact.target"]))
     return settings, mistakes
 
@@ -180,6 +190,32 @@ def _mistakes_in_bodies(bodies: Sequence[Mapping[str, Any]] | None, where: str) 
         for index in range(2)
         if bodies[index][name] is None and bodies[1 - index][name] is not None
     ]
+
+
+def _check_layers(bodies: Sequence[Mapping[str, Any]] | None, where: str) -> None:
+    """Raise an error for bodies whose layers, base and elastic constants contradict one another."""
+    constants = ("youngs_modulus", "poissons_ratio")
+    if any(body["base"] or body["layers"] or None in map(body.get, constants) for body in bodies or ()):
+        check_bodies(bodies or (), where=f"{where}.bodies")
+
+
+def _mistakes_with_layers(settings: Mapping[str, Any]) -> list[str]:
+    """Return what is asked for although it is not judged for bodies with layers."""
+    if not have_layers(settings["contact"]["bodies"]):
+        return []
+    mistakes = []
+    if settings["statistics"]["stress"] == "always":
+        mistakes.append(
+            "statistics.stress = 'always': the stresses below the surface are not judged for bodies with "
+            "layers; leave it out"
+        )
+    code = settings["crosscheck"]["code"]
+    if code == "tamaas" or (code != "none" and sheet_on_rigid_base(settings["contact"]["bodies"]) is None):
+        mistakes.append(
+            f"crosscheck.code = {code!r}: of bodies with layers another code solves one layer on a rigid "
+            "base, pressed by a rigid body (youngs_modulus 1e20), and that is contactmechanics; set none"
+        )
+    return mistakes
 
 
 def _merge(base: Any, overrides: Any) -> Any:

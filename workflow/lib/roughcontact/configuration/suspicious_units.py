@@ -88,12 +88,21 @@ def _in_contact(given: Mapping[str, Any], contact: Mapping[str, Any]) -> list[tu
 
     bodies = []
     for index, body in enumerate(contact["bodies"] or ()):
-        stiffness, ratio = body["youngs_modulus"], body["poissons_ratio"]
-        doubt = materials.doubt_of_body(stiffness, ratio)
-        stiffness = meant(stiffness, doubt, "bodies", index, "youngs_modulus")
-        bodies.append(body | {"youngs_modulus": stiffness})
+        own = []
+        places = [
+            *((layer, ("layers", number)) for number, layer in enumerate(body["layers"] or ())),
+            *([(body, ())] if body["base"] is None else []),
+        ]
+        for material, place in places:
+            stiffness = material["youngs_modulus"]
+            if stiffness is None or material["poissons_ratio"] is None:  # a mistake of another kind
+                return found
+            doubt = materials.doubt_of_body(stiffness, material["poissons_ratio"])
+            stiffness = meant(stiffness, doubt, "bodies", index, *place, "youngs_modulus")
+            own.append(material | {"youngs_modulus": stiffness})
+        bodies.append({**own[0], "layers": None})  # of the surface
         if body["hardness"] is not None:
-            doubt = materials.doubt_of_hardness(body["hardness"], stiffness)
+            doubt = materials.doubt_of_hardness(body["hardness"], own[0]["youngs_modulus"])
             meant(body["hardness"], doubt, "bodies", index, "hardness")
     if bodies:
         modulus = materials.contact_modulus(bodies)

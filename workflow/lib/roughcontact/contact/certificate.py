@@ -20,7 +20,7 @@ import numpy as np
 from roughcontact.contact.grid import Grid, Residual
 from roughcontact.contact.state import State, norm
 from roughcontact.elasticity.halfspace import HalfSpace
-from roughcontact.kernels.arrays import DOUBLE, SINGLE, precision_of
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, count_of, namespace, precision_of
 
 # The residual is transformed in single precision: its norm is then known to this relative accuracy.
 _SINGLE_SLACK = 1e-4
@@ -41,7 +41,7 @@ def bound_without_transform(grid: Grid, state: State) -> float:
     It is never below `error_bound`.
     """
     gap = state.gap
-    xp = gap.__array_namespace__()
+    xp = namespace(gap)
     projected = xp.where(state.pressure > 0, gap, xp.minimum(gap, xp.zeros_like(gap)))
     size = norm(projected, projected)
     return relative_bound(grid.halfspace, state, size * sqrt(grid.halfspace.largest_stiffness))
@@ -74,6 +74,6 @@ def rounding_floor(halfspace: HalfSpace, state: State, precision: str | None = N
     if state.norm == 0:
         return 0.0
     deviation = (
-        _EPS[precision or precision_of(state.separation)] * sqrt(log2(state.pressure.size)) * state.size
+        _EPS[precision or precision_of(state.separation)] * sqrt(log2(count_of(state.pressure))) * state.size
     )
     return deviation * sqrt(halfspace.mean_stiffness) / state.norm

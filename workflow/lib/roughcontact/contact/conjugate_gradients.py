@@ -13,7 +13,7 @@ import numpy as np
 from roughcontact.contact.grid import Grid, PreconditionedResidual
 from roughcontact.contact.state import mean_product
 from roughcontact.kernels.array_api import mean
-from roughcontact.kernels.arrays import Array, precision_of
+from roughcontact.kernels.arrays import Array, namespace, precision_of
 
 MAX_STEPS = 40
 REDUCTION = 0.1  # of the residual
@@ -39,7 +39,7 @@ def conjugate_gradients(
     ----------
     .. [1] Hestenes and Stiefel (1952), J. Res. Natl. Bur. Stand. 49, 409.
     """
-    xp = residual.__array_namespace__()
+    xp = namespace(residual)
     inside, places = xp.astype(active, residual.dtype), xp.nonzero(xp.reshape(active, (-1,)))[0]
 
     def centred(field: Array) -> Array:

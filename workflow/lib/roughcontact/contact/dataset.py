@@ -1,5 +1,6 @@
 """A dimensionless solution as a labelled dataset in SI units."""
 
+import json
 from collections.abc import Sequence
 
 import numpy as np
@@ -7,9 +8,10 @@ import xarray as xr
 
 from roughcontact.checking import check_choice
 from roughcontact.choices import Influence
-from roughcontact.contact.problem import Problem, on_host
+from roughcontact.contact.problem import Problem
 from roughcontact.contact.sweep import Solution
-from roughcontact.kernels.arrays import empty
+from roughcontact.elasticity.layers import LayeredPair, layered_pair
+from roughcontact.kernels.arrays import empty, to_numpy
 from roughcontact.kernels.choose import kernels_for
 
 
@@ -50,9 +52,7 @@ def as_dataset(
     height_unit = problem.scale if not problem.flat else 1.0
     pressure_unit = modulus * problem.gradient if not problem.flat else modulus
     # in place: the dimensionless fields are not used again
-    pressure, gap = (
-        on_host(xr.Variable(("y", "x"), field)).values for field in (state.pressure, state.separation)
-    )
+    pressure, gap = (to_numpy(field) for field in (state.pressure, state.separation))
     contact = empty(pressure, "int8")
     least_gap, total = kernels_for(pressure, threads=threads).restore_units(
         pressure, gap, state.offset, pressure_unit, height_unit, contact
@@ -118,3 +118,17 @@ def influence_of(contact: xr.Dataset) -> Influence:
     influence: Influence = contact.attrs.get("influence", "sampled")
     check_choice("influence", influence, Influence)
     return influence
+
+
+def layers_of(contact: xr.Dataset) -> LayeredPair | None:
+    """Return the layers of the bodies that a contact was solved with, None for half-spaces.
+
+    `solve_contact` records them in the attributes.
+
+    Examples
+    --------
+    >>> layers_of(xr.Dataset()) is None
+    True
+    """
+    bodies = contact.attrs.get("bodies")
+    return None if bodies is None else layered_pair(json.loads(bodies))

@@ -18,7 +18,8 @@ from roughcontact.contact.state import (
     scale_to_load,
 )
 from roughcontact.elasticity.halfspace import HalfSpace
-from roughcontact.kernels.arrays import SINGLE, Array, empty, in_precision, precision_of
+from roughcontact.elasticity.layers import LayeredPair
+from roughcontact.kernels.arrays import SINGLE, Array, count_of, empty, in_precision, namespace, precision_of
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.protocol import Factors, Weights
 
@@ -88,6 +89,8 @@ class Grid:
         largest pressure allowed (the hardness), or infinity.
     influence : {"sampled", "elements"}
         symbol of the operator (`roughcontact.elasticity.influence`).
+    layers : LayeredPair, optional
+        of the bodies, thicknesses in the unit of the lengths.
     threads : int
         of transforms and passes.
     """
@@ -101,11 +104,14 @@ class Grid:
         unit: float = 1.0,
         cap: float = np.inf,
         influence: Influence = "sampled",
+        layers: LayeredPair | None = None,
         threads: int = 1,
     ):
         self.cap = cap
         self.shape = tuple(heights.shape)
-        self.halfspace = HalfSpace(heights.shape, lengths, influence=influence, threads=threads, like=heights)
+        self.halfspace = HalfSpace(
+            heights.shape, lengths, influence=influence, layers=layers, threads=threads, like=heights
+        )
         self.kernels = kernels_for(heights, threads=threads)
         self._given, self._reference, self._unit = heights, reference, unit
         self._single: Array | None = None
@@ -147,7 +153,7 @@ class Grid:
         work, square, total, count, slope, slope_after = self.kernels.measure(
             separation, heights, reference, unit, *start, pressure, self.cap
         )
-        size = pressure.size
+        size = count_of(pressure)
         state = State(
             pressure=pressure,
             separation=separation,
@@ -229,7 +235,7 @@ class Grid:
         if total <= 0:  # a load far below the residual was lost to rounding: stay, safe steps follow
             return scale_to_load(state.pressure, mean_pressure, cap=cap, precision=precision_of(out))
         if cap == np.inf and line_loads is None:
-            kernels.rescale(out, mean_pressure * out.size / total, cap)
+            kernels.rescale(out, mean_pressure * count_of(out) / total, cap)
             return out
         kernels.rescale(out, 1.0, cap)
         if line_loads is not None:
@@ -281,7 +287,7 @@ class Grid:
         squares = self.kernels.project_residual(
             state.pressure, state.separation, state.offset, self.cap, interpolated
         )
-        change = float(np.sqrt(squares / interpolated.size * self.halfspace.largest_stiffness))
+        change = float(np.sqrt(squares / count_of(interpolated) * self.halfspace.largest_stiffness))
         if change <= SMALL_CHANGE * norm_of_interpolated:
             return norm_of_interpolated + change
         return float(np.sqrt(self.halfspace.pressure_spectrum(interpolated)[1]))
@@ -327,7 +333,9 @@ class Grid:
         pitch, across = min(
             (d, w) for d, w, n in zip(pitches, (across_y, across_x), self.shape, strict=True) if n > 1
         )
-        return weights, 0.5 * np.pi / pitch / (4 * across + 8 * diagonal)
+        layers = self.halfspace.layers
+        factor = 1.0 if layers is None else float(layers.factor(np.array([np.pi / pitch]))[0])
+        return weights, 0.5 * np.pi / pitch / (4 * across + 8 * diagonal) / factor
 
     def _interpolate(self, workspace: "Workspace") -> None:
         """Put P of the workspace's values, zero at the inactive points, into its field."""
@@ -341,7 +349,7 @@ class Grid:
 
     def _restore_line_loads(self, pressure: Array, line_loads: Array) -> None:
         """Scale every line of `pressure` to the load that it had; points at the cap stay there."""
-        xp = pressure.__array_namespace__()
+        xp = namespace(pressure)
         free = xp.where(pressure < self.cap, pressure, xp.zeros_like(pressure))
         found, at_cap = self._line_sums(free), self._line_sums(pressure - free)
         factor = xp.clip(line_loads - at_cap, 0, None) / xp.where(found > 0, found, xp.ones_like(found))
@@ -350,13 +358,15 @@ class Grid:
 
     def _line_sums(self, field: Array) -> Array:
         """Return the sums, in double precision, over the lines that are contacts of their own."""
-        xp = field.__array_namespace__()
+        xp = namespace(field)
         return xp.sum(field, axis=self._line_axis, keepdims=True, dtype=xp.float64)
 
     def _workspace_in(self, precision: str) -> "Workspace":
         if precision not in self._workspaces:
             like = self._given
-            interpolation = Interpolation(like, precision, self.halfspace.lengths, self.kernels)
+            interpolation = Interpolation(
+                like, precision, self.halfspace.lengths, self.kernels, self.halfspace.layers
+            )
             self._workspaces[precision] = Workspace(
                 interpolation, *(empty(like, precision) for _ in range(2))
             )

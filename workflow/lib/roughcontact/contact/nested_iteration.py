@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from roughcontact.contact.coarsening import has_square_cells, pitches_of, whole_factors
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import first_guess_on_grid
-from roughcontact.kernels.arrays import SINGLE, Array, empty, in_precision
+from roughcontact.kernels.arrays import SINGLE, Array, empty, in_precision, namespace
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.protocol import Factors
 
@@ -51,7 +51,7 @@ def first_guess(grids: Sequence[Grid], factors: Sequence[Factors], load: float) 
     precision.
     """
     coarsest = grids[-1].heights_in(SINGLE)
-    pressure, steps = coarsest.__array_namespace__().full_like(coarsest, load), 0
+    pressure, steps = namespace(coarsest).full_like(coarsest, load), 0
     for number in range(len(grids) - 1, 0, -1):
         found, taken = first_guess_on_grid(grids[number], pressure, load, tolerance=COARSE_TOLERANCE)
         steps += taken

@@ -1,14 +1,15 @@
 """From a labelled map to a dimensionless problem, with all checks of the map."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
 
 from roughcontact.checking import LARGEST, SMALLEST, check_labelled
 from roughcontact.errors import HeightMapError
-from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, like_array
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import rms_gradient
@@ -83,8 +84,14 @@ def check_window(window: xr.DataArray) -> None:
             )
 
 
-def pose(window: xr.DataArray, *, precision: str = DOUBLE, threads: int = 1) -> Problem:
-    """Return the dimensionless problem of a map (y, x; m).
+def pose(
+    window: xr.DataArray,
+    *,
+    precision: str = DOUBLE,
+    arrays: Callable[[np.ndarray], Any] | None = None,
+    threads: int = 1,
+) -> Problem:
+    """Return the dimensionless problem of a map (y, x; m), in the library that `arrays` brings it into.
 
     Its heights are not copied where they can be used as they are. They are in double precision, except for a
     result and a map in single precision. Heights of another array library stay where they are.
@@ -101,7 +108,9 @@ def pose(window: xr.DataArray, *, precision: str = DOUBLE, threads: int = 1) -> 
     kind = np.float32 if precision == SINGLE and window.dtype == np.float32 else np.float64
     heights = np.require(window.values, dtype=kind, requirements=["C", "A", "W"])
     if window.data is not given:
-        heights = given.__array_namespace__().asarray(heights, device=given.device)
+        heights = like_array(heights, given)
+    if arrays is not None:
+        heights = arrays(heights)
     least, most, missing = kernels_for(heights, threads=threads).extent(heights)
     if missing:
         raise HeightMapError(

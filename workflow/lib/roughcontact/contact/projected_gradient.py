@@ -13,6 +13,7 @@ from roughcontact.contact.grid import Grid
 from roughcontact.contact.line_search import minimize_between
 from roughcontact.contact.state import State, mean_product, project_to_load
 from roughcontact.kernels.array_api import active_set
+from roughcontact.kernels.arrays import namespace
 
 
 def projected_gradient_step(grid: Grid, state: State, mean_pressure: float) -> State | None:
@@ -21,7 +22,7 @@ def projected_gradient_step(grid: Grid, state: State, mean_pressure: float) -> S
     The first step length is that of steepest descent on the active set, <r, r> / <r, G r>; it is halved until
     the energy falls along the line to the projection.
     """
-    xp = state.pressure.__array_namespace__()
+    xp = namespace(state.pressure)
     gap, pressure = state.gap, state.pressure
     slope = xp.where(active_set(pressure, gap, grid.cap), gap, xp.zeros_like(gap))
     curvature = mean_product(slope, grid.halfspace.displacement(slope))

@@ -7,6 +7,7 @@ from roughcontact.choices import Influence
 from roughcontact.contact.conjugate_gradients import conjugate_gradients
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.state import mean_product
+from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 
 MAX_STEPS = 200
@@ -21,6 +22,7 @@ def linear_response(
     *,
     yielded: np.ndarray | None = None,
     influence: Influence = "sampled",
+    layers: LayeredPair | None = None,
     threads: int = 1,
 ) -> float:
     """Return the response of the mean gap of a fixed contact set to the load: -d mean_gap / d mean_pressure.
@@ -49,6 +51,8 @@ def linear_response(
         True where a point in contact has reached the hardness, for the response to further loading.
     influence : {"sampled", "elements"}
         symbol of the operator that the contact was solved with (`roughcontact.elasticity.influence`).
+    layers : LayeredPair, optional
+        of the bodies (`roughcontact.elasticity.layers`); E* is then that of their surfaces.
     threads : int
         of the solve.
 
@@ -89,7 +93,13 @@ def linear_response(
     unit = float(np.sqrt(lengths[0] * lengths[1]))
     precision = SINGLE if tolerance >= MIN_SINGLE_TOLERANCE else DOUBLE
     zeros = np.zeros(contact.shape, precision)
-    grid = Grid(zeros, (lengths[0] / unit, lengths[1] / unit), influence=influence, threads=threads)
+    grid = Grid(
+        zeros,
+        (lengths[0] / unit, lengths[1] / unit),
+        influence=influence,
+        layers=layers and layers.scaled(unit),
+        threads=threads,
+    )
 
     increment = contact.astype(precision)
     increment *= 1 / float(contact.mean())

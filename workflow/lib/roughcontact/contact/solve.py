@@ -1,10 +1,14 @@
 """The public function: from a map, a modulus and some loads to a labelled dataset."""
 
-from collections.abc import Callable, Sequence
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from roughcontact.bodies import check_bodies
 from roughcontact.checking import check_choice, check_positive, warn_of_map
 from roughcontact.choices import SMALLEST_TOLERANCE, Influence, OnFailure, Precision, ZeroFrequency
 from roughcontact.contact.dataset import as_dataset, joined
@@ -12,8 +16,10 @@ from roughcontact.contact.loads import check_loads
 from roughcontact.contact.problem import on_host, pose
 from roughcontact.contact.sweep import Solution, sweep
 from roughcontact.elasticity.halfspace import zero_frequency_compliance
+from roughcontact.elasticity.layers import LayeredPair, layered_pair
 from roughcontact.errors import ConvergenceError, RoughContactError, SettingsError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
+from roughcontact.materials import contact_modulus as modulus_of
 from roughcontact.variables import describe
 
 # Loads in units of E* g: below, the rounding of the heights hides the contact, whose relative deformation is
@@ -28,8 +34,9 @@ SOLVER_SETTINGS = ("tolerance", "hardness", "influence", "zero_frequency", "prec
 def solve_contact(
     window: xr.DataArray,
     *,
-    contact_modulus: float,
+    contact_modulus: float | None = None,
     mean_pressure: float | Sequence[float],
+    bodies: Sequence[Mapping[str, Any]] | None = None,
     tolerance: float = 1e-4,
     hardness: float | None = None,
     influence: Influence = "sampled",
@@ -38,24 +45,29 @@ def solve_contact(
     on_failure: OnFailure = "raise",
     fields: bool = True,
     reduce: Callable[[xr.Dataset], xr.Dataset] | None = None,
+    arrays: Callable[[np.ndarray], Any] | None = None,
     threads: int = 1,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> xr.Dataset:
     """Solve the frictionless contact of a periodic rough map with an elastic half-space, load by load.
 
     Finds p >= 0 with gap = G p - h + approach >= 0, p gap = 0 and mean(p) = mean_pressure, where
-    G(q) = 2/(E* |q|) [1]_ [2]_.
+    G(q) = 2/(E* |q|) [1]_ [2]_, or that of bodies with bonded layers (`roughcontact.elasticity.layers`).
 
     Parameters
     ----------
     window : DataArray (y, x), m
         heights (any unit of length that the coordinates share), periodic, no NaN. A single row or column is a
-        profile, solved in one dimension. Heights in an array of CuPy, or of another library that follows the
-        Python array API, are solved by that library, on their device; the result is NumPy's.
+        profile, solved in one dimension. Heights in an array of another library that follows the Python array
+        API are solved by that library, on their device, as with `arrays`.
     contact_modulus : float, Pa
-        E* (any unit of pressure that the loads share).
+        E* (any unit of pressure that the loads share), unless `bodies` are given.
     mean_pressure : float or sequence of float, Pa
         one load or several, in any order; the dimension `load` keeps the order.
+    bodies : sequence of one or two mappings, optional
+        instead of E*: `youngs_modulus` (Pa) and `poissons_ratio`, or `base` = "rigid", and `layers` from the
+        surface inwards, each with `thickness` (m), `youngs_modulus`, `poissons_ratio`. E* is then that of the
+        materials at the surfaces. A second body that is not given is rigid.
     tolerance : float
         largest `error_bound` accepted: relative error of the pressure in the norm of the elastic energy.
     hardness : float or None, Pa
@@ -66,7 +78,8 @@ def solve_contact(
         (`roughcontact.elasticity.influence`).
     zero_frequency : {"zero", "nogi-kato", "lattice"}
         rule for the mean displacement (q = 0) in the approach
-        (`roughcontact.elasticity.halfspace.zero_frequency_compliance`).
+        (`roughcontact.elasticity.halfspace.zero_frequency_compliance`); ``zero`` leaves out that of elastic
+        bases, never that of layers on a rigid base, which is known.
     precision : {"double", "single"}
         of the result; ``single`` for maps that fill the memory: `rounding_floor` is then the lowest bound
         that can be reached.
@@ -78,6 +91,9 @@ def solve_contact(
         called with the dataset of each load (fields included); its result replaces the fields, so that
         statistics need not keep them: ``reduce=contact_statistics``. Its variables must be among those of
         `roughcontact.variables`: another name is refused after the first load.
+    arrays : callable, optional
+        brings an array of NumPy into another library and onto its device, where the solve then takes place:
+        ``torch.asarray``. The result is NumPy's.
     threads : int
         threads of the solve; a forked process takes one.
     progress : callable, optional
@@ -126,7 +142,7 @@ def solve_contact(
     >>> bool(contact.error_bound <= 1e-4)
     True
     """
-    modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
+    modulus, layers = _elasticity(contact_modulus, bodies)
     loads = check_loads("mean_pressure", mean_pressure, unit="Pa")
     tolerance = check_positive("tolerance", tolerance, unit="relative terms")
     if not SMALLEST_TOLERANCE <= tolerance < 1:
@@ -155,7 +171,8 @@ def solve_contact(
             keys=("mean_pressure",),
         )
     working = DOUBLE if precision == "double" else SINGLE
-    problem, window = pose(window, precision=working, threads=threads), on_host(window)
+    problem = pose(window, precision=working, arrays=arrays, threads=threads)
+    window = on_host(window)
     warn_of_map(window.shape, problem.gradient)
     if zero_frequency != "zero" and 1 in window.shape:
         raise SettingsError(
@@ -163,8 +180,11 @@ def solve_contact(
             "profile is infinite; use 'zero'",
             keys=["zero_frequency"],
         )
-    compliance = zero_frequency_compliance(zero_frequency, lengths=problem.lengths_in_metres) / modulus
-
+    attrs: dict[str, Any] = {"tolerance": tolerance, "zero_frequency": zero_frequency, "influence": influence}
+    attrs |= {} if layers is None else {"bodies": json.dumps(layers.as_settings())}
+    compliance = zero_frequency_compliance(zero_frequency, lengths=problem.lengths_in_metres)
+    compliance /= modulus if layers is None else layers.base_modulus
+    compliance += 0.0 if layers is None else layers.mean_compliance(elastic=zero_frequency != "zero")
     order = np.argsort(loads, kind="stable")
     unit = modulus * problem.gradient if not problem.flat else modulus
     for load in (min(loads), max(loads)) if not problem.flat else ():
@@ -181,6 +201,7 @@ def solve_contact(
         tolerance=tolerance,
         cap=cap / unit,
         influence=influence,
+        layers=layers and layers.scaled(problem.unit_length),
         precision=working,
         give_up=on_failure == "raise",
         threads=threads,
@@ -199,7 +220,7 @@ def solve_contact(
             modulus=modulus,
             compliance=compliance,
             hardness=hardness,
-            attrs={"tolerance": tolerance, "zero_frequency": zero_frequency, "influence": influence},
+            attrs=attrs,
             threads=threads,
         )
         if reduce is not None:
@@ -213,6 +234,27 @@ def solve_contact(
             progress(done, len(loads), f"mean pressure {load:.4g} Pa")
     del solutions  # and with them their workspace
     return describe(joined([pieces[index] for index in range(len(loads))]))
+
+
+def _elasticity(
+    contact_modulus: float | None, bodies: Sequence[Mapping[str, Any]] | None
+) -> tuple[float, LayeredPair | None]:
+    """Return E* (Pa) of the surfaces, and the bodies where they have layers."""
+    if bodies is None:
+        if contact_modulus is None:
+            raise SettingsError("neither contact_modulus nor bodies given; give one of them")
+        return check_positive("contact_modulus", contact_modulus, unit="Pa"), None
+    checked = check_bodies(bodies)
+    modulus = modulus_of(checked)
+    if contact_modulus is not None:
+        stated = check_positive("contact_modulus", contact_modulus, unit="Pa")
+        if not math.isclose(stated, modulus, rel_tol=1e-6):
+            raise SettingsError(
+                f"contact_modulus = {stated:g} Pa, but that of the bodies' surfaces is {modulus:g} Pa; give "
+                "one of them",
+                keys=["contact_modulus", "bodies"],
+            )
+    return modulus, layered_pair(checked)
 
 
 def _reduced(piece: xr.Dataset, reduce: Callable[[xr.Dataset], xr.Dataset]) -> xr.Dataset:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from roughcontact.kernels.array_api import mean
-from roughcontact.kernels.arrays import Array, in_precision, precision_of
+from roughcontact.kernels.arrays import Array, count_of, in_precision, namespace, precision_of
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def contact_mean(pressure: Array, separation: Array, *, cap: float) -> float:
     Where every point in contact has reached the cap, any offset between the separations of the points at the
     cap and of those without pressure is valid: the middle is used.
     """
-    xp = pressure.__array_namespace__()
+    xp = namespace(pressure)
     free = (pressure > 0) & (pressure < cap)
     if xp.any(free):
         return mean(separation[free])
@@ -69,9 +69,9 @@ def scale_to_load(
     ValueError
         for a mean pressure that is not below the cap.
     """
-    xp = pressure.__array_namespace__()
+    xp = namespace(pressure)
     positive = xp.clip(in_precision(pressure, precision or precision_of(pressure), copy=False), 0, None)
-    total = mean_pressure * pressure.size
+    total = mean_pressure * count_of(pressure)
     load = float(xp.sum(positive, dtype=xp.float64))
     if cap == np.inf:
         positive *= total / load
@@ -102,9 +102,10 @@ def scale_below_cap(pressure: Array, mean_pressure: float, cap: float) -> float:
 
     Negative where the points at the cap carry more than the load, infinite where no other carries any.
     """
-    xp = pressure.__array_namespace__()
+    xp = namespace(pressure)
     below = pressure < cap
-    missing = mean_pressure * pressure.size - cap * (pressure.size - int(xp.count_nonzero(below)))
+    count = count_of(pressure)
+    missing = mean_pressure * count - cap * (count - int(xp.count_nonzero(below)))
     found = float(xp.sum(xp.where(below, pressure, xp.zeros_like(pressure)), dtype=xp.float64))
     return missing / found if found > 0 else np.inf
 
@@ -115,7 +116,7 @@ def project_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.in
     It is max(min(p - shift, cap), 0). The mean falls with the shift, linearly between the shifts at which a
     point comes to a bound: steps of Newton and of bisection, in turns, find it to the last digit.
     """
-    xp = pressure.__array_namespace__()
+    xp = namespace(pressure)
     top = None if cap == np.inf else cap
     low, high = float(xp.min(pressure)) - mean_pressure, float(xp.max(pressure))
     if top is not None:
@@ -130,7 +131,7 @@ def project_to_load(pressure: Array, mean_pressure: float, *, cap: float = np.in
         if abs(excess) <= enough or not low < middle < high:
             return projected
         between = int(xp.count_nonzero((projected > 0) & (projected < cap)))
-        newton = shift + excess * pressure.size / max(between, 1)
+        newton = shift + excess * count_of(pressure) / max(between, 1)
         by_newton = not by_newton
         shift = newton if by_newton and low < newton < high else middle
 

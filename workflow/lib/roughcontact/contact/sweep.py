@@ -13,7 +13,8 @@ from roughcontact.contact.iteration import solve_on_grid
 from roughcontact.contact.nested_iteration import first_guess, nested_heights
 from roughcontact.contact.problem import Problem
 from roughcontact.contact.state import State, scale_to_load
-from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, in_precision
+from roughcontact.elasticity.layers import LayeredPair
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, in_precision, namespace
 
 # Points of a map up to which the workspace is kept for the next load. For larger maps it is half of the
 # memory that counting takes, and allocating it again is a small part of the time.
@@ -53,6 +54,7 @@ def sweep(
     tolerance: float,
     cap: float = np.inf,
     influence: Influence = "sampled",
+    layers: LayeredPair | None = None,
     precision: str = DOUBLE,
     give_up: bool = False,
     threads: int,
@@ -72,6 +74,8 @@ def sweep(
         of the bound of the relative error.
     cap : float
         largest pressure allowed, in units of E* g.
+    layers : LayeredPair, optional
+        of the bodies, thicknesses in the unit of the lengths.
     precision : str
         of the result.
     give_up : bool
@@ -81,7 +85,9 @@ def sweep(
         for load in loads:
             yield _flat(problem, load, precision)
         return
-    make_grid = partial(Grid, lengths=problem.lengths, cap=cap, influence=influence, threads=threads)
+    make_grid = partial(
+        Grid, lengths=problem.lengths, cap=cap, influence=influence, layers=layers, threads=threads
+    )
     finest = make_grid(problem.heights, reference=problem.reference, unit=problem.scale)
     nested = nested_heights(finest.heights_in(SINGLE), problem.lengths)
     grids = [finest, *(make_grid(heights) for _, heights in nested)]
@@ -133,7 +139,7 @@ def _full_contact(grids: Sequence[Grid], load: float) -> tuple[Array | None, flo
     None, and no such load, where even the largest `load` is far from that: the fluctuation on a coarser grid
     shows it, because that on the finer ones is larger still. The same holds where the cap is exceeded.
     """
-    xp = grids[0].heights_in(SINGLE).__array_namespace__()
+    xp = namespace(grids[0].heights_in(SINGLE))
     for grid in reversed(grids if load < LARGE_LOAD else grids[1:]):
         if load < -0.99 * float(xp.min(grid.halfspace.pressure(grid.heights_in(SINGLE)))):
             return None, np.inf
@@ -155,7 +161,7 @@ def _applications(grids: Sequence[Grid]) -> float:
 
 def _flat(problem: Problem, load: float, precision: str) -> Solution:
     """Return the uniform pressure under a flat map, which no application of the operator could improve."""
-    xp = problem.heights.__array_namespace__()
+    xp = namespace(problem.heights)
     separation = in_precision(xp.zeros_like(problem.heights), precision, copy=False)
     state = State(pressure=separation + load, separation=separation, offset=0.0, norm=0.0, size=0.0)
     return Solution(state=state, error_bound=0.0, steps=0, applications=0.0, floor=0.0)

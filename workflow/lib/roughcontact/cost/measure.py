@@ -1,8 +1,9 @@
 """Solve one map on several grids to several tolerances, with times and errors."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -27,7 +28,12 @@ _REPEAT_BELOW = 0.3  # seconds: shorter sweeps are timed three times, the fastes
 
 
 def run_time_against_error(
-    window: xr.DataArray, *, contact_modulus: float, mean_pressure: Sequence[float], threads: int = 1
+    window: xr.DataArray,
+    *,
+    contact_modulus: float,
+    mean_pressure: Sequence[float],
+    threads: int = 1,
+    bodies: Sequence[Mapping[str, Any]] | None = None,
 ) -> pd.DataFrame:
     """Return time and errors of a sweep of loads on every grid, to every tolerance.
 
@@ -45,6 +51,8 @@ def run_time_against_error(
         all loads are solved in one sweep, as a run does.
     threads : int
         of the solver.
+    bodies : sequence of two mappings, optional
+        of `solve_contact`, where they have layers.
 
     Returns
     -------
@@ -71,7 +79,9 @@ def run_time_against_error(
         raise HeightMapError(
             f"the window of {sides} points has no coarser grid to compare with: it is too small"
         )
-    solve = partial(_solve, contact_modulus=contact_modulus, mean_pressure=mean_pressure, threads=threads)
+    solve = partial(
+        _solve, contact_modulus=contact_modulus, bodies=bodies, mean_pressure=mean_pressure, threads=threads
+    )
     solve(grids[-1], tolerance=1e-1)  # loads the libraries
     reference, _ = solve(finest, tolerance=_REFERENCE_TOLERANCE)
     own = {name: np.zeros(len(mean_pressure)) for name in QUANTITIES}
@@ -126,6 +136,7 @@ def _solve(
     *,
     tolerance: float,
     contact_modulus: float,
+    bodies: Sequence[Mapping[str, Any]] | None,
     mean_pressure: Sequence[float],
     threads: int,
 ) -> tuple[dict[str, np.ndarray], float]:
@@ -136,6 +147,7 @@ def _solve(
         result = solve_contact(
             grid,
             contact_modulus=contact_modulus,
+            bodies=bodies,
             mean_pressure=mean_pressure,
             tolerance=tolerance,
             reduce=headline,

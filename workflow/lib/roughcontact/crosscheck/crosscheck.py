@@ -1,18 +1,24 @@
 """The cross-check: the same window and the same loads, solved by another code that is installed elsewhere."""
 
+import json
 import os
 import subprocess
 import tempfile
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from roughcontact.bodies import sheet_on_rigid_base
 from roughcontact.checking import check_choice
 from roughcontact.choices import OutsideCode
 from roughcontact.errors import CrossCheckError, HeightMapError, SettingsError
 from roughcontact.maps import spacing
 from roughcontact.references.closed_forms import gap_left_by
+from roughcontact.references.layered_sphere import rigid_base_factor
 from roughcontact.roughness import parameters
 
 CODES: dict[OutsideCode, str] = {"tamaas": "Tamaas", "contactmechanics": "ContactMechanics"}
@@ -70,10 +76,12 @@ def crosscheck(
     length = float(np.sqrt(np.prod([n * step for n, step in zip(window.shape, (dy, dx), strict=True)])))
     scaled = (window.values - window.values.mean()) / (gradient * length)
     pitches = (dy / length, dx / length)
-    solved, version = _solve_outside(scaled, pitches, loads / unit, code=code, python=python)
+    layer = _layer(statistics, code, length)
+    solved, version = _solve_outside(scaled, pitches, loads / unit, layer, code=code, python=python)
+    factor = partial(_factor, layer) if layer else None
     rows = []
     for index, other in enumerate(solved):
-        gap = gap_left_by(other, scaled, pitches, 1.0)
+        gap = gap_left_by(other, scaled, pitches, 1.0, factor)
         row = {
             "other_contact_area_pixels": np.count_nonzero(other > 0) / other.size,
             "other_max_pressure": other.max() * unit,
@@ -93,8 +101,31 @@ def crosscheck(
     )
 
 
+def _layer(statistics: xr.Dataset, code: OutsideCode, length: float) -> dict[str, float]:
+    """Return thickness, over a length, and Poisson's ratio of the layer of a contact; none: half-spaces."""
+    if "bodies" not in statistics.attrs:
+        return {}
+    sheet = sheet_on_rigid_base(json.loads(statistics.attrs["bodies"]))
+    if sheet is None or code != "contactmechanics":
+        raise SettingsError(
+            f"crosscheck.code = {code!r}: of bodies with layers another code solves one layer on a rigid "
+            "base, pressed by a rigid body (youngs_modulus 1e20), and that is contactmechanics; set none"
+        )
+    return {"thickness": sheet["thickness"] / length, "poissons_ratio": sheet["poissons_ratio"]}
+
+
+def _factor(layer: Mapping[str, float], q: np.ndarray) -> np.ndarray:
+    return rigid_base_factor(q * layer["thickness"], layer["poissons_ratio"])
+
+
 def _solve_outside(
-    heights: np.ndarray, pitches: tuple[float, float], loads: np.ndarray, *, code: OutsideCode, python: str
+    heights: np.ndarray,
+    pitches: tuple[float, float],
+    loads: np.ndarray,
+    layer: Mapping[str, float],
+    *,
+    code: OutsideCode,
+    python: str,
 ) -> tuple[np.ndarray, str]:
     """Return (pressures (load, ny, nx), version) of another code; dimensionless, E* = 1."""
     shape = heights.shape
@@ -105,7 +136,8 @@ def _solve_outside(
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     with tempfile.TemporaryDirectory() as folder:
         problem, solution = Path(folder) / "problem.npz", Path(folder) / "solution.npz"
-        np.savez(problem, heights=heights, lengths=lengths, loads=loads)
+        fields: dict[str, Any] = {"heights": heights, "lengths": lengths, "loads": loads, **layer}
+        np.savez(problem, **fields)
         command = [python, str(PROGRAM), code, str(problem), str(solution)]
         try:
             run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)

@@ -2,7 +2,8 @@
 
 python outside.py CODE PROBLEM SOLUTION
 
-PROBLEM holds `heights` (ny, nx), `lengths` (Ly, Lx) and `loads`, dimensionless, E* = 1. SOLUTION will hold
+PROBLEM holds `heights` (ny, nx), `lengths` (Ly, Lx) and `loads`, dimensionless, E* = 1, and for a layer on a
+rigid base, which ContactMechanics knows, `thickness` and `poissons_ratio`. SOLUTION will hold
 `pressures` (load, ny, nx) and `version`. It imports nothing of roughcontact, and roughcontact never imports
 it: the codes are used as outside programs.
 """
@@ -37,8 +38,16 @@ def tamaas(heights: np.ndarray, lengths: np.ndarray, loads: np.ndarray) -> Itera
         yield model.traction.copy()
 
 
-def contactmechanics(heights: np.ndarray, lengths: np.ndarray, loads: np.ndarray) -> Iterator[np.ndarray]:
+def contactmechanics(
+    heights: np.ndarray,
+    lengths: np.ndarray,
+    loads: np.ndarray,
+    thickness: float | None = None,
+    poissons_ratio: float = 0.0,
+) -> Iterator[np.ndarray]:
     """Yield the pressure (ny, nx) at each load by ContactMechanics, to overlaps and tensions of 1e-9.
+
+    A `thickness` stands for a layer on a rigid base.
 
     Solver, arguments and errors are those of `tamaas`.
     """
@@ -49,7 +58,9 @@ def contactmechanics(heights: np.ndarray, lengths: np.ndarray, loads: np.ndarray
     ny, nx = heights.shape
     size = (float(lengths[1]), float(lengths[0]))
     area = size[0] * size[1]
-    substrate = PeriodicFFTElasticHalfSpace((nx, ny), 1.0, size)
+    layer = {} if thickness is None else {"thickness": float(thickness), "poisson": float(poissons_ratio)}
+    young = 1.0 if thickness is None else 1 - float(poissons_ratio) ** 2
+    substrate = PeriodicFFTElasticHalfSpace((nx, ny), young, size, **layer)
     for load in loads:
         surface = Topography(np.ascontiguousarray(heights.T), size, periodic=True)
         system = NonSmoothContactSystem(substrate, surface)
@@ -62,14 +73,14 @@ def contactmechanics(heights: np.ndarray, lengths: np.ndarray, loads: np.ndarray
 
 def main() -> None:
     """Solve the problem in one file by the code of the command line, and write the solution to another."""
-    code, problem, solution = sys.argv[1:]
+    code, path, solution = sys.argv[1:]
     from importlib.metadata import version
 
     names = {"tamaas": ("tamaas", tamaas), "contactmechanics": ("ContactMechanics", contactmechanics)}
     distribution, solve = names[code]
-    with np.load(problem) as given:
-        heights, lengths, loads = (given[name] for name in ("heights", "lengths", "loads"))
-    pressures = np.array(list(solve(heights, lengths, loads)))
+    with np.load(path) as given:
+        problem = dict(given)
+    pressures = np.array(list(solve(**problem)))
     np.savez(solution, pressures=pressures, version=version(distribution))
 
 

@@ -3,7 +3,8 @@
 import numpy as np
 
 from roughcontact.choices import Influence
-from roughcontact.elasticity.influence import INFLUENCE
+from roughcontact.elasticity.influence import symbol
+from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.kernels.waves import over_waves, over_wavevectors, wave_power
 
 
@@ -13,6 +14,7 @@ def elastic_energy(
     *,
     contact_modulus: float,
     influence: Influence = "sampled",
+    layers: LayeredPair | None = None,
 ) -> float:
     """Return the elastic energy per area, U = 1/2 sum_{q != 0} S(q)/E* |p(q)|^2, J/m^2.
 
@@ -29,6 +31,8 @@ def elastic_energy(
     influence : {"sampled", "elements"}
         symbol S of the operator that the contact was solved with (`roughcontact.elasticity.influence`), 2/|q|
         for ``sampled``.
+    layers : LayeredPair, optional
+        of the bodies (`roughcontact.elasticity.layers`); E* is then that of their surfaces.
 
     References
     ----------
@@ -45,9 +49,9 @@ def elastic_energy(
     """
     total = 0.0
     for qy, qx, power in over_wavevectors(wave_power(pressure), pressure.shape, steps):
-        symbol = INFLUENCE[influence](qy, qx, steps)
-        symbol[np.isinf(symbol)] = 0.0  # of the mean, which has no power
-        total += float((power * symbol).sum())
+        compliance = symbol(influence, qy, qx, steps, layers)
+        compliance[np.isinf(compliance)] = 0.0  # of the mean, which has no power
+        total += float((power * compliance).sum())
     return total / (2 * contact_modulus)
 
 
@@ -57,6 +61,7 @@ def conforming_energy(
     *,
     contact_modulus: float,
     power: np.ndarray | None = None,
+    layers: LayeredPair | None = None,
 ) -> float:
     """Return the elastic energy per area of a map that is pressed flat, U = E*/4 sum |q| |h(q)|^2, J/m^2.
 
@@ -70,6 +75,8 @@ def conforming_energy(
         E*.
     power : array (ny, nx // 2 + 1), m^2, optional
         of its waves (`roughcontact.kernels.waves.wave_power`), if already known.
+    layers : LayeredPair, optional
+        of the bodies: each wave is divided by their factor.
 
     References
     ----------
@@ -85,5 +92,10 @@ def conforming_energy(
     1.000000
     """
     power = wave_power(height) if power is None else power
-    total = sum(float((np.sqrt(q2) * both).sum()) for q2, both in over_waves(power, height.shape, steps))
+    total = 0.0
+    for q2, both in over_waves(power, height.shape, steps):
+        q = np.sqrt(q2)
+        if layers is not None:
+            q /= layers.factor(np.where(q > 0, q, 1.0))
+        total += float((q * both).sum())
     return total * contact_modulus / 4

@@ -17,10 +17,20 @@ import numpy as np
 
 from roughcontact.checking import check_choice
 from roughcontact.choices import Influence, ZeroFrequency
-from roughcontact.elasticity.influence import INFLUENCE
+from roughcontact.elasticity.influence import symbol
+from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.errors import SettingsError
 from roughcontact.fourier import halfplane_weights, wavevectors
-from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, empty, precision_of
+from roughcontact.kernels.arrays import (
+    DOUBLE,
+    SINGLE,
+    Array,
+    count_of,
+    empty,
+    like_array,
+    namespace,
+    precision_of,
+)
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.fft import Plan, make_plan
 from roughcontact.references.closed_forms import LATTICE_CONSTANT
@@ -40,6 +50,9 @@ class HalfSpace:
         of the periodic cell.
     influence : {"sampled", "elements"}
         symbol of G (`roughcontact.elasticity.influence`).
+    layers : LayeredPair, optional
+        of the bodies, thicknesses in the unit of the lengths: the symbol is then that of
+        `roughcontact.elasticity.layers`.
     threads : int
         for transforms and kernels.
     like : array (ny, nx), optional
@@ -65,6 +78,7 @@ class HalfSpace:
         lengths: tuple[float, float],
         *,
         influence: Influence = "sampled",
+        layers: LayeredPair | None = None,
         threads: int = 1,
         like: Array | None = None,
     ):
@@ -72,7 +86,8 @@ class HalfSpace:
         self.threads = threads
         self.applications = 0.0
         self._like = np.broadcast_to(np.float32(0), self.shape) if like is None else like
-        self._influence = INFLUENCE[influence]
+        self.layers = layers
+        self._influence: Influence = influence
         self._kernels = kernels_for(self._like, threads=threads)
         self._symbols: dict[str, Array] = {}
         self._counts: dict[str, Array] = {}
@@ -81,14 +96,14 @@ class HalfSpace:
     @cached_property
     def mean_stiffness(self) -> float:
         """The mean of the symbol |q|/2 of G^-1 over the half-plane, for estimates of rounding errors."""
-        symbol = self._symbol(SINGLE)
-        return float(symbol.__array_namespace__().mean(1 / symbol))
+        values = self._symbol(SINGLE)
+        return float(namespace(values).mean(1 / values))
 
     @cached_property
     def largest_stiffness(self) -> float:
         """The largest value of the symbol |q|/2 of G^-1, for a coarse bound."""
-        symbol = self._symbol(SINGLE)
-        return float(symbol.__array_namespace__().max(1 / symbol))
+        values = self._symbol(SINGLE)
+        return float(namespace(values).max(1 / values))
 
     def displacement(self, pressure: Array, *, out: Array | None = None) -> Array:
         """Return u = G p with zero mean, in the array `out` if it is given."""
@@ -111,7 +126,7 @@ class HalfSpace:
         precision = precision_of(displacement)
         spectrum = self._transform(displacement)
         energy = self._kernels.divide(spectrum, self._symbol(precision), self._counts_in(precision))
-        return spectrum, float(energy) / displacement.size**2
+        return spectrum, float(energy) / count_of(displacement) ** 2
 
     def field_of(self, spectrum: Array, precision: str, *, out: Array | None = None) -> Array:
         """Return the field of a spectrum, which is overwritten: half an application."""
@@ -148,15 +163,15 @@ class HalfSpace:
         if precision not in self._symbols:
             spacing = self.lengths[0] / self.shape[0], self.lengths[1] / self.shape[1]
             qy, qx = (q.astype(precision) for q in wavevectors(self.shape, spacing))
-            symbol = self._influence(qy, qx, spacing)
-            self._symbols[precision] = self._like.__array_namespace__().asarray(symbol)
+            values = symbol(self._influence, qy, qx, spacing, self.layers)
+            self._symbols[precision] = like_array(values, self._like)
         return self._symbols[precision]
 
     def _counts_in(self, precision: str) -> Array:
         """Return the number of waves of the full plane that each column of a spectrum represents."""
         if precision not in self._counts:
             counts = halfplane_weights(self.shape)[0].astype(precision)
-            self._counts[precision] = self._like.__array_namespace__().asarray(counts)
+            self._counts[precision] = like_array(counts, self._like)
         return self._counts[precision]
 
 

@@ -1,9 +1,11 @@
 """Influence functions: how a pressure of wave vector q displaces the surface, u = S(q) p / E*.
 
-To add one, for instance that of a coated half-space, write a function (qy, qx, spacing) -> S here and add its
-name to `INFLUENCE` and `roughcontact.choices`; S must be positive and have the dimension of a length.
+To add one, write a function (qy, qx, spacing) -> S here and add its name to `INFLUENCE` and
+`roughcontact.choices`; S must be positive and have the dimension of a length. Layers multiply 2/|q| by a
+factor of |q| alone (`roughcontact.elasticity.layers`).
 """
 
+import math
 from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -11,12 +13,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from roughcontact.choices import Influence
+from roughcontact.elasticity.layers import LayeredPair
 
 if TYPE_CHECKING:
     from scipy.interpolate import RectBivariateSpline
 
 _NODES = 129  # along each axis of the first quarter of the Brillouin zone
 _IMAGES = 40  # aliases that are summed on each side
+_SMALL = 1e-9  # change of the factor of an alias by layers below which it is left out
 
 
 def sampled(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
@@ -92,4 +96,90 @@ def _elements_over_sampled(aspect: float) -> "RectBivariateSpline":
     return RectBivariateSpline(angles, angles, total)
 
 
+def layered_sampled(
+    qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float], layers: LayeredPair
+) -> np.ndarray:
+    """Return the symbol of `sampled` for bodies with layers, thicknesses in the unit of the spacing."""
+    symbol = sampled(qy, qx, spacing)
+    symbol *= layers.factor(_wavenumbers(qy, qx)).astype(symbol.dtype)
+    return symbol
+
+
+def layered_elements(
+    qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float], layers: LayeredPair
+) -> np.ndarray:
+    """Return the symbol of `elements` for bodies with layers, thicknesses in the unit of the spacing.
+
+    The sum over the aliases is that of `elements`, each with the factor of its own wavenumber. The wave
+    itself is exact; the sum over all others is smooth, and interpolated.
+    """
+    pixel = spacing[1]
+    aspect = float(f"{spacing[0] / pixel:.12g}")
+    others = _other_aliases(aspect, None), _other_aliases(aspect, layers.scaled(pixel))
+    phase_y, phase_x = (
+        np.clip(np.abs(q).ravel() * d, 0, np.pi) for q, d in zip((qy, qx), spacing, strict=True)
+    )
+    own = np.sinc(phase_y / (2 * np.pi))[:, None] * np.sinc(phase_x / (2 * np.pi))
+    row, back_y = np.unique(phase_y, return_inverse=True)
+    column, back_x = np.unique(phase_x, return_inverse=True)
+    symbol = layered_sampled(qy, qx, spacing, layers)
+    symbol *= own.astype(symbol.dtype)
+    for other in others:
+        symbol += (pixel * other(row, column)[np.ix_(back_y, back_x)]).astype(symbol.dtype)
+    return symbol
+
+
+@lru_cache(maxsize=16)
+def _other_aliases(aspect: float, layers: LayeredPair | None) -> "RectBivariateSpline":
+    """Return the sum over all aliases but the wave itself, as a function of q_y dy and q_x dx, 0 to pi.
+
+    It is that of the half-space, or what `layers` change of it. Lengths are in pixels along x; `aspect` =
+    dy/dx.
+    """
+    from scipy.interpolate import RectBivariateSpline
+
+    angles = np.linspace(0, np.pi, _NODES)
+    half_y, half_x = 0.5 * angles[:, None], 0.5 * angles[None, :]
+    total = np.zeros((angles.size, angles.size))
+    orders = np.arange(-_IMAGES, _IMAGES + 1)
+    weights = np.where(np.abs(orders) == _IMAGES, 0.5, 1.0)
+    finer, coarser = min(1.0, 1 / aspect), max(1.0, 1 / aspect)
+    q: np.ndarray = np.geomspace(0.9 * np.pi * finer, 3 * np.pi * _IMAGES * coarser, 2 * _NODES**2)
+    change = np.zeros_like(q) if layers is None else layers.factor(q) - 1
+    changed = np.flatnonzero(np.abs(change) > _SMALL)
+    last = float(q[changed[-1]]) if changed.size else 0.0
+    for m, weight_y in zip(orders, weights, strict=True):
+        y = half_y + np.pi * m
+        for n, weight_x in zip(orders, weights, strict=True):
+            nearest = np.pi * math.hypot(max(2 * abs(int(m)) - 1, 0) / aspect, max(2 * abs(int(n)) - 1, 0))
+            if m == 0 == n or (layers is not None and nearest > last):
+                continue
+            x = half_x + np.pi * n
+            alias = np.hypot(2 * y / aspect, 2 * x)
+            share = 2 / alias if layers is None else 2 / alias * np.interp(alias, q, change)
+            total += weight_y * weight_x * share * np.sinc(y / np.pi) * np.sinc(x / np.pi)
+    return RectBivariateSpline(angles, angles, total)
+
+
+def _wavenumbers(qy: np.ndarray, qx: np.ndarray) -> np.ndarray:
+    """Return |q| in double precision; that of the mean, which no operator uses, counts as the largest."""
+    q: np.ndarray = np.hypot(qy.astype(float), qx.astype(float))
+    q[q == 0] = float(q.max()) or 1.0
+    return q
+
+
 INFLUENCE: dict[Influence, Callable] = {"sampled": sampled, "elements": elements}
+_LAYERED: dict[Influence, Callable] = {"sampled": layered_sampled, "elements": layered_elements}
+
+
+def symbol(
+    influence: Influence,
+    qy: np.ndarray,
+    qx: np.ndarray,
+    spacing: tuple[float, float],
+    layers: LayeredPair | None = None,
+) -> np.ndarray:
+    """Return S(q) of an influence function, of half-spaces or of bodies with layers."""
+    if layers is None:
+        return np.asarray(INFLUENCE[influence](qy, qx, spacing))
+    return np.asarray(_LAYERED[influence](qy, qx, spacing, layers))

@@ -1,8 +1,8 @@
 """The grid kernels of the iteration, for any array library.
 
-They use the library of their arrays (Python array API standard: NumPy, CuPy and others) and write to
-preallocated arrays. This module implements `roughcontact.kernels.protocol.Kernels` and defines what each
-kernel computes.
+They use the library of their arrays (NumPy, PyTorch and others with the functions of the Python array API)
+and write to preallocated arrays. This module implements `roughcontact.kernels.protocol.Kernels` and defines
+what each kernel computes.
 
 Fields have the shape (ny, nx), spectra the shape (ny, nx//2 + 1) of `numpy.fft.rfft2`. All quantities are
 dimensionless. Sums are in double precision. Recurring arguments:
@@ -20,7 +20,7 @@ dimensionless. Sums are in double precision. Recurring arguments:
 from collections.abc import Sequence
 from typing import Any
 
-from roughcontact.kernels.arrays import Array
+from roughcontact.kernels.arrays import Array, count_of, namespace
 from roughcontact.kernels.protocol import Arrangement, Factors, Weights
 
 CLOSED = 1e-30  # replaces a gap of zero at a point of the active set
@@ -30,7 +30,7 @@ _ALL_BUT_MEAN = (0, slice(1, None)), (slice(1, None), slice(None))  # of a spect
 
 def mean(field: Array) -> float:
     """Return the mean of a field, summed in double precision."""
-    return _sum(field.__array_namespace__(), field) / field.size
+    return _sum(namespace(field), field) / count_of(field)
 
 
 def multiply(spectrum: Array, symbol: Array) -> None:
@@ -46,7 +46,7 @@ def divide(spectrum: Array, symbol: Array, weights: Array) -> float:
     Returns the sum of |s|^2 / symbol over the waves but q = 0. `weights`, shape (nx//2 + 1,), are the numbers
     of waves of the full plane per column.
     """
-    xp, energy = spectrum.__array_namespace__(), 0.0
+    xp, energy = namespace(spectrum), 0.0
     for part in _ALL_BUT_MEAN:
         energy += _sum(xp, weights[part[1]] * (_power(xp, spectrum[part]) / symbol[part]))
         spectrum[part] /= symbol[part]
@@ -64,7 +64,7 @@ def slope_power(spectrum: Array, weights: Array, along_y: Array, along_x: Array)
     y is the value of `along_y`, shape (ny,), for the row, x that of `along_x`, shape (nx//2 + 1,), for the
     column; both and `weights`, the numbers of waves of the full plane per column, are in float64.
     """
-    xp = spectrum.__array_namespace__()
+    xp = namespace(spectrum)
     return _sum(xp, _power(xp, spectrum) * (weights * (along_y[:, None] + along_x)))
 
 
@@ -73,15 +73,15 @@ def extent(field: Array) -> tuple[float, float, int]:
 
     The first two are meaningless if there are non-finite values.
     """
-    xp = field.__array_namespace__()
+    xp = namespace(field)
     finite = xp.isfinite(field)
-    missing = field.size - int(xp.count_nonzero(finite))
+    missing = count_of(field) - int(xp.count_nonzero(finite))
     return float(xp.min(field)), float(xp.max(field)), missing
 
 
 def make_dimensionless(heights: Array, reference: float, unit: float, out: Array) -> None:
     """Write (`heights` - `reference`) / `unit` to `out`; all three in one unit of height."""
-    xp = heights.__array_namespace__()
+    xp = namespace(heights)
     out[...] = xp.astype((heights - reference) / unit, out.dtype)
 
 
@@ -104,7 +104,7 @@ def measure(
     after it, both less `offset`, which cancels except for rounding. `start` and `before` are the pressure and
     the separation before the step.
     """
-    xp = pressure.__array_namespace__()
+    xp = namespace(pressure)
     displaced = xp.asarray(separation, copy=True)
     separation -= (heights - reference) / unit
     free = (pressure > 0) & (pressure < cap)
@@ -125,7 +125,7 @@ def masked_residual(pressure: Array, separation: Array, offset: float, cap: floa
     See `active_set`. A gap of zero on the active set is replaced by `CLOSED`, so that the values are zero at
     inactive points only.
     """
-    xp = pressure.__array_namespace__()
+    xp = namespace(pressure)
     gap = separation - offset
     active = active_set(pressure, gap, cap)
     values[...] = xp.astype(xp.where(active, gap, xp.zeros_like(gap)), values.dtype)
@@ -146,7 +146,7 @@ def predict_active(
     ----------
     .. [1] Hintermueller, Ito and Kunisch (2002), SIAM J. Optim. 13, 865.
     """
-    xp = pressure.__array_namespace__()
+    xp = namespace(pressure)
     mean_around = xp.empty_like(residual)
     neighbours(residual, weights, mean_around)
     predicted = pressure - stiffness * (residual - mean_around)
@@ -165,7 +165,7 @@ def advance(
     points becomes zero. The pressure removed by the projection is written to `correction`. `values` become 1
     between the bounds, 0 elsewhere.
     """
-    xp = pressure.__array_namespace__()
+    xp = namespace(pressure)
     active, full = values != 0, pressure >= cap
     moved = xp.astype(pressure, out.dtype)
     moved[full] = cap
@@ -185,7 +185,7 @@ def redistribute(
     Returns the sum of the absolute excess of the field beyond [0, `cap`], and the sum of the field projected
     onto this interval.
     """
-    xp = field.__array_namespace__()
+    xp = namespace(field)
     shared = repeat(coarse, factors, field.shape) / (factors[0] * factors[1])
     field += xp.astype((passed + shared) * (1 - _zeros_of(free)), field.dtype)
     projected = xp.clip(field, 0, None if cap == float("inf") else cap)
@@ -197,7 +197,7 @@ def project(field: Array, cap: float, taken: Array, free: Array) -> None:
 
     `free` becomes 1 between the bounds and 0 elsewhere.
     """
-    xp = field.__array_namespace__()
+    xp = namespace(field)
     projected = xp.clip(field, 0, None if cap == float("inf") else cap)
     taken[...] = xp.astype(field - projected, taken.dtype)
     free[...] = xp.astype((projected > 0) & (projected < cap), free.dtype)
@@ -206,7 +206,7 @@ def project(field: Array, cap: float, taken: Array, free: Array) -> None:
 
 def rescale(field: Array, factor: float, cap: float) -> None:
     """Project `field` in place onto [0, `cap`] and multiply it by `factor`."""
-    xp = field.__array_namespace__()
+    xp = namespace(field)
     field[...] = xp.clip(field, 0, None if cap == float("inf") else cap) * factor
 
 
@@ -215,7 +215,7 @@ def project_residual(pressure: Array, separation: Array, offset: float, cap: flo
 
     Admitted are values <= gap where p = 0 and >= gap at the cap.
     """
-    xp = pressure.__array_namespace__()
+    xp = namespace(pressure)
     gap = xp.astype(separation - offset, values.dtype)
     projected = xp.where(pressure <= 0, xp.minimum(values, gap), values)
     projected = xp.where(pressure >= cap, xp.maximum(projected, gap), projected)
@@ -232,7 +232,7 @@ def restore_units(
     `contact` becomes 1 where the pressure is positive, 0 elsewhere. Returns the smallest gap and the sum of
     the pressure, in their units.
     """
-    xp = pressure.__array_namespace__()
+    xp = namespace(pressure)
     gap -= offset
     gap *= gap_unit
     pressure *= pressure_unit
@@ -245,7 +245,7 @@ def block_mean(field: Array, factors: Factors, out: Array) -> None:
 
     Missing cells in the last block of a row or a column count as zero.
     """
-    xp = field.__array_namespace__()
+    xp = namespace(field)
     for axis in (0, 1):
         missing = out.shape[axis] * factors[axis] - field.shape[axis]
         if missing:
@@ -257,7 +257,7 @@ def block_mean(field: Array, factors: Factors, out: Array) -> None:
 
 def active_share(active: Array, factors: Factors, out: Array) -> None:
     """Write the share of points where `active` is not zero, over blocks of `factors` cells, to `out`."""
-    xp = active.__array_namespace__()
+    xp = namespace(active)
     block_mean(xp.astype(active != 0, out.dtype), factors, out)
 
 
@@ -274,7 +274,7 @@ def weigh(
     mean weight of the parts and is overwritten; 1 - weight is written to `empty`. Cells out of contact, with
     zero weight, are included.
     """
-    xp, parts = share.__array_namespace__(), factors[0] * factors[1]
+    xp, parts = namespace(share), factors[0] * factors[1]
     gain[...] = 1 / xp.where(weight > 0, weight, xp.ones_like(weight))
     if arrangement == Arrangement.ALONG_A_LINE:
         weight[...] = parts * weight / (1 + (parts - 1) * weight)
@@ -299,7 +299,7 @@ def mix(values: Array, empty: Array, coarse: Array, factors: Factors, out: Array
 
 def neighbours(field: Array, weights: Weights, out: Array) -> None:
     """Write the weighted means of the eight neighbours, with periodic boundaries, to `out`."""
-    xp = field.__array_namespace__()
+    xp = namespace(field)
     across_y, across_x, diagonal = weights
     column = xp.roll(field, 1, axis=0) + xp.roll(field, -1, axis=0)
     row = across_x * field + diagonal * column
@@ -358,7 +358,7 @@ def finish_restriction(field: Array, passed: Array, coarse: Array, factors: Fact
 
     The field becomes zero elsewhere.
     """
-    xp = field.__array_namespace__()
+    xp = namespace(field)
     shared = repeat(coarse, factors, field.shape) / (factors[0] * factors[1])
     field[...] = (field + (passed + shared)) * (1 - _zeros_of(active))
     return _sum(xp, field)
@@ -382,7 +382,7 @@ def refine(
     of a cell is subtracted evenly from its parts, those that reach zero excepted, and load beyond the cap is
     passed to other parts of the cell: each cell keeps its load.
     """
-    xp = coarse.__array_namespace__()
+    xp = namespace(coarse)
     square = _continued(xp, coarse * coarse)
     (fy, fx), (ny, nx) = factors, coarse.shape
     neighbours(heights, weights, out)
@@ -463,7 +463,7 @@ def _between(xp: Any, field: Array, offset: float, axis: int) -> Array:
 
 def repeat(field: Array, factors: Factors, shape: tuple[int, ...]) -> Array:
     """Return `field` with every cell repeated `factors` times, cropped to `shape`."""
-    xp = field.__array_namespace__()
+    xp = namespace(field)
     return xp.repeat(xp.repeat(field, factors[0], axis=0), factors[1], axis=1)[: shape[0], : shape[1]]
 
 
@@ -478,7 +478,7 @@ def active_set(pressure: Array, gap: Array, cap: float) -> Array:
 
 def _zeros_of(field: Array) -> Array:
     """Return 1 where `field` is zero and 0 elsewhere."""
-    xp = field.__array_namespace__()
+    xp = namespace(field)
     return xp.astype(field == 0, field.dtype)
 
 

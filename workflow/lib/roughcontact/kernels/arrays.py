@@ -1,18 +1,63 @@
 """Arrays of any library: precision, allocation and conversion."""
 
+import math
 from typing import Any
 
 import numpy as np
 
 from roughcontact.kernels.memory import store
 
-Array = Any  # of any library that follows the Python array API standard, which defines no type for it
+Array = Any  # of any library that has the functions of the Python array API, which defines no type for it
 SINGLE, DOUBLE = "float32", "float64"  # precisions, by the names that every array library uses
+
+
+def namespace(field: Array) -> Any:
+    """Return the functions of the library of an array, by the names of the Python array API.
+
+    Not every library names itself in its arrays: those of CuPy and PyTorch have no `__array_namespace__`, and
+    functions of their own names, which array-api-compat translates.
+
+    Examples
+    --------
+    >>> namespace(np.zeros(1)) is np
+    True
+    """
+    if isinstance(field, np.ndarray):
+        return np
+    import array_api_compat
+
+    return array_api_compat.array_namespace(field)
+
+
+def count_of(field: Array) -> int:
+    """Return the number of elements of an array: its `size`, which is a method in PyTorch.
+
+    Examples
+    --------
+    >>> count_of(np.zeros((2, 3)))
+    6
+    """
+    return math.prod(field.shape)
+
+
+def like_array(values: np.ndarray, like: Array) -> Array:
+    """Return the values of a NumPy array in the library and on the device of `like`."""
+    return values if isinstance(like, np.ndarray) else namespace(like).asarray(values, device=like.device)
+
+
+def to_numpy(field: Array) -> np.ndarray:
+    """Return an array of any library and device as one of NumPy, the same memory where that is possible."""
+    try:
+        return np.asarray(field)
+    except TypeError:  # it is on a device whose memory NumPy cannot reach
+        import array_api_compat
+
+        return np.asarray(array_api_compat.to_device(field, "cpu"))
 
 
 def precision_of(field: Array) -> str:
     """Return the precision, `SINGLE` or `DOUBLE`, of a real field of any library."""
-    return SINGLE if field.dtype == field.__array_namespace__().float32 else DOUBLE
+    return SINGLE if field.dtype == namespace(field).float32 else DOUBLE
 
 
 def empty(like: Array, precision: str, shape: tuple[int, ...] | None = None) -> Array:
@@ -20,11 +65,11 @@ def empty(like: Array, precision: str, shape: tuple[int, ...] | None = None) -> 
     shape = like.shape if shape is None else shape
     if isinstance(like, np.ndarray):
         return store.empty(shape, precision)
-    xp = like.__array_namespace__()
+    xp = namespace(like)
     return xp.empty(shape, dtype=getattr(xp, precision), device=like.device)
 
 
 def in_precision(field: Array, precision: str, *, copy: bool = True) -> Array:
     """Return `field` in a precision; `copy`: also where it already has that precision."""
-    xp = field.__array_namespace__()
+    xp = namespace(field)
     return xp.astype(field, getattr(xp, precision), copy=copy)

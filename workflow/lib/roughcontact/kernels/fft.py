@@ -2,7 +2,7 @@
 
 NumPy arrays are transformed by the compiled kernels (`kernels/c/transforms.h`) if these are available and the
 sides of the grid have no prime factors other than 2, 3 and 5, otherwise by SciPy. Arrays of another library
-(such as CuPy) are transformed by that library.
+(such as PyTorch) are transformed by that library.
 """
 
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from roughcontact.kernels.arrays import Array, empty
+from roughcontact.kernels.arrays import Array, count_of, empty, namespace
 from roughcontact.kernels.choose import library_available
 from roughcontact.kernels.compiled import run_pass
 from roughcontact.kernels.memory import store
@@ -30,19 +30,19 @@ class Plan:
 
     def __init__(self, like: Array, precision: str, *, threads: int = 1):
         self.shape = tuple(like.shape)
-        self.threads = threads_for(like.size, threads)
+        self.threads = threads_for(count_of(like), threads)
         self.scratch = empty(like, precision)
 
     def forward(self, field: Array) -> Array:
         """Return the spectrum in the layout of `numpy.fft.rfft2`; the next call may overwrite it."""
-        return field.__array_namespace__().fft.rfftn(field, axes=(0, 1))
+        return namespace(field).fft.rfftn(field, axes=(0, 1))
 
     def inverse(self, spectrum: Array, out: Array) -> None:
         """Write the inverse transform, with the factor 1/(ny nx), to `out`.
 
         The spectrum may be overwritten.
         """
-        out[...] = out.__array_namespace__().fft.irfftn(spectrum, s=self.shape, axes=(0, 1))
+        out[...] = namespace(out).fft.irfftn(spectrum, s=self.shape, axes=(0, 1))
 
 
 class PlanInPlace(Plan):
@@ -54,7 +54,7 @@ class PlanInPlace(Plan):
 
     def __init__(self, like: Array, precision: str, *, threads: int = 1, share: "PlanInPlace | None" = None):
         self.shape = like.shape
-        self.threads = threads_for(like.size, threads)
+        self.threads = threads_for(count_of(like), threads)
         waves = (self.shape[0], self.shape[1] // 2 + 1)
         kind = np.result_type(precision, np.complex64)
         self.spectrum: np.ndarray = (

@@ -17,7 +17,7 @@ References
 - Westergaard, H. M. (1939), J. Appl. Mech. 6, A49.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -763,7 +763,11 @@ def full_contact_energy(height: np.ndarray, spacing: Sequence[float], contact_mo
 
 
 def gap_left_by(
-    pressure: np.ndarray, height: np.ndarray, spacing: Sequence[float], contact_modulus: float
+    pressure: np.ndarray,
+    height: np.ndarray,
+    spacing: Sequence[float],
+    contact_modulus: float,
+    factor: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> np.ndarray:
     """Return u - h less its mean over the contact, by NumPy's transforms alone: apart from the solver.
 
@@ -775,6 +779,8 @@ def gap_left_by(
     height : array (ny, nx), m
     spacing : (dy, dx), m
     contact_modulus : float, Pa
+    factor : callable, optional
+        |q| -> E* |q| S/2 of a body with layers, for finite wavenumbers.
 
     Returns
     -------
@@ -788,8 +794,12 @@ def gap_left_by(
     True
     """
     q = wavenumbers(height.shape, spacing)
+    softer: np.ndarray | float = 1.0
+    if factor is not None:
+        q[0, 0] = q.max()
+        softer = factor(q)
     q[0, 0] = np.inf
-    displaced = np.fft.irfft2(2 / (contact_modulus * q) * np.fft.rfft2(pressure), s=height.shape)
+    displaced = np.fft.irfft2(2 * softer / (contact_modulus * q) * np.fft.rfft2(pressure), s=height.shape)
     gap = displaced - height
     return gap - gap[pressure > 0].mean()
 

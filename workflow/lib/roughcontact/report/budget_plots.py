@@ -219,6 +219,8 @@ def _note_on_convergence(numbers: xr.Dataset) -> str:
             continue
         fine, coarse = numbers[f"{name}_at_cutoff"].values.T[:2]
         usable = np.isfinite(fine) & (coarse > 0)
+        if not usable.any():  # not judged: of full contact, or of bodies with layers
+            continue
         change = float(np.max(np.abs(fine[usable] / coarse[usable] - 1), initial=0.0))
         if change > _CONVERGED:
             moving.append(f"{words} (by up to {percent(change)})")

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from roughcontact.contact.dataset import layers_of
 from roughcontact.quantities import Unit
 from roughcontact.report.charts import (
     COLOURS,
@@ -50,10 +51,13 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray) -> str:
         label=f"mean pressure p̄ ({shown})",
         top=_relative_axis(statistics),
     )
-    line = _theory_lines(chart, relative, unit=unit * factor)
-    modulus = float(statistics["contact_modulus"])
-    summits = summit_statistics(window)
-    area = theory.greenwood_williamson_area(line * unit, summits, contact_modulus=modulus)
+    if layers_of(statistics) is None:  # the theories are those of half-spaces
+        line = _theory_lines(chart, relative, unit=unit * factor)
+        modulus = float(statistics["contact_modulus"])
+        summits = summit_statistics(window)
+        area = theory.greenwood_williamson_area(line * unit, summits, contact_modulus=modulus)
+    else:
+        line, area = relative, np.full(relative.shape, np.nan)
     if np.isfinite(area).any():
         chart.line(
             line * unit * factor,

@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.elasticity.energy import conforming_energy
+from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.maps import spacing
 from roughcontact.quantities import Unit, number
 
@@ -16,6 +17,7 @@ def adhesion_numbers(
     contact_modulus: float,
     work_of_adhesion: float | None = None,
     power: np.ndarray | None = None,
+    layers: LayeredPair | None = None,
 ) -> dict[str, float]:
     """Return the energy of full conformity, and the effective work of adhesion.
 
@@ -34,6 +36,8 @@ def adhesion_numbers(
         w, of flat surfaces.
     power : array (ny, nx // 2 + 1), m2, optional
         of the waves of the map (`roughcontact.kernels.waves.wave_power`), where that is known already.
+    layers : LayeredPair, optional
+        of the bodies; E* is then that of their surfaces.
 
     Returns
     -------
@@ -56,7 +60,9 @@ def adhesion_numbers(
     >>> f"{found['conforming_energy']:.5f} {found['effective_work_of_adhesion']:.5f}"
     '0.00079 0.04921'
     """
-    energy = conforming_energy(height.values, spacing(height), contact_modulus=contact_modulus, power=power)
+    energy = conforming_energy(
+        height.values, spacing(height), contact_modulus=contact_modulus, power=power, layers=layers
+    )
     if work_of_adhesion is None:
         return {"conforming_energy": energy}
     return {"conforming_energy": energy, "effective_work_of_adhesion": work_of_adhesion - energy}

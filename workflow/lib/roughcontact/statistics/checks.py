@@ -107,6 +107,7 @@ def surface_checks(
         contact_checks.convergence(statistics),
         contact_checks.contact_points(statistics, points),
         contact_checks.resolution(statistics),
+        *contact_checks.layers(statistics, points),
         instrument_checks.smoothed(window),
         instrument_checks.noise(statistics, window),
         instrument_checks.isolated_peak(statistics, window),

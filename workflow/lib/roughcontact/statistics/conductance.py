@@ -9,7 +9,7 @@ Bodies = Sequence[Mapping[str, float | None]]
 
 
 def conductance_columns(
-    stiffness: npt.ArrayLike, *, contact_modulus: float, bodies: Bodies | None = None
+    stiffness: npt.ArrayLike, *, contact_modulus: float, bodies: Bodies | None = None, layered: bool = False
 ) -> dict[str, np.ndarray]:
     """Return the conductances of a contact of a given stiffness, per nominal area.
 
@@ -26,12 +26,16 @@ def conductance_columns(
         E*.
     bodies : sequence of two mappings, optional
         each with `thermal_conductivity` (W m-1 K-1) and `electrical_resistivity` (Ohm m), as far as known.
+    layered : bool
+        whether the bodies have layers: heat and current then take another way than the displacement, and
+        nothing is known from the stiffness.
 
     Returns
     -------
     dict of array, of the shape of `stiffness`
         `conductance_per_conductivity` (m-1), and where both bodies state the property `thermal_conductance`
-        (W m-2 K-1) and `electrical_conductance` (S m-2).
+        (W m-2 K-1) and `electrical_conductance` (S m-2). With layers `conductance_per_conductivity` is NaN,
+        and there is no other.
 
     References
     ----------
@@ -48,6 +52,8 @@ def conductance_columns(
     1.778e+05 W/(m2 K)
     """
     per_conductivity = np.asarray(stiffness, float) / contact_modulus
+    if layered:
+        return {"conductance_per_conductivity": np.full_like(per_conductivity, np.nan)}
     columns = {"conductance_per_conductivity": per_conductivity}
     if (conductivities := _of_both(bodies, "thermal_conductivity")) is not None:
         columns["thermal_conductance"] = 2 / (1 / conductivities).sum() * per_conductivity

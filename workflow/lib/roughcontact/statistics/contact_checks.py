@@ -7,10 +7,12 @@ import numpy as np
 import xarray as xr
 
 from roughcontact import materials
+from roughcontact.contact.dataset import layers_of
 from roughcontact.quantities import number, percent, pressure_unit, quantity
 from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, PASSED, Check
 
 CONTACT_POINTS = 100  # fewer contact points are too few for statistics
+LAYER_PIXELS = 4  # thickness from which the contact of a pixel is that of a half-space
 _RUBBER = quantity(materials.RUBBER, "Pa", digits=1)
 OVERCOUNT = 0.2  # excess of the counted over the corrected area: patches are a few pixels across
 
@@ -235,6 +237,53 @@ def yield_flags(load: xr.Dataset) -> list[str]:
     if load["mean_contact_pressure"] > materials.HARDEST * load["contact_modulus"]:
         return ["beyond hardness"]
     return ["metals flow"] if beyond_metals(load) else []
+
+
+def layers(statistics: xr.Dataset, points: int) -> list[Check]:
+    """Check that layers are not thinner than the grid can tell, nor thicker than the window; none: no check.
+
+    `points` are those of the window.
+
+    Examples
+    --------
+    >>> import json
+    >>> import xarray as xr
+    >>> layers(xr.Dataset(), 4096)
+    []
+    >>> sheet = {"thickness": 1e-6, "youngs_modulus": 3e6, "poissons_ratio": 0.5}
+    >>> bodies = json.dumps([{"base": "rigid", "layers": [sheet]}])
+    >>> sides = {"window_length_x": 64e-6, "window_length_y": 64e-6}
+    >>> [found] = layers(xr.Dataset(sides, attrs={"bodies": bodies}), 4096)
+    >>> found.sentence.split(":")[0]
+    'The thinnest layer (1.00 µm) is 1.0 pixels thick'
+    """
+    pair = layers_of(statistics)
+    if pair is None:
+        return []
+    lengths = [float(statistics[f"window_length_{axis}"]) for axis in "xy"]
+    sides = [side for side in lengths if np.isfinite(side)]  # a profile has one
+    pixel = float(np.prod(sides) / points) ** (1 / len(sides))
+    thinnest, thickest = quantity(pair.thinnest, "m"), quantity(pair.thickest, "m")
+    pixels = number(pair.thinnest / pixel, digits=2)
+    share = number(pair.thickest / max(sides), digits=2)
+    if pair.thinnest < LAYER_PIXELS * pixel:
+        text = (
+            f"The thinnest layer ({thinnest}) is {pixels} pixels thick: the area is corrected by the "
+            f"perimeter as on a half-space, which holds from {LAYER_PIXELS} pixels on. Use a finer map, or "
+            "take the difference to the pixels counted for the error."
+        )
+        return [Check("Layers", LOOK, text)]
+    if pair.thickest > max(sides):
+        text = (
+            f"The layers ({thickest}) are {share} times as thick as the window is long: what longer waves do "
+            "to the base is left out. Use a larger map, or leave the base out."
+        )
+        return [Check("Layers", LOOK, text)]
+    text = (
+        f"The thinnest layer is {pixels} pixels thick, all at most {share} of the window's length. Not "
+        "judged with layers: theories, conductance, stresses below the surface."
+    )
+    return [Check("Layers", PASSED, text)]
 
 
 def units(statistics: xr.Dataset) -> Check:

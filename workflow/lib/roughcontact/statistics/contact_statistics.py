@@ -7,12 +7,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from roughcontact.bodies import have_layers
 from roughcontact.checking import check_choice, warn_of_map
 from roughcontact.choices import Extra, Influence
 from roughcontact.connectivity import region_sizes
-from roughcontact.contact.dataset import influence_of
+from roughcontact.contact.dataset import influence_of, layers_of
 from roughcontact.contact.response import linear_response
 from roughcontact.elasticity.energy import elastic_energy
+from roughcontact.elasticity.layers import LayeredPair, layered_pair
 from roughcontact.errors import SettingsError
 from roughcontact.kernels.waves import wave_power
 from roughcontact.maps import spacing
@@ -65,6 +67,8 @@ FLOW_POINTS = 65536
 _OF_LOADING = 1e-3
 
 # variable of a density -> name of its bins, `{name}_bin`
+THEORIES = ("area_persson", "area_xu", "area_bush_gibson_thomas", "area_greenwood_williamson")
+
 _BINS = {"pressure_density": "pressure", "gap_density": "gap", "patch_area_density": "patch"}
 
 
@@ -145,12 +149,15 @@ def contact_statistics(
                 f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
             )
     check_choice("flow", flow, Extra)
-    body = _body_to_strain(stress, bodies)
+    layers = layers_of(contact)
+    body = _body_to_strain(stress, bodies, layered=layers is not None)
     height, modulus = contact["height"], float(contact["contact_modulus"])
     steps = spacing(height)
     mean_pressure = np.asarray(contact["mean_pressure"].values, float)
     if surface is None:
-        surface = surface_numbers(height, contact_modulus=modulus, work_of_adhesion=work_of_adhesion)
+        surface = surface_numbers(
+            height, contact_modulus=modulus, work_of_adhesion=work_of_adhesion, layers=layers
+        )
         warn_of_map(height.shape, surface.parameters["rms_gradient"])
     parameters = dict(surface.parameters)
     gradient = parameters["rms_gradient"]
@@ -179,7 +186,9 @@ def contact_statistics(
     ]
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     columns |= {name: contact[name].values for name in SOLVER_COLUMNS if name in contact}
-    columns |= conductance_columns(columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies)
+    columns |= conductance_columns(
+        columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies, layered=layers is not None
+    )
     if seal is not None and with_flow:
         from roughcontact.sealing.flow import leak_columns
 
@@ -189,6 +198,8 @@ def contact_statistics(
     columns |= theory_columns(
         mean_pressure, height, contact_modulus=modulus, rms_gradient=gradient, summits=surface.summits
     )
+    if layers is not None:  # the theories are those of half-spaces
+        columns |= {name: np.full(mean_pressure.shape, np.nan) for name in columns if name in THEORIES}
     # a number of the map, repeated for each load beside the other measures of reliability
     columns["points_per_shortest_wavelength"] = np.full(
         mean_pressure.shape, parameters.pop("points_per_shortest_wavelength")
@@ -306,7 +317,11 @@ class SurfaceNumbers(NamedTuple):
 
 
 def surface_numbers(
-    height: xr.DataArray, *, contact_modulus: float, work_of_adhesion: float | None = None
+    height: xr.DataArray,
+    *,
+    contact_modulus: float,
+    work_of_adhesion: float | None = None,
+    layers: LayeredPair | None = None,
 ) -> SurfaceNumbers:
     """Return the numbers of a map that the statistics of all its loads share.
 
@@ -318,6 +333,8 @@ def surface_numbers(
         E*.
     work_of_adhesion : float, J/m2, optional
         of flat surfaces.
+    layers : LayeredPair, optional
+        of the bodies; E* is then that of their surfaces.
 
     Returns
     -------
@@ -332,7 +349,11 @@ def surface_numbers(
     """
     power = wave_power(height.values)
     parameters = surface_statistics(height, power) | adhesion_numbers(
-        height, contact_modulus=contact_modulus, work_of_adhesion=work_of_adhesion, power=power
+        height,
+        contact_modulus=contact_modulus,
+        work_of_adhesion=work_of_adhesion,
+        power=power,
+        layers=layers,
     )
     del power
     return SurfaceNumbers(parameters, summit_statistics(height), float(np.ptp(height.values)))
@@ -368,7 +389,10 @@ def statistics_of(
     ((), ('load',))
     """
     surface = surface_numbers(
-        height, contact_modulus=contact_modulus, work_of_adhesion=settings.get("work_of_adhesion")
+        height,
+        contact_modulus=contact_modulus,
+        work_of_adhesion=settings.get("work_of_adhesion"),
+        layers=layered_pair(settings["bodies"]) if have_layers(settings.get("bodies")) else None,
     )
     return partial(contact_statistics, surface=surface, **settings)
 
@@ -478,7 +502,11 @@ def _one_load(
     body: dict[str, float] | None,
 ) -> dict[str, object]:
     """Return all numbers of one load; of an open file no more than one of its maps is in memory at a time."""
-    elastic: dict[str, Any] = {"contact_modulus": contact_modulus, "influence": influence_of(contact)}
+    elastic: dict[str, Any] = {
+        "contact_modulus": contact_modulus,
+        "influence": influence_of(contact),
+        "layers": layers_of(contact),
+    }
     pressure = contact["pressure"].isel(load=load).values
     touching = pressure > 0
     carried = pressure[touching]
@@ -539,9 +567,10 @@ def _stiffness(
     *,
     contact_modulus: float,
     influence: Influence,
+    layers: LayeredPair | None,
 ) -> dict[str, float]:
     """Return the stiffness of a contact as an elastic one, and that of further loading where points yield."""
-    response = partial(linear_response, touching, steps, contact_modulus, influence=influence)
+    response = partial(linear_response, touching, steps, contact_modulus, influence=influence, layers=layers)
     elastic = _inverse(response())
     if yielded is None:
         return {"contact_stiffness": elastic}
@@ -559,9 +588,17 @@ def _inverse(compliance: float) -> float:
     return 1 / compliance if compliance > 0 else np.inf
 
 
-def _body_to_strain(stress: Extra, bodies: Bodies | None) -> dict[str, float] | None:
+def _body_to_strain(stress: Extra, bodies: Bodies | None, *, layered: bool) -> dict[str, float] | None:
     """Return the properties that the stresses below the surface need; None where they are not wanted."""
     check_choice("stress", stress, Extra)
+    if layered:
+        if stress == "always":
+            raise SettingsError(
+                "stress = 'always': the stresses below the surface are not judged for bodies with layers; "
+                "leave it out",
+                keys=["stress"],
+            )
+        return None
     body = strained_body(bodies) or {}
     names = ("poissons_ratio", "yield_stress")
     stated = {name: value for name in names if (value := body.get(name)) is not None}

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.bodies import have_layers
 from roughcontact.checking import check_positive
 from roughcontact.contact.solve import solve_contact
 
@@ -43,7 +44,7 @@ def first_yield_pressure(
     tolerance : float
         of the solutions.
     **solver
-        further arguments of `solve_contact`: `influence`, `precision`, `threads`.
+        further arguments of `solve_contact`: `bodies`, `influence`, `precision`, `threads`.
 
     Returns
     -------
@@ -147,6 +148,7 @@ def with_first_yield(
         start=float(loads[elastic][-1]) if elastic.any() else None,
         threads=threads,
         **{key: contact[key] for key in _SOLVER_SETTINGS if key in contact},
+        **({"bodies": contact["bodies"]} if have_layers(contact.get("bodies")) else {}),
     )
     return statistics.assign(first_yield_pressure=found)
 

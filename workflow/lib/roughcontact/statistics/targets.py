@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact.bodies import have_layers
 from roughcontact.checking import check_choice, check_positive
 from roughcontact.choices import LoadTarget
 from roughcontact.connectivity import runs_around
@@ -63,7 +64,7 @@ def target_loads(
     hardness : float, Pa, optional
         of the softer body: it limits the pressure, and is what ``first_yield`` reaches.
     bodies : sequence of two mappings, optional
-        `poissons_ratio` and `yield_stress` (Pa), for ``first_yield``.
+        `poissons_ratio` and `yield_stress` (Pa), for ``first_yield``; with `layers`, those of the contact.
     **solver
         further arguments of `solve_contact`: `tolerance`, `influence`, `precision`, `threads`.
 
@@ -90,6 +91,8 @@ def target_loads(
     1.00
     """
     modulus = check_positive("contact_modulus", contact_modulus, unit="Pa")
+    if have_layers(bodies):
+        solver["bodies"] = bodies
     gradient = pose(window).gradient
     if gradient == 0:
         raise HeightMapError("the map is flat and in full contact at every load: give mean_pressure in Pa")
@@ -213,13 +216,13 @@ def _first_yield(
     **solver: Any,
 ) -> float:
     """Return the load of first yield, below the surface where a yield stress is known."""
-    body = strained_body(bodies) or {}
+    body = {} if have_layers(bodies) else strained_body(bodies) or {}
     limit, ratio = body.get("yield_stress"), body.get("poissons_ratio")
     if limit is None or ratio is None:
         if hardness is None:
             raise SettingsError(
                 "target = 'first_yield' needs the yield_stress of a body, or a hardness; the body its "
-                "poissons_ratio, too",
+                "poissons_ratio, too; bodies with layers need a hardness",
                 keys=["target"],
             )
         return first_yield_pressure(window, contact_modulus=modulus, hardness=hardness, **solver)

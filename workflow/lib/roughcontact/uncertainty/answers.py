@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact.dataset import influence_of
+from roughcontact.contact.dataset import influence_of, layers_of
 from roughcontact.contact.response import linear_response
 from roughcontact.maps import spacing
 from roughcontact.sealing.percolation import half_way_levels, percolation_columns
@@ -34,7 +34,8 @@ def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     Dataset
-        dim load: those of `headline` and `ANSWERS`; NaN for the infinite conductance of full contact.
+        dim load: those of `headline` and `ANSWERS`; NaN for the infinite conductance of full contact,
+        and for that of bodies with layers.
 
     Examples
     --------
@@ -47,9 +48,13 @@ def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
     (0.0, True)
     """
     steps, influence, rows = spacing(contact["pressure"]), influence_of(contact), []
+    layered = layers_of(contact) is not None
     for pressure, gap in fields_of(contact):
         touching = pressure > 0
-        compliance = linear_response(touching, steps, 1.0, _TOLERANCE, influence=influence)
+        # the conductance of layers is another problem than their stiffness
+        compliance = (
+            0.0 if layered else linear_response(touching, steps, 1.0, _TOLERANCE, influence=influence)
+        )
         narrowest = percolation_columns(np.where(touching, 0.0, gap))
         rows.append({ANSWERS[0]: 1 / compliance if compliance > 0 else np.nan, **narrowest})
     return headline(contact).assign({name: ("load", [row[name] for row in rows]) for name in ANSWERS})

@@ -7,9 +7,9 @@ p d b/(c a):
     A(p) = A0,   u = a u0,   p_c = p d/A,   p_max = (c a/b) p_max0,   K/E* = kappa0/b,   gap height = a c0
 
 (Persson 2001, J. Chem. Phys. 115, 3840, for the area; exact for a linear elastic half-space without
-hardness). The sensitivity of the logarithm of a result to the logarithm of an input is therefore its explicit
-power plus the power of the input in the load times s = d ln Q/d ln p, the slope of the solved curve. No
-further solution is needed.
+hardness). With layers that holds for all but the lengths. The sensitivity of the logarithm of a result to
+the logarithm of an input is therefore its explicit power plus the power of the input in the load times s = d
+ln Q/d ln p, the slope of the solved curve. No further solution is needed.
 """
 
 import numpy as np
@@ -111,6 +111,11 @@ def log_slopes(solved: xr.Dataset) -> dict[str, np.ndarray]:
     return slopes
 
 
+def _set_aside(solved: xr.Dataset) -> set[str]:
+    """Return the inputs that the law does not cover: lengths beside thicknesses of layers, which stay."""
+    return {"amplification_xy"} if "bodies" in solved.attrs else set()
+
+
 def _sensitivities(slopes: dict[str, np.ndarray], source: str) -> dict[str, np.ndarray]:
     """Return d ln Q/d ln(input), of the area that of its effort; the pressure in contact follows from it."""
     found = {}
@@ -141,7 +146,7 @@ def log_sensitivities(solved: xr.Dataset) -> xr.Dataset:
     >>> log_sensitivities(solved)["relative_contact_area_sensitivity"].round(2).values[0].tolist()
     [1.0, -1.0, -1.0, 1.0]
     """
-    inputs = list(_POWER_IN_LOAD)
+    inputs = [name for name in _POWER_IN_LOAD if name not in _set_aside(solved)]
     area = solved[AREA].values
     x = effort(area)
     # d ln A/d ln x of A = erf(x)
@@ -194,6 +199,7 @@ def scaling_uncertainty(solved: xr.Dataset, inputs: dict[str, float]) -> xr.Data
     """
     squares: dict[str, np.ndarray] = {}
     slopes = log_slopes(solved)
+    inputs = {source: width for source, width in inputs.items() if source not in _set_aside(solved)}
     for source, width in inputs.items():
         for name, sensitivity in _sensitivities(slopes, source).items():
             squares[name] = squares.get(name, 0.0) + (width * sensitivity) ** 2

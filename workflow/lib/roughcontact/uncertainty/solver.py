@@ -40,7 +40,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact.dataset import influence_of
+from roughcontact.contact.dataset import influence_of, layers_of
 from roughcontact.elasticity.energy import elastic_energy
 from roughcontact.maps import spacing
 from roughcontact.uncertainty.headline import fields_of
@@ -118,6 +118,7 @@ def mean_gap_uncertainty(contact: xr.Dataset) -> list[float]:
     elastic: dict[str, Any] = {
         "contact_modulus": float(contact["contact_modulus"]),
         "influence": influence_of(contact),
+        "layers": layers_of(contact),
     }
     solved = zip(
         contact["pressure"].values,

@@ -13,6 +13,7 @@ PartName = Literal[
     "paper",
     "waves",
     "hertz",
+    "layers",
     "full_contact",
     "convergence",
     "rough",

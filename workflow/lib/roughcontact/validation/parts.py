@@ -14,6 +14,7 @@ from roughcontact.validation import (
     formats,
     full_contact,
     hertz,
+    layers,
     paper,
     patches,
     rough,
@@ -28,6 +29,7 @@ _SMALLEST_GRID = 256
 _MODULES = {
     "waves": waves,
     "hertz": hertz,
+    "layers": layers,
     "full_contact": full_contact,
     "convergence": convergence,
     "rough": rough,

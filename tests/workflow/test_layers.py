@@ -1,0 +1,80 @@
+"""Bodies with layers from the settings to the report, beside the same bodies without them."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+import yaml
+from small_project import SETTINGS, TABLE, Project, write_maps
+
+from roughcontact.contact.solve import solve_contact
+from roughcontact.results.storage import read_dataset
+
+STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
+FILM = {"thickness": "6 um", "youngs_modulus": "700 GPa", "poissons_ratio": 0.2}
+SHEET = {"thickness": "20 um", "youngs_modulus": "3 MPa", "poissons_ratio": 0.5}
+SETTINGS_OF_BODIES = {
+    **{key: value for key, value in SETTINGS.items() if key != "contact"},
+    "uncertainty": {"windows": 4},
+    "cases": {
+        "plain": {"contact": {"bodies": [STEEL, STEEL], "mean_pressure": "200 MPa"}},
+        "coated": {"contact": {"bodies": [STEEL | {"layers": [FILM]}, STEEL], "mean_pressure": "200 MPa"}},
+        "sheet": {
+            "contact": {"bodies": [{"base": "rigid", "layers": [SHEET]}, STEEL], "mean_pressure": "50 kPa"}
+        },
+    },
+}
+
+
+def test_layers_go_from_the_settings_to_the_report(tmp_path, checkout):
+    project = Project(tmp_path / "project", checkout)
+    write_maps(project.path("measured"))
+    project.write(SETTINGS_OF_BODIES, TABLE[:2])
+    run = project.run("--logger", "roughcontact")
+    assert run.returncode == 0, run.stderr
+    found = {
+        case: read_dataset(project.path(f"results/{case}/ground/statistics.nc")).load()
+        for case in SETTINGS_OF_BODIES["cases"]
+    }
+    plain, coated, sheet = found.values()
+    assert "bodies" not in plain.attrs
+    # E* is that of the surfaces, and the film is pressed into the softer base
+    assert coated["contact_modulus"] > plain["contact_modulus"]
+    assert coated["relative_contact_area"] < plain["relative_contact_area"]
+    for case in (coated, sheet):
+        assert np.isnan(case["area_persson"]).all()
+        assert np.isnan(case["conductance_per_conductivity"]).all()
+        assert case["converged"].all()
+        assert (case["relative_contact_area_lower"] < case["relative_contact_area"]).all()
+    contact = read_dataset(project.path("results/sheet/ground/contact.nc"))
+    window = read_dataset(project.path("results/sheet/ground/window.nc"))["height"]
+    bodies = [
+        {"base": "rigid", "layers": [{"thickness": 2e-5, "youngs_modulus": 3e6, "poissons_ratio": 0.5}]},
+        {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3},
+    ]
+    directly = solve_contact(window, bodies=bodies, mean_pressure=5e4)
+    xr.testing.assert_allclose(contact["pressure"], directly["pressure"], rtol=1e-4)
+    page = project.path("results/report.html").read_text()
+    assert "20.0 µm of 3.00 MPa (ν 0.5) on a rigid base" in page
+    assert "Not judged with layers" in page
+    panels = {case: project.path(f"results/{case}/ground/panel.html").read_text() for case in found}
+    converged = {case: re.findall(r"onverged[^<]*conductance", panel) for case, panel in panels.items()}
+    assert converged["plain"]
+    assert not converged["coated"]
+    summary = pd.read_csv(project.path("results/summary.csv"))
+    assert set(summary["case"]) == set(found)
+
+
+def test_bad_layers_stop_a_run_before_it_starts(tmp_path, checkout):
+    project = Project(tmp_path / "project", checkout)
+    write_maps(project.path("measured"))
+    wrong = yaml.safe_load(yaml.safe_dump(SETTINGS_OF_BODIES))
+    wrong["cases"]["coated"]["contact"]["bodies"][0]["layers"][0]["thickness"] = "0 um"
+    wrong["cases"]["sheet"]["contact"]["bodies"][0]["layers"] = []
+    project.write(wrong, TABLE[:2])
+    run = project.run("--dry-run")
+    assert run.returncode != 0
+    assert "cases.coated.contact.bodies[0].layers[0].thickness" in run.stderr
+    assert "cases.sheet.contact.bodies[0].base = 'rigid': needs layers" in run.stderr
+    assert "Traceback" not in run.stderr

@@ -1,0 +1,134 @@
+"""Check the bodies of a contact: half-spaces, and layers on an elastic or a rigid base."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from roughcontact.checking import check_positive
+from roughcontact.errors import SettingsError
+
+_RIGID = 1e9  # times as stiff as a layer: rigid beside it
+_MATERIAL = ("youngs_modulus", "poissons_ratio")
+
+
+def check_bodies(bodies: Sequence[Mapping[str, Any]], *, where: str = "bodies") -> list[dict[str, Any]]:
+    """Return bodies whose numbers are checked; numbers in text are converted.
+
+    Parameters
+    ----------
+    bodies : sequence of one or two mappings
+        `youngs_modulus` (Pa) and `poissons_ratio` of the body, or `base` = "rigid"; `layers` bonded to it,
+        from the surface inwards, each with `thickness` (m), `youngs_modulus` and `poissons_ratio`. A second
+        body that is not given is rigid. Other properties are kept as they are.
+    where : str
+        key of the bodies in error messages.
+
+    Returns
+    -------
+    list of dict
+
+    Raises
+    ------
+    SettingsError
+        for a property that is missing, impossible or contradicts another one.
+
+    Examples
+    --------
+    >>> sheet = {"thickness": "2e-3", "youngs_modulus": 3e6, "poissons_ratio": 0.5}
+    >>> (rubber,) = check_bodies([{"base": "rigid", "layers": [sheet]}])
+    >>> rubber["layers"][0]["thickness"]
+    0.002
+    """
+    if isinstance(bodies, Mapping | str) or not 1 <= len(bodies) <= 2:
+        raise SettingsError(
+            f"{where} = {bodies!r}: give a list of two bodies, or of one on a rigid counter-body",
+            keys=[where],
+        )
+    return [_checked(body, f"{where}[{index}]") for index, body in enumerate(bodies)]
+
+
+def have_layers(bodies: Sequence[Mapping[str, Any]] | None) -> bool:
+    """Return whether one of the bodies of the settings, if there are any, has layers.
+
+    Examples
+    --------
+    >>> have_layers(None), have_layers([{"layers": [{"thickness": 1e-6}]}, {}])
+    (False, True)
+    """
+    return any(body.get("layers") for body in bodies or ())
+
+
+def sheet_on_rigid_base(bodies: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] | None:
+    """Return the single layer of a contact of which all else is rigid; None where there is more to it.
+
+    Examples
+    --------
+    >>> sheet = {"thickness": 1e-3, "youngs_modulus": 3e6, "poissons_ratio": 0.5}
+    >>> rigid = {"youngs_modulus": 1e20, "poissons_ratio": 0.3}
+    >>> sheet_on_rigid_base([{"base": "rigid", "layers": [sheet]}, rigid])["thickness"]
+    0.001
+    >>> sheet_on_rigid_base([rigid | {"layers": [sheet]}, rigid]) is None
+    True
+    """
+    layered = [body for body in bodies if body.get("layers")]
+    others = [body["youngs_modulus"] for body in bodies if not body.get("layers")]
+    if len(layered) != 1 or layered[0].get("base") != "rigid" or len(layered[0]["layers"]) != 1:
+        return None
+    sheet: Mapping[str, Any] = layered[0]["layers"][0]
+    return sheet if all(stiff >= _RIGID * sheet["youngs_modulus"] for stiff in others) else None
+
+
+def _checked(body: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Return one body whose numbers are checked."""
+    base, layers = body.get("base"), body.get("layers") or []
+    if isinstance(layers, Mapping):
+        raise SettingsError(
+            f"{where}.layers: must be a list of layers, from the surface inwards", keys=[f"{where}.layers"]
+        )
+    stated = [name for name in _MATERIAL if body.get(name) is not None]
+    if base is not None and base != "rigid":
+        raise SettingsError(
+            f"{where}.base = {base!r}: must be 'rigid'; an elastic base is the body itself, with "
+            "youngs_modulus and poissons_ratio, and what lies above it is in layers",
+            keys=[f"{where}.base"],
+        )
+    if base == "rigid" and not layers:
+        raise SettingsError(
+            f"{where}.base = 'rigid': needs layers; a body that is rigid as a whole has youngs_modulus 1e20 "
+            "and no base",
+            keys=[f"{where}.base"],
+        )
+    if base == "rigid" and stated:
+        raise SettingsError(
+            f"{where}: base = 'rigid' and {' and '.join(stated)} given; give one of them: the elastic "
+            "constants of a layer belong to it, in layers",
+            keys=[f"{where}.base"],
+        )
+    found = dict(body) if base == "rigid" else {**body, **_material(body, where)}
+    found["layers"] = []
+    for number, layer in enumerate(layers):
+        place = f"{where}.layers[{number}]"
+        if layer.get("thickness") is None:
+            raise SettingsError(f"{place}.thickness: missing (m)", keys=[f"{place}.thickness"])
+        thickness = check_positive(f"{place}.thickness", layer["thickness"], unit="m")
+        found["layers"].append({**layer, "thickness": thickness, **_material(layer, place)})
+    return found
+
+
+def _material(values: Mapping[str, Any], where: str) -> dict[str, float]:
+    """Return the elastic constants of a body or a layer."""
+    for name in _MATERIAL:
+        if values.get(name) is None:
+            way_out = "" if "layers[" in where else "; a rigid base of layers has base: rigid instead"
+            raise SettingsError(f"{where}.{name}: missing{way_out}", keys=[f"{where}.{name}"])
+    modulus = check_positive(f"{where}.youngs_modulus", values["youngs_modulus"], unit="Pa")
+    try:
+        ratio = float(values["poissons_ratio"])
+    except (TypeError, ValueError):
+        ratio = float("nan")
+    if not -1 < ratio <= 0.5:
+        raise SettingsError(
+            f"{where}.poissons_ratio = {values['poissons_ratio']!r}: must lie above -1 and be at most 0.5, "
+            "that of an incompressible material",
+            keys=[f"{where}.poissons_ratio"],
+        )
+    return {"youngs_modulus": modulus, "poissons_ratio": ratio}
