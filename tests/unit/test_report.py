@@ -126,6 +126,7 @@ def test_page_is_self_contained_and_complete(page):
         assert text.count(f'id="surface-{surface}"') == 1
         assert f'href="#surface-{surface}"' in text
     assert "<title>Four &lt;surfaces&gt;</title>" in text
+    assert '<p class="note">contact modulus E* = 2.00 GPa; loads planned for each map</p>' in text
     assert "&lt;b&gt;&amp;" in text
     sources = re.findall(r'(?:src|href)="([^"]*)"', text)
     beside = {source for source in sources if not source.startswith(("#", "data:"))}

@@ -13,6 +13,7 @@ import xarray as xr
 from roughcontact import materials
 from roughcontact.quantities import Unit, number
 from roughcontact.report import ONE_PAGE
+from roughcontact.report.asked import asked_in_words
 from roughcontact.report.captions import comparison_caption
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
@@ -143,6 +144,7 @@ def write_report(
         compared=comparison_rows(compared or {}, groups),
         compared_headings=("quantity", "mean pressure p̄", "ratio", "interval", "outcome"),
         folded=bool(grouped) and set(by_surface) <= grouped,
+        asked_of_run=asked_in_words(settings),
         settings=json.dumps(settings, indent=1, sort_keys=True),
         limits={
             "points": checks.CONTACT_POINTS,
