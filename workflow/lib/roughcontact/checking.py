@@ -4,11 +4,10 @@ import difflib
 import warnings
 from typing import TYPE_CHECKING, Any, get_args
 
-import numpy as np
-
 from roughcontact.errors import HeightMapError, HeightMapWarning, SettingsError
 
 if TYPE_CHECKING:  # a run with nothing to do imports this module, but no large library
+    import numpy as np
     import xarray as xr
 
 # limits of every length, pressure and ratio, so far within the range of floats that squares of products are
@@ -70,7 +69,7 @@ def check_labelled(height: object) -> "xr.DataArray":
     return height
 
 
-def check_map(height: "xr.DataArray") -> np.ndarray:
+def check_map(height: "xr.DataArray") -> "np.ndarray":
     """Return a copy of the heights (m) as float64, NaN where not finite, or raise an error.
 
     Raises
@@ -86,6 +85,8 @@ def check_map(height: "xr.DataArray") -> np.ndarray:
     array([[ 1., nan,  3.]])
     """
     name = check_labelled(height).attrs.get("source_file") or "the map"
+    import numpy as np
+
     values = np.asarray(height.values, dtype=float)
     values = np.where(np.isfinite(values), values, np.nan)
     if np.isnan(values).all():

@@ -128,6 +128,10 @@ def unchanged(path: Path) -> Iterator[None]:
     ----------
     path : Path
 
+    Yields
+    ------
+    None
+
     Raises
     ------
     InputFileError

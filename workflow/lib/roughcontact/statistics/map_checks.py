@@ -307,7 +307,7 @@ def steep_places(window: Attributes) -> Check:
 def reading(height: Attributes, levelled: Attributes) -> Check:
     """Check that the file was read without a warning.
 
-    What the user asked for, which channel was chosen, and spikes that were searched for, are notes.
+    What the user asked for, which channel was chosen, and pixels that are not square, are notes.
 
     Examples
     --------
@@ -318,8 +318,6 @@ def reading(height: Attributes, levelled: Attributes) -> Check:
     if not warnings:
         return Check("Reading the file", PASSED, "Read without a warning.")
     facts = set(json.loads(height.get("ingest_facts", "[]")))
-    if levelled.get("outlier_threshold"):
-        facts |= {warning for warning in warnings if SPIKES_ADVICE in warning}
     text = " ".join(f"{warning[0].upper()}{warning[1:].rstrip('.')}." for warning in warnings)
     if levelled.get("outlier_threshold"):
         text = text.replace(SPIKES_ADVICE, "isolated ones were searched for and removed")

@@ -61,7 +61,7 @@ def joined_groups(groups: Sequence[NamedGroup]) -> xr.Dataset:
     >>> one = xr.Dataset({"mean_gap": ("load", [2e-6]), "mean_pressure": ("load", [1e6])})
     >>> found = joined_groups([NamedGroup("ground", None, group_statistics([one, one]))])
     >>> found["mean_gap_of_maps"].dims, found["maps"].values.tolist()
-    (('group', 'load', 'map'), [2])
+    (('group', 'load', 'map'), [2.0])
     """
     names = list(dict.fromkeys(group.name for group in groups))
     cases = list(dict.fromkeys(group.case for group in groups)) or [None]
