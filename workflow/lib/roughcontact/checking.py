@@ -1,6 +1,7 @@
 """Checks of height maps and of arguments that the public functions make first."""
 
 import difflib
+import math
 import warnings
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -171,12 +172,14 @@ def check_positive(name: str, value: Any, *, unit: str) -> float:
     1000000000.0
     """
     try:
-        number = float("true or false" if isinstance(value, bool | np.bool_) else value)
+        # a truth value of NumPy is told by its type's name: NumPy is not imported for settings
+        truth = isinstance(value, bool) or str(getattr(value, "dtype", "")) == "bool"
+        number = float("true or false" if truth else value)
     except (TypeError, ValueError):
         raise SettingsError(
             f"{name} = {value!r} is not a number; give a positive number in {unit}", keys=[name]
         ) from None
-    if not (np.isfinite(number) and number > 0):
+    if not (math.isfinite(number) and number > 0):
         raise SettingsError(f"{name} = {number:g} must be a positive finite number in {unit}", keys=[name])
     if not SMALLEST <= number <= LARGEST:
         raise SettingsError(
