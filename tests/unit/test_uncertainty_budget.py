@@ -168,7 +168,7 @@ def test_the_report_says_what_the_uncertainty_is_made_of(statistics):
     assert any("for this surface over 3.00 times the length of the map" in note for note in shown["notes"])
     assert shown["rows"][0][-1] in shown["header"]
     assert len(shown["images"]) == 4
-    assert len(shown["magnification"]) == 4  # the answers are not asked for
+    assert len(shown["magnification"]) == 5  # and the conductance
     assert all(image.startswith("data:image/svg") for _, image in shown["images"])
     left_out = statistics.copy(deep=True)
     for name in QUANTITIES:
