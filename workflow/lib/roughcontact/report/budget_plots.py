@@ -8,16 +8,11 @@ import xarray as xr
 
 from roughcontact.quantities import NO_UPPER_END, Unit, number, percent, prefix, with_interval
 from roughcontact.report.charts import COLOURS, MARKERS, Axis, Chart
+from roughcontact.report.tables import TITLES, UNITS
 from roughcontact.report.units import unit_of
 from roughcontact.uncertainty.combination import COMBINED, uncertainty_table
 
-# names of the quantities on the page
-_SHOWN = {
-    "relative_contact_area": "contact area A/A₀",
-    "mean_gap": "mean gap ū",
-    "max_pressure": "largest pressure",
-    "mean_contact_pressure": "pressure in contact",
-}
+_SHOWN = ("relative_contact_area", "mean_gap", "max_pressure", "mean_contact_pressure")
 _WORDS = {
     "solver": "solver",
     "discretisation": "grid",
@@ -28,16 +23,15 @@ _WORDS = {
     "unresolved": "unresolved waves",
     "combined": "all together",
 }
-# of the magnification curve: names on the page and units
-_BY_CUTOFF = {
-    "relative_contact_area": ("contact area A/A₀", "%"),
-    "mean_contact_pressure": ("pressure in contact", "Pa"),
-    "max_pressure": ("largest pressure", "Pa"),
-    "mean_gap": ("mean gap ū", "m"),
-    "conductance_per_conductivity": ("conductance by conductivity", "m-1"),
-}
+# of the magnification curve
+_BY_CUTOFF = (
+    "relative_contact_area",
+    "mean_contact_pressure",
+    "max_pressure",
+    "mean_gap",
+    "conductance_per_conductivity",
+)
 _CONVERGED = 0.03  # change over the shortest octave that counts as none
-_UNITS_OF_PARTS = {"relative_contact_area": "%", "mean_gap": "m"}  # the others are pressures
 _LEAST = 0.01  # percent; less is not drawn
 
 
@@ -119,7 +113,7 @@ def _images(numbers: xr.Dataset, present: Sequence[str]) -> list[tuple[str, str]
     load = numbers["mean_pressure"].values
     factor, unit = unit_of(numbers, "Pa")
     images = []
-    for name, title in _SHOWN.items():
+    for name in _SHOWN:
         value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
         down, up = value - numbers[f"{name}_lower"].values, numbers[f"{name}_upper"].values - value
         parts = [budget.sel(source=source).values for source in present]
@@ -128,7 +122,7 @@ def _images(numbers: xr.Dataset, present: Sequence[str]) -> list[tuple[str, str]
         chart = Chart(
             Axis(f"mean pressure p̄ ({unit})", load.min() * factor / 1.5, load.max() * factor * 1.5, log=True),
             Axis("± in percent of the value", _LEAST, 2 * highest, log=True),
-            title=title,
+            title=TITLES[name],
             size=(330.0, 290.0),
         )
         for place, (source, part) in enumerate(zip(present, parts, strict=True)):
@@ -143,17 +137,17 @@ def _images(numbers: xr.Dataset, present: Sequence[str]) -> list[tuple[str, str]
         for half, dash, words in ((up, "", f"{_WORDS['combined']}, up"), (down, "5 3", "down")):
             share = _in_percent(half, value)
             chart.line(load * factor, share, colour="#000000", width=2.2, dash=dash, label=words)
-        images.append((title, chart.source("below", columns=2)))
+        images.append((TITLES[name], chart.source("below", columns=2)))
     return images
 
 
 def _note_on_open_ends(numbers: xr.Dataset) -> list[str]:
     """Return a sentence on upper ends that are not known."""
     unknown = []
-    for name, words in _SHOWN.items():
+    for name in _SHOWN:
         upper = numbers[f"{name}_upper"].values
         if (np.isnan(upper) | (upper > (1 + NO_UPPER_END) * numbers[name].values)).any():
-            unknown.append(words)
+            unknown.append(TITLES[name])
     if not unknown:
         return []
     text = (
@@ -170,10 +164,10 @@ def _component_table(numbers: xr.Dataset) -> dict[str, Any]:
         name = str(row["quantity"])
         if name not in _SHOWN:
             continue
-        unit, combined = unit_of(numbers, _UNITS_OF_PARTS.get(name, "Pa")), row["source"] == COMBINED
+        unit, combined = unit_of(numbers, UNITS[name]), row["source"] == COMBINED
         rows.append(
             [
-                f"{_SHOWN[name]} at {unit_of(numbers, 'Pa').text(float(row['mean_pressure_Pa']))}",
+                f"{TITLES[name]} at {unit_of(numbers, 'Pa').text(float(row['mean_pressure_Pa']))}",
                 _WORDS[str(row["source"])],
                 "–" if combined else str(row["evaluation_type"]),
                 _both_sides(row, "standard_uncertainty", unit),
@@ -214,7 +208,7 @@ def _note_on_convergence(numbers: xr.Dataset) -> str:
     if "cutoff_wavelength" not in numbers or numbers.sizes["cutoff"] < 2:
         return ""
     moving, settled = [], []
-    for name, (words, _) in _BY_CUTOFF.items():
+    for name in _BY_CUTOFF:
         if f"{name}_at_cutoff" not in numbers:
             continue
         fine, coarse = numbers[f"{name}_at_cutoff"].values.T[:2]
@@ -223,9 +217,9 @@ def _note_on_convergence(numbers: xr.Dataset) -> str:
             continue
         change = float(np.max(np.abs(fine[usable] / coarse[usable] - 1), initial=0.0))
         if change > _CONVERGED:
-            moving.append(f"{words} (by up to {percent(change)})")
+            moving.append(f"{TITLES[name]} (by up to {percent(change)})")
         else:
-            settled.append(words)
+            settled.append(TITLES[name])
     found = []
     if moving:
         found.append(
@@ -246,10 +240,10 @@ def _magnification(numbers: xr.Dataset) -> list[tuple[str, str]]:
     pressures = numbers["mean_pressure"].values
     loads = np.unique(np.linspace(0, pressures.size - 1, min(pressures.size, 4)).round().astype(int))
     images = []
-    for name, (words, si) in _BY_CUTOFF.items():
+    for name in _BY_CUTOFF:
         if f"{name}_at_cutoff" not in numbers:
             continue
-        own = unit_of(numbers, si)
+        words, own = TITLES[name], unit_of(numbers, UNITS[name])
         shown = numbers[f"{name}_at_cutoff"].values[loads] * own.factor
         shown = np.where(np.isfinite(shown) & (shown > 0), shown, np.nan)
         if np.isnan(shown).all():

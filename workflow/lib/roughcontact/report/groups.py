@@ -10,6 +10,7 @@ import xarray as xr
 from roughcontact.quantities import Unit, number, percent, several
 from roughcontact.report.glance import Cell, glance_units, interval_cell, shown_loads
 from roughcontact.report.load_plots import group_curves, group_values
+from roughcontact.report.tables import TITLES
 from roughcontact.report.units import unit_of
 from roughcontact.uncertainty.group_tables import NamedGroup
 from roughcontact.uncertainty.groups import is_range
@@ -26,12 +27,7 @@ HEADINGS = (
 )
 _AREA = "relative_contact_area"
 _OTHERS = ("mean_contact_pressure", "mean_gap", "max_pressure", "conductance_per_conductivity")
-_NAMES = {
-    _AREA: "contact area A/A₀",
-    "mean_contact_pressure": "pressure in contact",
-    "mean_gap": "mean gap ū",
-    "max_pressure": "largest pressure",
-}
+_COMPARED = (_AREA, "mean_contact_pressure", "mean_gap", "max_pressure")
 
 Row = dict[str, Any]
 
@@ -87,8 +83,8 @@ def comparison_rows(
             answers[first][_AREA].values,
         )
         cells = [
-            _comparison(found.sel(quantity=name).isel(load=place), words, pressure)
-            for name, words in _NAMES.items()
+            _comparison(found.sel(quantity=name).isel(load=place), TITLES[name], pressure)
+            for name in _COMPARED
             if name in found["quantity"].values
             for place in shown_loads(area)
         ]

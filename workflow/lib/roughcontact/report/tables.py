@@ -61,6 +61,8 @@ _GROUPS = {
         ("contact_on_filled_points", "contact on filled points", "%"),
     ),
 }
+TITLES = {name: title for columns in _GROUPS.values() for name, title, _ in columns}
+UNITS = {name: unit for columns in _GROUPS.values() for name, _, unit in columns}
 
 # the parts of the score of a window, as `WEIGHTS` names them, and whether in percent
 _SCORE_PARTS = (
