@@ -16,7 +16,9 @@ Where an instrument resolves less than its pixels (a lens, a tip), the trend is 
 does resolve, and continued to the pixels, at least one octave and at most two. Where it hides more than two,
 nothing bounds the area below and the pressures above.
 
-The spectrum of a finer map or profile of the same finish replaces the trend.
+The spectrum of a finer map of the same finish replaces the trend. A profile shows one line in one direction:
+what it adds is increased by the scatter between its parts, and where the shortest waves of the map differ in
+strength from axis to axis, the trend counts if it is larger.
 """
 
 import math
@@ -25,6 +27,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
+from scipy.special import stdtrit
 
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
@@ -42,6 +45,8 @@ _MAX_OCTAVES = 2.0
 _CONVERGED = 0.1  # growth of ln g below which the largest pressure has an upper end
 _FINER_UNCERTAINTY = 0.15  # of the growth that a finer spectrum shows
 _SMALLEST_GROWTH = 1e-3  # of ln g in an octave, to divide by
+_PARTS_OF_PROFILE = 8  # whose scatter tells how well a line stands for the surface
+_ISOTROPIC = 0.2  # largest logarithm of the ratio of the axes' mean square slopes
 
 
 class Growth(NamedTuple):
@@ -121,7 +126,8 @@ def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> float
     Returns
     -------
     float
-        0 where the finer spectrum adds nothing.
+        0 where the finer spectrum adds nothing; for a profile the upper limit (95 %), by the scatter between
+        its parts.
 
     Examples
     --------
@@ -140,7 +146,28 @@ def growth_by_finer_spectrum(window: xr.DataArray, finer: xr.DataArray) -> float
     added = sum(float(np.sum(c[q > limit])) for q, c in fine) / len(fine)
     if not whole > 0:
         return 0.0
+    if min(finer.shape) == 1:
+        added *= 1 + _relative_scatter(finer, limit)
     return max(0.5 * math.log((kept + added) / whole), 0.0)
+
+
+def _relative_scatter(profile: xr.DataArray, limit: float) -> float:
+    """Return the relative expanded uncertainty of a profile's mean square slope of waves beyond `limit`."""
+    step = max(spacing(profile))
+    slopes = np.fft.rfft(np.diff(profile.values.ravel()) / step)
+    slopes[2 * np.pi * np.fft.rfftfreq(profile.size - 1, step) <= limit] = 0
+    square = np.fft.irfft(slopes, profile.size - 1) ** 2
+    if square.size < 2 * _PARTS_OF_PROFILE or not square.any():
+        return 1.0
+    parts = [part.mean() for part in np.array_split(square, _PARTS_OF_PROFILE)]
+    student = float(stdtrit(len(parts) - 1, 0.975))
+    return student * float(np.std(parts, ddof=1) / np.mean(parts)) / math.sqrt(len(parts))
+
+
+def _is_isotropic(window: xr.DataArray) -> bool:
+    """Return whether the slopes of the shortest waves, of two octaves, are as large along both axes."""
+    own = [float(np.sum(c[q > q[-1] / 4])) for q, c in _line_spectra(window, periodic=True)]
+    return min(own) > 0 and math.log(max(own) / min(own)) <= _ISOTROPIC
 
 
 def unresolved_uncertainty(
@@ -269,6 +296,8 @@ def waves_not_resolved(
     if not isinstance(finer, xr.DataArray):
         finer = read_height_map(finer)
     known = growth_by_finer_spectrum(window, level(finer, form="plane"))
+    if min(finer.shape) == 1 and not _is_isotropic(window):
+        known = max(known, growth.gradient)
     last = growth.gradient / growth.octaves if growth.octaves else 0.0
     octaves = min(known / last, 4.0) if last > 0 else 0.0
     return unresolved_uncertainty(curve, solved, Growth(known, octaves, growth.level), known=True)
