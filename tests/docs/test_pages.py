@@ -140,7 +140,13 @@ def checkout(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def page_of(page):
+    """Return the parameter of a page; .ci/run runs the blocks of install.md as they stand, from the wheel."""
+    marks = [pytest.mark.slow] if page.name == "install.md" else []
+    return pytest.param(page, id=name_of(page), marks=marks)
+
+
+@pytest.mark.parametrize("page", map(page_of, PAGES))
 @pytest.mark.usefixtures("checkout")
 def test_the_blocks_of_a_page_run(page):
     skipped = []

@@ -51,7 +51,7 @@ def maps(draw):
     return heights, pitch
 
 
-@settings(max_examples=1000, deadline=None)
+@settings(max_examples=250, deadline=None)
 @given(map_and_pitch=maps(), depth=st.floats(0.01, 3))
 def test_random_maps_equal_a_dense_solution(map_and_pitch, depth):
     heights, pitch = map_and_pitch

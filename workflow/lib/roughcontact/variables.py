@@ -8,6 +8,17 @@ import xarray as xr
 
 from roughcontact.errors import RoughContactError
 
+# what a load is asked for, each with a verdict of its own: words by the beginning of the variable's name
+ANSWERS = {
+    "relative_contact_area": "contact area",
+    "mean_contact_pressure": "pressure in contact",
+    "mean_gap": "mean gap",
+    "sealing": "sealing",
+    "yield": "yield",
+    "max_pressure": "largest pressure",
+    "conductance": "conductance",
+}
+
 # name: (unit in UDUNITS spelling, meaning)
 VARIABLES: dict[str, tuple[str | None, str]] = {
     # maps
@@ -33,7 +44,10 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "max_penetration": ("m", "largest overlap of the surfaces in the solution"),
     "load_error": ("1", "relative difference of the mean of the pressure from the prescribed one"),
     "converged": ("1", "1 where error_bound <= tolerance, 0 elsewhere"),
-    "verdict": ("1", "worst outcome of all checks at this load: 0 use, 1 review, 2 do not use"),
+    "verdict": (
+        "1",
+        "worst outcome of the checks of contact area and pressure in contact: 0 use, 1 review, 2 do not use",
+    ),
     # statistics, per load
     "relative_contact_area": ("1", "share of the area in contact, corrected by the perimeter rule"),
     "relative_contact_area_pixels": ("1", "share of the pixels in contact, uncorrected"),
@@ -282,8 +296,14 @@ _COMMENTS = {
     ),
 }
 
+# verdicts on single answers, beside `verdict`
+VARIABLES |= {
+    f"{name}_verdict": ("1", f"worst outcome of the checks that concern the {words}: as of verdict")
+    for name, words in ANSWERS.items()
+}
+
 # meanings of the values 0, 1, 2 ... of a flag
-_FLAGS = {"verdict": ("use", "review", "do_not_use")}
+_FLAGS = {name: ("use", "review", "do_not_use") for name in VARIABLES if name.endswith("verdict")}
 
 # CF has this standard name for distances on a plane; without it checkers take an axis for a longitude
 _AXES = {

@@ -10,7 +10,7 @@ from roughcontact.quantities import Unit, number, percent, with_interval
 from roughcontact.report.tables import is_profile
 from roughcontact.report.units import middle_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
-from roughcontact.statistics.outcome import FAILED, Check
+from roughcontact.statistics.outcome import FAILED, VERDICTS, Check
 
 AREAS = (0.01, 0.1, 0.3)  # the loads with contact areas nearest to these are shown
 NOT_JUDGED = "not judged"
@@ -69,11 +69,24 @@ _WEIGHT = (
 )
 
 
+# what the columns after the first one answer
+_ANSWERS = (
+    "relative_contact_area",
+    "mean_contact_pressure",
+    "mean_gap",
+    "sealing",
+    "yield",
+    "max_pressure",
+    "conductance",
+)
+
+
 class Cell(NamedTuple):
-    """One cell of the table: the answer, and details in small letters."""
+    """One cell of the table: the answer, details in small letters, and its verdict unless that is *use*."""
 
     text: str
     more: str = ""
+    outcome: str = ""
 
 
 def shown_loads(areas: np.ndarray) -> list[int]:
@@ -144,16 +157,42 @@ def glance_rows(
     return [
         [
             interval_cell(numbers, "mean_pressure", units, place),
-            interval_cell(numbers, "relative_contact_area", units, place),
-            interval_cell(numbers, "mean_contact_pressure", units, place),
-            interval_cell(numbers, "mean_gap", units, place),
-            _seals(numbers, units, place),
-            _yields(numbers.isel(load=place)),
-            _largest(numbers, units, place),
-            _conducts(numbers, units, place),
+            *_judged(
+                [
+                    interval_cell(numbers, "relative_contact_area", units, place),
+                    interval_cell(numbers, "mean_contact_pressure", units, place),
+                    interval_cell(numbers, "mean_gap", units, place),
+                    _seals(numbers, units, place),
+                    _yields(numbers.isel(load=place)),
+                    _largest(numbers, units, place),
+                    _conducts(numbers, units, place),
+                ],
+                numbers,
+                place,
+            ),
         ]
         for place in places
     ]
+
+
+def _judged(cells: Sequence[Cell], numbers: xr.Dataset, place: int) -> list[Cell]:
+    """Return the cells of a load with their verdicts, where they are known; what is not judged has none."""
+    return [
+        cell._replace(outcome=outcome_of(numbers, place, answer)) if cell.text != NOT_JUDGED else cell
+        for cell, answer in zip(cells, _ANSWERS, strict=True)
+    ]
+
+
+def outcome_of(numbers: xr.Dataset, place: int, answer: str) -> str:
+    """Return the verdict on an answer at a load, a key of `VERDICTS`; empty for *use* or where none is known.
+
+    Examples
+    --------
+    >>> outcome_of(xr.Dataset({"mean_gap_verdict": ("load", [0, 1])}), 1, "mean_gap")
+    'look'
+    """
+    code = float(numbers.get(f"{answer}_verdict", xr.DataArray([0.0] * (place + 1)))[place])
+    return list(VERDICTS)[int(code)] if code > 0 else ""
 
 
 def by_weight(doubts: Iterable[Check]) -> list[Check]:
@@ -228,7 +267,7 @@ def _in_doubt(numbers: xr.Dataset, axis: str, place: int) -> bool:
 
 def _unbroken(numbers: xr.Dataset, name: str, units: Mapping[str, Unit], place: int) -> str:
     """Return a number of a load with its interval before its unit, joined by a no-break space."""
-    text, interval = interval_cell(numbers, name, units, place)
+    text, interval, _ = interval_cell(numbers, name, units, place)
     value, _, unit = text.partition(" ")
     known, more, _ = " ".join(filter(None, (value, interval))).partition(" or more")
     return f"{known}\N{NO-BREAK SPACE}{unit}{more}"
@@ -274,6 +313,6 @@ def _conducts(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cel
         ("conductance_per_conductivity", "by conductivity"),
     ):
         if _known(numbers, name):
-            text, interval = interval_cell(numbers, name, units, place)
+            text, interval, _ = interval_cell(numbers, name, units, place)
             return Cell(text, f"{interval}, {words}" if interval else words)
     return Cell(NOT_JUDGED)

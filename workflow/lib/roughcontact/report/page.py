@@ -10,14 +10,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact import materials
 from roughcontact.quantities import Unit, number
 from roughcontact.report import ONE_PAGE
 from roughcontact.report.asked import asked_in_words
 from roughcontact.report.captions import comparison_caption
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
-from roughcontact.report.glance import HEADINGS, glance_rows, glance_units, loads_to_compare
+from roughcontact.report.glance import HEADINGS, Cell, glance_rows, glance_units, loads_to_compare
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import comparison_rows, group_pictures, group_rows
 from roughcontact.report.load_plots import compare_areas, spread_of_areas
@@ -146,23 +145,6 @@ def write_report(
         folded=bool(grouped) and set(by_surface) <= grouped,
         asked_of_run=asked_in_words(settings),
         settings=json.dumps(settings, indent=1, sort_keys=True),
-        limits={
-            "points": checks.CONTACT_POINTS,
-            "overcount": f"{100 * checks.OVERCOUNT:g} %",
-            "filled": [f"{100 * share:g} %" for share in checks.FILLED_IN_CONTACT],
-            "rejected": f"{100 * checks.REJECTED_LOAD:g} %",
-            "jitter": f"{100 * checks.ROW_JITTER:g} %",
-            "gradient": f"{100 * checks.GRADIENT_CHANGE:g} %",
-            "heights": f"{100 * checks.HEIGHT_CHANGE:g} %",
-            "form": f"{100 * checks.FORM:g} %",
-            "window": f"{100 * checks.WINDOW_SHARE:g} %",
-            "lengths": checks.LENGTHS,
-            "steep": number(checks.STEEP, digits=1),
-            "places": f"{100 * checks.STEEP_PLACES:g} %",
-            "too_steep": number(checks.STEEPEST, digits=1),
-            "metals": [number(limit, digits=1) for limit in materials.METALS],
-            "hardest": number(materials.HARDEST, digits=1),
-        },
     )
     write_text(html, path)
 
@@ -308,10 +290,10 @@ def _compared(data: xr.Dataset, units: Mapping[str, Unit], place: int) -> list[d
     answers = glance_rows(data, units, [place])[0]
     keys = [_sorted(float(data[name][place])) if name else None for name in _SORTED_BY]
     return [
-        {"text": units["mean_gap"].text(rms := float(data["rms_height"])), "more": "", "key": _sorted(rms)},
-        {"text": number(slope := float(data["rms_gradient"])), "more": "", "key": _sorted(slope)},
+        Cell(units["mean_gap"].text(rms := float(data["rms_height"])))._asdict() | {"key": _sorted(rms)},
+        Cell(number(slope := float(data["rms_gradient"])))._asdict() | {"key": _sorted(slope)},
         *(
-            {"text": cell.text, "more": "" if key is None else cell.more, "key": key}
+            cell._replace(more="" if key is None else cell.more)._asdict() | {"key": key}
             for cell, key in zip(answers[: len(keys)], keys, strict=True)
         ),
     ]
@@ -324,7 +306,7 @@ def _sorted(value: float) -> float | str:
 
 def _doubts(summary: Summary) -> list[str]:
     """Return the names of the checks that did not pass, the most important first."""
-    return [reason.partition(":")[0] for reason in summary["reasons"]]
+    return [reason.partition(":")[0].partition(" (")[0] for reason in summary["reasons"]]
 
 
 def _which_load(places: Sequence[int], results: Sequence[xr.Dataset]) -> str:

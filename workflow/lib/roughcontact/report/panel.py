@@ -93,6 +93,7 @@ def write_panel(
         sound=[check for check in outcome if check.outcome == checks.PASSED],
         facts=known,
         maps=maps,
+        concerns=checks.concerns,
         scores=tables.score_table(solved),
         profile=1 in solved.shape,
         fields=fields,

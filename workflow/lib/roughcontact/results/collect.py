@@ -10,7 +10,8 @@ import pandas as pd
 import xarray as xr
 
 from roughcontact.results.storage import Array, read_arrays
-from roughcontact.variables import VARIABLES
+from roughcontact.statistics.outcome import VERDICTS
+from roughcontact.variables import ANSWERS, VARIABLES
 
 # ending of a column's name for its unit
 _SUFFIX: dict[str | None, str] = {
@@ -160,7 +161,8 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
 
     Densities stay in the netCDF file. The error budget has the combined uncertainty of each quantity, and the
     contributions to that of the contact area. The padding of shorter lists of loads is left out.
-    The last columns are the `verdict` on each load and its `reasons`, joined by " | ", where they are known.
+    The last columns are the verdicts on each answer, `{answer}_verdict`, the `verdict` on the load and its
+    `reasons`, joined by " | ", where they are known.
 
     Parameters
     ----------
@@ -187,9 +189,8 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     names = [
         name
         for name in map(str, statistics.variables)
-        # the verdict stands there in words
-        if not name.endswith(("_name", "_estimate"))
-        and name != "verdict"
+        # verdicts stand there in words
+        if not name.endswith(("_name", "_estimate", "verdict"))
         and not _NOT_IN_TABLE & set(statistics[name].dims)
     ]
     names.sort(key=lambda name: _LEADING.index(name) if name in _LEADING else len(_LEADING))
@@ -207,6 +208,11 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
         cases = frame["case"] if "case" in frame else [""] * len(frame)
         rows = zip(cases, frame["surface"], table["load"][real], strict=True)
         found = [verdicts[case][surface][load] for case, surface, load in rows]
+        known = [name for answer in ANSWERS if (name := f"{answer}_verdict") in statistics]
+        words = np.array(list(VERDICTS.values()), object)
+        for name in known:
+            codes = statistics[name].transpose(*order).values.ravel()[real]
+            frame[name] = words[codes.astype(int)]
         frame["verdict"] = [word for word, _ in found]
         frame["reasons"] = [" | ".join(reasons) for _, reasons in found]
     # padding made counts and flags floating; where none is missing they are whole numbers again
@@ -286,7 +292,9 @@ def pairs_table(summary: pd.DataFrame, pairs: Mapping[str, str]) -> pd.DataFrame
     [{'surface': 'p', 'members': 2, 'mean_gap_m': 2.0, 'spread_mean_gap_m': 1.414}]
     """
     names = [name for name in ("case", "surface") if name in summary]
-    numbers = [name for name in summary if name not in (*names, "verdict", "reasons")]
+    numbers = [
+        name for name in map(str, summary) if name not in (*names, "reasons") and not name.endswith("verdict")
+    ]
     of_pairs = summary[summary["surface"].isin(pairs)]
     load = of_pairs.groupby(names, sort=False).cumcount().rename("load")
     of_pairs = of_pairs.assign(surface=of_pairs["surface"].map(pairs))

@@ -1,8 +1,9 @@
 """All checks of a surface, their verdict, and the warnings of single loads.
 
-A check passes, notes what the interval includes, warns (`look`: review the result, the sentence says by how
-much it may be off), or fails (do not use it); one that cannot be made says so and never passes. The verdict
-on a surface, or on one of its loads, is that of the worst check. The checks and their limits stand in
+A check passes, notes what the interval includes, warns (`look`: the interval may be wrong, the sentence says
+by how much, and what to do), or fails (do not use the result); one that cannot be made says so and never
+passes. The verdict on an answer is that of the worst check that concerns it; that on a load or a surface
+is the verdict on contact area and pressure in contact. The checks and their limits stand in
 `contact_checks`, `map_checks` and `instrument_checks`; this module exports all that is needed to show them.
 """
 
@@ -29,6 +30,7 @@ from roughcontact.statistics.map_checks import (
     Attributes,
 )
 from roughcontact.statistics.outcome import (
+    ANSWERS,
     FAILED,
     LOOK,
     NOT_MADE,
@@ -36,22 +38,35 @@ from roughcontact.statistics.outcome import (
     PASSED,
     VERDICTS,
     Check,
+    concerns,
     reason,
     reasons,
     verdict,
 )
 from roughcontact.variables import describe
 
+# what a check puts in doubt, where that is not every answer
+_SHORT_WAVES = ("relative_contact_area", "mean_contact_pressure", "yield", "max_pressure", "conductance")
+_CONCERNS = {
+    "Smoothed": _SHORT_WAVES,
+    "Noise": _SHORT_WAVES,
+    "Isolated peak": ("mean_gap", "sealing", "yield", "max_pressure"),
+    "Sample": ("mean_gap", "sealing"),
+}
 # warnings of what a source of the interval evaluates
 _IN_THE_INTERVAL = {
     "Resolution": "unresolved",
     "Periodic window": "processing",
+    "Form": "processing",
+    "Scan lines": "processing",
     "Window": "window",
     "Longest wave": "window",
     "Band": "instrument",
+    "Noise": "instrument",
 }
 
 __all__ = [
+    "ANSWERS",
     "CONTACT_POINTS",
     "FAILED",
     "FILLED_IN_CONTACT",
@@ -72,6 +87,7 @@ __all__ = [
     "VERDICTS",
     "WINDOW_SHARE",
     "Check",
+    "concerns",
     "load_flags",
     "load_verdicts",
     "reason",
@@ -128,7 +144,10 @@ def surface_checks(
         instrument_checks.pixel_size(height, window),
         map_checks.reading(height, levelled),
     ]
-    return [_noted(check, statistics) for check in found]
+    return [
+        _noted(check._replace(answers=_CONCERNS.get(check.name, check.answers)), statistics)
+        for check in found
+    ]
 
 
 def _noted(check: Check, statistics: xr.Dataset) -> Check:
@@ -226,13 +245,20 @@ def with_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
     Returns
     -------
     Dataset
-        with the flag `verdict` (load): 0 use, 1 review, 2 do not use. The attributes are JSON: `reasons` is a
-        list of ``{"check": name, "loads": [index, ...], "text": sentence}``, the checks that did not pass and
-        at which loads; `verdicts` is a list (load) of [verdict, [reason, ...]], as `load_verdicts` returns.
+        with the flag `verdict` (load), of contact area and pressure in contact: 0 use, 1 review, 2 do not
+        use; the same for each of `ANSWERS`, `{answer}_verdict`. The attributes are JSON: `reasons` is a list
+        of ``{"check": name, "loads": [index, ...], "answers": [name, ...], "text": sentence}``, the checks
+        that did not pass, at which loads, and what they concern; `verdicts` is a list (load) of [verdict,
+        [reason, ...]], as of `load_verdicts`.
     """
     by_load, together = _checks_by_load(statistics, window), _checks_of(statistics, window)
-    codes = [list(VERDICTS).index(verdict(found)) for found in by_load]
-    described = describe(statistics.assign(verdict=("load", np.array(codes, np.int8))))
+    grades = list(VERDICTS)
+
+    def flags(*answers: str) -> tuple[str, np.ndarray]:
+        return "load", np.array([grades.index(verdict(found, *answers)) for found in by_load], np.int8)
+
+    of_answers = {f"{answer}_verdict": flags(answer) for answer in ANSWERS}
+    described = describe(statistics.assign(of_answers | {"verdict": flags()}))
     return described.assign_attrs(
         reasons=json.dumps(_reasons_with_loads(by_load, together), ensure_ascii=False),
         verdicts=json.dumps(_in_words(by_load), ensure_ascii=False),
@@ -248,5 +274,12 @@ def _reasons_with_loads(by_load: list[list[Check]], together: list[Check]) -> li
     for position, of_all in enumerate(together):
         loads = [load for load, checks in enumerate(by_load) if reasons([checks[position]])]
         if doubts := reasons([of_all, *(by_load[load][position] for load in loads)]):
-            found.append({"check": of_all.name, "loads": loads, "text": doubts[0].sentence})
+            found.append(
+                {
+                    "check": of_all.name,
+                    "loads": loads,
+                    "answers": list(of_all.answers),
+                    "text": doubts[0].sentence,
+                }
+            )
     return found

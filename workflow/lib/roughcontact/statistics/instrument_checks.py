@@ -195,6 +195,20 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
     return _judged_noise(text, share, way_out)
 
 
+def suspected_noise(window: Attributes) -> float:
+    """Return the rms (m) of the white noise that the check "Noise" suspects, 0 where it suspects none.
+
+    Examples
+    --------
+    >>> flat = {"top_exponent": -0.2, "noise_floor": 2e-9, "noise_gradient_share": 0.6}
+    >>> suspected_noise(flat), suspected_noise(flat | {"top_exponent": -3.0})
+    (2e-09, 0.0)
+    """
+    if window.get("periodisation") == "none" or window.get("top_exponent", -np.inf) <= WHITE:
+        return 0.0
+    return float(window["noise_floor"]) if window["noise_gradient_share"] > NOISE_SHARE else 0.0
+
+
 def _share(share: float) -> str:
     """Return a share in words; that of a floor can exceed the whole."""
     return percent(share) if share < 1 else "all"

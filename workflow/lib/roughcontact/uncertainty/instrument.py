@@ -8,7 +8,8 @@ The result is that of the map as measured; the interval reaches to where the tru
   follows from it takes the result back from g to g_true (simulation and extrapolation, Cook and Stefanski
   1994). On 43 measured and made maps with noise of 1 to 10 % of Sq the truth lay at 1.2 times this shift in
   the median, at twice the shift in the outer tenth: half of the shift is added to it, and half is its
-  uncertainty.
+  uncertainty. Where no noise is stated and the spectrum is flat at its end, its floor may be noise, or waves
+  that the pixels fold back: the shift by such noise is added as a bound.
 * A lens, or a stated resolution, attenuates short waves. The window is solved once more with the transfer
   undone (`transfer.restored`).
 * A tip rounds peaks. The window is solved once more as the eroded map (`transfer.eroded`), which undoes it
@@ -28,6 +29,7 @@ import xarray as xr
 from roughcontact.errors import SettingsError
 from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.statistics.instrument_checks import suspected_noise
 from roughcontact.uncertainty.answers import counter_of, quantities_in
 from roughcontact.uncertainty.ensemble import solve_member
 from roughcontact.uncertainty.scaling import AREA, PRESSURE, effort, half_widths, scaling_uncertainty
@@ -71,7 +73,7 @@ def instrument_uncertainty(
     Dataset
         along `load`, `{name}`, `{name}_down`, `{name}_up`: half-widths; `{name}_shift_down`,
         `{name}_shift_up`: one-sided shifts of the ends, infinite where noise hides the surface. NaN where
-        nothing is stated.
+        nothing is stated and no noise suspected (`suspected_noise`).
 
     Raises
     ------
@@ -99,6 +101,8 @@ def instrument_uncertainty(
     parts = [scaling_uncertainty(solved, scales)] if scales else []
     if noise := stated.get("noise"):
         parts.append(_noise_shift(window, contact, solved, noise, s_filter))
+    elif suspected := suspected_noise(window.attrs):
+        parts.append(_noise_shift(window, contact, solved, suspected, None, margin=0.0))
     if stated.get("numerical_aperture") or stated.get("resolution"):
         changed = restored(window, stated, noise=noise or 0.0)
         parts.append(_shift_to(changed, contact, solved))
@@ -278,7 +282,13 @@ def _shift_to(changed: xr.DataArray, contact: Mapping[str, Any], solved: xr.Data
 
 
 def _noise_shift(
-    window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset, noise: float, s_filter: float | None
+    window: xr.DataArray,
+    contact: Mapping[str, Any],
+    solved: xr.Dataset,
+    noise: float,
+    s_filter: float | None,
+    *,
+    margin: float = _NOISE_MARGIN,
 ) -> xr.Dataset:
     """Return the one-sided uncertainty towards the results without noise."""
     noisy, of_noise = with_noise(window, noise, s_filter=s_filter)
@@ -291,7 +301,7 @@ def _noise_shift(
         back = -0.5 * math.log1p(-share) / max(math.log(more / measured), 1e-12)
     with np.errstate(invalid="ignore"):
         without = {name: np.where(change == 0, 0.0, -change * back) for name, change in changes.items()}
-    return one_sided(solved, without, _NOISE_MARGIN)
+    return one_sided(solved, without, margin)
 
 
 def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None) -> dict[str, Any]:

@@ -70,11 +70,11 @@ _MIN_POINTS_PER_SIDE = 12  # of a subwindow
 _MIN_WAVES_PER_SIDE = 2  # side of a subwindow over the shortest wavelength that is kept
 _COVERAGE = 0.95
 _DEFAULT_EXTENT = 3.0
+_GAP_MARGIN = 1.25  # on the scatter of the mean gap: the largest of a few valleys decide it
 _MIN_EXPONENT = 0.25  # real surfaces scatter more than stationary ones, which have 0
 _GROWTH_MARGIN = 1.25  # factor on the increase of the mean gap expected from growing heights
 _MIN_DEGREES_OF_FREEDOM = 2.0  # however strong the lay
 _LOGARITHM_FLOOR = 1e-2  # of the window's result: the logarithm of smaller gaps is meaningless
-_GROWTH_FLAG_LIMIT = 0.25  # logarithm of the growth of the heights: waves are then as long as the map
 _FEW_DEGREES_OF_FREEDOM = 2.5  # below this limit a lay leaves about three independent subwindows
 _KURTOSIS_FLAG_LIMIT = 8.0  # above this limit a few places hold most of the mean square height
 
@@ -329,10 +329,9 @@ def _gap_half_widths(values: np.ndarray, result: np.ndarray, extrapolation: _Ext
     """Return the half-widths of the mean gap due to scatter."""
     # the logarithm is meaningless where the gap vanishes (full contact)
     base = np.where(result > 0, result, 1.0)
-    half_width = extrapolation.scatter * np.log(np.maximum(values, _LOGARITHM_FLOOR * base)).std(
-        axis=0, ddof=1
-    )
-    alone = extrapolation.scatter * values.std(axis=0, ddof=1)
+    scatter = _GAP_MARGIN * extrapolation.scatter
+    half_width = scatter * np.log(np.maximum(values, _LOGARITHM_FLOOR * base)).std(axis=0, ddof=1)
+    alone = scatter * values.std(axis=0, ddof=1)
     return -result * np.expm1(-half_width), np.where(result > 0, result * np.expm1(half_width), alone)
 
 
@@ -433,13 +432,6 @@ def _flag(
         )
     if incomplete:
         return "The solution of a part of the window missed the tolerance."
-    if extrapolation.growth > _GROWTH_FLAG_LIMIT:
-        return (
-            "The heights grow with the length of the map: the surface has waves about as long as the map, or "
-            f"a form. Over {number(extrapolation.extent)} times the length they are expected to be "
-            f"{number(math.exp(extrapolation.growth))} times as large, and the mean gap may lie outside its "
-            "interval. Measure a larger field, or remove long waves (level.form, level.l_filter)."
-        )
     kurtosis = levelled.attrs.get("Sku", 3.0)
     if kurtosis > _KURTOSIS_FLAG_LIMIT:
         return (
