@@ -46,7 +46,7 @@ SHOWN = {  # quantities: names in the tables; all but the last are the headline
     "mean_contact_pressure": "pressure",
     "max_pressure": "peak",
 }
-FLAG = "Sample"  # the check of the surface beyond the map
+JUDGED = ("inside of these (%)", "misses to review (%)")
 LOADS = (0.02, 0.1, 0.4)  # of E* times the rms gradient of the whole map
 CUTS = 3
 LARGE, SMALL = 400, 192  # points along each side, at least
@@ -76,13 +76,11 @@ def measure(height, loads, truth) -> dict:
     levelled, window = found["levelled"], found["window"]
     settings = {"level": {}, "window": {}, "contact": found["contact"]}
     statistics = with_uncertainty(found["statistics"], rc.error_budget(levelled, window, settings))
-    outcome = checks.surface_checks(
-        statistics, height=height.attrs, levelled=levelled.attrs, window=window.attrs, points=window.size
-    )
-    row: dict = {"asked": [check.name for check in checks.reasons(outcome)]}
+    judged = checks.with_verdicts(statistics, window)
+    row: dict = {"reasons": [reason["check"] for reason in json.loads(judged.attrs["reasons"])]}
     for name in QUANTITIES:
-        columns = {"result": name, "lower": f"{name}_lower", "upper": f"{name}_upper"}
-        found = {key: statistics[column].values.tolist() for key, column in columns.items()}
+        columns = {"result": "", "lower": "_lower", "upper": "_upper", "verdict": "_verdict"}
+        found = {key: judged[name + ending].values.tolist() for key, ending in columns.items()}
         row[name] = {"truth": truth[name]} | found
     return row
 
@@ -182,7 +180,7 @@ def answers(seeds: list[int]) -> dict[str, pd.DataFrame]:
 
 def results_of(found: list[dict]) -> pd.DataFrame:
     """Return one row for each result of all parts that were not refused: part, quantity and load."""
-    keys = ("truth", "result", "lower", "upper")
+    keys = ("truth", "result", "lower", "upper", "verdict")
     rows = [
         {
             "group": each["group"],
@@ -190,7 +188,7 @@ def results_of(found: list[dict]) -> pd.DataFrame:
             "longest": each.get("longest"),
             "part": (number, place),
         }
-        | {"flagged": FLAG in part["asked"], "quantity": shown, "load": load}
+        | {"quantity": shown, "load": load}
         | dict(zip(keys, values, strict=True))
         for number, each in enumerate(found)
         for place, part in enumerate(each["parts"])
@@ -199,6 +197,7 @@ def results_of(found: list[dict]) -> pd.DataFrame:
         for load, *values in zip(LOADS, *(part[name][key] for key in keys), strict=True)
     ]
     results = pd.DataFrame(rows).replace({"group": {"made": "synthetic"}})
+    results["flagged"] = results["verdict"] > 0
     rounding, base = 1e-9 * results["result"].abs(), results["result"].where(results["result"] > 0, 1.0)
     upper = results["upper"].fillna(np.inf).where(results["lower"].notna())  # without an end: *or more*
     results["inside"] = results["truth"].between(results["lower"] - rounding, upper + rounding)
@@ -208,20 +207,28 @@ def results_of(found: list[dict]) -> pd.DataFrame:
 
 
 def counted(results: pd.DataFrame) -> dict:
-    """Return shares inside, widths, flags and silent misses of some results.
+    """Return shares inside, widths, verdicts and silent misses of some results.
 
-    A width is the median half-width over the 95 % quantile of the error. A miss is silent where the part has
-    no flag; only the headline quantities are counted.
+    A width is the median half-width over the 95 % quantile of the error. A miss is silent where the verdict
+    on that quantity at that load is *use*.
     """
     row = {"parts": results["part"].nunique()}
     for quantity, some in results.groupby("quantity", sort=False):
         row[f"{quantity} inside (%)"] = 100 * some["inside"].mean()
         if quantity != "peak":
             row[f"{quantity} width"] = some["half_width"].median() / some["error"].quantile(0.95)
-    headline = results[results["quantity"] != "peak"]
-    row["flagged (%)"] = 100 * results["flagged"].mean()
-    row["silent (%)"] = 100 * (~headline["inside"] & ~headline["flagged"]).mean()
+    row["use (%)"] = 100 * (~results["flagged"]).mean()
+    row["silent (%)"] = 100 * (~results["inside"] & ~results["flagged"]).mean()
     return row
+
+
+def judged(results: pd.DataFrame) -> dict:
+    """Return the share of results with the verdict *use*, and what it is worth."""
+    use = ~results["flagged"]
+    shares = (results["inside"][use].mean(), results["flagged"][~results["inside"]].mean())
+    return {"use (%)": 100 * use.mean()} | {
+        name: 100 * share for name, share in zip(JUDGED, shares, strict=True)
+    }
 
 
 def tables(found: list[dict]) -> dict[str, pd.DataFrame]:
@@ -229,7 +236,7 @@ def tables(found: list[dict]) -> dict[str, pd.DataFrame]:
     results = results_of(found)
     made = results[results["longest"].notna()]
     by_length = made.assign(group="synthetic, by longest wave", surface=made["longest"].map("{:.3g}".format))
-    rows, widths, loads = [], [], []
+    rows, widths, loads, verdicts = [], [], [], []
     for group, of_group in pd.concat([results, by_length]).groupby("group", sort=False):
         surfaces = [
             counted(some) | {"surface": name} for name, some in of_group.groupby("surface", sort=False)
@@ -237,11 +244,18 @@ def tables(found: list[dict]) -> dict[str, pd.DataFrame]:
         rows += [{"group": group} | row for row in (*surfaces, counted(of_group) | {"surface": "all"})]
         medians = pd.DataFrame(surfaces).filter(like=" width").median()
         medians = {name.removesuffix(" width"): width for name, width in medians.items()}
-        calm = of_group[~of_group["flagged"] & (of_group["quantity"] != "peak")]
-        widths.append({"group": group} | medians | {"inside without a flag (%)": 100 * calm["inside"].mean()})
+        widths.append({"group": group} | medians)
         if group in results["group"].values:
             shares = 100 * of_group.groupby(["quantity", "load"], sort=False)["inside"].mean().unstack()
             loads.append(shares.rename(columns=str).reset_index().assign(group=group))
+            verdicts += [
+                {"group": group, "quantity": quantity} | judged(some)
+                for quantity, some in (
+                    *of_group.groupby("quantity", sort=False),
+                    ("area and pressure", of_group[of_group["quantity"].isin(["area", "pressure"])]),
+                    ("all", of_group),
+                )
+            ]
     by_surface, by_load = pd.DataFrame(rows), pd.concat(loads)
     first = ["group", "surface", "parts"]
     by_surface = by_surface[[*first, *by_surface.columns.drop(first)]]
@@ -255,8 +269,9 @@ def tables(found: list[dict]) -> dict[str, pd.DataFrame]:
         ),
         "widths": pages.text(
             pd.DataFrame(widths),
-            dict.fromkeys(list(SHOWN.values()), ".1f") | {"inside without a flag (%)": ".0f"},
+            dict.fromkeys(list(SHOWN.values()), ".1f"),
         ),
+        "verdicts": pages.text(pd.DataFrame(verdicts), dict.fromkeys(["use (%)", *JUDGED], ".1f")),
     }
 
 

@@ -13,19 +13,20 @@ from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.window.periodic_window import periodic_window
 
 
-def part(inside, *, asked=()):
+def part(inside, *, verdict=0):
     """Return a row whose truth, 1.1, is inside an interval of the result, 1, at the first loads."""
     upper = [1.2] * inside + [1.05] * (3 - inside)
     of_each = {"truth": [1.1] * 3, "result": [1.0] * 3, "lower": [0.8] * 3, "upper": upper}
-    return {"asked": list(asked)} | dict.fromkeys(QUANTITIES, of_each)
+    of_each["verdict"] = [verdict] * 3
+    return {"reasons": []} | dict.fromkeys(QUANTITIES, of_each)
 
 
 def test_shares_are_counted():
-    parts = [part(3), part(1, asked=["Sample"]), part(2, asked=["Form"])]
+    parts = [part(3), part(1, verdict=1), part(2)]
     results = intervals.results_of([{"group": "large", "name": "one.sur", "parts": parts}])
     counted = intervals.counted(results)
     assert counted["area inside (%)"] == counted["peak inside (%)"] == pytest.approx(100 * 6 / 9)
-    # outside: two of the flagged part, one of the one that only another check asks about
+    # outside: two of the part to review, one of another
     assert counted["silent (%)"] == pytest.approx(100 / 9)
     assert results["error"].values == pytest.approx(0.1)
     assert counted["gap width"] == pytest.approx(np.median([0.2] * 6 + [0.125] * 3) / 0.1)
@@ -56,7 +57,8 @@ def test_tables_name_surfaces_and_all_of_each_group():
     ]
     assert rows.loc[("small", "all"), "gap inside (%)"] == "67"
     assert tables["loads"].loc[4].tolist() == ["small", "area", "100", "100", "0"]
-    assert tables["widths"]["inside without a flag (%)"].tolist() == ["100", "67", "100", "100"]
+    verdicts = tables["verdicts"].set_index(["group", "quantity"])
+    assert verdicts.loc[("small", "all")].tolist() == ["100.0", "66.7", "0.0"]
 
 
 def test_files_that_are_no_maps_are_left_out(tmp_path):

@@ -149,12 +149,21 @@ def solution(result: Mapping[str, Any]) -> str:
         *_table(result["loads"]),
         *_about(result),
         "",
-        _line("verdict", result["verdict"]),
+        _line("verdict", _verdict(result)),
     ]
     lines += [
         _line(check["name"], check["sentence"]) for check in result["checks"] if check["outcome"] != "passed"
     ]
     return "\n".join(lines)
+
+
+def _verdict(result: Mapping[str, Any]) -> str:
+    """Return the verdict on a map, and the answers that have another one."""
+    others: dict[str, list[str]] = {}
+    for answer, word in result["verdicts"].items():
+        if word != result["verdict"]:
+            others.setdefault(word, []).append(answer)
+    return "; ".join([result["verdict"], *(f"{word}: {', '.join(found)}" for word, found in others.items())])
 
 
 def group(result: Mapping[str, Any]) -> str:
@@ -171,7 +180,7 @@ def group(result: Mapping[str, Any]) -> str:
     lines += [_line("remark", text) for text in found["remarks"]]
     for each in result["maps"]:
         areas = ", ".join(percent(load["relative_contact_area"]) for load in each["loads"])
-        lines += ["", str(each["file"]), _line("A/A0", areas), _line("verdict", each["verdict"])]
+        lines += ["", str(each["file"]), _line("A/A0", areas), _line("verdict", _verdict(each))]
     return "\n".join(lines)
 
 

@@ -92,7 +92,7 @@ def solve_file(
         points), `surface` (name -> number),
         `loads` (one dict per load, name -> number, `{name}_uncertainty` -> source -> half-width, with the
         words `flags`, `verdict` and `reasons`), `units` (name -> unit), `checks` (name, outcome, sentence),
-        `verdict`, `warnings` (sentences), `settings`.
+        `verdict`, `verdicts` (answer -> verdict), `warnings` (sentences), `settings`.
 
     Raises
     ------
@@ -134,6 +134,10 @@ def _solved(
         ),
         "checks": [check._asdict() for check in outcome],
         "verdict": checks.VERDICTS[checks.verdict(outcome)],
+        "verdicts": {
+            words: checks.VERDICTS[checks.verdict(outcome, answer)]
+            for answer, words in checks.ANSWERS.items()
+        },
         "warnings": json.loads(height.attrs["ingest_warnings"]),
         "settings": {
             key: settings[key]
@@ -147,7 +151,7 @@ def _plain_numbers(
     statistics: xr.Dataset, flags: list[list[str]], verdicts: list[tuple[str, list[str]]]
 ) -> dict[str, Any]:
     """Return the numbers of a surface, those of its loads, and the units of both, as plain values."""
-    names = [str(name) for name in statistics.variables if name != "verdict"]  # which stands there in words
+    names = [str(name) for name in statistics.variables if not name.endswith("verdict")]  # in words below
     surface, per_load = ([n for n in names if statistics[n].dims == dims] for dims in ((), ("load",)))
     uncertain = [name for name in names if name.endswith("_uncertainty")]
     by_source = {name: statistics[name].values.tolist() for name in uncertain}
