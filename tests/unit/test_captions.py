@@ -85,10 +85,12 @@ def test_surfaces_are_compared_at_the_highest_load_that_all_have():
         ("c", loads / 2, np.array([0.05, 0.1, 0.25])),
     ]
     # at 2: a has 0.2, b 0.3, c 0.25
-    assert captions.comparison_caption(series) == "At p′ = 2.00 20.0 % (a) to 30.0 % (b) of the area touch."
+    assert captions.comparison_caption(series) == "At p′ = 2.00, 20.0 % (a) to 30.0 % (b) of the area touch."
     pascal = captions.comparison_caption(series, Unit(1e3, "mPa"))
-    assert pascal.startswith("At p̄ = 2000 mPa 20.0 % (a)")
+    assert pascal.startswith("At p̄ = 2000 mPa, 20.0 % (a)")
     assert captions.comparison_caption(series[:1]) == ""
+    beyond = ("d", np.array([2.5, 5.0]), np.array([0.1, 0.2]))  # a load of 2 was not solved
+    assert captions.comparison_caption([*series, beyond]) == ""
 
 
 def test_bars_are_explained_where_there_are_any():

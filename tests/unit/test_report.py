@@ -303,15 +303,20 @@ def test_a_good_surface_passes_every_check(good):
     assert checks.VERDICTS[verdict] == "use"
 
 
+ADVICE = {
+    *("Average", "Check", "Compare", "Export", "Measure", "Remove", "See", "Treat", "Unless", "Use"),
+}
+
+
 def test_each_check_can_ask_for_a_look(good):
     poor = good.copy(deep=True)
     poor["points_per_shortest_wavelength"][:] = 2.0
     poor["contact_on_filled_points"][:] = 0.05
     poor["relative_contact_area_pixels"][:] = [50 / 96**2, 1.0]
-    poor["rms_gradient"] = 0.5
+    poor["rms_gradient"] = 0.7
     poor["rejected_load_share"] = ("load", [0.11, 0.04])
     poor["mean_contact_pressure"] = poor["max_pressure"] / 20
-    poor.attrs["window_flag"] = "The heights grow with the length of the map."
+    poor.attrs["window_flag"] = "A few places hold most of the heights. Measure more places."
     found, verdict = outcomes(
         poor,
         height={
@@ -348,7 +353,12 @@ def test_each_check_can_ask_for_a_look(good):
         },
     )
     looks = {name for name, check in found.items() if check.outcome == checks.LOOK}
-    assert looks == set(found) - {"Solver", "Load range", "Longest wave", "Band", "Plasticity", "Units"}
+    others = {"Solver", "Load range", "Longest wave", "Band", "Plasticity", "Units", "Steep places"}
+    assert looks == set(found) - others
+    assert found["Steep places"].outcome == checks.NOTE
+    for name in looks - {"Reading the file"}:  # the last sentence says what to do
+        last = found[name].sentence.rstrip(".").split(". ")[-1]
+        assert last.split()[0] in ADVICE, last
     assert checks.VERDICTS[verdict] == "review"
     assert "down to 50" in found["Points in contact"].sentence
     assert "−15.0 %" in found["Periodic window"].sentence
@@ -359,14 +369,14 @@ def test_each_check_can_ask_for_a_look(good):
     assert "level.form" in found["Form"].sentence
     assert "make up 70.0 % of the mean square gradient" in found["Steep places"].sentence
     assert found["Reading the file"].sentence == "The unit was guessed."
-    assert found["Sample"].sentence == "The heights grow with the length of the map."
+    assert found["Sample"].sentence == "A few places hold most of the heights. Measure more places."
 
 
 def test_a_single_rejected_point_is_spoken_of_in_the_singular():
     shares = xr.Dataset({"rejected_load_share": ("load", [0.11])})
     said = map_checks.outliers(shares, {"outliers_rejected": 1, "outlier_kinds": '{"spike": 1}'}).sentence
     assert said.startswith(
-        "1 point was rejected as an outlier (1 spike). If it were kept, it would carry 11.0 %"
+        "1 point was rejected as an outlier (1 spike); if it were kept, it would carry 11.0 %"
     )
     assert "whether it is an error of the measurement. See where it lies" in said
 

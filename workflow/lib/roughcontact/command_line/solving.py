@@ -151,7 +151,8 @@ def _plain_numbers(
     statistics: xr.Dataset, flags: list[list[str]], verdicts: list[tuple[str, list[str]]]
 ) -> dict[str, Any]:
     """Return the numbers of a surface, those of its loads, and the units of both, as plain values."""
-    names = [str(name) for name in statistics.variables if not name.endswith("verdict")]  # in words below
+    # the verdicts stand below in words
+    names = [name for name in map(str, statistics.variables) if not name.endswith("verdict")]
     surface, per_load = ([n for n in names if statistics[n].dims == dims] for dims in ((), ("load",)))
     uncertain = [name for name in names if name.endswith("_uncertainty")]
     by_source = {name: statistics[name].values.tolist() for name in uncertain}

@@ -140,25 +140,30 @@ def comparison_caption(
     """Return the surfaces with the least and the most contact at the highest load that all have in common.
 
     `series` has a (name, loads, relative contact areas) for each surface, loads rising: mean pressures (Pa)
-    shown in the unit `pressure`, or relative pressures without one. Empty for a single surface.
+    shown in the unit `pressure`, or relative pressures without one. Areas are interpolated between loads that
+    were solved. Empty for a single surface, and where the loads of some surfaces lie below those of others.
 
     Examples
     --------
     >>> loads = np.array([1e6, 5e7])
     >>> series = [("ground", loads, np.array([0.1, 0.3])), ("turned", loads, np.array([0.1, 0.5]))]
     >>> comparison_caption(series, Unit(1e-6, "MPa"))
-    'At p̄ = 50.0 MPa 30.0 % (ground) to 50.0 % (turned) of the area touch.'
+    'At p̄ = 50.0 MPa, 30.0 % (ground) to 50.0 % (turned) of the area touch.'
+    >>> comparison_caption([("soft", loads / 1e6, np.array([0.2, 0.7])), series[0]])
+    ''
     """
     if len(series) < 2:
         return ""
     highest = min(float(loads[-1]) for _, loads, _ in series)
+    if highest < max(float(loads[0]) for _, loads, _ in series):
+        return ""
     areas = [float(np.interp(highest, loads, areas)) for _, loads, areas in series]
     least, most = (
         f"{percent(areas[place])} ({series[place][0]})"
         for place in (int(np.argmin(areas)), int(np.argmax(areas)))
     )
     load = f"p̄ = {pressure.text(highest)}" if pressure else f"p′ = {number(highest)}"
-    return f"At {load} {least} to {most} of the area touch."
+    return f"At {load}, {least} to {most} of the area touch."
 
 
 def _at_hardness(numbers: xr.Dataset, place: int) -> bool:

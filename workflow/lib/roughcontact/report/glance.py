@@ -130,17 +130,22 @@ def loads_to_compare(results: Sequence[xr.Dataset], area: float = 0.1) -> list[i
     return [int(one.argmin()) for one in off]
 
 
-def glance_units(results: Sequence[xr.Dataset]) -> dict[str, Unit]:
-    """Return the unit of each quantity in the table by name of its variable, the same for all surfaces.
+def glance_units(results: Sequence[xr.Dataset]) -> list[dict[str, Unit]]:
+    """Return for each surface the units in the table by name of the variable.
+
+    Lengths have the same for all surfaces, pressures that of the material.
 
     Examples
     --------
-    >>> units = glance_units([xr.Dataset({"rms_height": rms}) for rms in (1e-8, 1e-6, 2e-6)])
+    >>> units, *_ = glance_units([xr.Dataset({"rms_height": rms}) for rms in (1e-8, 1e-6, 2e-6)])
     >>> units["mean_gap"] == units["critical_constriction_x"] == (1e6, "µm")
     True
     """
     of_all = middle_of(results)
-    return {name: unit_of(of_all, unit) for name, unit in _UNITS.items()}
+    return [
+        {name: unit_of(one if unit == "Pa" else of_all, unit) for name, unit in _UNITS.items()}
+        for one in results
+    ]
 
 
 def glance_rows(
@@ -152,7 +157,7 @@ def glance_rows(
     `glance_units` for all surfaces of the table, else those of this one; `places` the indices of the loads,
     else those of `shown_loads`.
     """
-    units = glance_units([numbers]) if units is None else units
+    units = glance_units([numbers])[0] if units is None else units
     places = shown_loads(numbers["relative_contact_area"].values) if places is None else places
     return [
         [

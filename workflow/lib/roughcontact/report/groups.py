@@ -38,7 +38,7 @@ def group_rows(groups: Sequence[NamedGroup]) -> list[Row]:
         return []
     units = glance_units([group.answer for group in groups])
     rows = []
-    for group in groups:
+    for group, of_group in zip(groups, units, strict=True):
         answer = group.answer
         places = shown_loads(answer[_AREA].values)
         rows.append(
@@ -46,7 +46,7 @@ def group_rows(groups: Sequence[NamedGroup]) -> list[Row]:
                 "name": group.label,
                 "of": _composition(group),
                 "remarks": json.loads(answer.attrs["remarks"]),
-                "rows": [_cells(answer, units, place) for place in places],
+                "rows": [_cells(answer, of_group, place) for place in places],
             }
         )
     return rows

@@ -97,13 +97,15 @@ def write_report(
     known = {_name(*key): data for key, data in series.items()}
     case_of = {_name(*key): key[1] for key in series}
     summaries = [read_summary(panel) for panel in panels]
-    units = glance_units(list(known.values()))
+    units = dict(zip(known, glance_units(list(known.values())), strict=True))
     places = dict(zip(known, loads_to_compare(list(known.values())), strict=True))
     rows = [
         {
             **summary,
-            **_glance(summary, known[summary["name"]], units),
-            "numbers": _compared(known[summary["name"]], units, places[summary["name"]]) if many else [],
+            **_glance(summary, known[summary["name"]], units[summary["name"]]),
+            "numbers": _compared(known[summary["name"]], units[summary["name"]], places[summary["name"]])
+            if many
+            else [],
             "case": case_of[summary["name"]],
             "rank": len(checks.VERDICTS) - list(checks.VERDICTS).index(summary["verdict"]),
             "doubts": ", ".join(_doubts(summary)),

@@ -88,7 +88,7 @@ def resolution(statistics: xr.Dataset) -> Check:
         loads = f"At {coarse} of {over.size} loads the" if over.size > 1 else "The"
         text = (
             f"{loads} contact patches are only a few points across: counting points overstates the area by "
-            f"up to {percent(over.max())}, and the correction is coarse. {waves}."
+            f"up to {percent(over.max())}, and the correction is coarse. {waves}. Measure with finer pixels."
         )
         return Check("Resolution", LOOK, text)
     text = (

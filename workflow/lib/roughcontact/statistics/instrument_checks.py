@@ -149,8 +149,8 @@ def isolated_peak(statistics: xr.Dataset, window: Attributes) -> Check:
     where = " and ".join(f"{axis} = {quantity(window[f'summit_{axis}'], 'm')}" for axis in ("x", "y"))
     text = (
         f"One summit stands out, {higher}, at {where}; the largest pressure is {times}. Dust and burrs look "
-        "like this. The largest pressure, and gaps at low loads, are those of this summit: unless it belongs "
-        "to the surface, clean and measure again, cut the map, or lower level.outlier_threshold."
+        "like this, and the largest pressure, and gaps at low loads, are theirs. Unless it belongs to the "
+        "surface, clean and measure again, cut the map, or lower level.outlier_threshold."
     )
     return Check("Isolated peak", LOOK, text)
 

@@ -123,7 +123,7 @@ def scan_lines(levelled: Attributes, statistics: xr.Dataset | None = None) -> Ch
         text, outcome = f"{text}; they were aligned as asked ({aligned})", PASSED
     else:
         text += f"; they were aligned ({aligned})"
-        text += ": compare level.line_alignment: none" if outcome == LOOK else ""
+        text += ". Compare level.line_alignment: none" if outcome == LOOK else ""
     return Check("Scan lines", outcome, f"{text}.")
 
 
@@ -148,7 +148,7 @@ def form(levelled: Attributes, window: Attributes) -> Check:
     if share <= FORM:
         return Check("Form", PASSED, f"{text}.")
     if levelled.get("form") in ("polynomial", "sphere", "cylinder"):
-        way_out = "It came with the periodic window: compare another window.method."
+        way_out = "Compare another window.method: it came with the periodic window."
     else:
         way_out = "Remove it with level.form: polynomial, unless it belongs to the contact."
     return Check("Form", LOOK, f"{text}: form, not roughness, decides where the surfaces touch. {way_out}")
