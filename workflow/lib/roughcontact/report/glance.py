@@ -161,7 +161,9 @@ def glance_rows(
     places = shown_loads(numbers["relative_contact_area"].values) if places is None else places
     return [
         [
-            interval_cell(numbers, "mean_pressure", units, place),
+            interval_cell(numbers, "mean_pressure", units, place)._replace(
+                outcome=outcome_of(numbers, place)
+            ),
             *_judged(
                 [
                     interval_cell(numbers, "relative_contact_area", units, place),
@@ -188,15 +190,16 @@ def _judged(cells: Sequence[Cell], numbers: xr.Dataset, place: int) -> list[Cell
     ]
 
 
-def outcome_of(numbers: xr.Dataset, place: int, answer: str) -> str:
-    """Return the verdict on an answer at a load, a key of `VERDICTS`; empty for *use* or where none is known.
+def outcome_of(numbers: xr.Dataset, place: int, answer: str = "") -> str:
+    """Return the verdict on a load, or on an answer at it, a key of `VERDICTS`; empty for *use* or unknown.
 
     Examples
     --------
     >>> outcome_of(xr.Dataset({"mean_gap_verdict": ("load", [0, 1])}), 1, "mean_gap")
     'look'
     """
-    code = float(numbers.get(f"{answer}_verdict", xr.DataArray([0.0] * (place + 1)))[place])
+    name = f"{answer}_verdict" if answer else "verdict"
+    code = float(numbers[name][place]) if name in numbers else 0.0
     return list(VERDICTS)[int(code)] if code > 0 else ""
 
 

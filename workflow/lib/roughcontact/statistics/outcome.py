@@ -9,7 +9,7 @@ from roughcontact.variables import ANSWERS
 PASSED, LOOK, FAILED = "passed", "look", "failed"
 NOTE = "note"  # worth knowing, but in the interval or in what was asked for; it does not affect the verdict
 NOT_MADE = "not made"  # for lack of data; it does not affect the verdict
-_SHORT = 160  # letters of a sentence in a list
+_SHORT = 200  # letters of a sentence in a list
 _ASKED = ("relative_contact_area", "mean_contact_pressure")
 VERDICTS = {PASSED: "use", LOOK: "review", FAILED: "do not use"}  # in the order of the flag `verdict`
 
@@ -82,5 +82,7 @@ def concerns(check: Check) -> str:
     >>> concerns(Check("Sample", LOOK, "The map is small.", ("mean_gap", "sealing")))
     'mean gap, sealing'
     """
-    every = len(check.answers) == len(ANSWERS)
-    return "" if every else ", ".join(ANSWERS[answer] for answer in check.answers)
+    others = [words for answer, words in ANSWERS.items() if answer not in check.answers]
+    if len(others) < len(check.answers):
+        return f"all but {', '.join(others)}" if others else ""
+    return ", ".join(ANSWERS[answer] for answer in check.answers)
