@@ -14,7 +14,7 @@ from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.report import load_plots
 from roughcontact.report.charts import COLOURS
 from roughcontact.report.facts import _closing, surface_facts
-from roughcontact.report.glance import NOT_JUDGED, _seals, _yields, glance_rows, glance_units
+from roughcontact.report.glance import NOT_JUDGED, Cell, _seals, _yields, glance_rows, glance_units
 from roughcontact.report.tables import number_tables
 from roughcontact.statistics.subsurface import with_subsurface_yield
 
@@ -85,7 +85,7 @@ def test_where_a_gap_closes_and_whether_that_is_in_doubt():
     )
     (units,) = glance_units([numbers])
     cells = [_seals(numbers, units, place) for place in range(3)]
-    assert cells[0] == (
+    assert cells[0] == Cell(
         "leaks",
         "narrowest place 2.00 ± 0.20\N{NO-BREAK SPACE}µm (x), 1.00\N{NO-BREAK SPACE}µm (y)",
     )
@@ -93,7 +93,7 @@ def test_where_a_gap_closes_and_whether_that_is_in_doubt():
     one = both.drop_vars([f"critical_constriction_x_{end}" for end in ("lower", "upper")])
     assert _seals(one, units, 0).more == "narrowest place 2.00\N{NO-BREAK SPACE}µm (x and y)"
     assert cells[1].text == "seals along y, leaks along x (in doubt)"
-    assert cells[2] == ("seals", "gap closed along x and y")
+    assert cells[2] == Cell("seals", "gap closed along x and y")
     assert _closing(numbers) == "along x between 2.00 MPa and 5.00 MPa; along y between 1.00 MPa and 2.00 MPa"
     assert _seals(numbers.assign(window_length_y=float("nan")), units, 0).text == NOT_JUDGED
     assert _seals(numbers.drop_vars("gap_percolates_x"), units, 0).text == NOT_JUDGED
@@ -143,18 +143,20 @@ def test_whether_a_body_yields_is_answered_where_it_can_be():
             "volume_above_yield": 1e-9,
         }
     )
-    assert _yields(load.assign(hardness=3e9)) == ("yes", "25.0 % of the load flows")
+    assert _yields(load.assign(hardness=3e9)) == Cell("yes", "25.0 % of the load flows")
     kept = load.assign(load_share_above_hardness=0.0, hardness=3e9)
-    assert _yields(kept) == ("yes", "below the surface")
-    assert _yields(kept.assign(volume_above_yield=0.0)) == ("no", "hardness nowhere reached")
+    assert _yields(kept) == Cell("yes", "below the surface")
+    assert _yields(kept.assign(volume_above_yield=0.0)) == Cell("no", "hardness nowhere reached")
     elastic = kept.assign(volume_above_yield=0.0, max_pressure=1e9)
-    assert _yields(elastic.assign(max_pressure_upper=2e9)) == ("no", "hardness nowhere reached")
-    assert _yields(elastic.assign(max_pressure_upper=3e9)) == ("no (in doubt)", "hardness nowhere reached")
-    assert _yields(load.assign(volume_above_yield=0.0)) == ("no", "yield stress nowhere reached")
-    assert _yields(load.assign(volume_above_yield=np.inf)) == ("yes", "below the surface")
+    assert _yields(elastic.assign(max_pressure_upper=2e9)) == Cell("no", "hardness nowhere reached")
+    assert _yields(elastic.assign(max_pressure_upper=3e9)) == Cell(
+        "no (in doubt)", "hardness nowhere reached"
+    )
+    assert _yields(load.assign(volume_above_yield=0.0)) == Cell("no", "yield stress nowhere reached")
+    assert _yields(load.assign(volume_above_yield=np.inf)) == Cell("yes", "below the surface")
     unknown = load.drop_vars("volume_above_yield")
-    assert _yields(unknown) == (NOT_JUDGED, "no hardness stated; metals would")
-    assert _yields(unknown.assign(contact_modulus=1e6)) == (NOT_JUDGED, "rubber-like")
+    assert _yields(unknown) == Cell(NOT_JUDGED, "no hardness stated; metals would")
+    assert _yields(unknown.assign(contact_modulus=1e6)) == Cell(NOT_JUDGED, "rubber-like")
 
 
 @pytest.mark.parametrize("name", ["gap", "patch"])
