@@ -227,6 +227,9 @@ class Body(Section):
 
     model_config = ConfigDict(json_schema_extra=_without_required)
 
+    name: str | None = Field(
+        default=None, max_length=64, description="of the material, for the report", examples=["steel"]
+    )
     youngs_modulus: Pressure | None = Field(description="Young's modulus E, Pa", examples=["210 GPa"])
     poissons_ratio: Annotated[Number, Field(gt=-1, le=0.5)] | None = Field(
         description="Poisson's ratio, no unit", examples=[0.3]

@@ -1,8 +1,9 @@
-"""What was asked: bodies and loads of a run, in words, for the head of its page."""
+"""What was asked: bodies, loads and changed settings of a run, in words, for the head of its page."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from roughcontact.configuration.resolve import resolve
 from roughcontact.quantities import number, percent, quantity
 
 _OF_BODY = (("hardness", "hardness"), ("yield_stress", "yield stress"))
@@ -10,7 +11,7 @@ _TARGETS = {"percolation": "the load at which the gap closes", "first_yield": "t
 
 
 def asked_in_words(settings: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return for each case of a run (an empty name where there are none) its bodies and loads.
+    """Return for each case of a run (an empty name where there are none) bodies, loads, and what else is set.
 
     `settings` are those of the run, or of each case by its name.
 
@@ -20,19 +21,30 @@ def asked_in_words(settings: Mapping[str, Any]) -> list[tuple[str, str]]:
     >>> steel = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "hardness": 2e9}
     >>> asked_in_words({"contact": {"bodies": [steel, rubber], "mean_pressure": [1e5, 2e5]}})
     [('', '210 GPa (ν 0.30, hardness 2.00 GPa) on 6.00 MPa (ν 0.50); mean pressure 100 kPa, 200 kPa')]
+    >>> asked_in_words({"contact": {"bodies": [steel | {"name": "steel"}], "target_area": 0.1}})
+    [('', 'steel (210 GPa, ν 0.30, hardness 2.00 GPa) on a rigid body; contact area 10.0 %')]
     """
     cases = {"": settings} if "contact" in settings else settings
     return [
-        (name, f"{_bodies(case['contact'])}; {_loads(case['contact'])}")
+        (name, "; ".join([_bodies(case["contact"]), _loads(case["contact"]), *_changed(case)]))
         for name, case in cases.items()
         if isinstance(case, Mapping) and "contact" in case
     ]
 
 
+def _changed(case: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the settings of map, window and ± that are not as by default."""
+    defaults = resolve({"contact": {"contact_modulus": "1 GPa"}})[""]
+    for section in ("level", "window", "statistics", "uncertainty", "instrument"):
+        for key, value in case.get(section, {}).items():
+            if value != defaults[section].get(key):
+                yield f"{section}.{key}: {value}"
+
+
 def _bodies(contact: Mapping[str, Any]) -> str:
     """Return the bodies, or the contact modulus where that is given."""
     if bodies := contact.get("bodies"):
-        return " on ".join(_body(body) for body in bodies)
+        return " on ".join([*map(_body, bodies), "a rigid body"][:2])
     words = f"contact modulus E* = {quantity(contact['contact_modulus'], 'Pa')}"
     hardness = contact.get("hardness")
     return f"{words}, hardness {quantity(hardness, 'Pa')}" if hardness else words
@@ -50,6 +62,8 @@ def _body(body: Mapping[str, Any]) -> str:
         f"{quantity(layer['thickness'], 'm')} of {quantity(layer['youngs_modulus'], 'Pa')}"
         for layer in body.get("layers") or []
     ]
+    if name := body.get("name"):
+        words, known = name, [words, *known] if words[0].isdigit() else known
     words += f" ({', '.join(known)})" if known else ""
     return f"{' and '.join(layers)} over {words}" if layers else words
 
