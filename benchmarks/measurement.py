@@ -282,7 +282,10 @@ def measure(
     contact = {"contact_modulus": case.modulus, "mean_pressure": truth["mean_pressure"]}
     statement = statements(case, folder / f"{name}, {spoiler}.nc") if stated else {}
     found = rc.evaluate(case.height, contact=contact | statement.pop("contact", {}), **statement)
-    flags = [[text.split(":")[0].split(" (")[0] for text in reasons] for _, reasons in json.loads(found.attrs["verdicts"])]
+    flags = [
+        [text.split(":")[0].split(" (")[0] for text in reasons]
+        for _, reasons in json.loads(found.attrs["verdicts"])
+    ]
     rows = [
         {
             "group": "synthetic" if name in MADE | HELD_OUT_MADE else "measured",

@@ -361,7 +361,7 @@ def ratios(method, width=0.125):
     return np.array(result)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_gradient_of_cut_outs_against_the_truth():
     """The gradient that a window solves with, over the true one; the scatter between windows is 2-3 %."""
     mean = {method: ratios(method).mean() for method in get_args(WindowMethod)}

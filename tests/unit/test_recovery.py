@@ -44,7 +44,7 @@ def measure(surface, corner, seed):
     return height_map(heights, PITCH)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("placement", ["largest", "search"])
 def test_contact_area_of_faulty_measurements(placement):
     """Eight windows of two surfaces: the true area lies within their ±, and within what their spread says."""

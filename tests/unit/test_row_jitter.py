@@ -315,7 +315,7 @@ def masters():
     yield "grains", grains
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_interval_of_a_map_with_shifted_rows_covers_the_surface_behind_it():
     """Twelve surfaces, a quarter of each measured with shifts of 0.1 Sq: the area is held in 11 of 12."""
     problem = {"contact_modulus": 1.0, "mean_pressure": [0.002, 0.01, 0.04], "tolerance": 1e-4}

@@ -41,8 +41,8 @@ VERDICTS = {
     "ISO5436-sample4_bin.x3p": ("do not use", {"Points in contact", "Reading the file"}),
     "mnt-2.mnt": ("review", {"Form"}),  # a bow of 100 times the roughness
     # particles on a smooth surface
-    "spot_1-1000nm.ibw": ("review", {"Steep places", "Outliers"}),
-    "bcrf-1.bcrf": ("review", {"Reading the file"}),  # 3000 points far off all others
+    "spot_1-1000nm.ibw": ("review", {"Outliers"}),
+    "bcrf-1.bcrf": ("review", set()),  # 3000 points far off all others
     "plu-1.plu": ("review", {"Reading the file"}),  # steps of 4 nm on a roughness of 18 nm
     "x3p-2.x3p": ("use", set()),  # pixels that are not square are noted
 }

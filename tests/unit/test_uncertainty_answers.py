@@ -249,7 +249,7 @@ def test_a_profile_has_no_grooves_that_leave_it():
     assert constrictions_in_grooves(height_map(np.cos(np.arange(64) / 9)[None, :], PITCH)) == []
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_intervals_hold_the_answers_of_the_surface_three_times_as_long():
     held = {name: [] for name in ANSWERS}
     for seed in range(32):

@@ -41,7 +41,7 @@ def statistics(maps, budget):
     return with_uncertainty(solve_contact(maps[1], **CONTACT, reduce=contact_statistics), budget)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_combined_interval_covers_the_surface_that_was_measured():
     for name, (half_width, error) in measured_cases(8, master_points=256, seed=11).items():
         assert np.mean(error <= half_width) >= 0.9, name

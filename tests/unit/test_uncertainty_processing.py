@@ -191,7 +191,7 @@ def test_filling_covers_what_holes_hide():
     assert (np.mean(inside, axis=0) >= 0.9).all()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_window_and_processing_cover_the_surface_behind_a_faulty_map():
     """32 maps with tilt, noise and dropouts, of two surfaces four times as long: 95 % intervals."""
     errors, intervals = [], []

@@ -320,7 +320,9 @@ def test_interval_covers_the_surface_that_the_map_was_taken_from():
     errors, intervals = np.array(errors), np.array(intervals)
     assert ((errors <= intervals).mean(axis=0) >= 0.9).all()
     width = np.median(intervals, axis=0) / np.quantile(errors, 0.95, axis=0)
-    assert ((width > 0.7) & (width < 2)).all(), width
+    # the margin of the gap is that of measured surfaces, which scatter more than these
+    widest = [2.5 if name == "mean_gap" else 2.0 for name in MEANS]
+    assert ((width > 0.7) & (width < widest)).all(), width
 
 
 def test_a_part_of_a_map_that_is_flat_up_to_rounding_is_flat():
