@@ -126,7 +126,8 @@ class Interpolation:
                     line_gain=empty(like, precision, coarser.shape) if coarser.collapses_lines else None,
                 )
             )
-        sizes = np.array([min(pitches), *(min(coarser.pitches) for coarser in plan)])
+        along = [axis for axis, cells in enumerate(like.shape) if cells > 1] or [0]
+        sizes = np.array([min(p[axis] for axis in along) for p in (pitches, *(c.pitches for c in plan))])
         self._factors = None if layers is None or not plan else layers.factor(LAYERED / sizes[1:]).tolist()
         bending = [False] if layers is None or not plan else (_power(layers, 1 / sizes) > STEEP).tolist()
         self.bends = any(bending)
