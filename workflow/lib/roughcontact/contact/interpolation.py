@@ -43,9 +43,9 @@ from roughcontact.elasticity.layers import LayeredPair
 from roughcontact.kernels.arrays import Array, empty, namespace
 from roughcontact.kernels.protocol import Arrangement, Factors, Kernels, Weights
 
-# Wavenumber, over the inverse pitch of a cell, whose factor counts for it; 0.5 to 1.5 were measured to serve
-# as well
-LAYERED = 0.7
+# Wavenumbers, over the inverse pitch of a cell, whose factor counts for it where the base makes the surface
+# stiffer, and where it makes it softer than its own material is
+STIFFER, SOFTER = 0.4, 1.0
 # Power of |q| in the stiffness above which cells bend (1: half-space, 4: plate), and the sweeps that smooth
 # them. Below 1.6 films of five times the modulus of their base take more transforms, from 2 on stiffer ones
 STEEP, SWEEPS = 1.6, 3
@@ -128,7 +128,7 @@ class Interpolation:
             )
         along = [axis for axis, cells in enumerate(like.shape) if cells > 1] or [0]
         sizes = np.array([min(p[axis] for axis in along) for p in (pitches, *(c.pitches for c in plan))])
-        self._factors = None if layers is None or not plan else layers.factor(LAYERED / sizes[1:]).tolist()
+        self._factors = None if layers is None or not plan else _factors(layers, 1 / sizes[1:]).tolist()
         bending = [False] if layers is None or not plan else (_power(layers, 1 / sizes) > STEEP).tolist()
         self.bends = any(bending)
         self._spares = [empty(like, precision) for _ in range(2)] if bending[0] else []
@@ -315,6 +315,11 @@ class Interpolation:
         """Apply the transpose of `_sweep` to `total`."""
         passed = self._smooth_back(total, gaps, weights, self.sweeps - 1, self._sweep_work)
         total += _mean_over_contact(gaps * passed, gaps)
+
+
+def _factors(layers: LayeredPair, q: np.ndarray) -> np.ndarray:
+    """Return the factors of cells of the pitch 1/q."""
+    return np.minimum(layers.factor(STIFFER * q), 1) * np.maximum(layers.factor(SOFTER * q), 1)
 
 
 def _power(layers: LayeredPair, q: np.ndarray) -> np.ndarray:
