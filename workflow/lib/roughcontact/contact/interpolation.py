@@ -179,10 +179,13 @@ class Interpolation:
                 self.kernels.active_share(self.active, grid.factors, parts)
             else:
                 self.kernels.block_mean(finer, grid.factors, parts)
+            share = xp.where(parts > 0, parts, xp.ones_like(parts))
             if grid.line_gain is None:
                 weight = factor * weight / (1 + (factor - 1) * weight)
-                grid.gain[...] = weight / xp.where(parts > 0, parts, xp.ones_like(parts))
+                grid.gain[...] = weight / share
                 grid.empty[...] = 1 - weight
+            else:
+                grid.line_gain[...] = weight / share
             finer = weight
 
     def prolong(self, values: Array, out: Array) -> None:
