@@ -23,9 +23,9 @@ The interpolation thus decays as the displacement of the layers does; without th
 seven times as many transforms.
 
 A film far stiffer than its base bends as a plate between its contacts. Its continuation of least energy has
-no kinks, but the V-cycle leaves them at the edges of the contact and of the cells, where they cost it four
-times the energy. On the grids whose cells bend, sweeps of the same mean over the neighbours smooth them. They
-halve the ratio above 1 and, with it, the iterations.
+no kinks, but the V-cycle leaves them at the edges of contacts and cells, which made P^T G^-1 P up to 4.5
+times the inverse. On the grids whose cells bend, sweeps of the same mean over the neighbours smooth them: to
+twice.
 
 References
 ----------
