@@ -19,6 +19,7 @@ from roughcontact.contact.state import (
 )
 from roughcontact.elasticity.halfspace import HalfSpace
 from roughcontact.elasticity.layers import LayeredPair
+from roughcontact.kernels.array_api import CLOSED
 from roughcontact.kernels.arrays import SINGLE, Array, count_of, empty, in_precision, namespace, precision_of
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.protocol import Factors, Weights
@@ -174,6 +175,8 @@ class Grid:
         active = self.kernels.masked_residual(
             state.pressure, state.separation, state.offset, self.cap, workspace.values
         )
+        if workspace.interpolation.bends:
+            active = self._foresee_overlap(state, workspace)
         self._interpolate(workspace)
         predict = predict and not self._elongated
         if predict:
@@ -341,6 +344,21 @@ class Grid:
         """Put P of the workspace's values, zero at the inactive points, into its field."""
         workspace.interpolation.set_active(workspace.values)
         workspace.interpolation.prolong(workspace.values, workspace.field)
+
+    def _foresee_overlap(self, state: State, workspace: "Workspace") -> int:
+        """Put those points without pressure into the active set that will overlap; return its size.
+
+        A correction of the points with pressure changes the gap beside them by their interpolated residual. A
+        stiff film that is a little too low overlaps far and wide, and lifts off with that correction.
+        """
+        values, without = workspace.values, state.pressure <= 0
+        xp = namespace(values)
+        values[...] = xp.where(without, xp.zeros_like(values), values)
+        self._interpolate(workspace)
+        gap = in_precision(state.gap, precision_of(values), copy=False)
+        gap = xp.where(gap == 0, xp.full_like(gap, CLOSED), gap)
+        values[...] = xp.where(without & (gap < workspace.field), gap, values)
+        return int(xp.count_nonzero(values))
 
     def _restrict(self, workspace: "Workspace") -> float:
         """Put P^T of the workspace's field, zero at the inactive points, into it; return its sum."""

@@ -16,7 +16,8 @@ twentyfold. It is a primal-dual active-set method [1]_ whose linear systems are 
 nearly exact inverse. The contact of a first guess is mostly too large: the first step on a grid excludes from
 the active set the points that are predicted to lose their contact (`Grid.residual`), and their load is
 redistributed at once. With a hardness this is done on the finest grid alone: on coarser ones it gained
-nothing.
+nothing. Where layers bend, those points without pressure are active that will overlap after the step, not
+those that do before it.
 
 The step length t follows from the energy along the last step, which is quadratic and known. No convergence is
 proved for steps of this kind, so every one must lower the elastic energy. One that does not is shortened to
