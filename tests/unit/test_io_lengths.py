@@ -274,8 +274,8 @@ def test_drawn_surfaces_and_scans_are_not_accused(noise):
 def test_lines_lost_of_a_list_of_points_are_named(tmp_path):
     """All in one place, in any order of the list; scattered absent points are a measurement."""
     y, x = np.indices((20, 30))
-    for ordered in (lambda each: each.ravel(), lambda each: each[::-1].T.ravel()):
-        lines = [f"{i} {j} {np.sin(i / 5) + j:.4f}" for i, j in zip(ordered(x), ordered(y), strict=True)]
+    for one, two in ((x.ravel(), y.ravel()), (x.T.ravel(), y[::-1].T.ravel())):
+        lines = [f"{i} {j} {np.sin(i / 5) + j:.4f}" for i, j in zip(one, two, strict=True)]
         for lost, words in (
             (slice(200, 237), "37 points of the grid in a row have no line"),
             (slice(200, 260, 7), ""),

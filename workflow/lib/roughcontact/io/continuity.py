@@ -15,6 +15,7 @@ _LEAST_ROWS = 10
 _STEPS_APART = 2.5  # the largest step along the rows over the fifth
 _GAP = 4.0  # between a deviation of a point and the next smaller one
 _WIDEST_GAP = 1e4
+_MARGIN = 2  # points that a cubic needs on each side
 _AT_ONCE = 2**20  # points
 _LEAST_SIDE = 8
 _CLIP = 30.0  # of a change, over the median: a few spikes are no run
@@ -51,32 +52,49 @@ def steps_apart(height: np.ndarray) -> list[str]:
 def points_apart(height: np.ndarray) -> list[str]:
     """Suspect one to four points that deviate from their neighbours more than any other point, by far.
 
-    The deviation is the distance to the nearest of the neighbours, or to the cubic through four neighbours in
-    the direction in which it is smallest, where all directions have it on the same side. Edges and ridges
-    have a direction without it.
+    The deviation is the distance to the nearest of the neighbours, or to the nearest of the cubics through
+    them in four directions where these leave the point on the same side; edges and ridges have a direction
+    that does not. Corners and tips, which continue a curve from one side, are left out.
     """
     if height.size < _FEW:
         return []
-    for deviations, what in (
-        (_from_nearest(height), "the nearest neighbour"),
-        (_from_curves(height), "the curves through their neighbours"),
+    rounding = 1e-6 * np.nanmax(np.abs(height))
+    for deviations, margin, what in (
+        (_from_nearest(height), 0, "the nearest neighbour"),
+        (_from_curves(height), _MARGIN, "the curves through their neighbours"),
     ):
         if deviations.size < _FEW:
             continue
-        most = np.sort(np.partition(deviations, deviations.size - 5, axis=None).ravel()[-5:])[::-1]
-        rounding = 1e-6 * np.nanmax(np.abs(height))
+        places = np.argpartition(deviations, deviations.size - 5, axis=None)[-5:]
+        places = places[np.argsort(deviations.flat[places])][::-1]
+        most = deviations.flat[places]
         for count in range(4, 0, -1):
             one, next_one = most[count - 1], most[count]
             # drawn surfaces, as a pyramid, have a tip and no other point off its neighbours
-            if one > _GAP * next_one + rounding and next_one > one / _WIDEST_GAP:
-                points = f"{count} points differ" if count > 1 else "1 point differs"
-                sentence = (
-                    f"{points} from {what} by {quantity(one, 'm')} and more, all others by "
-                    f"{quantity(next_one, 'm')} at most: a spike, a tip, or a number that was damaged in the "
-                    "file"
-                )
-                return [sentence]
+            if one <= _GAP * next_one + rounding or next_one <= one / _WIDEST_GAP:
+                continue
+            found = np.transpose(np.unravel_index(places[:count], deviations.shape)) + margin
+            if margin and any(_continues(height, *place, 0.1 * one) for place in found):
+                continue
+            points = f"{count} points differ" if count > 1 else "1 point differs"
+            sentence = (
+                f"{points} from {what} by {quantity(one, 'm')} and more, all others by "
+                f"{quantity(next_one, 'm')} at most: a spike, or a number that was damaged in the file"
+            )
+            return [sentence]
     return []
+
+
+def _continues(height: np.ndarray, row: int, column: int, limit: float) -> bool:
+    """Return whether a point lies within a limit of a parabola through three points on one side of it."""
+    for down, right in ((0, 1), (1, 0), (1, 1), (1, -1), (0, -1), (-1, 0), (-1, -1), (-1, 1)):
+        rows, columns = (start + step * np.arange(4) for start, step in ((row, down), (column, right)))
+        last = rows[-1], columns[-1]
+        if min(last) >= 0 and last[0] < height.shape[0] and last[1] < height.shape[1]:
+            line = height[rows, columns]
+            if abs(line @ (1, -3, 3, -1)) < limit:
+                return True
+    return False
 
 
 def _from_nearest(height: np.ndarray) -> np.ndarray:
