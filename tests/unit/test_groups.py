@@ -277,7 +277,7 @@ def test_what_two_groups_share_cancels_and_the_solver_does_not():
 
 @pytest.mark.parametrize(("alike", "most"), [(0.0, 0.06), (0.97, 0.05)])
 def test_loads_that_go_together_count_less_and_keep_the_level(alike, most):
-    """Equal groups of five, four loads: false alarms of any load in 5 %, and more than by Holm's procedure."""
+    """Equal groups of five, four loads: false alarms of any load in 5 %, more than by Holm's procedure."""
     generator, count, loads = np.random.default_rng(8), 5, 4
     mixed = np.linalg.cholesky(alike + (1 - alike) * np.eye(loads))
     one, two = generator.standard_normal((2, 3000, count, loads)) @ mixed.T

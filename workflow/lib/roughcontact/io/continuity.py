@@ -74,7 +74,7 @@ def points_apart(height: np.ndarray) -> list[str]:
             if one <= _GAP * next_one + rounding or next_one <= one / _WIDEST_GAP:
                 continue
             found = np.transpose(np.unravel_index(places[:count], deviations.shape)) + margin
-            if margin and any(_continues(height, *place, 0.1 * one) for place in found):
+            if margin and any(_continues(height, row, column, 0.1 * one) for row, column in found):
                 continue
             points = f"{count} points differ" if count > 1 else "1 point differs"
             sentence = (
