@@ -31,7 +31,15 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "workflow" / "lib"))
 import roughcontact as rc
 from roughcontact.statistics.contact_statistics import with_uncertainty
 from roughcontact.uncertainty.groups import from_scale, to_scale
-from roughcontact.uncertainty.random_effects import SIGNIFICANCE, holm, p_value, random_effects, welch
+from roughcontact.uncertainty.random_effects import (
+    SIGNIFICANCE,
+    correlation_at_least,
+    over_loads,
+    p_value,
+    random_effects,
+    residuals,
+    welch,
+)
 from roughcontact.validation.masters import cut_out, master_surface
 
 KINDS = {"random": "self-affine", "ground": "ground", "honed": "honed"}
@@ -43,7 +51,7 @@ COUNTS = (3, 5, 10)
 SCATTERS = (0.0, 0.1, 0.2, 0.3)
 BATCHES = 500  # of each kind, count, scatter and load
 PAIRS = 500
-FACES = 30
+FACES = 30  # pairs of faces, unless the command says more
 SOURCES = ("solver", "discretisation", "window", "processing")
 INSIDE = ("mean inside (%)", "next map inside (%)")
 INSIDE_PAIRS = "new placement inside (%)"
@@ -190,7 +198,7 @@ def differences(solved: dict[str, dict]) -> pd.DataFrame:
     for words, shift in (("equal", 0.0), ("30 % apart", np.log(1.3))):
         for count in COUNTS:
             generator = np.random.default_rng(11 + count)
-            p_values = []
+            p_values, together = [], []
             for kind in KINDS:
                 finish = solved[kind]
                 if shift:
@@ -200,13 +208,13 @@ def differences(solved: dict[str, dict]) -> pd.DataFrame:
                     drawn(finish, [1] * count, PAIRS, generator, scatter=0.1, shift=own)[name]
                     for own in (0.0, shift)
                 ]
-                effects = (
-                    random_effects(group.reshape(count, -1), [str(k) for k in range(count)])
-                    for group in groups
-                )
+                parts = [str(k) for k in range(count)]
+                effects = (random_effects(group.reshape(count, -1), parts) for group in groups)
                 p_values.append(p_value(*welch(*effects)).reshape(PAIRS, len(LOADS)))
-            found = np.concatenate(p_values)
-            together = np.array([holm(pair) for pair in found])
+                for pair, values in enumerate(p_values[-1]):
+                    off = np.concatenate([residuals(group[:, pair], parts) for group in groups])
+                    together.append(over_loads(values, correlation_at_least(off, len(off) - 2)))
+            found, together = np.concatenate(p_values), np.array(together)
             shares = (
                 100 * np.mean(found[:, 0] < SIGNIFICANCE),
                 100 * np.mean((together < SIGNIFICANCE).any(axis=1)),
@@ -269,17 +277,22 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--write", action="store_true", help="write tables and pages")
+    parser.add_argument("--faces", type=int, default=FACES, help="pairs of faces that are solved")
     options = parser.parse_args()
     with ProcessPoolExecutor(4) as processes:
         pools = {kind: processes.submit(pool, kind) for kind in KINDS}
-        trials = list(processes.map(pair_of_faces, range(FACES)))
+        trials = list(processes.map(pair_of_faces, range(options.faces)))
         solved = {kind: found.result() for kind, found in pools.items()}
     single, of_parts = coverage(solved), nested(solved)
     each = [shares(single, by, "batches of") for by in ("maps", "scatter", "finish", "quantity")]
     each.append(shares(of_parts, "maps of each part", "batches of"))
     found = pd.concat([frame.rename(columns={"batches": "number"}) for frame in each])
     faces = [
-        {"quantity": words, "pairs": FACES, INSIDE_PAIRS: 100 * np.mean([trial[name] for trial in trials])}
+        {
+            "quantity": words,
+            "pairs": options.faces,
+            INSIDE_PAIRS: 100 * np.mean([trial[name] for trial in trials]),
+        }
         for name, words in NAMES.items()
     ]
     forms = dict.fromkeys((*INSIDE, INSIDE_PAIRS, *DIFFER), ".1f")

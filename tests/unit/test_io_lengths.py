@@ -16,6 +16,7 @@ import xarray as xr
 from shared_data import DATA
 
 from roughcontact.errors import InputFileError
+from roughcontact.io.continuity import runs_apart
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.odd_numbers import odd_numbers
 from roughcontact.io.plausibility import suspicions
@@ -198,7 +199,12 @@ MAP = np.cumsum(np.random.default_rng(4).standard_normal((40, 50)), axis=1)
 
 @pytest.mark.parametrize(
     ("values", "other"),
-    [(np.round(MAP, 2), 0.004), (np.round(MAP / 0.37) * 0.37, 0.1), (MAP.astype(np.float32), 1e-9)],
+    [
+        (np.round(MAP, 2), 0.004),
+        (np.round(MAP, 2), 1e-7),
+        (np.round(MAP / 0.37) * 0.37, 0.1),
+        (MAP.astype(np.float32), 1e-9),
+    ],
 )
 def test_a_number_unlike_all_others_is_named(values, other):
     values = values.astype(float)
@@ -212,15 +218,78 @@ def test_a_number_unlike_all_others_is_named(values, other):
     assert odd_numbers(np.where(np.arange(50) % 2, values, MAP)) == []  # two kinds of numbers
 
 
-def test_points_alone_are_named_and_drawn_tips_are_not():
-    smooth = 1e-6 * np.add.outer(np.sin(np.arange(40) / 5), np.cos(np.arange(50) / 7))
-    smooth += 1e-9 * np.random.default_rng(5).standard_normal(smooth.shape)
-    assert not [note for note in suspicions(smooth, 1e-6, 1e-6) if "nearest neighbour" in note]
-    for count in (1, 3):
-        spiky = smooth.copy()
-        spiky[[7, 20, 33][:count], [9, 30, 40][:count]] -= 1e-6
-        (said,) = [note for note in suspicions(spiky, 1e-6, 1e-6) if "nearest neighbour" in note]
-        assert said.startswith("1 point differs" if count == 1 else "3 points differ")
-    y, x = np.indices((41, 41)) - 20
-    for drawn in (np.maximum(abs(x), abs(y)), np.hypot(x, y), -(x**2) - y**2):
-        assert not [note for note in suspicions(1e-7 * drawn, 1e-6, 1e-6) if "nearest neighbour" in note]
+SMOOTH = 1e-6 * np.add.outer(np.sin(np.arange(40) / 5), np.cos(np.arange(50) / 7))
+SMOOTH += 1e-9 * np.random.default_rng(5).standard_normal(SMOOTH.shape)
+
+
+def _said_of(height, words):
+    found = suspicions(height, 1e-6, 1e-6) + runs_apart(height)
+    return [note for note in found if words in note]
+
+
+@pytest.mark.parametrize(("size", "what"), [(1e-6, "the nearest neighbour"), (3e-8, "the curves through")])
+@pytest.mark.parametrize("count", [1, 3])
+def test_points_alone_are_named(count, size, what):
+    spiky = SMOOTH.copy()
+    spiky[[7, 20, 33][:count], [9, 30, 40][:count]] -= size
+    (said,) = _said_of(spiky, "a number that was damaged")
+    assert said.startswith("1 point differs" if count == 1 else "3 points differ")
+    assert what in said
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("length", [20, 120])
+def test_runs_that_were_exchanged_are_named(length, turned):
+    """A block of less than a row, and one of more, in both orders of a file."""
+    changed = SMOOTH.T.copy() if turned else SMOOTH.copy()
+    flat = changed.reshape(-1)
+    one, two = slice(510, 510 + length), slice(1213, 1213 + length)
+    flat[one], flat[two] = flat[two].copy(), flat[one].copy()
+    (said,) = _said_of(changed.T if turned else changed, "do not continue those beside")
+    assert f"around {'columns' if turned else 'rows'} " in said
+    assert "exchanged in the file" in said
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_drawn_surfaces_and_scans_are_not_accused(noise):
+    """Tips, gratings, steps, holes, pads, a groove along the rows, and rows that are shifted as a whole."""
+    y, x = np.indices((81, 90)) - 40
+    generator = np.random.default_rng(3)
+    for drawn in (
+        *((np.maximum(abs(x), abs(y)), np.hypot(x, y)) if not noise else ()),
+        -(x**2) - y**2,
+        x % 20 < 10,
+        (x % 20 < 10) ^ (y % 16 < 8),
+        x + 0.3 * y > 0,
+        np.hypot(x % 30 - 15, y % 30 - 15) > 9,
+        (x % 30 < 12) & (y % 27 < 11),
+        abs(y - 0.02 * x) < 3,
+        abs(x % 20 - 10) + abs(y % 20 - 10),
+        np.sin(x / 9) + 0.1 * generator.standard_normal((81, 1)),
+    ):
+        height = 1e-7 * (drawn + noise * np.std(drawn) * generator.standard_normal(x.shape))
+        assert not _said_of(height, "a number that was damaged") + _said_of(height, "do not continue")
+
+
+def test_lines_lost_of_a_list_of_points_are_named(tmp_path):
+    """All in one place, in any order of the list; scattered absent points are a measurement."""
+    y, x = np.indices((20, 30))
+    for one, two in ((x.ravel(), y.ravel()), (x.T.ravel(), y[::-1].T.ravel())):
+        lines = [f"{i} {j} {np.sin(i / 5) + j:.4f}" for i, j in zip(one, two, strict=True)]
+        for lost, words in (
+            (slice(205, 217), "12 points of the grid in a row have no line"),
+            (slice(200, 260, 7), ""),
+        ):
+            kept = [*lines]
+            del kept[lost]
+            (tmp_path / "list.txt").write_text("x y z\n" + "\n".join(kept))
+            said = read_height_map(tmp_path / "list.txt", unit="um").attrs["ingest_warnings"]
+            assert words in said
+            assert words or "have no line" not in said
+
+
+@pytest.mark.parametrize(("end", "cut"), [("0.250", False), ("0.2", True), ("0.2\n", False), ("NaN", False)])
+def test_a_text_that_ends_within_a_number_is_named(tmp_path, end, cut):
+    (tmp_path / "map.txt").write_text("\n".join(["1.250 2.375"] * 2 + ["3.125 4.500"] * 6 + [f"1.500 {end}"]))
+    said = read_height_map(tmp_path / "map.txt", dx=1, dy=1, unit="um").attrs["ingest_warnings"]
+    assert ("it seems to be cut off" in said) == cut

@@ -21,6 +21,8 @@ QUICK = SETTINGS | {
     "uncertainty": {"sources": ["solver", "discretisation"]},
 }
 
+SEAL = "seal\tmeasured/fine-0.npy\tum\t1\t1\t\t\tmeasured/coarse-0.npy"
+
 
 @pytest.fixture
 def grouped(tmp_path, checkout):
@@ -109,11 +111,17 @@ def test_cases_of_a_group_are_compared_map_by_map(grouped):
             "line 2, group = coarse-0: a surface has this name",
         ),
         ([row.replace("fines", "a b") for row in ROWS], "line 2, group = a b: a name has letters, digits"),
+        ([row.replace("fines", "soft") for row in ROWS], "line 2, group = soft: a case of the settings has"),
+        (
+            [f"{HEADER}\tcounter_face", *(f"{row.replace('fines', 'seal-1')}\t" for row in ROWS), SEAL],
+            "line 2, group = seal-1: the pair seal needs this name for one of its parts",
+        ),
         ([*ROWS[3:], "one\tmeasured/fine-0.npy\tum\t1\t1\t\tp1"], "line 5, part = p1: is in no group"),
     ],
 )
 def test_tables_that_cannot_be_right(grouped, rows, said):
-    grouped.write(QUICK, [HEADER, *rows])
+    rows = rows if rows[0].startswith(HEADER) else [HEADER, *rows]
+    grouped.write(QUICK | {"cases": {"soft": {}, "stiff": {"contact": {"tolerance": 1e-3}}}}, rows)
     run = grouped.run("--dry-run")
     assert run.returncode != 0
     assert said in run.stderr

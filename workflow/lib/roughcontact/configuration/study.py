@@ -10,7 +10,7 @@ from roughcontact.checking import check_choice
 from roughcontact.choices import Checksum, FirstRow, Resampling
 from roughcontact.configuration.models import Composite, Settings
 from roughcontact.configuration.resolve import resolve
-from roughcontact.configuration.surfaces import PAIR_FIRST_ROW, Surface, find, read_surfaces
+from roughcontact.configuration.surfaces import PAIR_FIRST_ROW, Surface, find, first_rows, read_surfaces
 from roughcontact.configuration.yaml_text import MAX_VALUES
 from roughcontact.errors import SettingsError
 from roughcontact.units import unknown_unit, value_of
@@ -78,6 +78,11 @@ def read_study(
             surfaces = read_surfaces(path, measured_in, check=_mistakes_in, members_each=each)
         except SettingsError as error:
             mistakes.append(str(error))
+    mistakes += [
+        f"{row.origin}, group = {name}: a case of the settings has this name as well; rename one"
+        for name, row in first_rows(surfaces).items()
+        if name in cases
+    ]
     if mistakes:
         raise SettingsError("\n".join(mistakes))
     return cases, surfaces

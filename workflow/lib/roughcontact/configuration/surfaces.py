@@ -231,13 +231,15 @@ def members(surfaces: Mapping[str, Surface], count: int) -> dict[str, Member]:
 
 
 def _names_of_parts(surfaces: Mapping[str, Surface], found: Mapping[str, Member]) -> list[str]:
-    """Return the mistakes of surfaces that have the name of a member or of a face of a pair."""
+    """Return the mistakes of surfaces and groups that have the name of a member or of a face of a pair."""
     parts = {name: member.pair for name, member in found.items()}
     parts |= {side: each.pair for each in found.values() for side in (each.face, each.counter_face)}
+    named = [("surface", name, row) for name, row in surfaces.items()]
+    named += [(GROUP, name, row) for name, row in first_rows(surfaces).items()]
     return [
-        f"{row.origin.rpartition(', ')[2]}, surface = {name}: the pair {parts[name]} needs this name for one "
-        "of its parts; rename one"
-        for name, row in surfaces.items()
+        f"{row.origin.rpartition(', ')[2]}, {column} = {name}: the pair {parts[name]} needs this name for "
+        "one of its parts; rename one"
+        for column, name, row in named
         if name in parts
     ]
 
@@ -299,6 +301,15 @@ def _mistakes_in_row(row: Mapping[str, str], line: int, before: Mapping[str, Sur
     if not row.get("path"):
         mistakes.append(f"line {line}, path: is empty; give the file of surface {name}")
     return mistakes
+
+
+def first_rows(surfaces: Mapping[str, Surface]) -> dict[str, Surface]:
+    """Return the first row of each group, by its name."""
+    found: dict[str, Surface] = {}
+    for row in surfaces.values():
+        if row.group:
+            found.setdefault(row.group, row)
+    return found
 
 
 def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> list[str]:

@@ -13,6 +13,7 @@ from roughcontact.checking import check_choice
 from roughcontact.choices import Checksum, FirstRow
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, choose_channel
+from roughcontact.io.continuity import runs_apart
 from roughcontact.io.odd_numbers import odd_numbers
 from roughcontact.io.request import Request
 from roughcontact.io.resampling import on_even_grid
@@ -91,7 +92,7 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
     with np.errstate(over="ignore"):  # infinite heights are refused below
         values = channel.read()
         heights = _checked(values * scale.height_factor, path)
-    doubts = [] if done else odd_numbers(values)
+    doubts = [] if done else odd_numbers(values) + runs_apart(values)
     first_row, assumed, turned = _first_row(file, channel, request, path)
     if first_row == "top":
         heights = np.ascontiguousarray(heights[::-1])

@@ -7,7 +7,8 @@ _FEW = 100  # points of a map below which they are not compared
 _SHARE = 1e-3  # of the points that may be unlike the others; more of them are no accident
 _AT_LEAST = 4  # points that may be so in a small map
 _SAMPLE = 2**18  # points from which the levels are found
-_OFF = 0.01  # of a step between levels
+_OFF = 1e-10  # of a step between levels, beyond rounding
+_BEYOND = 20.0  # times the usual deviation from the levels
 
 
 def odd_numbers(values: np.ndarray) -> list[str]:
@@ -65,10 +66,12 @@ def _between_levels(measured: np.ndarray, most: int) -> list[str]:
             return []  # no levels
         step = (counts[near] @ (sample - middle)[near]) / (counts[near] @ counts[near])
     off = (measured - middle) / step
+    far = np.abs(off)
     off -= np.rint(off)
     np.abs(off, out=off)
-    usual = np.partition(off, off.size - most - 1)[off.size - most - 1]
-    between = np.count_nonzero(off > max(_OFF, 20 * usual))
+    # rounding grows with the number
+    usual, usually_far = (np.partition(each, -most - 1)[-most - 1] for each in (off, far))
+    between = np.count_nonzero(off > np.maximum(far / usually_far, 1.0) * max(_OFF, _BEYOND * usual))
     if not between:
         return []
     lie = "lies" if between == 1 else "lie"

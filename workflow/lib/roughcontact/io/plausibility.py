@@ -3,6 +3,7 @@
 import numpy as np
 
 from roughcontact.checking import STEEPEST
+from roughcontact.io.continuity import points_apart, steps_apart
 from roughcontact.io.instrument_kinds import ANY, Kind
 from roughcontact.quantities import number, percent, quantity
 
@@ -11,11 +12,6 @@ _FLATTEST = 1e-8  # rms gradient below that of polished optics
 _COARSE = 0.1  # quantisation step over rms height above which it affects the contact
 _PLATEAU = 0.005  # share of the points at one height
 _FEW_LEVELS = 64
-_FEW = 100  # points of a map below which its heights are not compared with each other
-_LEAST_ROWS = 10
-_STEPS_APART = 2.5  # the largest step along the rows over the fifth
-_WIDEST_GAP = 1000.0
-_GAP = 4.0  # between a distance to the neighbours and the next smaller one
 _MOST = (0.005, 0.995)  # quantiles that enclose nearly all heights
 
 SIZE_ADVICE = "check the size of the map, or whether the file was cut"
@@ -47,8 +43,8 @@ def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = ANY) ->
         ]
     found += _slopes(height, dx, dy)
     found += spikes
-    found += _jumps(height) if not spikes else []
-    found += _isolated(height)
+    found += steps_apart(height) if not spikes else []
+    found += points_apart(height)
     found += _levels(height, measured, low, high)
     found += _lines(height)
     found += _noise(height)
@@ -211,62 +207,6 @@ def _extremes(measured: np.ndarray, low: float, high: float) -> list[str]:
                 f"points that was taken for a height; {SPIKES_ADVICE}"
             )
     return found
-
-
-def _jumps(height: np.ndarray) -> list[str]:
-    """Suspect up to four steps along the rows that are far larger than all others.
-
-    Edges and scratches cross many rows: on some sixty measured maps the largest step is at most 2.3 times the
-    fifth, but for spikes, which have a warning of their own. Heights whose places in the file were exchanged
-    leave such steps where they begin and end. Profiles may have few true edges.
-    """
-    if height.shape[0] < _LEAST_ROWS or height.size < _FEW:
-        return []
-    steps = np.abs(np.diff(height, axis=1)).ravel()
-    steps = steps[np.isfinite(steps)]
-    if steps.size < _FEW:
-        return []
-    most = np.sort(np.partition(steps, steps.size - 5)[-5:])
-    if most[-1] <= _STEPS_APART * most[0] + 1e-6 * np.nanmax(np.abs(height)) or most[0] == 0:
-        return []
-    sentence = (
-        f"a few steps between neighbours in a row are up to {quantity(most[-1], 'm')}, all others at most "
-        f"{quantity(most[0], 'm')}: spikes, or heights that were damaged or exchanged in the file"
-    )
-    return [sentence]
-
-
-def _isolated(height: np.ndarray) -> list[str]:
-    """Suspect one to four points that are further from all their neighbours than any other point, by far.
-
-    Distances of measured points to the nearest of their neighbours fall off without a gap: of some sixty
-    measured maps, few have one of more than 2 among the five largest, and none of more than 3.9. A bit that
-    was lost in a file leaves a gap.
-    """
-    if height.size < _FEW:
-        return []
-    # compared with the neighbours in a row and a column, without map-sized stacks
-    nearest = np.full(height.shape, np.inf)
-    for axis in (0, 1):
-        steps = np.abs(np.diff(height, axis=axis))
-        steps[np.isnan(steps)] = np.inf
-        one, other = (np.s_[:, :-1], np.s_[:, 1:]) if axis else (np.s_[:-1], np.s_[1:])
-        np.minimum(nearest[one], steps, out=nearest[one])
-        np.minimum(nearest[other], steps, out=nearest[other])
-    nearest[np.isinf(nearest)] = 0.0  # without a measured neighbour
-    most = np.sort(np.partition(nearest, nearest.size - 5, axis=None)[-5:])[::-1]
-    rounding = 1e-6 * np.nanmax(np.abs(height))
-    for count in range(4, 0, -1):
-        one, next_one = most[count - 1], most[count]
-        # drawn surfaces, as a pyramid, have a tip and no other point off its neighbours
-        if one > _GAP * next_one + rounding and next_one > one / _WIDEST_GAP:
-            points = f"{count} points differ" if count > 1 else "1 point differs"
-            sentence = (
-                f"{points} from the nearest neighbour by {quantity(one, 'm')} and more, all others by "
-                f"{quantity(next_one, 'm')} at most: a spike, or a number that was damaged in the file"
-            )
-            return [sentence]
-    return []
 
 
 def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -> list[str]:

@@ -33,10 +33,13 @@ from roughcontact.uncertainty.groups import (
 )
 from roughcontact.uncertainty.random_effects import (
     SIGNIFICANCE,
+    correlation_at_least,
     holm,
     maps_needed,
+    over_loads,
     p_value,
     random_effects,
+    residuals,
     student,
     welch,
 )
@@ -65,7 +68,7 @@ def compare_groups(
     -------
     Dataset
         dims (quantity, load): `ratio` of the second to the first, `ratio_lower`, `ratio_upper` (95 % interval
-        of this ratio), `p_value` (Welch's test [1]_, adjusted for all loads by Holm [2]_), and `outcome`:
+        of this ratio), `p_value` (Welch's test [1]_, adjusted for all loads [2]_), and `outcome`:
         "differ", "do not differ by more than x", or "cannot tell", with the number of maps that would.
         Coordinates `quantity`, `mean_pressure` (load; Pa). Narrowest places, which may be closed, are left
         out.
@@ -78,7 +81,7 @@ def compare_groups(
     References
     ----------
     .. [1] Welch (1947), The generalization of Student's problem, Biometrika 34, 28.
-    .. [2] Holm (1979), A simple sequentially rejective multiple test procedure, Scand. J. Statist. 6, 65.
+    .. [2] Galwey (2009), A new measure of the effective number of tests, Genet. Epidemiol. 33, 559-568.
 
     Examples
     --------
@@ -188,6 +191,7 @@ class _Compared(NamedTuple):
     parts: int  # of the smaller group
     noun: str  # what more of would tell
     paired: bool
+    alike: list[np.ndarray]  # of each quantity, correlations (load, load) of the scatter, at least
 
 
 def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compared:
@@ -212,20 +216,23 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
     correlation = _alike(first, second)
     names = _names(first, second)
     parts = 0
-    rows, columns = [], []
+    rows, columns, alike = [], [], []
+    of_parts = [list(data["part"].values) for data in groups]
     for name in names:
         (values, shared), (others, of_others) = (_at(name, data, loads) for data in groups)
-        one = random_effects(values, list(first["part"].values))
-        two = random_effects(others, list(second["part"].values))
+        one, two = random_effects(values, of_parts[0]), random_effects(others, of_parts[1])
         if paired:
-            change = random_effects(others - values, list(first["part"].values))
+            change = random_effects(others - values, of_parts[0])
+            off = residuals(others - values, of_parts[0])
             difference, error, freedom = change.mean, change.error, change.freedom
             spread, parts = error * math.sqrt(change.units), change.units
         else:
             difference, error, freedom = welch(one, two)
+            off = np.concatenate([residuals(values, of_parts[0]), residuals(others, of_parts[1])])
             spread = np.sqrt((one.error**2 * one.units + two.error**2 * two.units) / 2)
             parts = min(one.units, two.units)
         width, left = student(freedom) * error, _left(shared, of_others, correlation)
+        alike.append(correlation_at_least(off, len(off) - (1 if paired else 2)))
         rows.append(_ratios(name, one.mean, difference, width, left))
         columns.append((p_value(difference, error, freedom), spread, np.maximum(*left), one.mean))
     nested = any(1 < len(set(data["part"].values)) < data.sizes["map"] for data in groups)
@@ -234,19 +241,22 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
         np.reshape([column[place] for column in columns], (len(names), loads.size)) for place in range(4)
     )
     noun = "part" if nested else "map"
-    return _Compared(table, p_values, spreads, lefts, means, parts=parts, noun=noun, paired=paired)
+    return _Compared(
+        table, p_values, spreads, lefts, means, parts=parts, noun=noun, paired=paired, alike=alike
+    )
 
 
 def _judged(found: Sequence[_Compared], relevant: float) -> list[xr.Dataset]:
     """Return the comparisons with p-values adjusted for all of them and their loads, and with outcomes."""
-    names = dict.fromkeys(name for one in found for name in one.table["quantity"].values)
     adjusted = [np.full(one.p_value.shape, np.nan) for one in found]
-    for name in names:
-        rows = [np.flatnonzero(one.table["quantity"].values == name) for one in found]
-        together = [one.p_value[row].ravel() for one, row in zip(found, rows, strict=True)]
-        pieces = np.split(holm(np.concatenate(together)), np.cumsum([each.size for each in together])[:-1])
-        for values, row, piece in zip(adjusted, rows, pieces, strict=True):
-            values[row] = piece.reshape(row.size, -1)
+    places: dict[str, list[tuple[int, int]]] = {}
+    for pair, one in enumerate(found):
+        for row, name in enumerate(one.table["quantity"].values):
+            places.setdefault(name, []).append((pair, row))
+    for each in places.values():
+        together = [over_loads(found[pair].p_value[row], found[pair].alike[row]) for pair, row in each]
+        for (pair, row), values in zip(each, holm(together), strict=True):
+            adjusted[pair][row] = values
     return [
         one.table.assign(
             p_value=(("quantity", "load"), values),

@@ -18,12 +18,13 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import nctdtr, stdtr, stdtrit
+from scipy.special import nctdtr, ndtri, stdtr, stdtrit
 
 COVERAGE = 0.95
 SIGNIFICANCE = 0.05  # of a difference, over all that are tested together
 POWER = 0.9  # with which the maps that are asked for would show the difference
 _STANDS_OFF = 0.01  # significance of an outlier, ISO 5725-2:1994, 7.3.4
+_ALIKE = 1 - 1e-9  # largest correlation
 _MOST_MAPS = 1000  # that are asked for
 
 
@@ -115,6 +116,21 @@ def random_effects(values: np.ndarray, parts: Sequence[str]) -> Effects:
     )
 
 
+def residuals(values: np.ndarray, parts: Sequence[str]) -> np.ndarray:
+    """Return the deviations (part, load) of the means of parts, or of maps as `random_effects` takes them.
+
+    Examples
+    --------
+    >>> residuals(np.array([[1.0], [3.0], [8.0]]), ["a", "a", "b"]).ravel()
+    array([-3.,  3.])
+    """
+    names, place = np.unique(np.asarray(parts, str), return_inverse=True)
+    if names.size in (1, len(values)):
+        place = np.arange(len(values))
+    means = np.stack([values[place == part].mean(axis=0) for part in range(place.max() + 1)])
+    return means - means.mean(axis=0)
+
+
 def student(freedom: np.ndarray, coverage: float = COVERAGE) -> np.ndarray:
     """Return Student's factor of a two-sided interval; NaN without degrees of freedom.
 
@@ -169,8 +185,83 @@ def p_value(difference: np.ndarray, error: np.ndarray, freedom: np.ndarray) -> n
     return np.where(np.isnan(error) | np.isnan(difference) | ~(freedom > 0), np.nan, found)
 
 
-def holm(p_values: np.ndarray) -> np.ndarray:
-    """Return p-values adjusted for all that are tested together; those that are NaN do not count.
+def correlation_at_least(residuals: np.ndarray, freedom: float) -> np.ndarray:
+    """Return the lower 95 % limits of the correlations of loads, not below 0, by Fisher's z.
+
+    Parameters
+    ----------
+    residuals : array (map, load)
+        deviations of the numbers of maps (or parts) from their means.
+    freedom : float
+        their degrees of freedom.
+
+    Returns
+    -------
+    array (load, load)
+
+    Examples
+    --------
+    >>> correlation_at_least(np.array([[-1.0, -1.1], [0.0, 0.2], [1.0, 0.9]] * 3), 6.0).round(2)
+    array([[1.  , 0.93],
+           [0.93, 1.  ]])
+    """
+    products = residuals.T @ residuals
+    sizes = np.sqrt(np.diag(products))
+    found = np.zeros(products.shape)
+    if freedom > 2:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            measured = np.nan_to_num(products / np.outer(sizes, sizes))
+        limit = ndtri(COVERAGE) / np.sqrt(freedom - 2)
+        found = np.maximum(np.tanh(np.arctanh(np.clip(measured, -_ALIKE, _ALIKE)) - limit), 0.0)
+    np.fill_diagonal(found, 1.0)
+    return found
+
+
+def over_loads(p_values: np.ndarray, correlation: np.ndarray) -> np.ndarray:
+    """Return p-values (load,) adjusted for all loads of a pair of groups, whose tests go together.
+
+    Step-down: the smallest counts for as many independent tests as all loads make, the next for as many as
+    the others make, and so on: (Σ √λ)² / Σ λ of the eigenvalues λ of their correlation [1]_.
+
+    Parameters
+    ----------
+    p_values : array (load,)
+        those that are NaN do not count.
+    correlation : array (load, load)
+
+    References
+    ----------
+    .. [1] Galwey (2009), A new measure of the effective number of tests, Genet. Epidemiol. 33, 559-568.
+
+    Examples
+    --------
+    >>> over_loads(np.array([0.01, 0.04]), np.eye(2)).round(4)
+    array([0.0199, 0.04  ])
+    >>> over_loads(np.array([0.01, 0.04]), np.ones((2, 2))).round(4)
+    array([0.01, 0.04])
+    """
+    adjusted = np.full(p_values.shape, np.nan)
+    order = np.argsort(p_values)[: np.isfinite(p_values).sum()]
+    largest = 0.0
+    for place, load in enumerate(order):
+        left = order[place:]
+        eigenvalues = np.maximum(np.linalg.eigvalsh(correlation[np.ix_(left, left)]), 0.0)
+        tests = np.sqrt(eigenvalues).sum() ** 2 / eigenvalues.sum()
+        largest = max(largest, float(-np.expm1(tests * np.log1p(-min(p_values[load], 1 - 1e-16)))))
+        adjusted[load] = largest
+    return adjusted
+
+
+def holm(p_values: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Return p-values adjusted for all families that are tested together; those that are NaN do not count.
+
+    Holm's procedure [1]_ where each family is a single number. Of a family with more of them, adjusted for
+    one another, any may be true while another is not: it stays among those that count up to its largest.
+
+    Parameters
+    ----------
+    p_values : sequence of array
+        of each family, adjusted within it.
 
     References
     ----------
@@ -178,13 +269,17 @@ def holm(p_values: np.ndarray) -> np.ndarray:
 
     Examples
     --------
-    >>> holm(np.array([0.01, 0.04, np.nan, 0.03]))
-    array([0.03, 0.06,  nan, 0.06])
+    >>> [each.item() for each in holm([np.array([p]) for p in (0.01, 0.04, np.nan, 0.03)])]
+    [0.03, 0.06, nan, 0.06]
     """
-    adjusted = np.full(p_values.shape, np.nan)
-    order = np.argsort(p_values, axis=None)[: np.isfinite(p_values).sum()]
-    factors = np.arange(order.size, 0, -1)
-    adjusted.flat[order] = np.minimum(np.maximum.accumulate(p_values.flat[order] * factors), 1.0)
+    largest = np.array([np.nanmax(each, initial=-1.0) for each in p_values])
+    adjusted = []
+    for place, own in enumerate(p_values):
+        others = np.sort(np.delete(largest, place))[::-1]
+        found = own.astype(float)
+        for count, other in enumerate(others[others >= 0], start=2):
+            found = np.maximum(found, count * np.minimum(own, other))
+        adjusted.append(np.minimum(found, 1.0))
     return adjusted
 
 

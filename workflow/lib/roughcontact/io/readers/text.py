@@ -24,7 +24,7 @@ from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.markers import remove_marker_values
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.text.columns import Column, headed, unit_of_heights
-from roughcontact.io.text.doubts import counting, refuse_lost_row, thousands
+from roughcontact.io.text.doubts import counting, cut_number, refuse_lost_row, thousands
 from roughcontact.io.text.header import parse_header
 from roughcontact.io.text.lines import lines_of, looks_like_text
 from roughcontact.io.text.point_grid import points_on_grid
@@ -80,6 +80,7 @@ def read(path: Path) -> MeasuredFile:
     ]
     remove_marker_values(table.values, [float(said["missing"])] if said.get("missing") is not None else [])
     doubts += thousands(header, rows, table.values, delimiter, decimal_comma, path)
+    doubts += cut_number(rows, delimiter, path)
     file = _file(table, header, said, counts, delimiter, path)
     file.warnings += doubts
     file.instrument = instrument_metadata({word: said.get(key) for word, key in _INSTRUMENT.items()})
@@ -325,7 +326,7 @@ def _points(
     try:
         if not np.isfinite(table[:, :2]).all():
             raise InputFileError(f"{path}: a point of the list has no position")
-        heights, steps, (first_x, first_y) = points_on_grid(x, y, z, path)
+        heights, steps, (first_x, first_y), notes = points_on_grid(x, y, z, path)
         _refuse_lost_lines(heights.shape, said, path)
         channel = Channel(
             shape=heights.shape,
@@ -334,6 +335,7 @@ def _points(
             dy=steps["y"],
             first_x=first_x,
             first_y=first_y,
+            notes=notes,
             **attributes,
         )
     except UnevenPositionsError as error:

@@ -14,7 +14,8 @@ from roughcontact.io.text.table import COMMENT_SIGNS, pieces, word_in_row
 _LENGTHS = {"length_x", "length_y", "dx", "dy", "step"}  # entries of a header with a decimal sign
 _MIN_CELLS = 10  # cells with three digits behind the mark, of which fewer say nothing
 _MAX_CELLS = 200_000  # cells that are compared column by column
-_MIN_COUNTED = 5  # rows or columns; fewer count 1, 2, 3 by chance
+_MIN_COUNTED = 5  # rows or columns; fewer count 1, 2, 3, or have as many decimals, by chance
+_MAX_ENDS = 50  # rows whose decimals are compared with those of the last one
 
 
 def refuse_lost_row(
@@ -134,6 +135,39 @@ def _refuse_both_marks(body: list[str], path: Path) -> None:
             f"{path}: {examples[',']!r} and {examples['.']!r} in one table: either mark may be the "
             "decimal sign or separate thousands; write the numbers without separators of thousands"
         )
+
+
+def cut_number(rows: list[str], delimiter: str | None, path: Path) -> list[str]:
+    r"""Return a warning where a text ends, without a line end, in a number shorter than all above it.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp()) / "map.txt"
+    >>> rows = ["1.250 2.500"] * 5 + ["0.250 2.5"]
+    >>> _ = path.write_text("\n".join(rows))
+    >>> cut_number(rows, None, path)[0][:64]
+    "the text ends in '2.5', where the numbers above have 3 decimals:"
+    """
+    ends = [cells[-1].strip() for line in rows[-_MAX_ENDS:] if (cells := [*chain(*pieces(line, delimiter))])]
+    marked = [re.fullmatch(r"[-+]?\d+[.,](\d*)", end) for end in ends]
+    decimals = {len(found[1]) for found in marked[:-1] if found}
+    if len(marked) <= _MIN_COUNTED or not all(marked[:-1]) or len(decimals) > 1:
+        return []
+    if not re.fullmatch(r"[-+]?\d*[.,]?\d*", ends[-1]):
+        return []  # a word for a missing point
+    (usual,) = decimals
+    last = len(ends[-1].replace(",", ".").partition(".")[2])
+    with path.open("rb") as stream:
+        stream.seek(-2, 2)
+        if last >= usual or set(stream.read()) & set(b"\r\n"):
+            return []
+    return [
+        (
+            f"the text ends in {ends[-1]!r}, where the numbers above have {usual} decimals: it seems "
+            "to be cut off; export the map again"
+        )
+    ]
 
 
 def counting(values: np.ndarray) -> list[str]:
