@@ -92,7 +92,6 @@ NO_NUMBER = {"height", "filled", "line_offset", "rejected_height", "pressure", "
 NO_NUMBER |= {
     "input",
     "component",
-    "verdict",
     "source",
     "choice",
     "surface",
@@ -102,7 +101,9 @@ NO_NUMBER |= {
     "place_of_the_peak",
 }
 NO_NUMBER |= {"group", "group_name", "map", "map_name", "part", "maps", "stands_off"}
-NO_NUMBER |= {name for name in VARIABLES if name.startswith("other_") or name.endswith("_difference")}
+NO_NUMBER |= {
+    name for name in VARIABLES if name.startswith("other_") or name.endswith(("_difference", "verdict"))
+}
 ENDINGS = (
     # of an interval or a magnification curve, of the same kind as its number
     r"_(uncertainty|((map|next|next_part)_)?(lower|upper)|of_maps|parts|choices|half_way|estimate|at_cutoff"

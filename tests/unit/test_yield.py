@@ -296,7 +296,6 @@ def test_a_load_in_full_contact_is_a_reason_although_the_others_are_not():
     assert listed["Load range"] == {
         "check": "Load range",
         "loads": [1],
-        "answers": list(checks.ANSWERS),
         "text": "Full contact: lower loads would show how it comes about.",
     }
     assert written["verdict"].values[1] == 2  # beyond what any material bears, too

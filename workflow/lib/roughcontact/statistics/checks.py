@@ -247,9 +247,8 @@ def with_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
     Dataset
         with the flag `verdict` (load), of contact area and pressure in contact: 0 use, 1 review, 2 do not
         use; the same for each of `ANSWERS`, `{answer}_verdict`. The attributes are JSON: `reasons` is a list
-        of ``{"check": name, "loads": [index, ...], "answers": [name, ...], "text": sentence}``, the checks
-        that did not pass, at which loads, and what they concern; `verdicts` is a list (load) of [verdict,
-        [reason, ...]], as of `load_verdicts`.
+        of ``{"check": name, "loads": [index, ...], "text": sentence}``, the checks that did not pass and at
+        which loads; `verdicts` is a list (load) of [verdict, [reason, ...]], as of `load_verdicts`.
     """
     by_load, together = _checks_by_load(statistics, window), _checks_of(statistics, window)
     grades = list(VERDICTS)
@@ -274,12 +273,5 @@ def _reasons_with_loads(by_load: list[list[Check]], together: list[Check]) -> li
     for position, of_all in enumerate(together):
         loads = [load for load, checks in enumerate(by_load) if reasons([checks[position]])]
         if doubts := reasons([of_all, *(by_load[load][position] for load in loads)]):
-            found.append(
-                {
-                    "check": of_all.name,
-                    "loads": loads,
-                    "answers": list(of_all.answers),
-                    "text": doubts[0].sentence,
-                }
-            )
+            found.append({"check": of_all.name, "loads": loads, "text": doubts[0].sentence})
     return found
