@@ -2,6 +2,7 @@
 
 import fcntl
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -23,6 +24,9 @@ from roughcontact.configuration.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
 
 
+BODIES = ("--body", "210GPa", "0.3", "--body", "4GPa", "0.4", "0.3GPa")
+
+
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -32,9 +36,11 @@ def folder(tmp_path, monkeypatch):
 def test_init_writes_settings_and_a_table_that_can_be_run(folder, capsys):
     for name in ("Ground 1.txt", "ground-1.csv", "ß.x3p", "Ground-1.nc"):
         (folder / name).write_text("1 2")
-    assert main(["init", "Ground 1.txt", "Ground-1.nc", "ß.x3p"]) == 0
+    assert main(["init", "Ground 1.txt", "Ground-1.nc", "ß.x3p", *BODIES, "--mean-pressure", "2MPa"]) == 0
     assert "3 surfaces" in capsys.readouterr().out
     (settings,) = resolve(yaml.safe_load((folder / "config/config.yaml").read_text())).values()
+    assert [body["youngs_modulus"] for body in settings["contact"]["bodies"]] == [210e9, 4e9]
+    assert (settings["contact"]["hardness"], settings["contact"]["mean_pressure"]) == (0.3e9, [2e6])
     surfaces = read_surfaces(settings["surfaces"])
     assert {name: str(row.path) for name, row in surfaces.items()} == {
         "Ground-1": "Ground 1.txt",
@@ -85,6 +91,33 @@ def test_init_writes_over_nothing(folder, capsys):
     assert "config/surfaces.tsv already exists" in capsys.readouterr().err
     assert (folder / "config/surfaces.tsv").read_text() == "mine"
     assert not (folder / "config/config.yaml").exists()
+
+
+def test_a_run_asks_for_materials_that_are_not_stated(folder, capfd):
+    np.save(folder / "a.npy", np.ones((4, 4)))
+    assert main(["init", "a.npy"]) == 0
+    assert "under `contact`" in capfd.readouterr().out
+    assert main(["run"]) != 0
+    said = capfd.readouterr().err
+    assert "mistakes in config/config.yaml:\n  contact: no elasticity given; " in said
+    # what it says to write is accepted
+    example = re.search(r"bodies: \[.*\]", said)[0]
+    resolve(yaml.safe_load(f"contact: {{{example}}}"))
+    assert not (folder / "results").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (BODIES[:3], "--body is given once; give it twice, one for each body"),
+        (("--body", "210", "0.3", *BODIES[3:]), "--body[0].youngs_modulus = '210': "),
+        (("--mean-pressure", "2MPa"), "contact: no elasticity given"),
+    ],
+)
+def test_init_refuses_materials_that_a_run_would_refuse(folder, capsys, options, said):
+    assert main(["init", *options]) == 2
+    assert said in capsys.readouterr().err
+    assert not (folder / "config").exists()
 
 
 def test_init_names_a_file_that_is_not_there(folder, capsys):
@@ -169,7 +202,7 @@ def test_what_runs_or_unlocks_is_held(option):
 
 def test_a_dry_run_holds_nothing(folder):
     np.save(folder / "a.npy", np.ones((4, 4)))
-    assert main(["init", "a.npy"]) == 0
+    assert main(["init", "a.npy", *BODIES]) == 0
     with held(folder):
         assert main(["run", "-n", "--quiet"]) == 0
         assert main(["run", "--unlock"]) == 2
@@ -177,7 +210,7 @@ def test_a_dry_run_holds_nothing(folder):
 
 def test_options_of_a_run_go_to_snakemake(folder, capfd):
     (folder / "a.txt").write_text("1 2\n3 4\n")
-    assert main(["init", "a.txt"]) == 0
+    assert main(["init", "a.txt", *BODIES]) == 0
     assert main(["run", "-n", "--quiet", "all"]) == 0
     assert main(["run", "--no-such-option"]) != 0
     assert "--no-such-option" in capfd.readouterr().err
@@ -186,7 +219,7 @@ def test_options_of_a_run_go_to_snakemake(folder, capfd):
 
 def test_a_dry_run_is_short_and_snakemake_has_its_own_screen_where_asked(folder, capfd):
     np.save(folder / "a.npy", np.ones((4, 4)))
-    assert main(["init", "a.npy"]) == 0
+    assert main(["init", "a.npy", *BODIES]) == 0
     assert main(["run", "-n"]) == 0
     short, beside = capfd.readouterr()
     assert not beside

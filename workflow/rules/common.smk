@@ -26,6 +26,7 @@ collect_rarely()
 # Without --configfile: the configuration of the working directory, else the one that comes with the workflow.
 # One file only, never two laid over each other, so that what a file says is all that is set.
 DEFAULT = find("config/config.yaml", [".", ROOT])
+ORIGIN = "the settings"
 try:
     check_places(Path())
     # of another workflow, which has this one as a module, the files are its own
@@ -35,6 +36,7 @@ try:
     ):
         for file in filter(os.path.isfile, workflow.configfiles or [DEFAULT]):
             check_yaml(Path(file))
+        ORIGIN = ", ".join(map(str, workflow.configfiles or [DEFAULT]))
 except SettingsError as error:
     # the sentences alone: a WorkflowError comes with lines of this file
     sys.exit(str(error))
@@ -48,7 +50,7 @@ if not workflow.configfiles:
 FOLDERS = [".", *(Path(file).parent for file in workflow.configfiles[-1:]), ROOT]
 
 try:
-    PLAN = Plan(*read_study(config, FOLDERS, measured_in=[".", ROOT]))
+    PLAN = Plan(*read_study(config, FOLDERS, measured_in=[".", ROOT], origin=ORIGIN))
 except SettingsError as error:
     sys.exit(str(error))
 

@@ -4,8 +4,8 @@ Names, meanings, defaults and checks are those of `roughcontact.configuration`.
 """
 
 import os
-from argparse import ArgumentParser, Namespace
-from collections.abc import Iterator
+from argparse import ArgumentParser, Namespace, _ArgumentGroup
+from collections.abc import Iterator, Sequence
 
 from pydantic.fields import FieldInfo
 
@@ -63,14 +63,7 @@ def add_settings(parser: ArgumentParser) -> None:
             nargs=_LISTS.get(key),
             help=text.replace("%", "%%"),
         )
-    elasticity.add_argument(
-        "--body",
-        nargs="+",
-        action="append",
-        metavar=("E NU", "H"),
-        help="Young's modulus (Pa), Poisson's ratio and, if known, hardness (Pa) of one body; give "
-        "it twice; units are allowed: 210GPa 0.3 2GPa",
-    )
+    add_body(elasticity)
     parser.add_argument(
         "--threads",
         type=int,
@@ -78,6 +71,43 @@ def add_settings(parser: ArgumentParser) -> None:
         metavar="NUMBER",
         help="threads of the solve (default: %(default)s)",
     )
+
+
+def add_body(parser: ArgumentParser | _ArgumentGroup) -> None:
+    """Add the option for the materials."""
+    parser.add_argument(
+        "--body",
+        nargs="+",
+        action="append",
+        metavar=("E NU", "H"),
+        help="Young's modulus (Pa), Poisson's ratio and, if known, hardness (Pa) of one body; give "
+        "it twice; units are allowed: 210GPa 0.3 2GPa",
+    )
+
+
+def bodies_of(given: Sequence[Sequence[str]]) -> list[dict[str, str]]:
+    """Return the two bodies, as in the configuration, from what `--body` was given.
+
+    Raises
+    ------
+    SettingsError
+        where it is not given twice, or not with two or three values.
+
+    Examples
+    --------
+    >>> bodies_of([["210GPa", "0.3"], ["4GPa", "0.4", "0.3GPa"]])[1]["hardness"]
+    '0.3GPa'
+    """
+    if len(given) != 2:
+        times = "once" if len(given) == 1 else f"{len(given)} times"
+        raise SettingsError(f"--body is given {times}; give it twice, one for each body")
+    if wrong := [body for body in given if len(body) not in (2, 3)]:
+        raise SettingsError(
+            f"--body {' '.join(wrong[0])}: has {len(wrong[0])} values; give Young's modulus, Poisson's "
+            "ratio and, if known, hardness"
+        )
+    names = ("youngs_modulus", "poissons_ratio", "hardness")
+    return [dict(zip(names, body, strict=False)) for body in given]
 
 
 def chosen_settings(options: Namespace) -> dict:
@@ -107,16 +137,7 @@ def chosen_settings(options: Namespace) -> dict:
             "no elasticity given; give --contact-modulus (E* in Pa, or as 115GPa), or --body E NU twice"
         )
     if options.body:
-        if len(options.body) != 2:
-            given = "once" if len(options.body) == 1 else f"{len(options.body)} times"
-            raise SettingsError(f"--body is given {given}; give it twice, one for each body")
-        if wrong := [body for body in options.body if len(body) not in (2, 3)]:
-            raise SettingsError(
-                f"--body {' '.join(wrong[0])}: has {len(wrong[0])} values; give Young's modulus, Poisson's "
-                "ratio and, if known, hardness"
-            )
-        names = ("youngs_modulus", "poissons_ratio", "hardness")
-        config["contact"]["bodies"] = [dict(zip(names, body, strict=False)) for body in options.body]
+        config["contact"]["bodies"] = bodies_of(options.body)
     return resolve(config)[""]
 
 

@@ -63,7 +63,7 @@ def main(arguments: list[str] | None = None) -> int:
         collect_rarely()
         arguments = sys.argv[1:]
     try:
-        parser = _parser(settings=arguments[:1] == ["solve"])
+        parser = _parser(verb="".join(arguments[:1]))
         if arguments[:1] == ["run"] and not {"-h", "--help"} & set(arguments):
             options = argparse.Namespace(run=_run, arguments=arguments[1:])  # all for Snakemake
         else:
@@ -88,8 +88,8 @@ def _failed(error: RoughContactError | str, code: int) -> int:
     return code
 
 
-def _parser(*, settings: bool) -> argparse.ArgumentParser:
-    """Return the parser; the options of `solve` come from the settings, whose import takes a moment."""
+def _parser(*, verb: str) -> argparse.ArgumentParser:
+    """Return the parser; some options of `verb` come from the settings, whose import takes a moment."""
     parser = _Parser(prog="roughcontact", description=_DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
     verbs = parser.add_subparsers(required=True, metavar="inspect | solve | init | run | compare | crate")
@@ -108,7 +108,7 @@ def _parser(*, settings: bool) -> argparse.ArgumentParser:
     )
     _add_file_options(solve)
     solve.set_defaults(run=_solve)
-    if settings:
+    if verb == "solve":
         from roughcontact.command_line.options import add_settings
 
         add_settings(solve)
@@ -116,6 +116,13 @@ def _parser(*, settings: bool) -> argparse.ArgumentParser:
     init = verbs.add_parser("init", help="write settings and a table of surfaces, to change and to run")
     init.add_argument("files", nargs="*", metavar="FILE", help="measured height maps, for the table")
     init.set_defaults(run=_init)
+    if verb == "init":
+        from roughcontact.command_line.options import add_body
+
+        add_body(init)
+        init.add_argument(
+            "--mean-pressure", nargs="+", metavar="VALUE", help="nominal pressures, Pa, or with their unit"
+        )
 
     verbs.add_parser(
         "run",
@@ -237,10 +244,17 @@ def _solve(options: argparse.Namespace) -> int:
 
 def _init(options: argparse.Namespace) -> int:
     """Write settings and table, and print the next steps."""
+    from roughcontact.command_line.options import bodies_of, in_options
     from roughcontact.command_line.running import write_project
 
-    settings, table = write_project(options.files)
-    print(f"{settings}: state your materials and loads under `contact`")
+    contact = {"bodies": bodies_of(options.body)} if options.body else {}
+    contact |= {"mean_pressure": options.mean_pressure} if options.mean_pressure else {}
+    try:
+        settings, table = write_project(options.files, contact=contact)
+    except SettingsError as error:
+        raise SettingsError(in_options(error)) from error
+    if not options.body:
+        print(f"{settings}: state your materials and loads under `contact` (or here, with --body twice)")
     print(f"{table}: {len(options.files) or 'no'} surface{'s' * (len(options.files) != 1)}, a row each")
     print("then: roughcontact run")
     return 0

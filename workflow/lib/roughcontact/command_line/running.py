@@ -8,9 +8,10 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
+from typing import Any
 
 from roughcontact.command_line.hold import Hold, held, left_locked, remove_scripts
 from roughcontact.configuration.places import check_places, check_writable
@@ -33,7 +34,7 @@ _FILES = Path("config/config.yaml"), Path("config/surfaces.tsv")
 
 _SETTINGS_HEAD = """\
 # Settings of roughcontact with their defaults. A missing key has its default.
-# State your materials and loads under `contact`; list your files in config/surfaces.tsv; then
+# State your materials and loads under `contact`: there is no default. List your files in config/surfaces.tsv; then
 # run `roughcontact run`.
 """
 _TABLE_HEAD = """\
@@ -61,13 +62,15 @@ def workflow_file() -> Path:
     return installed if installed.is_file() else PACKAGE.parents[1] / "Snakefile"
 
 
-def write_project(files: Sequence[str | Path]) -> list[Path]:
+def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | None = None) -> list[Path]:
     r"""Write settings and a table of surfaces into the folder `config` of the working directory.
 
     Parameters
     ----------
     files : sequence of str or Path
         measured files; each becomes a row of the table, named after the file.
+    contact : mapping, optional
+        `bodies` and `mean_pressure`, as far as they are known; otherwise examples stand there as comments.
 
     Returns
     -------
@@ -77,7 +80,7 @@ def write_project(files: Sequence[str | Path]) -> list[Path]:
     Raises
     ------
     SettingsError
-        where one of them already exists, or a measured file is missing.
+        where one of them already exists, a measured file is missing, or for bodies that are not accepted.
 
     Examples
     --------
@@ -89,6 +92,7 @@ def write_project(files: Sequence[str | Path]) -> list[Path]:
     'Ground-2\tGround 2.txt'
     """
     from roughcontact.configuration.generated import default_yaml
+    from roughcontact.configuration.resolve import resolve
     from roughcontact.results.storage import write_text
 
     for path in _FILES:
@@ -98,7 +102,12 @@ def write_project(files: Sequence[str | Path]) -> list[Path]:
         if not Path(file).is_file():
             raise SettingsError(f"{file}: no such file")
     rows = [f"{name}\t{file}\n" for name, file in zip(_names(files), files, strict=True)]
-    texts = default_yaml(head=_SETTINGS_HEAD), _TABLE_HEAD + ("".join(rows) or _TABLE_EXAMPLE)
+    if contact:
+        resolve({"contact": contact})
+    texts = (
+        default_yaml(head=_SETTINGS_HEAD, contact=contact or {}),
+        _TABLE_HEAD + ("".join(rows) or _TABLE_EXAMPLE),
+    )
     for path, text in zip(_FILES, texts, strict=True):
         write_text(text, path)
     return list(_FILES)

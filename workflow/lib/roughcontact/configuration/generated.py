@@ -2,11 +2,12 @@
 
 import json
 import textwrap
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from roughcontact.configuration.fields import section_of, words_of
-from roughcontact.configuration.models import Section, Settings
+from roughcontact.configuration.models import Contact, Section, Settings
 
 _HEAD = """\
 # yaml-language-server: $schema=../workflow/schemas/config.schema.json
@@ -15,25 +16,29 @@ _HEAD = """\
 # key has its default. config/README.md explains settings and table of surfaces.
 """
 _WIDTH = 112  # of a comment with its indentation
-# settings without a default that the shipped configuration sets for the samples, and their meaning
-# meaning
+# settings without a default that the shipped configuration sets for the samples, to their examples
 _SHIPPED = {
-    "bodies": "here steel and PEEK, a polymer of seals and plain bearings",
-    "mean_pressure": "here what seals and plain bearings carry",
+    "bodies": "steel and PEEK, a polymer of seals and plain bearings",
+    "mean_pressure": "what seals and plain bearings carry",
 }
 
 
-def default_yaml(*, head: str = _HEAD) -> str:
+def default_yaml(*, head: str = _HEAD, contact: Mapping[str, Any] | None = None) -> str:
     """Return the default configuration: every key with its default, its meaning and its unit.
 
-    It begins with the comment lines `head`, by default those of config/config.yaml.
+    It begins with the comment lines `head`, by default those of config/config.yaml. `contact` has the keys of
+    the section that are set although they have no default, by default those of the samples.
 
     Examples
     --------
     >>> "  max_missing: 0.4" in default_yaml().splitlines()
     True
+    >>> [line for line in default_yaml(contact={}).splitlines() if "bodies:" in line]
+    ['  # bodies:']
     """
-    return head + "\n".join(_yaml(Settings, "")) + "\n"
+    if contact is None:
+        contact = {name: Contact.model_fields[name].examples[0] for name in _SHIPPED}
+    return head + "\n".join(_yaml(Settings, "", contact)) + "\n"
 
 
 def json_schema() -> str:
@@ -63,26 +68,26 @@ def write_generated(root: Path) -> None:
         path.write_text(text, encoding="utf-8")
 
 
-def _yaml(model: type[Section], indent: str) -> list[str]:
-    """Return the lines of one section; settings without a default are shown as a comment with an example."""
+def _yaml(model: type[Section], indent: str, given: Mapping[str, Any]) -> list[str]:
+    """Return the lines of one section; without default and not given, a key is a comment with an example."""
     lines = []
     for name, field in model.model_fields.items():
         section = section_of(field)
         if section and model is Settings:
-            lines += ["", f"# {section.__doc__}", f"{name}:", *_yaml(section, indent + "  ")]
+            lines += ["", f"# {section.__doc__}", f"{name}:", *_yaml(section, indent + "  ", given)]
             continue
         text = field.description or ""
         if words := words_of(field):
             text += f"; one of {', '.join(words)}"
-        if name in _SHIPPED:
-            text += f"; {_SHIPPED[name]}"
+        example = field.examples[0] if field.examples else None
+        value, comment = field.get_default(call_default_factory=True), ""
+        if value in (None, {}):
+            value, comment = given.get(name, example), "" if name in given else "# "
+        if name in _SHIPPED and value == example:
+            text += f"; {'for example' if comment else 'here'} {_SHIPPED[name]}"
         if model is Settings:
             lines.append("")
         lines += [f"{indent}# {line}" for line in textwrap.wrap(text, _WIDTH - len(indent))]
-        value, comment = field.get_default(call_default_factory=True), ""
-        if value in (None, {}):
-            value = field.examples[0] if field.examples else None
-            comment = "" if name in _SHIPPED else "# "
         if section and isinstance(value, list):  # a line for each
             lines += [f"{indent}{comment}{name}:", *(f"{indent}{comment}  - {_flow(one)}" for one in value)]
         else:

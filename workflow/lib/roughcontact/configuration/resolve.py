@@ -15,17 +15,23 @@ from roughcontact.materials import contact_modulus
 
 # keys of `contact` of which only one may be given: a case that gives one replaces the other of the base
 _ALTERNATIVES = (("contact_modulus", "bodies"), ("mean_pressure", "relative_pressure"))
+# what steel on PEEK is written as
+_BODIES = (
+    "bodies: [{youngs_modulus: 210 GPa, poissons_ratio: 0.3}, {youngs_modulus: 4 GPa, poissons_ratio: 0.4}]"
+)
 # keys that are the same for all cases
 _COMMON = ("surfaces", "composite", "report", "crosscheck", "validation", "cases")
 
 
-def resolve(config: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+def resolve(config: Mapping[str, Any], *, origin: str = "the settings") -> dict[str, dict[str, Any]]:
     """Check a raw configuration and return the full settings of every case, as plain dictionaries.
 
     Parameters
     ----------
     config : mapping
         the content of the YAML file: nested mappings, numbers possibly as text ("1e9", "115 GPa").
+    origin : str
+        where it comes from, for messages.
 
     Returns
     -------
@@ -60,7 +66,7 @@ def resolve(config: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         mistakes += found
     if mistakes:
         each = {str(error): error for error in mistakes}
-        lines = ["mistakes in the settings:", *(f"  {text}" for text in each)]
+        lines = [f"mistakes in {origin}:", *(f"  {text}" for text in each)]
         raise SettingsError("\n".join(lines), mistakes=list(each.values()))
     return resolved
 
@@ -161,10 +167,11 @@ def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
     elasticity, loads = ([key for key in keys if contact.get(key) is not None] for keys in _ALTERNATIVES)
     mistakes = []
     if len(elasticity) != 1:
-        mistakes.append(
+        text = (
             f"{where}: {' and '.join(elasticity) or 'no elasticity'} given; give either contact_modulus "
             "(E* in Pa) or bodies (two of youngs_modulus in Pa and poissons_ratio)"
         )
+        mistakes.append(text if elasticity else f"{text}: {_BODIES}")
     if len(loads) == 2:
         mistakes.append(
             f"{where}: mean_pressure (Pa) and relative_pressure (no unit) given; give one of them or neither"

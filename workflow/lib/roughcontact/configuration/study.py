@@ -21,6 +21,7 @@ def read_study(
     folders: Sequence[str | Path],
     *,
     measured_in: Sequence[str | Path],
+    origin: str = "the settings",
 ) -> tuple[dict[str, dict[str, Any]], dict[str, Surface]]:
     r"""Return the settings of every case and the table of surfaces.
 
@@ -32,6 +33,8 @@ def read_study(
         search path for a relative path of the table.
     measured_in : sequence of str or Path
         search path for the paths in the table.
+    origin : str
+        where the settings come from, for messages: "config/config.yaml".
 
     Returns
     -------
@@ -62,7 +65,7 @@ def read_study(
     surfaces: dict[str, Surface] = {}
     mistakes = []
     try:
-        cases = resolve(config)
+        cases = resolve(config, origin=origin)
     except SettingsError as error:
         mistakes.append(str(error))
     finer = dict.fromkeys(settings["instrument"]["finer_spectrum"] for settings in cases.values())
