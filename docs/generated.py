@@ -27,6 +27,8 @@ PACKAGE = Path(roughcontact.__file__).parent
 VALIDATION = Path(__file__).parent / "explanation" / "validation.csv"
 # the modules that users and authors of readers call, beside the functions of `roughcontact`
 MODULES = (
+    "plot",
+    "results.exchange",
     "statistics.contact_statistics",
     "statistics.checks",
     "statistics.theory",

@@ -9,7 +9,8 @@ The public verbs take and return labelled arrays (`xarray`), in SI units, and fo
     stats    = contact_statistics(contact)
 
 `evaluate(path, contact={"contact_modulus": 1e9})` goes all this way, to the numbers with their intervals;
-`group_statistics` makes one answer of several maps, and `compare_groups` tells whether two finishes differ.
+`plot` draws them, `group_statistics` makes one answer of several maps, and `compare_groups` tells whether two
+finishes differ.
 
 Names are imported on first use, so that a job pays only for what it needs.
 """
@@ -36,6 +37,11 @@ _HOME = {
     "evaluate": "roughcontact.evaluation",
     "group_statistics": "roughcontact.uncertainty.groups",
     "compare_groups": "roughcontact.uncertainty.differences",
+    "surface_checks": "roughcontact.statistics.checks",
+    "with_uncertainty": "roughcontact.statistics.contact_statistics",
+    "with_interval": "roughcontact.quantities",
+    "self_affine_surface": "roughcontact.references.synthetic",
+    "workflow_file": "roughcontact.command_line.running",
     "compare_statistics": "roughcontact.results.comparison",
     "read_dataset": "roughcontact.results.storage",
     "read_statistics": "roughcontact.results.selection",
@@ -48,14 +54,18 @@ _HOME = {
     "ConvergenceError": "roughcontact.errors",
 }
 
+_MODULES = ("plot",)
+
 __all__ = ["__version__", *_HOME]  # noqa: PLE0604 - the keys are strings
 
 
 def __getattr__(name):
     if name in _HOME:
         return getattr(import_module(_HOME[name]), name)
+    if name in _MODULES:
+        return import_module(f"roughcontact.{name}")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__():
-    return sorted(__all__)
+    return sorted([*__all__, *_MODULES])

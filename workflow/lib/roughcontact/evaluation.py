@@ -12,7 +12,6 @@ from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import HeightMapWarning
 from roughcontact.io.read import read_height_map
 from roughcontact.pipeline import run_chain
-from roughcontact.results.storage import provenance
 
 
 def evaluate(
@@ -82,16 +81,9 @@ def evaluate(
         "instrument": instrument,
     }
     full = resolve({section: dict(values) for section, values in given.items() if values is not None})[""]
-    settings = {section: full[section] for section in given}
     height = source if isinstance(source, xr.DataArray) else read_height_map(source)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", HeightMapWarning)  # of every solution; said once below
-        found = run_chain(height, settings, threads=threads)
+        found = run_chain(height, full, threads=threads)
     warn_of_map(found.window.shape, float(found.statistics["rms_gradient"]))
-    origin = provenance(
-        settings,
-        source_sha256=str(height.attrs.get("source_sha256", "")),
-        stage="statistics",
-        history=str(found.window.attrs.get("history", "")),
-    )
-    return found.statistics.assign_attrs(origin)
+    return found.statistics

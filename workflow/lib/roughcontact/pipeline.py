@@ -6,6 +6,7 @@ which are here.
 """
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import xarray as xr
@@ -15,6 +16,7 @@ from roughcontact.contact.dataset import joined
 from roughcontact.contact.solve import SOLVER_SETTINGS, solve_contact
 from roughcontact.errors import HeightMapError
 from roughcontact.levelling.level import level
+from roughcontact.results.storage import provenance, written_load_by_load
 from roughcontact.statistics.checks import with_verdicts
 from roughcontact.statistics.contact_statistics import SOLUTION_COLUMNS, statistics_of, with_uncertainty
 from roughcontact.statistics.first_yield import with_first_yield
@@ -26,6 +28,8 @@ from roughcontact.variables import describe
 from roughcontact.window.periodic_window import periodic_window
 
 _BAND = ("band_shortest", "band_longest", "band_reason")
+
+SECTIONS = ("level", "window", "contact", "statistics", "uncertainty", "instrument")  # of the settings
 
 Settings = Mapping[str, Mapping[str, Any]]
 Progress = Callable[[int, int, str], None]
@@ -40,7 +44,7 @@ class Chain(NamedTuple):
     levelled, window : DataArray (y, x), m
         the map without form and outliers, and the periodic part of it that was solved.
     statistics : Dataset
-        the content of statistics.nc.
+        the content of statistics.nc, with its provenance.
     """
 
     levelled: xr.DataArray
@@ -54,6 +58,7 @@ def run_chain(
     *,
     threads: int = 1,
     progress: Callable[[int, int | None, str], None] = lambda done, total, text: None,
+    fields: Path | None = None,
 ) -> Chain:
     """Run the chain on a map in memory.
 
@@ -62,12 +67,13 @@ def run_chain(
     height : DataArray (y, x), m
         as `read_height_map` returns it.
     settings : mapping
-        the sections `level`, `window`, `contact`, `statistics`, `uncertainty`, `instrument`, complete, as
-        `resolve` returns them.
+        the `SECTIONS`, complete, as `resolve` returns them.
     threads : int
         threads of the solver.
     progress : callable, optional
         called as ``progress(done, total, text)`` before each part, and after each load.
+    fields : Path, optional
+        of the file for the solution with its maps, contact.nc.
 
     Raises
     ------
@@ -81,10 +87,22 @@ def run_chain(
     solver = solver_arguments(window, settings["contact"], threads=threads)
     loads = len(solver["mean_pressure"])
     progress(0, loads, "solving")
-    _, counted = solve_and_count(window, settings, solver | {"progress": progress})
+    origin: dict[str, Any] = {
+        "settings": {key: settings[key] for key in SECTIONS},
+        "source_sha256": str(height.attrs.get("source_sha256", "")),
+        "history": str(window.attrs.get("history", "")),
+    }
+    shown = solver | {"progress": progress}
+    if fields is None:
+        _, counted = solve_and_count(window, settings, shown)
+    else:
+        with written_load_by_load(fields, solver["mean_pressure"], window) as file:
+            solution, counted = solve_and_count(window, settings, shown, keep=file.keep)
+            file.complete(solution.assign(height=window).assign_attrs(provenance(**origin, stage="contact")))
     progress(loads, loads, "error budget")
     budget = bound_error(levelled, window, settings, solver)
-    return Chain(levelled, window, complete_statistics(counted, window, budget, settings, threads=threads))
+    statistics = complete_statistics(counted, window, budget, settings, threads=threads)
+    return Chain(levelled, window, statistics.assign_attrs(provenance(**origin, stage="statistics")))
 
 
 def solver_arguments(window: xr.DataArray, contact: Mapping[str, Any], *, threads: int = 1) -> dict[str, Any]:

@@ -109,6 +109,16 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
     _add_file_options(solve)
     solve.set_defaults(run=_solve)
     if verb == "solve":
+        from roughcontact.command_line.saving import KINDS
+
+        kinds = "; ".join(f"{ending}: {holds}" for ending, holds in KINDS.items())
+        solve.add_argument(
+            "-o",
+            "--output",
+            type=Path,
+            metavar="RESULT",
+            help=f"also write the results of one map to this file. Its ending says what it holds. {kinds}",
+        )
         from roughcontact.command_line.options import add_settings
 
         add_settings(solve)
@@ -228,12 +238,16 @@ def _solve(options: argparse.Namespace) -> int:
     """Print the contact of one map, or of several together."""
     from roughcontact.command_line.describe import as_json, group, solution
     from roughcontact.command_line.options import chosen_settings, in_options
+    from roughcontact.command_line.saving import check_output
     from roughcontact.command_line.solving import solve_file, solve_files
 
     try:
         settings = chosen_settings(options)
         given = {"given": _given(options), "settings": settings, "threads": options.threads}
         together = len(options.files) > 1
+        if options.output:
+            check_output(options.output, options.files)
+            given["output"] = options.output
         result = solve_files(options.files, **given) if together else solve_file(options.files[0], **given)
     except SettingsError as error:
         raise SettingsError(in_options(error)) from error

@@ -34,8 +34,8 @@ _FILES = Path("config/config.yaml"), Path("config/surfaces.tsv")
 
 _SETTINGS_HEAD = """\
 # Settings of roughcontact with their defaults. A missing key has its default.
-# State your materials and loads under `contact`: there is no default. List your files in config/surfaces.tsv; then
-# run `roughcontact run`.
+# State your materials and loads under `contact`, where there is no default; list your files in
+# config/surfaces.tsv; then run `roughcontact run`.
 """
 _TABLE_HEAD = """\
 # One row for each surface: a name (letters, digits, -) and the file, separated by a tab.
@@ -101,7 +101,7 @@ def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | N
     for file in files:
         if not Path(file).is_file():
             raise SettingsError(f"{file}: no such file")
-    rows = [f"{name}\t{file}\n" for name, file in zip(_names(files), files, strict=True)]
+    rows = [f"{name}\t{file}\n" for name, file in zip(surface_names(files), files, strict=True)]
     if contact:
         resolve({"contact": contact})
     texts = (
@@ -113,8 +113,17 @@ def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | N
     return list(_FILES)
 
 
-def _names(files: Sequence[str | Path]) -> list[str]:
-    """Return a different admitted name for each file."""
+def surface_names(files: Sequence[str | Path]) -> list[str]:
+    """Return a different admitted name of a surface for each file.
+
+    Parameters
+    ----------
+    files : sequence of str or Path
+
+    Returns
+    -------
+    list of str
+    """
     from roughcontact.configuration.messages import name_mistake
 
     names: list[str] = []

@@ -9,9 +9,10 @@ from typing import Any
 
 import xarray as xr
 
+from roughcontact.command_line import saving
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.record import removed_and_filled
-from roughcontact.pipeline import run_chain
+from roughcontact.pipeline import SECTIONS, run_chain
 from roughcontact.statistics import checks
 from roughcontact.uncertainty.groups import group_statistics, is_range
 from roughcontact.variables import VARIABLES
@@ -70,7 +71,12 @@ def solve_files(
 
 
 def solve_file(
-    path: str | Path, given: Mapping[str, Any], settings: Mapping[str, Any], *, threads: int = 1
+    path: str | Path,
+    given: Mapping[str, Any],
+    settings: Mapping[str, Any],
+    *,
+    threads: int = 1,
+    output: Path | None = None,
 ) -> dict[str, Any]:
     """Read, level, window and solve one map, and return the headline numbers as plain values in SI units.
 
@@ -84,6 +90,8 @@ def solve_file(
         as `roughcontact.configuration.resolve` returns them, for one case.
     threads : int
         threads of the Fourier transforms.
+    output : Path, optional
+        of a file for the results, of which `saving` has the kinds.
 
     Returns
     -------
@@ -99,17 +107,30 @@ def solve_file(
     RoughContactError
         for a file, a setting or a map that a stage rejects, or a load that misses the tolerance.
     """
-    return _solved(path, given, settings, threads=threads)[0]
+    if output is None:
+        return _solved(path, given, settings, threads=threads)[0]
+    with saving.results_for(output) as results:
+        return _solved(path, given, settings, threads=threads, results=results)[0]
 
 
 def _solved(
-    path: str | Path, given: Mapping[str, Any], settings: Mapping[str, Any], *, threads: int
+    path: str | Path,
+    given: Mapping[str, Any],
+    settings: Mapping[str, Any],
+    *,
+    threads: int,
+    results: saving.Results | None = None,
 ) -> tuple[dict[str, Any], xr.Dataset]:
     """Return the result of `solve_file`, and the statistics that it is made of."""
     with _progress() as show:
         show(0, None, "reading")
         height = read_height_map(path, **given)
-        levelled, window, statistics = run_chain(height, settings, threads=threads, progress=show)
+        fields = results.contact if results and results.need_maps else None
+        chain = run_chain(height, settings, threads=threads, progress=show, fields=fields)
+        if results:
+            show(0, None, "writing")
+            results.write(path, height, chain, dict(settings))
+    levelled, window, statistics = chain
     outcome = checks.surface_checks(
         statistics, height=height.attrs, levelled=levelled.attrs, window=window.attrs, points=window.size
     )
@@ -139,10 +160,7 @@ def _solved(
             for answer, words in checks.ANSWERS.items()
         },
         "warnings": json.loads(height.attrs["ingest_warnings"]),
-        "settings": {
-            key: settings[key]
-            for key in ("contact", "level", "window", "statistics", "uncertainty", "instrument")
-        },
+        "settings": {key: settings[key] for key in SECTIONS},
     }
     return result, statistics
 

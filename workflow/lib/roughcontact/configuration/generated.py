@@ -37,7 +37,7 @@ def default_yaml(*, head: str = _HEAD, contact: Mapping[str, Any] | None = None)
     ['  # bodies:']
     """
     if contact is None:
-        contact = {name: Contact.model_fields[name].examples[0] for name in _SHIPPED}
+        contact = {name: (Contact.model_fields[name].examples or [None])[0] for name in _SHIPPED}
     return head + "\n".join(_yaml(Settings, "", contact)) + "\n"
 
 

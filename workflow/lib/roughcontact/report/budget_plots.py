@@ -55,8 +55,7 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
     area = numbers["relative_contact_area"]
     budget = numbers["relative_contact_area_uncertainty"]
     shown = [area, *(numbers[f"relative_contact_area_{end}"] for end in ("lower", "upper"))]
-    in_use = [s for s in _WORDS if s in budget["source"].values[:-1]]  # the last one is combined
-    present = [s for s in in_use if np.isfinite(budget.sel(source=s)).any()]
+    present = present_sources(numbers)
     rows = []
     for index in range(numbers.sizes["load"]):
         parts = {s: float(budget.sel(source=s)[index]) for s in present}
@@ -75,7 +74,9 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
         notes.append(f"Not in the ±: {', '.join(absent)}.")
     notes += _note_on_open_ends(numbers)
     return {
-        "images": _images(numbers, present),
+        "images": [
+            (TITLES[name], budget_against_load(numbers, name).source("below", columns=2)) for name in _SHOWN
+        ],
         "components": _component_table(numbers.isel(load=list(loads))) if len(loads) else None,
         "magnification": _magnification(numbers),
         "converged": _note_on_convergence(numbers),
@@ -105,40 +106,45 @@ def _largest(parts: Mapping[str, float]) -> str:
     return _WORDS[max(known, key=known.__getitem__)] if known else "–"
 
 
-def _images(numbers: xr.Dataset, present: Sequence[str]) -> list[tuple[str, str]]:
-    """Draw the relative half-widths (percent) of each source against the load; return (quantity, image).
+def present_sources(numbers: xr.Dataset) -> list[str]:
+    """Return the sources of the ± of a surface, in the order of the report, without those not judged."""
+    budget = numbers["relative_contact_area_uncertainty"]
+    in_use = [s for s in _WORDS if s in budget["source"].values[:-1]]  # the last one is combined
+    return [s for s in in_use if np.isfinite(budget.sel(source=s)).any()]
+
+
+def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
+    """Draw the relative half-widths (percent) of each source against the load, of one quantity.
 
     All sources together are a solid line upwards and a dashed one downwards.
     """
+    present = present_sources(numbers)
     load = numbers["mean_pressure"].values
     factor, unit = unit_of(numbers, "Pa")
-    images = []
-    for name in _SHOWN:
-        value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
-        down, up = value - numbers[f"{name}_lower"].values, numbers[f"{name}_upper"].values - value
-        parts = [budget.sel(source=source).values for source in present]
-        shares = np.array([_in_percent(part, value) for part in (*parts, down, up)])
-        highest = np.max(shares, initial=100.0, where=np.isfinite(shares))
-        chart = Chart(
-            Axis(f"mean pressure p̄ ({unit})", load.min() * factor / 1.5, load.max() * factor * 1.5, log=True),
-            Axis("± in percent of the value", _LEAST, 2 * highest, log=True),
-            title=TITLES[name],
-            size=(330.0, 290.0),
+    value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
+    down, up = value - numbers[f"{name}_lower"].values, numbers[f"{name}_upper"].values - value
+    parts = [budget.sel(source=source).values for source in present]
+    shares = np.array([_in_percent(part, value) for part in (*parts, down, up)])
+    highest = np.max(shares, initial=100.0, where=np.isfinite(shares))
+    chart = Chart(
+        Axis(f"mean pressure p̄ ({unit})", load.min() * factor / 1.5, load.max() * factor * 1.5, log=True),
+        Axis("± in percent of the value", _LEAST, 2 * highest, log=True),
+        title=TITLES[name],
+        size=(330.0, 290.0),
+    )
+    for place, (source, part) in enumerate(zip(present, parts, strict=True)):
+        chart.marks(
+            load * factor,
+            _in_percent(part, value),
+            colour=COLOURS[place],
+            marker=MARKERS[place],
+            joined=1.5,
+            label=_WORDS[source],
         )
-        for place, (source, part) in enumerate(zip(present, parts, strict=True)):
-            chart.marks(
-                load * factor,
-                _in_percent(part, value),
-                colour=COLOURS[place],
-                marker=MARKERS[place],
-                joined=1.5,
-                label=_WORDS[source],
-            )
-        for half, dash, words in ((up, "", f"{_WORDS['combined']}, up"), (down, "5 3", "down")):
-            share = _in_percent(half, value)
-            chart.line(load * factor, share, colour="#000000", width=2.2, dash=dash, label=words)
-        images.append((TITLES[name], chart.source("below", columns=2)))
-    return images
+    for half, dash, words in ((up, "", f"{_WORDS['combined']}, up"), (down, "5 3", "down")):
+        share = _in_percent(half, value)
+        chart.line(load * factor, share, colour="#000000", width=2.2, dash=dash, label=words)
+    return chart
 
 
 def _note_on_open_ends(numbers: xr.Dataset) -> list[str]:
@@ -232,44 +238,48 @@ def _note_on_convergence(numbers: xr.Dataset) -> str:
 
 
 def _magnification(numbers: xr.Dataset) -> list[tuple[str, str]]:
-    """Draw results against the shortest wave that is kept, one line for a few of the loads."""
-    if "cutoff_wavelength" not in numbers or numbers.sizes["cutoff"] < 2:
-        return []
+    """Return (quantity, image) of the results against the shortest wave that is kept."""
+    charts = {name: against_cutoff(numbers, name) for name in _BY_CUTOFF}
+    return [(TITLES[name], chart.source("below", columns=2)) for name, chart in charts.items() if chart]
+
+
+def against_cutoff(numbers: xr.Dataset, name: str) -> Chart | None:
+    """Draw a result against the shortest wave that is kept, one line for a few of the loads.
+
+    None where it was not computed, or not for two waves.
+    """
+    if f"{name}_at_cutoff" not in numbers or numbers.sizes["cutoff"] < 2:
+        return None
     wavelengths = numbers["cutoff_wavelength"].values
     factor, unit = prefix(float(wavelengths[0]), "m")
     pressures = numbers["mean_pressure"].values
     loads = np.unique(np.linspace(0, pressures.size - 1, min(pressures.size, 4)).round().astype(int))
-    images = []
-    for name in _BY_CUTOFF:
-        if f"{name}_at_cutoff" not in numbers:
-            continue
-        words, own = TITLES[name], unit_of(numbers, UNITS[name])
-        shown = numbers[f"{name}_at_cutoff"].values[loads] * own.factor
-        shown = np.where(np.isfinite(shown) & (shown > 0), shown, np.nan)
-        if np.isnan(shown).all():
-            continue
-        chart = Chart(
-            Axis(
-                f"shortest wave kept ({unit})",
-                wavelengths[0] * factor / 1.3,
-                wavelengths[-1] * factor * 1.3,
-                log=True,
-            ),
-            Axis(f"{words} ({own.shown})", np.nanmin(shown) / 1.5, np.nanmax(shown) * 1.5, log=True),
-            title=words,
-            size=(330.0, 290.0),
+    words, own = TITLES[name], unit_of(numbers, UNITS[name])
+    shown = numbers[f"{name}_at_cutoff"].values[loads] * own.factor
+    shown = np.where(np.isfinite(shown) & (shown > 0), shown, np.nan)
+    if np.isnan(shown).all():
+        return None
+    chart = Chart(
+        Axis(
+            f"shortest wave kept ({unit})",
+            wavelengths[0] * factor / 1.3,
+            wavelengths[-1] * factor * 1.3,
+            log=True,
+        ),
+        Axis(f"{words} ({own.shown})", np.nanmin(shown) / 1.5, np.nanmax(shown) * 1.5, log=True),
+        title=words,
+        size=(330.0, 290.0),
+    )
+    for place, (load, values) in enumerate(zip(loads, shown, strict=True)):
+        chart.marks(
+            wavelengths * factor,
+            values,
+            colour=COLOURS[place],
+            marker=MARKERS[place],
+            joined=1.5,
+            label=unit_of(numbers, "Pa").text(float(pressures[load])),
         )
-        for place, (load, values) in enumerate(zip(loads, shown, strict=True)):
-            chart.marks(
-                wavelengths * factor,
-                values,
-                colour=COLOURS[place],
-                marker=MARKERS[place],
-                joined=1.5,
-                label=unit_of(numbers, "Pa").text(float(pressures[load])),
-            )
-        images.append((words, chart.source("below", columns=2)))
-    return images
+    return chart
 
 
 def _in_percent(half_width: np.ndarray, value: np.ndarray) -> np.ndarray:

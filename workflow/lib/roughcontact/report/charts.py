@@ -10,8 +10,9 @@ import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import partial
-from typing import Any, Literal
+from functools import partial, wraps
+from inspect import unwrap
+from typing import Any, Literal, ParamSpec
 from urllib.parse import quote
 
 import numpy as np
@@ -44,6 +45,7 @@ _OUTLINES = {
     "o": "M-1 0a1 1 0 1 0 2 0a1 1 0 1 0-2 0z",
 }
 
+_P = ParamSpec("_P")
 Corner = Literal["upper left", "upper right", "lower left", "lower right", "below"]
 Rectangle = tuple[float, float, float, float]  # left, top, width, height
 
@@ -160,6 +162,8 @@ class Chart:
         whether lines go through from the ticks.
     reading : dict
         the scales from which a script reads values of a picture (`map_plots.framed`), written as JSON.
+    steps : list of (str, dict)
+        what was drawn, for another program that draws (`roughcontact.plot`): method, keyword arguments.
     """
 
     x: Axis
@@ -170,6 +174,7 @@ class Chart:
     margins: Rectangle | None = None
     grid: bool = True
     reading: dict[str, Any] = field(default_factory=dict)
+    steps: list[tuple[str, dict[str, Any]]] = field(default_factory=list)
     _drawn: list[str] = field(default_factory=list)
     _beside: list[str] = field(default_factory=list)
     _legend: list[tuple[str, Callable[[float, float], str]]] = field(default_factory=list)
@@ -196,6 +201,7 @@ class Chart:
         `width` is in pixels, `dash` has the lengths of dashes and gaps (empty: solid), `label` stands in the
         legend (empty: not listed).
         """
+        self.note("line", x=x, y=y, colour=colour, width=width, dash=dash, label=label)
         style = _stroke(colour, width, dash)
         self._drawn.append(f'<path d="{self._path(x, y)}" fill="none" {style}/>')
         self._list(label, lambda at, up: f'<path d="M{at:g} {up:g}h26" fill="none" {style}/>')
@@ -217,6 +223,7 @@ class Chart:
         """
         if joined:
             self.line(x, y, colour=colour, width=joined)
+        self.note("marks", x=x, y=y, colour=colour, marker=marker, filled=filled, label=label)
         left, top = self._pixels(x, y)
         glyph = partial(_mark, marker=marker, colour=colour, filled=filled)
         self._drawn += [glyph(*place) for place in zip(left, top, strict=True) if np.isfinite(place).all()]
@@ -229,6 +236,7 @@ class Chart:
 
         A bar with an unknown end is left out.
         """
+        self.note("bars", x=x, lower=lower, upper=upper, colour=colour)
         left, low = self._pixels(x, lower)
         high = self._pixels(x, upper)[1]
         height = self.area[3]
@@ -340,6 +348,10 @@ class Chart:
             f'fill="{INK}">{"".join(parts)}</svg>'
         )
 
+    def note(self, method: str, **arguments: Any) -> None:
+        """Take note of what is drawn, for another program."""
+        self.steps.append((method, arguments))
+
     def _list(self, label: str, glyph: Callable[[float, float], str]) -> None:
         """Add a line to the legend."""
         if label:
@@ -387,6 +399,27 @@ class Chart:
             short = label if len(label) <= room else f"{label[: room - 1]}…"
             parts += [glyph(x, middle), _text(x + 32, middle + 4, short, size=_SMALL)]
         return parts, 18.0 * -(-len(self._legend) // columns) + 6
+
+
+def as_image(
+    legend: Corner = "upper right", *, columns: int = 3
+) -> Callable[[Callable[_P, Chart]], Callable[_P, str]]:
+    """Let a function that draws a chart return its source, with a legend; `chart_of` returns the chart."""
+
+    def decorate(draw: Callable[_P, Chart]) -> Callable[_P, str]:
+        @wraps(draw)
+        def image(*args: _P.args, **kwargs: _P.kwargs) -> str:
+            return draw(*args, **kwargs).source(legend, columns=columns)
+
+        return image
+
+    return decorate
+
+
+def chart_of(image: Callable[_P, str], *args: _P.args, **kwargs: _P.kwargs) -> Chart:
+    """Return the chart of a function of `as_image`, called with these arguments."""
+    chart: Chart = unwrap(image)(*args, **kwargs)
+    return chart
 
 
 def data_uri(svg: str) -> str:

@@ -16,6 +16,7 @@ from roughcontact.report.charts import (
     MARKERS,
     Axis,
     Chart,
+    as_image,
 )
 from roughcontact.report.units import unit_of
 from roughcontact.roughness.summits import summit_statistics
@@ -25,11 +26,12 @@ _AREA = "relative_contact_area"
 _RELATIVE = "relative pressure p′ = p̄ / (E* g)"
 
 
-def area_against_load(statistics: xr.Dataset, window: xr.DataArray) -> str:
+@as_image("below", columns=2)
+def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Chart:
     """Draw the contact area against the load, corrected and counted, with the theories as lines.
 
     The relative pressure has to be finite at every load; `window` (y, x; m) is the solved map, for its
-    summits.
+    summits, or None where it is not at hand.
 
     References
     ----------
@@ -51,13 +53,12 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray) -> str:
         label=f"mean pressure p̄ ({shown})",
         top=_relative_axis(statistics),
     )
-    if layers_of(statistics) is None:  # the theories are those of half-spaces
-        line = _theory_lines(chart, relative, unit=unit * factor)
-        modulus = float(statistics["contact_modulus"])
-        summits = summit_statistics(window)
+    half_spaces = layers_of(statistics) is None  # the theories are of these
+    line = _theory_lines(chart, relative, unit=unit * factor) if half_spaces else relative
+    area = np.full(line.shape, np.nan)
+    if half_spaces and window is not None:
+        modulus, summits = float(statistics["contact_modulus"]), summit_statistics(window)
         area = theory.greenwood_williamson_area(line * unit, summits, contact_modulus=modulus)
-    else:
-        line, area = relative, np.full(relative.shape, np.nan)
     if np.isfinite(area).any():
         chart.line(
             line * unit * factor,
@@ -70,7 +71,7 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray) -> str:
     chart.bars(load, *(100 * end for end in ends), colour=COLOURS[0])
     chart.marks(load, 100 * counted, colour=COLOURS[0], filled=False, label="solved, pixels counted")
     chart.marks(load, 100 * corrected, colour=COLOURS[0], label="solved, corrected")
-    return chart.source("below", columns=2)
+    return chart
 
 
 def compare_areas(
@@ -289,7 +290,8 @@ def gap_against_load(statistics: xr.Dataset) -> str:
     return chart.source("lower left")
 
 
-def pressure_against_load(statistics: xr.Dataset) -> str:
+@as_image("lower right")
+def pressure_against_load(statistics: xr.Dataset) -> Chart:
     """Draw mean and largest pressure of the contact with their intervals against the load, logarithmic.
 
     Examples
@@ -323,7 +325,7 @@ def pressure_against_load(statistics: xr.Dataset) -> str:
         highest = np.fmin(upper, hardness) if label == "largest" else upper
         chart.bars(load, lower * scale, highest * scale, colour=colour)
         chart.marks(load, value * scale, colour=colour, marker=marker, joined=1.2, label=label)
-    return chart.source("lower right")
+    return chart
 
 
 def pressure_distribution(statistics: xr.Dataset, loads: Sequence[int]) -> str:

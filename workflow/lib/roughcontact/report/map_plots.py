@@ -7,7 +7,7 @@ import xarray as xr
 
 from roughcontact.maps import side_lengths
 from roughcontact.quantities import Unit
-from roughcontact.report.charts import COLOURS, Axis, Chart
+from roughcontact.report.charts import COLOURS, Axis, Chart, as_image
 from roughcontact.report.colours import colour_scale, coloured
 from roughcontact.report.units import length_unit
 
@@ -22,13 +22,14 @@ _LONGEST_ASPECT = 4.0  # longer pictures are drawn out of scale
 Frame = tuple[float, float, float, float]  # x, y, length x, length y
 
 
+@as_image("below")  # a legend inside would hide crests of profiles
 def height_map(
     height: xr.DataArray,
     *,
     rectangle: Frame | None = None,
     unit: Unit = _MICROMETRES,
     along: Unit | None = None,
-) -> str:
+) -> Chart:
     """Draw a height map (y, x; m), points that were not measured in pink; a profile is drawn as a line.
 
     `rectangle` (m from the map's first corner) is the outline of the window, `unit` that of the heights,
@@ -84,13 +85,14 @@ def common_limits(loads: Iterable[tuple[np.ndarray, np.ndarray]]) -> tuple[float
     return max(highest, default=1.0), max(widest)
 
 
+@as_image("below")
 def pressure_map(
     height: xr.DataArray,
     pressure: np.ndarray,
     *,
     highest: float | None = None,
     unit: Unit = _MEGAPASCALS,
-) -> str:
+) -> Chart:
     """Draw the contact pressure (Pa) over the window, no contact in grey; a profile is drawn as a line.
 
     `height` gives the coordinates; `highest` (Pa) is the pressure of the last colour, by default that of
@@ -120,6 +122,7 @@ def pressure_map(
     )
 
 
+@as_image("below")
 def gap_map(
     height: xr.DataArray,
     gap: np.ndarray,
@@ -127,7 +130,7 @@ def gap_map(
     *,
     widest: float | None = None,
     unit: Unit = _MICROMETRES,
-) -> str:
+) -> Chart:
     """Draw the gap (m) over the window, contact in white; a profile shows both faces as lines.
 
     The surfaces touch where `pressure` is positive; `widest` (m) is the gap of the last colour, by default
@@ -206,6 +209,7 @@ def framed(
         "bad": [bad, bad_word],
         "points": list(values.shape[::-1]),
     }
+    chart.note("values", values=values, bar=bar, colours=colours, bad=bad)
     chart.colour_bar(bar, colour_scale(colours), below=extend[0], above=extend[1])
     return chart
 
@@ -223,7 +227,7 @@ def _map(
     extend: tuple[bool, bool] = (False, False),
     frame: Frame | None = None,
     along: Unit | None = None,
-) -> str:
+) -> Chart:
     """Draw values over the extent of `height`; NaN in the colour `bad`, an arrow where colours end early."""
     lengths = side_lengths(height)
     factor, of_lengths = along or length_unit(max(lengths))
@@ -244,7 +248,7 @@ def _map(
         corners = np.array([x, x + width, x + width, x, x]), np.array([y, y, y + depth, y + depth, y])
         for colour, line in (("#ffffff", 4.0), ("#d00000", 2.0)):
             chart.line(*corners, colour=colour, width=line)
-    return chart.source()
+    return chart
 
 
 def _profile(
@@ -254,7 +258,7 @@ def _profile(
     label: str,
     unit: Unit,
     along: Unit | None = None,
-) -> str:
+) -> Chart:
     """Draw one or more lines (values, name, colour) along a profile, gaps where values are missing."""
     axis = "x" if height.sizes["x"] > 1 else "y"
     position = height[axis].values - height[axis].values[0]
@@ -275,5 +279,4 @@ def _profile(
             width=1.1,
             label=name if len(lines) > 1 else "",
         )
-    # a legend inside would hide crests
-    return chart.source("below") if len(lines) > 1 else chart.source()
+    return chart

@@ -35,6 +35,7 @@ def write_panel(
     settings: dict,
     crosscheck: str | Path | None = None,
     counter_face: str | Path | None = None,
+    linked: bool = True,
 ) -> None:
     """Write one surface's part of the report: an HTML fragment with its images inside, and its summary.
 
@@ -52,6 +53,8 @@ def write_panel(
         the results of another code, where the run was cross-checked.
     counter_face : path or None
         the other measured file of a pair of faces.
+    linked : bool
+        whether the part has links to these files.
 
     Raises
     ------
@@ -111,7 +114,9 @@ def write_panel(
                 "solved window": window,
                 "pressure and gap" if fields else "solution without maps": contact,
                 "all numbers": statistics,
-            },
+            }
+            if linked
+            else {},
         ),
         settings=json.dumps(settings, indent=1, sort_keys=True),
         versions=facts.versions(numbers),

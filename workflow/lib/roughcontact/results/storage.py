@@ -173,7 +173,7 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
     if isinstance(dataset, xr.DataArray):
         dataset = dataset.to_dataset(name=dataset.name or "height", promote_attrs=True)
     dataset = describe(dataset)
-    with _whole(path, size=dataset.nbytes) as partial:
+    with whole(path, size=dataset.nbytes) as partial:
         _write(dataset, partial)
 
 
@@ -298,7 +298,7 @@ def written_load_by_load(
     >>> found.equals(solve_contact(height, **problem))
     True
     """
-    with _whole(path, size=len(loads) * window.size * _BYTES_OF_MAPS) as partial:
+    with whole(path, size=len(loads) * window.size * _BYTES_OF_MAPS) as partial:
         file = LoadByLoad(partial, loads)
         try:
             yield file
@@ -454,16 +454,17 @@ def write_text(text: str, path: str | Path) -> None:
     'A/A₀'
     """
     content = text.encode()
-    with _whole(path, size=len(content)) as partial:
+    with whole(path, size=len(content)) as partial:
         partial.write_bytes(content)
 
 
 @contextmanager
-def _whole(path: str | Path, *, size: int) -> Iterator[Path]:
+def whole(path: str | Path, *, size: int) -> Iterator[Path]:
     """Yield a temporary name beside `path` that takes its place at the end: no half file is ever seen.
 
-    The name is always the same, so that a later run replaces the rest of a killed job. `size` is an upper
-    estimate of the bytes of the file: where fewer are free, that is given as the reason of a failure.
+    Its folder is made where it is missing. The name is always the same, so that a later run replaces the rest
+    of a killed job. `size` is an upper estimate of the bytes of the file: where fewer are free, that
+    is given as the reason of a failure.
     """
     path = Path(path)
     partial = path.with_name(f".{path.name}.partial")

@@ -1,0 +1,143 @@
+"""Maps of a solution as files of other programs: VTK image data for ParaView, TIFF for Gwyddion and ImageJ.
+
+Both hold the height of the window and, for each load, pressure, gap and contact, in SI units.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.errors import SettingsError
+from roughcontact.maps import spacing
+from roughcontact.results.storage import whole
+
+_UNITS = {"height": "m", "pressure": "Pa", "gap": "m", "contact": "1"}
+_LARGEST_TIFF = 2**32 - 2**20  # bytes, whose places have 32 bits
+
+
+def write_vti(contact: xr.Dataset, path: str | Path) -> None:
+    """Write the maps as VTK image data (XML, appended binary, double precision), a point for each pixel.
+
+    Parameters
+    ----------
+    contact : Dataset
+        of `solve_contact`, or an opened contact.nc, of which one map at a time is in memory.
+    path : str or Path
+
+    Notes
+    -----
+    Point data are called `height`, `pressure`, `gap` and `contact`, the last three with the number of the
+    load at the end where there are several (`pressure_1`). The field data `mean_pressure` has the loads (Pa).
+
+    References
+    ----------
+    .. [1] VTK File Formats, https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from roughcontact.contact.solve import solve_contact
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> solved = solve_contact(rough_reference_surface(64), contact_modulus=1.0, mean_pressure=[0.1, 0.2])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_vti(solved, f"{folder}/maps.vti")
+    ...     Path(folder, "maps.vti").read_bytes().count(b"<DataArray ")
+    8
+    """
+    height = contact["height"]
+    (ny, nx), (dy, dx) = height.shape, spacing(height)
+    extent = f"0 {nx - 1} 0 {ny - 1} 0 0"
+    origin = f"{float(height['x'][0])!r} {float(height['y'][0])!r} 0"
+    several = contact.sizes["load"] > 1
+    names = [name + (f"_{load + 1}" if load is not None and several else "") for name, load in _maps(contact)]
+    loads = contact["mean_pressure"].values
+    room = 8 + 8 * height.size  # of a map, its length before it
+    arrays = [
+        f'<DataArray type="Float64" Name="{name}" format="appended" offset="{place * room}"/>'
+        for place, name in enumerate(names)
+    ]
+    head = (
+        '<?xml version="1.0"?>\n'
+        '<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n'
+        f'<ImageData WholeExtent="{extent}" Origin="{origin}" Spacing="{dx!r} {dy!r} {dx!r}">\n'
+        f'<FieldData><DataArray type="Float64" Name="mean_pressure" NumberOfTuples="{loads.size}" '
+        f'format="ascii">{" ".join(map(repr, loads.tolist()))}</DataArray></FieldData>\n'
+        f'<Piece Extent="{extent}"><PointData Scalars="height">\n' + "\n".join(arrays) + "\n"
+        "</PointData></Piece>\n</ImageData>\n"
+        '<AppendedData encoding="raw">\n_'
+    )
+    with whole(path, size=len(names) * room) as partial, partial.open("wb") as file:
+        file.write(head.encode())
+        for name, load in _maps(contact):
+            file.write(np.uint64(8 * height.size).astype("<u8").tobytes())
+            file.write(_values(contact, name, load).astype("<f8").tobytes())
+        file.write(b"\n</AppendedData>\n</VTKFile>\n")
+
+
+def write_tiff(contact: xr.Dataset, path: str | Path) -> None:
+    """Write the maps as TIFF, single precision, a page for each, the picture of the surface upright.
+
+    Parameters
+    ----------
+    contact : Dataset
+        of `solve_contact`, or an opened contact.nc, of which one map at a time is in memory.
+    path : str or Path
+
+    Raises
+    ------
+    SettingsError
+        for maps of more than 4 GB, which no TIFF holds.
+
+    Notes
+    -----
+    The description of a page has the quantity, its unit and the mean pressure (Pa); the resolution is that of
+    the pixels (per centimetre).
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from PIL import Image
+    >>> from roughcontact.contact.solve import solve_contact
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> solved = solve_contact(rough_reference_surface(64), contact_modulus=1.0, mean_pressure=0.1)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_tiff(solved, f"{folder}/maps.tiff")
+    ...     with Image.open(f"{folder}/maps.tiff") as pages:
+    ...         pages.seek(1)
+    ...         pages.n_frames, pages.mode, pages.tag_v2[270]
+    (4, 'F', 'pressure (Pa) at a mean pressure of 0.1 Pa')
+    """
+    from PIL import Image
+    from PIL.TiffImagePlugin import AppendingTiffWriter, IFDRational, ImageFileDirectory_v2
+
+    dy, dx = spacing(contact["height"])
+    size = 4 * contact["height"].size * (1 + 3 * contact.sizes["load"])
+    if size > _LARGEST_TIFF:
+        raise SettingsError(f"{path}: the maps take {size / 1e9:.3g} GB, a TIFF holds 4 GB: choose .vti")
+    with whole(path, size=size) as partial, AppendingTiffWriter(str(partial), new=True) as file:
+        for name, load in _maps(contact):
+            text = f"{name} ({_UNITS[name]})"
+            if load is not None:
+                text += f" at a mean pressure of {float(contact['mean_pressure'][load]):.6g} Pa"
+            tags: Any = ImageFileDirectory_v2()
+            tags[270] = text
+            tags[282], tags[283], tags[296] = IFDRational(1e-2 / dx), IFDRational(1e-2 / dy), 3
+            picture = _values(contact, name, load)[::-1].astype(np.float32)
+            Image.fromarray(picture).save(file, format="TIFF", tiffinfo=tags)
+            file.newFrame()
+
+
+def _maps(contact: xr.Dataset) -> Iterator[tuple[str, int | None]]:
+    """Yield the maps: name, and index of the load, None for the height."""
+    yield "height", None
+    for load in range(contact.sizes["load"]):
+        for name in ("pressure", "gap", "contact"):
+            yield name, load
+
+
+def _values(contact: xr.Dataset, name: str, load: int | None) -> np.ndarray:
+    """Return one map (y, x)."""
+    return np.asarray((contact[name] if load is None else contact[name].isel(load=load)).values)
