@@ -85,7 +85,9 @@ def test_maps_lie_upright_with_the_limits_of_the_report():
 def test_budget_and_magnification_have_a_line_for_each():
     sources = ["solver", "window", "combined"]
     parts = AREAS[:, None] * [0.001, 0.1, 0.15]
-    found = numbers(relative_contact_area_uncertainty=(("load", "source"), parts)).assign_coords(source=sources)
+    found = numbers(relative_contact_area_uncertainty=(("load", "source"), parts)).assign_coords(
+        source=sources
+    )
     assert line(rc.plot.budget(found), "window").get_ydata() == pytest.approx([10, 10, 10])
     cutoffs = {"cutoff_wavelength": ("cutoff", [1e-6, 2e-6])}
     found = found.assign(relative_contact_area_at_cutoff=(("load", "cutoff"), AREAS[:, None] * [1, 2.0]))

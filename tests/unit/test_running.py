@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 import tracemalloc
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ from roughcontact.configuration.surfaces import read_surfaces
 from roughcontact.configuration.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
 
-
+CHECKOUT = Path(__file__).parents[2]
 BODIES = ("--body", "210GPa", "0.3", "--body", "4GPa", "0.4", "0.3GPa")
 
 
@@ -215,6 +216,17 @@ def test_options_of_a_run_go_to_snakemake(folder, capfd):
     assert main(["run", "--no-such-option"]) != 0
     assert "--no-such-option" in capfd.readouterr().err
     assert not (folder / "results").exists()
+
+
+def test_a_run_says_which_settings_it_takes_and_what_an_earlier_table_left(folder, capfd):
+    for earlier in ("seat", "ground", "soft/seat"):
+        (folder / "results" / earlier).mkdir(parents=True)
+        (folder / "results" / earlier / "panel.html").touch()
+    assert main(["run", "-n"]) == 0
+    said = capfd.readouterr().out
+    assert f"no config/config.yaml here: settings of {CHECKOUT / 'config/config.yaml'}, surfaces of " in said
+    assert f"{CHECKOUT / 'config/surfaces.tsv'} (5 maps)." in said
+    assert "Not in the table: results/seat, results/soft/seat. They stay" in said  # ground is
 
 
 def test_a_dry_run_is_short_and_snakemake_has_its_own_screen_where_asked(folder, capfd):

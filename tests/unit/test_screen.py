@@ -2,9 +2,11 @@
 
 import io
 import logging
+from random import Random
 
 import pytest
 
+from snakemake_logger_plugin_roughcontact import screen
 from snakemake_logger_plugin_roughcontact.screen import ERASE, Screen
 
 BEGIN = 1_000_000.0
@@ -76,14 +78,14 @@ def test_a_surface_has_one_line_when_its_last_job_has_ended(tmp_path):
     run.job(3, 10, 20)
     assert run.lines == ["2 results, 5 jobs"]
     run.job(2, 20, 50)
-    # a contact of 30 s as the one before, and a report of (10 + 10 + 30) / 3 s
+    # a contact of about 30 s, and a report of 6 s on a computer that takes 50 s and not 3 + 3 + 6 s
     assert run.lines[1:] == [
-        "ground: done, 2 warnings in its logs and in the report (1 of 2, about 47 s left)"
+        "ground: done, 2 warnings in its logs and in the report (1 of 2, about 54 s left)"
     ]
     run.job(4, 50, 80)
     run.job(5, 80, 90, output=["results/report.html"])
     run.tell(event="progress", done=5, total=5, after=90)
-    assert run.lines[2:] == ["turned: done (2 of 2, about 20 s left)", "done in 2 min: results/report.html"]
+    assert run.lines[2:] == ["turned: done (2 of 2, about 27 s left)", "done in 2 min: results/report.html"]
 
 
 def test_of_a_study_each_case_has_a_line():
@@ -201,8 +203,44 @@ def test_jobs_that_run_side_by_side_leave_half_the_time():
     for number in (1, 3):
         run.start(number, 0)
     run.tell(event="job_finished", job_id=1, after=10)
-    # of prepare nothing is left of the other's 10 s; two contacts and the report of 10 s each
-    assert run.screen.clock.seconds(BEGIN + 10) == pytest.approx((2 + 1) * 10 / 2)
+    # a quarter of the other's 10 s; two contacts of 6 s, and the report, where 3 s have taken 10 s
+    assert run.screen.clock.seconds(BEGIN + 10) == pytest.approx((10 / 4 + 2 * 20) / 2 + 20)
+
+
+@pytest.mark.parametrize("share", [0.7, 1.0, 1.8])
+@pytest.mark.parametrize("first", ["small", "large", "mixed"])
+def test_the_time_left_is_right_within_a_factor_of_two_after_a_tenth_of_the_jobs(monkeypatch, share, first):
+    """Of 41 maps five have a hundred times the points; maps are as hard as they are, twice or half of it."""
+    random = Random(first)
+    minutes = {f"s{n}": random.uniform(0.1, 0.5) * (60 if n % 8 == 3 else 1) for n in range(41)}
+    order = sorted(minutes, key=minutes.get, reverse=first == "large")
+    order = order if first != "mixed" else list(minutes)
+    large = {name: 2 if minutes[name] > 1 else 1 for name in minutes}
+    plan = {("contact", name, ""): (minutes[name], large[name]) for name in order}
+    plan |= {("prepare", name, ""): (minutes[name] / 25, 1) for name in order}
+    monkeypatch.setattr(screen, "EXPECTED", plan)
+    clock = screen.Clock()
+    clock.plan({"prepare": 41, "contact": 41, "report": 1, "all": 1})
+    jobs = [("prepare", name) for name in order] + [("contact", name) for name in order]
+    now, waiting, working, said = 0.0, list(enumerate([*jobs, ("report", "")])), {}, []
+    while waiting or working:
+        while waiting and sum(
+            large.get(name, 1) if kind == "contact" else 1 for _, kind, name in working.values()
+        ) + (large.get(waiting[0][1][1], 1) if waiting[0][1][0] == "contact" else 1) <= (
+            2 if waiting[0][1][0] != "report" or not working else 0
+        ):
+            number, (kind, name) = waiting.pop(0)
+            slope = {"prepare": 0.4, "contact": share * random.uniform(0.5, 2), "report": 0}[kind]
+            takes = {"prepare": 4, "contact": 8, "report": 9}[kind] * random.uniform(0.8, 1.2)
+            threads = large[name] if kind == "contact" else 1
+            clock.start(number, kind, now, surface=name, threads=threads)
+            working[number] = (now + takes + slope * minutes.get(name, 0) / threads, kind, name)
+        number = min(working, key=working.get)
+        now = working.pop(number)[0]
+        clock.finish(number, now)
+        said.append((now, clock.seconds(now)))
+    wrong = [(now - at) / seconds for at, seconds in said if now - at > 30][8:]
+    assert 0.5 < min(wrong) < max(wrong) < 2
 
 
 def test_warnings_and_errors_come_in_full_above_the_bar():
@@ -221,7 +259,7 @@ def test_the_bar_fits_the_terminal_and_says_what_is_at_work(monkeypatch):
     run.job(1, 0, 10)
     run.start(2, 10)
     last = run.stream.getvalue().rpartition(ERASE)[2]
-    assert last == "[####----------------] 1 of 5 jobs, about 40 s left: contac"
+    assert last == "[####----------------] 1 of 5 jobs, about 1 min left: conta"
 
 
 def test_a_dry_run_shows_the_jobs_of_each_rule_once_and_why():

@@ -8,8 +8,10 @@ import time
 from functools import cache
 from pathlib import Path
 
+from snakemake.logging import logger
+
 from roughcontact.configuration.dependencies import PACKAGE, source_digest
-from roughcontact.configuration.places import check_places
+from roughcontact.configuration.places import check_places, left_over
 from roughcontact.configuration.plan import Plan, one_of
 from roughcontact.configuration.stages import settings_of
 from roughcontact.configuration.study import read_study
@@ -26,7 +28,7 @@ collect_rarely()
 # Without --configfile: the configuration of the working directory, else the one that comes with the workflow.
 # One file only, never two laid over each other, so that what a file says is all that is set.
 DEFAULT = find("config/config.yaml", [".", ROOT])
-ORIGIN = "the settings"
+ORIGIN, ELSEWHERE = "the settings", False
 try:
     check_places(Path())
     # of another workflow, which has this one as a module, the files are its own
@@ -36,6 +38,7 @@ try:
     ):
         for file in filter(os.path.isfile, workflow.configfiles or [DEFAULT]):
             check_yaml(Path(file))
+        ELSEWHERE = not (workflow.configfiles or os.path.isfile("config/config.yaml"))
         ORIGIN = ", ".join(map(str, workflow.configfiles or [DEFAULT]))
 except SettingsError as error:
     # the sentences alone: a WorkflowError comes with lines of this file
@@ -53,6 +56,18 @@ try:
     PLAN = Plan(*read_study(config, FOLDERS, measured_in=[".", ROOT], origin=ORIGIN))
 except SettingsError as error:
     sys.exit(str(error))
+
+if ELSEWHERE:
+    table = find(PLAN.common["surfaces"], FOLDERS)
+    logger.info(
+        f"There is no config/config.yaml here: settings of {DEFAULT}, surfaces of {table} "
+        f"({len(PLAN.measured)} maps)."
+    )
+if left := left_over(PLAN.panel(*run) for run in PLAN.runs):
+    logger.info(
+        f"Not in the table: {', '.join(left[:5])}{' ...' if len(left) > 5 else ''}. They stay as an earlier run left "
+        "them; report.html, summary.csv and statistics.nc are of the table alone."
+    )
 
 # what the command is told that makes the report of a run in which surfaces have failed
 UNFINISHED = [sys.executable, "-m", "roughcontact.command_line.unfinished"]

@@ -10,7 +10,7 @@ import shutil
 import signal
 import time
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
@@ -20,6 +20,12 @@ ERASE = "\r\x1b[K"  # the line of the bar
 _PREAMBLE = ("Assuming unrestricted shared filesystem", "Building DAG of jobs", "host: ")
 _BAR = 20  # characters
 _LAST = "contact"  # what the last job of a surface does
+_BEFORE = ("prepare", "crosscheck")
+# seconds of a job, and those by minute of the plan and thread, as measured; the plan has upper limits
+_START = {"prepare": 3.0}
+_START_OF_OTHERS, _PER_MINUTE = 6.0, 1.0
+# (kind, surface, case) -> minutes of the plan, threads: the Snakefile tells it, in the process of the screen
+EXPECTED: dict[tuple[str, str, str], tuple[float, int]] = {}
 
 
 def duration(seconds: float) -> str:
@@ -41,6 +47,11 @@ def duration(seconds: float) -> str:
     if seconds < 60:
         return f"{max(seconds, 1):.0f} s"
     return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+
+
+def _usual(kind: str, minutes: float) -> float:
+    """Return the time that a job usually takes, s."""
+    return _START.get(kind, _START_OF_OTHERS) + _PER_MINUTE * minutes
 
 
 class Screen:
@@ -137,7 +148,9 @@ class Screen:
         """Take note of a job that begins; of one that had failed show what it asks for now."""
         number = fields["jobid"]
         self.jobs[number] = fields
-        self.clock.start(number, fields["rule_name"], now)
+        of = fields["wildcards"] or {}
+        which = {name: str(of.get(name, "")) for name in ("surface", "case")}
+        self.clock.start(number, fields["rule_name"], now, threads=fields.get("threads") or 1, **which)
         self.logs.setdefault(_row(fields), []).extend(fields["log"] or [])
         self.page = next(
             (path for path in fields["output"] or [] if path.endswith("/report.html")), self.page
@@ -215,8 +228,11 @@ class Clock:
         self.begin = time.time()
         self.total = self.done = self.width = 0
         self.left: Counter[str] = Counter()  # jobs of each kind, those at work among them
-        self.taken: dict[str, list[float]] = {}
+        self.taken: dict[str, list[tuple[float, float]]] = {}  # minutes of the plan by thread, seconds
         self.running: dict[int, tuple[str, float]] = {}
+        self.minutes: dict[int, float] = {}  # of the plan by thread, of those that have begun
+        self.threads: dict[int, int] = {}
+        self.open = dict[tuple[str, str, str], tuple[float, int]]()  # both, of those that have not begun
 
     def plan(self, jobs: dict[str, int]) -> None:
         """Take note of how many jobs of each rule there are.
@@ -230,7 +246,9 @@ class Clock:
             self.left[_kind(rule)] += count
         self.total = sum(jobs.values())
 
-    def start(self, job: int, rule: str, now: float) -> None:
+    def start(
+        self, job: int, rule: str, now: float, *, surface: str = "", case: str = "", threads: int = 1
+    ) -> None:
         """Take note of a job that begins.
 
         Parameters
@@ -240,9 +258,17 @@ class Clock:
         rule : str
             what it does.
         now : float, s
+        surface, case : str
+            of what.
+        threads : int
+            that it takes.
         """
-        self.running[job] = (_kind(rule), now)
-        self.width = max(self.width, len(self.running))
+        if not self.minutes:
+            self.open = dict(EXPECTED)
+        self.running[job], self.threads[job] = (_kind(rule), now), threads
+        known = self.minutes.get(job, 0.0) * threads, 1  # of one that is tried again
+        self.minutes[job] = self.open.pop((_kind(rule), surface, case), known)[0] / threads
+        self.width = max(self.width, sum(self.threads[each] for each in self.running))
 
     def finish(self, job: int, now: float) -> None:
         """Take note of a job that has ended.
@@ -258,7 +284,7 @@ class Clock:
             return
         kind, begin = self.running.pop(job)
         self.left[kind] -= 1
-        self.taken.setdefault(kind, []).append(now - begin)
+        self.taken.setdefault(kind, []).append((self.minutes[job], now - begin))
 
     def fail(self, job: int) -> None:
         """Take note of a job that has failed: it is to be done still, or never.
@@ -271,7 +297,10 @@ class Clock:
         self.running.pop(job, None)
 
     def seconds(self, now: float) -> float | None:
-        """Return the time that is left, from the jobs of each kind that have ended.
+        """Return the time that is left, from the jobs that have ended.
+
+        Of each kind by a line of time over minutes of the plan, which is near the usual one, scaled to this
+        computer, as long as few have ended.
 
         Parameters
         ----------
@@ -282,14 +311,45 @@ class Clock:
         float or None, s
             None where none has ended.
         """
-        ended = [each for times in self.taken.values() for each in times]
+        ended = [(kind, *each) for kind, times in self.taken.items() for each in times]
         if not ended:
             return None
-        means = {kind: sum(times) / len(times) for kind, times in self.taken.items()}
-        usual = sum(ended) / len(ended)
-        left = sum(jobs * means.get(kind, usual) for kind, jobs in self.left.items())
-        at_work = (min(now - begin, means.get(kind, usual)) for kind, begin in self.running.values())
-        return max(left - sum(at_work), 0) / max(self.width, 1)
+        slower = sum(took for *_, took in ended) / sum(_usual(kind, minutes) for kind, minutes, _ in ended)
+        share = longest = alone = 0.0
+        for kind, jobs in self.left.items():
+            line = self._line(kind, slower)
+            begun = {job: now - begin for job, (of, begin) in self.running.items() if of == kind}
+            # one that takes longer than expected is not said to end at once; time, threads
+            rest = [
+                (max(line(self.minutes[job]) - so_far, so_far / 4), self.threads[job])
+                for job, so_far in begun.items()
+            ]
+            known = [each for (of, *_), each in self.open.items() if of == kind] or [(0.0, 1)]
+            waiting = max(jobs - len(begun), 0)
+            few = [(minutes, max(min(threads, self.width), 1)) for minutes, threads in known]
+            each_of_them = [(line(minutes / threads), threads) for minutes, threads in few]
+            used = sum(t * n for t, n in rest)
+            used += waiting * sum(t * n for t, n in each_of_them) / len(known)
+            most = max(t for t, _ in [(0.0, 1), *rest, *(each_of_them if waiting else ())])
+            if kind in (_LAST, *_BEFORE):
+                share, longest = share + used, max(longest, most)
+            else:  # one for all surfaces, at the end
+                alone += most
+        return max(share / max(self.width, 1), longest) + alone
+
+    def _line(self, kind: str, slower: float) -> Callable[[float], float]:
+        """Return the function from minutes of the plan to the seconds that a job takes here."""
+        start, rise = slower * _START.get(kind, _START_OF_OTHERS), slower * _PER_MINUTE
+        # least squares: times scatter by a quarter; usual values within a half (start) and all (rise)
+        ended = [(16 / max(took, 1.0) ** 2, minutes, took) for minutes, took in self.taken.get(kind, ())]
+        of_start, of_rise = 4 / start**2, 1 / rise**2
+        ones, minutes = of_start + sum(w for w, *_ in ended), sum(w * m for w, m, _ in ended)
+        squares = of_rise + sum(w * m * m for w, m, _ in ended)
+        times = of_start * start + sum(w * took for w, _, took in ended)
+        products = of_rise * rise + sum(w * m * took for w, m, took in ended)
+        slope = max((products * ones - times * minutes) / (ones * squares - minutes**2), 0.0)
+        begin = max((times - slope * minutes) / ones, 0.0)
+        return lambda minutes: begin + slope * minutes
 
     def words(self, now: float) -> str:
         """Return the time that is left as part of a line; nothing where it is not known.

@@ -34,6 +34,23 @@ def check_writable(folder: Path) -> None:
             )
 
 
+def left_over(planned: Iterable[str]) -> list[str]:
+    """Return the folders of results of the working directory that are not those of the planned panels.
+
+    Examples
+    --------
+    >>> import contextlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+    ...     for name in ("seat", "ring"):
+    ...         Path("results", name).mkdir(parents=True)
+    ...         Path("results", name, "panel.html").touch()
+    ...     left_over(["results/ring/panel.html"])
+    ['results/seat']
+    """
+    found = {path.parent for depth in ("*", "*/*") for path in Path("results").glob(f"{depth}/panel.html")}
+    return sorted(folder.as_posix() for folder in found - {Path(panel).parent for panel in planned})
+
+
 def check_dates(paths: Iterable[str]) -> None:
     """Raise an InputFileError where a file is from the future: what is made of it would count as older."""
     now = time.time()

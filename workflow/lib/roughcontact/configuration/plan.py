@@ -348,6 +348,20 @@ class Plan:
         solving = (240 + 190 * self.loads(case)) * points / 60e6
         return solving + (0 if case in self.preparing else prepare)
 
+    def expected(self, points: Callable[[str], int]) -> dict[tuple[str, str, str], tuple[float, int]]:
+        """Return minutes and threads of the chain's jobs by part, surface and case; `points` of a surface."""
+        jobs: list[tuple[Part, str, str]] = [("contact", *run) for run in self.runs]
+        jobs += [
+            ("prepare", name, case) for name in [*self.measured, *self.members] for case in self.preparing
+        ]
+        return {
+            job: (
+                self.minutes(*job, points=points(job[1])),
+                self.threads(job[1]) if job[0] == "contact" else 1,
+            )
+            for job in jobs
+        }
+
     def sources(self, run: Run) -> list[str]:
         """Return the paths of all files from outside that contribute to a result, each once."""
         jobs = [job for job in self._contributing(run) if job[0] != "crosscheck"]

@@ -1,0 +1,139 @@
+"""Files of `roughcontact solve FILE -o RESULT`: the numbers of `evaluate`, or the maps of the solver."""
+
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pandas as pd
+import pytest
+import tifffile
+from PIL import Image
+
+import roughcontact as rc
+from roughcontact.command_line.program import main
+from roughcontact.quantities import percent
+from roughcontact.results.exchange import write_tiff
+
+CONTACT = {"contact_modulus": 1e9, "mean_pressure": [2e7, 5e6]}
+OPTIONS = ["--contact-modulus", "1e9", "--mean-pressure", "2e7", "5e6", "--uncertainty-sources", "solver"]
+MAPS = ["height", *(f"{name}_{load}" for load in (1, 2) for name in ("pressure", "gap", "contact"))]
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory):
+    """Return the path of a map that is not square in any way."""
+    path = tmp_path_factory.mktemp("maps") / "small 1.nc"
+    waves = {"hurst": 0.8, "shortest": 6e-6, "longest": 24e-6, "rms_height": 2e-7}
+    rc.self_affine_surface((48, 64), (1.5e-6, 1e-6), **waves, seed=4).to_netcdf(path)
+    return path
+
+
+def saved(measured, folder, ending):
+    """Return the file that the program has written, the only one of its folder."""
+    path = folder / f"new/result{ending}"
+    assert main(["solve", str(measured), *OPTIONS, "-o", str(path)]) == 0
+    assert [each.name for each in path.parent.iterdir()] == [path.name]
+    return path
+
+
+def test_numbers_are_those_of_evaluate(measured, tmp_path):
+    found = rc.evaluate(measured, contact=CONTACT, uncertainty={"sources": ["solver"]})
+    assert rc.read_dataset(saved(measured, tmp_path, ".nc")).broadcast_equals(found)
+    table = pd.read_csv(saved(measured, tmp_path / "csv", ".csv"))
+    assert set(table["surface"]) == {"small-1"}
+    for name in ("mean_pressure", "mean_gap_lower", "max_pressure"):
+        unit = "m" if "gap" in name else "Pa"
+        assert table[f"{name}_{unit}"].values == pytest.approx(found[name].values, rel=1e-9)
+
+
+def test_the_page_stands_by_itself(measured, tmp_path):
+    text = saved(measured, tmp_path, ".html").read_text(encoding="utf-8")
+    found = rc.evaluate(measured, contact=CONTACT, uncertainty={"sources": []})
+    assert percent(float(found["relative_contact_area_pixels"][0])).replace(" ", "") in re.sub(
+        r"\s", "", text
+    )
+    assert "small-1" in text
+    # no word of files that lie beside the page of a run
+    assert not re.search(r'href="[^"#:]*\.(nc|csv)"', text)
+    assert "beside this page" not in text
+
+
+def test_the_figure_is_drawn(measured, tmp_path):
+    with Image.open(saved(measured, tmp_path, ".png")) as picture:
+        assert picture.size == (1512, 1224)
+        assert len(np.unique(np.asarray(picture.convert("L")))) > 100
+
+
+def test_maps_are_those_of_the_solver(measured, tmp_path):
+    window = rc.periodic_window(rc.level(rc.read_height_map(measured)))
+    solved = rc.solve_contact(window, **CONTACT)
+    wanted = [solved["height"].values]
+    wanted += [solved[name].values[load] for load in (0, 1) for name in ("pressure", "gap", "contact")]
+    size = tuple(reversed(window.shape))
+
+    head, _, data = saved(measured, tmp_path, ".vti").read_bytes().partition(b"\n_")
+    tree = ElementTree.fromstring(head + b"</AppendedData></VTKFile>")
+    image = tree.find("ImageData")
+    assert image.get("WholeExtent") == f"0 {size[0] - 1} 0 {size[1] - 1} 0 0"
+    assert [float(step) for step in image.get("Spacing").split()] == pytest.approx([1e-6, 1.5e-6, 1e-6])
+    assert [float(load) for load in image.find("FieldData/DataArray").text.split()] == [2e7, 5e6]
+    arrays = image.findall("Piece/PointData/DataArray")
+    assert [array.get("Name") for array in arrays] == MAPS
+    for array, values in zip(arrays, wanted, strict=True):
+        start = int(array.get("offset"))
+        (room,) = np.frombuffer(data, "<u8", 1, start)
+        assert room == 8 * values.size
+        assert (np.frombuffer(data, "<f8", values.size, start + 8).reshape(values.shape) == values).all()
+
+    with tifffile.TiffFile(saved(measured, tmp_path / "tiff", ".tiff")) as file:
+        for page, name, values in zip(file.pages, MAPS, wanted, strict=True):
+            assert page.description.startswith(name.partition("_")[0])
+            assert (page.asarray()[::-1] == values.astype(np.float32)).all()
+            assert page.resolutionunit == 3  # by centimetre
+            assert np.array(page.resolution) == pytest.approx([1e4, 1e4 / 1.5], rel=1e-6)
+        assert "at a mean pressure of 5e+06 Pa" in file.pages[4].description
+
+
+def test_maps_of_a_kept_file_are_written_too(tmp_path, monkeypatch):
+    """A library call; what no TIFF holds is refused before anything is written."""
+    solved = rc.solve_contact(
+        rc.self_affine_surface((8, 8), 1.0, hurst=0.5, shortest=4, longest=8, rms_height=1.0, seed=1),
+        contact_modulus=1.0,
+        mean_pressure=1.0,
+    )
+    monkeypatch.setattr("roughcontact.results.exchange._LARGEST_TIFF", 1000)
+    with pytest.raises(rc.SettingsError, match=r"1.02e-06 GB, a TIFF holds 4 GB: choose .vti"):
+        write_tiff(solved, tmp_path / "maps.tiff")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("files", "output", "said"),
+    [
+        (1, "result.xlsx", "end it with one of .nc, .csv, .html, .png, .vti, .tiff"),
+        (1, "result", "end it with one of .nc"),
+        (
+            2,
+            "result.nc",
+            "is of one map, 2 are given; `roughcontact init` and `run` write the results of several",
+        ),
+        (1, "small 1.nc", "is the measured file itself; choose another name"),
+        (1, "folder.nc", "is a folder; choose another name"),
+    ],
+)
+def test_what_cannot_be_written_is_refused_before_anything_is_solved(
+    measured, capsys, monkeypatch, files, output, said
+):
+    monkeypatch.chdir(measured.parent)
+    (measured.parent / "folder.nc").mkdir(exist_ok=True)
+    before = measured.read_bytes()
+    assert main(["solve", *[str(measured)] * files, *OPTIONS, "-o", output]) == 2
+    assert capsys.readouterr() == ("", f"roughcontact: -o {output}: {said}\n") or said.endswith(".nc")
+    assert measured.read_bytes() == before
+
+
+def test_a_load_that_misses_the_tolerance_writes_nothing(measured, tmp_path, capsys):
+    tight = ["--tolerance", "1e-15"]
+    assert main(["solve", str(measured), *OPTIONS, *tight, "-o", str(tmp_path / "result.nc")]) == 1
+    assert "tolerance" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
