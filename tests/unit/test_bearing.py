@@ -18,7 +18,7 @@ from roughcontact.roughness.heights import height_parameters
 
 TABLE = Path(__file__).with_name("bearing_parameters.csv")
 # the other library takes areas from the nearest point of its curve on, not from where the line meets it
-AREAS = {"Spk", "Svk", "Vmc", "Vvv"}
+AREAS = {"Spk", "Svk", "Sak1", "Sak2", "Vmp", "Vmc", "Vvc", "Vvv"}
 
 
 def table():
@@ -50,6 +50,13 @@ def test_three_straight_pieces(peak, core, dale):
     assert found["Spk"] == pytest.approx(peak * enters, rel=1e-4)
     assert found["Svk"] == pytest.approx(dale * (1 - leaves), rel=1e-4)
     assert found["Vvv"] == pytest.approx(0.2**2 * dale / 2, rel=1e-4)
+    # what the triangles and the core leave of the whole height
+    assert found["Sak1"] == pytest.approx(peak * enters**2 / 2, rel=1e-4)
+    assert found["Sak2"] == pytest.approx(dale * (1 - leaves) ** 2 / 2, rel=1e-4)
+    assert found["Spkx"] == pytest.approx(peak * enters, rel=1e-4)
+    assert found["Svkx"] == pytest.approx(dale * (1 - leaves), rel=1e-4)
+    assert found["Sdc"] == pytest.approx(0.075 * peak + 0.4 * core, rel=1e-4)
+    assert found["Vmp"] == pytest.approx(0.1**2 * peak / 2, rel=1e-4)
     # below 10 %: all of the core's slope, and a rectangle over the first tenth
     assert found["Vmc"] == pytest.approx(0.7**2 * core / 2 + 0.1 * 0.7 * core, rel=1e-4)
 
@@ -65,6 +72,9 @@ def test_volumes_of_a_wave():
     found = bearing_parameters(wave)
     assert found["Vmc"] == pytest.approx(material(0.8) - material(0.1), rel=1e-4)
     assert found["Vvv"] == pytest.approx(material(0.2), rel=1e-4)
+    assert found["Vmp"] == pytest.approx(material(0.1), rel=1e-4)
+    assert found["Vvc"] == pytest.approx(material(0.9) - material(0.2), rel=1e-4)
+    assert found["Sdc"] == pytest.approx(a * np.cos(0.025 * np.pi), rel=1e-4)
 
 
 def test_a_symmetric_surface_is_all_core_around_the_middle():

@@ -58,6 +58,11 @@ def test_grooves_in_closed_form():
     assert found["Std"] == 0
     turned = texture_parameters(height_map(np.cos(2 * np.pi * y * 4 / 64), 1e-6))
     assert turned["Std"] == 90
+    # the stronger one of two waves, leaning, on pixels that are not square
+    waves = np.cos(2 * np.pi * (3 * x / 96 - 5 * y / 64)) + 0.9 * np.cos(2 * np.pi * x * 4 / 96)
+    leaning = texture_parameters(height_map(waves, (2e-6, 1e-6)))
+    assert leaning["Ssw"] == pytest.approx(1e-6 / np.hypot(3 / 96, 5 / 128), rel=1e-12)
+    assert found["Ssw"] == pytest.approx(24e-6, rel=1e-12)
 
 
 @pytest.mark.parametrize("turned", [False, True])

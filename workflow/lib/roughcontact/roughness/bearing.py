@@ -6,10 +6,16 @@ import numpy as np
 
 _CENTRAL_WIDTH = 0.4  # of the central region of the curve, in material ratio
 _PEAK_RATIO, _DALE_RATIO = 0.1, 0.8  # material ratios that bound the core in the volume parameters
+_EXTREME_RATIO, _MIDDLE_RATIO = 0.025, 0.5  # of Sdc
+
+BEARING_PARAMETERS = (
+    *("Sk", "Spk", "Svk", "Spkx", "Svkx", "Sak1", "Sak2", "Smr1", "Smr2"),
+    *("Vmp", "Vmc", "Vvc", "Vvv", "Sdc"),
+)
 
 
 def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
-    """Return core height, reduced peak and dale heights, material ratios, core and dale volumes.
+    """Return core height, peak and dale heights and areas, material ratios, volumes and a height difference.
 
     The curve c(mr), the height exceeded by a share mr of the measured points, is linear between their heights
     (m, in any order). Its central region, 40 % wide, is where its secant has the smallest slope (the first
@@ -17,13 +23,17 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     the core [1]_. The parts of the curve above and below the core are replaced by triangles of equal area:
 
     * `Sk`: height of the core, `Spk`, `Svk`: heights of the triangles, m
+    * `Spkx`, `Svkx`: heights of the highest point above and of the lowest one below the core, m
+    * `Sak1`, `Sak2`: areas of the triangles, with the material ratio as a share (0 to 1), m
     * `Smr1`, `Smr2`: material ratios (0 to 1, NaN where all heights are equal) where the curve enters and
-      leaves the core
-    * `Vmc`: material volume between the ratios 10 % and 80 %, `Vvv`: void volume below 80 %, per area, m
+      leaves the core; `Smrk1` and `Smrk2` in the edition of 2021
+    * `Vmp`, `Vmc`: material volume above the ratio 10 %, and from there to 80 %, per area, m
+    * `Vvc`, `Vvv`: void volume between the ratios 10 % and 80 %, and below 80 %, per area, m
+    * `Sdc`: height between the ratios 2.5 % and 50 %, m; with these ratios `Sxp` in the edition of 2012
 
     References
     ----------
-    .. [1] ISO 25178-2:2021, 4.4 and annex B; ISO 13565-2:1996.
+    .. [1] ISO 25178-2:2021, 4.5.3 (Sdc), 4.5.4 (of the core), 4.5.6, 4.5.7 (volumes); ISO 13565-2:1996.
 
     Examples
     --------
@@ -39,8 +49,7 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     np.negative(curve, out=curve)  # contiguous in memory, in descending order
     curve -= curve[-1]
     if curve[0] == 0:
-        nothing = dict.fromkeys(("Sk", "Spk", "Svk", "Vmc", "Vvv"), 0.0)
-        return nothing | {"Smr1": math.nan, "Smr2": math.nan}
+        return dict.fromkeys(BEARING_PARAMETERS, 0.0) | {"Smr1": math.nan, "Smr2": math.nan}
     ratio = np.linspace(0, 1, curve.size)
     # positions where the window still fits; the allowance for rounding keeps the last one
     count = int(np.searchsorted(ratio, 1 - _CENTRAL_WIDTH + 1e-12, side="right"))
@@ -59,14 +68,24 @@ def bearing_parameters(heights: np.ndarray) -> dict[str, float]:
     enters, leaves = (_ratio_of(height, ratio, curve) for height in (upper, lower))
     peaks = _material(enters, ratio, curve)
     dales = _void(leaves, ratio, curve)
+    material = {at: _material(at, ratio, curve) for at in (_PEAK_RATIO, _DALE_RATIO)}
+    void = {at: _void(at, ratio, curve) for at in (_PEAK_RATIO, _DALE_RATIO)}
+    extreme, middle = np.interp([_EXTREME_RATIO, _MIDDLE_RATIO], ratio, curve)
     return {
         "Sk": upper - lower,
         "Spk": 2 * peaks / enters if enters > 0 else 0.0,
         "Svk": 2 * dales / (1 - leaves) if leaves < 1 else 0.0,
+        "Spkx": max(float(curve[0]) - upper, 0.0),
+        "Svkx": max(lower, 0.0),  # the lowest point is at 0
+        "Sak1": peaks,
+        "Sak2": dales,
         "Smr1": enters,
         "Smr2": leaves,
-        "Vmc": _material(_DALE_RATIO, ratio, curve) - _material(_PEAK_RATIO, ratio, curve),
-        "Vvv": _void(_DALE_RATIO, ratio, curve),
+        "Vmp": material[_PEAK_RATIO],
+        "Vmc": material[_DALE_RATIO] - material[_PEAK_RATIO],
+        "Vvc": void[_PEAK_RATIO] - void[_DALE_RATIO],
+        "Vvv": void[_DALE_RATIO],
+        "Sdc": float(extreme - middle),
     }
 
 

@@ -24,7 +24,7 @@ def height_parameters(height: xr.DataArray) -> dict[str, float]:
       (`parameters.rms_gradient` is spectral).
     * `Sdr` = developed area over projected area, less 1: the area of each cell between four measured points
       is averaged over its two divisions into triangles.
-    * `Sk`, `Spk`, `Svk`, `Smr1`, `Smr2`, `Vmc`, `Vvv` of `bearing.bearing_parameters`.
+    * `Sk` and all others of `bearing.bearing_parameters`.
 
     Parameters
     ----------
@@ -34,11 +34,11 @@ def height_parameters(height: xr.DataArray) -> dict[str, float]:
     Returns
     -------
     dict of float
-        `Sa`, `Sq`, `Sp`, `Sv`, `Sz`, `Sk`, `Spk`, `Svk`, `Vmc`, `Vvv` in m, the others without unit.
+        `Ssk`, `Sku`, `Sdq`, `Sdr`, `Smr1`, `Smr2` without unit, the others in m.
 
     References
     ----------
-    .. [1] ISO 25178-2:2021, 4.1 to 4.4, and D.3 for the developed area.
+    .. [1] ISO 25178-2:2021, 4.2, 4.4 and 4.5, and D.3 for the developed area.
 
     Examples
     --------

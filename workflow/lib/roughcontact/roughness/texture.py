@@ -61,8 +61,9 @@ def texture_parameters(height: xr.DataArray, power: np.ndarray | None = None) ->
       an upper bound; a bound above 0.5 is meaningless and given as NaN.
     * `Std`, degree from x towards y, 0 to 180: the direction of the strongest waves (maximum of the angular
       power spectrum). Grooves are perpendicular to it: the lay is at Std + 90 degree.
+    * `Ssw`, m: the dominant wavelength, that of the wave with the largest amplitude.
 
-    The statistical error of all three depends on the number of areas of the size of Sal in the map: maps of
+    The statistical error of all depends on the number of areas of the size of Sal in the map: maps of
     few correlation lengths scatter.
 
     Parameters
@@ -75,7 +76,7 @@ def texture_parameters(height: xr.DataArray, power: np.ndarray | None = None) ->
     Returns
     -------
     dict of float
-        `Sal`, `Str`, `Std`. NaN: `Str` and `Std` of a profile, all three for a flat map, and `Str` of a map
+        `Sal`, `Str`, `Std`, `Ssw`. NaN: `Str` and `Std` of a profile, all for a flat map, and `Str` of a map
         too narrow for the waves along its longer side.
 
     References
@@ -87,16 +88,16 @@ def texture_parameters(height: xr.DataArray, power: np.ndarray | None = None) ->
     >>> from roughcontact.references.synthetic import westergaard_surface
     >>> wave = westergaard_surface((64, 64), 1.0, amplitude=1.0, wavelength=16.0)
     >>> {name: round(value, 2) for name, value in texture_parameters(wave).items()}
-    {'Sal': 3.49, 'Str': 0.11, 'Std': 0.0}
+    {'Sal': 3.49, 'Str': 0.11, 'Std': 0.0, 'Ssw': 16.0}
     """
-    result = dict.fromkeys(("Sal", "Str", "Std"), math.nan)
+    result = dict.fromkeys(("Sal", "Str", "Std", "Ssw"), math.nan)
     power = wave_power(height.values) if power is None else power
     correlation = autocorrelation(height, power)
     if np.isnan(correlation).any():
         return result
     shortest, longest, known = decay_lengths(correlation, spacing(height))
     del correlation
-    result["Sal"] = shortest
+    result |= {"Sal": shortest, "Ssw": _dominant_wavelength(power, height.shape, spacing(height))}
     if min(height.shape) > 1:
         aspect = shortest / longest
         theta, power = angular_spectrum(height, power)
@@ -105,6 +106,13 @@ def texture_parameters(height: xr.DataArray, power: np.ndarray | None = None) ->
             "Std": float(theta[np.argmax(power)]),
         }
     return result
+
+
+def _dominant_wavelength(power: np.ndarray, shape: tuple[int, ...], spacing: Sequence[float]) -> float:
+    """Return the wavelength (m) of the strongest wave of half of the waves of a map."""
+    y, x = np.unravel_index(int(power.argmax()), power.shape)
+    (ny, nx), (dy, dx) = shape, spacing
+    return 1 / math.hypot(float(np.fft.fftfreq(ny, dy)[y]), float(x) / (nx * dx))
 
 
 def decay_lengths(correlation: np.ndarray, spacing: Sequence[float]) -> tuple[float, float, bool]:

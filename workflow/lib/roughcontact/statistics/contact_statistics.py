@@ -18,6 +18,7 @@ from roughcontact.elasticity.layers import LayeredPair, layered_pair
 from roughcontact.errors import SettingsError
 from roughcontact.kernels.waves import wave_power
 from roughcontact.maps import spacing
+from roughcontact.roughness.bearing import BEARING_PARAMETERS
 from roughcontact.roughness.parameters import roughness_parameters
 from roughcontact.roughness.summits import summit_statistics
 from roughcontact.roughness.texture import texture_parameters
@@ -55,7 +56,7 @@ SOLUTION_COLUMNS = (*SOLVER_COLUMNS, "relative_pressure", "contact_modulus")
 # of ISO 25178-2, as `roughness.heights.height_parameters` returns them
 HEIGHT_PARAMETERS = (
     *("Sa", "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sdq", "Sdr"),
-    *("Sk", "Spk", "Svk", "Smr1", "Smr2", "Vmc", "Vvv"),
+    *BEARING_PARAMETERS,
 )
 # numbers that levelling leaves in the attributes of the map
 _LEVELLING_COLUMNS = (*HEIGHT_PARAMETERS, "row_jitter")
