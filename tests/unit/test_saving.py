@@ -38,7 +38,11 @@ def saved(measured, folder, ending):
 
 def test_numbers_are_those_of_evaluate(measured, tmp_path):
     found = rc.evaluate(measured, contact=CONTACT, uncertainty={"sources": ["solver"]})
-    assert rc.read_dataset(saved(measured, tmp_path, ".nc")).broadcast_equals(found)
+    path = saved(measured, tmp_path, ".nc")
+    assert rc.read_dataset(path).broadcast_equals(found)
+    assert "roughcontact.read_statistics(path)" in found.attrs["comment"]
+    chosen = rc.read_statistics(path).sel(mean_pressure=4e6, method="nearest")  # as it says
+    assert chosen["mean_gap"].item() == found["mean_gap"][1].item()
     table = pd.read_csv(saved(measured, tmp_path / "csv", ".csv"))
     assert set(table["surface"]) == {"small-1"}
     for name in ("mean_pressure", "mean_gap_lower", "max_pressure"):

@@ -90,9 +90,8 @@ def write_results(
     left_out += not_compared
     if groups:
         attrs["left_out"] = json.dumps(left_out, ensure_ascii=False)
-        write_dataset(
-            joined_groups(answers).assign_attrs(attrs | {"title": "Groups of maps"}), folder / "groups.nc"
-        )
+        attrs = {key: text for key, text in attrs.items() if key != "comment"} | {"title": "Groups of maps"}
+        write_dataset(joined_groups(answers).assign_attrs(attrs), folder / "groups.nc")
         write_table(groups_table(answers), folder / "groups.csv")
         write_table(comparisons_table(compared), folder / "comparisons.csv")
     write_report(

@@ -60,6 +60,11 @@ _PACKAGES = [
     "x3pio",
 ]
 _PACKAGES += ["sdfio", "matplotlib", "snakemake"]
+# `.sel` alone does not know the pressures, which may differ from surface to surface
+_LOADS_BY_PRESSURE = (
+    "roughcontact.read_statistics(path) selects loads by their pressure in Pa: "
+    '.sel(mean_pressure=2e6, method="nearest"); .sel(surface=...) selects a surface, where there are several.'
+)
 # titles of the files of a surface
 _TITLES = {
     "height": "Heights as measured",
@@ -101,6 +106,7 @@ def provenance(
     'Levelled heights: ground'
     """
     program = f"roughcontact {__version__}"
+    how = {"comment": _LOADS_BY_PRESSURE} if stage == "statistics" else {}
     title = _TITLES.get(stage, "Result of roughcontact")
     made = {
         "Conventions": "CF-1.11",
@@ -113,7 +119,7 @@ def provenance(
     }
     if commit := _commit():
         made["commit"] = commit
-    return made
+    return made | how
 
 
 @cache
