@@ -4,6 +4,7 @@ Each function takes a dataset, draws on `ax` (new axes where none are given) and
 ``roughcontact.plot.area(roughcontact.evaluate(path, contact=...))``. `maps` takes the solution of
 `solve_contact`, or contact.nc, all others the statistics of one surface, as `evaluate` returns them or
 `read_statistics` reads them from statistics.nc. The functions of the report make what is drawn.
+All raise a SettingsError for a dataset of something else, or of several surfaces.
 """
 
 from collections.abc import Callable
@@ -43,10 +44,6 @@ def area(dataset: xr.Dataset, ax: "Axes | None" = None) -> "Axes":
     Axes
         mean pressure in the unit of the report, share of the nominal area in percent, both logarithmic.
 
-    Raises
-    ------
-    SettingsError
-        for a dataset of something else, of several surfaces, or of a flat one.
 
     Examples
     --------
@@ -79,10 +76,6 @@ def pressure(dataset: xr.Dataset, ax: "Axes | None" = None) -> "Axes":
     Axes
         pressures in the unit of the report, both logarithmic.
 
-    Raises
-    ------
-    SettingsError
-        for a dataset of something else, or of several surfaces.
 
     Examples
     --------
@@ -114,11 +107,6 @@ def maps(
     Returns
     -------
     Axes
-
-    Raises
-    ------
-    SettingsError
-        for a dataset without maps.
 
     Examples
     --------
@@ -167,10 +155,6 @@ def magnification(
     -------
     Axes
 
-    Raises
-    ------
-    SettingsError
-        for a dataset of something else, of several surfaces, or without that quantity.
 
     Examples
     --------
@@ -206,10 +190,6 @@ def budget(
     -------
     Axes
 
-    Raises
-    ------
-    SettingsError
-        for a dataset of something else, of several surfaces, or without an error budget.
 
     Examples
     --------

@@ -1,11 +1,9 @@
 """The results of `roughcontact solve` as a file, of which the ending says the kind; whole or not at all."""
 
 import re
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from roughcontact.command_line.running import surface_names
 from roughcontact.errors import SettingsError
@@ -24,122 +22,8 @@ KINDS = {
     ".vti": "maps of height, pressure, gap and contact for ParaView",
     ".tiff": "the same maps for Gwyddion or ImageJ, a page each",
 }
+_WITHOUT_MAPS = (".nc", ".csv")
 _BESIDE = re.compile(", or see <a .*? beside this page")  # what the page says of the files of a run
-_WITH_MAPS = (".html", ".png", ".vti", ".tiff")
-
-
-class Results(NamedTuple):
-    """Where results go.
-
-    Attributes
-    ----------
-    output : Path
-        the file.
-    folder : Path
-        for files on the way to it.
-    """
-
-    output: Path
-    folder: Path
-
-    @property
-    def contact(self) -> Path:
-        """The file for the solution with its maps."""
-        return self.folder / "contact.nc"
-
-    @property
-    def need_maps(self) -> bool:
-        """Whether that file is needed."""
-        return self._ending in _WITH_MAPS
-
-    @property
-    def _ending(self) -> str:
-        return self.output.suffix.lower()
-
-    def write(
-        self, source: str | Path, height: "xr.DataArray", chain: "Chain", settings: dict[str, Any]
-    ) -> None:
-        """Write the file, from all that the chain has made of the map `height` of the file `source`."""
-        from roughcontact.results.storage import opened_dataset, write_dataset
-
-        if self._ending == ".nc":
-            write_dataset(chain.statistics, self.output)
-        elif self._ending == ".csv":
-            self._write_rows(source, chain)
-        elif self._ending == ".html":
-            self._write_page(source, height, chain, settings)
-        elif self._ending == ".png":
-            self._write_figure(source, chain)
-        else:
-            from roughcontact.results.exchange import write_tiff, write_vti
-
-            with opened_dataset(self.contact) as contact:
-                (write_vti if self._ending == ".vti" else write_tiff)(contact, self.output)
-
-    def _write_rows(self, source: str | Path, chain: "Chain") -> None:
-        """Write a row for each load."""
-        from roughcontact.results.collect import collect_statistics, summary_table
-        from roughcontact.results.storage import write_dataset, write_table
-
-        (name,), path = surface_names([source]), self.folder / "statistics.nc"
-        write_dataset(chain.statistics, path)
-        found = collect_statistics([{"surface": name, "case": None, "statistics": path}])
-        write_table(summary_table(found), self.output)
-
-    def _write_page(
-        self, source: str | Path, height: "xr.DataArray", chain: "Chain", settings: dict[str, Any]
-    ) -> None:
-        """Write the report of a run that is made in the folder."""
-        from roughcontact.report.gather import write_results
-        from roughcontact.report.panel import write_panel
-        from roughcontact.results.storage import write_dataset, write_text
-
-        (name,) = surface_names([source])
-        made = {"height": height, **chain._asdict()}
-        files = {part: self.folder / name / f"{part}.nc" for part in made}
-        for part, path in files.items():
-            write_dataset(made[part], path)
-        panel = self.folder / name / "panel.html"
-        write_panel(
-            panel,
-            surface=name,
-            height=files["height"],
-            levelled=files["levelled"],
-            window=files["window"],
-            contact=self.contact,
-            statistics=files["statistics"],
-            settings=settings,
-            linked=False,
-        )
-        write_results(
-            self.folder,
-            finished=[{"surface": name, "case": None, "statistics": files["statistics"], "panel": panel}],
-            title=settings["report"]["title"],
-            settings=settings,
-            settings_of_statistics=settings,
-            groups={},
-        )
-        text = (self.folder / "report.html").read_text(encoding="utf-8")
-        write_text(_BESIDE.sub("", text), self.output)
-
-    def _write_figure(self, source: str | Path, chain: "Chain") -> None:
-        """Write a figure."""
-        from roughcontact import plot
-        from roughcontact.report.figures import new_figure
-        from roughcontact.results.storage import opened_dataset, whole
-
-        rough = float(chain.statistics["rms_gradient"]) > 0  # a flat map has no curves
-        with new_figure(10.5, 8.5 if rough else 4.3) as figure, opened_dataset(self.contact) as contact:
-            axes = list(figure.subplots(1 + rough, 2).flat)
-            if rough:
-                plot.area(chain.statistics, axes.pop(0))
-                plot.pressure(chain.statistics, axes.pop(0))
-            largest = int(contact["mean_pressure"].values.argmax())
-            plot.maps(contact, axes[0], load=largest)
-            plot.maps(contact, axes[1], quantity="gap", load=largest)
-            figure.suptitle(Path(source).name)
-            with whole(self.output, size=2**20) as partial:
-                figure.savefig(partial, format="png", dpi=144)
 
 
 def check_output(output: Path, files: Sequence[str]) -> None:
@@ -163,8 +47,85 @@ def check_output(output: Path, files: Sequence[str]) -> None:
         raise SettingsError(f"-o {output}: is {what}; choose another name")
 
 
-@contextmanager
-def results_for(output: Path) -> Iterator[Results]:
-    """Yield what writes the results to a file of a checked name."""
-    with TemporaryDirectory() as folder:
-        yield Results(output, Path(folder))
+def needs_maps(output: Path) -> bool:
+    """Return whether a file needs the maps of pressure and gap."""
+    return output.suffix.lower() not in _WITHOUT_MAPS
+
+
+def save(
+    output: Path,
+    folder: Path,
+    chain: "Chain",
+    *,
+    source: str | Path,
+    height: "xr.DataArray",
+    settings: dict[str, Any],
+) -> None:
+    """Write a file of results, from all that the chain has made of the map `height` of the file `source`.
+
+    `folder` is for files on the way to it; contact.nc is there if the maps are needed.
+    """
+    from roughcontact.results.exchange import write_tiff, write_vti
+    from roughcontact.results.storage import opened_dataset, write_dataset, write_table, write_text
+
+    (name,), ending = surface_names([source]), output.suffix.lower()
+    if ending == ".nc":
+        write_dataset(chain.statistics, output)
+    elif ending == ".csv":
+        from roughcontact.results.collect import collect_statistics, summary_table
+
+        path = folder / "statistics.nc"
+        write_dataset(chain.statistics, path)
+        found = collect_statistics([{"surface": name, "case": None, "statistics": path}])
+        write_table(summary_table(found), output)
+    elif ending == ".html":
+        write_text(_BESIDE.sub("", _page(name, folder, chain, height, settings)), output)
+    else:
+        with opened_dataset(folder / "contact.nc") as contact:
+            if ending == ".png":
+                _draw(output, chain.statistics, contact, title=Path(source).name)
+            else:
+                (write_vti if ending == ".vti" else write_tiff)(contact, output)
+
+
+def _page(name: str, folder: Path, chain: "Chain", height: "xr.DataArray", settings: dict[str, Any]) -> str:
+    """Return the page of a run of this surface alone, which is made in the folder."""
+    from roughcontact.report.gather import write_results
+    from roughcontact.report.panel import write_panel
+    from roughcontact.results.storage import write_dataset
+
+    made = {"height": height, **chain._asdict()}
+    files = {part: folder / name / f"{part}.nc" for part in made}
+    for part, path in files.items():
+        write_dataset(made[part], path)
+    panel: dict[str, Any] = files | {"contact": folder / "contact.nc", "linked": False}
+    write_panel(folder / name / "panel.html", surface=name, settings=settings, **panel)
+    entry: Any = {"surface": name, "case": None, "statistics": files["statistics"]}
+    write_results(
+        folder,
+        finished=[entry | {"panel": folder / name / "panel.html"}],
+        title=settings["report"]["title"],
+        settings=settings,
+        settings_of_statistics=settings,
+        groups={},
+    )
+    return (folder / "report.html").read_text(encoding="utf-8")
+
+
+def _draw(output: Path, statistics: "xr.Dataset", contact: "xr.Dataset", *, title: str) -> None:
+    """Write a figure."""
+    from roughcontact import plot
+    from roughcontact.report.figures import new_figure
+    from roughcontact.results.storage import whole
+
+    rough = float(statistics["rms_gradient"]) > 0  # a flat map has no curves
+    with new_figure(10.5, 8.5 if rough else 4.3) as figure, whole(output, size=2**20) as partial:
+        axes = list(figure.subplots(1 + rough, 2).flat)
+        if rough:
+            plot.area(statistics, axes.pop(0))
+            plot.pressure(statistics, axes.pop(0))
+        largest = int(contact["mean_pressure"].values.argmax())
+        plot.maps(contact, axes[0], load=largest)
+        plot.maps(contact, axes[1], quantity="gap", load=largest)
+        figure.suptitle(title)
+        figure.savefig(partial, format="png", dpi=144)

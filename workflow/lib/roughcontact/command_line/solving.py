@@ -5,6 +5,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import xarray as xr
@@ -107,10 +108,7 @@ def solve_file(
     RoughContactError
         for a file, a setting or a map that a stage rejects, or a load that misses the tolerance.
     """
-    if output is None:
-        return _solved(path, given, settings, threads=threads)[0]
-    with saving.results_for(output) as results:
-        return _solved(path, given, settings, threads=threads, results=results)[0]
+    return _solved(path, given, settings, threads=threads, output=output)[0]
 
 
 def _solved(
@@ -119,17 +117,17 @@ def _solved(
     settings: Mapping[str, Any],
     *,
     threads: int,
-    results: saving.Results | None = None,
+    output: Path | None = None,
 ) -> tuple[dict[str, Any], xr.Dataset]:
     """Return the result of `solve_file`, and the statistics that it is made of."""
-    with _progress() as show:
+    with _progress() as show, TemporaryDirectory() as folder:
         show(0, None, "reading")
         height = read_height_map(path, **given)
-        fields = results.contact if results and results.need_maps else None
+        fields = Path(folder, "contact.nc") if output and saving.needs_maps(output) else None
         chain = run_chain(height, settings, threads=threads, progress=show, fields=fields)
-        if results:
+        if output:
             show(0, None, "writing")
-            results.write(path, height, chain, dict(settings))
+            saving.save(output, Path(folder), chain, source=path, height=height, settings=dict(settings))
     levelled, window, statistics = chain
     outcome = checks.surface_checks(
         statistics, height=height.attrs, levelled=levelled.attrs, window=window.attrs, points=window.size
