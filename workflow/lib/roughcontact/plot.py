@@ -44,7 +44,6 @@ def area(dataset: xr.Dataset, ax: "Axes | None" = None) -> "Axes":
     Axes
         mean pressure in the unit of the report, share of the nominal area in percent, both logarithmic.
 
-
     Examples
     --------
     >>> import roughcontact as rc
@@ -75,7 +74,6 @@ def pressure(dataset: xr.Dataset, ax: "Axes | None" = None) -> "Axes":
     -------
     Axes
         pressures in the unit of the report, both logarithmic.
-
 
     Examples
     --------
@@ -114,7 +112,7 @@ def maps(
     >>> from roughcontact.references.synthetic import rough_reference_surface
     >>> contact = rc.solve_contact(rough_reference_surface(64), contact_modulus=1e9, mean_pressure=1e7)
     >>> rc.plot.maps(contact, quantity="gap").get_title()
-    'p̄ = 10.0 MPa: 1.98 % of the pixels touch'
+    'p̄ = 10.0 MPa: 5.74 % of the pixels touch'
     """
     check_choice("quantity", quantity, Map)
     if missing := [name for name in ("height", "pressure", "gap") if name not in dataset]:
@@ -155,7 +153,6 @@ def magnification(
     -------
     Axes
 
-
     Examples
     --------
     >>> import numpy as np
@@ -189,7 +186,6 @@ def budget(
     Returns
     -------
     Axes
-
 
     Examples
     --------
