@@ -89,8 +89,10 @@ def test_budget_and_magnification_have_a_line_for_each():
         source=sources
     )
     assert line(rc.plot.budget(found), "window").get_ydata() == pytest.approx([10, 10, 10])
-    cutoffs = {"cutoff_wavelength": ("cutoff", [1e-6, 2e-6])}
-    found = found.assign(relative_contact_area_at_cutoff=(("load", "cutoff"), AREAS[:, None] * [1, 2.0]))
+    cutoffs = {"cutoff_wavelength": ("cutoff", [1e-6, 2e-6, np.nan])}  # padded, as one of several surfaces is
+    found = found.assign(
+        relative_contact_area_at_cutoff=(("load", "cutoff"), AREAS[:, None] * [1, 2, np.nan])
+    )
     ax = rc.plot.magnification(found.assign_coords(cutoffs))
     assert line(ax, "5.00 MPa").get_ydata() == pytest.approx([2, 4])
 

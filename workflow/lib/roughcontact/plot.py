@@ -216,6 +216,8 @@ def _loads_of(dataset: xr.Dataset, *needed: str) -> xr.Dataset:
     if not dims:
         raise SettingsError("the dataset has a single load, no curve: choose loads by a list of pressures")
     known = dataset.isel(load=np.isfinite(dataset["mean_pressure"].values))
+    if "cutoff_wavelength" in known:
+        known = known.isel(cutoff=np.isfinite(known["cutoff_wavelength"].values))
     return known.isel(load=np.argsort(known["mean_pressure"].values, kind="stable"))
 
 
@@ -241,7 +243,10 @@ def _drawn(chart: Chart, ax: "Axes | None") -> "Axes":
         beside.set_xlabel(chart.top.label)
         _write_ticks(beside.xaxis, chart.top)
     ax.set_axisbelow(True)
-    ax.grid(visible=chart.grid)
+    if chart.grid:
+        ax.grid(color="#dddddd")
+    else:
+        ax.grid(visible=False)
     if ax.get_legend_handles_labels()[1]:
         ax.legend(fontsize="small", framealpha=0.75, edgecolor="none")
     return ax
