@@ -294,12 +294,14 @@ class Contact(Section):
         examples=[
             [
                 {
+                    "name": "steel",
                     "youngs_modulus": "210 GPa",
                     "poissons_ratio": 0.3,
                     "hardness": "2 GPa",
                     "thermal_conductivity": 50.0,
                 },
                 {
+                    "name": "PEEK",
                     "youngs_modulus": "4 GPa",
                     "poissons_ratio": 0.4,
                     "hardness": "0.3 GPa",
