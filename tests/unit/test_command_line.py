@@ -440,7 +440,7 @@ def test_lens_date_and_serial_are_printed(capsys):
         "59407",
         "20X Mirau",
         "2011-07-23T16:49:36",
-        "suspicion         none",
+        "suspicion         ",
     ):
         assert words in out
     _, out, _ = said(capsys, "inspect", str(DATA / "mi-1.mi"))

@@ -2,7 +2,6 @@
 
 import pytest
 
-from roughcontact.configuration.resolve import resolve
 from roughcontact.report.asked import asked_in_words
 
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
@@ -41,9 +40,3 @@ def test_each_case_has_its_own():
         ("soft", "contact modulus E* = 1.00 MPa; mean gap 1.00 µm"),
         ("stiff", "contact modulus E* = 1.00 GPa; mean gap 1.00 µm"),
     ]
-
-
-def test_settings_that_are_not_as_by_default_are_named():
-    settings = resolve({"contact": {"contact_modulus": "1 GPa"}, "level": {"form": "polynomial"}})[""]
-    ((_, words),) = asked_in_words(settings)
-    assert words == "contact modulus E* = 1.00 GPa; loads planned for each map; level.form: polynomial"

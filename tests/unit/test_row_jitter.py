@@ -196,7 +196,7 @@ def test_levelling_aligns_by_default_where_it_is_clear():
     ("attributes", "outcome", "word"),
     [
         ({}, checks.PASSED, "No random shift"),
-        ({"evidence": "clear", "alignment": "jitter"}, checks.LOOK, "compare level.line_alignment: none"),
+        ({"evidence": "clear", "alignment": "jitter"}, checks.LOOK, "Compare level.line_alignment: none"),
         ({"evidence": "clear", "alignment": "none"}, checks.LOOK, "Compare level.line_alignment: jitter"),
         ({"evidence": "clear", "alignment": "median", "by": "user"}, checks.PASSED, "as asked (median)"),
         ({"evidence": "clear", "alignment": "jitter", "jitter": 0.01}, checks.PASSED, "1.00 %"),

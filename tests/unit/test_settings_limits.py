@@ -17,7 +17,7 @@ ABOVE_ONE, BELOW_ONE = math.nextafter(1, 2), math.nextafter(1, 0)
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "hardness": None}
 # what else may be said of a body, where it is said of both
 MORE = {"yield_stress": 4e8, "thermal_conductivity": 50.0, "electrical_resistivity": 2e-7}
-MORE |= {"base": None, "layers": None}
+MORE |= {"name": "steel", "base": None, "layers": None}
 COATING = {"thickness": 1e-6, "youngs_modulus": 2e11, "poissons_ratio": 0.2}
 SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}
 ENDLESS = [math.inf, -math.inf, math.nan]

@@ -47,7 +47,7 @@ def fields_at(location: Sequence[str | int]) -> dict[str, FieldInfo]:
     Examples
     --------
     >>> list(fields_at(("contact", "bodies", 0)))[:3]
-    ['youngs_modulus', 'poissons_ratio', 'base']
+    ['name', 'youngs_modulus', 'poissons_ratio']
     """
     section: type[Section] | None = Settings
     for key in _keys(location):

@@ -1,9 +1,8 @@
-"""What was asked: bodies, loads and changed settings of a run, in words, for the head of its page."""
+"""What was asked: bodies and loads of a run, in words, for the head of its page."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from roughcontact.configuration.resolve import resolve
 from roughcontact.quantities import number, percent, quantity
 
 _OF_BODY = (("hardness", "hardness"), ("yield_stress", "yield stress"))
@@ -11,7 +10,7 @@ _TARGETS = {"percolation": "the load at which the gap closes", "first_yield": "t
 
 
 def asked_in_words(settings: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return for each case of a run (an empty name where there are none) bodies, loads, and what else is set.
+    """Return for each case of a run (an empty name where there are none) its bodies and loads.
 
     `settings` are those of the run, or of each case by its name.
 
@@ -26,19 +25,10 @@ def asked_in_words(settings: Mapping[str, Any]) -> list[tuple[str, str]]:
     """
     cases = {"": settings} if "contact" in settings else settings
     return [
-        (name, "; ".join([_bodies(case["contact"]), _loads(case["contact"]), *_changed(case)]))
+        (name, f"{_bodies(case['contact'])}; {_loads(case['contact'])}")
         for name, case in cases.items()
         if isinstance(case, Mapping) and "contact" in case
     ]
-
-
-def _changed(case: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the settings of map, window and ± that are not as by default."""
-    defaults = resolve({"contact": {"contact_modulus": "1 GPa"}})[""]
-    for section in ("level", "window", "statistics", "uncertainty", "instrument"):
-        for key, value in case.get(section, {}).items():
-            if value != defaults[section].get(key):
-                yield f"{section}.{key}: {value}"
 
 
 def _bodies(contact: Mapping[str, Any]) -> str:
