@@ -3,6 +3,7 @@
     python benchmarks/intervals.py FOLDER ... --write
     python benchmarks/intervals.py FOLDER --only plu-1.plu      # one map, printed
     python benchmarks/intervals.py --answers --seeds 1 2 3      # conductance and narrowest places
+    python benchmarks/intervals.py FOLDER ... --whole           # verdicts on whole maps
 
 Every map in the folders that is read without being told anything, and has at least 400 points along each
 side, is solved whole, by default settings: that is the truth, of the pressure in contact the load over the
@@ -13,6 +14,8 @@ in the same way, some with faults.
 
 `--answers` holds the ± of conductance and narrowest places against such made surfaces, two small maps of
 each, and counts the intervals without an upper end, which hold the truth where it is not below the lower one.
+`--whole` counts the verdicts on every map that is read without being told anything, steel on PEEK, at contact
+areas that a user would choose.
 """
 
 import argparse
@@ -55,6 +58,11 @@ MADE_SIDE, ANSWERS_SIDE = 192, 96
 PLACES, ANSWERS_PLACES = 4, 2  # maps of each made surface
 GROOVED = ("ground", "honed")
 CELLULAR = "cratered"
+BODIES = (
+    {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "hardness": 2e9},
+    {"youngs_modulus": 3.6e9, "poissons_ratio": 0.38, "hardness": 3e8},
+)
+AREAS = (0.003, 0.01, 0.03, 0.1, 0.2, 0.3)  # of the whole maps
 WORK = Path(__file__).parent / "work" / "coverage.json"
 
 
@@ -275,12 +283,31 @@ def tables(found: list[dict]) -> dict[str, pd.DataFrame]:
     }
 
 
+def whole_map(path: Path) -> list[dict]:
+    """Return for one file how many loads there are and have the verdict *use*, and why not; or nothing."""
+    try:
+        found = rc.evaluate(path, contact={"bodies": BODIES, "target_area": list(AREAS)})
+    except RoughContactError:
+        return []
+    why = "; ".join(reason["check"] for reason in json.loads(found.attrs["reasons"]))
+    use = int((found["verdict"] == 0).sum())
+    return [{"map": path.name, "loads": found.sizes["load"], "use": use, "reasons": why}]
+
+
+def whole(files: list[Path]) -> dict[str, pd.DataFrame]:
+    """Return the table of the verdicts on whole maps, and their sums."""
+    table = pd.DataFrame([row for path in files for row in whole_map(path)])
+    of_all = {"map": f"all {len(table)}", "loads": table["loads"].sum(), "use": table["use"].sum()}
+    return {"whole": pd.concat([table, pd.DataFrame([of_all])]).fillna("")}
+
+
 def main() -> None:
     """Measure what is asked for, keep the rows, print or write the tables."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folders", nargs="*", type=Path, help="folders of instrument files")
     parser.add_argument("--only", nargs="+", help="names of files; they are printed and not kept")
     parser.add_argument("--answers", action="store_true", help="conductance and narrowest places alone")
+    parser.add_argument("--whole", action="store_true", help="verdicts on whole maps alone")
     parser.add_argument("--seeds", nargs="*", type=int, default=[1], help="of the made surfaces")
     parser.add_argument("--work", type=Path, default=WORK, help="where the rows are kept")
     parser.add_argument("--write", action="store_true", help="write the tables and their page; else print")
@@ -291,6 +318,9 @@ def main() -> None:
         finish(answers(arguments.seeds))
         return
     files = sorted({path for folder in arguments.folders for path in folder.iterdir() if path.is_file()})
+    if arguments.whole:
+        finish(whole(files))
+        return
     if arguments.only:
         found = [real_map(path) for path in files if path.name in arguments.only]
         pages.show(tables([each for each in found if each]))
