@@ -149,7 +149,9 @@ def _solved(
             else None,
         },
         **_plain_numbers(
-            statistics, checks.load_flags(statistics, window.size), checks.load_verdicts(statistics, window)
+            statistics,
+            checks.load_flags(statistics, window.size),
+            json.loads(statistics.attrs["verdicts"]),
         ),
         "checks": [check._asdict() for check in outcome],
         "verdict": checks.VERDICTS[checks.verdict(outcome)],

@@ -11,6 +11,7 @@ from roughcontact.report.tables import is_profile
 from roughcontact.report.units import middle_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 from roughcontact.statistics.outcome import FAILED, VERDICTS, Check
+from roughcontact.variables import ANSWERS
 
 AREAS = (0.01, 0.1, 0.3)  # the loads with contact areas nearest to these are shown
 NOT_JUDGED = "not judged"
@@ -66,18 +67,6 @@ _WEIGHT = (
     "Plasticity",
     "Load range",
     "Reading the file",
-)
-
-
-# what the columns after the first one answer
-_ANSWERS = (
-    "relative_contact_area",
-    "mean_contact_pressure",
-    "mean_gap",
-    "sealing",
-    "yield",
-    "max_pressure",
-    "conductance",
 )
 
 
@@ -186,7 +175,7 @@ def _judged(cells: Sequence[Cell], numbers: xr.Dataset, place: int) -> list[Cell
     """Return the cells of a load with their verdicts, where they are known; what is not judged has none."""
     return [
         cell._replace(outcome=outcome_of(numbers, place, answer)) if cell.text != NOT_JUDGED else cell
-        for cell, answer in zip(cells, _ANSWERS, strict=True)
+        for cell, answer in zip(cells, ANSWERS, strict=True)  # in the order of the columns
     ]
 
 
