@@ -29,6 +29,7 @@ PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "config/README.md")),
     *sorted(p for p in (ROOT / "docs").rglob("*.md") if not {"generated", "api"} & set(p.parts)),
 ]
+LONG = ("docs/how-to/install.md", "docs/how-to/studies.md", "docs/tutorial/index.md")
 # blocks that do not run here, page by page; the comment before each of them says why
 SKIPPED = {
     "README.md": 1,
@@ -141,8 +142,8 @@ def checkout(tmp_path, monkeypatch):
 
 
 def page_of(page):
-    """Return the parameter of a page; .ci/run runs the blocks of install.md as they stand, from the wheel."""
-    marks = [pytest.mark.slow] if page.name == "install.md" else []
+    """Return the parameter of a page; .ci/run runs the blocks of install.md once more, from the wheel."""
+    marks = [pytest.mark.slow] if name_of(page) in LONG else []
     return pytest.param(page, id=name_of(page), marks=marks)
 
 

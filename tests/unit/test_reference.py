@@ -251,6 +251,7 @@ def test_a_sphere_on_a_layer_between_hertz_and_springs(nu):
         assert thin.force == pytest.approx(np.pi * 0.1**4 / 8 / spring, rel=0.03)
 
 
+@pytest.mark.slow
 def test_the_equation_of_a_sphere_on_a_layer_is_fulfilled_by_displacements():
     """The pressure that belongs to phi, by its Hankel transform, displaces the surface to the sphere."""
     a, radius, thickness, nu = 0.8, 3.0, 1.0, 0.4

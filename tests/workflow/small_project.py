@@ -27,7 +27,7 @@ class Project:
 
     def __init__(self, folder: Path, checkout: Path):
         self.folder, self.checkout = folder, checkout
-        (folder / "measured").mkdir(parents=True)
+        (folder / "measured").mkdir(parents=True, exist_ok=True)
 
     def write(self, settings=SETTINGS, table=TABLE):
         """Write the settings and the table of surfaces."""

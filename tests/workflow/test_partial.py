@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 
@@ -17,14 +18,22 @@ QUICK = SETTINGS | {"uncertainty": {"sources": []}}
 REPORT = ("results/statistics.nc", "results/summary.csv", "results/uncertainty.csv", "results/report.html")
 
 
-@pytest.fixture
-def done(tmp_path, checkout, monkeypatch):
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory, checkout):
     """The folder of a project with two surfaces in which the workflow has run."""
-    project = Project(tmp_path / "project", checkout)
+    project = Project(tmp_path_factory.mktemp("finished") / "project", checkout)
     write_maps(project.path("measured"))
     project.write(QUICK)
     first = project.run()
     assert first.returncode == 0, first.stderr
+    return project
+
+
+@pytest.fixture
+def done(tmp_path, checkout, finished, monkeypatch):
+    """A copy of that folder, as the working directory."""
+    shutil.copytree(finished.folder, tmp_path / "project", symlinks=True)
+    project = Project(tmp_path / "project", checkout)
     monkeypatch.chdir(project.folder)
     return project
 
