@@ -5,7 +5,8 @@ from Navier's equations in plane strain [1]_, layer by layer from the base outwa
 relation u = C t between the amplitudes of displacement and traction of its lower face to its upper face:
 where |q| t is small by the transfer matrix exp(-A |q| t), whose elements are sums of sinh, cosh and one
 difference with its own series, otherwise by the reflection of the waves that decay from its two faces.
-Neither loses digits, for any thickness, stiffness and Poisson's ratio up to 1/2 [2]_.
+Neither loses digits, for any thickness, stiffness and Poisson's ratio up to 1/2 [2]_. The tractions go the
+other way, from the surface inwards: those of the lower face are T times those of the upper one.
 
 S p^2/2 is the energy of a wave, so that S > 0 for q > 0: the operator remains diagonal and positive in
 Fourier space, which is all that `roughcontact.contact.certificate` asks of it.
@@ -17,7 +18,7 @@ References
    layer is thin.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -63,9 +64,12 @@ class Stack(NamedTuple):
     @property
     def surface(self) -> Material:
         """The material at the surface."""
-        material = self.layers[0].material if self.layers else self.base
-        assert material is not None  # a rigid base has layers
-        return material
+        return self.materials[0]
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The materials from the surface inwards, without a rigid base."""
+        return *(layer.material for layer in self.layers), *([] if self.base is None else [self.base])
 
     def merged(self) -> "Stack":
         """Return the same body with neighbouring layers of one material as one, and none like its base."""
@@ -204,8 +208,73 @@ def compliance_factor(q: np.ndarray, body: Stack) -> np.ndarray:
     """
     compliance = _of_base(body.base, np.shape(q))
     for thickness, material in reversed(body.layers):
-        compliance = _through(compliance, np.asarray(q, float) * thickness, material)
+        compliance, _ = _through(compliance, np.asarray(q, float) * thickness, material)
     return -compliance[1, 1] * body.surface.plane_modulus / 2
+
+
+def stress_amplitudes(q: np.ndarray, body: Stack) -> Callable[[int, float], np.ndarray]:
+    """Return the function that gives the stresses in a body below unit pressure waves cos(q x), q > 0.
+
+    Parameters
+    ----------
+    q : array, rad per unit of the thicknesses
+    body : Stack
+
+    Returns
+    -------
+    callable
+        index of the material from the surface inwards, depth below its upper face -> array (3, ...): the
+        normal stress across the surface over cos(q x), the shear over sin(q x), the normal stress along q
+        over cos(q x); tension is positive, the depth points inwards.
+
+    Examples
+    --------
+    A wave that is long against an incompressible layer on a rigid base acts on it as a uniform pressure, and
+    moves it sideways by a shear that is largest at the base, q t:
+
+    >>> rubber = Stack((Layer(1.0, Material(3.0, 0.5)),), None)
+    >>> stress = stress_amplitudes(np.array([1e-3]), rubber)(0, 1.0)[:, 0]
+    >>> print(stress.round(4), f"{stress[1] / 1e-3:.4f}")
+    [-1.    -0.001 -1.   ] -1.0000
+    """
+    q = np.asarray(q, float)
+    if q.size > 2 * _NODES:
+        return _interpolated(q, body)
+    steps = [(_of_base(body.base, q.shape), np.empty(0))]  # of each material: C of its upper face, and T
+    for thickness, material in reversed(body.layers):
+        steps.insert(0, _through(steps[0][0], q * thickness, material))
+    above = np.zeros((2, 1, *q.shape))
+    above[1] = -1
+    tractions = [above]
+    for _, transmitted in steps[:-1]:
+        tractions.append(_times(transmitted, tractions[-1]))
+
+    def at(number: int, depth: float) -> np.ndarray:
+        compliance, material = steps[-1][0], body.base
+        if number < len(body.layers):
+            thickness, material = body.layers[number]
+            compliance, _ = _through(steps[number + 1][0], q * (thickness - depth), material)
+        assert material is not None  # in a rigid base there are no stresses to be known
+        _, transmitted = _through(compliance, q * depth, material)
+        traction = _times(transmitted, tractions[number])
+        stretch = _times(compliance, traction)[0, 0]
+        (shear,), (normal,) = traction
+        nu, mu = material.poissons_ratio, material.shear_modulus
+        return np.stack([normal, shear, (2 * mu * stretch + nu * normal) / (1 - nu)])
+
+    return at
+
+
+def _interpolated(q: np.ndarray, body: Stack) -> Callable[[int, float], np.ndarray]:
+    """Return `stress_amplitudes` of many waves by a spline over the logarithm of |q|."""
+    from scipy.interpolate import CubicSpline  # the import takes half a second
+
+    logarithm = np.log(q)
+    nodes = np.linspace(logarithm.min(), logarithm.max(), _NODES)
+    exact = stress_amplitudes(np.exp(nodes), body)
+    return lambda number, depth: np.stack(
+        [CubicSpline(nodes, stress)(logarithm) for stress in exact(number, depth)]
+    )
 
 
 def _material(values: Mapping[str, Any]) -> Material:
@@ -221,17 +290,19 @@ def _of_base(base: Material | None, shape: tuple[int, ...]) -> np.ndarray:
     return np.broadcast_to(own.reshape(2, 2, *(1 for _ in shape)), (2, 2, *shape))
 
 
-def _through(compliance: np.ndarray, x: np.ndarray, material: Material) -> np.ndarray:
-    """Return C of the upper face of a layer, x = |q| t, of that of its lower face."""
-    found, thin = np.empty(np.shape(compliance)), x < _THIN
+def _through(compliance: np.ndarray, x: np.ndarray, material: Material) -> tuple[np.ndarray, np.ndarray]:
+    """Return C of the upper face of a layer, x = |q| t, of that of its lower face, and T through it."""
+    thin, found = x < _THIN, (np.empty(np.shape(compliance)), np.empty(np.shape(compliance)))
     for chosen, way in ((thin, _by_transfer), (~thin, _by_reflection)):
         if chosen.any():
-            found[..., chosen] = way(compliance[..., chosen], x[chosen], material)
+            found[0][..., chosen], found[1][..., chosen] = way(compliance[..., chosen], x[chosen], material)
     return found
 
 
-def _by_transfer(compliance: np.ndarray, x: np.ndarray, material: Material) -> np.ndarray:
-    """Return C of the upper face of a layer by its transfer matrix exp(-A x).
+def _by_transfer(
+    compliance: np.ndarray, x: np.ndarray, material: Material
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return C of the upper face of a layer, and T, by its transfer matrix exp(-A x).
 
     With y = (u, w, shear, normal traction) in units of the shear modulus, y' = A y and A^4 - 2 A^2 + 1 = 0:
     the exponential consists of the four functions below.
@@ -245,11 +316,14 @@ def _by_transfer(compliance: np.ndarray, x: np.ndarray, material: Material) -> n
     give = np.array([[-sh - h * odd, h * even], [-h * even, h * odd - k * sh]]) / mu
     hold = np.array([[-m * (sh + odd), m * even], [-m * even, m * odd]]) * mu
     lower = np.array([[stretch, -lift], [turn, shrink]])
-    return _times(_times(upper, compliance) + give, _inverse(_times(hold, compliance) + lower))
+    transmitted = _inverse(_times(hold, compliance) + lower)
+    return _times(_times(upper, compliance) + give, transmitted), transmitted
 
 
-def _by_reflection(compliance: np.ndarray, x: np.ndarray, material: Material) -> np.ndarray:
-    """Return C of the upper face of a layer by the waves that decay from its faces, and their reflection."""
+def _by_reflection(
+    compliance: np.ndarray, x: np.ndarray, material: Material
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return C of the upper face of a layer, and T, by the waves that decay from its faces and reflect."""
     nu, mu = material.poissons_ratio, material.shear_modulus
 
     def waves(s: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
@@ -265,11 +339,14 @@ def _by_reflection(compliance: np.ndarray, x: np.ndarray, material: Material) ->
         return displaced, mu * traction
 
     (down, down_traction), (up, up_traction) = waves(x, 1.0), waves(x, -1.0)
-    reflected = -np.exp(-2 * x) * _times(
+    reflected = -_times(
         _inverse(up - _times(compliance, up_traction)), down - _times(compliance, down_traction)
     )
+    transmitted = np.exp(-x) * (down_traction + _times(up_traction, reflected))
+    reflected *= np.exp(-2 * x)
     (down, down_traction), (up, up_traction) = waves(0 * x, 1.0), waves(0 * x, -1.0)
-    return _times(down + _times(up, reflected), _inverse(down_traction + _times(up_traction, reflected)))
+    own = _inverse(down_traction + _times(up_traction, reflected))
+    return _times(down + _times(up, reflected), own), _times(transmitted, own)
 
 
 def _compression(body: Stack) -> float:

@@ -1,17 +1,22 @@
-"""Stresses below the surface of the half-space, wave by wave."""
+"""Stresses below the surface of a half-space, or of a body with layers, wave by wave."""
 
 from collections.abc import Callable
 
 import numpy as np
 
+from roughcontact.elasticity.layers import Stack, stress_amplitudes
 from roughcontact.fourier import wavevectors
 from roughcontact.kernels.arrays import DOUBLE, empty
 from roughcontact.kernels.fft import make_plan
 
 
 def subsurface_stress(
-    pressure: np.ndarray, steps: tuple[float, float], *, poissons_ratio: float
-) -> Callable[[float], np.ndarray]:
+    pressure: np.ndarray,
+    steps: tuple[float, float],
+    *,
+    poissons_ratio: float | None = None,
+    body: Stack | None = None,
+) -> Callable[..., np.ndarray]:
     """Return the function that gives the stresses at a depth below a periodic pressure without friction.
 
     The stresses at the depth z below a wave p exp(i q x), q > 0, are [1]_ [2]_::
@@ -21,7 +26,7 @@ def subsurface_stress(
         along the crests      -2ν p e^(-qz)
 
     The mean pressure acts at every depth, with the lateral pressure ν/(1 - ν) of a laterally constrained
-    body.
+    body. In a body with layers the waves are those of `roughcontact.elasticity.layers.stress_amplitudes`.
 
     Parameters
     ----------
@@ -29,14 +34,17 @@ def subsurface_stress(
         periodic.
     steps : (dy, dx), m
         of the points.
-    poissons_ratio : float
-        ν, of the body.
+    poissons_ratio : float, optional
+        ν, of a half-space.
+    body : Stack, optional
+        with layers, instead of that.
 
     Returns
     -------
     callable
         depth (m) -> array (6, ny, nx), Pa: xx, yy, zz, yz, xz, xy; tension is positive, z points into the
-        body.
+        body. With layers the depth is that below the upper face of a material, and the index of it follows,
+        from the surface inwards.
 
     References
     ----------
@@ -67,26 +75,36 @@ def subsurface_stress(
         odd_y[ny // 2] = 0
     if nx % 2 == 0:
         odd_x[:, -1] = 0
-    lateral = poissons_ratio / (1 - poissons_ratio) * mean
-    uniform = (-lateral, -lateral, -mean, 0, 0, 0)
+    if body is None:
+        assert poissons_ratio is not None
+        ratios = [poissons_ratio]
+    else:
+        ratios = [one.poissons_ratio for one in body.materials]
+        layered = stress_amplitudes(np.where(q > 0, q, q.flat[-1]), body)
 
-    def at(depth: float) -> np.ndarray:
+    def at(depth: float, material: int = 0) -> np.ndarray:
         """Return the stresses (6, ny, nx) at a depth."""
-        reduced = q * depth
-        wave = spectrum * np.exp(-reduced)
-        with_q, crests = 1 - reduced, 2 * poissons_ratio
-        shear = 1j * reduced * wave
+        ratio = ratios[material]
+        if body is None:
+            reduced = q * depth
+            decay = np.exp(-reduced)
+            normal, shear, with_q = -(1 + reduced) * decay, -reduced * decay, (reduced - 1) * decay
+        else:
+            normal, shear, with_q = layered(material, depth)
+        crests = ratio * (normal + with_q)
         components = (
-            lambda: -(along_x**2 * with_q + along_y**2 * crests) * wave,
-            lambda: -(along_y**2 * with_q + along_x**2 * crests) * wave,
-            lambda: -(1 + reduced) * wave,
-            lambda: odd_y * shear,
-            lambda: odd_x * shear,
-            lambda: -odd_x * odd_y * (with_q - crests) * wave,
+            lambda: along_x**2 * with_q + along_y**2 * crests,
+            lambda: along_y**2 * with_q + along_x**2 * crests,
+            lambda: normal,
+            lambda: -1j * odd_y * shear,
+            lambda: -1j * odd_x * shear,
+            lambda: odd_x * odd_y * (with_q - crests),
         )
+        lateral = ratio / (1 - ratio) * mean
+        uniform = (-lateral, -lateral, -mean, 0, 0, 0)
         stress = empty(pressure, DOUBLE, (6, *shape))
         for index, component in enumerate(components):
-            plan.inverse(component(), stress[index])
+            plan.inverse(component() * spectrum, stress[index])
             stress[index] += uniform[index]
         return stress
 
