@@ -101,6 +101,17 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
         "Pa",
         "mean pressure at which the stress of von Mises below the surface reaches the yield stress",
     ),
+    "material_von_mises_stress": ("Pa", "largest stress of von Mises in each layer, and in the base"),
+    "material_von_mises_depth": ("m", "depth of the largest stress of von Mises in each layer and the base"),
+    "material_first_yield_pressure": (
+        "Pa",
+        "mean pressure at which the stress of von Mises reaches the yield stress of each layer and the base",
+    ),
+    "interface_shear_stress": ("Pa", "largest shear traction at the lower face of each layer"),
+    "interface_normal_stress": (
+        "Pa",
+        "largest normal traction at the lower face of each layer, tension positive",
+    ),
     "elastic_energy": ("J m-2", "elastic energy per nominal area, relative to uniform pressure"),
     "max_pressure_over_modulus": ("1", "largest pressure over the contact modulus"),
     "load_share_above_hardness": ("1", "share of the load on points that carry the hardness"),
@@ -209,6 +220,7 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "patch_bin_bounds": ("m2", "edges of the patch area bins"),
     "depth": ("m", "depth below the surface"),
     "profile_depth": ("m", "depth below the surface"),
+    "interface_depth": ("m", "depth of the lower face of each layer"),
     # the window
     "window_length_x": ("m", "length of the window along x; not defined across a profile"),
     "window_length_y": ("m", "length of the window along y; not defined across a profile"),

@@ -220,6 +220,11 @@ class Layer(Section):
     poissons_ratio: Number = Field(
         gt=-1, le=0.5, description="Poisson's ratio of the layer, no unit", examples=[0.2]
     )
+    yield_stress: Pressure | None = Field(
+        default=None,
+        description="of the layer in tension, Pa: as that of a body, which with layers is that of its base",
+        examples=["4 GPa"],
+    )
 
 
 class Body(Section):
@@ -241,8 +246,8 @@ class Body(Section):
     )
     layers: list[Layer] | None = Field(
         default=None,
-        description="bonded layers from the surface inwards, each with thickness (m), youngs_modulus (Pa) "
-        "and poissons_ratio",
+        description="bonded layers from the surface inwards, each with thickness (m), youngs_modulus (Pa), "
+        "poissons_ratio and, if known, yield_stress (Pa)",
         examples=[[{"thickness": "2 um", "youngs_modulus": "180 GPa", "poissons_ratio": 0.2}]],
     )
     hardness: Pressure | None = Field(

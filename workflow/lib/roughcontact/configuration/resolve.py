@@ -110,12 +110,9 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         )
         mistakes.append(SettingsError(text, keys=["contact.mean_pressure"]))
     limits = [settings["contact"]["hardness"]]
-    if not have_layers(bodies):
-        limits += [body["yield_stress"] for body in bodies or ()]
+    limits += [one["yield_stress"] for body in bodies or () for one in (body, *(body["layers"] or ()))]
     if "first_yield" in (settings["contact"]["target"] or ()) and not any(limits):
         text = f"{where}.target: first_yield needs the yield_stress of a body, or a hardness"
-        if have_layers(bodies):
-            text = f"{where}.target: first_yield needs a hardness where bodies have layers"
         mistakes.append(SettingsError(text, keys=["contact.target"]))
     return settings, mistakes
 
@@ -210,19 +207,13 @@ def _mistakes_with_layers(settings: Mapping[str, Any]) -> list[str]:
     """Return what is asked for although it is not judged for bodies with layers."""
     if not have_layers(settings["contact"]["bodies"]):
         return []
-    mistakes = []
-    if settings["statistics"]["stress"] == "always":
-        mistakes.append(
-            "statistics.stress = 'always': the stresses below the surface are not judged for bodies with "
-            "layers; leave it out"
-        )
     code = settings["crosscheck"]["code"]
     if code == "tamaas" or (code != "none" and sheet_on_rigid_base(settings["contact"]["bodies"]) is None):
-        mistakes.append(
+        return [
             f"crosscheck.code = {code!r}: of bodies with layers another code solves one layer on a rigid "
             "base, pressed by a rigid body (youngs_modulus 1e20), and that is contactmechanics; set none"
-        )
-    return mistakes
+        ]
+    return []
 
 
 def _merge(base: Any, overrides: Any) -> Any:

@@ -299,9 +299,7 @@ def _through(compliance: np.ndarray, x: np.ndarray, material: Material) -> tuple
     return found
 
 
-def _by_transfer(
-    compliance: np.ndarray, x: np.ndarray, material: Material
-) -> tuple[np.ndarray, np.ndarray]:
+def _by_transfer(compliance: np.ndarray, x: np.ndarray, material: Material) -> tuple[np.ndarray, np.ndarray]:
     """Return C of the upper face of a layer, and T, by its transfer matrix exp(-A x).
 
     With y = (u, w, shear, normal traction) in units of the shear modulus, y' = A y and A^4 - 2 A^2 + 1 = 0:

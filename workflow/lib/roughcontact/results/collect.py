@@ -33,12 +33,13 @@ _BINS = ("pressure_bin", "gap_bin", "patch_bin")
 _COORDINATES = (
     "mean_pressure",
     "profile_depth",
+    "interface_depth",
     *(f"{bins}_{of}" for bins in _BINS for of in ("centre", "bounds")),
 )
 _LEADING = ("mean_pressure", "relative_pressure", "relative_contact_area", "relative_contact_area_pixels")
 # dimensions
 _NOT_IN_TABLE = {*_BINS, "depth", "source", "hardness_over_modulus", "input", "cutoff", "component"}
-_NOT_IN_TABLE |= {"member", "choice"}
+_NOT_IN_TABLE |= {"member", "choice", "material", "interface"}
 # labels of a dimension that are the same for all surfaces
 _COMMON_LABELS = {"source": object, "input": object, "component": object, "hardness_over_modulus": float}
 _BANDS = ("band_shortest", "band_longest", "band_reason", "measured_by")  # attributes of each file

@@ -1,11 +1,12 @@
 """Thermal and electrical conductance of a contact, from its stiffness."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-Bodies = Sequence[Mapping[str, float | None]]
+Bodies = Sequence[Mapping[str, Any]]
 
 
 def conductance_columns(

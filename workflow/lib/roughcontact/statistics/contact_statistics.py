@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from roughcontact.bodies import have_layers
+from roughcontact.bodies import check_bodies, have_layers
 from roughcontact.checking import check_choice, warn_of_map
 from roughcontact.choices import Extra, Influence
 from roughcontact.connectivity import region_sizes
@@ -36,7 +36,13 @@ from roughcontact.statistics.densities import (
     density,
     logarithmic_edges,
 )
-from roughcontact.statistics.subsurface import profile_depths, strained_body, stress_columns
+from roughcontact.statistics.subsurface import (
+    interface_depths,
+    profile_depths,
+    strained_body,
+    stress_columns,
+    yield_stresses,
+)
 
 # variables of the solver, copied for each load
 SOLVER_COLUMNS = (
@@ -103,15 +109,15 @@ def contact_statistics(
         whether the flow of a fluid through the gap is solved for: ``auto`` of maps of up to 65536 points, and
         where a seal is given.
     stress : {"auto", "always", "never"}
-        whether the stresses below the surface are computed, of the body with the lower yield stress (else
-        with the lower Young's modulus): ``auto`` where a body states its `yield_stress`.
+        whether the stresses below the surface are computed, of the body with the lowest yield stress (else
+        the one with layers, else the softer): ``auto`` where a body or a layer states its `yield_stress`.
     work_of_adhesion : float, J/m2, optional
         of flat surfaces: the effective work of adhesion is added.
     seal : mapping, optional
         `viscosity` (Pa s), `pressure_difference` (Pa) and `width` (m) of a seal that leaks through the gap.
     bodies : sequence of two mappings, optional
         as in the settings, `contact.bodies`: where both state conductivity or resistivity, the conductance of
-        the contact is added; `poissons_ratio` and `yield_stress` are for the stresses.
+        the contact is added; `poissons_ratio`, `yield_stress` and `layers` are for the stresses.
     surface : SurfaceNumbers, optional
         of the map, from `surface_numbers`, where they are known already: else they are computed.
 
@@ -151,7 +157,7 @@ def contact_statistics(
             )
     check_choice("flow", flow, Extra)
     layers = layers_of(contact)
-    body = _body_to_strain(stress, bodies, layered=layers is not None)
+    body = _body_to_strain(stress, bodies)
     height, modulus = contact["height"], float(contact["contact_modulus"])
     steps = spacing(height)
     mean_pressure = np.asarray(contact["mean_pressure"].values, float)
@@ -207,12 +213,16 @@ def contact_statistics(
     )
     coordinates = {"mean_pressure": ("load", mean_pressure)} | _bins(edges)
     if body is not None:
-        coordinates["depth"] = ("depth", profile_depths(height.shape, steps))
+        coordinates["depth"] = ("depth", profile_depths(height.shape, steps, body))
+        if body.get("layers"):
+            coordinates["interface_depth"] = ("interface", interface_depths(body))
         for axis in ("x", "y"):  # a profile has no position across it
             columns[f"max_von_mises_{axis}"] += height[axis].values[0] if height[axis].size > 1 else np.nan
     dims = {density: ("load", f"{name}_bin") for density, name in _BINS.items()}
     dims |= {f"{part}_share_above_ratio": ("load", "hardness_over_modulus") for part in ("load", "area")}
     dims["von_mises_profile"] = ("load", "depth")
+    dims |= {f"material_von_mises_{of}": ("load", "material") for of in ("stress", "depth")}
+    dims |= {f"interface_{kind}_stress": ("load", "interface") for kind in ("shear", "normal")}
     variables: dict[str, object] = {
         name: (dims.get(name, ("load",)), values) for name, values in columns.items()
     }
@@ -500,7 +510,7 @@ def _one_load(
     filled: np.ndarray | None,
     edges: dict[str, np.ndarray],
     with_flow: bool,
-    body: dict[str, float] | None,
+    body: Mapping[str, Any] | None,
 ) -> dict[str, object]:
     """Return all numbers of one load; of an open file no more than one of its maps is in memory at a time."""
     elastic: dict[str, Any] = {
@@ -589,23 +599,15 @@ def _inverse(compliance: float) -> float:
     return 1 / compliance if compliance > 0 else np.inf
 
 
-def _body_to_strain(stress: Extra, bodies: Bodies | None, *, layered: bool) -> dict[str, float] | None:
-    """Return the properties that the stresses below the surface need; None where they are not wanted."""
+def _body_to_strain(stress: Extra, bodies: Bodies | None) -> Mapping[str, Any] | None:
+    """Return the body whose stresses below the surface are computed; None where they are not wanted."""
     check_choice("stress", stress, Extra)
-    if layered:
-        if stress == "always":
-            raise SettingsError(
-                "stress = 'always': the stresses below the surface are not judged for bodies with layers; "
-                "leave it out",
-                keys=["stress"],
-            )
-        return None
-    body = strained_body(bodies) or {}
-    names = ("poissons_ratio", "yield_stress")
-    stated = {name: value for name in names if (value := body.get(name)) is not None}
-    if stress == "always" and "poissons_ratio" not in stated:
+    body = strained_body(check_bodies(bodies) if bodies and have_layers(bodies) else bodies) or {}
+    known = body.get("poissons_ratio") is not None or bool(body.get("layers"))
+    if stress == "always" and not known:
         raise SettingsError("stress = 'always' needs bodies, for their Poisson's ratios", keys=["stress"])
-    return stated if stress == "always" or (stress == "auto" and len(stated) == len(names)) else None
+    limited = bool(body) and min(yield_stresses(body)) < np.inf
+    return body if stress == "always" or (stress == "auto" and known and limited) else None
 
 
 def _bins(edges: dict[str, np.ndarray]) -> dict[Hashable, tuple]:

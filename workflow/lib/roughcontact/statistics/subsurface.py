@@ -2,11 +2,14 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from roughcontact.elasticity.layers import stack_of
 from roughcontact.elasticity.subsurface import subsurface_stress, tresca, von_mises
 
 # Depths in even steps of ln(1 + z/z0): in equal ratios, but for the first below the surface.
@@ -22,15 +25,17 @@ _BESIDE = 0.02
 _FAR = 0.8  # of the largest stress of Tresca so far: below it no eigenvalues are computed
 _FINE = 0.01  # relative difference from the wanted stress at which a load counts as having it
 
-Bodies = Sequence[Mapping[str, float | None]]
+Body = Mapping[str, Any]
+Bodies = Sequence[Body]
 
 
-def profile_depths(shape: Sequence[int], steps: tuple[float, float]) -> np.ndarray:
+def profile_depths(shape: Sequence[int], steps: tuple[float, float], body: Body | None = None) -> np.ndarray:
     """Return the depths (m) at which stresses are computed: from the surface to twice the longer side.
 
     The stress below a wave is largest at about 1/q: the shortest waves have it within the first pixel, the
     longest one at a sixth of the longer side, whatever the load. At the last depth the mean pressure acts
-    alone. `steps` are (dy, dx) in m.
+    alone. `steps` are (dy, dx) in m. Of a `body` with layers the interfaces are among the depths twice, for
+    the materials above and below, and a rigid base ends them.
 
     Examples
     --------
@@ -38,16 +43,25 @@ def profile_depths(shape: Sequence[int], steps: tuple[float, float]) -> np.ndarr
     >>> print(depths.size, depths[:2].round(9), depths[-1].round(9))
     35 [0.0e+00 3.5e-08] 0.000512
     """
-    across = [(n * d, d) for n, d in zip(shape, steps, strict=True) if n > 1]
-    finest, deepest = _FINEST * min(d for _, d in across), _DEEPEST * max(side for side, _ in across)
-    last = math.log1p(deepest / finest)
-    return finest * np.expm1(np.linspace(0, last, math.ceil(last / _STEP) + 1))
+    return np.concatenate(_depths(shape, steps, body or {}))
 
 
-def strained_body(bodies: Bodies | None) -> Mapping[str, float | None] | None:
-    """Return the body that yields first: that of the lower yield stress, else of the lower Young's modulus.
+def interface_depths(body: Body) -> np.ndarray:
+    """Return the depths (m) of the lower faces of the layers of a body, from the surface inwards.
 
-    The bodies state `poissons_ratio`, and as far as known `yield_stress` and `youngs_modulus` (Pa).
+    Examples
+    --------
+    >>> print(interface_depths({"layers": [{"thickness": 1e-6}, {"thickness": 2e-6}]}))
+    [1.e-06 3.e-06]
+    """
+    return np.cumsum([float(layer["thickness"]) for layer in body.get("layers") or ()])
+
+
+def strained_body(bodies: Bodies | None) -> Body | None:
+    """Return the body that yields first: of the lowest yield stress, else one with layers, else the softer.
+
+    The bodies state `poissons_ratio`, and as far as known `yield_stress` and `youngs_modulus` (Pa); with
+    layers, as in the settings.
 
     Examples
     --------
@@ -58,17 +72,44 @@ def strained_body(bodies: Bodies | None) -> Mapping[str, float | None] | None:
     if not bodies:
         return None
     return min(
-        bodies, key=lambda body: (body.get("yield_stress") or np.inf, body.get("youngs_modulus") or np.inf)
+        bodies,
+        key=lambda body: (
+            min(yield_stresses(body)),
+            not body.get("layers"),
+            body.get("youngs_modulus") or np.inf,
+        ),
     )
 
 
-def stress_columns(
-    pressure: np.ndarray,
-    steps: tuple[float, float],
-    *,
-    poissons_ratio: float,
-    yield_stress: float | None = None,
-) -> dict[str, Any]:
+def yield_stresses(body: Body) -> list[float]:
+    """Return the yield stresses (Pa) of the materials of a body, surface first, infinite where unknown.
+
+    Examples
+    --------
+    >>> yield_stresses({"yield_stress": 7e8, "layers": [{"thickness": 2e-6}]})
+    [inf, 700000000.0]
+    """
+    return [material.get("yield_stress") or math.inf for material in _materials(body)]
+
+
+def largest_over_yield(found: Mapping[str, Any] | xr.Dataset, body: Body) -> np.ndarray:
+    """Return the largest of the stresses of von Mises over the yield stresses of their materials (load).
+
+    `found` are `stress_columns` of that body, or statistics with them.
+
+    Examples
+    --------
+    >>> film = {"yield_stress": 7e8, "layers": [{"yield_stress": 7e9, "thickness": 2e-6}]}
+    >>> print(largest_over_yield({"material_von_mises_stress": [[3.5e9, 7e8]]}, film))
+    [1.]
+    """
+    if body.get("layers"):
+        ratio = np.asarray(found["material_von_mises_stress"]) / yield_stresses(body)
+        return np.asarray(ratio.max(axis=-1))
+    return np.asarray(found["max_von_mises_stress"]) / yield_stresses(body)[0]
+
+
+def stress_columns(pressure: np.ndarray, steps: tuple[float, float], **body: Any) -> dict[str, Any]:
     """Return the largest stresses below a pressure, where they act, and how they change with depth.
 
     Parameters
@@ -77,10 +118,9 @@ def stress_columns(
         periodic.
     steps : (dy, dx), m
         pitch of the points.
-    poissons_ratio : float
-        of the body.
-    yield_stress : float, Pa, optional
-        in tension.
+    **body
+        as in the settings: `poissons_ratio`, as far as known `yield_stress` (Pa, in tension), and with
+        `layers` also `youngs_modulus` (Pa) or `base`.
 
     Returns
     -------
@@ -88,7 +128,11 @@ def stress_columns(
         `von_mises_profile` (depths) Pa, the largest at each of the `profile_depths`;
         `max_von_mises_stress`, `max_tresca_stress` (Pa), `max_von_mises_depth` (m), `max_von_mises_x`,
         `max_von_mises_y` (m from the first point); with a yield stress `volume_above_yield` (m), the volume
-        by area where von Mises' stress exceeds it.
+        by area where von Mises' stress exceeds that of its material. With layers also
+        `material_von_mises_stress` (material) Pa and `material_von_mises_depth` (material) m, the largest in
+        each material; at the lower face of each layer `interface_shear_stress` (interface), the largest
+        shear traction, and `interface_normal_stress` (interface), the largest normal one, Pa, tension
+        positive.
 
     Notes
     -----
@@ -109,49 +153,55 @@ def stress_columns(
     >>> print(f"{found['max_von_mises_stress']:.4f} {found['max_von_mises_depth'] * 2 * np.pi / 64:.2f}")
     0.6372 1.00
     """
-    stress_at = subsurface_stress(pressure, steps, poissons_ratio=poissons_ratio)
-    depths = profile_depths(pressure.shape, steps)
-    everywhere = float(pressure.mean()) * (1 - 2 * poissons_ratio) / (1 - poissons_ratio)
-    limited = yield_stress is not None and yield_stress >= everywhere
-    found: list[_Largest] = []
-    maps: list[np.ndarray] = []
-    volume, shear = 0.0 if limited else math.inf, 0.0
-    for index, depth in enumerate(depths):
-        stress = stress_at(depth)
-        equivalent = von_mises(stress)
-        found.append(_largest(depth, stress, equivalent, shear=shear))
-        shear = max(shear, found[-1].tresca)
-        if yield_stress is not None and limited:
-            maps = [*maps[1 - _FITTED :], equivalent]
-            volume += _volume_above(yield_stress, maps, depths, index)
-    profile = np.array([at.von_mises for at in found])
-    for closer in (_middles, _vertex):
-        between = {depth for name in ("von_mises", "tresca") for depth in _near_peaks(found, name, closer)}
-        for depth in sorted(between):
-            stress = stress_at(depth)
-            found.append(_largest(depth, stress, von_mises(stress)))
-    best = max(found, key=lambda at: at.von_mises)
-    row, column = np.unravel_index(best.place, pressure.shape)
+    layered, limits = bool(body.get("layers")), yield_stresses(body)
+    stress_at = subsurface_stress(
+        pressure,
+        steps,
+        **({"body": stack_of(body)} if layered else {"poissons_ratio": body["poissons_ratio"]}),
+    )
+    parts = _depths(pressure.shape, steps, body)
+    ratio = body.get("poissons_ratio") or 0.0
+    everywhere = float(pressure.mean()) * (1 - 2 * ratio) / (1 - ratio)
+    unlimited = body.get("base") is None and everywhere > limits[-1]
+    volume, best, profile, shear = math.inf if unlimited else 0.0, [], [], 0.0
+    faces = [0.0, *interface_depths(body)]
+    for number, (depths, limit) in enumerate(zip(parts, limits, strict=True)):
+        found, above = _in_material(partial(stress_at, material=number), depths, faces[number], limit, shear)
+        volume += above
+        profile += [at.von_mises for at in found[: depths.size]]
+        best.append(max(found, key=lambda at: at.von_mises))
+        shear = max(shear, *(at.tresca for at in found))
+    most = max(best, key=lambda at: at.von_mises)
+    row, column = np.unravel_index(most.place, pressure.shape)
     columns: dict[str, Any] = {
-        "max_von_mises_stress": best.von_mises,
-        "max_von_mises_depth": best.depth,
+        "max_von_mises_stress": most.von_mises,
+        "max_von_mises_depth": most.depth,
         "max_von_mises_x": column * steps[1],
         "max_von_mises_y": row * steps[0],
-        "max_tresca_stress": max(at.tresca for at in found),
-        "von_mises_profile": profile,
+        "max_tresca_stress": shear,
+        "von_mises_profile": np.array(profile),
     }
-    if yield_stress is not None:
+    if min(limits) < math.inf:
         columns["volume_above_yield"] = volume
-    return columns
+    if not layered:
+        return columns
+    lower = [stress_at(layer["thickness"], number) for number, layer in enumerate(body["layers"])]
+    return columns | {
+        "material_von_mises_stress": np.array([at.von_mises for at in best]),
+        "material_von_mises_depth": np.array([at.depth for at in best]),
+        "interface_shear_stress": np.array([np.hypot(stress[3], stress[4]).max() for stress in lower]),
+        "interface_normal_stress": np.array([stress[2].max() for stress in lower]),
+    }
 
 
 def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.Dataset:
     """Return the statistics with the mean pressure (Pa) at which a body begins to yield below its surface.
 
-    There `max_von_mises_stress` (load) reaches the lower `yield_stress` (Pa) of the bodies. Between two
-    loads, stress and load are interpolated as powers of one another: `first_subsurface_yield_pressure` is NaN
-    where no two loads have it between them and none is there; the statistics are unchanged without stresses
-    or without a yield stress.
+    There `max_von_mises_stress` (load) reaches the lower `yield_stress` (Pa) of the bodies; with layers,
+    `material_von_mises_stress` that of the first of the materials, and `material_first_yield_pressure`
+    (material) is that of each. Between two loads, stress and load are interpolated as powers of one another:
+    `first_subsurface_yield_pressure` is NaN where no two loads have it between them and none is there; the
+    statistics are unchanged without stresses or without a yield stress.
 
     Examples
     --------
@@ -165,22 +215,80 @@ def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.D
     3.375e+06
     """
     body = strained_body(bodies) or {}
-    limit = body.get("yield_stress")
-    if limit is None or "max_von_mises_stress" not in statistics:
+    limits = yield_stresses(body)
+    if min(limits) == math.inf or "max_von_mises_stress" not in statistics:
         return statistics
-    order = np.argsort(statistics["mean_pressure"].values)
-    load, stress = (statistics[name].values[order] for name in ("mean_pressure", "max_von_mises_stress"))
-    nearest = int(np.argmin(np.abs(stress / limit - 1)))
-    if abs(stress[nearest] / limit - 1) < _FINE:  # a target of the loads, found to a tolerance
-        return statistics.assign(first_subsurface_yield_pressure=float(load[nearest]))
-    first = int(np.argmax(stress >= limit))  # 0 also where none is
-    pair = slice(first - 1, first + 1)
-    pressure = (
-        float(np.exp(np.interp(np.log(limit), np.log(stress[pair]), np.log(load[pair]))))
-        if first > 0
-        else math.nan
+    loads = statistics["mean_pressure"].values
+    found = statistics.assign(
+        first_subsurface_yield_pressure=_reached(loads, largest_over_yield(statistics, body))
     )
-    return statistics.assign(first_subsurface_yield_pressure=pressure)
+    if not body.get("layers"):
+        return found
+    each = (statistics["material_von_mises_stress"].transpose("load", ...) / limits).values.T
+    return found.assign(material_first_yield_pressure=("material", [_reached(loads, one) for one in each]))
+
+
+def _materials(body: Body) -> list[Body]:
+    """Return the materials of a body from the surface inwards, without a rigid base."""
+    return [*(body.get("layers") or ()), *([] if body.get("base") == "rigid" else [body])]
+
+
+def _depths(shape: Sequence[int], steps: tuple[float, float], body: Body) -> list[np.ndarray]:
+    """Return the depths (m) of each material of a body, those of its two faces among them."""
+    across = [(n * d, d) for n, d in zip(shape, steps, strict=True) if n > 1]
+    finest, deepest = _FINEST * min(d for _, d in across), _DEEPEST * max(side for side, _ in across)
+    faces = [0.0, *interface_depths(body)]
+    if body.get("base") != "rigid":
+        faces.append(max(deepest, 2 * faces[-1]))
+    parts = []
+    for upper, lower in pairwise(faces):
+        first, last = math.log1p(upper / finest), math.log1p(lower / finest)
+        count = max(_FITTED, math.ceil((last - first) / _STEP) + 1)
+        parts.append(finest * np.expm1(np.linspace(first, last, count)))
+        if body.get("layers"):  # the faces without rounding
+            parts[-1][[0, -1]] = upper, lower
+    return parts
+
+
+def _in_material(
+    stress_at: Callable[[float], np.ndarray], depths: np.ndarray, face: float, limit: float, shear: float
+) -> tuple[list["_Largest"], float]:
+    """Return the largest stresses at depths and near their peaks, and the volume by area above a limit.
+
+    `face` is the depth from which that of `stress_at` counts, `shear` the largest stress of Tresca found
+    elsewhere: what is far below it need not be exact.
+    """
+    found: list[_Largest] = []
+    maps: list[np.ndarray] = []
+    volume = 0.0
+    for index, depth in enumerate(depths):
+        stress = stress_at(depth - face)
+        equivalent = von_mises(stress)
+        found.append(_largest(depth, stress, equivalent, shear=shear))
+        shear = max(shear, found[-1].tresca)
+        if limit < math.inf:
+            maps = [*maps[1 - _FITTED :], equivalent]
+            volume += _volume_above(limit, maps, depths, index)
+    for closer in (_middles, _vertex):
+        between = {depth for name in ("von_mises", "tresca") for depth in _near_peaks(found, name, closer)}
+        for depth in sorted(between):
+            stress = stress_at(depth - face)
+            found.append(_largest(depth, stress, von_mises(stress)))
+    return found, volume
+
+
+def _reached(loads: np.ndarray, ratio: np.ndarray) -> float:
+    """Return the load at which a stress over its limit is 1, NaN where no two loads have it between them."""
+    order = np.argsort(loads)
+    loads, ratio = loads[order], ratio[order]
+    nearest = int(np.argmin(np.abs(ratio - 1)))
+    if abs(ratio[nearest] - 1) < _FINE:  # a target of the loads, found to a tolerance
+        return float(loads[nearest])
+    first = int(np.argmax(ratio >= 1))  # 0 also where none is
+    if first == 0:
+        return math.nan
+    pair = slice(first - 1, first + 1)
+    return float(np.exp(np.interp(0.0, np.log(ratio[pair]), np.log(loads[pair]))))
 
 
 class _Largest(NamedTuple):

@@ -19,7 +19,13 @@ from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.maps import spacing
 from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.statistics.first_yield import first_yield_pressure
-from roughcontact.statistics.subsurface import Bodies, strained_body, stress_columns
+from roughcontact.statistics.subsurface import (
+    Bodies,
+    largest_over_yield,
+    strained_body,
+    stress_columns,
+    yield_stresses,
+)
 from roughcontact.statistics.theory import xu_area
 
 TARGETS = ("target_area", "target_gap", "target")  # keys of the settings, as arguments of `target_loads`
@@ -216,13 +222,13 @@ def _first_yield(
     **solver: Any,
 ) -> float:
     """Return the load of first yield, below the surface where a yield stress is known."""
-    body = {} if have_layers(bodies) else strained_body(bodies) or {}
-    limit, ratio = body.get("yield_stress"), body.get("poissons_ratio")
-    if limit is None or ratio is None:
+    body = strained_body(bodies) or {}
+    limit = min(yield_stresses(body))
+    if limit == math.inf or (body.get("poissons_ratio") is None and not body.get("layers")):
         if hardness is None:
             raise SettingsError(
                 "target = 'first_yield' needs the yield_stress of a body, or a hardness; the body its "
-                "poissons_ratio, too; bodies with layers need a hardness",
+                "poissons_ratio, too",
                 keys=["target"],
             )
         return first_yield_pressure(window, contact_modulus=modulus, hardness=hardness, **solver)
@@ -231,8 +237,7 @@ def _first_yield(
     def excess(load: float) -> float:
         """Return by how much the largest stress exceeds the yield stress, in the logarithm."""
         pressure, _ = _state(window, load, contact_modulus=modulus, **solver)
-        stress = stress_columns(pressure, steps, poissons_ratio=ratio)["max_von_mises_stress"]
-        return math.log(stress / limit)
+        return math.log(largest_over_yield(stress_columns(pressure, steps, **body), body))
 
     # a single point carries at most the load of all
     load = _crossing(excess, limit / math.sqrt(window.size))
