@@ -19,6 +19,7 @@ STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "hardness": None}
 MORE = {"yield_stress": 4e8, "thermal_conductivity": 50.0, "electrical_resistivity": 2e-7}
 MORE |= {"name": "steel", "base": None, "layers": None}
 COATING = {"thickness": 1e-6, "youngs_modulus": 2e11, "poissons_ratio": 0.2}
+COATING |= {"thermal_conductivity": 2.0, "electrical_resistivity": 1e-3}
 SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}
 ENDLESS = [math.inf, -math.inf, math.nan]
 
@@ -48,6 +49,9 @@ LIMITS = {
         [math.nextafter(-1, 0), 0.5],
         [-1, math.nextafter(0.5, 1)],
     ),
+    "contact.bodies.layers.yield_stress": ([SMALLEST_PRESSURE, None], [0, -1]),
+    "contact.bodies.layers.thermal_conductivity": ([SMALLEST], [0, -1]),
+    "contact.bodies.layers.electrical_resistivity": ([SMALLEST], [0, -1]),
     "contact.bodies.hardness": ([SMALLEST_PRESSURE, None], [0, -1]),
     "contact.bodies.yield_stress": ([SMALLEST_PRESSURE, None], [0, -1]),
     "contact.bodies.thermal_conductivity": ([SMALLEST], [0, -1]),

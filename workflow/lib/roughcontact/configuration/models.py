@@ -225,6 +225,12 @@ class Layer(Section):
         description="of the layer in tension, Pa: as that of a body, which with layers is that of its base",
         examples=["4 GPa"],
     )
+    thermal_conductivity: Conductivity | None = Field(
+        default=None, description="of the layer, W m-1 K-1", examples=[2.0]
+    )
+    electrical_resistivity: Resistivity | None = Field(
+        default=None, description="of the layer, Ohm m", examples=[1.0e-3]
+    )
 
 
 class Body(Section):

@@ -185,14 +185,20 @@ def _mistakes_in_alternatives(contact: Any, where: str) -> list[str]:
 
 
 def _mistakes_in_bodies(bodies: Sequence[Mapping[str, Any]] | None, where: str) -> list[str]:
-    """Return the properties that only one body states, although they need to be stated for both."""
-    if not bodies:
-        return []
+    """Return the properties that only some materials state, although they need to be stated for all."""
+    materials = {f"{where}.bodies[{index}]": body for index, body in enumerate(bodies or ())}
+    layers = {
+        f"{place}.layers[{number}]": layer
+        for place, body in materials.items()
+        for number, layer in enumerate(body["layers"] or ())
+    }
+    others = "another material has it; give it for all or none"
+    others = others if layers else "the other body has it; give it for both or neither"
     return [
-        f"{where}.bodies[{index}].{name}: missing, though the other body has it; give it for both or neither"
+        f"{place}.{name}: missing, though {others}"
         for name in ("thermal_conductivity", "electrical_resistivity")
-        for index in range(2)
-        if bodies[index][name] is None and bodies[1 - index][name] is not None
+        for place, one in (materials | layers).items()
+        if one[name] is None and any(other[name] is not None for other in (materials | layers).values())
     ]
 
 
@@ -209,10 +215,11 @@ def _mistakes_with_layers(settings: Mapping[str, Any]) -> list[str]:
         return []
     code = settings["crosscheck"]["code"]
     if code == "tamaas" or (code != "none" and sheet_on_rigid_base(settings["contact"]["bodies"]) is None):
-        return [
+        text = (
             f"crosscheck.code = {code!r}: of bodies with layers another code solves one layer on a rigid "
             "base, pressed by a rigid body (youngs_modulus 1e20), and that is contactmechanics; set none"
-        ]
+        )
+        return [text]
     return []
 
 

@@ -133,7 +133,7 @@ class LayeredPair:
 
     def scaled(self, unit: float) -> "LayeredPair":
         """Return the pair with its thicknesses in a `unit` of length."""
-        return LayeredPair(
+        return type(self)(
             tuple(
                 Stack(tuple(Layer(one.thickness / unit, one.material) for one in body.layers), body.base)
                 for body in self.bodies
@@ -150,7 +150,7 @@ class LayeredPair:
             shares = [self.modulus / body.surface.plane_modulus for body in self.bodies]
             return sum(
                 (
-                    share * (compliance_factor(q, body) if body.layers else np.ones_like(q))
+                    share * (self._of_body(q, body) if body.layers else np.ones_like(q))
                     for share, body in zip(shares, self.bodies, strict=True)
                 ),
                 start=np.zeros_like(q),
@@ -161,6 +161,56 @@ class LayeredPair:
         nodes = np.linspace(logarithm.min(), logarithm.max(), _NODES)
         factor = CubicSpline(nodes, np.log(self.factor(np.exp(nodes))))(logarithm)
         return np.exp(factor, out=factor)
+
+    @staticmethod
+    def _of_body(q: np.ndarray, body: Stack) -> np.ndarray:
+        return compliance_factor(q, body)
+
+
+class ConductingPair(LayeredPair):
+    """The bodies of a contact as conductors, each material of conductivity k with the modulus 2 k and nu = 0.
+
+    A wave of flux j into a half-space warms its surface by j/(k |q|), as a pressure displaces it by 2/(E*
+    |q|). In a layer the temperature obeys Laplace's equation: where |q| times temperature over flux is Z at
+    its lower face, it is (Z + tanh(|q| t)/k)/(1 + k Z tanh(|q| t)) at its upper one.
+    """
+
+    @staticmethod
+    def _of_body(q: np.ndarray, body: Stack) -> np.ndarray:
+        assert body.base is not None
+        ratio = np.full(q.shape, 2 / body.base.plane_modulus)
+        for thickness, material in reversed(body.layers):
+            resistivity, rise = 2 / material.plane_modulus, np.tanh(q * thickness)
+            ratio = (ratio + resistivity * rise) / (1 + ratio * rise / resistivity)
+        return ratio * body.surface.plane_modulus / 2
+
+
+def conducting_pair(bodies: Iterable[Mapping[str, Any]], name: str) -> ConductingPair | None:
+    """Return the bodies of the settings as conductors, None unless the property is known of every material.
+
+    That is `thermal_conductivity` (W m-1 K-1) or `electrical_resistivity` (Ohm m).
+
+    Examples
+    --------
+    Long waves hardly notice a thin film:
+
+    >>> film = {"thickness": 1e-6, "thermal_conductivity": 1.0}
+    >>> steel = {"thermal_conductivity": 50.0}
+    >>> pair = conducting_pair([steel | {"layers": [film]}, steel], "thermal_conductivity")
+    >>> print(f"{pair.modulus:.3f} {pair.modulus / pair.factor(np.array([1e-3]))[0]:.3f}")
+    1.961 50.000
+    """
+    stacks = []
+    for body in bodies:
+        layers = body.get("layers") or ()
+        known = [one.get(name) for one in (*layers, body)]
+        if None in known:
+            return None
+        power = -1 if name == "electrical_resistivity" else 1
+        *above, base = (Material(2 * float(value) ** power, 0.0) for value in known)
+        thicknesses = (float(one["thickness"]) for one in layers)
+        stacks.append(Stack(tuple(map(Layer, thicknesses, above)), base))
+    return ConductingPair(tuple(stacks))
 
 
 def layered_pair(bodies: Iterable[Mapping[str, Any]]) -> LayeredPair | None:

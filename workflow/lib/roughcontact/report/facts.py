@@ -13,6 +13,7 @@ from roughcontact.io.metadata import labelled
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.quantities import number, percent, quantity, several
+from roughcontact.report.tables import material_name
 from roughcontact.report.units import unit_of
 from roughcontact.roughness.texture import LAY
 from roughcontact.statistics.adhesion import adhesion_in_words
@@ -232,7 +233,18 @@ def _first_yield(numbers: xr.Dataset) -> str:
     load = float(numbers[name])
     if np.isnan(load):
         return "not between the loads solved"
-    return f"at {unit_of(numbers, 'Pa').text(load)} mean pressure"
+    text = f"at {unit_of(numbers, 'Pa').text(load)} mean pressure"
+    if "material_first_yield_pressure" not in numbers:
+        return text
+    place = int(np.nanargmin(numbers["material_first_yield_pressure"].values))
+    nearest = int(np.argmin(np.abs(np.log(numbers["mean_pressure"].values / load))))
+    depth = float(numbers["material_von_mises_depth"][nearest, place])
+    faces = {
+        "surface": 0.0,
+        **{f"interface {i + 1}": z for i, z in enumerate(numbers["interface_depth"].values)},
+    }
+    at = [f" at the {name}" for name, face in faces.items() if np.isclose(depth, face, rtol=1e-9, atol=0)]
+    return f"{text}, in {material_name(numbers, place)}{''.join(at)}"
 
 
 def _closing(numbers: xr.Dataset) -> str:

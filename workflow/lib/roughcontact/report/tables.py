@@ -61,6 +61,12 @@ _GROUPS = {
         ("contact_on_filled_points", "contact on filled points", "%"),
     ),
 }
+# of bodies with layers, for each material and for each interface
+_OF_LAYERS = (
+    ("material_von_mises_stress", "von Mises in {}", "Pa"),
+    ("interface_shear_stress", "shear below {}", "Pa"),
+    ("interface_normal_stress", "normal stress below {}", "Pa"),
+)
 TITLES = {name: title for columns in _GROUPS.values() for name, title, _ in columns}
 UNITS = {name: unit for columns in _GROUPS.values() for name, _, unit in columns}
 
@@ -93,7 +99,9 @@ def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[T
     """
     tables = []
     for title, group in _GROUPS.items():
-        known = [column for column in group if column[0] in numbers]
+        known: list[tuple] = [column for column in group if column[0] in numbers]
+        if title == "Stress below the surface":
+            known += _of_layers(numbers)
         if title == "Sealing" and is_profile(numbers):
             continue
         if not known:
@@ -106,14 +114,39 @@ def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[T
     return tables
 
 
+def material_name(numbers: xr.Dataset, place: int) -> str:
+    """Return the name of a material of a body with layers, from the surface inwards.
+
+    Examples
+    --------
+    >>> one_layer = xr.Dataset(coords={"interface_depth": ("interface", [1e-6])})
+    >>> material_name(one_layer, 0), material_name(one_layer, 1)
+    ('layer 1', 'the base')
+    """
+    return f"layer {place + 1}" if place < numbers.sizes["interface"] else "the base"
+
+
+def _of_layers(numbers: xr.Dataset) -> list[tuple[str, str, str, int]]:
+    """Return the columns (name, title, unit, place) of the materials and interfaces of a body."""
+    return [
+        (name, title.format(material_name(numbers, place)), unit, place)
+        for name, title, unit in _OF_LAYERS
+        if name in numbers
+        for place in range(numbers[name].shape[-1])
+    ]
+
+
 def is_profile(numbers: xr.Dataset) -> bool:
     """Return whether a surface is a profile: its window has a length along one axis alone."""
     return any(np.isnan(float(numbers.get(f"window_length_{axis}", 0.0))) for axis in "xy")
 
 
-def _column(numbers: xr.Dataset, name: str, title: str, unit: str) -> tuple[tuple[str, str, str], list[str]]:
-    """Return the head of a column (title, unit, meaning) and its cells."""
+def _column(
+    numbers: xr.Dataset, name: str, title: str, unit: str, *place: int
+) -> tuple[tuple[str, str, str], list[str]]:
+    """Return the head of a column (title, unit, meaning) and its cells, those of a layer by its place."""
     values = numbers[name].values.astype(float)
+    values = values[:, place[0]] if place else values
     own = unit_of(numbers, unit)
     head = title, own.shown, VARIABLES[name][1]
     if f"{name}_lower" in numbers:

@@ -6,6 +6,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from roughcontact.bodies import have_layers
+from roughcontact.elasticity.layers import ConductingPair, conducting_pair
+
 Bodies = Sequence[Mapping[str, Any]]
 
 
@@ -28,15 +31,15 @@ def conductance_columns(
     bodies : sequence of two mappings, optional
         each with `thermal_conductivity` (W m-1 K-1) and `electrical_resistivity` (Ohm m), as far as known.
     layered : bool
-        whether the bodies have layers: heat and current then take another way than the displacement, and
-        nothing is known from the stiffness.
+        whether the contact was solved with layers: heat and current then take another way than the
+        displacement, and nothing is known from the stiffness (see `conductors`).
 
     Returns
     -------
     dict of array, of the shape of `stiffness`
         `conductance_per_conductivity` (m-1), and where both bodies state the property `thermal_conductance`
         (W m-2 K-1) and `electrical_conductance` (S m-2). With layers `conductance_per_conductivity` is NaN,
-        and there is no other.
+        and there is no other; nor is there of bodies with layers like their base.
 
     References
     ----------
@@ -56,11 +59,30 @@ def conductance_columns(
     if layered:
         return {"conductance_per_conductivity": np.full_like(per_conductivity, np.nan)}
     columns = {"conductance_per_conductivity": per_conductivity}
+    if have_layers(bodies):
+        return columns
     if (conductivities := _of_both(bodies, "thermal_conductivity")) is not None:
         columns["thermal_conductance"] = 2 / (1 / conductivities).sum() * per_conductivity
     if (resistivities := _of_both(bodies, "electrical_resistivity")) is not None:
         columns["electrical_conductance"] = 2 / resistivities.sum() * per_conductivity
     return columns
+
+
+def conductors(bodies: Bodies | None) -> dict[str, ConductingPair]:
+    """Return bodies with layers as conductors, by the name of the conductance whose property all state.
+
+    Examples
+    --------
+    >>> film = {"thickness": 1e-6, "thermal_conductivity": 1.0}
+    >>> list(conductors([{"thermal_conductivity": 50.0, "layers": [film]}, {"thermal_conductivity": 50.0}]))
+    ['thermal_conductance']
+    """
+    found = {
+        f"{kind}_conductance": conducting_pair(bodies or (), f"{kind}_{of}")
+        for kind, of in (("thermal", "conductivity"), ("electrical", "resistivity"))
+        if bodies and have_layers(bodies)
+    }
+    return {name: pair for name, pair in found.items() if pair is not None}
 
 
 def _of_both(bodies: Bodies | None, name: str) -> np.ndarray | None:

@@ -281,7 +281,7 @@ def layers(statistics: xr.Dataset, points: int) -> list[Check]:
         return [Check("Layers", LOOK, text)]
     text = (
         f"The thinnest layer is {pixels} pixels thick, all at most {share} of the window's length. Not "
-        "judged with layers: theories, conductance, stresses below the surface."
+        "judged with layers: theories."
     )
     return [Check("Layers", PASSED, text)]
 

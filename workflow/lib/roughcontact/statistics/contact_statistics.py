@@ -14,7 +14,7 @@ from roughcontact.connectivity import region_sizes
 from roughcontact.contact.dataset import influence_of, layers_of
 from roughcontact.contact.response import linear_response
 from roughcontact.elasticity.energy import elastic_energy
-from roughcontact.elasticity.layers import LayeredPair, layered_pair
+from roughcontact.elasticity.layers import ConductingPair, LayeredPair, layered_pair
 from roughcontact.errors import SettingsError
 from roughcontact.kernels.waves import wave_power
 from roughcontact.maps import spacing
@@ -26,7 +26,7 @@ from roughcontact.sealing.percolation import percolation_columns
 from roughcontact.statistics import theory
 from roughcontact.statistics.adhesion import adhesion_numbers
 from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers, carrying
-from roughcontact.statistics.conductance import Bodies, conductance_columns
+from roughcontact.statistics.conductance import Bodies, conductance_columns, conductors
 from roughcontact.statistics.contact_geometry import contact_perimeter, relative_contact_area
 from roughcontact.statistics.densities import (
     GAP_DECADES,
@@ -177,6 +177,7 @@ def contact_statistics(
     filled = height["filled"].values != 0 if "filled" in height.coords else None
     hardness = float(contact["hardness"]) if "hardness" in contact else None
     with_flow = flow == "always" or (flow == "auto" and (height.size <= FLOW_POINTS or seal is not None))
+    conducting = conductors(bodies)
     rows = [
         _one_load(
             contact,
@@ -188,6 +189,7 @@ def contact_statistics(
             edges=edges,
             with_flow=with_flow,
             body=body,
+            conducting=conducting,
         )
         for load in range(mean_pressure.size)
     ]
@@ -287,7 +289,7 @@ def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
         f"{name}_{end}": statistics[name] / statistics[base] * statistics[f"{base}_{end}"]
         for name in ("thermal_conductance", "electrical_conductance")
         for end in ("lower", "upper")
-        if name in statistics and f"{base}_{end}" in statistics
+        if name in statistics and f"{base}_{end}" in statistics and statistics[base].notnull().all()
     }
 
 
@@ -511,6 +513,7 @@ def _one_load(
     edges: dict[str, np.ndarray],
     with_flow: bool,
     body: Mapping[str, Any] | None,
+    conducting: Mapping[str, ConductingPair],
 ) -> dict[str, object]:
     """Return all numbers of one load; of an open file no more than one of its maps is in memory at a time."""
     elastic: dict[str, Any] = {
@@ -558,6 +561,12 @@ def _one_load(
         **of_carried,
         "mean_gap": mean_gap,
         **_stiffness(touching, yielded, steps, **elastic),
+        **{
+            name: _inverse(
+                linear_response(touching, steps, pair.modulus, influence=elastic["influence"], layers=pair)
+            )
+            for name, pair in conducting.items()
+        },
         **passage,
         **of_pressure,
         "patch_area_density": density(patches, edges["patch"]),

@@ -21,6 +21,7 @@ from roughcontact.statistics.contact_geometry import relative_contact_area
 from roughcontact.statistics.first_yield import first_yield_pressure
 from roughcontact.statistics.subsurface import (
     Bodies,
+    Body,
     largest_over_yield,
     strained_body,
     stress_columns,
@@ -156,7 +157,9 @@ def target_loads(
             found = (crossing(partial(closed, axis), 0.25 * unit, steady=False) for axis in (1, 0))
             loads += dict.fromkeys(load for load in found if load is not None)
         else:
-            loads.append(_first_yield(window, modulus, hardness=hardness, bodies=bodies, **solver))
+            loads.append(
+                _first_yield(window, modulus, hardness=hardness, body=strained_body(bodies) or {}, **solver)
+            )
     return loads
 
 
@@ -218,11 +221,10 @@ def _first_yield(
     modulus: float,
     *,
     hardness: float | None,
-    bodies: Bodies | None,
+    body: Body,
     **solver: Any,
 ) -> float:
     """Return the load of first yield, below the surface where a yield stress is known."""
-    body = strained_body(bodies) or {}
     limit = min(yield_stresses(body))
     if limit == math.inf or (body.get("poissons_ratio") is None and not body.get("layers")):
         if hardness is None:
