@@ -6,7 +6,9 @@ import json
 import navier
 import numpy as np
 import pytest
+from scipy import sparse
 from scipy.linalg import expm
+from scipy.sparse.linalg import spsolve
 
 import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
@@ -20,6 +22,7 @@ from roughcontact.elasticity.layers import (
     stress_amplitudes,
 )
 from roughcontact.elasticity.subsurface import subsurface_stress, tresca, von_mises
+from roughcontact.references.layered_wave import layered_wave_stresses
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.report.facts import _first_yield
 from roughcontact.report.tables import number_tables
@@ -61,6 +64,42 @@ def test_the_stresses_in_any_stack_are_the_solution_of_naviers_equations(seed: i
             along = ratio / (1 - ratio) * normal + modulus / (1 - ratio**2) * stretch
             known = one * np.array([normal, shear, along])
             np.testing.assert_allclose(column, known, atol=1e-10 * np.abs(known).max())
+
+
+@pytest.mark.parametrize("base", [(1.0, 0.3), None])
+def test_airys_function_is_the_solution_of_naviers_equations(base):
+    layers = [(0.4, 10.0, 0.2), (1.1, 0.3, 0.5)]
+    thickness, modulus, ratio = layers[1]
+    cut = [layers[0], (0.5, modulus, ratio), (thickness - 0.5, modulus, ratio)]
+    for depth, place in ((0.4, 1), (0.9, 2)):
+        stretch, _, shear, normal = navier.states(1.0, cut, base)[place]
+        _, modulus, ratio = layers[place - 1]
+        known = [normal, shear, ratio / (1 - ratio) * normal + modulus / (1 - ratio**2) * stretch]
+        np.testing.assert_allclose(layered_wave_stresses([depth], layers, base)[:, 0], known, rtol=1e-12)
+
+
+def test_the_edge_of_a_strip_on_a_film_by_finite_differences():
+    """Laplace's equation in a film, grounded below, with the electrode on the right half of its face."""
+    currents = []
+    for across in (32, 64):
+        along = 8 * across
+        down, beside = (2 * sparse.eye(n) - sparse.eye(n, k=1) - sparse.eye(n, k=-1) for n in (across, along))
+        matrix = sparse.lil_matrix(
+            sparse.kron(down, sparse.eye(along)) + sparse.kron(sparse.eye(across), beside)
+        )
+        cells = np.arange(across * along).reshape(across, along)
+        electrode = np.arange(along) >= along // 2
+        diagonal = matrix.diagonal().reshape(across, along)
+        diagonal[:, [0, -1]] -= 1  # insulated ends
+        # half a cell to the grounded face and to the electrode, nothing to the insulation
+        diagonal[-1] += 1
+        diagonal[0] += np.where(electrode, 1, -1)
+        matrix.setdiag(diagonal.ravel())
+        source = np.append(2.0 * electrode, np.zeros((across - 1) * along))
+        field = spsolve(matrix.tocsc(), source)
+        currents.append(2 * field[cells[-1]].sum())
+    coarse, fine = currents
+    assert 2 * fine - coarse - 4 == pytest.approx(2 * np.log(2) / np.pi, rel=3e-3)
 
 
 def test_layers_like_their_base_have_the_stresses_of_the_half_space():

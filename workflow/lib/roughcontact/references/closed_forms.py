@@ -464,6 +464,33 @@ def spot_array_stiffness(contact_radius: float, contact_modulus: float, period: 
 # --- Stresses below the surface -----------------------------------------------------------------------------
 
 
+def film_strips_conductance(share: float, thickness: float) -> float:
+    """Return the conductance of strips on a film between perfect conductors, times its thickness over k.
+
+    Strips cover a share s of each period. Without the resistance t/k of the film under uniform flux, that of
+    the constriction is (t/k)(1/A - 1), A = s + (4 ln 2/π) t: the film conducts as below an endless strip, and
+    each edge as (2 ln 2/π) t more of it, by the conformal map of a strip of which one face is insulated on
+    one side.
+
+    Parameters
+    ----------
+    share : float
+        s; covered and bare parts are at least twice as wide as the film is thick.
+    thickness : float
+        t, of the film, over the period.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> print(f"{film_strips_conductance(0.5, 0.02):.4f}")
+    1.0732
+    """
+    return 1 / (1 / (share + 4 * np.log(2) / np.pi * thickness) - 1)
+
+
 def wave_von_mises(depth: npt.ArrayLike, poissons_ratio: float) -> np.ndarray:
     """Return the largest stress of von Mises below a pressure wave of amplitude 1 without a mean.
 

@@ -1,7 +1,9 @@
-"""Conductance: a single spot, a regular array of spots, Westergaard's strips."""
+"""Conductance: a single spot, a regular array of spots, Westergaard's strips, strips on a film."""
 
 import numpy as np
 
+from roughcontact.contact.response import linear_response
+from roughcontact.elasticity.layers import conducting_pair
 from roughcontact.references import closed_forms
 from roughcontact.statistics.conductance import conductance_columns
 from roughcontact.validation.lines import Part
@@ -12,7 +14,7 @@ _CONDUCTIVITIES = 400.0, 50.0  # W m-1 K-1
 
 
 def add_lines(part: Part, *, finest_grid: int) -> None:
-    """Add the lines of a spot, of spheres on a grid half as fine, and of a row of ridges."""
+    """Add the lines of a spot, of spheres on a grid half as fine, of a row of ridges, and of strips."""
     modulus, radius, period = 1e11, 3e-6, 1e-4
     found = conductance_columns(
         2 * modulus * radius / period**2,
@@ -38,3 +40,11 @@ def add_lines(part: Part, *, finest_grid: int) -> None:
         part.compare(
             "strips", 1 / contact.compliance(1e-3), stiffness, 8 / finest_grid, r=ratio, n=finest_grid
         )
+    touching = np.arange(finest_grid)[None, :] < finest_grid // 2
+    for thickness in (0.02, 0.05):
+        film, perfect = {"thickness": thickness, "thermal_conductivity": 1.0}, {"thermal_conductivity": 1e9}
+        pair = conducting_pair([perfect | {"layers": [film]}, perfect], "thermal_conductivity")
+        assert pair is not None
+        compliance = linear_response(touching, (1 / finest_grid,) * 2, pair.modulus, 1e-3, layers=pair)
+        known = closed_forms.film_strips_conductance(0.5, thickness)
+        part.compare("film", thickness / compliance, known, 2 / finest_grid, t=thickness, n=finest_grid)
