@@ -13,13 +13,22 @@ from roughcontact.results.storage import read_dataset
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
 FILM = {"thickness": "6 um", "youngs_modulus": "700 GPa", "poissons_ratio": 0.2}
+KNOWN = {"thermal_conductivity": 50.0, "yield_stress": "700 MPa"}
 SHEET = {"thickness": "20 um", "youngs_modulus": "3 MPa", "poissons_ratio": 0.5}
 SETTINGS_OF_BODIES = {
     **{key: value for key, value in SETTINGS.items() if key != "contact"},
     "uncertainty": {"windows": 4},
     "cases": {
         "plain": {"contact": {"bodies": [STEEL, STEEL], "mean_pressure": "200 MPa"}},
-        "coated": {"contact": {"bodies": [STEEL | {"layers": [FILM]}, STEEL], "mean_pressure": "200 MPa"}},
+        "coated": {
+            "contact": {
+                "bodies": [
+                    STEEL | KNOWN | {"layers": [FILM | KNOWN | {"yield_stress": "9 GPa"}]},
+                    STEEL | {"thermal_conductivity": 50.0},
+                ],
+                "mean_pressure": "200 MPa",
+            }
+        },
         "sheet": {
             "contact": {"bodies": [{"base": "rigid", "layers": [SHEET]}, STEEL], "mean_pressure": "50 kPa"}
         },
@@ -47,6 +56,10 @@ def test_layers_go_from_the_settings_to_the_report(tmp_path, checkout):
         assert np.isnan(case["conductance_per_conductivity"]).all()
         assert case["converged"].all()
         assert (case["relative_contact_area_lower"] < case["relative_contact_area"]).all()
+    assert coated["material_von_mises_stress"].dims == ("load", "material")
+    assert (coated["interface_shear_stress"] > 0).all()
+    assert (coated["thermal_conductance"] > 0).all()
+    assert "thermal_conductance_lower" not in coated
     contact = read_dataset(project.path("results/sheet/ground/contact.nc"))
     window = read_dataset(project.path("results/sheet/ground/window.nc"))["height"]
     bodies = [
@@ -58,10 +71,15 @@ def test_layers_go_from_the_settings_to_the_report(tmp_path, checkout):
     page = project.path("results/report.html").read_text()
     assert "20.0 µm of 3.00 MPa (ν 0.5) on a rigid base" in page
     assert "Not judged with layers" in page
+    collected = read_dataset(project.path("results/statistics.nc"))
+    together = collected["material_von_mises_stress"].sel(case="coated").values.ravel()
+    np.testing.assert_array_equal(together, coated["material_von_mises_stress"].values.ravel())
     panels = {case: project.path(f"results/{case}/ground/panel.html").read_text() for case in found}
     converged = {case: re.findall(r"onverged[^<]*conductance", panel) for case, panel in panels.items()}
     assert converged["plain"]
     assert not converged["coated"]
+    assert "von Mises in the base" in panels["coated"]
+    assert "shear below layer 1" in panels["coated"]
     summary = pd.read_csv(project.path("results/summary.csv"))
     assert set(summary["case"]) == set(found)
 
