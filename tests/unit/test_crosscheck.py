@@ -173,11 +173,17 @@ def test_a_layer_on_a_rigid_base_is_what_another_code_finds(other):
 
 
 @pytest.mark.skipif(not OTHER_PYTHON, reason="needs CROSSCHECK_PYTHON, the Python of another code")
-def test_contactmechanics_finds_the_same_on_a_layer():
-    height, contact, statistics = solved_on_a_sheet()
+@pytest.mark.parametrize(("nu", "thickness"), [(nu, t) for nu in (0.3, 0.45) for t in (0.02, 0.05, 0.1)])
+def test_contactmechanics_finds_the_same_on_a_layer(nu, thickness):
+    height = ensemble_map(128, seed=round(100 * (nu + thickness)))
+    sheet = {"thickness": thickness, "youngs_modulus": 1.0, "poissons_ratio": nu}
+    bodies = [{"base": "rigid", "layers": [sheet]}, RIGID]
+    contact = rc.solve_contact(height, bodies=bodies, mean_pressure=0.1, tolerance=1e-9)
+    statistics = rc.contact_statistics(contact, flow="never")
     result = crosscheck(height, contact, statistics, code="contactmechanics", python=OTHER_PYTHON)
     assert_equal_results(result, statistics)
     assert not result["contact_difference"].any()
+    assert (result["pressure_difference"] < 1e-7).all()
 
 
 @pytest.mark.parametrize(
