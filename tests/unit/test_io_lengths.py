@@ -218,6 +218,16 @@ def test_a_number_unlike_all_others_is_named(values, other):
     assert odd_numbers(np.where(np.arange(50) % 2, values, MAP)) == []  # two kinds of numbers
 
 
+@pytest.mark.parametrize("shape", [(40, 50), (1, 2000)])
+def test_numbers_between_levels_are_named_after_a_plane_was_taken_off(shape):
+    levels = 1e-10 * np.random.default_rng(3).integers(-500, 500, shape)
+    levelled = levels - 1e-10 * np.add.outer(np.pi * np.arange(shape[0]), np.arange(shape[1]) / np.e)
+    assert odd_numbers(levelled) == []
+    levelled[-1 if shape[0] == 1 else 20, 30] += 1e-14  # a ten-thousandth of a level
+    (said,) = odd_numbers(levelled)
+    assert said.startswith("at least 1 of 2000 numbers lies between the levels, 1e-10 apart but for a plane")
+
+
 SMOOTH = 1e-6 * np.add.outer(np.sin(np.arange(40) / 5), np.cos(np.arange(50) / 7))
 SMOOTH += 1e-9 * np.random.default_rng(5).standard_normal(SMOOTH.shape)
 

@@ -44,17 +44,39 @@ def odd_numbers(values: np.ndarray) -> list[str]:
             "others: damaged in the file, or filled in"
         )
         return [sentence]
-    return _between_levels(measured, most)
+    between, step = _between_levels(measured, most)
+    least, off_plane = "", ""
+    rows = max(2, _SAMPLE // values.shape[1])
+    if not step and _between_levels(_mixed(values[:rows]), 4 * most)[1]:
+        # each number within a map is in four differences, in a profile in three
+        between, step = _between_levels(_mixed(values), 4 * most)
+        between, least, off_plane = -(-between // 4), "at least ", " but for a plane"
+    if not between:
+        return []
+    lie = "lies" if between == 1 else "lie"
+    sentence = (
+        f"{least}{between} of {measured.size} numbers {lie} between the levels, {step:.4g} apart{off_plane}, "
+        "of all others: damaged in the file, or filled in"
+    )
+    return [sentence]
 
 
-def _between_levels(measured: np.ndarray, most: int) -> list[str]:
-    """Suspect few numbers that are no multiples of the step of all others."""
+def _mixed(values: np.ndarray) -> np.ndarray:
+    """Return differences along rows and columns, which a plane, or lines, taken off a map do not change."""
+    mixed = np.diff(np.diff(values, axis=1), axis=0 if len(values) > 1 else 1)
+    return mixed[np.isfinite(mixed)]
+
+
+def _between_levels(measured: np.ndarray, most: int) -> tuple[int, float]:
+    """Return how many numbers are no multiples of the step of all others, and that step, 0 without levels."""
     sample = measured[:: max(1, measured.size // _SAMPLE)]
+    if not sample.size:
+        return 0, 0.0
     gaps = np.diff(np.unique(sample))
     # levels that single precision cannot distinguish are one level
     gaps = np.sort(gaps[gaps > 4e-7 * np.abs(sample).max()])
     if gaps.size <= 4 * most:
-        return []
+        return 0, 0.0
     smallest = gaps[2 * most]  # a number between two levels makes two smaller gaps
     step = np.median(gaps[(gaps > smallest / 1.5) & (gaps < 1.5 * smallest)])
     middle = np.partition(sample, sample.size // 2)[sample.size // 2]
@@ -63,7 +85,7 @@ def _between_levels(measured: np.ndarray, most: int) -> list[str]:
         counts = np.rint(places)
         near = np.abs(places - counts) < 0.1
         if near.mean() < 0.9 or not counts[near].any():
-            return []  # no levels
+            return 0, 0.0
         step = (counts[near] @ (sample - middle)[near]) / (counts[near] @ counts[near])
     off = (measured - middle) / step
     far = np.abs(off)
@@ -72,11 +94,4 @@ def _between_levels(measured: np.ndarray, most: int) -> list[str]:
     # rounding grows with the number
     usual, usually_far = (np.partition(each, -most - 1)[-most - 1] for each in (off, far))
     between = np.count_nonzero(off > np.maximum(far / usually_far, 1.0) * max(_OFF, _BEYOND * usual))
-    if not between:
-        return []
-    lie = "lies" if between == 1 else "lie"
-    sentence = (
-        f"{between} of {measured.size} numbers {lie} between the levels, {step:.4g} apart, of all others: "
-        "damaged in the file, or filled in"
-    )
-    return [sentence]
+    return int(between), float(step)
