@@ -71,6 +71,7 @@ def limit_of(name):
     return 0.15 if name.endswith(BY_SOURCE) else 0.06
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("along", ["x", "y"])
 @pytest.mark.parametrize("hardness", [None, 0.5])
 @pytest.mark.parametrize("seed", [1, 3])

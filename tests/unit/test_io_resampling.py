@@ -63,6 +63,7 @@ def test_given_steps_and_units(tmp_path):
         read_height_map(tmp_path / "points.txt", dx=2, dy=3, resample="linear")
 
 
+@pytest.mark.slow
 def test_holes_are_not_bridged(tmp_path):
     hole = np.hypot(X - 50, Y - 30) < 15
     path = points_file(tmp_path / "points.txt", X[~hole], Y[~hole], Z[~hole])

@@ -22,6 +22,7 @@ def test_a_stationary_surface_does_not_grow():
     assert max(exponents(0.8, longest=32.0)) < 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hurst", [0.3, 0.5, 0.8])
 def test_a_self_affine_surface_grows_by_its_hurst_exponent(hurst):
     """Waves four times as long as the map: the mean of 16 maps, each of which is a single sample of them."""

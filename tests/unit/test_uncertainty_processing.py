@@ -177,6 +177,7 @@ def test_profile():
     assert np.isfinite(found["relative_contact_area"]).all()
 
 
+@pytest.mark.slow
 def test_filling_covers_what_holes_hide():
     """The result of 32 maps with holes lies within the interval of filling from that without holes."""
     problem = contact(0.1)

@@ -45,6 +45,7 @@ def test_the_crate_of_the_samples_repeats_the_run_in_an_empty_folder(study, tmp_
     assert done.returncode == 0, done.stdout
 
 
+@pytest.mark.slow
 def test_a_measured_file_that_has_changed_does_not_go_into_the_crate(tmp_path, monkeypatch, capsys):
     pytest.importorskip("rocrate")
     monkeypatch.chdir(tmp_path)
