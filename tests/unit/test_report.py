@@ -220,6 +220,15 @@ def test_the_overview_has_the_weightiest_reason_and_counts_the_others(page):
         assert reasons[0] in row if reasons else "All checks that could be made passed." in row
 
 
+def test_the_head_says_what_was_asked_when_it_was_measured_and_by_which_version(page):
+    head = page.read_text(encoding="utf-8").partition("<nav")[0]
+    assert "contact modulus E* = 2.00 GPa; loads planned for each map</p>" in head
+    assert (
+        f"Measured 2011-07-23 (1 of 4 maps state it); computed by roughcontact {roughcontact.__version__}"
+        in head
+    )
+
+
 def test_metadata_of_the_instrument_stand_under_their_labels(page):
     panel = page.parent / "all" / "sparse" / "panel.html"
     said = "kind optical profiler, date 2011-07-23, numerical aperture 0.4"
@@ -234,6 +243,7 @@ def test_the_summary_of_a_panel_lies_beside_it(page, tmp_path):
         "verdict": "look",
         "reasons": ["Form: <b> & ±"],
         "not_judged": ["Band"],
+        "measured": "2011-07-23",
         "waves": "waves longer than 2 µm",
     }
     write_summary(known, tmp_path / "panel.html")
@@ -1056,6 +1066,7 @@ def test_of_many_surfaces_there_is_an_index_and_a_page_each(study):
         page = (study.parent / name).read_text(encoding="utf-8")
         assert page.count(f'id="{anchor}"') == 1
         assert '<a href="../report.html">' in page
+        assert "contact modulus E* = 2.00 GPa" in page.partition("<nav")[0]
         seed = int(re.search(r"s-(\d)\.html", link)[1])
         beside = re.findall(r'<a href="s-(\d)\.html">(‹|s-\d ›)', page)
         assert beside == [

@@ -2,7 +2,9 @@
 
 import pytest
 
-from roughcontact.report.asked import asked_in_words
+from roughcontact.configuration.generated import changed_settings
+from roughcontact.configuration.resolve import resolve
+from roughcontact.report.asked import asked_in_words, planned_in_words
 
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
 COATED = STEEL | {"layers": [{"thickness": 2e-6, "youngs_modulus": 1.8e11, "poissons_ratio": 0.2}]}
@@ -40,3 +42,40 @@ def test_each_case_has_its_own():
         ("soft", "contact modulus E* = 1.00 MPa; mean gap 1.00 µm"),
         ("stiff", "contact modulus E* = 1.00 GPa; mean gap 1.00 µm"),
     ]
+
+
+def test_settings_that_differ_from_their_defaults_follow_each_with_its_unit():
+    config = {
+        "contact": {"contact_modulus": 1e9, "hardness": 1e8, "tolerance": 0.0001},
+        "statistics": {"seal": {"viscosity": "1 mPa s", "pressure_difference": "1 bar", "width": "2 mm"}},
+        "report": {"title": "Trial"},
+        "cases": {
+            "plain": {},
+            "cut": {"window": {"shortest_wavelength": "2.5 um"}, "uncertainty": {"sources": []}},
+        },
+    }
+    settings = resolve(config)
+    seal = "statistics.seal: viscosity 0.00100 Pa s, pressure_difference 100 kPa, width 2.00 mm"
+    changed = {case: changed_settings(own) for case, own in settings.items()}
+    assert changed == {
+        "plain": [seal],
+        "cut": ["window.shortest_wavelength: 2.50 µm", seal, "uncertainty.sources: []"],
+    }
+    words = dict(asked_in_words(settings, changed))
+    assert words["plain"].endswith(f"hardness 100 MPa; loads planned for each map; {seal}")
+    assert words["cut"].count("; ") == 4
+
+
+def test_loads_that_are_planned_below_the_weight_of_a_sheet_are_explained():
+    planned = {"contact": {"contact_modulus": 8e6}}
+    loads = {(name, ""): 10.0 * place for place, name in enumerate("abcdefgh", start=8)}
+    assert planned_in_words(planned, loads).startswith(
+        "The planned loads of a, b begin at 80.0 Pa, less than"
+    )
+    lightest = dict.fromkeys(loads, 0.5)
+    assert planned_in_words(planned, lightest).startswith(
+        "The planned loads of a, b, c and 5 more begin at 500 mPa"
+    )
+    assert not planned_in_words({"contact": {"target_area": 0.1}}, lightest)
+    cases = {"soft": planned, "given": {"contact": {"mean_pressure": [1.0]}}}
+    assert "of a begin" in planned_in_words(cases, {("a", "soft"): 1.0, ("b", "given"): 1.0})

@@ -145,6 +145,7 @@ rule report:
         groups={name: [*group] for name, group in PLAN.groups.items()},
         title=PLAN.common["report"]["title"],
         settings=PLAN.all_settings(),
+        changed={case: changed_settings(own) for case, own in PLAN.cases.items()},
         settings_of_statistics=PLAN.all_settings(
             lambda settings: settings_of(settings, "statistics")
         ),

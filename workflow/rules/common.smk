@@ -11,6 +11,7 @@ from pathlib import Path
 from snakemake.logging import logger
 
 from roughcontact.configuration.dependencies import PACKAGE, source_digest
+from roughcontact.configuration.generated import changed_settings
 from roughcontact.configuration.places import check_places, left_over
 from roughcontact.configuration.plan import Plan, one_of
 from roughcontact.configuration.stages import settings_of

@@ -15,6 +15,7 @@ left_out = write_results(
     ],
     title=params.title,
     settings=params.settings,
+    changed=params.changed,
     settings_of_statistics=params.settings_of_statistics,
     groups=params.groups,
 )

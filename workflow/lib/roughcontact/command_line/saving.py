@@ -90,6 +90,7 @@ def save(
 
 def _page(name: str, folder: Path, chain: "Chain", height: "xr.DataArray", settings: dict[str, Any]) -> str:
     """Return the page of a run of this surface alone, which is made in the folder."""
+    from roughcontact.configuration.generated import changed_settings
     from roughcontact.report.gather import write_results
     from roughcontact.report.panel import write_panel
     from roughcontact.results.storage import write_dataset
@@ -106,6 +107,7 @@ def _page(name: str, folder: Path, chain: "Chain", height: "xr.DataArray", setti
         finished=[entry | {"panel": folder / name / "panel.html"}],
         title=settings["report"]["title"],
         settings=settings,
+        changed={"": changed_settings(settings)},
         settings_of_statistics=settings,
         groups={},
     )

@@ -7,6 +7,7 @@ writes the partial report and names the missing surfaces.
 import json
 import sys
 
+from roughcontact.configuration.generated import changed_settings
 from roughcontact.configuration.plan import Plan
 from roughcontact.configuration.study import read_study
 from roughcontact.errors import RoughContactError
@@ -21,7 +22,8 @@ def main() -> int:
     stated = json.load(sys.stdin)
     try:
         plan = Plan(*read_study(stated["config"], stated["folders"], measured_in=stated["measured_in"]))
-        failures = write_partial_results(plan)
+        changed = {case: changed_settings(settings) for case, settings in plan.cases.items()}
+        failures = write_partial_results(plan, changed=changed)
     except (RoughContactError, OSError) as error:
         print(
             f"Not finished, and no report of what is finished can be written: {error}",

@@ -1,6 +1,8 @@
 """Properties of a setting, read from its model: the section below it, its choices, its description."""
 
 from collections.abc import Sequence
+from functools import partial
+from itertools import chain
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
@@ -37,6 +39,20 @@ def words_of(field: FieldInfo) -> list[str]:
     """
     kinds = _parts(field.annotation)
     return [word for kind in kinds if get_origin(kind) is Literal for word in get_args(kind)]
+
+
+def base_of(field: FieldInfo) -> str:
+    """Return the base unit of a setting that may carry its unit; empty for a plain number and for words.
+
+    Examples
+    --------
+    >>> from roughcontact.configuration.models import Level
+    >>> base_of(Level.model_fields["s_filter"]), base_of(Level.model_fields["max_missing"])
+    ('m', '')
+    """
+    within = (getattr(kind, "__metadata__", ()) for kind in _parts(field.annotation))
+    checks = [getattr(check, "func", None) for check in chain(field.metadata, *within)]
+    return next((str(check.keywords["base"]) for check in checks if isinstance(check, partial)), "")
 
 
 def fields_at(location: Sequence[str | int]) -> dict[str, FieldInfo]:

@@ -1,4 +1,4 @@
-"""The default configuration and its JSON schema, both generated from the models."""
+"""The default configuration and its JSON schema, generated from the models, and how a run differs from it."""
 
 import json
 import textwrap
@@ -6,8 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from roughcontact.configuration.fields import section_of, words_of
+from pydantic.fields import FieldInfo
+
+from roughcontact.configuration.fields import base_of, section_of, words_of
 from roughcontact.configuration.models import Contact, Section, Settings
+from roughcontact.quantities import quantity
 
 _HEAD = """\
 # yaml-language-server: $schema=../workflow/schemas/config.schema.json
@@ -21,6 +24,15 @@ _SHIPPED = {
     "bodies": "steel and PEEK, a polymer of seals and plain bearings",
     "mean_pressure": "what seals and plain bearings carry",
 }
+# what the page of a run says in words of its own, or on what no result depends
+_ASKED = tuple(
+    f"contact.{name}"
+    for name in (
+        *("contact_modulus", "bodies", "hardness", "mean_pressure", "relative_pressure"),
+        *("target_area", "target_gap", "target", "keep_fields"),
+    )
+)
+_NO_RESULT = ("report", "crosscheck", "validation")
 
 
 def default_yaml(*, head: str = _HEAD, contact: Mapping[str, Any] | None = None) -> str:
@@ -52,6 +64,28 @@ def json_schema() -> str:
     schema = Settings.model_json_schema()
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     return json.dumps(schema, indent=2) + "\n"
+
+
+def changed_settings(settings: Mapping[str, Any]) -> list[str]:
+    """Return the settings of a case that differ from their defaults, each with its value.
+
+    `settings` are those of `resolve`. Bodies, hardness and loads are left out, and what changes no result.
+
+    Examples
+    --------
+    >>> from roughcontact.configuration.resolve import resolve
+    >>> config = {"level": {"form": "none", "s_filter": "2.5 um"}, "contact": {"contact_modulus": 1e9}}
+    >>> changed_settings(resolve(config)[""])
+    ['level.form: none', 'level.s_filter: 2.50 µm']
+    """
+    return [
+        f"{section}.{name}: {_in_words(settings[section][name], field)}"
+        for section, of_section in Settings.model_fields.items()
+        if section not in _NO_RESULT and (model := section_of(of_section))
+        for name, field in model.model_fields.items()
+        if f"{section}.{name}" not in _ASKED
+        and settings[section][name] != field.get_default(call_default_factory=True)
+    ]
 
 
 def write_generated(root: Path) -> None:
@@ -105,3 +139,11 @@ def _flow(value: Any) -> str:
         mantissa, _, exponent = f"{value:.6g}".partition("e")
         return mantissa + ("" if "." in mantissa else ".0") + (f"e{exponent}" if exponent else "")
     return value if isinstance(value, str) else json.dumps(value)
+
+
+def _in_words(value: Any, field: FieldInfo) -> str:
+    """Return the value of a setting: a quantity with its unit, anything else as in YAML."""
+    if isinstance(value, dict) and (section := section_of(field)):
+        return ", ".join(f"{key} {_in_words(part, section.model_fields[key])}" for key, part in value.items())
+    unit = base_of(field)
+    return quantity(value, unit) if unit and isinstance(value, float) else _flow(value)

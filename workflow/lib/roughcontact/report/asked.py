@@ -1,17 +1,21 @@
-"""What was asked: bodies and loads of a run, in words, for the head of its page."""
+"""What was asked: bodies, loads and changed settings of a run, in words, for the head of its page."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from roughcontact.materials import LEAST_LOAD
 from roughcontact.quantities import number, percent, quantity
 
 _OF_BODY = (("hardness", "hardness"), ("yield_stress", "yield stress"))
 _TARGETS = {"percolation": "the load at which the gap closes", "first_yield": "the load of first yield"}
 
 
-def asked_in_words(settings: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return for each case of a run (an empty name where there are none) its bodies and loads.
+def asked_in_words(
+    settings: Mapping[str, Any], changed: Mapping[str, Sequence[str]] | None = None
+) -> list[tuple[str, str]]:
+    """Return for each case of a run (an empty name where there are none) what it asks.
 
+    These are its bodies, its loads, and of `changed` the settings that differ from their defaults, by case.
     `settings` are those of the run, or of each case by its name.
 
     Examples
@@ -23,12 +27,66 @@ def asked_in_words(settings: Mapping[str, Any]) -> list[tuple[str, str]]:
     >>> asked_in_words({"contact": {"bodies": [steel | {"name": "steel"}], "target_area": 0.1}})
     [('', 'steel (210 GPa, ν 0.30, hardness 2.00 GPa) on a rigid body; contact area 10.0 %')]
     """
+    return [
+        (name, "; ".join([_bodies(contact), _loads(contact), *(changed or {}).get(name, ())]))
+        for name, contact in _contacts(settings)
+    ]
+
+
+def planned_in_words(settings: Mapping[str, Any], lightest: Mapping[tuple[str, str], float]) -> str:
+    """Return what it means that planned loads are as light as a sheet, nothing where none is.
+
+    `lightest` has the lowest mean pressure (Pa) of each surface under each case ("" where there are none).
+
+    Examples
+    --------
+    >>> planned = {"contact": {"contact_modulus": 8e6}}
+    >>> planned_in_words(planned, {("lens", ""): 0.727, ("ground", ""): 3e3})[:73]
+    'The planned loads of lens begin at 727 mPa, less than the weight of a cen'
+    >>> planned_in_words(planned | {"contact": {"mean_pressure": 1.0}}, {("lens", ""): 1.0})
+    ''
+    """
+    planned = [name for name, contact in _contacts(settings) if not list(_given(contact))]
+    light = {key: load for key, load in lightest.items() if key[1] in planned and load < LEAST_LOAD}
+    names = list(dict.fromkeys(surface for surface, _ in light))
+    if not names:
+        return ""
+    several = f"{', '.join(names[:3])} and {len(names) - 3} more" if len(names) > 4 else ", ".join(names)
+    return (
+        f"The planned loads of {several} begin at {quantity(min(light.values()), 'Pa')}, less than the weight "
+        "of a centimetre of rubber. Loads are planned from about 1 % of the area in contact to nearly all of "
+        "it: so smooth a surface on so soft a body begins to touch under its own weight. Give "
+        "contact.mean_pressure if yours is known."
+    )
+
+
+def _contacts(settings: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
+    """Return the settings of the contact by case, whose name is empty where there are none."""
     cases = {"": settings} if "contact" in settings else settings
     return [
-        (name, f"{_bodies(case['contact'])}; {_loads(case['contact'])}")
+        (name, case["contact"])
         for name, case in cases.items()
         if isinstance(case, Mapping) and "contact" in case
     ]
+
+
+def measured_in_words(dates: Mapping[str, str]) -> str:
+    """Return when the maps of a run were measured, given the date of each, empty where it is not stated.
+
+    Examples
+    --------
+    >>> measured_in_words({"one": "2024-01-31", "two": "2024-01-31"})
+    'measured 2024-01-31'
+    >>> measured_in_words({"one": "2024-02-01", "two": "2023-12-24", "three": ""})
+    'measured 2023-12-24 to 2024-02-01 (2 of 3 maps state it)'
+    >>> measured_in_words({"one": ""})
+    ''
+    """
+    stated = sorted(filter(None, dates.values()))
+    if not stated:
+        return ""
+    words = f"measured {' to '.join(dict.fromkeys([stated[0], stated[-1]]))}"
+    return words if len(stated) == len(dates) else f"{words} ({len(stated)} of {len(dates)} maps state it)"
 
 
 def _bodies(contact: Mapping[str, Any]) -> str:

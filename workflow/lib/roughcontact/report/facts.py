@@ -1,6 +1,7 @@
 """Facts of a surface in words, beside its checks, and the captions of its maps."""
 
 import json
+import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -70,6 +71,19 @@ def _first_row(measured: xr.DataArray) -> str:
     if not measured.attrs.get("first_row_assumed"):
         return ""
     return f"at the {measured.attrs['first_row']}, assumed: the file does not say (first_row in the table)"
+
+
+def date_of(measured: xr.DataArray) -> str:
+    """Return the date of a measurement, YYYY-MM-DD; nothing where its file states none of this form.
+
+    Examples
+    --------
+    >>> date_of(xr.DataArray(0.0, attrs={"instrument": '{"acquisition_time": "2011-07-23T16:49:36"}'}))
+    '2011-07-23'
+    """
+    stated = json.loads(measured.attrs.get("instrument", "{}")).get("acquisition_time", "")
+    found = re.match(r"\d{4}-\d\d-\d\d", str(stated))
+    return found[0] if found else ""
 
 
 def versions(numbers: xr.Dataset) -> str:

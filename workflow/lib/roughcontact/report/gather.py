@@ -40,6 +40,7 @@ def write_results(
     settings: dict[str, Any],
     settings_of_statistics: dict[str, Any],
     groups: Mapping[str, tuple[Mapping[str, str], bool]],
+    changed: Mapping[str, Sequence[str]] | None = None,
     failures: Sequence[Failure] = (),
     seen_from: str | Path | None = None,
 ) -> list[str]:
@@ -61,6 +62,8 @@ def write_results(
     groups : mapping
         name -> (name of a solved surface -> its part, whether these are placements of a pair of faces), as of
         `Plan.groups`; empty where there are none.
+    changed : mapping, optional
+        case ("" where there are none) -> its settings that differ from their defaults, in words.
     failures : sequence of dict
         surfaces (and cases) without results, with the reason; table, page and dataset name them.
     seen_from : path or None
@@ -100,6 +103,7 @@ def write_results(
         statistics=folder / "statistics.nc",
         title=title,
         settings=settings,
+        changed=changed,
         groups=answers,
         compared=compared,
         left_out=left_out,

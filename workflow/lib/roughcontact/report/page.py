@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from roughcontact import __version__
 from roughcontact.quantities import Unit, number
 from roughcontact.report import ONE_PAGE
-from roughcontact.report.asked import asked_in_words
+from roughcontact.report.asked import asked_in_words, measured_in_words, planned_in_words
 from roughcontact.report.captions import comparison_caption
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
@@ -48,6 +49,7 @@ def write_report(
     statistics: str | Path,
     title: str,
     settings: dict,
+    changed: Mapping[str, Sequence[str]] | None = None,
     groups: Sequence[NamedGroup] = (),
     compared: Mapping[tuple[str, str], xr.Dataset] | None = None,
     left_out: Sequence[str] = (),
@@ -71,6 +73,8 @@ def write_report(
         of the page.
     settings : dict
         the settings of the run (of each case, where there are cases).
+    changed : mapping, optional
+        case ("" where there are none) -> its settings that differ from their defaults, in words.
     groups : sequence of NamedGroup
         the answers of groups of maps, and of pairs of faces, where there are any.
     compared : mapping, optional
@@ -114,13 +118,13 @@ def write_report(
         for summary in summaries
     ]
     named = [{**failure, "name": _name(failure["surface"], failure["case"])} for failure in failures]
+    head = {"title": title, "asked_of_run": asked_in_words(settings, changed), "version": __version__}
     if many:
         shown_in = folder / "pages"
         pages = Path(path).parent / "pages"
-        _write_pages(pages, rows, panels, by_surface, named, title=title, folder=shown_in)
+        _write_pages(pages, rows, panels, by_surface, named, head=head, folder=shown_in)
     grouped = {str(name) for group in groups for name in group.answer["map"].values}
     html = template("report.html").render(
-        title=title,
         rows=rows,
         headings=_HEADINGS,
         asked=HEADINGS,
@@ -132,6 +136,10 @@ def write_report(
         surfaces=len(by_surface),
         cases_of_run=list(
             dict.fromkeys(case for case in (*case_of.values(), *(one["case"] for one in failures)) if case)
+        ),
+        light=planned_in_words(
+            settings,
+            {(name, case or ""): float(data["mean_pressure"][0]) for (name, case), data in series.items()},
         ),
         which_load=_which_load(list(places.values()), list(known.values())),
         comparisons=_comparisons(series, many=many),
@@ -145,7 +153,8 @@ def write_report(
         compared=comparison_rows(compared or {}, groups),
         compared_headings=("quantity", "mean pressure p̄", "ratio", "interval", "outcome"),
         folded=bool(grouped) and set(by_surface) <= grouped,
-        asked_of_run=asked_in_words(settings),
+        **head,
+        measured=measured_in_words({one["surface"]: one["measured"] for one in summaries}),
         settings=json.dumps(settings, indent=1, sort_keys=True),
     )
     write_text(html, path)
@@ -158,15 +167,16 @@ def _write_pages(
     by_surface: Mapping[str, Mapping[str, xr.Dataset]],
     failures: Sequence[Mapping[str, Any]],
     *,
-    title: str,
+    head: Mapping[str, Any],
     folder: Path,
 ) -> None:
-    """Write the page of each surface, with all its cases; `folder` is where the pages come to lie."""
+    """Write the page of each surface, with all its cases and the same `head`; `folder` is their place."""
     names = list(dict.fromkeys(summary["surface"] for summary in summaries))
     for place, name in enumerate(names):
         own = [index for index, summary in enumerate(summaries) if summary["surface"] == name]
         html = template("surface.html").render(
-            title=title,
+            **head,
+            measured=measured_in_words({name: summaries[own[0]]["measured"]}),
             name=name,
             before=names[place - 1] if place else None,
             after=names[place + 1] if place + 1 < len(names) else None,

@@ -81,7 +81,7 @@ def write_panel(
     not_judged = [check for check in outcome if check.outcome == checks.NOT_MADE]
     known = facts.surface_facts(measured, plane, solved, numbers)
     maps = _maps(measured, plane, solved, numbers, counter_face)
-    source = measured.attrs.get("source_sha256", "")
+    source, date = measured.attrs.get("source_sha256", ""), facts.date_of(measured)
     del measured, plane  # large maps leave no room for them beside the solution
     fields = _fields(contact, solved, numbers, order[shown])
     rough = float(numbers["rms_gradient"]) > 0  # a flat map has neither waves nor charts
@@ -131,6 +131,7 @@ def write_panel(
             "verdict": verdict,
             "reasons": [checks.reason(check) for check in doubts],
             "not_judged": [check.name for check in not_judged],
+            "measured": date,
             "waves": facts.waves_in_words(solved),
         },
         path,

@@ -4,6 +4,7 @@ import json
 import os
 import re
 import shutil
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -19,14 +20,17 @@ from roughcontact.results.storage import read_arrays
 _LONG_AGO = 315_532_800  # 1980-01-01, s
 
 
-def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Failure]:
+def write_partial_results(
+    plan: Plan, folder: str | Path = "results", *, changed: Mapping[str, Sequence[str]] | None = None
+) -> list[Failure]:
     """Write the results of the finished surfaces, if any, and return a `Failure` for each of the others.
 
     A result counts as finished where all its files exist, are not older than those they are made of, record
     the settings of this run and the current checksum of the measured file, and where its jobs have logged
     that they are done, and the checksums of all files from outside, since a job that fails may leave its
     previous files. The files are dated long ago, so that the next run makes them again; they are complete
-    before they are moved to `folder`. Nothing is written where all or none is finished.
+    before they are moved to `folder`. Nothing is written where all or none is finished. `changed` is as of
+    `write_results`.
     """
     folder = Path(folder)
     finished: list[Finished] = []
@@ -49,6 +53,7 @@ def write_partial_results(plan: Plan, folder: str | Path = "results") -> list[Fa
         finished=finished,
         title=plan.common["report"]["title"],
         settings=plan.all_settings(),
+        changed=changed,
         settings_of_statistics=plan.all_settings(lambda settings: settings_of(settings, "statistics")),
         groups=plan.groups,
         failures=failures,
