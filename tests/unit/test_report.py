@@ -699,9 +699,10 @@ FRAME_PROBE = """
 const frame = document.querySelector("iframe"), wait = time => new Promise(done => setTimeout(done, time));
 frame.addEventListener("load", async () => {
   const inside = frame.contentDocument, said = {};
-  const over = element => element.scrollWidth - element.clientWidth;
-  said.page = over(inside.documentElement);
-  said.tables = Math.max(...[...inside.querySelectorAll(".scroll")].map(over));
+  const wide = element => element.scrollWidth - element.clientWidth;
+  inside.querySelectorAll("details.part").forEach(part => { part.open = true; });
+  said.page = wide(inside.documentElement);
+  said.tables = Math.max(...[...inside.querySelectorAll(".scroll")].map(wide));
   said.heads = [...inside.querySelectorAll("th")].filter(head => !head.scope).length;
   said.broken = [];
   for (const head of inside.querySelectorAll("th")) {
@@ -722,9 +723,32 @@ frame.addEventListener("load", async () => {
   said.passed = seen(".checks .passed");
   const link = inside.querySelector("a[download]");
   said.table = link && link.href;
-  const map = [...inside.images].find(image => image.alt.startsWith("Contact pressure of holes"));
+  const of_holes = kind => [...inside.images].filter(image => image.alt.startsWith(`${kind} of holes`));
+  const [map] = of_holes("Contact pressure"), [chart] = of_holes("Pressure against load");
+  const pairs = map.closest(".pairs"), slider = pairs.previousElementSibling.querySelector("input");
+  said.slid = [];
+  for (const load of [2, 1, 0]) {
+    slider.value = load;
+    slider.dispatchEvent(new frame.contentWindow.Event("input"));
+    const seen = of_holes("Contact pressure").map(image => image.checkVisibility());
+    said.slid.push([seen, slider.getAttribute("aria-valuetext"), pairs.children[load].textContent.trim()]);
+  }
+  // what is said beside the pointer, over a mark of a chart
+  const drawing = new DOMParser().parseFromString(decodeURIComponent(chart.src.slice(19)), "image/svg+xml");
+  const svg = drawing.documentElement, glyph = svg.querySelector("[data-of='largest'] path");
+  const mark = glyph.getAttribute("transform").match(/[\\d.]+/g).map(Number);
+  const [left, top] = JSON.parse(svg.dataset.reading).area, box = svg.getAttribute("viewBox").split(" ");
+  const on = chart.getBoundingClientRect();
+  const clientX = on.left + (left + mark[0]) / box[2] * on.width;
+  const clientY = on.top + (top + mark[1]) / box[3] * on.height;
+  chart.dispatchEvent(new frame.contentWindow.PointerEvent("pointermove", { clientX, clientY }));
+  await wait(3000);
+  said.read = inside.querySelector(".tip").textContent;
+  inside.getElementById("surface-sparse").scrollIntoView();
+  frame.contentWindow.dispatchEvent(new Event("scroll"));  // which no frame of a page without a screen brings
+  said.here = [...inside.querySelectorAll("nav [aria-current]")].map(link => link.textContent.trim());
   map.closest("button").click();
-  await wait(500);
+  await wait(3000);
   const dialog = inside.querySelector("dialog"), drawn = dialog.querySelector("svg image");
   said.opened = dialog.open;
   const large = dialog.querySelector("svg").getBoundingClientRect();
@@ -778,7 +802,8 @@ def test_nothing_is_cut_off_and_maps_can_be_read(page, tmp_path, shown):
     """At both widths, and with the rules of the printed page on A4 between its margins."""
     text = page.read_text(encoding="utf-8")
     if shown == "print":
-        text = without_policy(text).replace("@media print", "@media all")
+        text = without_policy(text).replace("@media screen", "@media not all")
+        text = text.replace("@media print", "@media all")
     window = xr.open_dataset(page.parent / "all" / "holes" / "contact.nc")
     pressures = window["pressure"].sortby("mean_pressure").values
     rows, columns = pressures.shape[1:]
@@ -792,6 +817,18 @@ def test_nothing_is_cut_off_and_maps_can_be_read(page, tmp_path, shown):
     assert all(said["doubts"])
     assert said["passed"]
     assert not any(said["passed"])
+    words = [text for _, text, _ in said["slid"]]
+    assert len(set(words)) == 3
+    for (seen, chosen, shown_pair), load in zip(said["slid"], (2, 1, 0), strict=True):
+        assert seen == [True] * 3 if shown == "print" else [place == load for place in range(3)]
+        assert chosen == shown_pair
+    assert said["here"] == ["sparse"]
+    numbers = read_dataset(page.parent / "all" / "holes" / "statistics.nc").sortby("mean_pressure")
+    found = re.fullmatch(
+        r"largest: mean pressure p̄ ≈ (\S+) MPa, pressure in contact ≈ (\S+) MPa", said["read"]
+    )
+    wanted = [1e-6 * float(numbers[name][0]) for name in ("mean_pressure", "max_pressure")]
+    assert [float(text) for text in found.groups()] == pytest.approx(wanted, rel=0.01)
     assert said["opened"]
     assert said["closed"]
     table = base64.b64decode(said["table"].partition(",")[2]).decode()
@@ -819,7 +856,7 @@ ENLARGED_PROBE = """
 addEventListener("load", async () => {
   const wait = time => new Promise(done => setTimeout(done, time));
   document.querySelector("button.enlarge").click();
-  await wait(500);
+  await wait(3000);
   const dialog = document.querySelector("dialog"), words = dialog.querySelector("p");
   const drawn = dialog.querySelector("svg image"), zoom = dialog.querySelectorAll("button")[1];
   const state = () => [drawn.getBoundingClientRect().width, drawn.style.imageRendering, zoom.textContent];
@@ -849,7 +886,7 @@ def test_every_point_of_a_large_map_can_be_seen_and_read(tmp_path):
     points = [[row, column] for row in range(0, 700, 77) for column in range(0, 900, 91)]
     text = (
         f'<!DOCTYPE html><style>{template("report.css").render()}</style><figure style="width:300px">'
-        f'<img src="{source}" alt="Pressure."></figure>{template("enlarge.html").render()}'
+        f'<img src="{source}" alt="Pressure."></figure>{template("figures.html").render()}'
     )
     said = said_by(text + ENLARGED_PROBE.replace("POINTS", json.dumps(points)), tmp_path)
     assert said["words"] == "Pressure. 900 × 700: every point is drawn. Point at the map to read values."
@@ -864,22 +901,34 @@ def test_every_point_of_a_large_map_can_be_seen_and_read(tmp_path):
         assert abs(found - pressure[699 - row, column]) < 0.01e6
 
 
-@pytest.mark.browser
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
-def test_the_page_is_printed(page, tmp_path):
-    printed = tmp_path / "page.pdf"
+def pages_printed(text, folder):
+    """Return the number of pages that a page is printed on, A4."""
+    page, printed = folder / "printed.html", folder / "printed.pdf"
+    page.write_text(text, encoding="utf-8")
     subprocess.run(
         [
             CHROMIUM,
             *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--no-pdf-header-footer"),
-            *(f"--user-data-dir={tmp_path / 'profile'}", f"--print-to-pdf={printed}", page.as_uri()),
+            *(f"--user-data-dir={folder / 'profile'}", f"--print-to-pdf={printed}", page.as_uri()),
         ],
         capture_output=True,
         timeout=180,
         check=True,
     )
-    pages = [int(count) for count in re.findall(rb"/Count (\d+)", printed.read_bytes())]
-    assert 5 <= max(pages) <= 40
+    return max(int(count) for count in re.findall(rb"/Count (\d+)", printed.read_bytes()))
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+def test_a_surface_is_printed_on_two_pages_and_what_is_unfolded_on_more(page, tmp_path):
+    text = without_policy(page.read_text(encoding="utf-8")).replace("@page {", "@page { size: A4;")
+    head, *parts = re.split(r'(?=<section class="surface")', text.partition('<section id="legend">')[0])
+    start = head.partition("<main>")[0] + "<main>"
+    for part in parts:
+        assert pages_printed(start + part, tmp_path) <= 1 + 2, part[:60]  # that of the title
+    opened = start + parts[0].replace('<details class="part">', '<details class="part" open>')
+    assert pages_printed(opened, tmp_path) > 3
+    assert pages_printed(text, tmp_path) <= 2 + 2 * len(parts) + 2  # at a glance, how to read
 
 
 # --- units -------------------------------------------------------------------------------------------------

@@ -53,9 +53,9 @@ def planned_in_words(settings: Mapping[str, Any], lightest: Mapping[tuple[str, s
         return ""
     several = f"{', '.join(names[:3])} and {len(names) - 3} more" if len(names) > 4 else ", ".join(names)
     return (
-        f"The planned loads of {several} begin at {quantity(min(light.values()), 'Pa')}, less than the weight "
-        "of a centimetre of rubber. Loads are planned from about 1 % of the area in contact to nearly all of "
-        "it: so smooth a surface on so soft a body begins to touch under its own weight. Give "
+        f"The planned loads of {several} begin at {quantity(min(light.values()), 'Pa')}, less than the "
+        "weight of a centimetre of rubber. Loads are planned from about 1 % of the area in contact to nearly "
+        "all of it: so smooth a surface on so soft a body begins to touch under its own weight. Give "
         "contact.mean_pressure if yours is known."
     )
 

@@ -108,8 +108,8 @@ class Axis:
         return [float(f"{k * step:.12g}") for k in range(first, last + 1)], []
 
     def reading(self) -> list[Any]:
-        """Return label and ends of the axis, for a script that reads values from a picture."""
-        return [self.label, self.low, self.high]
+        """Return label and ends of the axis, and 1 if it is logarithmic, for a script that reads values."""
+        return [self.label, *(float(f"{end:.8g}") for end in (self.low, self.high)), *[1] * self.log]
 
 
 def _decades(low: float, high: float, most: int) -> tuple[list[float], list[float]]:
@@ -161,7 +161,8 @@ class Chart:
     grid : bool
         whether lines go through from the ticks.
     reading : dict
-        the scales from which a script reads values of a picture (`map_plots.framed`), written as JSON.
+        what a script needs beside the axes to read values of a picture (`map_plots.framed`); with these it is
+        written as JSON.
     steps : list of (str, dict)
         what was drawn, for another program that draws (`roughcontact.plot`): method, keyword arguments.
     """
@@ -195,15 +196,17 @@ class Chart:
         width: float = 1.5,
         dash: str = "",
         label: str = "",
+        read: bool = True,
     ) -> None:
         """Draw a line through points, interrupted at NaN.
 
         `width` is in pixels, `dash` has the lengths of dashes and gaps (empty: solid), `label` stands in the
-        legend (empty: not listed).
+        legend (empty: not listed); `read`: whether values can be read from it.
         """
         self.note("line", x=x, y=y, colour=colour, width=width, dash=dash, label=label)
         style = _stroke(colour, width, dash)
-        self._drawn.append(f'<path d="{self._path(x, y)}" fill="none" {style}/>')
+        name = f' data-of="{html.escape(label)}"' if read else ""
+        self._drawn.append(f'<path{name} d="{self._path(x, y)}" fill="none" {style}/>')
         self._list(label, lambda at, up: f'<path d="M{at:g} {up:g}h26" fill="none" {style}/>')
 
     def marks(
@@ -216,18 +219,21 @@ class Chart:
         filled: bool = True,
         label: str = "",
         joined: float = 0.0,
+        dash: str = "",
     ) -> None:
         """Draw marks at points, each one of `MARKERS`, filled or as an outline.
 
-        `joined` is the width (pixels) of a line through the marks; none for 0.
+        `joined` is the width (pixels) of a line through the marks, with its `dash`; none for 0.
         """
         if joined:
-            self.line(x, y, colour=colour, width=joined)
+            self.line(x, y, colour=colour, width=joined, dash=dash, read=False)
         self.note("marks", x=x, y=y, colour=colour, marker=marker, filled=filled, label=label)
         left, top = self._pixels(x, y)
         glyph = partial(_mark, marker=marker, colour=colour, filled=filled)
-        self._drawn += [glyph(*place) for place in zip(left, top, strict=True) if np.isfinite(place).all()]
-        stroke = _stroke(colour, joined, "")
+        glyphs = [glyph(*place) for place in zip(left, top, strict=True) if np.isfinite(place).all()]
+        if glyphs:
+            self._drawn.append(f'<g data-of="{html.escape(label)}">{"".join(glyphs)}</g>')
+        stroke = _stroke(colour, joined, dash)
         through = f'<path d="M{{0:g}} {{1:g}}h26" {stroke}/>' if joined else ""
         self._list(label, lambda at, up: through.format(at, up) + glyph(at + 13, up))
 
@@ -265,7 +271,7 @@ class Chart:
         ends_x = np.array([self.x.low, self.x.high] if x is None else [x, x])
         ends_y = np.array([self.y.low, self.y.high] if y is None else [y, y])
         colour, dash = style.get("colour", GREY), style.get("dash", "")
-        self.line(ends_x, ends_y, colour=colour, width=1.3, dash=dash, label=label)
+        self.line(ends_x, ends_y, colour=colour, width=1.3, dash=dash, label=label, read=bool(label))
 
     def band(self, low: float, high: float, *, label: str = "") -> None:
         """Shade the range between two values of x."""
@@ -341,11 +347,13 @@ class Chart:
             total += rows
         elif self._legend:
             parts += self._legend_inside(legend)
-        reading = f" data-reading='{html.escape(json.dumps(self.reading))}'" if self.reading else ""
+        axes = {"x": self.x.reading(), "y": self.y.reading(), "area": [round(side, 1) for side in area]}
+        reading = html.escape(json.dumps(axes | self.reading, ensure_ascii=False), quote=False)
+        reading = reading.replace("'", "&#39;")  # the double quotes of JSON take less room as they are
         return data_uri(
-            f'<svg xmlns="http://www.w3.org/2000/svg"{reading} viewBox="0 0 {self.size[0]:g} {total:g}" '
-            f'width="{self.size[0]:g}" height="{total:g}" font-family="{_FONT}" font-size="{_SIZE:g}" '
-            f'fill="{INK}">{"".join(parts)}</svg>'
+            f"<svg xmlns=\"http://www.w3.org/2000/svg\" data-reading='{reading}' "
+            f'viewBox="0 0 {self.size[0]:g} {total:g}" width="{self.size[0]:g}" height="{total:g}" '
+            f'font-family="{_FONT}" font-size="{_SIZE:g}" fill="{INK}">{"".join(parts)}</svg>'
         )
 
     def note(self, method: str, **arguments: Any) -> None:

@@ -23,6 +23,7 @@ from roughcontact.roughness.summits import summit_statistics
 from roughcontact.statistics import theory
 
 _AREA = "relative_contact_area"
+_DASHES = ("", DASHED, DOTTED, DASH_DOTTED)  # of cases
 _RELATIVE = "relative pressure p′ = p̄ / (E* g)"
 
 
@@ -79,12 +80,14 @@ def compare_areas(
     *,
     ends: Sequence[tuple[np.ndarray, np.ndarray]] = (),
     pressure: Unit | None = None,
+    kinds: Sequence[tuple[int, int]] = (),
 ) -> str:
     """Draw the contact area against the load of several surfaces or cases.
 
     `series` has a (label, loads, relative contact areas) for each surface under each case, `ends` the (lower,
-    upper) of each area, or nothing. Loads are mean pressures (Pa), shown in the unit `pressure`, or without
-    it relative pressures: then the theories that hold for all surfaces are drawn, too.
+    upper) of each area, or nothing, `kinds` the places of (surface, case) of each, by default all of one
+    case: surfaces are colours, cases are line styles. Loads are mean pressures (Pa), shown in the unit
+    `pressure`, or without it relative pressures: then the theories that hold for all surfaces are drawn, too.
 
     Examples
     --------
@@ -101,11 +104,19 @@ def compare_areas(
         _theory_lines(chart, loads)
     for index, (name, load, area) in enumerate(series):
         order = np.argsort(load)
-        colour, marker = _style(index)
+        surface, case = kinds[index] if kinds else (index, 0)
+        colour, marker = _style(surface)
         if ends:
             chart.bars(load * factor, *(100 * end for end in ends[index]), colour=colour)
         chart.marks(
-            load[order] * factor, 100 * area[order], colour=colour, marker=marker, joined=1.0, label=name
+            load[order] * factor,
+            100 * area[order],
+            colour=colour,
+            marker=marker,
+            filled=not case,
+            joined=1.0,
+            dash=_DASHES[case % len(_DASHES)],
+            label=name,
         )
     return chart.source("below")
 
@@ -161,6 +172,11 @@ def _groups_chart(groups: Sequence[tuple[str, xr.Dataset]], pressure: Unit) -> C
 def _style(index: int) -> tuple[str, str]:
     """Return colour and marker of one of several series."""
     return COLOURS[index % len(COLOURS)], MARKERS[(index // len(COLOURS) + index) % len(MARKERS)]
+
+
+def sample_of(surface: int, case: int) -> dict[str, str]:
+    """Return colour and dashes of the line of a surface under a case, by their places, in `compare_areas`."""
+    return {"colour": _style(surface)[0], "dash": _DASHES[case % len(_DASHES)]}
 
 
 def spread_of_areas(groups: Mapping[str, Sequence[tuple[np.ndarray, np.ndarray]]]) -> dict[str, str]:

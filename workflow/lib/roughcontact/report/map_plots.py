@@ -202,8 +202,6 @@ def framed(
     source, coarse = coloured(values[::-1], (bar.low, bar.high), colours, bad=bad)  # y grows upwards
     chart.picture(source, smooth=not coarse)
     chart.reading = {
-        "x": x.reading(),
-        "y": y.reading(),
         "value": bar.reading(),
         "colours": colour_scale(colours),
         "bad": [bad, bad_word],

@@ -3,7 +3,7 @@
 import base64
 import json
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from roughcontact.report.files import from_page
 from roughcontact.report.glance import HEADINGS, Cell, glance_rows, glance_units, loads_to_compare
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import comparison_rows, group_pictures, group_rows
-from roughcontact.report.load_plots import compare_areas, spread_of_areas
+from roughcontact.report.load_plots import compare_areas, sample_of, spread_of_areas
 from roughcontact.report.summary import Summary, read_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
@@ -100,6 +100,7 @@ def write_report(
         by_surface.setdefault(surface, {})[case or ""] = data
     known = {_name(*key): data for key, data in series.items()}
     case_of = {_name(*key): key[1] for key in series}
+    kinds = dict(zip(known, _kinds(series, series), strict=True))
     summaries = [read_summary(panel) for panel in panels]
     units = dict(zip(known, glance_units(list(known.values())), strict=True))
     places = dict(zip(known, loads_to_compare(list(known.values())), strict=True))
@@ -111,6 +112,7 @@ def write_report(
             if many
             else [],
             "case": case_of[summary["name"]],
+            "sample": sample_of(*kinds[summary["name"]]),
             "rank": len(checks.VERDICTS) - list(checks.VERDICTS).index(summary["verdict"]),
             "doubts": ", ".join(_doubts(summary)),
             "link": f"pages/{summary['surface']}.html#surface-{summary['identifier']}",
@@ -257,12 +259,17 @@ def _comparisons(series: Mapping[tuple[str, str | None], xr.Dataset], *, many: b
     # that of the stiffest, where the cases differ in it
     pressure = min((unit_of(data, "Pa") for data in rough.values()), key=lambda unit: unit.factor)
     bars = "Bars: the ±." if known else ""
+    kinds = list(_kinds(series, rough))
+    styles = " Surfaces are colours, cases are line styles." if any(case for _, case in kinds) else ""
     return [
         (
-            compare_areas(pascal, ends=ends, pressure=pressure),
-            f"{comparison_caption(pascal, pressure)} {bars}".strip(),
+            compare_areas(pascal, ends=ends, pressure=pressure, kinds=kinds),
+            f"{comparison_caption(pascal, pressure)} {bars}{styles}".strip(),
         ),
-        (compare_areas(lines, ends=ends), f"{comparison_caption(lines)} {in_these_units}".strip()),
+        (
+            compare_areas(lines, ends=ends, kinds=kinds),
+            f"{comparison_caption(lines)} {in_these_units}".strip(),
+        ),
     ]
 
 
@@ -275,6 +282,15 @@ def _cases(
         return [("", medians)] if medians else []
     tables = [(name, case_table(cases)) for name, cases in by_surface.items()]
     return [(name, table) for name, table in tables if table]
+
+
+def _kinds(
+    series: Iterable[tuple[str, str | None]], drawn: Iterable[tuple[str, str | None]]
+) -> Iterator[tuple[int, int]]:
+    """Yield the places of surface and case of results that are `drawn`, among those of all."""
+    surfaces, cases = (list(dict.fromkeys(names)) for names in zip(*series, strict=True))
+    for surface, case in drawn:
+        yield surfaces.index(surface), cases.index(case)
 
 
 def _series(statistics: xr.Dataset) -> dict[tuple[str, str | None], xr.Dataset]:
