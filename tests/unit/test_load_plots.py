@@ -123,6 +123,16 @@ def test_every_surface_of_many_has_a_mark_of_its_own():
     assert [drawn.legend[name][0] for name, _, _ in series] == [COLOURS[k % len(COLOURS)] for k in range(20)]
 
 
+def test_surfaces_are_colours_and_cases_are_line_styles():
+    names = [(surface, case) for case in range(2) for surface in range(2)]
+    series = [(f"{surface} · {case}", LOADS, AREAS) for surface, case in names]
+    drawn = read_chart(load_plots.compare_areas(series, kinds=names, pressure=Unit(1e-6, "MPa")), log="xy")
+    seen = [(line.colour, line.style) for line in drawn.lines]
+    assert seen == [(COLOURS[surface], "6 3" if case else "") for surface, case in names]
+    assert [drawn.legend[name][0] for name, *_ in series] == [colour for colour, _ in seen]
+    assert seen == [tuple(load_plots.sample_of(*name).values()) for name in names]
+
+
 def test_the_median_of_many_surfaces():
     """Between loads by powers; only where half of the surfaces or more were solved."""
     wide, narrow = np.array([1e-3, 1e-1]), np.array([1e-2, 1e-1])

@@ -259,6 +259,14 @@ def test_cases_stand_side_by_side(tmp_path):
     for case in ("soft", "hard"):
         assert f'id="surface-{case}--one"' in text
         assert f"one · {case}" in text
+    (nav,) = re.findall(r"<nav.*?</nav>", text, re.DOTALL)
+    shown = re.findall(
+        r'class="case">(\w+):</span> <a href="#surface-\1--one">.*? stroke-dasharray="(.*?)"', nav
+    )
+    assert shown == [("soft", ""), ("hard", "6 3")]
+    assert (
+        text.count("Surfaces are colours, cases are line styles.") == 2
+    )  # with the words for who sees no picture
 
 
 @pytest.mark.parametrize("beside", [None, "", "[]", '{"name": "one"}', "\xff"])

@@ -56,6 +56,9 @@ def test_what_is_mended_is_in_the_next_report_though_it_is_as_before(done):
     failed = done.run("--keep-going")
     assert failed.returncode != 0
     assert "Not finished: turned." in failed.stderr
+    changed = "; contact.tolerance: 1.0e-06; uncertainty.sources: []</p>"
+    assert changed in complete[REPORT[-1]].decode()
+    assert changed in contents(done)[REPORT[-1]].decode()
     partial = read_dataset(done.path("results/statistics.nc"))
     assert partial["surface"].values.tolist() == ["ground"]
     (failure,) = json.loads(partial.attrs["failed"])
