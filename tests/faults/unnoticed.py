@@ -41,6 +41,7 @@ _LARGEST_WHOLE = 5_000_000  # where every file is damaged in few ways
 _BLOCK = 4096  # bytes; the longest that is inserted, lost, doubled or exchanged
 _FAULTS = ("exception", "message", "time", "memory", "signal")
 _SMALL = 0.01  # of the rms height
+_COMBINED = 1000  # texts of random dialects
 
 
 class Whole(NamedTuple):
@@ -404,6 +405,7 @@ def _times(outcome: str, count: int) -> str:
 def dialects(folder: Path) -> pd.DataFrame:
     """Return how often a text with a known map is read right, with a question, refused, or wrong silently."""
     sys.path.append(str(ROOT / "tests/unit"))
+    from dialects import counted
     from test_io_text_dialects import DIALECTS, DOUBTS
 
     kinds: Counter = Counter()
@@ -422,8 +424,11 @@ def dialects(folder: Path) -> pd.DataFrame:
             "read with a question" if asked or warning else "read right" if same else "wrong in silence"
         ] += 1
     path.unlink()
+    combined, _ = counted(_COMBINED, 1, folder)
     names = ("read right", "read with a question", "refused", "wrong in silence")
-    return pd.DataFrame([{"texts": kinds.total()} | {name: kinds[name] for name in names}])
+    return pd.DataFrame(
+        [{"texts": found.total()} | {name: found[name] for name in names} for found in (kinds, combined)]
+    )
 
 
 def main() -> int:

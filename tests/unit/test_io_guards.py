@@ -196,7 +196,9 @@ def test_noise_and_flatness():
 
 def test_absurd_heights_are_refused(tmp_path):
     np.save(tmp_path / "map.npy", rough() * 1e12)
-    with pytest.raises(HeightMapError, match="are no measurement; the height unit is wrong"):
+    with pytest.raises(
+        HeightMapError, match="are no measurement: the height unit is wrong, the number marks"
+    ):
         read_height_map(tmp_path / "map.npy", dx=1e-6, dy=1e-6, unit="m")
 
 

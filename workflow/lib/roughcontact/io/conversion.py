@@ -158,8 +158,9 @@ def _checked(heights: np.ndarray, path: Path) -> np.ndarray:
     largest = np.nanmax(np.abs(heights))
     if largest > _LARGEST_HEIGHT:
         raise HeightMapError(
-            f"{path}: heights up to {largest:.3g} m are no measurement; the height unit is wrong or the file "
-            "is damaged (for instance a binary file whose line ends were converted)"
+            f"{path}: heights up to {largest:.3g} m are no measurement: the height unit is wrong, the "
+            "number marks missing points (write NaN in its place), or the file is damaged (for instance a "
+            "binary file whose line ends were converted)"
         )
     return heights
 
