@@ -1,6 +1,6 @@
 """Hold the answers of groups of maps against batches whose truth is known.
 
-    python benchmarks/groups.py             # printed; three minutes
+    python benchmarks/groups.py             # printed; six CPU minutes
     python benchmarks/groups.py --write
 
 The maps are real solves: of each of three finishes (self-affine, ground, honed) 100 surfaces are made, a map
@@ -50,8 +50,8 @@ NAMES = {"relative_contact_area": "area", "mean_gap": "mean gap"}
 COUNTS = (3, 5, 10)
 SCATTERS = (0.0, 0.1, 0.2, 0.3)
 BATCHES = 500  # of each kind, count, scatter and load
-PAIRS = 500
-FACES = 30  # pairs of faces, unless the command says more
+PAIRS = 4000  # of each kind
+FACES = 200  # pairs of faces, unless the command says more
 SOURCES = ("solver", "discretisation", "window", "processing")
 INSIDE = ("mean inside (%)", "next map inside (%)")
 INSIDE_PAIRS = "new placement inside (%)"

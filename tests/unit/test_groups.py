@@ -10,7 +10,7 @@ from scipy import special, stats
 import roughcontact as rc
 from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.uncertainty.combination import SOURCES
-from roughcontact.uncertainty.differences import case_differences, compare_all
+from roughcontact.uncertainty.differences import case_differences, compare_all, compare_maps
 from roughcontact.uncertainty.group_tables import NamedGroup, comparisons_table, groups_table, joined_groups
 from roughcontact.uncertainty.random_effects import (
     correlation_at_least,
@@ -317,6 +317,20 @@ def test_paired_maps_are_compared_map_by_map():
         rc.compare_groups(first, group_of(gaps), paired=True)
 
 
+def test_groups_of_the_same_places_are_compared_place_by_place():
+    gaps, factors = np.array([1.0, 2.0, 4.0]), [1.1, 1.11, 1.09]
+    groups = {
+        "new": group_of(gaps, names=["a", "b", "c"]),
+        "worn": group_of((gaps * factors)[::-1], names=["c2", "b2", "a2"]),
+    }
+    repeats = {"a2": "a", "b2": "b", "c": "c2"}  # in either direction
+    known = stats.ttest_1samp(np.log(factors), 0.0).pvalue
+    found, _ = compare_all(groups, repeats=repeats)
+    assert found["new", "worn"]["p_value"].item() == pytest.approx(known)
+    apart, _ = compare_all(groups, repeats={"a2": "a", "b2": "b"})
+    assert apart["new", "worn"]["p_value"].item() > 10 * known
+
+
 @pytest.fixture(scope="module")
 def cases():
     """The same map under two moduli at the same relative pressure, and under another form."""
@@ -352,6 +366,47 @@ def test_cases_that_change_the_map_keep_what_they_do_not_share(cases):
     width, most = (np.log(one["ratio_upper"] / one["ratio_lower"]).values for one in (found, independent))
     assert (width > 0).all()
     assert (width < most).all()
+
+
+@pytest.fixture(scope="module")
+def repeats():
+    """A place measured three times, the last time a fifth rougher."""
+    place = rough_reference_surface(64).isel(x=slice(48), y=slice(48))
+    generator = np.random.default_rng(4)
+
+    def measured(factor=1.0):
+        return rc.evaluate(
+            factor * place + 0.002 * float(place.std()) * generator.standard_normal(place.shape),
+            contact={"contact_modulus": "1 GPa", "mean_pressure": ["30 MPa", "120 MPa"]},
+            statistics={"flow": "never"},
+        )
+
+    return measured(), measured(), measured(1.2)
+
+
+def test_a_repeat_differs_by_nothing_that_both_share(repeats):
+    first, again, rougher = repeats
+    found = compare_maps({("first", "again"): (first, again), ("first", "rougher"): (first, rougher)})
+    same, other = (one.sel(quantity="relative_contact_area") for one in found.values())
+    alone = np.log(first["relative_contact_area_upper"] / first["relative_contact_area_lower"]).values
+    assert (np.log(same["ratio_upper"] / same["ratio_lower"]).values < alone / 4).all()
+    assert ((same["ratio_lower"] < 1) & (same["ratio_upper"] > 1) & (same["p_value"] > 0.05)).all()
+    assert same["outcome"].values[-1].startswith("do not differ by more than ")
+    # the area goes with the inverse of the gradient where it is small
+    assert other["ratio_lower"].values[0] < 1 / 1.2 < other["ratio_upper"].values[0]
+    assert other["outcome"].values[-1] == "differ"
+
+
+def test_choices_go_together_by_their_names(repeats):
+    first, again, _ = repeats
+    expected = case_differences(first, again)
+    swapped = again.isel(choice=slice(None, None, -1))
+    xr.testing.assert_allclose(case_differences(first, swapped), expected)
+    padded = [one.drop_vars("choice").pad(choice=(0, 2)) for one in (first, again)]
+    xr.testing.assert_allclose(case_differences(*padded), expected)
+    unnamed = case_differences(first.drop_vars("choice"), swapped.drop_vars("choice"))
+    wider, width = (np.log(one["ratio_upper"] / one["ratio_lower"]) for one in (unnamed, expected))
+    assert (wider > 1.2 * width).any()
 
 
 def test_tables_and_dataset_of_several_groups():

@@ -91,6 +91,32 @@ def test_a_group_of_different_pixels_is_named_and_the_rest_goes_on(grouped):
 
 
 @pytest.mark.slow
+def test_repeats_and_placements_are_compared_and_folded_below_their_pair(grouped):
+    rows = [f"{row}\t\t{again}" for row, again in zip(ROWS[:2], ("", "fine-0"), strict=True)]
+    rows = [row.replace("\tfines\t", "\t\t") for row in rows]
+    np.save(grouped.path("measured/fine-1.npy"), 1.001 * np.load(grouped.path("measured/fine-0.npy")))
+    grouped.write(
+        QUICK | {"composite": {"shifts": 2}}, [f"{HEADER}\tcounter_face\trepeat_of", *rows, f"{SEAL}\t"]
+    )
+    run = grouped.run()
+    assert run.returncode == 0, run.stderr
+    compared = [row for row in table(grouped, "comparisons.csv") if row["quantity"] == "mean_gap"]
+    assert [(row["first"], row["second"]) for row in compared] == [("fine-0", "fine-1")] * 2 + [
+        ("seal-1", "seal-2")
+    ] * 2
+    # the gap of heights 1.001 times as large is, under a load that closes it a little, larger by about as much
+    ratios = [float(compared[0][f"ratio{end}"]) for end in ("_lower", "", "_upper")]
+    assert ratios == sorted(ratios)
+    assert 1.0005 < ratios[1] < 1.002
+    assert ratios[2] - ratios[0] < 0.01
+    page = grouped.path("results/report.html").read_text()
+    folded = "<details><summary>seal, map by map: seal-1, seal-2</summary>"
+    assert page.index("<b>seal</b>: 2 placements of two faces.") < page.index('<section id="glance">')
+    assert page.index('<a href="#surface-fine-0">', page.index('<section id="glance">')) < page.index(folded)
+    assert page.index("<details><summary>seal-1, of seal</summary>") < page.index('id="surface-seal-1"')
+
+
+@pytest.mark.slow
 def test_cases_of_a_group_are_compared_map_by_map(grouped):
     cases = {
         "soft": {},

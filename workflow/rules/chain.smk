@@ -102,7 +102,7 @@ rule report:
             if PLAN.members
             else {}
         ),
-        **(outputs_of_groups() if PLAN.groups else {}),
+        **(outputs_of_groups() if PLAN.groups or PLAN.repeats else {}),
         **({"pages": directory("results/pages")} if len(PLAN.runs) > ONE_PAGE else {}),
         statistics=for_report(
             "results/statistics.nc",
@@ -143,6 +143,7 @@ rule report:
     params:
         runs=[list(run) for run in PLAN.runs],
         groups={name: [*group] for name, group in PLAN.groups.items()},
+        repeats=PLAN.repeats,
         title=PLAN.common["report"]["title"],
         settings=PLAN.all_settings(),
         changed={case: changed_settings(own) for case, own in PLAN.cases.items()},

@@ -156,6 +156,11 @@ class Plan:
         return found
 
     @cached_property
+    def repeats(self) -> dict[str, str]:
+        """Name of a surface -> of the one that is the same place measured before."""
+        return {name: row.repeat_of for name, row in self.table.items() if row.repeat_of}
+
+    @cached_property
     def runs(self) -> list[Run]:
         """Every result of the run, case by case."""
         return [Run(surface, case) for case in self.cases for surface in self.solved]

@@ -30,7 +30,7 @@ PAIR_FIRST_ROW = "counter_face_first_row"
 INSTRUMENT = tuple(
     key for key in Instrument.model_fields if key != "finer_spectrum"
 )  # prevail over the settings
-REPEAT = "repeat_of"  # name of a surface that is the same place measured again, for the noise of both
+REPEAT = "repeat_of"  # name of a surface that is the same place measured before: the noise of both follows
 GROUP, PART = "group", "part"
 COLUMNS = (*REQUIRED, GROUP, PART, PAIR, PAIR_FIRST_ROW, REPEAT, *TEXTS, *NUMBERS, *INSTRUMENT)
 
@@ -55,6 +55,8 @@ class Surface:
         position of the first row of that file; empty: as in the file.
     group, part : str
         the finish and the part that the map is of; empty where it is of none, or of a part of its own.
+    repeat_of : str
+        name of the surface that is the same place measured before; empty where there is none.
     """
 
     name: str
@@ -65,6 +67,7 @@ class Surface:
     counter_face_first_row: str = ""
     group: str = ""
     part: str = ""
+    repeat_of: str = ""
 
 
 @dataclass(frozen=True)
@@ -147,7 +150,6 @@ def read_surfaces(
         mistakes.append("has no row; add one line with the name and the path of each surface")
     folders = [folders[0], table.parent, *folders[1:]]
     surfaces: dict[str, Surface] = {}
-    repeats: dict[str, str] = {}
     for line, cells in rows if readable else ():
         row = dict(zip(header, cells, strict=False))
         if any(cells[len(header) :]):
@@ -173,10 +175,10 @@ def read_surfaces(
             row.get(PAIR_FIRST_ROW, ""),
             row.get(GROUP, ""),
             row.get(PART, ""),
+            row.get(REPEAT, ""),
         )
-        if row.get(REPEAT):
-            repeats[name] = row[REPEAT]
         mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
+    repeats = {name: row.repeat_of for name, row in surfaces.items() if row.repeat_of}
     mistakes += _link_repeats(surfaces, repeats)
     mistakes += _mistakes_in_groups(surfaces)
     _join_repeats(surfaces, repeats)

@@ -19,9 +19,9 @@ from roughcontact.results.collect import (
     summary_table,
     with_failures,
 )
-from roughcontact.results.storage import provenance, write_dataset, write_table
+from roughcontact.results.storage import provenance, read_dataset, write_dataset, write_table
 from roughcontact.uncertainty.combination import uncertainty_table
-from roughcontact.uncertainty.differences import compare_all
+from roughcontact.uncertainty.differences import compare_all, compare_maps
 from roughcontact.uncertainty.group_tables import NamedGroup, comparisons_table, groups_table, joined_groups
 from roughcontact.uncertainty.groups import group_statistics, needed_for_groups
 
@@ -40,6 +40,7 @@ def write_results(
     settings: dict[str, Any],
     settings_of_statistics: dict[str, Any],
     groups: Mapping[str, tuple[Mapping[str, str], bool]],
+    repeats: Mapping[str, str] | None = None,
     changed: Mapping[str, Sequence[str]] | None = None,
     failures: Sequence[Failure] = (),
     seen_from: str | Path | None = None,
@@ -47,7 +48,8 @@ def write_results(
     """Write the datasets, tables and page of all surfaces of a run, and return why groups were left out.
 
     These are `statistics.nc`, `summary.csv`, `uncertainty.csv` and `report.html`; with groups also
-    `groups.nc`, `groups.csv` and `comparisons.csv`, with pairs of faces `pairs.csv`.
+    `groups.nc`, `groups.csv` and `comparisons.csv`, with repeats of a place as well, with pairs of faces
+    `pairs.csv`.
 
     Parameters
     ----------
@@ -62,6 +64,8 @@ def write_results(
     groups : mapping
         name -> (name of a solved surface -> its part, whether these are placements of a pair of faces), as of
         `Plan.groups`; empty where there are none.
+    repeats : mapping, optional
+        name of a surface -> of the one that is the same place measured before.
     changed : mapping, optional
         case ("" where there are none) -> its settings that differ from their defaults, in words.
     failures : sequence of dict
@@ -89,9 +93,10 @@ def write_results(
     if members:
         write_table(pairs_table(summary, members), folder / "pairs.csv")
     answers, left_out = group_answers(statistics, groups)
-    compared, not_compared = comparisons(answers)
+    compared, not_compared = comparisons(answers, repeats)
     left_out += not_compared
-    if groups:
+    compared |= compare_maps(_shared_maps(finished, groups, repeats or {}))
+    if groups or repeats:
         attrs["left_out"] = json.dumps(left_out, ensure_ascii=False)
         attrs = {key: text for key, text in attrs.items() if key != "comment"} | {"title": "Groups of maps"}
         write_dataset(joined_groups(answers).assign_attrs(attrs), folder / "groups.nc")
@@ -142,17 +147,20 @@ def group_answers(
     return answers, left_out
 
 
-def comparisons(answers: Sequence[NamedGroup]) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
+def comparisons(
+    answers: Sequence[NamedGroup], repeats: Mapping[str, str] | None = None
+) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
     """Return the comparisons of every two groups under a case, and of the cases of a group with its first.
 
-    With them comes a sentence for each that cannot be made. The placements of a pair are compared under two
-    cases alone: of other faces they say nothing.
+    Groups of the same places (`repeats`, as of `write_results`) are compared place by place. With them comes
+    a sentence for each that cannot be made. The placements of a pair are compared under two cases alone: of
+    other faces they say nothing.
     """
     found: dict[tuple[str, str], xr.Dataset] = {}
     left_out: list[str] = []
     for case in dict.fromkeys(one.case for one in answers):
         own = {one.label: one.answer for one in answers if one.case == case and not one.placements}
-        compared, reasons = compare_all(own)
+        compared, reasons = compare_all(own, repeats=repeats)
         found, left_out = found | compared, left_out + reasons
     for name in dict.fromkeys(one.name for one in answers):
         first, *others = own = {one.label: one.answer for one in answers if one.name == name}
@@ -160,6 +168,30 @@ def comparisons(answers: Sequence[NamedGroup]) -> tuple[dict[tuple[str, str], xr
             compared, reasons = compare_all(own, cases=[(first, other) for other in others])
             found, left_out = found | compared, left_out + reasons
     return found, left_out
+
+
+def _shared_maps(
+    finished: Sequence[Finished],
+    groups: Mapping[str, tuple[Mapping[str, str], bool]],
+    repeats: Mapping[str, str],
+) -> dict[tuple[str, str], tuple[xr.Dataset, xr.Dataset]]:
+    """Return the statistics of each place and of its repeat, of the first placement and of each other."""
+    pairs = [(place, again) for again, place in repeats.items()]
+    for first, *others in (list(parts) for parts, placements in groups.values() if placements):
+        pairs += [(first, other) for other in others]
+    wanted = {name for pair in pairs for name in pair}
+    found = {
+        (entry["case"], entry["surface"]): read_dataset(entry["statistics"]).sortby("mean_pressure")
+        for entry in finished
+        if entry["surface"] in wanted
+    }
+    shared = {}
+    for case in dict.fromkeys(case for case, _ in found):
+        for pair in pairs:
+            if all((case, name) in found for name in pair):
+                one, two = (name if case is None else f"{name} · {case}" for name in pair)
+                shared[one, two] = found[case, pair[0]], found[case, pair[1]]
+    return shared
 
 
 def _by_map(statistics: xr.Dataset) -> dict[tuple[str, str], xr.Dataset]:

@@ -70,10 +70,16 @@ def group_pictures(groups: Sequence[NamedGroup]) -> list[tuple[str, str]]:
 
 
 def comparison_rows(
-    compared: Mapping[tuple[str, str], xr.Dataset], groups: Sequence[NamedGroup]
+    compared: Mapping[tuple[str, str], xr.Dataset],
+    groups: Sequence[NamedGroup],
+    maps: Mapping[str, xr.Dataset] | None = None,
 ) -> list[Row]:
-    """Return for each two groups `first`, `second` and `rows`: quantity, load, ratio, interval, outcome."""
-    answers = {group.label: group.answer for group in groups}
+    """Return for each two groups `first`, `second` and `rows`: quantity, load, ratio, interval, outcome.
+
+    `of_maps` says whether they are two maps, whose statistics are in `maps`, by name.
+    """
+    of_groups = {group.label: group.answer for group in groups}
+    answers = {**(maps or {}), **of_groups}
     rows = []
     for (first, second), found in compared.items():
         pressure = unit_of(answers[first], "Pa")
@@ -88,7 +94,9 @@ def comparison_rows(
             if name in found["quantity"].values
             for place in shown_loads(area)
         ]
-        rows.append({"first": first, "second": second, "rows": cells})
+        rows.append(
+            {"first": first, "second": second, "rows": cells, "of_maps": first not in of_groups}
+        )
     return rows
 
 

@@ -102,6 +102,8 @@ def write_report(
     case_of = {_name(*key): key[1] for key in series}
     kinds = dict(zip(known, _kinds(series, series), strict=True))
     summaries = [read_summary(panel) for panel in panels]
+    # a placement stands with its pair, which comes last
+    grouped = {str(name): group.name for group in groups for name in group.answer["map"].values}
     units = dict(zip(known, glance_units(list(known.values())), strict=True))
     places = dict(zip(known, loads_to_compare(list(known.values())), strict=True))
     rows = [
@@ -113,6 +115,7 @@ def write_report(
             else [],
             "case": case_of[summary["name"]],
             "sample": sample_of(*kinds[summary["name"]]),
+            "group": grouped.get(summary["surface"], ""),
             "rank": len(checks.VERDICTS) - list(checks.VERDICTS).index(summary["verdict"]),
             "doubts": ", ".join(_doubts(summary)),
             "link": f"pages/{summary['surface']}.html#surface-{summary['identifier']}",
@@ -125,7 +128,6 @@ def write_report(
         shown_in = folder / "pages"
         pages = Path(path).parent / "pages"
         _write_pages(pages, rows, panels, by_surface, named, head=head, folder=shown_in)
-    grouped = {str(name) for group in groups for name in group.answer["map"].values}
     html = template("report.html").render(
         rows=rows,
         headings=_HEADINGS,
@@ -152,9 +154,9 @@ def write_report(
         group_headings=GROUP_HEADINGS,
         group_pictures=group_pictures(groups) if groups else [],
         left_out=left_out,
-        compared=comparison_rows(compared or {}, groups),
+        compared=comparison_rows(compared or {}, groups, known),
         compared_headings=("quantity", "mean pressure p̄", "ratio", "interval", "outcome"),
-        folded=bool(grouped) and set(by_surface) <= grouped,
+        folded=bool(grouped) and by_surface.keys() <= grouped.keys(),
         **head,
         measured=measured_in_words({one["surface"]: one["measured"] for one in summaries}),
         settings=json.dumps(settings, indent=1, sort_keys=True),

@@ -1,4 +1,4 @@
-"""Differences between groups of maps, and between two cases of the same map.
+"""Differences between groups of maps, and between two results that share their map, place or faces.
 
 Both are evaluated on the scales of `groups`, as ratios of the second to the first. What two results share
 cancels: of errors with the half-widths u1 and u2 and the correlation r the difference keeps ([1]_, 5.2.2)
@@ -61,8 +61,8 @@ def compare_groups(
     relevant : float
         relative difference that matters: smaller ones need not be found.
     paired : bool
-        whether both are of the same maps, by name, under two cases: they are then compared map by map, and
-        as many loads in order, first with first.
+        whether both are of the same maps, by name, under two cases (or of the same places, measured twice):
+        they are then compared map by map, and as many loads in order, first with first.
 
     Returns
     -------
@@ -103,6 +103,7 @@ def compare_all(
     *,
     relevant: float = RELEVANT,
     cases: Sequence[tuple[str, str]] = (),
+    repeats: Mapping[str, str] | None = None,
 ) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
     """Return the comparisons of every two groups, p-values adjusted for all loads and pairs together.
 
@@ -114,6 +115,9 @@ def compare_all(
         as of `compare_groups`.
     cases : sequence of (str, str)
         pairs of names of the same maps under two cases; instead of every two groups.
+    repeats : mapping, optional
+        name of a map -> of the map of the same place measured before: two groups of the same places are
+        compared map by map.
 
     Returns
     -------
@@ -123,9 +127,15 @@ def compare_all(
         a sentence for each pair that cannot be compared.
     """
     found, left_out = {}, []
+    again = {other: name for name, other in (repeats or {}).items()} | {**(repeats or {})}
     for pair in cases or combinations(groups, 2):
+        one, two = (groups[name] for name in pair)
+        before = [again.get(name, "") for name in two["map"].values]
+        paired = bool(cases) or sorted(before) == sorted(one["map"].values)
         try:
-            found[pair] = _compared(*(groups[name] for name in pair), paired=bool(cases))
+            found[pair] = _compared(
+                one, two if cases or not paired else two.assign_coords(map=before), paired=paired
+            )
         except SettingsError as error:
             left_out.append(str(error))
     return dict(zip(found, _judged(list(found.values()), relevant), strict=True)), left_out
@@ -134,9 +144,10 @@ def compare_all(
 def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     """Return the ratios of the results of one map under two cases, without what both share.
 
-    Loads are compared in order, first with first. The errors of both are taken as correlated as the results
-    of the same parts of the window (`window`) and of the same choices (`processing`) are; those of the
-    solver are independent, those of the material where the moduli differ; all others are the same.
+    The two may also be maps of the same place, measured again, or placements of the same two faces. Loads are
+    compared in order, first with first. The errors of both are taken as correlated as the results of the same
+    parts of the window (`window`) and of the same choices (`processing`) are; those of the solver are
+    independent, those of the material where the moduli differ; all others are the same.
 
     Parameters
     ----------
@@ -155,14 +166,39 @@ def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     >>> case_differences(gap, gap * 2)["ratio"].item()
     2.0
     """
-    loads = min(first.sizes["load"], second.sizes["load"])
-    one, two = (data.isel(load=slice(loads)) for data in (first, second))
-    rows = []
-    for name in _names(one, two):
-        before, after = (to_scale(name, data[name].values) for data in (one, two))
-        left = _left(_widths(name, one), _widths(name, two), _correlations(name, one, two))
-        rows.append(_ratios(name, before, after - before, np.zeros(loads), left))
-    return _table(_names(one, two), one["mean_pressure"].values, rows)
+    return _of_two(first, second).table
+
+
+def compare_maps(
+    pairs: Mapping[tuple[str, str], tuple[xr.Dataset, xr.Dataset]], *, relevant: float = RELEVANT
+) -> dict[tuple[str, str], xr.Dataset]:
+    """Return the comparisons of maps of the same place, or of placements of the same faces.
+
+    Parameters
+    ----------
+    pairs : mapping
+        names of both maps -> their statistics, as of `case_differences`.
+    relevant : float
+        as of `compare_groups`.
+
+    Returns
+    -------
+    dict
+        names of both maps -> `case_differences`, with `p_value` (that the ratio is 1, of a normal error of
+        this interval, adjusted for all loads and pairs) and `outcome`, as of `compare_groups`.
+
+    Examples
+    --------
+    >>> def gap(value):
+    ...     sides = {"mean_gap": 1.0, "mean_gap_lower": 0.98, "mean_gap_upper": 1.02}
+    ...     numbers = {name: ("load", [value * by]) for name, by in sides.items()}
+    ...     return xr.Dataset({"mean_pressure": ("load", [1e6]), **numbers})
+    >>> found = compare_maps({("a", "b"): (gap(1.0), gap(1.5))})
+    >>> found["a", "b"]["outcome"].item()
+    'differ'
+    """
+    found = [_of_two(*pair) for pair in pairs.values()]
+    return dict(zip(pairs, _judged(found, relevant), strict=True))
 
 
 def _widths(name: str, data: xr.Dataset) -> np.ndarray:
@@ -188,10 +224,29 @@ class _Compared(NamedTuple):
     spread: np.ndarray  # standard deviation of a part (a pair of maps, where they are paired), on the scale
     shared: np.ndarray  # half-width, on the scale, that more maps would not make smaller
     mean: np.ndarray  # of the first group, on the scale
-    parts: int  # of the smaller group
+    parts: int  # of the smaller group; 0 for two maps, of which more would not tell
     noun: str  # what more of would tell
     paired: bool
     alike: list[np.ndarray]  # of each quantity, correlations (load, load) of the scatter, at least
+
+
+def _of_two(first: xr.Dataset, second: xr.Dataset) -> _Compared:
+    """Return the comparison of two maps, without a judgement."""
+    loads = min(first.sizes["load"], second.sizes["load"])
+    one, two = (data.isel(load=slice(loads)) for data in (first, second))
+    names, nothing = _names(one, two), np.zeros(loads)
+    rows, p_values = [], []
+    for name in names:
+        before, after = (to_scale(name, data[name].values) for data in (one, two))
+        left = _left(_widths(name, one), _widths(name, two), _correlations(name, one, two))
+        rows.append(_ratios(name, before, after - before, nothing, left))
+        towards_none = np.where(after > before, *left) / student(np.array(np.inf))
+        p_values.append(p_value(after - before, towards_none, nothing + np.inf))
+    table = _table(names, one["mean_pressure"].values, rows)
+    found = np.reshape(p_values, (len(names), loads))
+    # nothing is known of how the errors at two loads go together
+    alike, none = [np.eye(loads)] * len(names), np.zeros(found.shape)
+    return _Compared(table, found, none, none, none, parts=0, noun="", paired=True, alike=alike)
 
 
 def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compared:
@@ -289,6 +344,9 @@ def _more(found: _Compared, place: tuple[int, ...], relevant: float) -> str:
     mean = found.mean[place]
     ends = to_scale(name, from_scale(name, mean) * np.array([1 - relevant, 1 + relevant]))
     target = float(np.nanmin(np.abs(ends - mean)))
+    if not found.parts:
+        ratio, upper = (float(found.table[key].values[place]) for key in ("ratio", "ratio_upper"))
+        return f"errors that they do not share are up to {percent(upper / ratio - 1)}"
     if found.shared[place] >= target:
         return f"errors that all maps share are more than {percent(relevant)}, so that more maps would not"
     needed = maps_needed(float(found.spread[place]), target, paired=found.paired)
@@ -324,28 +382,41 @@ def _correlations(name: str, first: xr.Dataset, second: xr.Dataset) -> np.ndarra
     found = np.tile(_alike(first, second), (first.sizes["load"], 1))
     if any(f"{name}_components" not in data for data in (first, second)):
         return 0 * found  # nothing is known of what they share
-    for source, members in (("window", "parts"), ("processing", "choices")):
-        moved = []
-        for data in (first, second):
-            values = data.get(f"{name}_{members}", xr.DataArray(np.empty((0, data.sizes["load"]))))
-            scaled = to_scale(name, values.values)
-            if not len(scaled):
-                moved.append(scaled)
-                continue
-            # parts scatter about their mean, choices lead away from the result
-            middle = to_scale(name, data[name].values) if members == "choices" else scaled.mean(axis=0)
-            moved.append(scaled - middle)
+    for source, ending in (("window", "parts"), ("processing", "choices")):
+        moved = [_deviations(name, data, ending) for data in (first, second)]
         found[:, SOURCES.index(source)] = _correlation(*moved)
     return found
 
 
-def _correlation(first: np.ndarray, second: np.ndarray) -> np.ndarray | float:
-    """Return the correlation (load,) of deviations (member, load); 0 where the members are not the same."""
-    if first.shape != second.shape or not len(first):
-        return 0.0
+def _deviations(name: str, data: xr.Dataset, ending: str) -> tuple[list, np.ndarray]:
+    """Return the labels of the members of an ensemble, and their deviations (member, load) on the scale.
+
+    Without labels these are number and place: members of equally many are taken as the same.
+    """
+    if f"{name}_{ending}" not in data:
+        return [], np.empty((0, data.sizes["load"]))
+    members = data[f"{name}_{ending}"].transpose(..., "load")
+    known = np.isfinite(members.values).any(axis=1)  # the others are padding
+    scaled = to_scale(name, members.values[known])
+    # parts scatter about their mean, choices lead away from the result
+    middle = to_scale(name, data[name].values) if ending == "choices" else scaled.mean(axis=0)
+    dim = members.dims[0]
+    labels = (
+        members[dim].values[known]
+        if dim in members.coords
+        else [(len(scaled), k) for k, _ in enumerate(scaled)]
+    )
+    return list(labels), scaled - middle
+
+
+def _correlation(first: tuple[list, np.ndarray], second: tuple[list, np.ndarray]) -> np.ndarray:
+    """Return the correlation (load,) of deviations; a member that only one of both has is its own."""
+    (labels, one), (others, two) = first, second
     with np.errstate(invalid="ignore", divide="ignore"):
-        product = np.sum(first * second, axis=0)
-        found = product / np.sqrt(np.sum(first**2, axis=0) * np.sum(second**2, axis=0))
+        size = np.sqrt(np.sum(one**2, axis=0) * np.sum(two**2, axis=0))
+        both = [label for label in labels if label in others]
+        one, two = one[[labels.index(label) for label in both]], two[[others.index(label) for label in both]]
+        found = np.sum(one * two, axis=0) / size
     return np.clip(np.nan_to_num(found), -1.0, 1.0)
 
 
