@@ -1,7 +1,7 @@
 """The results of all surfaces of a run: one dataset, one table, one page."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from roughcontact.results.collect import (
     summary_table,
     with_failures,
 )
-from roughcontact.results.storage import provenance, read_dataset, write_dataset, write_table
+from roughcontact.results.storage import provenance, write_dataset, write_table
 from roughcontact.uncertainty.combination import uncertainty_table
 from roughcontact.uncertainty.differences import compare_all, compare_maps
 from roughcontact.uncertainty.group_tables import NamedGroup, comparisons_table, groups_table, joined_groups
@@ -92,10 +92,13 @@ def write_results(
     }
     if members:
         write_table(pairs_table(summary, members), folder / "pairs.csv")
-    answers, left_out = group_answers(statistics, groups)
+    repeats = repeats or {}
+    wanted = {*repeats, *repeats.values()}.union(*(parts for parts, _ in groups.values()))
+    solved = _by_map(statistics, wanted)
+    answers, left_out = group_answers(solved, groups)
     compared, not_compared = comparisons(answers, repeats)
     left_out += not_compared
-    compared |= compare_maps(_shared_maps(finished, groups, repeats or {}))
+    compared |= compare_maps(_shared_maps(solved, groups, repeats))
     if groups or repeats:
         attrs["left_out"] = json.dumps(left_out, ensure_ascii=False)
         attrs = {key: text for key, text in attrs.items() if key != "comment"} | {"title": "Groups of maps"}
@@ -119,14 +122,14 @@ def write_results(
 
 
 def group_answers(
-    statistics: xr.Dataset, groups: Mapping[str, tuple[Mapping[str, str], bool]]
+    solved: Mapping[tuple[str, str], xr.Dataset], groups: Mapping[str, tuple[Mapping[str, str], bool]]
 ) -> tuple[list[NamedGroup], list[str]]:
     """Return the answer of each group under each case, and a sentence for each that has none.
 
-    `statistics` are those of `collect_statistics`, `groups` as of `write_results`.
+    `solved` has the statistics of each map by case ("" without cases) and name, `groups` are as of
+    `write_results`.
     """
     answers, left_out = [], []
-    solved = _by_map(statistics)
     for name, (parts, placements) in groups.items():
         for case in dict.fromkeys(case for case, _ in solved):
             own = {map_: solved[case, map_] for map_ in parts if (case, map_) in solved}
@@ -171,7 +174,7 @@ def comparisons(
 
 
 def _shared_maps(
-    finished: Sequence[Finished],
+    solved: Mapping[tuple[str, str], xr.Dataset],
     groups: Mapping[str, tuple[Mapping[str, str], bool]],
     repeats: Mapping[str, str],
 ) -> dict[tuple[str, str], tuple[xr.Dataset, xr.Dataset]]:
@@ -179,24 +182,24 @@ def _shared_maps(
     pairs = [(place, again) for again, place in repeats.items()]
     for first, *others in (list(parts) for parts, placements in groups.values() if placements):
         pairs += [(first, other) for other in others]
-    wanted = {name for pair in pairs for name in pair}
-    found = {
-        (entry["case"], entry["surface"]): read_dataset(entry["statistics"]).sortby("mean_pressure")
-        for entry in finished
-        if entry["surface"] in wanted
-    }
     shared = {}
-    for case in dict.fromkeys(case for case, _ in found):
-        for pair in pairs:
-            if all((case, name) in found for name in pair):
-                one, two = (name if case is None else f"{name} · {case}" for name in pair)
-                shared[one, two] = found[case, pair[0]], found[case, pair[1]]
+    for case in dict.fromkeys(case for case, _ in solved):
+        for one, two in pairs:
+            if (case, one) in solved and (case, two) in solved:
+                labels = tuple(f"{name} · {case}" if case else name for name in (one, two))
+                shared[labels[0], labels[1]] = _rising(solved[case, one]), _rising(solved[case, two])
     return shared
 
 
-def _by_map(statistics: xr.Dataset) -> dict[tuple[str, str], xr.Dataset]:
-    """Return what groups need of each solved map, by case ("" where there are none) and name."""
-    bands = json.loads(statistics.attrs["bands"])
+def _rising(one: xr.Dataset) -> xr.Dataset:
+    """Return the statistics of a map with its loads rising, without padding."""
+    loads = one["mean_pressure"].values
+    return one.isel(load=np.argsort(loads)[: np.isfinite(loads).sum()])
+
+
+def _by_map(statistics: xr.Dataset, names: Collection[str]) -> dict[tuple[str, str], xr.Dataset]:
+    """Return what groups and differences need of some solved maps, by case ("" without cases) and name."""
+    bands, choices = (json.loads(statistics.attrs[key]) for key in ("bands", "choices"))
     dims = [dim for dim in ("case", "surface") if dim in statistics.dims]
     needed = needed_for_groups(map(str, statistics.variables))
     variables = {name: statistics[name].transpose(*dims, ...).variable for name in needed}
@@ -204,9 +207,12 @@ def _by_map(statistics: xr.Dataset) -> dict[tuple[str, str], xr.Dataset]:
     for place in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
         *cases, surface = (str(statistics[dim].values[at]) for dim, at in zip(dims, place, strict=True))
         case = cases[0] if cases else ""
-        if surface in bands[case]:
+        if surface in names and surface in bands[case]:
             own = {name: (each.dims[len(dims) :], each.values[place]) for name, each in variables.items()}
-            found[case, surface] = xr.Dataset(own, attrs=bands[case][surface])
+            one = xr.Dataset(own, attrs=bands[case][surface])
+            if known := choices[case][surface]:  # and padding
+                one = one.assign_coords(choice=known + [""] * (one.sizes["choice"] - len(known)))
+            found[case, surface] = one
     return found
 
 

@@ -94,9 +94,7 @@ def comparison_rows(
             if name in found["quantity"].values
             for place in shown_loads(area)
         ]
-        rows.append(
-            {"first": first, "second": second, "rows": cells, "of_maps": first not in of_groups}
-        )
+        rows.append({"first": first, "second": second, "rows": cells, "of_maps": first not in of_groups})
     return rows
 
 

@@ -77,8 +77,9 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         coordinates `surface` and `case`; `surface_name` and `case_name` are the same. Loads and bins may
         differ between surfaces: shorter ones are padded with NaN, and `mean_pressure`, the centres and the
         bounds of the bins depend on the surface. The attributes are JSON: `source_sha256` has the checksum
-        of every measured file, `verdicts`, `reasons` and `bands` (the waves that a map holds, and the kind of
-        its instrument) those of each file, by case ("" where there are none) and surface.
+        of every measured file, `verdicts`, `reasons`, `bands` (the waves that a map holds, and the kind of
+        its instrument) and `choices` (names along `choice`) those of each file, by case ("" where there are
+        none) and surface.
 
     Raises
     ------
@@ -94,7 +95,8 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
         arrays, attrs = read_arrays(entry["statistics"])
         datasets[cases.index(entry["case"]), surfaces.index(entry["surface"])] = arrays
         checksums[entry["surface"]] = attrs.get("source_sha256", "")
-        attributes[entry["case"] or ""][entry["surface"]] = attrs
+        choices = [str(name) for name in arrays["choice"].values] if "choice" in arrays else []
+        attributes[entry["case"] or ""][entry["surface"]] = attrs | {"choices": choices}
     sizes: dict[str, int] = {}
     dims: dict[str, tuple[str, ...]] = {}
     for arrays in datasets.values():
@@ -130,6 +132,12 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
             for case, of in attributes.items()
         },
         default=float,
+    )
+    collected.attrs["choices"] = json.dumps(
+        {
+            case: {surface: attrs["choices"] for surface, attrs in of.items()}
+            for case, of in attributes.items()
+        }
     )
     if cases == [None]:
         return collected.isel(case=0)

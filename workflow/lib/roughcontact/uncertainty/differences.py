@@ -365,9 +365,9 @@ def _at(name: str, group: xr.Dataset, loads: np.ndarray) -> tuple[np.ndarray, np
     own = group["mean_pressure"].values
     of_maps = to_scale(name, group[f"{name}_of_maps"].values)
     shared = group[f"{name}_shared"].values
-    kept = [source in (*SHARED, "solver") for source in SOURCES]
-    shared = np.where(np.isnan(shared), np.inf, shared) * np.array(kept)[:, None]
-    return at_loads(own, loads, of_maps.T).T, at_loads(own, loads, np.nan_to_num(shared, posinf=np.inf))
+    kept = np.array([source in (*SHARED, "solver") for source in SOURCES])[:, None]
+    shared = np.where(kept, np.where(np.isnan(shared), np.inf, shared), 0.0)
+    return at_loads(own, loads, of_maps.T).T, at_loads(own, loads, shared)
 
 
 def _alike(first: xr.Dataset, second: xr.Dataset) -> np.ndarray:

@@ -95,16 +95,15 @@ def from_scale(name: str, values: np.ndarray) -> np.ndarray:
 
 
 def needed_for_groups(names: Iterable[str]) -> list[str]:
-    """Return those variables of a file of statistics that a group is made of.
+    """Return those variables of a file of statistics that groups, and differences of maps, are made of.
 
     Examples
     --------
     >>> needed_for_groups(["mean_gap", "mean_gap_lower", "mean_gap_density", "iterations"])
     ['mean_gap', 'mean_gap_lower']
     """
-    of_each = [
-        f"{name}{end}" for name in (*QUANTITIES, *ANSWERS) for end in ("", "_lower", "_upper", "_components")
-    ]
+    ends = ("", "_lower", "_upper", "_components", "_parts", "_choices")
+    of_each = {f"{name}{end}" for name in (*QUANTITIES, *ANSWERS) for end in ends}
     wanted = {*of_each, "mean_pressure", "contact_modulus", "rms_height"}
     return [name for name in names if name in wanted]
 
