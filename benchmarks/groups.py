@@ -37,7 +37,6 @@ from roughcontact.uncertainty.random_effects import (
     over_loads,
     p_value,
     random_effects,
-    residuals,
     welch,
 )
 from roughcontact.validation.masters import cut_out, master_surface
@@ -212,7 +211,9 @@ def differences(solved: dict[str, dict]) -> pd.DataFrame:
                 effects = (random_effects(group.reshape(count, -1), parts) for group in groups)
                 p_values.append(p_value(*welch(*effects)).reshape(PAIRS, len(LOADS)))
                 for pair, values in enumerate(p_values[-1]):
-                    off = np.concatenate([residuals(group[:, pair], parts) for group in groups])
+                    off = np.concatenate(
+                        [random_effects(group[:, pair], parts).deviations for group in groups]
+                    )
                     together.append(over_loads(values, correlation_at_least(off, len(off) - 2)))
             found, together = np.concatenate(p_values), np.array(together)
             shares = (

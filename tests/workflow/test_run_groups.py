@@ -104,7 +104,7 @@ def test_repeats_and_placements_are_compared_and_folded_below_their_pair(grouped
     assert [(row["first"], row["second"]) for row in compared] == [("fine-0", "fine-1")] * 2 + [
         ("seal-1", "seal-2")
     ] * 2
-    # the gap of heights 1.001 times as large is, under a load that closes it a little, larger by about as much
+    # heights 1.001 times as large have a gap that is larger by about as much
     ratios = [float(compared[0][f"ratio{end}"]) for end in ("_lower", "", "_upper")]
     assert ratios == sorted(ratios)
     assert 1.0005 < ratios[1] < 1.002

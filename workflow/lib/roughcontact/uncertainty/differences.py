@@ -39,7 +39,6 @@ from roughcontact.uncertainty.random_effects import (
     over_loads,
     p_value,
     random_effects,
-    residuals,
     student,
     welch,
 )
@@ -278,12 +277,12 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
         one, two = random_effects(values, of_parts[0]), random_effects(others, of_parts[1])
         if paired:
             change = random_effects(others - values, of_parts[0])
-            off = residuals(others - values, of_parts[0])
+            off = change.deviations
             difference, error, freedom = change.mean, change.error, change.freedom
             spread, parts = error * math.sqrt(change.units), change.units
         else:
             difference, error, freedom = welch(one, two)
-            off = np.concatenate([residuals(values, of_parts[0]), residuals(others, of_parts[1])])
+            off = np.concatenate([one.deviations, two.deviations])
             spread = np.sqrt((one.error**2 * one.units + two.error**2 * two.units) / 2)
             parts = min(one.units, two.units)
         width, left = student(freedom) * error, _left(shared, of_others, correlation)

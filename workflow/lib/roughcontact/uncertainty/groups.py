@@ -250,9 +250,9 @@ def _of_several(
             "next_": (further,) * 2,
             "next_part_": (student(effects.freedom) * effects.next_part,) * 2,
         }
-    for key, (down, up) in widths.items():
-        columns[f"{key}lower"] = _ends(name, effects.mean, down, shared, sources)[0]
-        columns[f"{key}upper"] = _ends(name, effects.mean, up, shared, sources)[1]
+    for key, both in widths.items():
+        ends = _ends(name, effects.mean, both, shared, sources)
+        columns |= {f"{key}{end}": values for end, values in zip(_ENDS, ends, strict=True)}
     columns |= {"between": effects.between, "within": effects.within}
     return _named(name, columns, scaled), stand_off(scaled.values)
 
@@ -290,22 +290,19 @@ def _named(name: str, columns: dict[str, np.ndarray], scaled: Scaled) -> dict[st
 
 
 def _ends(
-    name: str, mean: np.ndarray, width: np.ndarray, shared: np.ndarray, sources: Sequence[str]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return both ends of an interval of a half-width, with what the maps share; NaN where not bounded."""
-    down, up = combined_shared(shared[:, [SOURCES.index(source) for source in sources]])
-    lower = mean - np.hypot(width, down[0]) - down[1]
-    upper = mean + np.hypot(width, up[0]) + up[1]
-    return from_scale(name, lower), np.where(np.isinf(upper), np.nan, from_scale(name, upper))
-
-
-def combined_shared(
+    name: str,
+    mean: np.ndarray,
+    widths: tuple[np.ndarray, np.ndarray],
     shared: np.ndarray,
-) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
-    """Return half-width and shift (load,) below and above, of (load, source, component) on the scale."""
-    down, up, shift_down, shift_up = np.moveaxis(shared, 2, 0)
-    below, above = (np.sqrt(np.sum(width**2, axis=1)) for width in (down, up))
-    return (below, shift_down.sum(axis=1)), (above, shift_up.sum(axis=1))
+    sources: Sequence[str],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return both ends of an interval of half-widths, with what the maps share; NaN where not bounded."""
+    of_sources = shared[:, [SOURCES.index(source) for source in sources]]
+    *sides, shift_down, shift_up = np.moveaxis(of_sources, 2, 0)
+    down, up = (np.sqrt(own**2 + np.sum(side**2, axis=1)) for own, side in zip(widths, sides, strict=True))
+    upper = mean + up + shift_up.sum(axis=1)
+    lower = from_scale(name, mean - down - shift_down.sum(axis=1))
+    return lower, np.where(np.isinf(upper), np.nan, from_scale(name, upper))
 
 
 def scaled_components(name: str, dataset: xr.Dataset) -> np.ndarray:

@@ -14,6 +14,7 @@ References
 .. [3] Searle, Casella and McCulloch (1992), Variance Components, Wiley, chapter 3; JCGM 100:2008, H.5.
 """
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -37,6 +38,8 @@ class Effects(NamedTuple):
         parts, or maps where all are of one part or each is of its own: what scatters independently.
     mean : array
         of the means of the parts.
+    deviations : array (unit, load)
+        of the parts (maps) from it.
     error, freedom : array
         standard uncertainty of the mean, and its degrees of freedom.
     next_map, next_map_freedom : array
@@ -50,6 +53,7 @@ class Effects(NamedTuple):
 
     units: int
     mean: np.ndarray
+    deviations: np.ndarray
     error: np.ndarray
     freedom: np.ndarray
     next_map: np.ndarray
@@ -86,49 +90,34 @@ def random_effects(values: np.ndarray, parts: Sequence[str]) -> Effects:
     if names.size in (1, len(values)):  # nothing to tell parts from maps by
         place, counts = np.arange(len(values)), np.ones(len(values), int)
     means = np.stack([values[place == part].mean(axis=0) for part in range(counts.size)])
-    units, harmonic = counts.size, float(1 / np.mean(1 / counts))
+    units, harmonic, mean = counts.size, float(1 / np.mean(1 / counts)), means.mean(axis=0)
     freedom = np.full(values.shape[1], max(units - 1.0, 0.0))
     nothing = np.full(values.shape[1], np.nan)
     scatter = means.var(axis=0, ddof=1) if units > 1 else nothing  # of the means of the parts
-    of_mean, of_next = scatter / units, scatter * (1 + 1 / units)
-    if counts.max() == 1:
-        spread = np.sqrt(scatter)
-        known = (nothing, spread) if names.size == 1 else (spread, nothing)
-        return Effects(
-            units, means.mean(axis=0), np.sqrt(of_mean), freedom, np.sqrt(of_next), freedom, nothing, *known
-        )
-    own = len(values) - units
-    residual = np.sum((values - means[place]) ** 2, axis=0) / own
-    more = (1 - 1 / harmonic) * residual  # a single map scatters more than the mean of a part
-    with np.errstate(invalid="ignore", divide="ignore"):
-        of_map = (of_next + more) ** 2 / (of_next**2 / freedom + more**2 / own)  # Satterthwaite (1946)
-    between = np.sqrt(np.maximum(scatter - residual / harmonic, 0.0))
+    next_part = scatter * (1 + 1 / units)
+    next_map, of_map, known = next_part, freedom, np.sqrt(scatter)
+    between, within = (nothing, known) if names.size == 1 else (known, nothing)
+    if several := bool(counts.max() > 1):
+        own = len(values) - units
+        residual = np.sum((values - means[place]) ** 2, axis=0) / own
+        more = (1 - 1 / harmonic) * residual  # a single map scatters more than the mean of a part
+        next_map = next_part + more
+        with np.errstate(invalid="ignore", divide="ignore"):
+            of_map = next_map**2 / (next_part**2 / freedom + more**2 / own)  # Satterthwaite (1946)
+        of_map = np.where(np.isfinite(of_map), of_map, freedom)
+        between, within = np.sqrt(np.maximum(scatter - residual / harmonic, 0.0)), np.sqrt(residual)
     return Effects(
         units,
-        means.mean(axis=0),
-        np.sqrt(of_mean),
+        mean,
+        means - mean,
+        np.sqrt(scatter / units),
         freedom,
-        np.sqrt(of_next + more),
-        np.where(np.isfinite(of_map), of_map, freedom),
-        np.sqrt(of_next),
+        np.sqrt(next_map),
+        of_map,
+        np.sqrt(next_part) if several else nothing,
         between,
-        np.sqrt(residual),
+        within,
     )
-
-
-def residuals(values: np.ndarray, parts: Sequence[str]) -> np.ndarray:
-    """Return the deviations (part, load) of the means of parts, or of maps as `random_effects` takes them.
-
-    Examples
-    --------
-    >>> residuals(np.array([[1.0], [3.0], [8.0]]), ["a", "a", "b"]).ravel()
-    array([-3.,  3.])
-    """
-    names, place = np.unique(np.asarray(parts, str), return_inverse=True)
-    if names.size in (1, len(values)):
-        place = np.arange(len(values))
-    means = np.stack([values[place == part].mean(axis=0) for part in range(place.max() + 1)])
-    return means - means.mean(axis=0)
 
 
 def student(freedom: np.ndarray, coverage: float = COVERAGE) -> np.ndarray:
@@ -311,7 +300,6 @@ def maps_needed(spread: float, difference: float, *, paired: bool = False) -> in
     >>> maps_needed(1.0, 1.0), maps_needed(0.1, 0.3)
     (23, 4)
     """
-    low, high = 2, _MOST_MAPS
 
     def enough(count: int) -> bool:
         freedom = count - 1.0 if paired else 2.0 * (count - 1)
@@ -319,12 +307,7 @@ def maps_needed(spread: float, difference: float, *, paired: bool = False) -> in
         limit = stdtrit(freedom, 1 - SIGNIFICANCE / 2)
         return bool(1 - nctdtr(freedom, shift, limit) >= POWER)
 
-    if not spread > 0:
-        return low
-    while low < high:
-        middle = (low + high) // 2
-        low, high = (low, middle) if enough(middle) else (middle + 1, high)
-    return low
+    return 2 + bisect_left(range(2, _MOST_MAPS), True, key=enough) if spread > 0 else 2
 
 
 def stand_off(values: np.ndarray) -> np.ndarray:
