@@ -265,7 +265,8 @@ def test_the_verdict_on_a_load_is_that_of_its_own_checks():
     loads = [1e-3 * MODULUS, 1e-4 * MODULUS]
     solved = rc.solve_contact(window, **problem, mean_pressure=loads, reduce=contact_statistics)
     solved["rejected_load_share"] = ("load", [0.2, 0.0])
-    above, below = checks.load_verdicts(solved, window)
+    written = checks.with_verdicts(solved, window)
+    above, below = json.loads(written.attrs["verdicts"])
     assert [reason for reason in above[1] if "they would carry 20.0 % of the load" in reason]
     assert above[0] == "review"
     assert not [reason for reason in below[1] if reason.startswith("Outliers")]
@@ -273,8 +274,6 @@ def test_the_verdict_on_a_load_is_that_of_its_own_checks():
         solved, height={}, levelled=window.attrs, window=window.attrs, points=window.size
     )
     assert checks.VERDICTS[checks.verdict(worst)] == "review"
-    written = checks.with_verdicts(solved, window)
-    assert json.loads(written.attrs["verdicts"]) == [list(above), list(below)]
     assert written["verdict"].dtype == np.int8
     words = written["verdict"].attrs["flag_meanings"].split()
     assert [words[code].replace("_", " ") for code in written["verdict"].values] == [above[0], below[0]]

@@ -89,7 +89,6 @@ __all__ = [
     "Check",
     "concerns",
     "load_flags",
-    "load_verdicts",
     "reason",
     "reasons",
     "surface_checks",
@@ -199,35 +198,6 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
     return flags
 
 
-def load_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> list[tuple[str, list[str]]]:
-    """Return for each load the verdict of all checks of the surface at this load alone, and its reasons.
-
-    Parameters
-    ----------
-    statistics : Dataset
-        complete, the error budget beside the numbers.
-    window : DataArray (y, x), m
-        the map that was solved, with the attributes that reading, levelling and windowing left.
-
-    Returns
-    -------
-    list (load) of (verdict, reasons)
-        a word of `VERDICTS`, and a line for each check that did not pass.
-    """
-    return _in_words(_checks_by_load(statistics, window))
-
-
-def _in_words(by_load: list[list[Check]]) -> list[tuple[str, list[str]]]:
-    """Return the verdict of the checks of each load, and its reasons."""
-    return [(VERDICTS[verdict(found)], [reason(check) for check in reasons(found)]) for found in by_load]
-
-
-def _checks_by_load(statistics: xr.Dataset, window: xr.DataArray) -> list[list[Check]]:
-    """Return the checks of each load alone."""
-    loads = range(statistics.sizes["load"])
-    return [_checks_of(statistics.isel(load=[load]), window) for load in loads]
-
-
 def _checks_of(statistics: xr.Dataset, window: xr.DataArray) -> list[Check]:
     """Return the checks of a window, which carries the attributes of the maps it comes from."""
     attrs = window.attrs
@@ -239,8 +209,10 @@ def with_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
 
     Parameters
     ----------
-    statistics, window
-        as of `load_verdicts`.
+    statistics : Dataset
+        complete, the error budget beside the numbers.
+    window : DataArray (y, x), m
+        the map that was solved, with the attributes that reading, levelling and windowing left.
 
     Returns
     -------
@@ -248,10 +220,14 @@ def with_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
         with the flag `verdict` (load), of contact area and pressure in contact: 0 use, 1 review, 2 do not
         use; the same for each of `ANSWERS`, `{answer}_verdict`. The attributes are JSON: `reasons` is a list
         of ``{"check": name, "loads": [index, ...], "text": sentence}``, the checks that did not pass and at
-        which loads; `verdicts` is a list (load) of [verdict, [reason, ...]], as of `load_verdicts`.
+        which loads; `verdicts` is a list (load) of [word of `VERDICTS`, [reason, ...]], a reason for each
+        check that did not pass.
     """
-    by_load, together = _checks_by_load(statistics, window), _checks_of(statistics, window)
+    loads = range(statistics.sizes["load"])
+    by_load = [_checks_of(statistics.isel(load=[load]), window) for load in loads]
+    together = _checks_of(statistics, window)
     grades = list(VERDICTS)
+    in_words = [[VERDICTS[verdict(found)], [reason(check) for check in reasons(found)]] for found in by_load]
 
     def flags(*answers: str) -> tuple[str, np.ndarray]:
         return "load", np.array([grades.index(verdict(found, *answers)) for found in by_load], np.int8)
@@ -260,7 +236,7 @@ def with_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
     described = describe(statistics.assign(of_answers | {"verdict": flags()}))
     return described.assign_attrs(
         reasons=json.dumps(_reasons_with_loads(by_load, together), ensure_ascii=False),
-        verdicts=json.dumps(_in_words(by_load), ensure_ascii=False),
+        verdicts=json.dumps(in_words, ensure_ascii=False),
     )
 
 

@@ -177,11 +177,9 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
         share *= (stated / window["noise_floor"]) ** 2
         text = f"The stated noise of {quantity(stated, 'm')} makes up {_share(share)} of the {_SQUARE}"
         return _judged_noise(text, share, " Average several maps, or remove short waves with level.s_filter.")
-    exponent = window["top_exponent"]
-    if exponent <= WHITE:
-        text = (
-            f"The spectrum falls down to the pixels, as q^{number(exponent, digits=2)}: no white noise shows."
-        )
+    if not _ends_flat(window):
+        exponent = f"q^{number(window['top_exponent'], digits=2)}"
+        text = f"The spectrum falls down to the pixels, as {exponent}: no white noise shows."
         return Check("Noise", PASSED, text)
     floor = quantity(window["noise_floor"], "m", digits=2)
     text = (
@@ -204,9 +202,14 @@ def suspected_noise(window: Attributes) -> float:
     >>> suspected_noise(flat), suspected_noise(flat | {"top_exponent": -3.0})
     (2e-09, 0.0)
     """
-    if window.get("periodisation") == "none" or window.get("top_exponent", -np.inf) <= WHITE:
+    if window.get("periodisation") == "none" or not _ends_flat(window):
         return 0.0
     return float(window["noise_floor"]) if window["noise_gradient_share"] > NOISE_SHARE else 0.0
+
+
+def _ends_flat(window: Attributes) -> bool:
+    """Return whether the spectrum is as flat at its end as that of white noise."""
+    return window.get("top_exponent", -np.inf) > WHITE
 
 
 def _share(share: float) -> str:
