@@ -186,22 +186,23 @@ def test_a_mirrored_map_has_its_summit_once():
     assert window.attrs["summit_over_next"] > checks.SUMMIT_OVER_NEXT
 
 
-def test_an_isolated_peak_warns_just_beyond_its_limits():
-    mean, above = checks.PEAK_OVER_MEAN, checks.SUMMIT_OVER_NEXT
-    more = 1 + 1e-6
-    dust = {"summit_over_next": above * more, "summit_x": 1e-5, "summit_y": 2e-5}
+@pytest.mark.parametrize(
+    ("name", "above"),
+    [("summit_over_next", checks.SUMMIT_OVER_NEXT), ("spike_over_next", checks.SPIKE_OVER_NEXT)],
+)
+def test_an_isolated_peak_warns_just_beyond_its_limits(name, above):
+    mean, more = checks.PEAK_OVER_MEAN, 1 + 1e-6
+    usual = {"summit_over_next": 1.1, "spike_over_next": 1.1, "summit_x": 1e-5, "summit_y": 2e-5}
+    dust = usual | {name: above * more}
     assert checks.isolated_peak(loads([mean * more], [1]), dust).outcome == "look"
     assert checks.isolated_peak(loads([mean], [1]), dust).outcome == "passed"
-    assert (
-        checks.isolated_peak(loads([mean * more], [1]), dust | {"summit_over_next": above}).outcome
-        == "passed"
-    )
+    assert checks.isolated_peak(loads([mean * more], [1]), usual | {name: above}).outcome == "passed"
     assert checks.isolated_peak(loads([2, 20], [1, 1]), dust).outcome == "look"
     assert checks.isolated_peak(loads([20], [1]), {}).outcome == "not made"
 
 
 def test_the_sentence_of_an_isolated_peak():
-    dust = {"summit_over_next": 2.0, "summit_x": 1e-5, "summit_y": 2e-5}
+    dust = {"summit_over_next": 2.0, "spike_over_next": 1.5, "summit_x": 1e-5, "summit_y": 2e-5}
     assert checks.isolated_peak(loads([20], [1]), dust).sentence.startswith(
         "One summit stands out, 2.0 times as high above its surroundings as any other, at x = 10.0 µm and "
         "y = 20.0 µm; the largest pressure is 20 times the mean in contact."

@@ -11,7 +11,7 @@ from roughcontact.kernels.fft import make_plan
 from roughcontact.maps import spacing
 
 _POINTS_PER_BLOCK = 2**16  # few enough to stay in the cache
-_SUMMIT, _SURROUNDINGS = 3, 15  # points along each side: of the mean at a summit, and around it
+_SUMMIT, _SPIKE = (3, 15), (1, 9)  # points along each side: of the mean at the top, and around it
 
 
 def summit_statistics(height: xr.DataArray) -> dict[str, float]:
@@ -64,7 +64,8 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
 def summit_that_stands_out(height: xr.DataArray, *, images: int = 1) -> dict[str, float]:
     """Return the summit highest above its surroundings, and how much higher than the next one it is.
 
-    The height of a summit is the mean of 3 x 3 points less that of the 15 x 15 points around.
+    The height of a summit is the mean of 3 x 3 points less that of the 15 x 15 points around, the height of a
+    spike a point less the mean of the 9 x 9 points around.
 
     Parameters
     ----------
@@ -77,8 +78,8 @@ def summit_that_stands_out(height: xr.DataArray, *, images: int = 1) -> dict[str
     -------
     dict
         `summit_over_next`, the ratio of the heights of the two highest summits that do not overlap, infinite
-        where there is no second one; `summit_x`, `summit_y` (m), the place of the higher one. Empty for a map
-        without summits.
+        where there is no second one; `spike_over_next`, the same of spikes; `summit_x`, `summit_y` (m), the
+        place of that with the larger ratio. Empty for a map without summits.
 
     Examples
     --------
@@ -89,21 +90,32 @@ def summit_that_stands_out(height: xr.DataArray, *, images: int = 1) -> dict[str
     >>> round(summit_that_stands_out(height_map(bumps, 1e-6))["summit_over_next"], 12)
     1.5
     """
+    values = height.values.astype(float, copy=False)
+    summit, spike = (_over_next(values, *sides, images) for sides in (_SUMMIT, _SPIKE))
+    if not summit[0]:
+        return {}
+    _, place = max(summit, spike)
+    y, x = (float(height[axis][i]) for axis, i in zip(("y", "x"), place, strict=True))
+    return {"summit_over_next": summit[0], "spike_over_next": spike[0], "summit_x": x, "summit_y": y}
+
+
+def _over_next(values: np.ndarray, top: int, around: int, images: int) -> tuple[float, tuple[int, ...]]:
+    """Return how much higher above its surroundings the highest top is than the next, and its place.
+
+    0 for a map without any.
+    """
     from scipy.ndimage import uniform_filter
 
-    values = height.values.astype(float, copy=False)
-    above = uniform_filter(values, _SUMMIT, mode="wrap") - uniform_filter(values, _SURROUNDINGS, mode="wrap")
+    above = uniform_filter(values, top, mode="wrap") - uniform_filter(values, around, mode="wrap")
     above = above[tuple(slice(max(n // images, 1)) for n in above.shape)]
-    place = np.unravel_index(above.argmax(), above.shape)
+    place = tuple(int(i) for i in np.unravel_index(above.argmax(), above.shape))
     highest, rounding = float(above[place]), 1e-12 * float(np.abs(values).max(initial=0.0))
     if not highest > rounding:
-        return {}
-    reach = np.arange(-(_SURROUNDINGS // 2), _SURROUNDINGS // 2 + 1)
+        return 0.0, place
+    reach = np.arange(-(around // 2), around // 2 + 1)
     above[np.ix_(*((i + reach) % n for i, n in zip(place, above.shape, strict=True)))] = -np.inf
     following = float(above.max())
-    y, x = (float(height[axis][i]) for axis, i in zip(("y", "x"), place, strict=True))
-    ratio = highest / following if following > rounding else math.inf
-    return {"summit_over_next": ratio, "summit_x": x, "summit_y": y}
+    return highest / following if following > rounding else math.inf, place
 
 
 def _is_summit(values: np.ndarray) -> np.ndarray:
