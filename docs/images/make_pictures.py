@@ -1,22 +1,30 @@
-"""Draw report.png of this folder again, from the report of a run on the samples.
+"""Draw report.png of this folder again, from the report of a run on the samples, or check that it is of it.
 
-    python docs/images/make_pictures.py results/report.html
+    python docs/images/make_pictures.py results/report.html [PICTURE]
+    python docs/images/make_pictures.py results/report.html --check
 
-Needs Chromium, as `chromium` or `google-chrome` on the path.
+The picture holds the words that it shows. The check fails where they differ from those of the page, or a
+number by more than a tenth, which is the last of two digits. To draw takes Chromium, as `chromium` or
+`google-chrome` on the path.
 """
 
+import html
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+from itertools import zip_longest
 from pathlib import Path
 
 from PIL import Image, ImageChops
+from PIL.PngImagePlugin import PngInfo
 
 SURFACE = "sandblasted"
 PARTS = ("Pressure and gap",)
 WIDTH, MARGIN, COLOURS = 1200, 24, 240
+WORDS = "Description"  # of the PNG
+NUMBER = r"\d+(?:\.\d+)?"
 
 
 def excerpt(report: str) -> str:
@@ -33,8 +41,24 @@ def excerpt(report: str) -> str:
     return f"{head}<body><main>{glance}{heading}{text}</main></body></html>"
 
 
-def screenshot(page: Path, picture: Path) -> None:
-    """Photograph a page of WIDTH pixels and cut off what is white around it."""
+def words_of(page: str) -> str:
+    """Return the words of an excerpt, without markup."""
+    return " ".join(html.unescape(re.sub("<[^>]*>", " ", page.partition("<body>")[2])).split())
+
+
+def difference(shown: str, words: str) -> str:
+    """Return where the words of a picture and of a page part, nothing where they agree."""
+    for old, new in zip_longest(
+        *(re.findall(rf"{NUMBER}|[^\d\s]+", text) for text in (shown, words)), fillvalue=""
+    ):
+        numbers = [float(text) for text in (old, new) if re.fullmatch(NUMBER, text)]
+        if old != new and (len(numbers) < 2 or abs(numbers[0] - numbers[1]) > 0.1 * max(numbers)):
+            return f"{old!r}, on the page {new!r}"
+    return ""
+
+
+def screenshot(page: Path, picture: Path, words: str) -> None:
+    """Photograph a page of WIDTH pixels, cut off what is white around it, and add its words."""
     browser = shutil.which("chromium") or shutil.which("google-chrome")
     options = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
     options += [f"--window-size={WIDTH},3000", f"--screenshot={picture}"]
@@ -43,16 +67,23 @@ def screenshot(page: Path, picture: Path) -> None:
     white = Image.new("RGB", image.size, image.getpixel((0, image.height - 1)))
     _, top, _, bottom = ImageChops.difference(image, white).getbbox()
     image = image.crop((0, max(top - MARGIN, 0), WIDTH, bottom + MARGIN))
-    image.quantize(COLOURS, dither=Image.Dither.NONE).save(picture, optimize=True)
+    said = PngInfo()
+    said.add_itxt(WORDS, words, zip=True)
+    image.quantize(COLOURS, dither=Image.Dither.NONE).save(picture, optimize=True, pnginfo=said)
 
 
-def main(report: str) -> None:
-    """Write report.png beside this file."""
+def main(report: str, *words: str) -> None:
+    """Write the picture, report.png beside this file unless another is named, or check it."""
     picture = Path(__file__).with_name("report.png")
+    page_text = excerpt(Path(report).read_text(encoding="utf-8"))
+    if words == ("--check",):
+        found = difference(Image.open(picture).text.get(WORDS, ""), words_of(page_text))
+        sys.exit(f"{picture} is of another page ({found}): python {__file__} {report}" if found else 0)
+    picture = Path(*words) if words else picture
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "excerpt.html"
-        page.write_text(excerpt(Path(report).read_text(encoding="utf-8")), encoding="utf-8")
-        screenshot(page, picture)
+        page.write_text(page_text, encoding="utf-8")
+        screenshot(page, picture, words_of(page_text))
     print(f"{picture}: {picture.stat().st_size / 1000:.0f} kB")
 
 

@@ -8,6 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 import roughcontact
 from roughcontact.configuration.fields import section_of
@@ -68,6 +69,19 @@ def test_the_graph_of_the_rules_is_that_of_snakemake(monkeypatch):
     draw_rules = importlib.import_module("draw_rules")
     drawn = draw_rules.PICTURE.read_text(encoding="utf-8")
     assert drawn == draw_rules.drawing(draw_rules.rule_graph()), "run python docs/images/draw_rules.py"
+
+
+def test_a_picture_of_the_report_is_told_from_one_of_another_page(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs/images")
+    pictures = importlib.import_module("make_pictures")
+    shown = pictures.words_of('<head>1</head><body><h2 title="2">At a glance</h2><p>8.4 &plusmn; 0.77 %</p>')
+    assert shown == "At a glance 8.4 ± 0.77 %"
+    assert not pictures.difference(shown, shown)
+    assert not pictures.difference(shown, shown.replace("0.77", "0.78"))
+    for other in (shown.replace("8.4", "9.4"), shown.replace("±", "−"), f"{shown} 1", f"{shown} more", ""):
+        assert pictures.difference(shown, other), other
+    committed = Image.open(ROOT / "docs/images/report.png").text[pictures.WORDS]
+    assert committed.startswith("At a glance")  # `.ci/run` holds it against the page of the samples
 
 
 def test_every_setting_has_a_row(generated):
