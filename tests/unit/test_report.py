@@ -229,6 +229,22 @@ def test_the_head_says_what_was_asked_when_it_was_measured_and_by_which_version(
     )
 
 
+@pytest.mark.parametrize(
+    "reason", ["Units: did you mean 93 kPa?", "Smoothed: limit the question to coarser …", "Form"]
+)
+def test_a_reason_ends_with_one_mark(page, tmp_path, reason):
+    panel = tmp_path / "panel.html"
+    panel.write_text("", encoding="utf-8")
+    known = read_summary(page.parent / "all" / "holes" / "panel.html")
+    write_summary({**known, "reasons": [reason]}, panel)
+    written = tmp_path / "report.html"
+    entry = {"surface": "holes", "case": None, "statistics": page.parent / "all" / "holes" / "statistics.nc"}
+    write_dataset(collect_statistics([entry]), tmp_path / "statistics.nc")
+    write_report(written, panels=[panel], statistics=tmp_path / "statistics.nc", title="", settings={})
+    mark = "" if reason[-1] in "?…" else "."
+    assert f"{reason}{mark} Not judged: " in written.read_text(encoding="utf-8")
+
+
 def test_metadata_of_the_instrument_stand_under_their_labels(page):
     panel = page.parent / "all" / "sparse" / "panel.html"
     said = "kind optical profiler, date 2011-07-23, numerical aperture 0.4"
@@ -750,7 +766,8 @@ frame.addEventListener("load", async () => {
   const on = chart.getBoundingClientRect();
   const clientX = on.left + (left + mark[0]) / box[2] * on.width;
   const clientY = on.top + (top + mark[1]) / box[3] * on.height;
-  chart.dispatchEvent(new frame.contentWindow.PointerEvent("pointermove", { clientX, clientY }));
+  const moved = { bubbles: true, clientX, clientY };
+  chart.dispatchEvent(new frame.contentWindow.PointerEvent("pointermove", moved));
   await wait(3000);
   said.read = inside.querySelector(".tip").textContent;
   inside.getElementById("surface-sparse").scrollIntoView();

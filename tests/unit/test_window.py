@@ -381,8 +381,8 @@ def test_a_periodic_map_begins_where_it_begins_and_is_not_changed():
 @pytest.mark.parametrize(
     ("method", "ending"),
     [
-        ("mirror", "made periodic by mirror, which leaves 256 x 200 points."),
-        ("cross-fade", "made periodic by cross-fade, which leaves 108 x 90 points."),
+        ("mirror", "made periodic by mirror, which leaves 256 × 200 points."),
+        ("cross-fade", "made periodic by cross-fade, which leaves 108 × 90 points."),
         ("taper", "made periodic by taper."),
         ("raw", "its edges are left as they are."),
     ],

@@ -400,10 +400,10 @@ def _reason(
     """Return sentences on the scope of the interval and on the ensemble."""
     ny, nx = levelled.isel(parts[0]).shape
     if len(parts) == 1:
-        return f"The window of {nx} x {ny} points is too small to be divided into parts."
+        return f"The window of {nx} × {ny} points is too small to be divided into parts."
     return (
         f"The ± is for this surface over {number(extrapolation.extent)} times the length of the map, under "
-        f"the same mean pressure. It includes the scatter of {len(parts)} parts of about {nx} x {ny} points, "
+        f"the same mean pressure. It includes the scatter of {len(parts)} parts of about {nx} × {ny} points, "
         f"{percent(covered)} of the map, each levelled, made periodic and solved separately, and the growth "
         f"of the heights with the length, by an expected factor of {number(math.exp(extrapolation.growth))}."
     )
@@ -427,7 +427,7 @@ def _flag(
     ny, nx = levelled.isel(parts[0]).shape
     if len(parts) == 1:
         return (
-            f"The map is too small to estimate how well it represents the surface: {nx} x {ny} points cannot "
+            f"The map is too small to estimate how well it represents the surface: {nx} × {ny} points cannot "
             "be divided into parts. Measure more places, or a larger one."
         )
     if incomplete:

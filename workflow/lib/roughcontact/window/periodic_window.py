@@ -316,7 +316,7 @@ def _reason(
     """Return a sentence on the part of the map that is used, the reason, and the periodisation."""
     ny, nx = shape
     if (ny, nx) == tuple(used):
-        text = f"The whole map of {nx} x {ny} points is used"
+        text = f"The whole map of {nx} × {ny} points is used"
     else:
         if searched:
             why = "the best score of the search"
@@ -324,8 +324,8 @@ def _reason(
             why = "the largest rectangle without missing points, with sides that transform and halve well"
         else:
             why = "sides that transform and halve well"
-        text = f"{used[1]} x {used[0]} of {nx} x {ny} points are used: {why}"
+        text = f"{used[1]} × {used[0]} of {nx} × {ny} points are used: {why}"
     text += f"; made periodic by {method}" if method != "raw" else "; its edges are left as they are"
     if tuple(solved) != tuple(used):
-        text += f", which leaves {solved[1]} x {solved[0]} points"
+        text += f", which leaves {solved[1]} × {solved[0]} points"
     return text + "."
