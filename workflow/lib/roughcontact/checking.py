@@ -45,7 +45,8 @@ def check_labelled(height: object) -> "xr.DataArray":
             "roughcontact.maps.height_map(values, spacing)"
         )
     name = height.attrs.get("source_file") or "the map"
-    if str(height.dtype).startswith(("bool", "complex")) or getattr(height.dtype, "kind", "f") not in "fiu":
+    kind = getattr(height.dtype, "kind", None)  # of NumPy's types
+    if kind not in ("f", "i", "u") and (kind or str(height.dtype).startswith(("bool", "complex"))):
         raise HeightMapError(
             f"{name} holds values of type {height.dtype}: heights are real numbers, in metres"
         )
@@ -62,9 +63,9 @@ def check_labelled(height: object) -> "xr.DataArray":
                 f"{name} has no coordinate {axis!r}: its pixel size is unknown; label it by "
                 "roughcontact.maps.height_map(values, spacing)"
             )
-        if height[axis].dtype.kind not in "fiu":
+        if (positions := height.coords.variables[axis].dtype).kind not in "fiu":
             raise HeightMapError(
-                f"coordinate {axis!r} of {name} holds values of type {height[axis].dtype}: positions are "
+                f"coordinate {axis!r} of {name} holds values of type {positions}: positions are "
                 "real numbers, in metres"
             )
     return height

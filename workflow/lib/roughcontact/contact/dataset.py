@@ -85,7 +85,10 @@ def as_dataset(
         | {name: ("load", [value]) for name, value in per_load.items()}
         | {"height": window.variable, "contact_modulus": modulus}
         | ({} if hardness is None else {"hardness": hardness}),
-        coords={"mean_pressure": ("load", [load]), **window.coords},
+        # with the indexes that are there
+        coords=xr.Coordinates(
+            {"mean_pressure": ("load", [load]), **window.coords.variables}, indexes=window.xindexes
+        ),
         attrs=attrs,
     )
 

@@ -73,7 +73,7 @@ def check_window(window: xr.DataArray) -> None:
     """
     check_labelled(window)
     for axis in ("y", "x"):
-        steps = np.diff(window[axis].values)
+        steps = np.diff(window.get_index(axis).values)
         if steps.size and not (steps > 0).all():
             raise HeightMapError(f"coordinate {axis!r} does not increase strictly")
         # coordinates are sums of rounded steps: allow for their rounding, not for uneven sampling

@@ -108,13 +108,13 @@ class CompiledPlan(PlanInPlace):
 
     def forward(self, field: Array) -> Array:
         field = np.require(field, self.scratch.dtype, ["C", "A", "W"])
-        (ny, nx), roots = self.shape, _roots(self.shape[1], str(field.dtype))
+        (ny, nx), roots = self.shape, _roots(self.shape[1], field.dtype)
         self._run("rows_forward", ny * field.itemsize, nx, (field, self.spectrum, roots), ny, nx)
         self._columns(self.spectrum, backward=False)
         return self.spectrum
 
     def inverse(self, spectrum: Array, out: Array) -> None:
-        (ny, nx), roots = self.shape, _roots(self.shape[1], str(out.dtype))
+        (ny, nx), roots = self.shape, _roots(self.shape[1], out.dtype)
         spectrum, found = (np.require(array, requirements=["C", "A", "W"]) for array in (spectrum, out))
         self._columns(spectrum, backward=True)
         self._run("rows_backward", ny * out.itemsize, nx, (found, spectrum, roots), 1 / out.size, ny, nx)
@@ -122,7 +122,7 @@ class CompiledPlan(PlanInPlace):
             out[...] = found
 
     def _columns(self, spectrum: Array, *, backward: bool) -> None:
-        (ny, waves), roots = spectrum.shape, _roots(self.shape[0], str(spectrum.real.dtype))
+        (ny, waves), roots = spectrum.shape, _roots(self.shape[0], spectrum.real.dtype)
         self._run("columns", waves * spectrum.itemsize, ny, (spectrum, roots), ny, waves, backward)
 
     def _run(self, name: str, breadth: int, length: int, *given: Any) -> None:
@@ -131,7 +131,7 @@ class CompiledPlan(PlanInPlace):
 
 
 @lru_cache(maxsize=64)
-def _roots(n: int, precision: str) -> np.ndarray:
+def _roots(n: int, precision: np.dtype) -> np.ndarray:
     """Return real and imaginary parts of exp(-2 pi i k / n) for k from 0 to n - 1."""
     turns = np.arange(n, dtype=np.longdouble) / n
     angles = -2 * np.arccos(np.longdouble(-1)) * (turns - np.round(turns))
