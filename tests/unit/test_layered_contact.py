@@ -233,3 +233,15 @@ def test_stiff_films_and_rigid_bases_stay_within_bounds(pixels):
         loads = [modulus * load for load in (0.003, 0.03, 0.3)]
         found = solve_contact(height, bodies=[body, RIGID], mean_pressure=loads)
         assert found["operator_applications"].max() <= most
+
+
+@pytest.mark.parametrize(("ratio", "hardness"), [(60, 6.0), (150, 1.8), (500, 3.0)])
+def test_a_stiff_film_that_yields_takes_tens_of_transforms(ratio, hardness):
+    height = self_affine_surface(
+        (128, 128), 1 / 128, hurst=0.8, shortest=6 / 128, longest=0.25, rms_gradient=1.0, seed=1
+    )
+    body = {"youngs_modulus": 0.91 / ratio, "poissons_ratio": 0.3, "layers": [layer(4 / 128, 0.91)]}
+    found = solve_contact(height, bodies=[body, RIGID], mean_pressure=0.03, hardness=0.03 * hardness)
+    assert found["yielded_area"] > 0
+    assert found["error_bound"] <= 1e-4
+    assert found["operator_applications"] <= 75

@@ -1,22 +1,11 @@
-"""An accurate correction on a fixed active set, where one application of the inverse is too inaccurate.
-
-That is where the interpolation is poor: on grids of few cells, with pixels far longer than wide, with
-contacts and gaps of a few pixels.
-"""
+"""Accurate solutions on a fixed active set: the response of a contact to an increment of the load."""
 
 from collections.abc import Iterator
-from dataclasses import replace
-from itertools import islice
 
-import numpy as np
-
-from roughcontact.contact.grid import Grid, PreconditionedResidual
+from roughcontact.contact.grid import Grid
 from roughcontact.contact.state import mean_product
 from roughcontact.kernels.array_api import mean
-from roughcontact.kernels.arrays import Array, namespace, precision_of
-
-MAX_STEPS = 40
-REDUCTION = 0.1  # of the residual
+from roughcontact.kernels.arrays import Array, namespace
 
 
 def conjugate_gradients(
@@ -68,19 +57,3 @@ def conjugate_gradients(
         before, rz = rz, mean_product(left, z)
         direction *= rz / before
         direction += z
-
-
-def corrected_accurately(grid: Grid, correction: PreconditionedResidual) -> PreconditionedResidual:
-    """Return a more accurate correction for the last residual of the grid; its `mean` is zero."""
-    residual, active = grid.last_residual(precision_of(correction.field))
-    steps = conjugate_gradients(grid, residual, correction.field, active)
-    solution, first = next(steps)
-    for _, rz in islice(steps, MAX_STEPS):
-        if rz <= REDUCTION**2 * first:
-            break
-    return replace(correction, field=solution, mean=0.0)
-
-
-def gains_little(bound: float, before: float) -> bool:
-    """Return whether a step lowered the error bound so little that an accurate correction pays off."""
-    return bool(np.isfinite(before) and bound > 0.5 * before)

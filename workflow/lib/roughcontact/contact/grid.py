@@ -176,7 +176,7 @@ class Grid:
             state.pressure, state.separation, state.offset, self.cap, workspace.values
         )
         if workspace.interpolation.bends:
-            active = self._foresee_overlap(state, workspace)
+            active = self._foresee_violations(state, workspace)
         self._interpolate(workspace)
         predict = predict and not self._elongated
         if predict:
@@ -251,11 +251,6 @@ class Grid:
             )
             out = project_to_load(pressure - safe * gap, mean_pressure, cap=cap)
         return scale_to_load(out, mean_pressure, cap=cap)
-
-    def last_residual(self, precision: str) -> tuple[Array, Array]:
-        """Return the last residual in a precision and the map of its active set, both of shape (ny, nx)."""
-        workspace = self._workspace_in(precision)
-        return workspace.values, workspace.values != 0
 
     def precondition_on(self, contact: Array, residual: Array) -> Array:
         """Return M `residual` for the contact set where `contact` is not zero.
@@ -345,19 +340,21 @@ class Grid:
         workspace.interpolation.set_active(workspace.values)
         workspace.interpolation.prolong(workspace.values, workspace.field)
 
-    def _foresee_overlap(self, state: State, workspace: "Workspace") -> int:
-        """Put those points without pressure into the active set that will overlap; return its size.
+    def _foresee_violations(self, state: State, workspace: "Workspace") -> int:
+        """Put those points of a bound into the active set that will violate it; return its size.
 
-        A correction of the points with pressure changes the gap beside them by their interpolated residual. A
-        stiff film that is a little too low overlaps far and wide, and lifts off with that correction.
+        A correction of the other points changes their gap by the interpolated residual. A stiff film that is
+        a little too low overlaps far and wide, and lifts off with that correction; points without pressure
+        are active that will overlap then, points at the cap whose gap will open.
         """
-        values, without = workspace.values, state.pressure <= 0
+        values, without, full = workspace.values, state.pressure <= 0, state.pressure >= self.cap
         xp = namespace(values)
-        values[...] = xp.where(without, xp.zeros_like(values), values)
+        values[...] = xp.where(without | full, xp.zeros_like(values), values)
         self._interpolate(workspace)
         gap = in_precision(state.gap, precision_of(values), copy=False)
         gap = xp.where(gap == 0, xp.full_like(gap, CLOSED), gap)
-        values[...] = xp.where(without & (gap < workspace.field), gap, values)
+        foreseen = (without & (gap < workspace.field)) | (full & (gap > workspace.field))
+        values[...] = xp.where(foreseen, gap, values)
         return int(xp.count_nonzero(values))
 
     def _restrict(self, workspace: "Workspace") -> float:
