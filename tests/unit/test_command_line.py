@@ -169,6 +169,11 @@ def test_several_files_are_solved_together(capsys, tmp_path):
     code, out, _ = said(capsys, "solve", *files[:2], *given, "--mean-pressure", "5MPa")
     assert "range, from the lowest to the highest of the maps" in out
     assert "±" not in out
+    # loads of their own leave each map its numbers
+    code, out, _ = said(capsys, "solve", *files, *given, "--relative-pressure", "0.05")
+    assert code == 0
+    assert "no group          the group: its maps have no load in common" in out
+    assert out.count("A/A0") == 3
 
 
 def test_an_interval_above_nothing_has_a_unit_that_suits_it():

@@ -206,7 +206,7 @@ def test_a_map_that_stands_off_is_named_and_stays():
         ({"modulus": 2e9}, "group g: a was solved with E* = 1.00 GPa and b with 2.00 GPa"),
         (
             {"load": [3e6]},
-            "group g: its maps have no load in common, b begins at 3.00 MPa and a ends at 1.00 MPa",
+            "group g: its maps have no load in common, b begins at 3.0000 MPa and a ends at 1.0000 MPa",
         ),
         ({"band_shortest": 3e-6}, "the shortest of a is 1.00 µm, that of b 3.00 µm; state one band for all"),
         (

@@ -169,6 +169,16 @@ def _verdict(result: Mapping[str, Any]) -> str:
 def group(result: Mapping[str, Any]) -> str:
     """Return the numbers of several maps together, by `solve_files`, and a line about each map."""
     found = result["group"]
+    lines = [f"{found['maps']} maps together", ""]
+    lines += [_line("no group", found["none"])] if "none" in found else _table_of_group(found)
+    for each in result["maps"]:
+        areas = ", ".join(percent(load["relative_contact_area"]) for load in each["loads"])
+        lines += ["", str(each["file"]), _line("A/A0", areas), _line("verdict", _verdict(each))]
+    return "\n".join(lines)
+
+
+def _table_of_group(found: Mapping[str, Any]) -> list[str]:
+    """Return the lines of the numbers of a group, and what its intervals mean."""
     columns = [column for column in _COLUMNS if column[0] in _OF_GROUPS]
     show = _ends if found["range"] else _cell
     rows = [[columns[0][1], columns[1][1], "next map", *(heading for _, heading, _ in columns[2:])]]
@@ -176,12 +186,8 @@ def group(result: Mapping[str, Any]) -> str:
         first, area, *others = (show(load, name, unit) for name, _, unit in columns)
         rows.append([first, area, _ends(load, "relative_contact_area_next", "%"), *others])
     about = "range, from the lowest to the highest of the maps" if found["range"] else _ABOUT_GROUPS
-    lines = [f"{found['maps']} maps together", "", *_aligned(rows), "", _line("intervals", about)]
-    lines += [_line("remark", text) for text in found["remarks"]]
-    for each in result["maps"]:
-        areas = ", ".join(percent(load["relative_contact_area"]) for load in each["loads"])
-        lines += ["", str(each["file"]), _line("A/A0", areas), _line("verdict", _verdict(each))]
-    return "\n".join(lines)
+    remarks = [_line("remark", text) for text in found["remarks"]]
+    return [*_aligned(rows), "", _line("intervals", about), *remarks]
 
 
 def _ends(load: Mapping[str, Any], name: str, unit: str) -> str:

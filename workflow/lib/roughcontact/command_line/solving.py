@@ -11,6 +11,7 @@ from typing import Any
 import xarray as xr
 
 from roughcontact.command_line import saving
+from roughcontact.errors import RoughContactError
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.pipeline import SECTIONS, run_chain
@@ -45,24 +46,28 @@ def solve_files(
     dict
         `maps` (a result of `solve_file` each), `group`: `loads` (one dict per load, name -> number, those of
         the intervals included), `maps` (number), `range` (whether the ends are those of a range),
-        `remarks` (sentences), `units`.
+        `remarks` (sentences), `units`; for maps that are no group `maps` and the reason, `none`.
 
     Raises
     ------
     RoughContactError
-        as `solve_file` does, and for maps that are no group.
+        as `solve_file` does.
     """
     solved = [_solved(path, given, settings, threads=threads) for path in paths]
-    answer = group_statistics([statistics for _, statistics in solved], names=[*map(str, paths)])
+    maps = [result for result, _ in solved]
+    try:
+        answer = group_statistics([statistics for _, statistics in solved], names=[*map(str, paths)])
+    except RoughContactError as error:  # what was computed is not lost
+        return {"maps": maps, "group": {"maps": len(maps), "none": str(error)}}
     numbers = {str(name): answer[name].values for name in answer.variables if answer[name].dims == ("load",)}
     loads = [
         {name: values[place].item() for name, values in numbers.items()}
         for place in range(answer.sizes["load"])
     ]
     return {
-        "maps": [result for result, _ in solved],
+        "maps": maps,
         "group": {
-            "maps": len(solved),
+            "maps": len(maps),
             "range": is_range(answer),
             "remarks": json.loads(answer.attrs["remarks"]),
             "loads": loads,
