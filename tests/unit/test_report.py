@@ -719,9 +719,20 @@ def test_the_policy_of_the_page_admits_nothing_but_the_page(page, tmp_path):
     assert wanted <= set(said["blocked"])
 
 
+# Pictures are decoded in real time, while the browser's own clock runs ahead: some work between two looks
+UNTIL = """
+const until = async test => {
+  for (let look = 0; look < 500 && !test(); look++) {
+    for (let work = 0; work < 2e4; work++) Math.random();
+    await new Promise(done => setTimeout(done, 10));
+  }
+};
+"""
+
 FRAME_PROBE = """
 <script>
-const frame = document.querySelector("iframe"), wait = time => new Promise(done => setTimeout(done, time));
+UNTIL
+const frame = document.querySelector("iframe");
 frame.addEventListener("load", async () => {
   const inside = frame.contentDocument, said = {};
   const wide = element => element.scrollWidth - element.clientWidth;
@@ -768,14 +779,15 @@ frame.addEventListener("load", async () => {
   const clientY = on.top + (top + mark[1]) / box[3] * on.height;
   const moved = { bubbles: true, clientX, clientY };
   chart.dispatchEvent(new frame.contentWindow.PointerEvent("pointermove", moved));
-  await wait(3000);
+  await until(() => inside.querySelector(".tip").textContent);
   said.read = inside.querySelector(".tip").textContent;
   inside.getElementById("surface-sparse").scrollIntoView();
   frame.contentWindow.dispatchEvent(new Event("scroll"));  // which no frame of a page without a screen brings
   said.here = [...inside.querySelectorAll("nav [aria-current]")].map(link => link.textContent.trim());
   map.closest("button").click();
-  await wait(3000);
-  const dialog = inside.querySelector("dialog"), drawn = dialog.querySelector("svg image");
+  const dialog = inside.querySelector("dialog");
+  await until(() => dialog.querySelector("p").textContent.includes("Point at the map"));
+  const drawn = dialog.querySelector("svg image");
   said.opened = dialog.open;
   const large = dialog.querySelector("svg").getBoundingClientRect();
   said.larger = large.width / map.getBoundingClientRect().width;
@@ -798,7 +810,7 @@ frame.addEventListener("load", async () => {
 
 def said_in_a_frame(text, folder, *, width, rows, columns):
     """Show a page in a frame so many pixels wide; return what a script finds in it."""
-    probe = FRAME_PROBE.replace("ROWS", str(rows)).replace("COLUMNS", str(columns))
+    probe = FRAME_PROBE.replace("UNTIL", UNTIL).replace("ROWS", str(rows)).replace("COLUMNS", str(columns))
     frame = f'<iframe style="width:{width}px;height:900px;border:0" srcdoc="{html.escape(text)}"></iframe>'
     return said_by(f"<!DOCTYPE html><body>{frame}{probe}</body>", folder)
 
@@ -879,11 +891,11 @@ def test_nothing_is_cut_off_and_maps_can_be_read(page, tmp_path, shown):
 
 ENLARGED_PROBE = """
 <script>
+UNTIL
 addEventListener("load", async () => {
-  const wait = time => new Promise(done => setTimeout(done, time));
   document.querySelector("button.enlarge").click();
-  await wait(3000);
   const dialog = document.querySelector("dialog"), words = dialog.querySelector("p");
+  await until(() => words.textContent.includes("Point at the map"));
   const drawn = dialog.querySelector("svg image"), zoom = dialog.querySelectorAll("button")[1];
   const state = () => [drawn.getBoundingClientRect().width, drawn.style.imageRendering, zoom.textContent];
   const said = {words: words.textContent, zoom: zoom.checkVisibility(), states: [state()], values: []};
@@ -914,7 +926,8 @@ def test_every_point_of_a_large_map_can_be_seen_and_read(tmp_path):
         f'<!DOCTYPE html><style>{template("report.css").render()}</style><figure style="width:300px">'
         f'<img src="{source}" alt="Pressure."></figure>{template("figures.html").render()}'
     )
-    said = said_by(text + ENLARGED_PROBE.replace("POINTS", json.dumps(points)), tmp_path)
+    probe = ENLARGED_PROBE.replace("UNTIL", UNTIL).replace("POINTS", json.dumps(points))
+    said = said_by(text + probe, tmp_path)
     assert said["words"] == "Pressure. 900 × 700: every point is drawn. Point at the map to read values."
     assert said["zoom"]
     whole, every_point, again = said["states"]
