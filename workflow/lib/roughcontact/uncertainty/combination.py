@@ -5,8 +5,8 @@ from typing import get_args
 
 import numpy as np
 import pandas as pd
+import scipy
 import xarray as xr
-from scipy.special import stdtrit
 
 from roughcontact.choices import UncertaintySource
 from roughcontact.uncertainty.answers import ANSWERS, quantities_in
@@ -197,7 +197,7 @@ def _effective(lower: np.ndarray, upper: np.ndarray, freedom: np.ndarray) -> tup
         fourth = np.sum(np.where(larger > 0, larger**4 / freedom, 0.0), axis=1)
         effective = np.maximum(*(np.sum(part**2, axis=1) for part in (lower, upper))) ** 2 / fourth
     finite = np.isfinite(effective)
-    factor = np.where(finite, stdtrit(np.where(finite, effective, 1.0), 0.975), _NORMAL)
+    factor = np.where(finite, scipy.special.stdtrit(np.where(finite, effective, 1.0), 0.975), _NORMAL)
     return np.where(finite, effective, np.inf), factor
 
 

@@ -24,9 +24,8 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 import xarray as xr
-from scipy.interpolate import PchipInterpolator
-from scipy.special import erf
 
 from roughcontact.errors import SettingsError
 from roughcontact.io.instrument_kinds import of_name
@@ -91,7 +90,7 @@ def from_scale(name: str, values: np.ndarray) -> np.ndarray:
     if name in HEIGHTS:
         return np.maximum(values, 0.0)
     with np.errstate(over="ignore"):
-        return erf(np.exp(values)) if name == AREA else np.exp(values)
+        return scipy.special.erf(np.exp(values)) if name == AREA else np.exp(values)
 
 
 def needed_for_groups(names: Iterable[str]) -> list[str]:
@@ -363,7 +362,7 @@ def at_loads(own: np.ndarray, loads: np.ndarray, values: np.ndarray) -> np.ndarr
         return values[places]
     finite = np.isfinite(values)
     within = np.clip(np.log(loads), *np.log(own[[0, -1]]))  # up to rounding
-    found = PchipInterpolator(np.log(own), np.where(finite, values, 0.0))(within)
+    found = scipy.interpolate.PchipInterpolator(np.log(own), np.where(finite, values, 0.0))(within)
     beside = np.clip(np.searchsorted(own, loads), 1, own.size - 1)
     unknown = np.where(finite, 0.0, values)  # 0, NaN or infinite
     return found + unknown[beside] + unknown[beside - 1]

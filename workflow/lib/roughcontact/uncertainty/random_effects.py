@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import nctdtr, ndtri, stdtr, stdtrit
+import scipy
 
 COVERAGE = 0.95
 SIGNIFICANCE = 0.05  # of a difference, over all that are tested together
@@ -129,7 +129,7 @@ def student(freedom: np.ndarray, coverage: float = COVERAGE) -> np.ndarray:
     array([ nan, 4.3 , 2.26])
     """
     known = np.asarray(freedom, float) > 0
-    return np.where(known, stdtrit(np.where(known, freedom, 1.0), (1 + coverage) / 2), np.nan)
+    return np.where(known, scipy.special.stdtrit(np.where(known, freedom, 1.0), (1 + coverage) / 2), np.nan)
 
 
 def welch(first: Effects, second: Effects) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -170,7 +170,7 @@ def p_value(difference: np.ndarray, error: np.ndarray, freedom: np.ndarray) -> n
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = np.where(error > 0, np.abs(difference) / error, np.where(difference == 0, 0.0, np.inf))
-    found = 2 * stdtr(np.maximum(freedom, 1e-9), -ratio)
+    found = 2 * scipy.special.stdtr(np.maximum(freedom, 1e-9), -ratio)
     return np.where(np.isnan(error) | np.isnan(difference) | ~(freedom > 0), np.nan, found)
 
 
@@ -200,7 +200,7 @@ def correlation_at_least(residuals: np.ndarray, freedom: float) -> np.ndarray:
     if freedom > 2:
         with np.errstate(invalid="ignore", divide="ignore"):
             measured = np.nan_to_num(products / np.outer(sizes, sizes))
-        limit = ndtri(COVERAGE) / np.sqrt(freedom - 2)
+        limit = scipy.special.ndtri(COVERAGE) / np.sqrt(freedom - 2)
         found = np.maximum(np.tanh(np.arctanh(np.clip(measured, -_ALIKE, _ALIKE)) - limit), 0.0)
     np.fill_diagonal(found, 1.0)
     return found
@@ -304,8 +304,8 @@ def maps_needed(spread: float, difference: float, *, paired: bool = False) -> in
     def enough(count: int) -> bool:
         freedom = count - 1.0 if paired else 2.0 * (count - 1)
         shift = difference / spread * np.sqrt(count if paired else count / 2)
-        limit = stdtrit(freedom, 1 - SIGNIFICANCE / 2)
-        return bool(1 - nctdtr(freedom, shift, limit) >= POWER)
+        limit = scipy.special.stdtrit(freedom, 1 - SIGNIFICANCE / 2)
+        return bool(1 - scipy.special.nctdtr(freedom, shift, limit) >= POWER)
 
     return 2 + bisect_left(range(2, _MOST_MAPS), True, key=enough) if spread > 0 else 2
 
@@ -328,7 +328,7 @@ def stand_off(values: np.ndarray) -> np.ndarray:
     count = len(values)
     if count < 4:
         return np.zeros(values.shape, bool)
-    square = stdtrit(count - 2, 1 - _STANDS_OFF / (2 * count)) ** 2
+    square = scipy.special.stdtrit(count - 2, 1 - _STANDS_OFF / (2 * count)) ** 2
     limit = (count - 1) / np.sqrt(count) * np.sqrt(square / (count - 2 + square))
     distance = np.abs(values - values.mean(axis=0))
     largest = distance == distance.max(axis=0)

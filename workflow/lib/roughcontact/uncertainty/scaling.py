@@ -13,8 +13,8 @@ ln Q/d ln p, the slope of the solved curve. No further solution is needed.
 """
 
 import numpy as np
+import scipy
 import xarray as xr
-from scipy.special import erf, erfinv
 
 from roughcontact.uncertainty.answers import ANSWERS, quantities_in
 from roughcontact.uncertainty.headline import QUANTITIES
@@ -62,7 +62,7 @@ def effort(area: np.ndarray) -> np.ndarray:
     >>> effort(np.array([0.0, 0.5])).round(3)
     array([0.   , 0.477])
     """
-    return erfinv(np.clip(area, 0.0, _MAX_AREA))
+    return scipy.special.erfinv(np.clip(area, 0.0, _MAX_AREA))
 
 
 def log_slopes(solved: xr.Dataset) -> dict[str, np.ndarray]:
@@ -247,7 +247,8 @@ def half_widths(
         value = solved[name].values
         if name == AREA:
             x = effort(value)
-            widths[name] = value - erf(x * np.exp(-down)), np.maximum(erf(x * np.exp(up)) - value, 0.0)
+            low, high = (scipy.special.erf(x * np.exp(change)) for change in (-down, up))
+            widths[name] = value - low, np.maximum(high - value, 0.0)
             widths[PRESSURE] = _pressure_half_widths(solved, *widths[name], relative_load)
         else:
             with np.errstate(over="ignore"):

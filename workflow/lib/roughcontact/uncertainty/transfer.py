@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import scipy
 import xarray as xr
-from scipy.ndimage import grey_erosion
 
 from roughcontact.fourier import wavenumbers
 from roughcontact.maps import spacing
@@ -211,7 +211,9 @@ def eroded(window: xr.DataArray, tip_radius: float) -> xr.DataArray:
     square = y[:, None] ** 2 + x[None, :] ** 2
     inside = square <= tip_radius**2
     tip = np.where(inside, np.sqrt(np.maximum(tip_radius**2 - square, 0.0)) - tip_radius, 0.0)
-    return window.copy(data=grey_erosion(window.values, footprint=inside, structure=tip, mode="wrap"))
+    return window.copy(
+        data=scipy.ndimage.grey_erosion(window.values, footprint=inside, structure=tip, mode="wrap")
+    )
 
 
 def reliability_length(window: xr.DataArray, tip_radius: float) -> float:

@@ -26,8 +26,8 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 import xarray as xr
-from scipy.special import stdtrit
 
 from roughcontact.io.read import read_height_map
 from roughcontact.levelling.level import level
@@ -160,7 +160,7 @@ def _relative_scatter(profile: xr.DataArray, limit: float) -> float:
     if square.size < 2 * _PARTS_OF_PROFILE or not square.any():
         return 1.0
     parts = [part.mean() for part in np.array_split(square, _PARTS_OF_PROFILE)]
-    student = float(stdtrit(len(parts) - 1, 0.975))
+    student = float(scipy.special.stdtrit(len(parts) - 1, 0.975))
     return student * float(np.std(parts, ddof=1) / np.mean(parts)) / math.sqrt(len(parts))
 
 

@@ -43,8 +43,8 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 import xarray as xr
-from scipy.special import erf, stdtrit
 
 from roughcontact.checking import check_map
 from roughcontact.errors import SettingsError
@@ -273,7 +273,7 @@ def _extrapolation(
     degrees_of_freedom, factor = math.nan, math.nan
     if parts > 1:
         degrees_of_freedom = max(_MIN_DEGREES_OF_FREEDOM, parts ** (dimensions / most) - 1)
-        factor = float(stdtrit(degrees_of_freedom, (1 + _COVERAGE) / 2))
+        factor = float(scipy.special.stdtrit(degrees_of_freedom, (1 + _COVERAGE) / 2))
     return _Extrapolation(
         extent,
         ratio,
@@ -315,8 +315,8 @@ def _area_half_widths(values: np.ndarray, result: np.ndarray, extrapolation: _Ex
     half_width = np.hypot(
         extrapolation.scatter * parts.std(axis=0, ddof=1), extrapolation.extent_factor * change
     )
-    ends = (erf(np.exp(whole + side * half_width)) for side in (-1, 1))
-    down, up = (np.abs(end / erf(np.exp(whole)) - 1) for end in ends)
+    ends = (scipy.special.erf(np.exp(whole + side * half_width)) for side in (-1, 1))
+    down, up = (np.abs(end / scipy.special.erf(np.exp(whole)) - 1) for end in ends)
     return result * down, result * up
 
 
