@@ -1,5 +1,4 @@
-"""The symbol of layered bodies: against Navier's equations solved otherwise, published formulas, and
-limits."""
+"""The symbol of layered bodies: against Navier's equations solved otherwise, closed forms, and limits."""
 
 import itertools
 import math
@@ -61,11 +60,12 @@ def test_any_stack_is_the_solution_of_naviers_equations(seed: int):
     np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
-def published(x: np.ndarray, nu: float, base_nu: float, shear_ratio: float) -> np.ndarray:
-    """Return the factor of one layer in closed form (Li and Popov 2020, equations 30 and 31; Nogi and Kato
-    1997).
+def closed_form(x: np.ndarray, nu: float, base_nu: float, shear_ratio: float) -> np.ndarray:
+    """Return the factor of one layer in closed form; the shear ratio is that of the layer over the base.
 
-    Li and Popov, doi 10.1177/1350650119854250; the shear ratio is that of the layer over the base.
+    Airy's function is (a + bz)e^(-z) + (c + dz)e^z in the layer and (e + fz)e^(-z) in the base, q = 1. Four
+    conditions at the interface, no shear and unit pressure at the surface give the constants, and the
+    displacement w of the surface: the factor is w mu/(1 - nu), of the layer.
     """
     lam = 1 - 4 * (1 - nu) / (1 + shear_ratio * (3 - 4 * base_nu))
     kappa = (shear_ratio - 1) / (shear_ratio + 3 - 4 * nu)
@@ -76,16 +76,16 @@ def published(x: np.ndarray, nu: float, base_nu: float, shear_ratio: float) -> n
 
 @pytest.mark.parametrize("ratio", RATIOS)
 @pytest.mark.parametrize(("nu", "base_nu"), POISSON)
-def test_one_layer_is_the_published_closed_form(ratio: float, nu: float, base_nu: float):
+def test_one_layer_has_a_closed_form(ratio: float, nu: float, base_nu: float):
     x = np.geomspace(0.05, 50, 40)  # the closed form cancels below
     shear_ratio = ratio * (1 + base_nu) / (1 + nu)
     found = compliance_factor(x, one_layer(ratio, nu, base_nu))
-    np.testing.assert_allclose(found, published(x, nu, base_nu, shear_ratio), rtol=1e-9)
+    np.testing.assert_allclose(found, closed_form(x, nu, base_nu, shear_ratio), rtol=1e-9)
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.45, 0.5])
-def test_a_rigid_base_is_the_published_closed_form(nu: float):
-    x, k = np.geomspace(0.05, 50, 40), 3 - 4 * nu
+def test_a_rigid_base_has_a_closed_form(nu: float):
+    x, k = np.geomspace(0.05, 50, 40), 3 - 4 * nu  # that of one layer for a shear ratio to 0
     expected = (k * np.sinh(2 * x) - 2 * x) / (k * np.cosh(2 * x) + 2 * x**2 + 5 - 12 * nu + 8 * nu**2)
     np.testing.assert_allclose(compliance_factor(x, one_layer(0.0, nu, 0.3)), expected, rtol=1e-9)
 

@@ -5,8 +5,9 @@ from Navier's equations in plane strain [1]_, layer by layer from the base outwa
 relation u = C t between the amplitudes of displacement and traction of its lower face to its upper face:
 where |q| t is small by the transfer matrix exp(-A |q| t), whose elements are sums of sinh, cosh and one
 difference with its own series, otherwise by the reflection of the waves that decay from its two faces.
-Neither loses digits, for any thickness, stiffness and Poisson's ratio up to 1/2 [2]_. The tractions go the
-other way, from the surface inwards: those of the lower face are T times those of the upper one.
+Neither loses digits, for any thickness, stiffness and Poisson's ratio up to 1/2; the closed form of one layer
+(tests/unit/test_layers.py) does where it is thin. The tractions go the other way, from the surface inwards:
+those of the lower face are T times those of the upper one.
 
 S p^2/2 is the energy of a wave, so that S > 0 for q > 0: the operator remains diagonal and positive in
 Fourier space, which is all that `roughcontact.contact.certificate` asks of it.
@@ -14,8 +15,6 @@ Fourier space, which is all that `roughcontact.contact.certificate` asks of it.
 References
 ----------
 .. [1] Johnson (1985), Contact Mechanics, chapter 13, for the half-space.
-.. [2] Nogi and Kato (1997), ASME J. Tribol. 119, 493, for one layer in closed form, which cancels where the
-   layer is thin.
 """
 
 from collections.abc import Callable, Iterable, Mapping
