@@ -245,6 +245,7 @@ def test_first_yield_is_that_of_the_first_material(judged):
 def test_the_report_names_materials_and_interfaces(judged):
     _, _, found = judged
     (table,) = [one for one in number_tables(found, [[]] * 4) if one["title"].startswith("Stress")]
+    assert table["title"] == "Stress below the surface: body 2, of the lowest yield stress stated"
     titles = [title for title, _, _ in table["header"]]
     assert titles[3:6] == ["von Mises in layer 1", "von Mises in layer 2", "von Mises in the base"]
     assert titles[6:] == [f"{kind} below layer {n}" for kind in ("shear", "normal stress") for n in (1, 2)]

@@ -20,6 +20,7 @@ from roughcontact.results.storage import write_dataset
 from roughcontact.statistics.subsurface import (
     profile_depths,
     strained_body,
+    strained_body_in_words,
     stress_columns,
     with_subsurface_yield,
 )
@@ -351,6 +352,33 @@ def test_the_body_that_yields_first():
         strained_body([without | {"yield_stress": 1e8}, SOFT | {"yield_stress": None}])["yield_stress"] == 1e8
     )
     assert strained_body(None) is None
+
+
+UNKNOWN = {"youngs_modulus": 2e11, "poissons_ratio": 0.3}
+FILM = {"thickness": 1e-6, "youngs_modulus": 4e11, "poissons_ratio": 0.2}
+
+
+@pytest.mark.parametrize(
+    ("bodies", "words"),
+    [
+        ([HARD, SOFT | {"name": "PEEK"}], "body 2 (PEEK), of the lowest yield stress stated"),
+        (
+            [HARD | {"layers": [FILM]}, HARD | {"layers": [FILM | {"yield_stress": 1e8}]}],
+            "body 2, of the lowest yield stress stated",
+        ),
+        ([UNKNOWN, UNKNOWN | {"layers": [FILM]}], "body 2, the only one with layers"),
+        (
+            [{"base": "rigid", "layers": [FILM]}, UNKNOWN | {"layers": [FILM]}],
+            "body 2, of the softer base",
+        ),
+        ([UNKNOWN, SOFT | {"yield_stress": None}], "body 2, the softer one"),
+        ([HARD, HARD], "body 1, the first of two alike"),
+        ([SOFT], "body 1, the only elastic one"),
+    ],
+)
+def test_the_words_name_the_body_that_is_strained(bodies, words):
+    assert strained_body_in_words(bodies) == words
+    assert strained_body(bodies) is bodies[int(words[5]) - 1]
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,6 @@
 """Bodies with layers from the settings to the report, beside the same bodies without them."""
 
+import json
 import re
 
 import numpy as np
@@ -80,6 +81,11 @@ def test_layers_go_from_the_settings_to_the_report(tmp_path, checkout):
     assert not converged["coated"]
     assert "von Mises in the base" in panels["coated"]
     assert "shear below layer 1" in panels["coated"]
+    assert "Stress below the surface: body 1, of the lowest yield stress stated" in panels["coated"]
+    bands = json.loads(collected.attrs["bands"])
+    assert bands["coated"]["ground"]["stresses_of"] == "body 1, of the lowest yield stress stated"
+    assert "layer 1: 6.00 µm of 700 GPa, ν 0.20; elastic base: 210 GPa, ν 0.30; body 2:" in panels["coated"]
+    assert 'class="stack"' not in panels["plain"]
     summary = pd.read_csv(project.path("results/summary.csv"))
     assert set(summary["case"]) == set(found)
 

@@ -84,7 +84,7 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "leak_rate_x": ("m2 s-1", "leak rate by length of the seal, flow along x"),
     "leak_rate_y": ("m2 s-1", "leak rate by length of the seal, flow along y"),
     "leak_rate_by_cube": ("m-1 s-1", "leak rate between parallel plates, over the cube of their distance"),
-    "max_von_mises_stress": ("Pa", "largest stress of von Mises below the surface"),
+    "max_von_mises_stress": ("Pa", "largest stress of von Mises in the body that stresses_of names"),
     "max_von_mises_depth": ("m", "depth of the largest stress of von Mises"),
     "max_von_mises_x": (
         "m",
@@ -94,20 +94,32 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
         "m",
         "place of the largest stress of von Mises along y; not defined across a profile",
     ),
-    "max_tresca_stress": ("Pa", "largest difference of principal stresses below the surface"),
-    "von_mises_profile": ("Pa", "largest stress of von Mises at each depth"),
+    "max_tresca_stress": (
+        "Pa",
+        "largest difference of principal stresses in the body that stresses_of names",
+    ),
+    "von_mises_profile": (
+        "Pa",
+        "largest stress of von Mises at each depth of the body that stresses_of names",
+    ),
     "volume_above_yield": ("m", "volume by area in which the stress of von Mises exceeds the yield stress"),
     "first_subsurface_yield_pressure": (
         "Pa",
         "mean pressure at which the stress of von Mises below the surface reaches the yield stress",
     ),
-    "material_von_mises_stress": ("Pa", "largest stress of von Mises in each layer, and in the base"),
+    "material_von_mises_stress": (
+        "Pa",
+        "largest stress of von Mises in each layer and the base of the body that stresses_of names",
+    ),
     "material_von_mises_depth": ("m", "depth of the largest stress of von Mises in each layer and the base"),
     "material_first_yield_pressure": (
         "Pa",
         "mean pressure at which the stress of von Mises reaches the yield stress of each layer and the base",
     ),
-    "interface_shear_stress": ("Pa", "largest shear traction at the lower face of each layer"),
+    "interface_shear_stress": (
+        "Pa",
+        "largest shear traction at the lower face of each layer of the body that stresses_of names",
+    ),
     "interface_normal_stress": (
         "Pa",
         "largest normal traction at the lower face of each layer, tension positive",

@@ -281,6 +281,11 @@ class Chart:
         )
         self._list(label, lambda at, up: f'<path d="M{at:g} {up - 5:g}h26v10h-26z" fill="#e4e4e4"/>')
 
+    def write(self, left: float, low: float, text: str) -> None:
+        """Write a text from a place (pixels) within the axes on, legible across lines."""
+        halo = '<g paint-order="stroke" stroke="#fff" stroke-width="5" stroke-linejoin="round">'
+        self._drawn.append(f"{halo}{_text(left, low, text)}</g>")
+
     def picture(self, source: str, *, smooth: bool) -> None:
         """Lay a picture (data URI) over the area between the axes, with points as rectangles or `smooth`."""
         rendering = "" if smooth else ' image-rendering="pixelated"'

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from roughcontact.bodies import have_layers
 from roughcontact.maps import side_lengths
 from roughcontact.quantities import percent
 from roughcontact.report import captions, facts, load_plots, map_plots, tables, texture_plots
@@ -15,6 +16,7 @@ from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
 from roughcontact.report.files import beside
 from roughcontact.report.glance import by_weight, shown_loads
+from roughcontact.report.stack import stack_of_layers
 from roughcontact.report.summary import write_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
@@ -79,6 +81,7 @@ def write_panel(
     doubts = by_weight(checks.reasons(outcome))
     notes = [check for check in outcome if check.outcome == checks.NOTE]
     not_judged = [check for check in outcome if check.outcome == checks.NOT_MADE]
+    bodies = settings["contact"].get("bodies")
     known = facts.surface_facts(measured, plane, solved, numbers)
     maps = _maps(measured, plane, solved, numbers, counter_face)
     source, date = measured.attrs.get("source_sha256", ""), facts.date_of(measured)
@@ -95,6 +98,7 @@ def write_panel(
         not_judged=not_judged,
         sound=[check for check in outcome if check.outcome == checks.PASSED],
         facts=known,
+        stack=stack_of_layers(bodies, solved) if have_layers(bodies) else None,
         maps=maps,
         concerns=checks.concerns,
         scores=tables.score_table(solved),

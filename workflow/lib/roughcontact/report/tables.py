@@ -110,7 +110,8 @@ def number_tables(numbers: xr.Dataset, flags: Sequence[Sequence[str]]) -> list[T
         rows = [
             {"cells": cells, "flags": ", ".join(words)} for *cells, words in zip(*columns, flags, strict=True)
         ]
-        tables.append({"title": title, "header": header, "rows": rows})
+        whose = numbers.attrs.get("stresses_of") if title == "Stress below the surface" else None
+        tables.append({"title": f"{title}: {whose}" if whose else title, "header": header, "rows": rows})
     return tables
 
 

@@ -42,7 +42,8 @@ _NOT_IN_TABLE = {*_BINS, "depth", "source", "hardness_over_modulus", "input", "c
 _NOT_IN_TABLE |= {"member", "choice", "material", "interface"}
 # labels of a dimension that are the same for all surfaces
 _COMMON_LABELS = {"source": object, "input": object, "component": object, "hardness_over_modulus": float}
-_BANDS = ("band_shortest", "band_longest", "band_reason", "measured_by")  # attributes of each file
+# attributes of each file
+_BANDS = ("band_shortest", "band_longest", "band_reason", "measured_by", "stresses_of")
 _WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged", "gap_percolates_x", "gap_percolates_y")
 
 

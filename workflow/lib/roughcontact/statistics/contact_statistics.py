@@ -40,6 +40,7 @@ from roughcontact.statistics.subsurface import (
     interface_depths,
     profile_depths,
     strained_body,
+    strained_body_in_words,
     stress_columns,
     yield_stresses,
 )
@@ -236,7 +237,7 @@ def contact_statistics(
     return xr.Dataset(
         variables | parameters | material,
         coords=coordinates,
-        attrs=contact.attrs,
+        attrs=contact.attrs | ({} if body is None else {"stresses_of": strained_body_in_words(bodies or ())}),
     )
 
 

@@ -69,16 +69,28 @@ def strained_body(bodies: Bodies | None) -> Body | None:
     >>> strained_body([hard, soft])["poissons_ratio"]
     0.4
     """
-    if not bodies:
-        return None
-    return min(
-        bodies,
-        key=lambda body: (
-            min(yield_stresses(body)),
-            not body.get("layers"),
-            body.get("youngs_modulus") or np.inf,
-        ),
-    )
+    return min(bodies, key=_rank) if bodies else None
+
+
+def strained_body_in_words(bodies: Bodies) -> str:
+    """Return which of the bodies `strained_body` is, and why, in words.
+
+    Examples
+    --------
+    >>> film = {"thickness": 1e-6, "yield_stress": 6e9}
+    >>> strained_body_in_words([{"yield_stress": 7e8}, {"name": "tool", "layers": [film]}])
+    'body 1, of the lowest yield stress stated'
+    >>> strained_body_in_words([{"youngs_modulus": 3e9}, {"name": "tool", "layers": [{"thickness": 1e-6}]}])
+    'body 2 (tool), the only one with layers'
+    """
+    ranks = [_rank(body) for body in bodies]
+    place = ranks.index(min(ranks))
+    name = f" ({bodies[place]['name']})" if bodies[place].get("name") else ""
+    softer = "of the softer base" if bodies[place].get("layers") else "the softer one"
+    reasons = ("of the lowest yield stress stated", "the only one with layers", softer)
+    differing = [why for why, *both in zip(reasons, *ranks, strict=True) if len(set(both)) > 1]
+    alike = "the first of two alike" if len(bodies) > 1 else "the only elastic one"
+    return f"body {place + 1}{name}, {[*differing, alike][0]}"
 
 
 def yield_stresses(body: Body) -> list[float]:
@@ -226,6 +238,11 @@ def with_subsurface_yield(statistics: xr.Dataset, bodies: Bodies | None) -> xr.D
         return found
     each = (statistics["material_von_mises_stress"].transpose("load", ...) / limits).values.T
     return found.assign(material_first_yield_pressure=("material", [_reached(loads, one) for one in each]))
+
+
+def _rank(body: Body) -> tuple[float, bool, float]:
+    """Return what decides which of two bodies is strained: the lower one is."""
+    return min(yield_stresses(body)), not body.get("layers"), body.get("youngs_modulus") or math.inf
 
 
 def _materials(body: Body) -> list[Body]:

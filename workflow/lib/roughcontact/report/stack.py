@@ -1,0 +1,78 @@
+"""The layers of the bodies as a picture: each as long as it is thick, beside a pixel and the window."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.maps import side_lengths, spacing
+from roughcontact.quantities import number, quantity
+from roughcontact.report.charts import COLOURS, DASHED, DOTTED, GREY, INK, Axis, Chart
+from roughcontact.report.units import length_unit
+
+_ROW = 30.0  # pixels
+_LONGEST = 58  # characters that a row has room for
+
+
+class _Rows(Axis):
+    """An axis of rows, without values."""
+
+    def ticks(self, most: int = 6) -> tuple[list[float], list[float]]:
+        return [], []
+
+
+def stack_of_layers(bodies: Sequence[Mapping[str, Any]], window: xr.DataArray) -> tuple[str, str]:
+    """Return the picture (data URI) of bodies as the settings have them, and the same in words.
+
+    Examples
+    --------
+    >>> window = xr.DataArray(np.zeros((8, 8)), coords={"y": np.arange(8) * 1e-6, "x": np.arange(8) * 1e-6})
+    >>> sheet = {"thickness": 2e-3, "youngs_modulus": 3e6, "poissons_ratio": 0.5}
+    >>> stack_of_layers([{"base": "rigid", "layers": [sheet]}], window)[1].split("; ")[1:]
+    ['layer 1: 2.00 mm of 3.00 MPa, ν 0.50', 'rigid base', 'body 2: rigid', 'pixel 1.00 µm', 'window 8.00 µm']
+    """
+    rows: list[tuple[str, float, str]] = []  # text, thickness, colour
+    for place, body in enumerate(bodies, start=1):
+        layers = body.get("layers") or []
+        name = f"body {place} ({body['name']})" if body.get("name") else f"body {place}"
+        rows += [(f"{name}, from its surface inwards", 0.0, GREY)] * bool(layers)
+        for at, layer in enumerate(layers):
+            text = f"layer {at + 1}: {quantity(layer['thickness'], 'm')} of {_material(layer)}"
+            rows.append((text, layer["thickness"], COLOURS[at % len(COLOURS)]))
+        if body.get("base") == "rigid":
+            rows.append(("rigid base", math.inf, INK))
+        else:
+            rows.append((f"{'elastic base' if layers else name}: {_material(body)}", math.inf, GREY))
+    if len(bodies) == 1:
+        rows.append(("body 2: rigid", math.inf, INK))
+    steps = [step for step, points in zip(spacing(window), window.shape, strict=True) if points > 1]
+    marks = {"pixel": math.prod(steps) ** (1 / len(steps)), "window": max(side_lengths(window))}
+    known = [*marks.values(), *(thickness for _, thickness, _ in rows if 0 < thickness < math.inf)]
+    unit = length_unit(marks["window"])
+    low, high = min(known) * unit.factor / 3, max(known) * unit.factor * 3
+    chart = Chart(
+        Axis(f"thickness ({unit.shown}), logarithmic", low, high, log=True),
+        _Rows("", len(rows), 0.0),
+        size=(430.0, 58 + _ROW * len(rows)),
+        margins=(12.0, 8.0, 12.0, 50.0),
+        grid=False,
+    )
+    for row, (_, thickness, colour) in enumerate(rows):
+        end, faces = min(thickness * unit.factor, high), row + np.array([0.6, 0.95])
+        if end:
+            chart.shade(np.array([low, end]), *np.repeat(faces[:, None], 2, axis=1), colour=colour)
+            chart.line(np.full(2, end), faces, colour=colour, width=3, read=False)
+    words = [text for text, *_ in rows]
+    for (name, length), dash in zip(marks.items(), (DOTTED, DASHED), strict=True):
+        words.append(f"{name} {quantity(length, 'm')}")
+        chart.across(x=length * unit.factor, label=words[-1], dash=dash)
+    for row, (text, *_) in enumerate(rows):
+        short = text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
+        chart.write(4.0, _ROW * (row + 0.45), short)
+    return chart.source("below", columns=2), "; ".join(words)
+
+
+def _material(of: Mapping[str, Any]) -> str:
+    return f"{quantity(of['youngs_modulus'], 'Pa')}, ν {number(of['poissons_ratio'], digits=2)}"
