@@ -10,6 +10,7 @@ number by more than a tenth, which is the last of two digits. To draw takes Chro
 
 import html
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -78,7 +79,8 @@ def main(report: str, *words: str) -> None:
     page_text = excerpt(Path(report).read_text(encoding="utf-8"))
     if words == ("--check",):
         found = difference(Image.open(picture).text.get(WORDS, ""), words_of(page_text))
-        sys.exit(f"{picture} is of another page ({found}): python {__file__} {report}" if found else 0)
+        again = shlex.join([sys.executable, __file__, str(Path(report).resolve())])
+        sys.exit(f"{picture} is of another page ({found}); draw it again: {again}" if found else 0)
     picture = Path(*words) if words else picture
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "excerpt.html"

@@ -3,6 +3,7 @@
 import csv
 import importlib
 import re
+import shlex
 import sys
 import tomllib
 from pathlib import Path
@@ -82,6 +83,21 @@ def test_a_picture_of_the_report_is_told_from_one_of_another_page(monkeypatch):
         assert pictures.difference(shown, other), other
     committed = Image.open(ROOT / "docs/images/report.png").text[pictures.WORDS]
     assert committed.startswith("At a glance")  # `.ci/run` holds it against the page of the samples
+
+
+def test_a_picture_of_another_page_ends_in_the_command_that_draws_it(monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(ROOT / "docs/images")
+    pictures = importlib.import_module("make_pictures")
+    report = tmp_path / "a page.html"
+    surface = (
+        '<section class="surface" id="surface-sandblasted"><h2>s</h2><h3>Pressure and gap</h3></section>'
+    )
+    report.write_text(f'<body><section id="glance">other words</section>{surface}', encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as ended:
+        pictures.main(report.name, "--check")
+    command = shlex.split(str(ended.value).partition("; draw it again: ")[2])
+    assert command == [sys.executable, str(ROOT / "docs/images/make_pictures.py"), str(report)]
 
 
 def test_every_setting_has_a_row(generated):

@@ -1,9 +1,14 @@
 """The limits of the checks: what lies at a limit passes, what lies just beyond asks for a look or fails."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
 
+import roughcontact as rc
+from roughcontact import materials
+from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.statistics import checks, contact_checks, map_checks
 from roughcontact.statistics.outcome import FAILED, LOOK, NOTE, PASSED
 
@@ -11,6 +16,25 @@ from roughcontact.statistics.outcome import FAILED, LOOK, NOTE, PASSED
 def per_load(**columns):
     """Return a dataset of columns along the loads."""
     return xr.Dataset({name: ("load", np.atleast_1d(values)) for name, values in columns.items()})
+
+
+@pytest.mark.parametrize("found", [{}, {"target_area": 0.01}])
+def test_the_unit_of_a_load_that_nobody_stated_is_not_doubted(found):
+    smooth = rough_reference_surface(64) * 1e-6
+    contact = {"contact_modulus": "1 GPa"}
+    solved = rc.evaluate(smooth, contact=contact | found, uncertainty={"sources": []})
+    loads = solved["mean_pressure"].values
+    stated = rc.evaluate(smooth, contact=contact | {"relative_pressure": 0.005}, uncertainty={"sources": []})
+    assert contact_checks.units(stated).outcome == LOOK
+    assert loads.min() < materials.LEAST_LOAD
+    for statistics in (solved, solved.isel(load=[0])):
+        check = contact_checks.units(statistics)
+        assert (check.outcome, check.sentence) == (
+            PASSED,
+            "A contact modulus of 1.00 GPa is that of real materials; no load is stated.",
+        )
+    assert "Units" not in {reason["check"] for reason in json.loads(solved.attrs["reasons"])}
+    assert "Units" in {reason["check"] for reason in json.loads(stated.attrs["reasons"])}
 
 
 @pytest.mark.parametrize(("counted", "outcome"), [(100, PASSED), (99, LOOK)])

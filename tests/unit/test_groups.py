@@ -317,6 +317,24 @@ def test_paired_maps_are_compared_map_by_map():
         rc.compare_groups(first, group_of(gaps), paired=True)
 
 
+def test_groups_under_two_cases_are_compared_at_the_loads_that_they_share():
+    def under(loads, factor=1.0, **known):
+        maps = [one_map(np.full(len(loads), gap * factor), load=loads, **known) for gap in (1.0, 2.0, 4.0)]
+        return rc.group_statistics(maps, group="g")
+
+    groups = {"first": under((1e6, 2e6)), "apart": under((4.95e3, 9.9e3)), "again": under((2e6, 5e6), 3.0)}
+    groups["stiffer"] = under((2e6, 4e6), modulus=2e9)  # the same loads, relative to the modulus
+    found, left_out = compare_all(groups, cases=[("first", name) for name in ("apart", "again", "stiffer")])
+    assert [(*pair, one["mean_pressure"].values.tolist()) for pair, one in found.items()] == [
+        ("first", "again", [2e6]),
+        ("first", "stiffer", [1e6, 2e6]),
+    ]
+    assert found["first", "again"]["ratio"].item() == pytest.approx(3.0)
+    (said,) = left_out
+    assert "no load in common" in said
+    assert "begins at 1" in said
+
+
 def test_groups_of_the_same_places_are_compared_place_by_place():
     gaps, factors = np.array([1.0, 2.0, 4.0]), [1.1, 1.11, 1.09]
     groups = {

@@ -86,8 +86,7 @@ def assemble(folder, runs, title="Trial", **more):
         panels=list(panels),
         statistics=folder / "statistics.nc",
         title=title,
-        settings=SETTINGS,
-        **more,
+        **{"settings": SETTINGS} | more,
     )
     return page
 
@@ -1224,7 +1223,7 @@ def test_cases_are_compared_with_their_difference():
     second = first * 2
     ends = {"lower": 4e-6 / np.exp(0.04), "upper": 4e-6 * np.exp(0.04)}
     second = second.assign({f"mean_gap_{end}": ("load", [value, np.nan]) for end, value in ends.items()})
-    areas, *_, gaps = case_table({"one": first, "two": second})["groups"]
+    areas, *_, gaps = case_table({"one": first, "two": second}, alike=True)["groups"]
     assert areas["rows"][1] == ["2.00 MPa / 4.00 MPa", "20.0 %", "40.0 %", "100 %"]
     # independent where nothing is known of what both share: 2 e^(± hypot(0.03, 0.04)) = 1.902 to 2.103
     assert gaps["rows"][0][1:] == ["(2.000 ± 0.061) µm", "(4.00 ± 0.16) µm", "(100 ± 10) %"]
@@ -1266,6 +1265,65 @@ def test_loads_of_cases_are_named_by_what_they_have_in_common():
             row = table["groups"][0]["rows"][0]
             assert row[0] == shown
             assert row[-1] in ("0 %", "0 % (0 to 0)")
+
+
+def test_cases_are_compared_at_the_loads_that_they_share_and_at_no_others():
+    def case(*loads, modulus=1e9):
+        ones = {
+            n: ("load", np.ones(len(loads))) for n in ("mean_contact_pressure", "max_pressure", "mean_gap")
+        }
+        known = {
+            "mean_pressure": ("load", list(loads)),
+            "relative_contact_area": ("load", np.array(loads) * 1e-8),
+        }
+        relative = {"relative_pressure": ("load", np.array(loads) / modulus)}
+        return xr.Dataset({**ones, **known, **relative})
+
+    first = case(1e6, 2e6, 5e6)
+    both = {"one": first, "two": case(2e6, 3e6, 5e6)}
+    for table in (case_table(both), case_table(both, alike=False), case_medians([both])):
+        areas = [[row[0], row[1][:4], row[-1][:3]] for row in table["groups"][0]["rows"]]
+        assert areas == [["2.00 MPa", "2.00", "0 %"], ["5.00 MPa", "5.00", "0 %"]]
+        assert "apart" not in table
+    # 5 MPa is a load of both, but all three are the same ones relative to E* g
+    stiffer = case_table({"one": first, "two": case(5e6, 1e7, 2.5e7, modulus=5e9)})
+    assert len(stiffer["groups"][0]["rows"]) == 3
+    apart = {"one": first, "two": case(4.95e3, 9.9e3, 2e4)}
+    said = (
+        "The cases have no load in common (one: 1.00 MPa to 5.00 MPa; two: 4.95 kPa to 20.0 kPa), so that "
+        "their numbers cannot be compared: give them the same contact.mean_pressure, relative_pressure or "
+        "target."
+    )
+    for table in (case_table(apart), case_medians([apart])):
+        assert (table["groups"], table["apart"]) == ([], said)
+
+
+def test_the_page_says_that_cases_share_no_load(tmp_path):
+    runs = [
+        run_surface(tmp_path, "one", rough(shape=(24, 24)), case=case, loads=loads)
+        for case, loads in (("soft", [1e6, 2e6]), ("hard", [4e6, 5e6]))
+    ]
+    stated = {"soft": {"contact": {"contact_modulus": 2e9, "mean_pressure": [1e6, 2e6]}}}
+    stated |= {"hard": {"contact": {"contact_modulus": 2e9, "mean_pressure": [4e6, 5e6]}}}
+    text = assemble(tmp_path, runs, settings=stated).read_text(encoding="utf-8")
+    part = text.partition('<section id="cases">')[2].partition("</section>")[0]
+    assert "no load in common (soft: 1.00 MPa to 2.00 MPa; hard: 4.00 MPa to 5.00 MPa)" in part
+    assert "<table" not in part
+    same = assemble(tmp_path, runs).read_text(encoding="utf-8")  # a target may take other loads
+    assert "1.00 MPa / 4.00 MPa" in same.partition('<section id="cases">')[2]
+
+
+@pytest.mark.parametrize("surfaces", [1, 12])
+def test_a_file_that_fails_under_several_cases_is_listed_once(tmp_path, surfaces):
+    runs = [
+        run_surface(tmp_path, f"s-{seed}", rough(1, shape=(24, 24)), case="soft") for seed in range(surfaces)
+    ]
+    failures = [{"surface": "bad", "case": case, "reason": "bad.txt: empty"} for case in ("soft", "hard")]
+    failures.append({"surface": "bad", "case": "rough", "reason": "another"})
+    text = assemble(tmp_path, runs, failures=failures).read_text(encoding="utf-8")
+    assert "3 without results" in text
+    assert text.count("bad.txt: empty") == text.count("soft, hard<") == 1
+    assert text.count('<tr class="failure"') == 2
 
 
 def test_medians_of_many_surfaces_and_where_most_of_them_lie():

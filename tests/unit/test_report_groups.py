@@ -47,6 +47,13 @@ def test_a_group_has_its_interval_the_next_map_and_a_scatter_without_plus_minus(
     assert cells["conductance"] == Cell("–")
 
 
+def test_a_group_says_the_verdicts_of_its_maps():
+    group = named("lapped", (0.9, 1.0, 1.1))
+    verdicts = {("1", None): "review", ("2", None): "use", ("3", None): "use", ("1", "soft"): "do not use"}
+    assert group_rows([group], verdicts)[0]["of"] == "3 maps (use 2, review 1)"
+    assert group_rows([group._replace(case="soft")], verdicts)[0]["of"] == "3 maps (do not use 1)"
+
+
 def test_two_maps_are_a_range_and_parts_have_a_scatter_of_their_own():
     two, nested = group_rows(
         [named("two", (1.0, 1.2)), named("nested", (1.0, 1.1, 1.2, 1.3, 0.9, 0.8), parts=list("aabbcc"))]

@@ -227,5 +227,7 @@ def complete_statistics(
     known: dict[str, Any] = {f"instrument_{key}": value for key, value in stated if isinstance(value, float)}
     # what a group of maps has to have in common
     known |= {key: window.attrs[key] for key in _BAND if key in window.attrs}
+    if all(settings["contact"].get(key) is None for key in ("mean_pressure", "relative_pressure")):
+        known["loads"] = "found"  # planned, or for a target
     known["measured_by"] = instrument_kind(window.attrs).name
     return with_verdicts(complete.assign_attrs(known), window)

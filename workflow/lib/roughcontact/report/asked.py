@@ -33,6 +33,17 @@ def asked_in_words(
     ]
 
 
+def asked_alike(settings: Mapping[str, Any]) -> bool:
+    """Return whether all cases ask for the same loads, or the same that loads bring about.
+
+    Examples
+    --------
+    >>> asked_alike({"soft": {"contact": {"mean_pressure": 1e5}}, "hard": {"contact": {"target_area": 0.1}}})
+    False
+    """
+    return len({_loads(contact) for _, contact in _contacts(settings)}) < 2
+
+
 def planned_in_words(settings: Mapping[str, Any], lightest: Mapping[tuple[str, str], float]) -> str:
     """Return what it means that planned loads are as light as a sheet, nothing where none is.
 

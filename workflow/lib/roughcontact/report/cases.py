@@ -8,7 +8,7 @@ import xarray as xr
 
 from roughcontact.quantities import Unit, number, with_interval
 from roughcontact.report.units import middle_of, unit_of
-from roughcontact.uncertainty.differences import case_differences
+from roughcontact.uncertainty.differences import case_differences, shared_loads
 
 # quantity, its name, its unit (a share is given in percent)
 _COMPARED = (
@@ -26,31 +26,38 @@ Group = dict[str, Any]
 Ways = tuple[float, float]  # half-widths of an interval, down and up
 
 
-def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
+def case_table(cases: Mapping[str, xr.Dataset], *, alike: bool = False) -> dict[str, Any] | None:
     """Return the numbers of one surface under several cases, with their differences from the first.
 
-    `cases` maps names to statistics of the surface, loads rising. Loads are compared in order, first with
-    first. The ± of a difference leaves out what both cases share (`case_differences`).
+    `cases` maps names to statistics of the surface, loads rising. Loads are compared in order where all cases
+    ask for the same ones (`alike`), and are as many; else those that all share (`shared_loads`). The ± of a
+    difference leaves out what both cases share (`case_differences`).
 
     Returns
     -------
     dict or None
         `cases`, their names; `differences`, those of the columns beside them; `groups`, for each quantity its
         `title` and `rows` of cells: mean pressure (in E* g, or that of each case, where the cases differ in
-        it), the value under each, the difference of each other one in percent. None for a single case.
+        it), the value under each, the difference of each other one in percent; `apart`, a sentence instead,
+        where they share no load. None for a single case.
 
     Examples
     --------
     >>> one = xr.Dataset({name: ("load", [0.1]) for name, _, _ in _COMPARED}).assign(
     ...     mean_pressure=("load", [1e6])
     ... )
-    >>> table = case_table({"soft": one, "hard": one * 2})
+    >>> table = case_table({"soft": one, "hard": one * 2}, alike=True)
     >>> table["groups"][0]["rows"]
     [['1.00 MPa / 2.00 MPa', '10.0 %', '20.0 %', '100 %']]
+    >>> case_table({"soft": one, "hard": one * 2})["apart"][:55]
+    'The cases have no load in common (soft: 1.00 MPa; hard:'
     """
     if len(cases) < 2:
         return None
-    loads, first = min(data.sizes["load"] for data in cases.values()), next(iter(cases.values()))
+    apart, cases = _apart(cases), _at_shared_loads(cases, alike=alike)
+    first = next(iter(cases.values()))
+    if not (loads := first.sizes["load"]):
+        return _table(list(cases), []) | {"apart": apart}
     names_of_loads = [_load([[data] for data in cases.values()], load) for load in range(loads)]
     changes = [case_differences(first, other) for other in list(cases.values())[1:]]
     groups = []
@@ -73,7 +80,9 @@ def case_table(cases: Mapping[str, xr.Dataset]) -> dict[str, Any] | None:
     return _table(list(cases), groups)
 
 
-def case_medians(surfaces: Sequence[Mapping[str, xr.Dataset]]) -> dict[str, Any] | None:
+def case_medians(
+    surfaces: Sequence[Mapping[str, xr.Dataset]], *, alike: bool = False
+) -> dict[str, Any] | None:
     """Return medians over many surfaces under each case, and those of the differences from the first case.
 
     Each of `surfaces` maps names of cases to statistics, loads rising; those that lack a case are left out.
@@ -85,6 +94,11 @@ def case_medians(surfaces: Sequence[Mapping[str, xr.Dataset]]) -> dict[str, Any]
     complete = [surface for surface in surfaces if len(surface) == len(names)]
     if len(names) < 2 or not complete:
         return None
+    apart = _apart(complete[0])
+    complete = [_at_shared_loads(surface, alike=alike) for surface in complete]
+    complete = [surface for surface in complete if surface[names[0]].sizes["load"]]
+    if not complete:
+        return _table(names, []) | {"apart": apart}
     loads = min(data.sizes["load"] for surface in complete for data in surface.values())
     by_case = [[surface[name] for surface in complete] for name in names]
     names_of_loads = [_load(by_case, load) for load in range(loads)]
@@ -123,6 +137,26 @@ def _table(names: list[str], groups: list[Group]) -> dict[str, Any]:
         "differences": [f"{name} against {names[0]}" for name in names[1:]],
         "groups": groups,
     }
+
+
+def _at_shared_loads(cases: Mapping[str, xr.Dataset], *, alike: bool) -> dict[str, xr.Dataset]:
+    """Return the cases at the loads that are compared."""
+    if alike and len({data.sizes["load"] for data in cases.values()}) == 1:
+        return dict(cases)
+    places = shared_loads(list(cases.values()))
+    return {name: data.isel(load=own) for (name, data), own in zip(cases.items(), places, strict=True)}
+
+
+def _apart(cases: Mapping[str, xr.Dataset]) -> str:
+    """Return what is said of cases that share no load."""
+    spans = []
+    for name, data in cases.items():
+        ends = (unit_of(data, "Pa").text(float(data["mean_pressure"][end])) for end in (0, -1))
+        spans.append(f"{name}: {' to '.join(dict.fromkeys(ends))}")
+    return (
+        f"The cases have no load in common ({'; '.join(spans)}), so that their numbers cannot be compared: "
+        "give them the same contact.mean_pressure, relative_pressure or target."
+    )
 
 
 def _load(cases: Sequence[Sequence[xr.Dataset]], load: int) -> str:

@@ -12,6 +12,7 @@ from roughcontact.report.glance import Cell, glance_units, interval_cell, shown_
 from roughcontact.report.load_plots import group_curves, group_values
 from roughcontact.report.tables import TITLES
 from roughcontact.report.units import unit_of
+from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.uncertainty.group_tables import NamedGroup
 from roughcontact.uncertainty.groups import is_range
 
@@ -32,8 +33,13 @@ _COMPARED = (_AREA, "mean_contact_pressure", "mean_gap", "max_pressure")
 Row = dict[str, Any]
 
 
-def group_rows(groups: Sequence[NamedGroup]) -> list[Row]:
-    """Return for each group its `name`, what it is `of`, its `remarks`, and `rows` of cells by `HEADINGS`."""
+def group_rows(
+    groups: Sequence[NamedGroup], verdicts: Mapping[tuple[str, str | None], str] | None = None
+) -> list[Row]:
+    """Return for each group its `name`, what it is `of`, its `remarks`, and `rows` of cells by `HEADINGS`.
+
+    `verdicts` are those of the maps, by name and case, in words.
+    """
     if not groups:
         return []
     units = glance_units([group.answer for group in groups])
@@ -44,7 +50,7 @@ def group_rows(groups: Sequence[NamedGroup]) -> list[Row]:
         rows.append(
             {
                 "name": group.label,
-                "of": _composition(group),
+                "of": _composition(group) + _verdicts(group, verdicts or {}),
                 "remarks": json.loads(answer.attrs["remarks"]),
                 "rows": [_cells(answer, of_group, place) for place in places],
             }
@@ -105,6 +111,14 @@ def _composition(group: NamedGroup) -> str:
         return several(maps, "placement") + " of two faces"
     parts = len(set(group.answer["part"].values))
     return several(maps, "map") if parts == maps else f"{several(maps, 'map')} of {several(parts, 'part')}"
+
+
+def _verdicts(group: NamedGroup, verdicts: Mapping[tuple[str, str | None], str]) -> str:
+    """Return how many maps of a group have each verdict."""
+    of_maps = [verdicts.get((str(name), group.case)) for name in group.answer["map"].values]
+    counts = {word: of_maps.count(word) for word in VERDICTS.values()}
+    words = ", ".join(f"{word} {count}" for word, count in counts.items() if count)
+    return f" ({words})" if words else ""
 
 
 def _cells(answer: xr.Dataset, units: Mapping[str, Unit], place: int) -> list[Cell]:

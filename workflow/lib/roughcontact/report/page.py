@@ -13,7 +13,7 @@ import xarray as xr
 from roughcontact import __version__
 from roughcontact.quantities import Unit, number
 from roughcontact.report import ONE_PAGE
-from roughcontact.report.asked import asked_in_words, measured_in_words, planned_in_words
+from roughcontact.report.asked import asked_alike, asked_in_words, measured_in_words, planned_in_words
 from roughcontact.report.captions import comparison_caption
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
@@ -122,12 +122,19 @@ def write_report(
         }
         for summary in summaries
     ]
-    named = [{**failure, "name": _name(failure["surface"], failure["case"])} for failure in failures]
+    causes: dict[tuple[str, str], list[str | None]] = {}
+    for failure in failures:
+        causes.setdefault((failure["surface"], failure["reason"]), []).append(failure["case"])
+    named = [
+        {"surface": name, "reason": reason, "cases": cases, "name": _name(name, _listed(cases))}
+        for (name, reason), cases in causes.items()
+    ]
     head = {"title": title, "asked_of_run": asked_in_words(settings, changed), "version": __version__}
+    alike = asked_alike(settings)
     if many:
         shown_in = folder / "pages"
         pages = Path(path).parent / "pages"
-        _write_pages(pages, rows, panels, by_surface, named, head=head, folder=shown_in)
+        _write_pages(pages, rows, panels, by_surface, named, alike=alike, head=head, folder=shown_in)
     html = template("report.html").render(
         rows=rows,
         headings=_HEADINGS,
@@ -147,10 +154,12 @@ def write_report(
         ),
         which_load=_which_load(list(places.values()), list(known.values())),
         comparisons=_comparisons(series, many=many),
-        cases=_cases(by_surface, many=many),
+        cases=_cases(by_surface, many=many, alike=alike),
         parts=[] if many else [_part(panel, folder) for panel in panels],
         failures=named,
-        groups=group_rows(groups),
+        groups=group_rows(
+            groups, {(row["surface"], row["case"]): checks.VERDICTS[row["verdict"]] for row in rows}
+        ),
         group_headings=GROUP_HEADINGS,
         group_pictures=group_pictures(groups) if groups else [],
         left_out=left_out,
@@ -171,10 +180,14 @@ def _write_pages(
     by_surface: Mapping[str, Mapping[str, xr.Dataset]],
     failures: Sequence[Mapping[str, Any]],
     *,
+    alike: bool,
     head: Mapping[str, Any],
     folder: Path,
 ) -> None:
-    """Write the page of each surface, with all its cases and the same `head`; `folder` is their place."""
+    """Write the page of each surface, with all its cases and the same `head`; `folder` is their place.
+
+    `alike` is as of `case_table`.
+    """
     names = list(dict.fromkeys(summary["surface"] for summary in summaries))
     for place, name in enumerate(names):
         own = [index for index, summary in enumerate(summaries) if summary["surface"] == name]
@@ -184,7 +197,7 @@ def _write_pages(
             name=name,
             before=names[place - 1] if place else None,
             after=names[place + 1] if place + 1 < len(names) else None,
-            cases=case_table(by_surface[name]),
+            cases=case_table(by_surface[name], alike=alike),
             rows=[summaries[index] for index in own],
             asked=HEADINGS,
             words=checks.VERDICTS,
@@ -276,13 +289,13 @@ def _comparisons(series: Mapping[tuple[str, str | None], xr.Dataset], *, many: b
 
 
 def _cases(
-    by_surface: Mapping[str, Mapping[str, xr.Dataset]], *, many: bool
+    by_surface: Mapping[str, Mapping[str, xr.Dataset]], *, many: bool, alike: bool
 ) -> list[tuple[str, dict[str, Any]]]:
     """Return (title, table) of the cases side by side: of each surface, or of all where there are many."""
     if many:
-        medians = case_medians(list(by_surface.values()))
+        medians = case_medians(list(by_surface.values()), alike=alike)
         return [("", medians)] if medians else []
-    tables = [(name, case_table(cases)) for name, cases in by_surface.items()]
+    tables = [(name, case_table(cases, alike=alike)) for name, cases in by_surface.items()]
     return [(name, table) for name, table in tables if table]
 
 
@@ -313,6 +326,11 @@ def _series(statistics: xr.Dataset) -> dict[tuple[str, str | None], xr.Dataset]:
 def _name(surface: str, case: str | None) -> str:
     """Return the name of a surface, under a case, on the page."""
     return str(surface) if case is None else f"{surface} · {case}"
+
+
+def _listed(cases: Sequence[str | None]) -> str | None:
+    """Return the names of some cases; None in a run without cases."""
+    return ", ".join(case for case in cases if case is not None) or None
 
 
 def _compared(data: xr.Dataset, units: Mapping[str, Unit], place: int) -> list[dict[str, Any]]:

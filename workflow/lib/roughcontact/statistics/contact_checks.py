@@ -289,7 +289,8 @@ def layers(statistics: xr.Dataset, points: int) -> list[Check]:
 def units(statistics: xr.Dataset) -> Check:
     """Check that modulus and loads are those of real materials: else a unit is likely to be wrong.
 
-    A contact modulus of 1 stands for a problem in units of its own, which cannot be checked.
+    A contact modulus of 1 stands for a problem in units of its own, which cannot be checked. Loads that
+    nobody stated, planned or found for a target, have no unit to be wrong: the attribute `loads` says so.
 
     Examples
     --------
@@ -306,6 +307,9 @@ def units(statistics: xr.Dataset) -> Check:
         return Check("Units", NOT_MADE, text)
     if doubt := materials.doubt_of_modulus(modulus):
         return Check("Units", LOOK, f"Contact modulus: {doubt.question().rstrip('.')}")
+    if statistics.attrs.get("loads") == "found":
+        text = f"A contact modulus of {quantity(modulus, 'Pa')} is that of real materials; no load is stated."
+        return Check("Units", PASSED, text)
     doubts = [doubt for load in loads if (doubt := materials.doubt_of_load(float(load), modulus))]
     if doubts:
         text = f"At {len(doubts)} of {loads.size} loads the mean pressure is implausible: "

@@ -24,6 +24,7 @@ from roughcontact.uncertainty.answers import quantities_in
 from roughcontact.uncertainty.combination import SOURCES
 from roughcontact.uncertainty.groups import (
     HEIGHTS,
+    SAME_LOAD,
     SHARED,
     at_loads,
     common_loads,
@@ -61,7 +62,7 @@ def compare_groups(
         relative difference that matters: smaller ones need not be found.
     paired : bool
         whether both are of the same maps, by name, under two cases (or of the same places, measured twice):
-        they are then compared map by map, and as many loads in order, first with first.
+        they are then compared map by map, at the loads that `shared_loads` finds, if any.
 
     Returns
     -------
@@ -138,6 +139,35 @@ def compare_all(
         except SettingsError as error:
             left_out.append(str(error))
     return dict(zip(found, _judged(list(found.values()), relevant), strict=True)), left_out
+
+
+def shared_loads(datasets: Sequence[xr.Dataset]) -> list[np.ndarray]:
+    """Return the places of the loads that all datasets share, for each of them, in the order of the first.
+
+    Loads are the same by mean pressure, or by pressure relative to E* g (to E*, where g is not known), by
+    whichever more of them are.
+
+    Examples
+    --------
+    >>> steel, rubber = (xr.Dataset({"mean_pressure": ("load", loads)}) for loads in ([1.0, 2.0], [2.0, 4.0]))
+    >>> [places.tolist() for places in shared_loads([steel, rubber])]
+    [[1], [0]]
+    >>> moduli = {"contact_modulus": 10.0}, {"contact_modulus": 20.0}
+    >>> both = [data.assign(known) for data, known in zip((steel, rubber), moduli)]
+    >>> [places.tolist() for places in shared_loads(both)]
+    [[0, 1], [0, 1]]
+    """
+    in_pascal = [data["mean_pressure"] for data in datasets]
+    relative = [
+        data.get("relative_pressure", load / data.get("contact_modulus", np.nan))
+        for data, load in zip(datasets, in_pascal, strict=True)
+    ]
+    found = []
+    for loads in (in_pascal, relative):
+        same = [np.isclose(loads[0].values[:, None], other.values, rtol=SAME_LOAD, atol=0) for other in loads]
+        shared = np.all([each.any(axis=1) for each in same], axis=0)
+        found.append([each[shared].argmax(axis=1) for each in same])
+    return max(found, key=lambda places: places[0].size)
 
 
 def case_differences(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
@@ -263,7 +293,9 @@ def _compared(first: xr.Dataset, second: xr.Dataset, *, paired: bool) -> _Compar
         )
     if paired:
         second = second.sel(map=first["map"].values)
-        if second.sizes["load"] == first.sizes["load"]:  # as cases are: first with first
+        same = shared_loads([first, second])
+        if same[0].size:
+            first, second = first.isel(load=same[0]), second.isel(load=same[1])
             second = second.assign_coords(mean_pressure=first["mean_pressure"])
     groups = first, second
     loads = common_loads(" and ".join(words), words, groups)

@@ -41,7 +41,7 @@ SHARED = ("discretisation", "processing", "instrument", "material", "unresolved"
 SHARED_BY_PLACEMENTS = (*SHARED, "window")
 HEIGHTS = ANSWERS[1:]  # narrowest places: evaluated on their own scale
 FEW = 3  # parts, or maps, below which there is a range instead of an interval
-_SAME_LOAD = 1e-6  # relative
+SAME_LOAD = 1e-6  # relative
 _GRID = "the grid"  # `band_reason` where no setting limits the band
 # largest ratio of the limits of the bands of two maps: a tenth at the short end changes the area by 2 % (at a
 # Hurst exponent of 0.8); the long end matters to the gap alone, and windows differ in size
@@ -358,7 +358,7 @@ def at_loads(own: np.ndarray, loads: np.ndarray, values: np.ndarray) -> np.ndarr
     array([2., 3.])
     """
     places = np.abs(own[None, :] - loads[:, None]).argmin(axis=1)
-    if np.allclose(own[places], loads, rtol=_SAME_LOAD, atol=0.0):
+    if np.allclose(own[places], loads, rtol=SAME_LOAD, atol=0.0):
         return values[places]
     finite = np.isfinite(values)
     within = np.clip(np.log(loads), *np.log(own[[0, -1]]))  # up to rounding
@@ -372,7 +372,7 @@ def common_loads(words: str, names: Sequence[str], datasets: Sequence[xr.Dataset
     """Return the loads (Pa, rising) at which all maps are known, some of them by interpolation."""
     own = [np.sort(one["mean_pressure"].values.astype(float)) for one in datasets]
     low, high = max(each[0] for each in own), min(each[-1] for each in own)
-    if low > high * (1 + _SAME_LOAD):
+    if low > high * (1 + SAME_LOAD):
         first, last = (
             names[[each[place] for each in own].index(end)] for place, end in ((0, low), (-1, high))
         )
@@ -382,8 +382,8 @@ def common_loads(words: str, names: Sequence[str], datasets: Sequence[xr.Dataset
             "at more loads"
         )
     every = np.sort(np.concatenate(own))
-    every = every[(every >= low * (1 - _SAME_LOAD)) & (every <= high * (1 + _SAME_LOAD))]
-    distinct = every[np.r_[True, np.diff(every) > _SAME_LOAD * every[:-1]]]
+    every = every[(every >= low * (1 - SAME_LOAD)) & (every <= high * (1 + SAME_LOAD))]
+    distinct = every[np.r_[True, np.diff(every) > SAME_LOAD * every[:-1]]]
     most = max(each.size for each in own)
     if distinct.size <= most:
         return distinct
@@ -394,7 +394,7 @@ def _check_alike(words: str, names: Sequence[str], datasets: Sequence[xr.Dataset
     """Reject maps that do not answer the same question, in one sentence."""
     moduli = [float(one.get("contact_modulus", np.nan)) for one in datasets]
     for name, modulus in zip(names, moduli, strict=True):
-        if abs(modulus - moduli[0]) > _SAME_LOAD * moduli[0]:
+        if abs(modulus - moduli[0]) > SAME_LOAD * moduli[0]:
             raise SettingsError(
                 f"{words}: {names[0]} was solved with E* = {quantity(moduli[0], 'Pa')} and {name} with "
                 f"{quantity(modulus, 'Pa')}; solve them with the same bodies, or put them into two groups"
@@ -449,7 +449,7 @@ def _remarks(
     if len(set(parts)) == 1 < len(names):
         said.append(f"All maps are of the part {parts[0]}: the interval says nothing of other parts.")
     own = [one["mean_pressure"].values for one in datasets]
-    if any(each.size != loads.size or not np.allclose(np.sort(each), loads, rtol=_SAME_LOAD) for each in own):
+    if any(each.size != loads.size or not np.allclose(np.sort(each), loads, rtol=SAME_LOAD) for each in own):
         said.append(
             f"The maps were solved at different loads: they are compared from {quantity(loads[0], 'Pa')} to "
             f"{quantity(loads[-1], 'Pa')}, which all of them reach, and interpolated there."
