@@ -206,7 +206,7 @@ def test_a_map_that_stands_off_is_named_and_stays():
         ({"modulus": 2e9}, "group g: a was solved with E* = 1.00 GPa and b with 2.00 GPa"),
         (
             {"load": [3e6]},
-            "group g: its maps have no load in common, b begins at 3.0000 MPa and a ends at 1.0000 MPa",
+            "group g: no load in common, b begins at 3.0000 MPa and a ends at 1.0000 MPa",
         ),
         ({"band_shortest": 3e-6}, "the shortest of a is 1.00 µm, that of b 3.00 µm; state one band for all"),
         (
@@ -331,8 +331,7 @@ def test_groups_under_two_cases_are_compared_at_the_loads_that_they_share():
     ]
     assert found["first", "again"]["ratio"].item() == pytest.approx(3.0)
     (said,) = left_out
-    assert "no load in common" in said
-    assert "begins at 1" in said
+    assert said.startswith("first and apart: no load in common, first begins at 1")
 
 
 def test_groups_of_the_same_places_are_compared_place_by_place():

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import Unit, number, with_interval
+from roughcontact.quantities import Unit, number, quantity, with_interval
 from roughcontact.report.units import middle_of, unit_of
 from roughcontact.uncertainty.differences import case_differences, shared_loads
 
@@ -151,7 +151,7 @@ def _apart(cases: Mapping[str, xr.Dataset]) -> str:
     """Return what is said of cases that share no load."""
     spans = []
     for name, data in cases.items():
-        ends = (unit_of(data, "Pa").text(float(data["mean_pressure"][end])) for end in (0, -1))
+        ends = (quantity(float(data["mean_pressure"][end]), "Pa") for end in (0, -1))
         spans.append(f"{name}: {' to '.join(dict.fromkeys(ends))}")
     return (
         f"The cases have no load in common ({'; '.join(spans)}), so that their numbers cannot be compared: "

@@ -129,7 +129,7 @@ def compare_all(
     found, left_out = {}, []
     again = {other: name for name, other in (repeats or {}).items()} | {**(repeats or {})}
     for pair in cases or combinations(groups, 2):
-        one, two = (groups[name] for name in pair)
+        one, two = (groups[name].assign_attrs(group=name) for name in pair)
         before = [again.get(name, "") for name in two["map"].values]
         paired = bool(cases) or sorted(before) == sorted(one["map"].values)
         try:
