@@ -1313,6 +1313,21 @@ def test_the_page_says_that_cases_share_no_load(tmp_path):
     assert "1.00 MPa / 4.00 MPa" in same.partition('<section id="cases">')[2]
 
 
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+def test_loads_have_a_row_of_their_own_on_a_phone(tmp_path):
+    runs = [run_surface(tmp_path, "one", rough(shape=(24, 24)), case=case) for case in ("soft", "hard")]
+    text = assemble(tmp_path, runs).read_text(encoding="utf-8")
+    probe = """<script>addEventListener("load", () => {
+      const inside = document.querySelector("iframe").contentDocument;
+      const width = part => inside.querySelector(part).getBoundingClientRect().width;
+      const said = [[".cases td", ".cases tr"], [".loads input", ".loads"]].map(([a, b]) => width(a) / width(b));
+      document.body.setAttribute("data-said", encodeURIComponent(JSON.stringify(said)));
+    });</script>"""
+    frame = f'<iframe style="width:400px;height:900px;border:0" srcdoc="{html.escape(text)}"></iframe>'
+    assert said_by(f"<!DOCTYPE html><body>{frame}{probe}</body>", tmp_path) == pytest.approx([1, 1], abs=0.03)
+
+
 @pytest.mark.parametrize("surfaces", [1, 12])
 def test_a_file_that_fails_under_several_cases_is_listed_once(tmp_path, surfaces):
     runs = [

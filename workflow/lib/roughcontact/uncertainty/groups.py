@@ -377,8 +377,8 @@ def common_loads(words: str, names: Sequence[str], datasets: Sequence[xr.Dataset
             names[[each[place] for each in own].index(end)] for place, end in ((0, low), (-1, high))
         )
         raise SettingsError(
-            f"{words}: no load in common, {first} begins at {quantity(low, 'Pa', digits=5)} and {last} ends at "
-            f"{quantity(high, 'Pa', digits=5)}; solve them at the same mean_pressure, or at more loads"
+            f"{words}: no load in common, {first} begins at {quantity(low, 'Pa', digits=5)} and {last} ends "
+            f"at {quantity(high, 'Pa', digits=5)}; solve them at the same mean_pressure, or at more loads"
         )
     every = np.sort(np.concatenate(own))
     every = every[(every >= low * (1 - SAME_LOAD)) & (every <= high * (1 + SAME_LOAD))]
