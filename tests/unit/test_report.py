@@ -1321,7 +1321,7 @@ def test_loads_have_a_row_of_their_own_on_a_phone(tmp_path):
     probe = """<script>addEventListener("load", () => {
       const inside = document.querySelector("iframe").contentDocument;
       const width = part => inside.querySelector(part).getBoundingClientRect().width;
-      const said = [[".cases td", ".cases tr"], [".loads input", ".loads"]].map(([a, b]) => width(a) / width(b));
+      const said = [width(".cases td") / width(".cases tbody tr"), width(".loads input") / width(".loads")];
       document.body.setAttribute("data-said", encodeURIComponent(JSON.stringify(said)));
     });</script>"""
     frame = f'<iframe style="width:400px;height:900px;border:0" srcdoc="{html.escape(text)}"></iframe>'
