@@ -74,6 +74,7 @@ def test_results_on_a_read_only_disk_are_named(tmp_path, disk, capsys):
     assert f"{results} is read-only, results cannot be written there" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_results_from_the_future_are_named_with_the_way_out(tmp_path):
     study.write_study(tmp_path, sides=(40,), cases=False)
     window, levelled = (f"results/surface-1/{name}.nc" for name in ("window", "levelled"))

@@ -12,6 +12,7 @@ from roughcontact.errors import InputFileError
 GIVEN = {"dx": 1.0, "dy": 1.5, "unit": "um", "height_unit": "nm"}
 
 
+@pytest.mark.slow
 def test_no_damage_ends_in_an_exception_and_little_passes_in_silence(tmp_path):
     records = unnoticed.fuzz(200, seed=2, folder=tmp_path, largest=0)
     kinds = Counter(record["kind"] for record in records)

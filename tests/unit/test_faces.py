@@ -401,6 +401,7 @@ def test_a_face_fits_on_its_imprint_whatever_their_formats(tmp_path, first, seco
     np.testing.assert_allclose(composite(face, imprint), 0, atol=1e-11 * np.ptp(heights))
 
 
+@pytest.mark.slow
 def test_the_contact_of_a_pair_depends_neither_on_formats_nor_on_the_order(tmp_path):
     one, other = oblique(), 0.7 * oblique()[:, ::-1] + cut(rough(6), slice(48), slice(64)).values
     load = {"contact_modulus": 1e9, "mean_pressure": 1e7}

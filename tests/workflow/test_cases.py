@@ -37,6 +37,7 @@ def links(project):
     }
 
 
+@pytest.mark.slow
 def test_a_failure_stays_in_its_surface_its_case_and_its_part(run):
     """In one case a load exceeds the hardness; one of the surfaces cannot be read at all."""
     cases = {

@@ -68,6 +68,7 @@ def run_with_own_rule(folder, text, **variables):
     assert not (folder / "results").exists()
 
 
+@pytest.mark.slow
 def test_another_workflow_takes_it_in_with_a_prefix_and_settings_of_its_own(other):
     run_with_own_rule(other, module('"roughcontact/workflow/Snakefile"'))
 

@@ -80,6 +80,7 @@ def test_groups_have_their_files_and_stand_first_on_the_page(grouped):
     assert grouped.jobs() == {"report": 1}
 
 
+@pytest.mark.slow
 def test_a_group_of_different_pixels_is_named_and_the_rest_goes_on(grouped):
     rows = [row.replace("\t1\t1\t", "\t2\t2\t") if row.startswith("fine-0") else row for row in ROWS[:3]]
     cases = {"cases": {"soft": {}, "stiff": {"contact": {"contact_modulus": "2e9"}}}}

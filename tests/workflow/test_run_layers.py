@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pandas as pd
+import pytest
 import xarray as xr
 import yaml
 from small_project import SETTINGS, TABLE, Project, write_maps
@@ -37,6 +38,7 @@ SETTINGS_OF_BODIES = {
 }
 
 
+@pytest.mark.slow
 def test_layers_go_from_the_settings_to_the_report(tmp_path, checkout):
     project = Project(tmp_path / "project", checkout)
     write_maps(project.path("measured"))
