@@ -100,6 +100,7 @@ def test_beside_a_run_at_work_none_begins_and_its_locks_stay(tmp_path, started_b
             each.kill()
 
 
+@pytest.mark.slow
 def test_the_scripts_of_killed_jobs_are_gone_after_the_next_run(tmp_path):
     write_study(tmp_path, sides=(48,), cases=False)
     words_of_it = command(tmp_path, "results/surface-1/levelled.nc")

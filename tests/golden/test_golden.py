@@ -72,6 +72,7 @@ def now(tmp_path_factory):
     return run_samples(tmp_path_factory.mktemp("golden"), converged=CONVERGED, shipped={})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", ["converged", "shipped"])
 @pytest.mark.parametrize("table", ["surfaces", "loads"])
 def test_the_sample_maps_give_the_numbers_they_gave(now, table, case):

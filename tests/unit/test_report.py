@@ -956,6 +956,7 @@ def pages_printed(text, folder):
     return max(int(count) for count in re.findall(rb"/Count (\d+)", printed.read_bytes()))
 
 
+@pytest.mark.slow
 @pytest.mark.browser
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
 def test_a_surface_is_printed_on_two_pages_and_what_is_unfolded_on_more(page, tmp_path):

@@ -207,6 +207,7 @@ def lengthy(project):
     return project
 
 
+@pytest.mark.slow
 def test_what_was_cut_off_leaves_nothing_and_is_taken_up_again(lengthy):
     process = started(lengthy, "load 3 of 24", "--logger", "roughcontact")
     solvers = [

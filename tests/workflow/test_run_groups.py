@@ -43,6 +43,7 @@ def table(project, name):
         return list(csv.DictReader(file))
 
 
+@pytest.mark.slow
 def test_groups_have_their_files_and_stand_first_on_the_page(grouped):
     run = grouped.run()
     assert run.returncode == 0, run.stderr
