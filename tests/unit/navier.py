@@ -6,7 +6,21 @@ layer by its power series, the base by the condition that nothing grows with the
 
 from decimal import Decimal, localcontext
 
+import numpy as np
+
 Matrix = list[list[Decimal]]
+
+
+def random_layers(rng: np.random.Generator, fewest: int, most: int) -> list[tuple[float, float, float]]:
+    """Return thickness, modulus and Poisson's ratio of so many layers, over three and four decades."""
+    return [
+        (
+            float(10 ** rng.uniform(-2, 1)),
+            float(10 ** rng.uniform(-2, 2)),
+            float(rng.choice([0.0, 0.33, 0.5])),
+        )
+        for _ in range(rng.integers(fewest, most + 1))
+    ]
 
 
 def system(youngs_modulus: float, poissons_ratio: float) -> Matrix:

@@ -43,14 +43,7 @@ STEPS = (1 / 24, 1 / 32)
 @pytest.mark.parametrize("seed", range(20))
 def test_the_stresses_in_any_stack_are_the_solution_of_naviers_equations(seed: int):
     rng = np.random.default_rng(seed)
-    layers = [
-        (
-            float(10 ** rng.uniform(-2, 1)),
-            float(10 ** rng.uniform(-2, 2)),
-            float(rng.choice([0.0, 0.33, 0.5])),
-        )
-        for _ in range(rng.integers(1, 4))
-    ]
+    layers = navier.random_layers(rng, 1, 3)
     base = None if seed % 3 == 0 else (float(10 ** rng.uniform(-2, 2)), float(rng.choice([0.0, 0.3, 0.5])))
     body = Stack(tuple(Layer(t, Material(e, nu)) for t, e, nu in layers), base and Material(*base))
     q = 10 ** rng.uniform(-3, 1.5, 3)

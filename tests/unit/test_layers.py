@@ -44,14 +44,7 @@ def test_one_layer_is_the_solution_of_naviers_equations(ratio: float, nu: float,
 @pytest.mark.parametrize("seed", range(12))
 def test_any_stack_is_the_solution_of_naviers_equations(seed: int):
     rng = np.random.default_rng(seed)
-    layers = [
-        (
-            float(10 ** rng.uniform(-2, 1)),
-            float(10 ** rng.uniform(-2, 2)),
-            float(rng.choice([0.0, 0.33, 0.5])),
-        )
-        for _ in range(rng.integers(2, 5))
-    ]
+    layers = navier.random_layers(rng, 2, 4)
     base = None if seed % 3 == 0 else (float(10 ** rng.uniform(-2, 2)), float(rng.uniform(0, 0.5)))
     q = 10 ** rng.uniform(-3, 2, 3)
     body = Stack(tuple(Layer(t, Material(e, nu)) for t, e, nu in layers), base and Material(*base))

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from roughcontact.configuration.stages import SECTIONS, owner, settings_of
-from roughcontact.configuration.surfaces import Member, Surface, measured, members
+from roughcontact.configuration.surfaces import Member, Surface, measured, members, repeats_in
 
 Kind = Literal["single", "face", "member"]
 Part = Literal["prepare", "contact", "crosscheck"]
@@ -158,7 +158,7 @@ class Plan:
     @cached_property
     def repeats(self) -> dict[str, str]:
         """Name of a surface -> of the one that is the same place measured before."""
-        return {name: row.repeat_of for name, row in self.table.items() if row.repeat_of}
+        return repeats_in(self.table)
 
     @cached_property
     def runs(self) -> list[Run]:

@@ -178,7 +178,7 @@ def read_surfaces(
             row.get(REPEAT, ""),
         )
         mistakes += [f"line {line}, {text}" for text in (check(surfaces[name]) if check else ())]
-    repeats = {name: row.repeat_of for name, row in surfaces.items() if row.repeat_of}
+    repeats = repeats_in(surfaces)
     mistakes += _link_repeats(surfaces, repeats)
     mistakes += _mistakes_in_groups(surfaces)
     _join_repeats(surfaces, repeats)
@@ -335,6 +335,11 @@ def _mistakes_in_groups(surfaces: Mapping[str, Surface]) -> list[str]:
                 f"{place}: has {rows[0].name} alone; name further maps of the finish, or leave the cell empty"
             )
     return mistakes
+
+
+def repeats_in(surfaces: Mapping[str, Surface]) -> dict[str, str]:
+    """Return the name of each surface that is a repeat -> of that of the same place measured before."""
+    return {name: row.repeat_of for name, row in surfaces.items() if row.repeat_of}
 
 
 def _join_repeats(surfaces: dict[str, Surface], repeats: Mapping[str, str]) -> None:

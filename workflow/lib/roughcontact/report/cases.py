@@ -54,10 +54,10 @@ def case_table(cases: Mapping[str, xr.Dataset], *, alike: bool = False) -> dict[
     """
     if len(cases) < 2:
         return None
-    apart, cases = _apart(cases), _at_shared_loads(cases, alike=alike)
+    solved, cases = cases, _at_shared_loads(cases, alike=alike)
     first = next(iter(cases.values()))
     if not (loads := first.sizes["load"]):
-        return _table(list(cases), []) | {"apart": apart}
+        return _table(list(cases), []) | {"apart": _apart(solved)}
     names_of_loads = [_load([[data] for data in cases.values()], load) for load in range(loads)]
     changes = [case_differences(first, other) for other in list(cases.values())[1:]]
     groups = []
@@ -94,11 +94,10 @@ def case_medians(
     complete = [surface for surface in surfaces if len(surface) == len(names)]
     if len(names) < 2 or not complete:
         return None
-    apart = _apart(complete[0])
-    complete = [_at_shared_loads(surface, alike=alike) for surface in complete]
+    solved, complete = complete, [_at_shared_loads(surface, alike=alike) for surface in complete]
     complete = [surface for surface in complete if surface[names[0]].sizes["load"]]
     if not complete:
-        return _table(names, []) | {"apart": apart}
+        return _table(names, []) | {"apart": _apart(solved[0])}
     loads = min(data.sizes["load"] for surface in complete for data in surface.values())
     by_case = [[surface[name] for surface in complete] for name in names]
     names_of_loads = [_load(by_case, load) for load in range(loads)]

@@ -1,7 +1,8 @@
 """All surfaces (and cases) of a run in one dataset and one table."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, TypedDict
 
@@ -125,24 +126,22 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
             collected = collected.assign_coords({name: first[name].values.astype(kind)})
     collected.attrs["source_sha256"] = json.dumps(checksums, sort_keys=True)
     collected.attrs |= _judgements(attributes)
-    collected.attrs["bands"] = json.dumps(
-        {
-            case: {
-                surface: {key: attrs[key] for key in _BANDS if key in attrs} for surface, attrs in of.items()
-            }
-            for case, of in attributes.items()
-        },
-        default=float,
-    )
-    collected.attrs["choices"] = json.dumps(
-        {
-            case: {surface: attrs["choices"] for surface, attrs in of.items()}
-            for case, of in attributes.items()
-        }
-    )
+    bands = _of_files(attributes, lambda attrs: {key: attrs[key] for key in _BANDS if key in attrs})
+    collected.attrs |= {"bands": bands, "choices": _of_files(attributes, itemgetter("choices"))}
     if cases == [None]:
         return collected.isel(case=0)
     return collected.assign_coords(_labels("case", cases))
+
+
+def _of_files(
+    attributes: Mapping[str, Mapping[str, Mapping[str, Any]]],
+    pick: Callable[[Mapping[str, Any]], Any],
+) -> str:
+    """Return as JSON what is picked from the attributes of each file, by case and surface."""
+    return json.dumps(
+        {case: {surface: pick(attrs) for surface, attrs in of.items()} for case, of in attributes.items()},
+        default=float,
+    )
 
 
 def _judgements(attributes: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> dict[str, str]:
