@@ -10,6 +10,7 @@ from scipy import ndimage
 import roughcontact as rc
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.roughness.summits import _chance
 from roughcontact.roughness.traces import instrument_traces, repeated_heights
 from roughcontact.statistics import instrument_checks as checks
 
@@ -183,26 +184,33 @@ def test_dust_is_found():
 
 def test_a_mirrored_map_has_its_summit_once():
     window = rc.periodic_window(rc.level(height_map(with_dust(), 1e-6)), method="mirror")
-    assert window.attrs["summit_over_next"] > checks.SUMMIT_OVER_NEXT
+    assert window.attrs["summit_chance"] < checks.CHANCE
+    assert window.attrs["summit_over_next"] > 1.5
 
 
-@pytest.mark.parametrize(
-    ("name", "above"),
-    [("summit_over_next", checks.SUMMIT_OVER_NEXT), ("spike_over_next", checks.SPIKE_OVER_NEXT)],
-)
-def test_an_isolated_peak_warns_just_beyond_its_limits(name, above):
+def test_the_chance_of_a_summit_is_that_of_an_exponential_tail():
+    generator = np.random.default_rng(5)
+    tails = np.sort(generator.exponential(size=(4000, 300)))[:, :-41:-1]
+    chances = np.array([_chance(list(tail)) for tail in tails])
+    for level in (0.01, 0.1, 0.5):
+        assert np.mean(chances < level) == pytest.approx(level, abs=4 * np.sqrt(level / 4000))
+    assert _chance([3.0, 0.0]) == 0
+    assert _chance([3.0, 2.0, 0.0]) == _chance([2.0, 2.0, 2.0]) == 1
+
+
+def test_an_isolated_peak_warns_just_beyond_its_limits():
     mean, more = checks.PEAK_OVER_MEAN, 1 + 1e-6
-    usual = {"summit_over_next": 1.1, "spike_over_next": 1.1, "summit_x": 1e-5, "summit_y": 2e-5}
-    dust = usual | {name: above * more}
+    usual = {"summit_over_next": 1.1, "summit_chance": checks.CHANCE, "summit_x": 1e-5, "summit_y": 2e-5}
+    dust = usual | {"summit_chance": checks.CHANCE / more}
     assert checks.isolated_peak(loads([mean * more], [1]), dust).outcome == "look"
     assert checks.isolated_peak(loads([mean], [1]), dust).outcome == "passed"
-    assert checks.isolated_peak(loads([mean * more], [1]), usual | {name: above}).outcome == "passed"
+    assert checks.isolated_peak(loads([mean * more], [1]), usual).outcome == "passed"
     assert checks.isolated_peak(loads([2, 20], [1, 1]), dust).outcome == "look"
     assert checks.isolated_peak(loads([20], [1]), {}).outcome == "not made"
 
 
 def test_the_sentence_of_an_isolated_peak():
-    dust = {"summit_over_next": 2.0, "spike_over_next": 1.5, "summit_x": 1e-5, "summit_y": 2e-5}
+    dust = {"summit_over_next": 2.0, "summit_chance": 1e-4, "summit_x": 1e-5, "summit_y": 2e-5}
     assert checks.isolated_peak(loads([20], [1]), dust).sentence.startswith(
         "One summit stands out, 2.0 times as high above its surroundings as any other, at x = 10.0 µm and "
         "y = 20.0 µm; the largest pressure is 20 times the mean in contact."

@@ -326,7 +326,7 @@ def outcomes(statistics, *, height=(), levelled=(), window=(), points=96 * 96):
 def test_a_good_surface_passes_every_check(good):
     sharp = {"spectrum_exponent": -3.0, "rounded_peaks": 0.0, "pixel_roughness": 1e-9, "pixel_pitch": 1e-6}
     sharp |= {"top_exponent": -3.0, "noise_floor": 1e-9, "noise_gradient_share": 0.1}
-    sharp |= {"summit_over_next": 1.1, "spike_over_next": 1.1}
+    sharp |= {"summit_over_next": 1.1, "summit_chance": 0.5}
     optical = {"instrument": '{"kind": "optical profiler"}'}
     found, verdict = outcomes(good, height=optical, window=sharp | {"reliable_reason": "the lens"})
     assert {check.outcome for check in found.values()} == {checks.PASSED}
@@ -381,7 +381,7 @@ def test_each_check_can_ask_for_a_look(good):
             "pixel_roughness": 1e-12,
             "pixel_pitch": 2e-3,
             "summit_over_next": 3.0,
-            "spike_over_next": 3.0,
+            "summit_chance": 1e-4,
             "summit_x": 1e-5,
             "summit_y": 1e-5,
         },

@@ -12,6 +12,7 @@ from roughcontact.maps import spacing
 
 _POINTS_PER_BLOCK = 2**16  # few enough to stay in the cache
 _SUMMIT, _SPIKE = (3, 15), (1, 9)  # points along each side: of the mean at the top, and around it
+_COMPARED = 40  # highest summits whose heights say how far the first may be above the second
 
 
 def summit_statistics(height: xr.DataArray) -> dict[str, float]:
@@ -62,10 +63,13 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
 
 
 def summit_that_stands_out(height: xr.DataArray, *, images: int = 1) -> dict[str, float]:
-    """Return the summit highest above its surroundings, and how much higher than the next one it is.
+    """Return the summit that stands farthest above its surroundings, and the chance of it.
 
     The height of a summit is the mean of 3 x 3 points less that of the 15 x 15 points around, the height of a
-    spike a point less the mean of the 9 x 9 points around.
+    spike a point less the mean of the 9 x 9 points around. The highest of many heights are those of an
+    exponential tail, whatever the surface: the i-th spacing between them, times i, is exponential and
+    independent of the others [1]_. The first one over the sum of the others so tells by what chance the
+    highest is as far above the next [2]_.
 
     Parameters
     ----------
@@ -77,45 +81,71 @@ def summit_that_stands_out(height: xr.DataArray, *, images: int = 1) -> dict[str
     Returns
     -------
     dict
-        `summit_over_next`, the ratio of the heights of the two highest summits that do not overlap, infinite
-        where there is no second one; `spike_over_next`, the same of spikes; `summit_x`, `summit_y` (m), the
-        place of that with the larger ratio. Empty for a map without summits.
+        of the summit or the spike, whichever has the smaller chance: `summit_chance`, 0 where there is no
+        other, `summit_over_next`, the ratio of the two greatest heights that do not overlap (infinite where
+        there is no other), and `summit_x`, `summit_y` (m). Empty for a map without summits.
+
+    References
+    ----------
+    .. [1] Rényi (1953), On the theory of order statistics, Acta Math. Acad. Sci. Hung. 4, 191.
+    .. [2] Likeš (1967), Distribution of Dixon's statistics in the case of an exponential population, Metrika
+       11, 46.
 
     Examples
     --------
     >>> import numpy as np
     >>> from roughcontact.maps import height_map
     >>> bumps = np.zeros((64, 64))
-    >>> bumps[20, 40], bumps[50, 10] = 3.0, 2.0
-    >>> round(summit_that_stands_out(height_map(bumps, 1e-6))["summit_over_next"], 12)
-    1.5
+    >>> bumps[20, 40], bumps[50, 10], bumps[50, 40] = 3.0, 2.0, 1.0
+    >>> found = summit_that_stands_out(height_map(bumps, 1e-6))
+    >>> round(found["summit_over_next"], 12), round(found["summit_chance"], 12)
+    (1.5, 0.666666666667)
     """
     values = height.values.astype(float, copy=False)
-    summit, spike = (_over_next(values, *sides, images) for sides in (_SUMMIT, _SPIKE))
-    if not summit[0]:
+    found = [_highest(values, *sides, images) for sides in (_SUMMIT, _SPIKE)]
+    if not all(found):
         return {}
-    _, place = max(summit, spike)
-    y, x = (float(height[axis][i]) for axis, i in zip(("y", "x"), place, strict=True))
-    return {"summit_over_next": summit[0], "spike_over_next": spike[0], "summit_x": x, "summit_y": y}
+    chance, inverse, place = min((_chance(heights), heights[1] / heights[0], at) for heights, at in found)
+    return {
+        "summit_chance": chance,
+        "summit_over_next": 1 / inverse if inverse else math.inf,
+        **{f"summit_{axis}": float(height[axis][i]) for axis, i in zip("yx", place, strict=True)},
+    }
 
 
-def _over_next(values: np.ndarray, top: int, around: int, images: int) -> tuple[float, tuple[int, ...]]:
-    """Return how much higher above its surroundings the highest top is than the next, and its place.
+def _highest(
+    values: np.ndarray, top: int, around: int, images: int
+) -> tuple[list[float], tuple[int, ...]] | None:
+    """Return the greatest heights of tops above their surroundings, 0 where there are no more, and the place.
 
-    0 for a map without any.
+    None for a map without any.
     """
     from scipy.ndimage import uniform_filter
 
     above = uniform_filter(values, top, mode="wrap") - uniform_filter(values, around, mode="wrap")
     above = above[tuple(slice(max(n // images, 1)) for n in above.shape)]
-    place = tuple(int(i) for i in np.unravel_index(above.argmax(), above.shape))
-    highest, rounding = float(above[place]), 1e-12 * float(np.abs(values).max(initial=0.0))
-    if not highest > rounding:
-        return 0.0, place
+    rounding = 1e-12 * float(np.abs(values).max(initial=0.0))
     reach = np.arange(-(around // 2), around // 2 + 1)
-    above[np.ix_(*((i + reach) % n for i, n in zip(place, above.shape, strict=True)))] = -np.inf
-    following = float(above.max())
-    return highest / following if following > rounding else math.inf, place
+    heights: list[float] = []
+    places = []
+    while len(heights) < _COMPARED:
+        place = tuple(int(i) for i in np.unravel_index(above.argmax(), above.shape))
+        if not above[place] > rounding:
+            break
+        heights.append(float(above[place]))
+        places.append(place)
+        above[np.ix_(*((i + reach) % n for i, n in zip(place, above.shape, strict=True)))] = -np.inf
+    return (heights + [0.0] * (_COMPARED - len(heights)), places[0]) if heights else None
+
+
+def _chance(heights: list[float]) -> float:
+    """Return the chance that the first of an exponential tail is as far above the second."""
+    tail = [height for height in heights if height]
+    if len(tail) < 3:
+        return float(len(tail) - 1)  # alone, or one of two, of which neither stands out
+    spacings = np.arange(1, len(tail)) * -np.diff(tail)
+    others = float(spacings[1:].sum())
+    return (1 + float(spacings[0]) / others) ** -(len(tail) - 2) if others else float(spacings[0] == 0)
 
 
 def _is_summit(values: np.ndarray) -> np.ndarray:
