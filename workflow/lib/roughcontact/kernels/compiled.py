@@ -239,8 +239,8 @@ class Compiled:
 
     def refine(self, coarse, factors, heights, weights, stiffness, cap, out):
         square, (ny, nx), (fy, fx) = store.empty(coarse.shape, coarse.dtype), coarse.shape, factors
-        self._run("continue_square", ny, nx + 2, (coarse, square), ny, nx)
-        arrays, scratch = (coarse, square, heights, out), (fy + 1) * nx * fx + 2 + fy * fx
+        self._run("continue_square", ny, 7 * nx + 20, (coarse, square), ny, nx)
+        arrays, scratch = (coarse, square, heights, out), (fy + 1) * nx * fx + (fy * fx + 4) * nx + 4
         self._run("refine", ny, scratch, arrays, *weights, stiffness, cap, ny, nx, fy, fx)
 
     def _run(self, name, rows, scratch, arrays, *numbers):

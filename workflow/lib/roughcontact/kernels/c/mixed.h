@@ -96,14 +96,15 @@ PASS(predict_active, {
         const INNER *up = given->residual + before(i, ny) * nx, *down = given->residual + after(i, ny) * nx;
         INNER *values = given->values + i * nx;
         INNER_NAME(around)(up, residual, down, &given->weights, row, mean, nx);
-        int32_t count = 0;
-        SUM(count)
+        VECTOR
         for (int64_t j = 0; j < nx; j++) {
             const OUTER p = pressure[j], foreseen = p - stiffness * (residual[j] - mean[j]);
-            const int active = (values[j] != 0) & ((foreseen > 0) | (p >= cap));
-            values[j] = active ? values[j] : (INNER)0;
-            count += active;
+            values[j] = (foreseen > 0) | (p >= cap) ? values[j] : (INNER)0;
         }
+        int32_t count = 0;
+        SUM(count)
+        for (int64_t j = 0; j < nx; j++)
+            count += values[j] != 0;
         active_points += count;
     }
     found->sums[0] = (double)active_points;

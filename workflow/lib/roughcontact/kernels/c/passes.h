@@ -620,68 +620,47 @@ PASS(restrict_small, { REAL *one, *other; struct NAME(Small) small; int64_t swee
 
 PASS(continue_square, { const REAL *coarse; REAL *square; int64_t ny, nx; })
 {
-    const int64_t ny = given->ny, nx = given->nx;
-    const REAL *coarse = given->coarse;
-    REAL *most = scratch; /* maximum of three cells in each column, one column beyond each end */
+    const int64_t ny = given->ny, nx = given->nx, width = nx + 4; /* two columns beyond each end */
+    REAL *rows = scratch, *total = rows + 5 * width, *count = total + nx;
     for (int64_t i = first; i < last; i++) {
-        const REAL *up = coarse + before(i, ny) * nx, *row = coarse + i * nx, *down = coarse + after(i, ny) * nx;
         REAL *square = given->square + i * nx;
+        const REAL *own = rows + 2 * width + 2;
+        for (int64_t e = -2; e <= 2; e++) {
+            const REAL *from = given->coarse + wrap(i + e, ny) * nx;
+            REAL *row = rows + (e + 2) * width;
+            memcpy(row + 2, from, (size_t)nx * sizeof(REAL));
+            for (int64_t k = 0; k < 2; k++) {
+                row[k] = from[wrap(k - 2, nx)];
+                row[nx + 2 + k] = from[wrap(nx + k, nx)];
+            }
+        }
+        memset(total, 0, (size_t)(2 * nx) * sizeof(REAL));
+        for (int64_t ey = -1; ey <= 1; ey++)
+            for (int64_t ex = -1; ex <= 1; ex++) {
+                const REAL *near = own + ey * width + ex, *far = own + 2 * (ey * width + ex);
+                VECTOR
+                for (int64_t j = 0; j < nx; j++) { /* the cell itself is not near where its count matters */
+                    const REAL one = near[j] * near[j], two = far[j] * far[j];
+                    const REAL guess = far[j] > 0 ? 2 * one - two : -one;
+                    total[j] += near[j] > 0 ? guess : 0;
+                    count[j] += near[j] > 0 ? (REAL)1 : 0;
+                }
+            }
         VECTOR
         for (int64_t j = 0; j < nx; j++) {
-            const REAL beside = up[j] > down[j] ? up[j] : down[j];
-            square[j] = row[j] * row[j];
-            most[j + 1] = row[j] > beside ? row[j] : beside;
-        }
-        most[0] = most[nx];
-        most[nx + 1] = most[1];
-        for (int64_t j = 0; j < nx; j++) {
-            if (row[j] > 0 || !(most[j] > 0 || most[j + 1] > 0 || most[j + 2] > 0))
-                continue; /* in contact, or without a neighbour in contact */
-            REAL total = 0;
-            int count = 0;
-            for (int64_t ey = -1; ey <= 1; ey++)
-                for (int64_t ex = -1; ex <= 1; ex++) {
-                    const REAL near = coarse[wrap(i + ey, ny) * nx + wrap(j + ex, nx)];
-                    if (near > 0) {
-                        const REAL far = coarse[wrap(i + 2 * ey, ny) * nx + wrap(j + 2 * ex, nx)];
-                        total += far > 0 ? 2 * near * near - far * far : -near * near;
-                        count++;
-                    }
-                }
-            if (count)
-                square[j] = total < 0 ? total / (REAL)count : 0;
+            const REAL beyond = SMALLER(total[j], 0) / LARGER(count[j], 1);
+            square[j] = own[j] > 0 ? own[j] * own[j] : beyond;
         }
     }
 }
 
-/* Subtract a level from the `count` parts of a cell and clip them at zero, such that `load` remains. */
-static void NAME(cut_to_load)(REAL *parts, int64_t count, REAL load)
-{
-    REAL level = -INFINITY, total = 0;
-    for (int64_t k = 0, above = count; k < count && above > 0; k++) { /* each round excludes the lowest parts */
-        REAL sum = 0;
-        above = 0;
-        for (int64_t j = 0; j < count; j++)
-            if (parts[j] > level) {
-                sum += parts[j];
-                above++;
-            }
-        level = above ? (sum - load) / (REAL)above : level;
-    }
-    const REAL nothing = (REAL)NEGLIGIBLE_LOAD * load;
-    for (int64_t k = 0; k < count; k++)
-        total += parts[k] = parts[k] - level > nothing ? parts[k] - level : 0;
-    for (int64_t k = 0; k < count; k++) /* equal parts where rounding leaves no load */
-        parts[k] = total > 0 ? parts[k] * (load / total) : load / (REAL)count;
-}
-
-/* Limit the `count` parts of a cell to the cap; the other parts carry the remaining `load`. */
-static void NAME(hold)(REAL *parts, int64_t count, REAL load, REAL cap)
+/* Limit the `count` parts of a cell, `stride` apart, to the cap; the other parts carry the remaining `load`. */
+static void NAME(hold)(REAL *parts, int64_t count, int64_t stride, REAL load, REAL cap)
 {
     for (int64_t beyond = 1; beyond > 0;) {
         REAL rest = load, others = 0;
         int64_t below = 0;
-        for (int64_t k = 0; k < count; k++)
+        for (int64_t k = 0; k < count * stride; k += stride)
             if (parts[k] < cap) {
                 others += parts[k];
                 below++;
@@ -690,7 +669,7 @@ static void NAME(hold)(REAL *parts, int64_t count, REAL load, REAL cap)
                 rest -= cap;
             }
         beyond = 0;
-        for (int64_t k = 0; k < count; k++)
+        for (int64_t k = 0; k < count * stride; k += stride)
             if (parts[k] < cap) {
                 parts[k] = others > 0 ? parts[k] * (LARGER(rest, 0) / others) : LARGER(rest, 0) / (REAL)below;
                 beyond += parts[k] > cap;
@@ -707,52 +686,117 @@ PASS(refine, {
 })
 {
     const int64_t ny = given->ny, nx = given->nx, fy = given->fy, fx = given->fx, width = nx * fx, rows = ny * fy;
+    const int64_t count = fy * fx, most = SMALLER(nx, 128); /* cells at a time, a few of whose parts fit the cache */
     const REAL stiffness = (REAL)given->stiffness, cap = (REAL)given->cap;
-    REAL *detail = scratch, *row = detail + fy * width, *parts = row + width + 2;
+    REAL *detail = scratch, *row = detail + fy * width, *parts = row + width + 2, *mixed = parts + count * most;
+    REAL *total = mixed + most + 2, *above = total + most, *level = above + most;
     memset(given->out + first * fy * width, 0, (size_t)((last - first) * fy * width) * sizeof(REAL));
     for (int64_t i = first; i < last; i++) {
+        const REAL *own = given->square + i * nx;
         for (int64_t ky = 0; ky < fy; ky++) {
             const int64_t at = i * fy + ky;
             const REAL *here = given->heights + at * width;
-            REAL *own = detail + ky * width;
+            REAL *above_mean = detail + ky * width;
             NAME(around)(given->heights + before(at, rows) * width, here, given->heights + after(at, rows) * width,
-                         &given->weights, row, own, width);
+                         &given->weights, row, above_mean, width);
             VECTOR
             for (int64_t j = 0; j < width; j++)
-                own[j] = stiffness * (here[j] - own[j]);
+                above_mean[j] = stiffness * (here[j] - above_mean[j]);
         }
-        for (int64_t j = 0; j < nx; j++) {
-            const REAL pressure = given->coarse[i * nx + j];
-            if (!(pressure > 0))
+        for (int64_t start = 0; start < nx; start += most) {
+            const int64_t cells = SMALLER(most, nx - start);
+            const REAL *pressure = given->coarse + i * nx + start;
+            int32_t touched = 0;
+            SUM(touched)
+            for (int64_t j = 0; j < cells; j++)
+                touched += pressure[j] > 0;
+            if (!touched)
                 continue;
-            REAL total = 0;
+            memset(total, 0, (size_t)cells * sizeof(REAL));
             for (int64_t ky = 0; ky < fy; ky++) {
-                const REAL at_y = ((REAL)ky + (REAL)0.5) / (REAL)fy - (REAL)0.5;
-                const REAL share_y = at_y > 0 ? at_y : -at_y;
-                const REAL *own = given->square + i * nx;
+                const REAL at_y = ((REAL)ky + (REAL)0.5) / (REAL)fy - (REAL)0.5, share_y = at_y > 0 ? at_y : -at_y;
                 const REAL *beside = given->square + (at_y > 0 ? after(i, ny) : before(i, ny)) * nx;
+                for (int64_t j = 0; j < cells + 2; j += cells + 1) {
+                    const int64_t at = wrap(start + j - 1, nx);
+                    mixed[j] = (1 - share_y) * own[at] + share_y * beside[at];
+                }
+                VECTOR
+                for (int64_t j = 0; j < cells; j++)
+                    mixed[j + 1] = (1 - share_y) * own[start + j] + share_y * beside[start + j];
                 for (int64_t kx = 0; kx < fx; kx++) {
-                    const REAL at_x = ((REAL)kx + (REAL)0.5) / (REAL)fx - (REAL)0.5;
-                    const REAL share_x = at_x > 0 ? at_x : -at_x;
-                    const int64_t next = at_x > 0 ? after(j, nx) : before(j, nx);
-                    const REAL here = (1 - share_x) * own[j] + share_x * own[next];
-                    const REAL there = (1 - share_x) * beside[j] + share_x * beside[next];
-                    const REAL value = (1 - share_y) * here + share_y * there;
-                    parts[ky * fx + kx] = ROOT(value > 0 ? value : 0);
-                    total += parts[ky * fx + kx];
+                    const REAL at_x = ((REAL)kx + (REAL)0.5) / (REAL)fx - (REAL)0.5, share_x = at_x > 0 ? at_x : -at_x;
+                    const REAL *next = mixed + (at_x > 0 ? 2 : 0);
+                    REAL *part = parts + (ky * fx + kx) * most;
+                    VECTOR
+                    for (int64_t j = 0; j < cells; j++) {
+                        const REAL value = (1 - share_x) * mixed[j + 1] + share_x * next[j];
+                        part[j] = ROOT(LARGER(value, 0));
+                        total[j] += part[j];
+                    }
                 }
             }
-            const REAL load = (REAL)(fy * fx) * pressure, share = total > 0 ? load / total : 0;
-            for (int64_t ky = 0; ky < fy; ky++)
-                for (int64_t kx = 0; kx < fx; kx++)
-                    parts[ky * fx + kx] = share * parts[ky * fx + kx] + detail[ky * width + j * fx + kx];
-            NAME(cut_to_load)(parts, fy * fx, load);
-            if (cap < INFINITY)
-                NAME(hold)(parts, fy * fx, load, cap);
-            for (int64_t k = 0; pressure >= cap && k < fy * fx; k++)
-                parts[k] = cap; /* exactly */
-            for (int64_t ky = 0; ky < fy; ky++)
-                memcpy(given->out + (i * fy + ky) * width + j * fx, parts + ky * fx, (size_t)fx * sizeof(REAL));
+            for (int64_t k = 0; k < count; k++) {
+                const REAL *above_mean = detail + k / fx * width + start * fx + k % fx;
+                REAL *part = parts + k * most;
+                VECTOR
+                for (int64_t j = 0; j < cells; j++)
+                    part[j] = part[j] * ((REAL)count * pressure[j] / (total[j] > 0 ? total[j] : 1)) + above_mean[j * fx];
+            }
+            /* subtract a level from the parts of every cell and clip them at zero, such that its load remains */
+            for (int64_t j = 0; j < cells; j++)
+                level[j] = -INFINITY;
+            for (int64_t round = 0; round < count; round++) { /* each excludes the lowest parts */
+                memset(total, 0, (size_t)cells * sizeof(REAL));
+                memset(above, 0, (size_t)cells * sizeof(REAL));
+                for (int64_t k = 0; k < count; k++) {
+                    const REAL *part = parts + k * most;
+                    VECTOR
+                    for (int64_t j = 0; j < cells; j++) {
+                        total[j] += part[j] > level[j] ? part[j] : 0;
+                        above[j] += part[j] > level[j] ? (REAL)1 : 0;
+                    }
+                }
+                int32_t changed = 0;
+                SUM(changed)
+                for (int64_t j = 0; j < cells; j++) {
+                    const REAL found = (total[j] - (REAL)count * pressure[j]) / LARGER(above[j], 1);
+                    const REAL raised = above[j] > 0 ? found : level[j];
+                    changed += raised != level[j];
+                    level[j] = raised;
+                }
+                if (!changed)
+                    break;
+            }
+            memset(total, 0, (size_t)cells * sizeof(REAL));
+            for (int64_t k = 0; k < count; k++) {
+                REAL *part = parts + k * most;
+                VECTOR
+                for (int64_t j = 0; j < cells; j++) {
+                    const REAL rest = part[j] - level[j];
+                    part[j] = rest > (REAL)NEGLIGIBLE_LOAD * ((REAL)count * pressure[j]) ? rest : 0;
+                    total[j] += part[j];
+                }
+            }
+            for (int64_t k = 0; k < count; k++) {
+                REAL *part = parts + k * most;
+                VECTOR
+                for (int64_t j = 0; j < cells; j++) { /* equal parts where rounding leaves no load */
+                    const REAL scaled = part[j] * ((REAL)count * pressure[j] / (total[j] > 0 ? total[j] : 1));
+                    part[j] = total[j] > 0 ? scaled : pressure[j];
+                }
+            }
+            for (int64_t j = 0; cap < INFINITY && j < cells; j++) {
+                NAME(hold)(parts + j, count, most, (REAL)count * pressure[j], cap);
+                for (int64_t k = 0; pressure[j] >= cap && k < count; k++)
+                    parts[k * most + j] = cap; /* exactly */
+            }
+            for (int64_t k = 0; k < count; k++) {
+                const REAL *part = parts + k * most;
+                REAL *out = given->out + (i * fy + k / fx) * width + start * fx + k % fx;
+                VECTOR
+                for (int64_t j = 0; j < cells; j++)
+                    out[j * fx] = pressure[j] > 0 ? part[j] : 0;
+            }
         }
     }
 }
