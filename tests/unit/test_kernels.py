@@ -81,8 +81,19 @@ def make_fields(shape, factors, precisions, cap):
     )
     fields["coarse_gain"] = rng.random(coarse_shape).astype(inner)
     fields["weight"] = np.where(fields["share"] > 0, rng.random(shape), 0).astype(inner)
-    fields["coarse_out"] = np.full(coarse_shape, np.nan, inner)
+    fields["coarse_out"], fields["other_coarse_out"] = np.full((2, *coarse_shape), np.nan, inner)
     return fields
+
+
+def outs(fields):
+    """Return the outputs of a kernel that also gives the share and the means of cells."""
+    return fields["coarse_out"], fields["other_coarse_out"]
+
+
+def weigh(engine, fields, factors, arrangement):
+    """Weigh cells of six parts each, with a next coarser grid."""
+    given = fields["weight"], fields["share"], (2, 3), arrangement
+    engine.weigh(*given, fields["inner_out"], fields["other_out"], factors, *outs(fields))
 
 
 # every kernel, called with what it is for
@@ -103,33 +114,30 @@ CALLS = {
         f["heights"], 0.3, 0.8, f["inner_out"]
     ),
     "masked_residual": lambda k, f, factors, cap: k.masked_residual(
-        f["pressure"], f["separation"], OFFSET, cap, f["inner_out"]
+        f["pressure"], f["separation"], OFFSET, cap, f["inner_out"], factors, *outs(f)
     ),
     "active_share": lambda k, f, factors, cap: k.active_share(f["active"], factors, f["coarse_out"]),
     "advance": lambda k, f, factors, cap: k.advance(
-        f["pressure"], f["correction"], 0.2, 0.87, cap, f["outer_out"], f["active"]
+        *(f["pressure"], f["correction"], f["passed"], f["coarse"], factors),
+        *(0.2, 0.87, cap, f["outer_out"], f["active"], f["coarse_out"]),
     ),
     "predict_active": lambda k, f, factors, cap: k.predict_active(
-        f["pressure"], f["passed"], WEIGHTS, 0.3, cap, f["active"]
+        f["pressure"], f["passed"], WEIGHTS, 0.3, cap, f["active"], factors, *outs(f)
     ),
     "redistribute": lambda k, f, factors, cap: k.redistribute(
         f["pressure"], f["passed"], f["coarse"], factors, f["active"], cap
     ),
-    "project": lambda k, f, factors, cap: k.project(f["start"], cap / 2, f["inner_out"], f["other_out"]),
+    "project": lambda k, f, factors, cap: k.project(
+        f["start"], cap / 2, f["inner_out"], f["other_out"], factors, f["coarse_out"]
+    ),
     "rescale": lambda k, f, factors, cap: k.rescale(f["separation"], 0.7, cap),
     "project_residual": lambda k, f, factors, cap: k.project_residual(
         f["pressure"], f["separation"], OFFSET, cap, f["values"]
     ),
     "block_mean": lambda k, f, factors, cap: k.block_mean(f["field"], factors, f["coarse_out"]),
-    "weigh": lambda k, f, factors, cap: k.weigh(
-        f["weight"], f["share"], factors, Arrangement.UNKNOWN, f["inner_out"], f["other_out"]
-    ),
-    "weigh scattered": lambda k, f, factors, cap: k.weigh(
-        f["weight"], f["share"], factors, Arrangement.SCATTERED, f["inner_out"], f["other_out"]
-    ),
-    "weigh along a line": lambda k, f, factors, cap: k.weigh(
-        f["weight"], f["share"], factors, Arrangement.ALONG_A_LINE, f["inner_out"], f["other_out"]
-    ),
+    "weigh": lambda k, f, factors, cap: weigh(k, f, factors, Arrangement.UNKNOWN),
+    "weigh scattered": lambda k, f, factors, cap: weigh(k, f, factors, Arrangement.SCATTERED),
+    "weigh along a line": lambda k, f, factors, cap: weigh(k, f, factors, Arrangement.ALONG_A_LINE),
     "weighted_mean": lambda k, f, factors, cap: k.weighted_mean(
         f["field"], factors, f["coarse_gain"], f["coarse_out"]
     ),
@@ -162,8 +170,7 @@ BOUNDED = [
 # kernels without a coarser grid
 ONE_GRID = [
     *("multiply", "divide", "measure", "slope_power", "extent", "restore_units", "make_dimensionless"),
-    *("masked_residual", "advance", "predict_active", "project", "rescale", "project_residual"),
-    *("neighbours", "fill", "empty_neighbours"),
+    *("rescale", "project_residual", "neighbours", "fill", "empty_neighbours"),
 ]
 NESTED = ["refine"]  # grids of whole cells
 TWO_GRIDS = [name for name in CALLS if name not in ONE_GRID + NESTED]
@@ -268,7 +275,7 @@ def test_arrays_that_do_not_suit_are_refused():
         Compiled().block_mean(field.astype(np.float32), (2, 2), out)
     single = np.zeros((8, 12), np.float32)
     with pytest.raises(TypeError, match="advance: there is no pass for precisions dff"):
-        Compiled().advance(field, single, 0.0, 1.0, np.inf, single, single)
+        Compiled().advance(*(field, single, single, single, (1, 1), 0.0, 1.0, np.inf, single, single, single))
 
 
 def test_the_same_bits_whatever_else_runs():
@@ -296,11 +303,20 @@ def test_the_active_set_is_where_the_gap_should_vanish(engine):
     pressure = np.array([[0.0, 0.5, 1.0]] * 3)
     separation = np.array([[-1.0] * 3, [0.0] * 3, [2.0] * 3]) + 0.25
     values = np.empty((3, 3))
-    assert engine.masked_residual(pressure, separation, 0.25, 1.0, values) == 5
+    cells = (3, 3), np.empty((1, 1)), np.empty((1, 1))
+    engine.masked_residual(pressure, separation, 0.25, 1.0, values, *cells)
+    assert cells[1] == pytest.approx(5 / 9)
+    assert cells[2] == pytest.approx(2 / 9)
     np.testing.assert_array_equal(values, [[-1, -1, 0], [0, array_api.CLOSED, 0], [0, 2, 2]])
     moved, free = np.empty((3, 3)), values.copy()
     correction = np.array([[-2.0, -0.2, 9], [9, 0.1, 9], [9, 2, 0.3]])
-    engine.advance(pressure, correction, mean=0.1, length=0.5, cap=1.0, out=moved, values=free)
+    # the coarse cell shares 0.9 among nine, which the neighbours take back
+    passed, share = np.full((3, 3), -0.1), np.array([[0.9]])
+    engine.advance(
+        *(pressure, correction, passed, share, (3, 3)),
+        *(0.1, 0.5, 1.0, moved, free, share),
+    )
+    assert share == pytest.approx(3 / 9)
     # before holding: [1.05, 0.65, 1], [0, 0.5, 1], [0, -0.45, 0.9]
     np.testing.assert_allclose(moved, [[1, 0.65, 1], [0, 0.5, 1], [0, 0, 0.9]])
     np.testing.assert_allclose(correction, [[0.05, 0, 0], [0, 0, 0], [0, -0.45, 0]], atol=1e-15)
@@ -313,7 +329,8 @@ def test_the_active_set_is_where_the_gap_should_vanish(engine):
     assert outside == pytest.approx(0.25 + 0.1)
     assert total == pytest.approx(1 + 1 + 1 + 1 + 0.75)
     rescaled = moved.copy()
-    engine.project(moved, 1.0, correction, free)
+    engine.project(moved, 1.0, correction, free, (3, 3), share)
+    assert share == pytest.approx(1 / 9)
     np.testing.assert_allclose(moved, [[1, 1, 1], [0, 0, 1], [0, 0, 0.75]])
     np.testing.assert_allclose(correction, [[0, 0.25, 0], [0, -0.1, 0], [0, 0, 0]], atol=1e-15)
     np.testing.assert_array_equal(free, [[0, 0, 0], [0, 0, 0], [0, 0, 1]])
@@ -324,6 +341,12 @@ def test_the_active_set_is_where_the_gap_should_vanish(engine):
     np.testing.assert_array_equal(projected, [[-1, 0.5, 0.5], [0, 0.5, 0.5], [0.5, 0.5, 2]])
 
 
+def step(engine, pressure, correction, cap, out, values):
+    """Take a whole step, of mean zero, with a correction to which nothing is added."""
+    nothing, cells = np.zeros_like(correction), (np.zeros((1, 1), correction.dtype), pressure.shape)
+    engine.advance(pressure, correction, nothing, *cells, 0.0, 1.0, cap, out, values, cells[0])
+
+
 @of_every_engine
 def test_points_that_are_foreseen_to_carry_nothing_leave_the_active_set(engine):
     """And give their load away in the next step; a point at the cap stays whatever is foreseen."""
@@ -331,10 +354,13 @@ def test_points_that_are_foreseen_to_carry_nothing_leave_the_active_set(engine):
     residual = np.array([[-2.0, -1.0, 3.0, 0.0, 0.0, 9.0]])
     values = np.array([[-2.0, -1.0, 3.0, 0.0, 0.5, 9.0]])  # the fourth is inactive as it is
     # less the mean of both neighbours: -6, -1.5, 3.5, -1.5, -4.5, 10
-    assert engine.predict_active(pressure, residual, (0.0, 0.5, 0.0), 0.1, 1.0, values) == 4
+    cells = (1, 6), np.empty((1, 1)), np.empty((1, 1))
+    engine.predict_active(pressure, residual, (0.0, 0.5, 0.0), 0.1, 1.0, values, *cells)
+    assert cells[1] == pytest.approx(4 / 6)
+    assert cells[2] == pytest.approx(6.5 / 6)
     np.testing.assert_array_equal(values, [[-2, -1, 0, 0, 0.5, 9]])
     moved, taken = np.empty((1, 6)), np.zeros((1, 6))
-    engine.advance(pressure, taken, mean=0.0, length=1.0, cap=1.0, out=moved, values=values)
+    step(engine, pressure, taken, 1.0, moved, values)
     np.testing.assert_array_equal(moved, [[0, 0, 0, 0, 0.5, 1]])
     np.testing.assert_array_equal(taken, [[0, 0, 0.1, 0.1, 0, 0]])
     np.testing.assert_array_equal(values, [[0, 0, 0, 0, 1, 0]])
@@ -349,7 +375,7 @@ def test_points_at_the_cap_are_there_in_the_precision_of_the_next_pressure(engin
     pressure = np.array([[0.0, 0.1, cap, cap]], SINGLE)
     free = np.array([[0.0, 0.1, 0.0, 0.5]], inner)  # the last one leaves the cap
     moved, correction = np.empty((1, 4)), np.full((1, 4), 0.05, inner)
-    engine.advance(pressure, correction, 0.0, 1.0, cap, moved, free)
+    step(engine, pressure, correction, cap, moved, free)
     np.testing.assert_allclose(moved, [[0, 0.05, cap, cap - 0.05]], rtol=1e-6)
     assert moved[0, 2] == cap
     np.testing.assert_array_equal(correction, 0)
@@ -409,8 +435,9 @@ def test_passes_in_one_sweep_equal_the_passes_one_by_one(engine, shape, factors)
 def test_weights_lie_between_one_piece_and_pieces_far_apart(engine, arrangement):
     # cells of 2 x 2 parts, in rows: none, one part, two, all four in contact, four with a hundredth each
     parts, share = np.array([[[0, 0.25, 0.5, 1, 0.1]], [[0, 0.25, 0.5, 1, 0.01]]])
-    weight, (empty, gain) = parts.copy(), np.empty((2, 1, 5))
-    engine.weigh(weight, share, (2, 2), arrangement, empty, gain)
+    empty, gain, weight, passed = np.empty((4, 1, 5))
+    engine.weigh(parts, share, (2, 2), arrangement, empty, gain, (1, 1), weight, passed)
+    np.testing.assert_array_equal(passed, share)
     np.testing.assert_allclose(weight[0, :2], [0, 0.5])  # the size of a single part is its own
     assert 0.5**0.5 < weight[0, 2] < 1
     assert weight[0, 3] == pytest.approx(1)
@@ -488,15 +515,19 @@ def test_refined_pressure_finds_the_edge_between_the_cells(engine):
 
 @of_every_engine
 def test_line_contacts_weigh_as_conductors_in_parallel_behind_the_logarithm_of_the_distance(engine):
+    def weigh(parts, factors):
+        (empty, gain), weight = np.empty((2, *parts.shape)), np.empty_like(parts)
+        arrangement = Arrangement.ALONG_A_LINE
+        engine.weigh(parts, parts, factors, arrangement, empty, gain, (1, 1), weight, parts.copy())
+        np.testing.assert_allclose(empty, 1 - weight)
+        return weight
+
     # one point in ever larger cells: the reciprocal of its weight grows by the same each time
-    weight, empty, gain = np.ones((1, 1)), np.empty((1, 1)), np.empty((1, 1))
+    weight = np.ones((1, 1))
     for doublings in range(1, 6):
-        weight /= 2  # the mean over a cell in contact and one that is not
-        engine.weigh(weight, weight.copy(), (1, 2), Arrangement.ALONG_A_LINE, empty, gain)
+        # the mean over a cell in contact and one that is not
+        weight = weigh(weight / 2, (1, 2))
         assert 1 / weight[0, 0] == pytest.approx(1 + doublings / 2)
-        assert empty[0, 0] == pytest.approx(1 - weight[0, 0])
     # cells in full contact stay so, those without any too, whatever the factor
     for factors in ((1, 2), (1, 3), (5, 1)):
-        weight = np.array([[1.0, 0.0]])
-        engine.weigh(weight, weight.copy(), factors, Arrangement.ALONG_A_LINE, *np.empty((2, 1, 2)))
-        np.testing.assert_array_equal(weight, [[1.0, 0.0]])
+        np.testing.assert_array_equal(weigh(np.array([[1.0, 0.0]]), factors), [[1.0, 0.0]])

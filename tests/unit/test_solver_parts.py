@@ -405,10 +405,12 @@ def test_a_residual_that_leaves_points_out_certifies_nothing():
     start = np.random.default_rng(0).random(grid.shape)
     iterate = Iterate(grid, start, 0.1, tolerance=1.0, finish=SINGLE)
     plain = grid.residual(iterate.state, precision=SINGLE)
+    values = grid._workspace_in(SINGLE).values
+    active = np.count_nonzero(values)
     whole = error_bound(grid, iterate.state, plain)
     iterate.measure(0)
     assert not iterate.residual.certifies
-    assert iterate.residual.active < plain.active
+    assert np.count_nonzero(values) < active
     assert iterate.bound < 0.98 * whole
     assert not iterate.has_stalled(0)
     iterate.certify()

@@ -47,8 +47,6 @@ class Residual:
         of G^-1 P r. The next residual, and any application of the operator, overwrites it.
     energy : float
         <r, M r>, a mean over the grid.
-    active : int
-        number of points in the active set, where r may differ from zero.
     certifies : bool
         whether r is the gap on all of the contact, so that its energy bounds the error.
     """
@@ -56,7 +54,6 @@ class Residual:
     spectrum: Array
     precision: str
     energy: float
-    active: int
     certifies: bool
 
 
@@ -64,12 +61,15 @@ class Residual:
 class PreconditionedResidual:
     """M r, the preconditioned residual of a state, by which a step corrects the pressure.
 
-    The `field` (ny, nx) is zero at the inactive points, and the next residual overwrites it; `mean` is that
-    over the active set.
+    At the active points it is the sum of `field` and `passed` (ny, nx) and of the distributed `coarse`; the
+    next residual overwrites all three. `mean` is that over the active set, `energy` <r, M r>.
     """
 
     field: Array
+    passed: Array
+    coarse: Array
     mean: float
+    energy: float
 
 
 class Grid:
@@ -172,32 +172,36 @@ class Grid:
         longer than wide, for which a stencil of neighbours predicts too little.
         """
         workspace = self._workspace_in(precision)
-        active = self.kernels.masked_residual(
-            state.pressure, state.separation, state.offset, self.cap, workspace.values
-        )
-        if workspace.interpolation.bends:
-            active = self._foresee_violations(state, workspace)
-        self._interpolate(workspace)
+        interpolation, values, field = workspace.interpolation, workspace.values, workspace.field
+        cells = interpolation.factors, interpolation.share, interpolation.means
+        self.kernels.masked_residual(state.pressure, state.separation, state.offset, self.cap, values, *cells)
+        if interpolation.bends:
+            self._foresee_violations(state, workspace)
+        self._interpolate(workspace, known=not interpolation.bends)
         predict = predict and not self._elongated
         if predict:
             weights, stiffness = self._local_stiffness()
-            active = self.kernels.predict_active(
-                state.pressure,
-                workspace.field,
-                weights,
-                STIFFNESS_SHARE * stiffness,
-                self.cap,
-                workspace.values,
+            self.kernels.predict_active(
+                state.pressure, field, weights, STIFFNESS_SHARE * stiffness, self.cap, values, *cells
             )
-            self._interpolate(workspace)
-        spectrum, energy = self.halfspace.pressure_spectrum(workspace.field)
-        return Residual(spectrum, precision, energy, active, certifies=not predict)
+            self._interpolate(workspace, known=True)
+        spectrum, energy = self.halfspace.pressure_spectrum(field)
+        return Residual(spectrum, precision, energy, certifies=not predict)
 
     def precondition(self, residual: Residual) -> PreconditionedResidual:
         """Return M r for the last `residual`: the other half of the application."""
         workspace = self._workspace_in(residual.precision)
-        self.halfspace.field_of(residual.spectrum, residual.precision, out=workspace.field)
-        return PreconditionedResidual(workspace.field, self._restrict(workspace) / max(residual.active, 1))
+        field, scratch = workspace.field, self.halfspace.scratch(residual.precision)
+        self.halfspace.field_of(residual.spectrum, residual.precision, out=field)
+        if self._line_axis is None:
+            # P keeps a constant, so that the sum of P^T is that of the field, whose mean is zero
+            coarse, mean = workspace.interpolation.restricted_to_coarse(field, scratch), 0.0
+        else:
+            active = int(namespace(field).count_nonzero(workspace.values))
+            mean = workspace.interpolation.restrict(field, scratch) / max(active, 1)
+            coarse = workspace.interpolation.share
+            coarse[...], scratch[...] = 0, 0
+        return PreconditionedResidual(field, scratch, coarse, mean, residual.energy)
 
     def advance(
         self,
@@ -219,18 +223,22 @@ class Grid:
         workspace = self._workspace_in(precision_of(correction.field))
         interpolation, taken, values = workspace.interpolation, correction.field, workspace.values
         safe = 0.0
-        if cap < np.inf:  # half the stiffness of the residual, <r, M r> / <r, r>, while both are there
+        if cap < np.inf:  # half the stiffness of the residual, <r, M r> / <r, r>, while that is there
             square = mean_product(values, values)
-            safe = 0.5 * mean_product(values, taken) / square if square > 0 else 0.0
-        kernels.advance(state.pressure, taken, correction.mean, length, cap, out, values)
+            safe = 0.5 * correction.energy / square if square > 0 else 0.0
+        cells = interpolation.factors, interpolation.share
+        kernels.advance(
+            *(state.pressure, taken, correction.passed, correction.coarse, interpolation.factors),
+            *(correction.mean, length, cap, out, values, interpolation.share),
+        )
         free = values  # the same array: no longer a residual, but 1 between the bounds and 0 elsewhere
         line_loads = None if self._line_axis is None else self._line_sums(out) + self._line_sums(taken)
         total = 0.0
         most, small = self._passes
         for number in range(most):
             if number > 0:
-                kernels.project(out, cap, taken, free)
-            interpolation.set_active(free)
+                kernels.project(out, cap, taken, free, *cells)
+            interpolation.set_active(free, share_known=True)
             scratch = self.halfspace.scratch(precision_of(taken))
             outside, total = interpolation.redistribute(taken, out, cap, scratch)
             if outside <= small * total:
@@ -335,13 +343,16 @@ class Grid:
         factor = 1.0 if layers is None else float(layers.factor(np.array([np.pi / pitch]))[0])
         return weights, 0.5 * np.pi / pitch / (4 * across + 8 * diagonal) / factor
 
-    def _interpolate(self, workspace: "Workspace") -> None:
-        """Put P of the workspace's values, zero at the inactive points, into its field."""
-        workspace.interpolation.set_active(workspace.values)
-        workspace.interpolation.prolong(workspace.values, workspace.field)
+    def _interpolate(self, workspace: "Workspace", *, known: bool) -> None:
+        """Put P of the workspace's values, zero at the inactive points, into its field.
 
-    def _foresee_violations(self, state: State, workspace: "Workspace") -> int:
-        """Put those points of a bound into the active set that will violate it; return its size.
+        `known`: their shares and means are in the interpolation already.
+        """
+        workspace.interpolation.set_active(workspace.values, share_known=known)
+        workspace.interpolation.prolong(workspace.values, workspace.field, means_known=known)
+
+    def _foresee_violations(self, state: State, workspace: "Workspace") -> None:
+        """Put those points of a bound into the active set that will violate it.
 
         A correction of the other points changes their gap by the interpolated residual. A stiff film that is
         a little too low overlaps far and wide, and lifts off with that correction; points without pressure
@@ -350,12 +361,11 @@ class Grid:
         values, without, full = workspace.values, state.pressure <= 0, state.pressure >= self.cap
         xp = namespace(values)
         values[...] = xp.where(without | full, xp.zeros_like(values), values)
-        self._interpolate(workspace)
+        self._interpolate(workspace, known=False)
         gap = in_precision(state.gap, precision_of(values), copy=False)
         gap = xp.where(gap == 0, xp.full_like(gap, CLOSED), gap)
         foreseen = (without & (gap < workspace.field)) | (full & (gap > workspace.field))
         values[...] = xp.where(foreseen, gap, values)
-        return int(xp.count_nonzero(values))
 
     def _restrict(self, workspace: "Workspace") -> float:
         """Put P^T of the workspace's field, zero at the inactive points, into it; return its sum."""

@@ -132,6 +132,13 @@ class Interpolation:
         bending = [False] if layers is None or not plan else (_power(layers, 1 / sizes) > STEEP).tolist()
         self.bends = any(bending)
         self._spares = [empty(like, precision) for _ in range(2)] if bending[0] else []
+        # of the cells of the finest coarser grid; the whole grid is one where there is none
+        self.factors: Factors = plan[0].factors if plan else like.shape
+        self.share, self.means = (
+            (self.grids[0].work, self.grids[0].means)
+            if plan
+            else (empty(like, precision, (1, 1)), empty(like, precision, (1, 1)))
+        )
         for grid, bends in zip(self.grids, bending[1:], strict=False):
             if bends and grid.line_gain is None:
                 grid.spares = [empty(like, precision, tuple(grid.work.shape)) for _ in range(2)]
@@ -141,31 +148,37 @@ class Interpolation:
         single_grids = has_separate_lines(plan) or self.bends
         self._small = None if single_grids else kernels.small_grids(self.grids, stores, ends)
 
-    def set_active(self, active: Array) -> None:
-        """Let C be the points where `active` is not zero; that array must not change while C is used."""
+    def set_active(self, active: Array, *, share_known: bool = False) -> None:
+        """Let C be the points where `active` is not zero; that array must not change while C is used.
+
+        `share_known`: a kernel has written the share of C in the cells of the finest coarser grid to `share`.
+        """
         kernels, xp, self.active = self.kernels, namespace(active), active
-        if self.grids:
-            finest = self.grids[0]
-            kernels.active_share(active, finest.factors, finest.means)
-            finest.work[...] = finest.means
-        # the share of contact in every cell comes into `work`, the mean weight of its parts into `means`
+        if not share_known:
+            kernels.active_share(active, self.factors, self.share)
+        if self._small is not None and self._small.first == 0:
+            self.grids[0].empty[...] = self.share
+        # the share of contact in every cell comes into `work`, the mean weight of its parts into `empty`
         for number, grid in enumerate(self.grids):
             if self._small is not None and number == self._small.first:
                 self._small.weigh()
                 break
+            parts = grid.empty if number else self.share
             coarser = self.grids[number + 1] if number + 1 < len(self.grids) else None
-            if grid.line_gain is not None:
-                # every line that is in contact at all counts as one full cell
-                touched = xp.astype(grid.means > 0, grid.means.dtype)
-                grid.line_gain[...] = touched / xp.where(touched > 0, grid.means, xp.ones_like(touched))
-                grid.means[...], grid.work[...], grid.gain[...] = touched, touched, touched
-                grid.empty[...] = 1 - touched
-            if coarser is not None:
-                kernels.block_mean(grid.work, coarser.factors, coarser.work)
             if grid.line_gain is None:
-                kernels.weigh(grid.means, grid.work, grid.factors, grid.arrangement, grid.empty, grid.gain)
+                given = parts, grid.work, grid.factors, grid.arrangement, grid.empty, grid.gain
+                if coarser is None:  # nothing needs the means: into workspace of the same shape
+                    kernels.weigh(*given, (1, 1), *self._sweep_work)
+                else:
+                    kernels.weigh(*given, coarser.factors, coarser.empty, coarser.work)
+                continue
+            # every line that is in contact at all counts as one full cell
+            touched = xp.astype(parts > 0, parts.dtype)
+            grid.line_gain[...] = touched / xp.where(touched > 0, parts, xp.ones_like(touched))
+            grid.gain[...], grid.empty[...] = touched, 1 - touched
             if coarser is not None:
-                kernels.block_mean(grid.means, coarser.factors, coarser.means)
+                kernels.block_mean(touched, coarser.factors, coarser.work)
+                coarser.empty[...] = coarser.work
         if self._factors is not None:
             self._weigh_by(self._factors)
 
@@ -174,10 +187,8 @@ class Interpolation:
         xp = namespace(self.active)
         finer = self.active
         for grid, factor in zip(self.grids, factors, strict=True):
-            parts, weight = grid.means, 1 - grid.empty
-            if grid is self.grids[0]:
-                self.kernels.active_share(self.active, grid.factors, parts)
-            else:
+            parts, weight = grid.work, 1 - grid.empty  # of the finest grid: the share
+            if grid is not self.grids[0]:
                 self.kernels.block_mean(finer, grid.factors, parts)
             share = xp.where(parts > 0, parts, xp.ones_like(parts))
             if grid.line_gain is None:
@@ -188,16 +199,21 @@ class Interpolation:
                 grid.line_gain[...] = weight / share
             finer = weight
 
-    def prolong(self, values: Array, out: Array) -> None:
-        """Write P `values` to `out`; both of shape (ny, nx), the values zero outside C."""
+    def prolong(self, values: Array, out: Array, *, means_known: bool = False) -> None:
+        """Write P `values` to `out`; both of shape (ny, nx), the values zero outside C.
+
+        `means_known`: a kernel has written the means of the values over the cells of the finest coarser grid
+        to `means`.
+        """
         kernels = self.kernels
         if not self.grids:
             gaps = self._gaps()
             kernels.fill(values, gaps, self._sweep(values, gaps, self.weights), self.weights, out)
             return
-        coarse = self.grids[0]
-        kernels.weighted_mean(values, coarse.factors, coarse.gain, coarse.means)
-        kernels.fill_from(values, self.active, self._prolonged(0), coarse.factors, self.weights, out)
+        if not means_known:
+            kernels.block_mean(values, self.factors, self.means)
+        self.means *= self.grids[0].gain
+        kernels.fill_from(values, self.active, self._prolonged(0), self.factors, self.weights, out)
         if self._spares:
             out[...] = self._smooth(values, self._gaps(), out, self.weights, SWEEPS, self._spares)
 
@@ -206,8 +222,8 @@ class Interpolation:
 
         `scratch`, like `field`, is overwritten.
         """
-        restricted, factors = self._restricted_to_coarse(field, scratch)
-        return self.kernels.finish_restriction(field, scratch, restricted, factors, self.active)
+        restricted = self.restricted_to_coarse(field, scratch)
+        return self.kernels.finish_restriction(field, scratch, restricted, self.factors, self.active)
 
     def redistribute(self, taken: Array, pressure: Array, cap: float, scratch: Array) -> tuple[float, float]:
         """Add the load P^T `taken`, which is zero on C, to the `pressure`.
@@ -215,10 +231,10 @@ class Interpolation:
         Returns how much of the pressure then lies outside [0, `cap`], and the sum of the pressure projected
         onto this interval. `taken` and `scratch` are overwritten.
         """
-        restricted, factors = self._restricted_to_coarse(taken, scratch)
+        restricted = self.restricted_to_coarse(taken, scratch)
         if self._spares:
             scratch += taken  # which holds, on C, the load from all sweeps but the last
-        return self.kernels.redistribute(pressure, scratch, restricted, factors, self.active, cap)
+        return self.kernels.redistribute(pressure, scratch, restricted, self.factors, self.active, cap)
 
     def _prolonged(self, number: int) -> Array:
         """Return the values of a grid, given its `means`, for the empty cells of the next finer grid."""
@@ -272,19 +288,23 @@ class Interpolation:
             total += passed
         return passed
 
-    def _restricted_to_coarse(self, field: Array, scratch: Array) -> tuple[Array, Factors]:
-        """Write the load from the neighbours to `scratch`; return that from the coarser grid, and factors."""
+    def restricted_to_coarse(self, field: Array, scratch: Array) -> Array:
+        """Write the load that P^T hands to the neighbours to `scratch`; return that from the coarser grid.
+
+        What is left of P^T `field` is `finish_restriction`. Where cells bend, `field` is changed, too.
+        """
         kernels = self.kernels
         if not self.grids:
             gaps = self._gaps()
             kernels.empty_neighbours(field, gaps, self.weights, scratch)
             self._sweep_back(scratch, gaps, self.weights)
-            return scratch[:1, :1] * 0, field.shape
-        coarse, passed = self.grids[0], field
+            self.share[...] = 0
+            return self.share
+        passed = field
         if self._spares:
             passed = self._smooth_back(field, self._gaps(), self.weights, SWEEPS, self._spares)
-        kernels.empty_from(passed, self.active, self.weights, scratch, coarse.factors, coarse.means)
-        return self._restricted(0), coarse.factors
+        kernels.empty_from(passed, self.active, self.weights, scratch, self.factors, self.means)
+        return self._restricted(0)
 
     def _restricted(self, number: int) -> Array:
         """Return the transpose of `_prolonged`: from the `means` of a grid to the load that they receive."""

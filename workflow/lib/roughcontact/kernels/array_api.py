@@ -119,28 +119,48 @@ def measure(
     )
 
 
-def masked_residual(pressure: Array, separation: Array, offset: float, cap: float, values: Array) -> int:
-    """Write the gap on the active set to `values`, zero elsewhere; return the number of active points.
+def masked_residual(
+    pressure: Array,
+    separation: Array,
+    offset: float,
+    cap: float,
+    values: Array,
+    factors: Factors,
+    share: Array,
+    means: Array,
+) -> None:
+    """Write the gap on the active set to `values`, zero elsewhere.
 
     See `active_set`. A gap of zero on the active set is replaced by `CLOSED`, so that the values are zero at
-    inactive points only.
+    inactive points only. The share of active points over blocks of `factors` cells goes to `share`, the mean
+    of the values to `means`.
     """
     xp = namespace(pressure)
     gap = separation - offset
     active = active_set(pressure, gap, cap)
     values[...] = xp.astype(xp.where(active, gap, xp.zeros_like(gap)), values.dtype)
     values[...] = xp.where(active & (values == 0), xp.full_like(values, CLOSED), values)
-    return int(xp.count_nonzero(active))
+    active_share(values, factors, share)
+    block_mean(values, factors, means)
 
 
 def predict_active(
-    pressure: Array, residual: Array, weights: Weights, stiffness: float, cap: float, values: Array
-) -> int:
-    """Set `values` to zero where a point is predicted to lose contact; return the number of active points.
+    pressure: Array,
+    residual: Array,
+    weights: Weights,
+    stiffness: float,
+    cap: float,
+    values: Array,
+    factors: Factors,
+    share: Array,
+    means: Array,
+) -> None:
+    """Set `values` to zero where a point is predicted to lose contact.
 
     The predicted pressure is p - `stiffness` (residual - mean over its eight neighbours), as in a primal-dual
     active-set method [1]_, with the stiffness of a single point: pressure over its height above its
-    neighbours. The residual is interpolated to all points. Points at the cap remain active.
+    neighbours. The residual is interpolated to all points. Points at the cap remain active. `share` and
+    `means` as in `masked_residual`.
 
     References
     ----------
@@ -152,29 +172,45 @@ def predict_active(
     predicted = pressure - stiffness * (residual - mean_around)
     active = (values != 0) & ((predicted > 0) | (pressure >= cap))
     values[...] = xp.where(active, values, xp.zeros_like(values))
-    return int(xp.count_nonzero(active))
+    active_share(values, factors, share)
+    block_mean(values, factors, means)
 
 
 def advance(
-    pressure: Array, correction: Array, mean: float, length: float, cap: float, out: Array, values: Array
+    pressure: Array,
+    correction: Array,
+    passed: Array,
+    coarse: Array,
+    factors: Factors,
+    mean: float,
+    length: float,
+    cap: float,
+    out: Array,
+    values: Array,
+    share: Array,
 ) -> None:
-    """Write p - `length` (`correction` - `mean`), projected onto [0, `cap`], to `out`.
+    """Write p - `length` (c - `mean`), projected onto [0, `cap`], to `out`.
 
-    `values` are zero at inactive points, and `mean` is that of the correction over the active set. Inactive
-    points at the cap keep their pressure, in the precision of `out`; the pressure of the other inactive
-    points becomes zero. The pressure removed by the projection is written to `correction`. `values` become 1
-    between the bounds, 0 elsewhere.
+    The correction c is the sum of `correction`, `passed` and the distributed `coarse`, as in
+    `finish_restriction`, and `mean` its mean over the active set. `values` are zero at inactive points.
+    Inactive points at the cap keep their pressure, in the precision of `out`; the pressure of the other
+    inactive points becomes zero. The pressure removed by the projection is written to `correction`. `values`
+    become 1 between the bounds, 0 elsewhere, and `share`, which may be the array `coarse`, their mean over
+    blocks of `factors` cells.
     """
     xp = namespace(pressure)
     active, full = values != 0, pressure >= cap
+    shared = repeat(coarse, factors, pressure.shape) / (factors[0] * factors[1])
+    whole = correction + (passed + shared)
     moved = xp.astype(pressure, out.dtype)
     moved[full] = cap
-    moved -= xp.where(active, length * (correction - mean), xp.zeros_like(correction))
+    moved -= xp.where(active, length * (whole - mean), xp.zeros_like(whole))
     projected = xp.clip(moved, 0, None if cap == float("inf") else cap)
     projected = xp.where(active | full, projected, xp.zeros_like(projected))
     out[...] = projected
     values[...] = xp.astype((projected > 0) & (projected < cap), values.dtype)
     correction[...] = xp.astype(moved - projected, correction.dtype)
+    block_mean(values, factors, share)
 
 
 def redistribute(
@@ -192,16 +228,17 @@ def redistribute(
     return _sum(xp, xp.abs(field - projected)), _sum(xp, projected)
 
 
-def project(field: Array, cap: float, taken: Array, free: Array) -> None:
+def project(field: Array, cap: float, taken: Array, free: Array, factors: Factors, share: Array) -> None:
     """Project `field` in place onto [0, `cap`] and write the removed part to `taken`.
 
-    `free` becomes 1 between the bounds and 0 elsewhere.
+    `free` becomes 1 between the bounds and 0 elsewhere, `share` its mean over blocks of `factors` cells.
     """
     xp = namespace(field)
     projected = xp.clip(field, 0, None if cap == float("inf") else cap)
     taken[...] = xp.astype(field - projected, taken.dtype)
     free[...] = xp.astype((projected > 0) & (projected < cap), free.dtype)
     field[...] = projected
+    block_mean(free, factors, share)
 
 
 def rescale(field: Array, factor: float, cap: float) -> None:
@@ -262,7 +299,15 @@ def active_share(active: Array, factors: Factors, out: Array) -> None:
 
 
 def weigh(
-    weight: Array, share: Array, factors: Factors, arrangement: Arrangement, empty: Array, gain: Array
+    parts: Array,
+    share: Array,
+    factors: Factors,
+    arrangement: Arrangement,
+    empty: Array,
+    gain: Array,
+    next_factors: Factors,
+    next_parts: Array,
+    next_share: Array,
 ) -> None:
     """Compute the weight of every cell from the mean weight of its parts; write their ratio to `gain`.
 
@@ -270,20 +315,22 @@ def weigh(
     one piece, this is the root of the share; if its parts are far apart, it is the sum of their sizes,
     reduced by mutual shielding at smaller distances. For an unknown arrangement the geometric mean is used.
     The displacement beside a line contact varies as the logarithm of the distance: each coarser grid adds a
-    constant to the reciprocal of the weight, and contacts add like conductors in parallel. `weight` holds the
-    mean weight of the parts and is overwritten; 1 - weight is written to `empty`. Cells out of contact, with
-    zero weight, are included.
+    constant to the reciprocal of the weight, and contacts add like conductors in parallel. `parts` is the
+    mean weight of the parts; 1 - weight is written to `empty`, which may be the array `parts`. Cells out of
+    contact, with zero weight, are included. The means of weight and `share` over blocks of `next_factors`
+    cells go to `next_parts` and `next_share`, for the next coarser grid.
     """
-    xp, parts = namespace(share), factors[0] * factors[1]
-    gain[...] = 1 / xp.where(weight > 0, weight, xp.ones_like(weight))
+    xp, count = namespace(share), factors[0] * factors[1]
     if arrangement == Arrangement.ALONG_A_LINE:
-        weight[...] = parts * weight / (1 + (parts - 1) * weight)
+        weight = count * parts / (1 + (count - 1) * parts)
     else:
-        whole, apart = xp.sqrt(share), weight * parts**0.5
+        whole, apart = xp.sqrt(share), parts * count**0.5
         pieces = apart / (1 + apart - whole)
-        weight[...] = pieces if arrangement == Arrangement.SCATTERED else xp.sqrt(whole * pieces)
-    gain *= weight
+        weight = pieces if arrangement == Arrangement.SCATTERED else xp.sqrt(whole * pieces)
+    gain[...] = weight / xp.where(parts > 0, parts, xp.ones_like(parts))
     empty[...] = 1 - weight
+    block_mean(weight, next_factors, next_parts)
+    block_mean(share, next_factors, next_share)
 
 
 def weighted_mean(field: Array, factors: Factors, gain: Array, out: Array) -> None:

@@ -31,17 +31,17 @@ _ARGUMENTS = {
     "extent": ("r", "q"),
     "make_dimensionless": ("oi", "ddq"),
     "measure": ("oiooo", "ddddq"),
-    "masked_residual": ("ooi", "ddq"),
-    "predict_active": ("oii", "dddddqq"),
-    "advance": ("siti", "dddq"),
+    "masked_residual": ("ooiii", "ddqqqq"),
+    "predict_active": ("oiiii", "dddddqqqq"),
+    "advance": ("siiitii", "dddqqqq"),
     "redistribute": ("oiii", "dqqqq"),
-    "project": ("oii", "dq"),
+    "project": ("oiii", "dqqqq"),
     "rescale": ("r", "ddq"),
     "project_residual": ("ooi", "ddq"),
     "restore_units": ("rrb", "dddq"),
     "block_mean": ("rr", "qqqq"),
     "active_share": ("rr", "qqqq"),
-    "weigh": ("rrrr", "qqqq"),
+    "weigh": ("rrrrrr", "qqqqqq"),
     "weighted_mean": ("rrr", "qqqq"),
     "mix": ("rrrr", "qqqq"),
     "neighbours": ("rr", "dddqq"),
@@ -144,25 +144,26 @@ class Compiled:
         arrays = separation, heights, start, before, pressure
         return tuple(self._run("measure", rows, 0, arrays, reference, 1 / unit, offset, cap, nx)[:6])
 
-    def masked_residual(self, pressure, separation, offset, cap, values):
-        rows, nx = pressure.shape
-        return int(self._run("masked_residual", rows, 0, (pressure, separation, values), offset, cap, nx)[0])
+    def masked_residual(self, pressure, separation, offset, cap, values, factors, share, means):
+        (ny, nx), arrays = pressure.shape, (pressure, separation, values, share, means)
+        self._run("masked_residual", len(share), nx, arrays, offset, cap, ny, nx, *factors)
 
-    def predict_active(self, pressure, residual, weights, stiffness, cap, values):
-        (ny, nx), arrays = pressure.shape, (pressure, residual, values)
-        return int(self._run("predict_active", ny, 2 * nx + 2, arrays, *weights, stiffness, cap, ny, nx)[0])
+    def predict_active(self, pressure, residual, weights, stiffness, cap, values, factors, share, means):
+        (ny, nx), arrays = pressure.shape, (pressure, residual, values, share, means)
+        numbers = *weights, stiffness, cap, ny, nx, *factors
+        self._run("predict_active", len(share), 3 * nx + 2, arrays, *numbers)
 
-    def advance(self, pressure, correction, mean, length, cap, out, values):
-        rows, nx = pressure.shape
-        self._run("advance", rows, 0, (pressure, correction, out, values), mean, length, cap, nx)
+    def advance(self, pressure, correction, passed, coarse, factors, mean, length, cap, out, values, share):
+        (ny, nx), arrays = pressure.shape, (pressure, correction, passed, coarse, out, values, share)
+        self._run("advance", len(share), nx, arrays, mean, length, cap, ny, nx, *factors)
 
     def redistribute(self, field, passed, coarse, factors, free, cap):
         (ny, nx), arrays = field.shape, (field, passed, coarse, free)
         return tuple(self._run("redistribute", len(coarse), nx, arrays, cap, ny, nx, *factors)[:2])
 
-    def project(self, field, cap, taken, free):
-        rows, nx = field.shape
-        self._run("project", rows, 0, (field, taken, free), cap, nx)
+    def project(self, field, cap, taken, free, factors, share):
+        ny, nx = field.shape
+        self._run("project", len(share), nx, (field, taken, free, share), cap, ny, nx, *factors)
 
     def rescale(self, field, factor, cap):
         rows, nx = field.shape
@@ -186,9 +187,10 @@ class Compiled:
         ny, nx = active.shape
         self._run("active_share", len(out), nx, (active, out), ny, nx, *factors)
 
-    def weigh(self, weight, share, factors, arrangement, empty, gain):
-        rows, nx = share.shape
-        self._run("weigh", rows, 0, (weight, share, empty, gain), nx, *factors, arrangement)
+    def weigh(self, parts, share, factors, arrangement, empty, gain, next_factors, next_parts, next_share):
+        (ny, nx), (fy, fx) = share.shape, factors
+        arrays, scratch = (parts, share, empty, gain, next_parts, next_share), (next_factors[0] + 1) * nx
+        self._run("weigh", len(next_share), scratch, arrays, ny, nx, fy * fx, arrangement, *next_factors)
 
     def weighted_mean(self, field, factors, gain, out):
         ny, nx = field.shape
@@ -277,9 +279,12 @@ class CompiledSmallGrids:
         weights = np.array([grid.weights for grid in grids[first:]], dtype=stores[0].dtype)
         self._arrays = (*stores, np.array(table, dtype=np.int64), weights)
         self._count, self._longest = len(table), max(row[1] for row in table)
+        # the coarsest is weighed row by row
+        rows = [*(row[2] for row in table[1:]), 1]
+        self._scratch = max((height + 1) * row[1] for height, row in zip(rows, table, strict=True))
 
     def weigh(self):
-        run_pass("weigh_small", 1, self._longest, self._arrays, self._count)
+        run_pass("weigh_small", 1, self._scratch, self._arrays, self._count)
 
     def prolong(self, sweeps, work, other):
         arrays = work, other, *self._arrays

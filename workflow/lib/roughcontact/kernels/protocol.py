@@ -60,8 +60,16 @@ class Kernels(Protocol):
         cap: float,
     ) -> tuple[float, ...]: ...
     def masked_residual(
-        self, pressure: Array, separation: Array, offset: float, cap: float, values: Array
-    ) -> int: ...
+        self,
+        pressure: Array,
+        separation: Array,
+        offset: float,
+        cap: float,
+        values: Array,
+        factors: Factors,
+        share: Array,
+        means: Array,
+    ) -> None: ...
     def project_residual(
         self, pressure: Array, separation: Array, offset: float, cap: float, values: Array
     ) -> float: ...
@@ -73,21 +81,30 @@ class Kernels(Protocol):
         stiffness: float,
         cap: float,
         values: Array,
-    ) -> int: ...
+        factors: Factors,
+        share: Array,
+        means: Array,
+    ) -> None: ...
     def advance(
         self,
         pressure: Array,
         correction: Array,
+        passed: Array,
+        coarse: Array,
+        factors: Factors,
         mean: float,
         length: float,
         cap: float,
         out: Array,
         values: Array,
+        share: Array,
     ) -> None: ...
     def redistribute(
         self, field: Array, passed: Array, coarse: Array, factors: Factors, free: Array, cap: float
     ) -> tuple[float, float]: ...
-    def project(self, field: Array, cap: float, taken: Array, free: Array) -> None: ...
+    def project(
+        self, field: Array, cap: float, taken: Array, free: Array, factors: Factors, share: Array
+    ) -> None: ...
     def rescale(self, field: Array, factor: float, cap: float) -> None: ...
 
     # prolongation and restriction on a hierarchy of grids
@@ -95,12 +112,15 @@ class Kernels(Protocol):
     def active_share(self, active: Array, factors: Factors, out: Array) -> None: ...
     def weigh(
         self,
-        weight: Array,
+        parts: Array,
         share: Array,
         factors: Factors,
         arrangement: Arrangement,
         empty: Array,
         gain: Array,
+        next_factors: Factors,
+        next_parts: Array,
+        next_share: Array,
     ) -> None: ...
     def weighted_mean(self, field: Array, factors: Factors, gain: Array, out: Array) -> None: ...
     def mix(self, values: Array, empty: Array, coarse: Array, factors: Factors, out: Array) -> None: ...

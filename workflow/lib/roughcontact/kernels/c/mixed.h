@@ -50,64 +50,64 @@ PASS(measure, {
     memcpy(found->sums, sums, sizeof sums);
 }
 
+/* The passes that find an active set also give its share in the cells of the next coarser grid. */
 PASS(masked_residual, {
     const OUTER *pressure, *separation;
-    INNER *values;
+    INNER *values, *share, *means;
     double offset, cap;
-    int64_t nx;
+    int64_t ny, nx, fy, fx;
 })
 {
     const OUTER offset = (OUTER)given->offset, cap = (OUTER)given->cap;
-    int64_t active_points = 0;
-    for (int64_t i = first; i < last; i++) {
-        const OUTER *pressure = given->pressure + i * given->nx, *separation = given->separation + i * given->nx;
-        INNER *values = given->values + i * given->nx;
-        int32_t count = 0;
-        SUM(count)
-        for (int64_t j = 0; j < given->nx; j++) {
+    const int64_t nx = given->nx, fx = given->fx, cells = INNER_NAME(cells_of)(nx, fx);
+    const INNER part = (INNER)1 / (INNER)(given->fy * fx);
+    for (int64_t block = first; block < last; block++) {
+        const int64_t start = block * given->fy, rows = SMALLER(given->fy, given->ny - start);
+        const OUTER *pressure = given->pressure + start * nx, *separation = given->separation + start * nx;
+        INNER *values = given->values + start * nx;
+        VECTOR
+        for (int64_t j = 0; j < rows * nx; j++) {
             const OUTER gap = separation[j] - offset;
             const int active = ACTIVE(pressure[j], gap, cap);
             const INNER value = (INNER)gap;
             values[j] = active ? (value == 0 ? (INNER)CLOSED : value) : (INNER)0;
-            count += active;
         }
-        active_points += count;
+        INNER_NAME(share_of_rows)(values, rows, nx, fx, part, scratch, given->share + block * cells);
+        INNER_NAME(mean_of_rows)(values, rows, nx, fx, part, scratch, given->means + block * cells);
     }
-    found->sums[0] = (double)active_points;
 }
 
 PASS(predict_active, {
     const OUTER *pressure;
     const INNER *residual;
-    INNER *values;
+    INNER *values, *share, *means;
     struct Weights weights;
     double stiffness, cap;
-    int64_t ny, nx;
+    int64_t ny, nx, fy, fx;
 })
 {
     const OUTER cap = (OUTER)given->cap;
-    const INNER stiffness = (INNER)given->stiffness;
-    const int64_t ny = given->ny, nx = given->nx;
-    INNER *row = scratch, *mean = row + nx + 2;
-    int64_t active_points = 0;
-    for (int64_t i = first; i < last; i++) {
-        const OUTER *pressure = given->pressure + i * nx;
-        const INNER *residual = given->residual + i * nx;
-        const INNER *up = given->residual + before(i, ny) * nx, *down = given->residual + after(i, ny) * nx;
-        INNER *values = given->values + i * nx;
-        INNER_NAME(around)(up, residual, down, &given->weights, row, mean, nx);
-        VECTOR
-        for (int64_t j = 0; j < nx; j++) {
-            const OUTER p = pressure[j], foreseen = p - stiffness * (residual[j] - mean[j]);
-            values[j] = (foreseen > 0) | (p >= cap) ? values[j] : (INNER)0;
+    const INNER stiffness = (INNER)given->stiffness, part = (INNER)1 / (INNER)(given->fy * given->fx);
+    const int64_t ny = given->ny, nx = given->nx, fx = given->fx, cells = INNER_NAME(cells_of)(nx, fx);
+    INNER *columns = scratch, *mean = columns + nx, *row = mean + nx;
+    for (int64_t block = first; block < last; block++) {
+        const int64_t start = block * given->fy, rows = SMALLER(given->fy, ny - start);
+        for (int64_t i = start; i < start + rows; i++) {
+            const OUTER *pressure = given->pressure + i * nx;
+            const INNER *residual = given->residual + i * nx;
+            const INNER *up = given->residual + before(i, ny) * nx, *down = given->residual + after(i, ny) * nx;
+            INNER *values = given->values + i * nx;
+            INNER_NAME(around)(up, residual, down, &given->weights, row, mean, nx);
+            VECTOR
+            for (int64_t j = 0; j < nx; j++) {
+                const OUTER p = pressure[j], foreseen = p - stiffness * (residual[j] - mean[j]);
+                values[j] = (foreseen > 0) | (p >= cap) ? values[j] : (INNER)0;
+            }
         }
-        int32_t count = 0;
-        SUM(count)
-        for (int64_t j = 0; j < nx; j++)
-            count += values[j] != 0;
-        active_points += count;
+        const INNER *values = given->values + start * nx;
+        INNER_NAME(share_of_rows)(values, rows, nx, fx, part, columns, given->share + block * cells);
+        INNER_NAME(mean_of_rows)(values, rows, nx, fx, part, columns, given->means + block * cells);
     }
-    found->sums[0] = (double)active_points;
 }
 
 PASS(redistribute, {
@@ -144,22 +144,26 @@ PASS(redistribute, {
 
 PASS(project, {
     OUTER *field;
-    INNER *taken, *free;
+    INNER *taken, *free, *share;
     double cap;
-    int64_t nx;
+    int64_t ny, nx, fy, fx;
 })
 {
     const OUTER cap = (OUTER)given->cap;
-    for (int64_t i = first; i < last; i++) {
-        OUTER *field = given->field + i * given->nx;
-        INNER *taken = given->taken + i * given->nx, *free = given->free + i * given->nx;
+    const int64_t nx = given->nx, fx = given->fx, cells = INNER_NAME(cells_of)(nx, fx);
+    const INNER part = (INNER)1 / (INNER)(given->fy * fx);
+    for (int64_t block = first; block < last; block++) {
+        const int64_t start = block * given->fy, rows = SMALLER(given->fy, given->ny - start);
+        OUTER *field = given->field + start * nx;
+        INNER *taken = given->taken + start * nx, *free = given->free + start * nx;
         VECTOR
-        for (int64_t j = 0; j < given->nx; j++) {
+        for (int64_t j = 0; j < rows * nx; j++) {
             const OUTER value = field[j], held = HELD(value, cap);
             field[j] = held;
             taken[j] = (INNER)(value - held);
             free[j] = FREE(value, cap) ? (INNER)1 : (INNER)0;
         }
+        INNER_NAME(mean_of_rows)(free, rows, nx, fx, part, scratch, given->share + block * cells);
     }
 }
 

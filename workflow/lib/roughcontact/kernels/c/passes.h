@@ -229,18 +229,12 @@ PASS(restore_units, { REAL *pressure, *gap; int8_t *contact; double offset, pres
 
 /* ---- from a fine grid to a coarse one, and back ---- */
 
-PASS(block_mean, { const REAL *field; REAL *out; int64_t ny, nx, fy, fx; })
+/* Write the means of one row of blocks, `rows` high and `fx` wide, to `out`; `share`: one over the points of a complete
+   block, `columns`: work memory, nx. */
+static void NAME(mean_of_rows)(const REAL *field, int64_t rows, int64_t nx, int64_t fx, REAL share, REAL *columns,
+                               REAL *out)
 {
-    const int64_t nx = given->nx, cells = NAME(cells_of)(nx, given->fx);
-    const REAL share = (REAL)1 / (REAL)(given->fy * given->fx);
-    REAL *columns = scratch;
-    for (int64_t i = first; i < last; i++) {
-        const REAL *field = given->field + i * given->fy * nx;
-        const int64_t rows = SMALLER(given->fy, given->ny - i * given->fy);
-        if (rows == 1) {
-            NAME(fold)(field, nx, given->fx, share, given->out + i * cells);
-            continue;
-        }
+    if (rows > 1) {
         VECTOR
         for (int64_t j = 0; j < nx; j++)
             columns[j] = field[j] + field[nx + j];
@@ -248,46 +242,73 @@ PASS(block_mean, { const REAL *field; REAL *out; int64_t ny, nx, fy, fx; })
             VECTOR
             for (int64_t j = 0; j < nx; j++)
                 columns[j] += field[k * nx + j];
-        NAME(fold)(columns, nx, given->fx, share, given->out + i * cells);
     }
+    NAME(fold)(rows > 1 ? columns : field, nx, fx, share, out);
+}
+
+/* The same for the share of points where the field is not zero. */
+static void NAME(share_of_rows)(const REAL *active, int64_t rows, int64_t nx, int64_t fx, REAL share, REAL *columns,
+                                REAL *out)
+{
+    memset(columns, 0, (size_t)nx * sizeof(REAL));
+    for (int64_t k = 0; k < rows; k++)
+        VECTOR
+        for (int64_t j = 0; j < nx; j++)
+            columns[j] += active[k * nx + j] == 0 ? (REAL)0 : (REAL)1;
+    NAME(fold)(columns, nx, fx, share, out);
+}
+
+PASS(block_mean, { const REAL *field; REAL *out; int64_t ny, nx, fy, fx; })
+{
+    const int64_t nx = given->nx, fy = given->fy, cells = NAME(cells_of)(nx, given->fx);
+    for (int64_t i = first; i < last; i++)
+        NAME(mean_of_rows)(given->field + i * fy * nx, SMALLER(fy, given->ny - i * fy), nx, given->fx,
+                           (REAL)1 / (REAL)(fy * given->fx), scratch, given->out + i * cells);
 }
 
 PASS(active_share, { const REAL *active; REAL *out; int64_t ny, nx, fy, fx; })
 {
-    const int64_t nx = given->nx, cells = NAME(cells_of)(nx, given->fx);
-    const REAL share = (REAL)1 / (REAL)(given->fy * given->fx);
-    REAL *columns = scratch;
-    for (int64_t block = first; block < last; block++) {
-        memset(columns, 0, (size_t)nx * sizeof(REAL));
-        for (int64_t i = block * given->fy; i < SMALLER((block + 1) * given->fy, given->ny); i++) {
-            const REAL *active = given->active + i * nx;
-            VECTOR
-            for (int64_t j = 0; j < nx; j++)
-                columns[j] += active[j] == 0 ? (REAL)0 : (REAL)1;
-        }
-        NAME(fold)(columns, nx, given->fx, share, given->out + block * cells);
-    }
+    const int64_t nx = given->nx, fy = given->fy, cells = NAME(cells_of)(nx, given->fx);
+    for (int64_t i = first; i < last; i++)
+        NAME(share_of_rows)(given->active + i * fy * nx, SMALLER(fy, given->ny - i * fy), nx, given->fx,
+                            (REAL)1 / (REAL)(fy * given->fx), scratch, given->out + i * cells);
 }
 
-/* `weigh` of array_api.py; the arrangement is passed as an integer. */
-PASS(weigh, { REAL *weight; const REAL *share; REAL *empty, *gain; int64_t nx, fy, fx, arrangement; })
+/* `weigh` of array_api.py for cells of `points` parts each; the arrangement is passed as an integer. Without
+   `next_share` there is no coarser grid. */
+PASS(weigh, {
+    const REAL *parts, *share;
+    REAL *empty, *gain, *next_parts, *next_share;
+    int64_t ny, nx, points, arrangement, fy, fx;
+})
 {
-    const REAL parts = (REAL)(given->fy * given->fx), root = (REAL)sqrt((double)(given->fy * given->fx));
+    const int64_t nx = given->nx, fy = given->fy, fx = given->fx, cells = NAME(cells_of)(nx, fx);
     const int64_t arrangement = given->arrangement;
-    for (int64_t i = first; i < last; i++) {
-        REAL *weight = given->weight + i * given->nx, *empty = given->empty + i * given->nx;
-        REAL *gain = given->gain + i * given->nx;
-        const REAL *share = given->share + i * given->nx;
+    const REAL points = (REAL)given->points, root = (REAL)sqrt((double)given->points);
+    const REAL part = (REAL)1 / (REAL)(fy * fx);
+    REAL *columns = scratch, *weights = columns + nx;
+    for (int64_t block = first; block < last; block++) {
+        const int64_t start = block * fy, rows = SMALLER(fy, given->ny - start);
+        const REAL *parts = given->parts + start * nx, *share = given->share + start * nx;
+        REAL *empty = given->empty + start * nx, *gain = given->gain + start * nx;
+        if (arrangement == ALONG_A_LINE)
+            for (int64_t j = 0; j < rows * nx; j++)
+                weights[j] = points * parts[j] / (1 + (points - 1) * parts[j]);
+        else
+            VECTOR
+            for (int64_t j = 0; j < rows * nx; j++) {
+                const REAL whole = ROOT(share[j]), apart = parts[j] * root, pieces = apart / (1 + apart - whole);
+                weights[j] = arrangement == SCATTERED ? pieces : ROOT(whole * pieces);
+            }
         VECTOR
-        for (int64_t j = 0; j < given->nx; j++) {
-            const REAL mean = weight[j], whole = ROOT(share[j]), apart = mean * root;
-            const REAL pieces = apart / (1 + apart - whole), between = ROOT(whole * pieces);
-            const REAL in_line = parts * mean / (1 + (parts - 1) * mean);
-            const REAL value = arrangement == ALONG_A_LINE ? in_line : arrangement == SCATTERED ? pieces : between;
-            weight[j] = value;
-            empty[j] = 1 - value;
-            gain[j] = value / (mean > 0 ? mean : (REAL)1);
+        for (int64_t j = 0; j < rows * nx; j++) {
+            gain[j] = weights[j] / (parts[j] > 0 ? parts[j] : (REAL)1);
+            empty[j] = 1 - weights[j];
         }
+        if (!given->next_share)
+            continue;
+        NAME(mean_of_rows)(weights, rows, nx, fx, part, columns, given->next_parts + block * cells);
+        NAME(mean_of_rows)(share, rows, nx, fx, part, columns, given->next_share + block * cells);
     }
 }
 
@@ -517,28 +538,21 @@ static REAL NAME(mean_over_contact)(const REAL *field, const REAL *empty, int64_
     return weight > 0 ? total / weight : 0;
 }
 
-static void NAME(take_means)(const REAL *field, const struct NAME(Grid) *fine, const struct NAME(Grid) *coarse,
-                             REAL *out, void *scratch)
-{
-    const struct NAME(block_mean) mean = {field, out, fine->ny, fine->nx, coarse->fy, coarse->fx};
-    NAME(work_block_mean)(&mean, 0, coarse->ny, scratch, NULL);
-}
-
 PASS(weigh_small, { struct NAME(Small) small; })
 {
     (void)first, (void)last;
     for (int64_t number = 0; number < given->small.count; number++) {
         const struct NAME(Grid) grid = NAME(grid)(&given->small, number);
-        const struct NAME(weigh) weigh = {grid.means, grid.work, grid.empty, grid.gain,
-                                          grid.nx, grid.fy, grid.fx, grid.arrangement};
-        if (number + 1 == given->small.count) {
-            NAME(work_weigh)(&weigh, 0, grid.ny, scratch, found);
-            return;
+        struct NAME(weigh) weigh = {grid.empty, grid.work, grid.empty, grid.gain, NULL, NULL,
+                                    grid.ny, grid.nx, grid.fy * grid.fx, grid.arrangement, 1, 1};
+        if (number + 1 < given->small.count) {
+            const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
+            weigh.next_parts = coarse.empty;
+            weigh.next_share = coarse.work;
+            weigh.fy = coarse.fy;
+            weigh.fx = coarse.fx;
         }
-        const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
-        NAME(take_means)(grid.work, &grid, &coarse, coarse.work, scratch);
-        NAME(work_weigh)(&weigh, 0, grid.ny, scratch, found);
-        NAME(take_means)(grid.means, &grid, &coarse, coarse.means, scratch);
+        NAME(work_weigh)(&weigh, 0, (grid.ny + weigh.fy - 1) / weigh.fy, scratch, found);
     }
 }
 

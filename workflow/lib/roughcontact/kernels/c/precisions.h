@@ -49,6 +49,7 @@
 
 #define STATE float
 #define INNER float
+#define INNER_TYPE f
 #define OUT float
 #define TYPES fff
 #include "advance.h"
@@ -65,9 +66,11 @@
 #define TYPES dfd
 #include "advance.h"
 #undef INNER
+#undef INNER_TYPE
 #undef TYPES
 
 #define INNER double
+#define INNER_TYPE d
 #define TYPES ddd
 #include "advance.h"
 #undef STATE
@@ -78,6 +81,7 @@
 #include "advance.h"
 #undef STATE
 #undef INNER
+#undef INNER_TYPE
 #undef OUT
 #undef TYPES
 
