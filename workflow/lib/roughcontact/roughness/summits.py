@@ -103,7 +103,7 @@ def summit_that_stands_out(height: xr.DataArray, *, images: int = 1) -> dict[str
     """
     values = height.values.astype(float, copy=False)
     found = [_highest(values, *sides, images) for sides in (_SUMMIT, _SPIKE)]
-    if not all(found):
+    if not all(heights[0] for heights, _ in found):
         return {}
     chance, inverse, place = min((_chance(heights), heights[1] / heights[0], at) for heights, at in found)
     return {
@@ -113,12 +113,10 @@ def summit_that_stands_out(height: xr.DataArray, *, images: int = 1) -> dict[str
     }
 
 
-def _highest(
-    values: np.ndarray, top: int, around: int, images: int
-) -> tuple[list[float], tuple[int, ...]] | None:
-    """Return the greatest heights of tops above their surroundings, 0 where there are no more, and the place.
+def _highest(values: np.ndarray, top: int, around: int, images: int) -> tuple[list[float], tuple[int, ...]]:
+    """Return the greatest heights of tops above their surroundings, 0 where there are no more.
 
-    None for a map without any.
+    With them comes the place of the first.
     """
     from scipy.ndimage import uniform_filter
 
@@ -127,7 +125,7 @@ def _highest(
     rounding = 1e-12 * float(np.abs(values).max(initial=0.0))
     reach = np.arange(-(around // 2), around // 2 + 1)
     heights: list[float] = []
-    places = []
+    places: list[tuple[int, ...]] = []
     while len(heights) < _COMPARED:
         place = tuple(int(i) for i in np.unravel_index(above.argmax(), above.shape))
         if not above[place] > rounding:
@@ -135,7 +133,7 @@ def _highest(
         heights.append(float(above[place]))
         places.append(place)
         above[np.ix_(*((i + reach) % n for i, n in zip(place, above.shape, strict=True)))] = -np.inf
-    return (heights + [0.0] * (_COMPARED - len(heights)), places[0]) if heights else None
+    return heights + [0.0] * (_COMPARED - len(heights)), places[0] if places else ()
 
 
 def _chance(heights: list[float]) -> float:
