@@ -180,6 +180,12 @@ def merged(finer: str, height: xr.DataArray, seed: int) -> Measurement:
     return Measurement(instruments.coarser(height, 2), finer=FINER[finer](height))
 
 
+def corrected(error: str, height: xr.DataArray, seed: int) -> Measurement:
+    """Return a map with an error of `SPOILERS`, for which it is to be corrected."""
+    case = SPOILERS[error].spoil(height, seed)
+    return case._replace(instrument=case.instrument | {"correct": True})
+
+
 FINER: dict[str, Callable[[xr.DataArray], xr.DataArray | None]] = {
     "": lambda height: None,
     "finer map": lambda height: height,
@@ -214,6 +220,13 @@ SPOILERS = {
         )
         for finer in FINER
     },
+}
+SPOILERS |= {
+    f"{error}, corrected": spoiler._replace(
+        cause=f"{spoiler.cause}, corrected", spoil=partial(corrected, error)
+    )
+    for error, spoiler in SPOILERS.items()
+    if spoiler.cause in ("noise", "lens")
 }
 
 

@@ -111,7 +111,7 @@ NO_NUMBER |= {
 ENDINGS = (
     # of an interval or a magnification curve, of the same kind as its number
     r"_(uncertainty|((map|next|next_part)_)?(lower|upper)|of_maps|parts|choices|half_way|estimate|at_cutoff"
-    r"|components)$"
+    r"|components|as_measured)$"
 )
 
 BODIES = (

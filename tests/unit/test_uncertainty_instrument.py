@@ -18,16 +18,17 @@ from roughcontact.uncertainty.answers import headline_and_answers
 from roughcontact.uncertainty.budget import error_budget
 from roughcontact.uncertainty.combination import uncertainty_table
 from roughcontact.uncertainty.headline import QUANTITIES
-from roughcontact.uncertainty.instrument import check_instrument, instrument_uncertainty, stated_instrument
+from roughcontact.uncertainty.instrument import instrument_uncertainty
 from roughcontact.uncertainty.magnification import magnification_curve, without_shortest_waves
 from roughcontact.uncertainty.repeats import noise_of_repeats
 from roughcontact.uncertainty.scaling import log_sensitivities, scaling_uncertainty
-from roughcontact.uncertainty.transfer import eroded, reliability_length, restored, transfer, with_noise
 from roughcontact.uncertainty.unresolved import (
     expected_growth,
     growth_by_finer_spectrum,
     unresolved_uncertainty,
 )
+from roughcontact.window.instrument import check_instrument, stated_instrument
+from roughcontact.window.transfer import eroded, reliability_length, restored, transfer, with_noise
 
 MODULUS = 1e9
 LENS = {"numerical_aperture": 0.3, "wavelength": 0.55e-6}

@@ -118,3 +118,31 @@ def test_a_repeat_that_changes_is_measured_again(project, date):
     jobs = project.jobs()
     np.save(path, np.load(path)[::-1])
     assert jobs["prepare"] == 2
+
+
+def test_a_case_that_is_corrected_has_its_own_window_and_says_so(tmp_path, checkout):
+    project = Project(tmp_path / "project", checkout)
+    project.path("measured").mkdir(parents=True, exist_ok=True)
+    waves = {"hurst": 0.8, "shortest": 6e-6, "longest": 32e-6, "rms_gradient": 0.05}
+    noise = NOISE * np.random.default_rng(0).standard_normal((64, 64))
+    np.save(
+        project.path("measured/one.npy"), 1e6 * (self_affine_surface((64, 64), 1e-6, **waves).values + noise)
+    )
+    cases = {"measured": {}, "corrected": {"instrument": {"correct": True}}}
+    settings = SETTINGS | {"uncertainty": {"sources": []}, "instrument": {"noise": NOISE}, "cases": cases}
+    project.write(settings, ["surface\tpath\tunit\tdx\tdy", "one\tmeasured/one.npy\tum\t1\t1"])
+    run = project.run()
+    assert run.returncode == 0, run.stderr
+    window, corrected = (
+        read_dataset(project.path(f"results/{case}/one/window.nc"))["height"] for case in cases
+    )
+    assert project.path("results/corrected/one/levelled.nc").is_symlink()
+    assert corrected.attrs["corrected_for"] == "noise of 5.00 nm"
+    assert "corrected_for" not in window.attrs
+    assert float(corrected.std()) < float(window.std())
+    summary = pd.read_csv(project.path("results/summary.csv")).groupby("case")
+    assert summary["corrected_for"].first().dropna().to_dict() == {"corrected": "noise of 5.00 nm"}
+    gradient = summary["rms_gradient"].first()
+    assert gradient["corrected"] < gradient["measured"]
+    assert "corrected for noise of 5.00 nm" in project.path("results/report.html").read_text(encoding="utf-8")
+    assert project.jobs() == {}

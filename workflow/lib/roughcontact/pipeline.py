@@ -25,9 +25,10 @@ from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.statistics.targets import wanted_loads
 from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
 from roughcontact.variables import describe
+from roughcontact.window.instrument import window_arguments
 from roughcontact.window.periodic_window import periodic_window
 
-_BAND = ("band_shortest", "band_longest", "band_reason")
+_BAND = ("band_shortest", "band_longest", "band_reason", "corrected_for")
 
 SECTIONS = ("level", "window", "contact", "statistics", "uncertainty", "instrument")  # of the settings
 
@@ -83,7 +84,7 @@ def run_chain(
     progress(0, None, "levelling")
     levelled = level(height, **settings["level"])
     progress(0, None, "periodic window")
-    window = periodic_window(levelled, **settings["window"])
+    window = periodic_window(levelled, **window_arguments(levelled, settings))
     solver = solver_arguments(window, settings["contact"], threads=threads)
     loads = len(solver["mean_pressure"])
     progress(0, loads, "solving")
@@ -145,7 +146,8 @@ def bound_error(
     `instrument` of the settings, and the solver arguments of `solver_arguments`.
     """
     stated = {key: settings["contact"][key] for key in MATERIAL_UNCERTAINTIES}
-    verbs = {key: settings[key] for key in ("level", "window", "instrument")}
+    verbs = {key: settings[key] for key in ("level", "instrument")}
+    verbs["window"] = window_arguments(levelled, settings)
     verbs["contact"] = {**solver, **stated}
     return error_budget(levelled, window, verbs, **settings["uncertainty"])
 

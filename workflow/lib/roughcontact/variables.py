@@ -303,6 +303,7 @@ _OF_INTERVALS = {
     "parts": "{} of each part of the window, solved by itself",
     "choices": "{} with other choices of processing",
     "at_cutoff": "{} of the waves that are kept, by the shortest of them",
+    "as_measured": "{} without the correction for the instrument",
 }
 VARIABLES |= {
     f"{name}_sensitivity": ("1", f"d ln Q/d ln input of the {words}")

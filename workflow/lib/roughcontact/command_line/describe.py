@@ -214,6 +214,8 @@ def _about(result: Mapping[str, Any]) -> list[str]:
     lines = [""]
     if shortest := result["window"].get("shortest_wavelength"):
         lines.append(_line("waves", f"longer than {quantity(shortest, 'm')}"))
+    if corrected := result["window"].get("corrected_for"):
+        lines.append(_line("corrected", f"for {corrected}"))
     uncertainty = result["settings"]["uncertainty"]
     if "window" in uncertainty["sources"]:
         times = number(uncertainty["extent"], digits=2)

@@ -149,6 +149,7 @@ def _solved(
             "nx": window.shape[1],
             "periodisation": window.attrs.get("periodisation", "none"),
             "share": float(window.attrs.get("window_share", 1.0)),
+            "corrected_for": window.attrs.get("corrected_for"),
             "shortest_wavelength": float(statistics["cutoff_wavelength"][0])
             if "cutoff" in statistics.dims
             else None,

@@ -491,6 +491,11 @@ class Instrument(Section):
         "the map",
         examples=["measured/afm-patch.nid"],
     )
+    correct: bool = Field(
+        default=False,
+        description="whether the map is corrected for noise, and resolution or lens, as far as they are "
+        "known: the results are then those of the corrected map, and say so; else only the ± includes them",
+    )
 
 
 class Report(Section):

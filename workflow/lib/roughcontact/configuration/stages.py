@@ -32,7 +32,10 @@ def settings_of(settings: Mapping[str, Any], stage: str) -> dict[str, Any]:
     """
     if stage == "contact" and not settings["contact"]["keep_fields"]:
         stage = "statistics"
-    found = {section: settings[section] for section in SECTIONS[stage]}
+    sections = SECTIONS[stage]
+    if "window" in sections and settings["instrument"]["correct"]:  # the window is corrected by it
+        sections = tuple(dict.fromkeys([*sections, "instrument"]))
+    found = {section: settings[section] for section in sections}
     if stage == "uncertainty":  # the same with and without fields
         found["contact"] = {key: value for key, value in found["contact"].items() if key != "keep_fields"}
     return found

@@ -28,7 +28,7 @@ TEXTS = ("channel", "unit", "height_unit", "resample", "checksum", "first_row")
 PAIR = "counter_face"
 PAIR_FIRST_ROW = "counter_face_first_row"
 INSTRUMENT = tuple(
-    key for key in Instrument.model_fields if key != "finer_spectrum"
+    key for key in Instrument.model_fields if key not in ("finer_spectrum", "correct")
 )  # prevail over the settings
 REPEAT = "repeat_of"  # name of a surface that is the same place measured before: the noise of both follows
 GROUP, PART = "group", "part"
@@ -373,7 +373,7 @@ def _instrument(row: Mapping[str, str], line: int) -> tuple[dict[str, float], li
     """Return what a row says of its instrument, in SI units, and what is wrong with it."""
     cells = {key: row[key] for key in INSTRUMENT if row.get(key)}
     try:
-        return Instrument.model_validate(cells).model_dump(exclude_none=True), []
+        return Instrument.model_validate(cells).model_dump(include={*cells}), []
     except ValidationError as error:
         return {}, [
             f"line {line}, {detail['loc'][0]} = {cells[str(detail['loc'][0])]!r}: {detail['msg']}"

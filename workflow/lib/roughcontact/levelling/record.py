@@ -37,3 +37,15 @@ def kinds_in_words(levelled: Mapping[str, Any]) -> str:
     kinds = json.loads(levelled.get("outlier_kinds", "{}"))
     words = ((count, kind.replace("_", " ")) for kind, count in kinds.items())
     return ", ".join(f"1 {kind}" if count == 1 else f"{count} in {kind}s" for count, kind in words)
+
+
+def s_filter_of(attrs: Mapping[str, Any]) -> float:
+    """Return the nesting index (m) of the S-filter that a map has gone through, 0 without one.
+
+    Examples
+    --------
+    >>> s_filter_of({}), s_filter_of({"filters_removed": '{"s_filter": {"nesting_index": {"value": 2e-6}}}'})
+    (0.0, 2e-06)
+    """
+    filters = json.loads(attrs.get("filters_removed", "{}"))
+    return float(filters["s_filter"]["nesting_index"]["value"]) if "s_filter" in filters else 0.0

@@ -44,6 +44,7 @@ def surface_facts(
         ("Removed form", _removed(levelled, numbers)),
         ("Scan lines", _lines(levelled, numbers)),
         ("Filters", _filters(levelled, numbers)),
+        ("Corrected for", str(window.attrs.get("corrected_for", ""))),
         ("Sa, Sq, Sz", _parameters(levelled, ("Sa", "Sq", "Sz"), unit_of(numbers, "m").text)),
         ("Ssk, Sku, Sdq", _parameters(levelled, ("Ssk", "Sku", "Sdq"), number)),
         ("Sk, Spk, Svk", _parameters(levelled, ("Sk", "Spk", "Svk"), unit_of(numbers, "m").text)),
@@ -159,7 +160,10 @@ def waves_in_words(window: xr.DataArray) -> str:
     'waves longer than 3.30 µm'
     """
     limits = [float(window.attrs.get(name, 0.0)) for name in ("band_shortest", "reliable_wavelength")]
-    return f"waves longer than {quantity(max(limits), 'm')}" if max(limits) else ""
+    words = f"waves longer than {quantity(max(limits), 'm')}" if max(limits) else ""
+    if corrected := window.attrs.get("corrected_for"):
+        words = f"{words or 'the map'}, corrected for {corrected}"
+    return words
 
 
 def lay_caption(numbers: xr.Dataset) -> str:

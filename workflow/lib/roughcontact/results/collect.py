@@ -44,7 +44,7 @@ _NOT_IN_TABLE |= {"member", "choice", "material", "interface"}
 # labels of a dimension that are the same for all surfaces
 _COMMON_LABELS = {"source": object, "input": object, "component": object, "hardness_over_modulus": float}
 # attributes of each file
-_BANDS = ("band_shortest", "band_longest", "band_reason", "measured_by", "stresses_of")
+_BANDS = ("band_shortest", "band_longest", "band_reason", "corrected_for", "measured_by", "stresses_of")
 _WHOLE_NUMBERS = ("contact_clusters", "iterations", "converged", "gap_percolates_x", "gap_percolates_y")
 
 
@@ -171,7 +171,7 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     Densities stay in the netCDF file. The error budget has the combined uncertainty of each quantity, and the
     contributions to that of the contact area. The padding of shorter lists of loads is left out.
     The last columns are the verdicts on each answer, `{answer}_verdict`, the `verdict` on the load and its
-    `reasons`, joined by " | ", where they are known.
+    `reasons`, joined by " | ", where they are known, and `corrected_for`, where a map was corrected.
 
     Parameters
     ----------
@@ -228,7 +228,12 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     for name in _WHOLE_NUMBERS:
         if name in frame and frame[name].notna().all():
             frame[name] = frame[name].astype(int)
-    return frame
+    bands = json.loads(statistics.attrs.get("bands", "{}"))
+    cases = frame["case"] if "case" in frame else [""] * len(frame)
+    corrected = [
+        bands.get(c, {}).get(s, {}).get("corrected_for") for c, s in zip(cases, frame["surface"], strict=True)
+    ]
+    return frame.assign(corrected_for=corrected) if any(corrected) else frame
 
 
 def _with_columns_of_the_budget(statistics: xr.Dataset) -> xr.Dataset:
@@ -302,7 +307,9 @@ def pairs_table(summary: pd.DataFrame, pairs: Mapping[str, str]) -> pd.DataFrame
     """
     names = [name for name in ("case", "surface") if name in summary]
     numbers = [
-        name for name in map(str, summary) if name not in (*names, "reasons") and not name.endswith("verdict")
+        name
+        for name in map(str, summary)
+        if name not in (*names, "reasons", "corrected_for") and not name.endswith("verdict")
     ]
     of_pairs = summary[summary["surface"].isin(pairs)]
     load = of_pairs.groupby(names, sort=False).cumcount().rename("load")

@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.io.instrument_kinds import ANY, PROBE, Kind, of_name
+from roughcontact.levelling.record import s_filter_of
 from roughcontact.quantities import number, percent, quantity
 from roughcontact.roughness.traces import STEEPEST
 from roughcontact.statistics.map_checks import Attributes
@@ -107,12 +108,11 @@ _SMOOTHED_MEANS = (
 
 def _removed_below(window: Attributes) -> float:
     """Return the wavelength below which the settings remove waves or say that none was measured."""
-    filters = json.loads(window.get("filters_removed", "{}"))
     limits = [float(window.get("instrument_resolution", 0.0))]
     if window.get("band_reason", "the grid") != "the grid":
         limits.append(float(window["band_shortest"]))
     # a Gaussian filter passes half at its nesting index; the fall that is found lies below it
-    limits.append(float(filters["s_filter"]["nesting_index"]["value"]) if "s_filter" in filters else 0.0)
+    limits.append(s_filter_of(window))
     # an end is found to half an octave
     return float(np.sqrt(2) * max(limits))
 
@@ -176,6 +176,8 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
     if stated and window["noise_floor"] > 0:
         share *= (stated / window["noise_floor"]) ** 2
         text = f"The stated noise of {quantity(stated, 'm')} makes up {_share(share)} of the {_SQUARE}"
+        if "corrected_for" in window:
+            return Check("Noise", PASSED, f"{text} as measured, for which the map is corrected.")
         return _judged_noise(text, share, " Average several maps, or remove short waves with level.s_filter.")
     if not _ends_flat(window):
         exponent = f"q^{number(window['top_exponent'], digits=2)}"

@@ -166,8 +166,9 @@ def periodicity(window: Attributes) -> Check:
     if method == "none":
         return Check("Periodic window", PASSED, "The window was periodic already: nothing was changed.")
     before, after = window["rms_gradient_before"], window["rms_gradient_after"]
-    # waves removed afterwards, on request, are not due to periodisation
-    after = float(np.hypot(after, window.get("band_removed_rms_gradient", 0.0)))
+    # a correction, and waves removed afterwards, on request, are not due to periodisation
+    removed = window.get("band_removed_rms_gradient", 0.0)
+    after = float(window.get("rms_gradient_uncorrected", np.hypot(after, removed)))
     change = after / before - 1 if before > 0 else 0.0
     relative = window.get("periodisation_relative_change", 0.0)
     text = (

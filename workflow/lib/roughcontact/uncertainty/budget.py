@@ -19,7 +19,7 @@ from roughcontact.uncertainty.answers import (
 from roughcontact.uncertainty.combination import SOURCES, combine
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, resolution_indicators
 from roughcontact.uncertainty.headline import QUANTITIES
-from roughcontact.uncertainty.instrument import instrument_uncertainty, stated_instrument
+from roughcontact.uncertainty.instrument import instrument_uncertainty
 from roughcontact.uncertainty.magnification import magnification_curve
 from roughcontact.uncertainty.processing import processing_uncertainty
 from roughcontact.uncertainty.rejected import rejected_load_share
@@ -27,6 +27,9 @@ from roughcontact.uncertainty.scaling import log_sensitivities, scaling_uncertai
 from roughcontact.uncertainty.solver import solver_uncertainty
 from roughcontact.uncertainty.unresolved import waves_not_resolved
 from roughcontact.uncertainty.window_sampling import window_uncertainty
+from roughcontact.window.instrument import stated_instrument
+from roughcontact.window.periodic_window import periodic_window
+from roughcontact.window.transfer import undone
 
 # endings of the variables that hold the results of ensemble members
 _ENSEMBLES: dict[UncertaintySource, str] = {"window": "parts", "processing": "choices"}
@@ -82,6 +85,7 @@ def error_budget(
         that was not requested or that this map does not allow, and the components that `combine` makes it of.
         Along `load` the ends of the combined interval, `{quantity}_lower` and `{quantity}_upper`, and of that
         of this map in the band of its waves, `{quantity}_map_lower` and `{quantity}_map_upper`.
+        `{quantity}_as_measured` (load): of a map that was corrected, the result without the correction.
         `{quantity}_at_cutoff` (load, cutoff): the magnification curve; `{quantity}_sensitivity` (load,
         input). Along (member, load) and (choice, load) the results of the members of the two ensembles,
         `{quantity}_parts` and `{quantity}_choices`. For any sources: `rejected_load_share` (load), from
@@ -154,19 +158,23 @@ def error_budget(
             chosen=chosen,
         )
     instrument = stated_instrument(levelled, settings.get("instrument"))
+    true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}
     if "instrument" in sources:
+        uncorrected = {key: value for key, value in settings["window"].items() if key != "correct_for"}
+        as_corrected = "corrected_for" in window.attrs
         found["instrument"] = instrument_uncertainty(
             window,
             contact=lenient,
             solved=solved,
             instrument=instrument,
-            s_filter=settings.get("level", {}).get("s_filter"),
+            as_measured=periodic_window(levelled, **uncorrected) if as_corrected else None,
+            true_shapes=true_shapes,
         )
     if "material" in sources:
         found["material"] = _material_uncertainty(solved, material)
     curve = magnification_curve(window, contact=lenient, solved=solved) if "unresolved" in sources else None
     if curve is not None:
-        found["unresolved"] = waves_not_resolved(window, curve, solved, settings, instrument)
+        found["unresolved"] = waves_not_resolved(window, curve, solved, settings, instrument, true_shapes)
     found = {source: found[source] for source in SOURCES if source in sources}
     budget = (
         combine(found, solved, hardness=contact.get("hardness"))
@@ -176,6 +184,7 @@ def error_budget(
     )
     if curve is not None:
         budget = budget.merge(curve.drop_vars("mean_pressure", errors="ignore"))
+    budget = budget.merge(_as_measured(found.get("instrument", xr.Dataset())))
     for source, ending in _ENSEMBLES.items():
         if source in found:
             names = {f"{name}_members": f"{name}_{ending}" for name in (*QUANTITIES, *ANSWERS)}
@@ -187,6 +196,11 @@ def error_budget(
                 if key in found[source].attrs
             }
     return budget
+
+
+def _as_measured(instrument: xr.Dataset) -> xr.Dataset:
+    """Return the results of a corrected map without the correction, where there is one."""
+    return instrument[[name for name in instrument if str(name).endswith("_as_measured")]]
 
 
 def _material_uncertainty(solved: xr.Dataset, material: Mapping[str, float | None]) -> xr.Dataset:

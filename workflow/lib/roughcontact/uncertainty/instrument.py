@@ -11,14 +11,15 @@ The result is that of the map as measured; the interval reaches to where the tru
   uncertainty. Where no noise is stated and the spectrum is flat at its end, its floor may be noise, or waves
   that the pixels fold back: the shift by such noise is added as a bound.
 * A lens, or a stated resolution, attenuates short waves. The window is solved once more with the transfer
-  undone (`transfer.restored`).
-* A tip rounds peaks. The window is solved once more as the eroded map (`transfer.eroded`), which undoes it
-  where the tip touched.
+  undone (`window.transfer.restored`).
+* A tip rounds peaks. The window is solved once more as the eroded map (`window.transfer.eroded`), which
+  undoes it where the tip touched.
 
-The last three are one-sided: each shifts the end of the interval on its side (JCGM 100:2008, F.2.4.5).
+The last three are one-sided: each shifts the end of the interval on its side (JCGM 100:2008, F.2.4.5). A map
+that was corrected for noise and lens (`window.transfer.corrected`) has a two-sided part instead: the window
+as measured is solved once more, and a share of the change is the uncertainty of the correction.
 """
 
-import json
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -26,21 +27,20 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.errors import SettingsError
-from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics.instrument_checks import suspected_noise
 from roughcontact.uncertainty.answers import counter_of, quantities_in
 from roughcontact.uncertainty.ensemble import solve_member
-from roughcontact.uncertainty.scaling import AREA, PRESSURE, effort, half_widths, scaling_uncertainty
-from roughcontact.uncertainty.transfer import eroded, restored, with_noise
-from roughcontact.window.band import numerical_aperture
+from roughcontact.uncertainty.scaling import AREA, PEAK, PRESSURE, effort, half_widths, scaling_uncertainty
+from roughcontact.window.instrument import check_instrument
+from roughcontact.window.transfer import restored, undone, with_noise
 
 _TOLERANCE = 1e-3  # of the pressure
 _NOISE_MARGIN = 1.0  # of the shift by noise: half of it is added, half is its uncertainty
+# of what a correction changes, in the logarithm; of the single highest point noise hides more
+_CORRECTION_UNCERTAINTY, _PEAK_UNCERTAINTY = 0.5, 1.0
 _RESTORING_UNCERTAINTY = 0.25  # of the shift by a lens or a tip
 _MOST_NOISE = 0.95  # of g^2; a map with more noise says nothing of its surface
-_STATED = "instrument_"  # beginning of the attributes of a map that hold what the table says
 _AMPLIFICATIONS = ("amplification_z", "amplification_xy")
 
 
@@ -50,7 +50,8 @@ def instrument_uncertainty(
     contact: Mapping[str, Any],
     solved: xr.Dataset,
     instrument: Mapping[str, Any],
-    s_filter: float | None = None,
+    as_measured: xr.DataArray | None = None,
+    true_shapes: Mapping[str, xr.DataArray] | None = None,
 ) -> xr.Dataset:
     """Return the uncertainty of each result due to what is known of the instrument.
 
@@ -65,15 +66,18 @@ def instrument_uncertainty(
     instrument : mapping
         what is stated of `noise` (m, rms), `resolution` (m), `numerical_aperture`, `wavelength` (m),
         `tip_radius` (m), `amplification_z`, `amplification_xy` (relative, expanded).
-    s_filter : float, m, optional
-        nesting index of the filter that the map has gone through.
+    as_measured : DataArray (y, x), m, optional
+        the window before it was corrected, if it was.
+    true_shapes : mapping, optional
+        `undone` of the window, if that is known.
 
     Returns
     -------
     Dataset
         along `load`, `{name}`, `{name}_down`, `{name}_up`: half-widths; `{name}_shift_down`,
         `{name}_shift_up`: one-sided shifts of the ends, infinite where noise hides the surface. NaN where
-        nothing is stated and no noise suspected (`suspected_noise`).
+        nothing is stated and no noise suspected (`suspected_noise`). Of a corrected map also
+        `{name}_as_measured`, the result without the correction.
 
     Raises
     ------
@@ -95,59 +99,23 @@ def instrument_uncertainty(
     >>> found["relative_contact_area_shift_up"].item() > 0 == found["relative_contact_area_shift_down"].item()
     True
     """
-    check_instrument(window, instrument)
+    check_instrument(window if as_measured is None else as_measured, instrument)
     stated = {key: value for key, value in instrument.items() if key != "finer_spectrum" and value}
     scales = {key: stated[key] for key in _AMPLIFICATIONS if key in stated}
     parts = [scaling_uncertainty(solved, scales)] if scales else []
-    if noise := stated.get("noise"):
-        parts.append(_noise_shift(window, contact, solved, noise, s_filter))
-    elif suspected := suspected_noise(window.attrs):
-        parts.append(_noise_shift(window, contact, solved, suspected, None, margin=0.0))
-    if stated.get("numerical_aperture") or stated.get("resolution"):
-        changed = restored(window, stated, noise=noise or 0.0)
-        parts.append(_shift_to(changed, contact, solved))
-    if tip_radius := stated.get("tip_radius"):
-        parts.append(_shift_to(eroded(window, tip_radius), contact, solved))
-    return added_up(parts, quantities_in(solved), solved)
-
-
-def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> None:
-    """Refuse statements about an instrument that cannot be true of a map.
-
-    Parameters
-    ----------
-    window : DataArray (y, x), m
-    instrument : mapping
-        as of `instrument_uncertainty`.
-
-    Raises
-    ------
-    SettingsError
-        for negative values, a tip larger than the map, a resolution finer than two pixels, noise above the
-        rms height of the map.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> check_instrument(rough_reference_surface(64), {"tip_radius": 0.1})
-    """
-    length = max(n * step for n, step in zip(window.shape, spacing(window), strict=True) if n > 1)
-    pixel = max(step for n, step in zip(window.shape, spacing(window), strict=True) if n > 1)
-    rms_height = float(window.std())
-    for key, value in instrument.items():
-        if key != "finer_spectrum" and value is not None and not value >= 0:
-            raise SettingsError(f"instrument.{key} = {value:g}: give a number of 0 or more")
-    for key, refused, reason in (
-        ("tip_radius", lambda v: v > length, f"larger than the map ({length:.3g} m)"),
-        ("resolution", lambda v: 0 < v < 2 * pixel, f"finer than two pixels of the map ({2 * pixel:.3g} m)"),
-        ("noise", lambda v: v > rms_height, f"larger than the rms height of the map ({rms_height:.3g} m)"),
-    ):
-        value = instrument.get(key)
-        if value is not None and refused(value):
-            raise SettingsError(
-                f"instrument.{key} = {value:g} m: {reason}; give it in m or with its unit (2 um)",
-                keys=[f"instrument.{key}"],
-            )
+    before: dict[str, np.ndarray] = {}
+    if as_measured is not None:
+        before = _solve_again(as_measured, contact, solved)
+        parts.append(_of_correction(as_measured, contact, solved, before, stated))
+    elif noise := stated.get("noise"):
+        parts.append(_noise_shift(window, contact, solved, noise))
+    if not stated.get("noise") and (suspected := suspected_noise(window.attrs)):
+        parts.append(_noise_shift(window, contact, solved, suspected, margin=0.0))
+    changed = undone(window, stated) if true_shapes is None else true_shapes
+    parts += [_shift_to(each, contact, solved) for each in changed.values()]
+    return added_up(parts, quantities_in(solved), solved).assign(
+        {f"{name}_as_measured": ("load", values) for name, values in before.items()}
+    )
 
 
 def added_up(parts: list[xr.Dataset], names: tuple[str, ...], solved: xr.Dataset) -> xr.Dataset:
@@ -281,19 +249,57 @@ def _shift_to(changed: xr.DataArray, contact: Mapping[str, Any], solved: xr.Data
     return one_sided(solved, changes, _RESTORING_UNCERTAINTY)
 
 
+def _of_correction(
+    as_measured: xr.DataArray,
+    contact: Mapping[str, Any],
+    solved: xr.Dataset,
+    before: Mapping[str, np.ndarray],
+    stated: Mapping[str, Any],
+) -> xr.Dataset:
+    """Return the two-sided uncertainty of a correction, from the results before it.
+
+    Noise and transfer may cancel: where both are known, what each changes is told apart by a further solution
+    of the window without the noise alone.
+    """
+    noise = stated.get("noise") or 0.0
+    steps = [_finite_change(solved, before)]
+    if noise and (stated.get("numerical_aperture") or stated.get("resolution")):
+        without_noise = _solve_again(restored(as_measured, {}, noise=noise, equalise=True), contact, solved)
+        rest = _finite_change(solved, without_noise)
+        steps = [{name: change - rest[name] for name, change in steps[0].items()}, rest]
+    _, of_noise = with_noise(as_measured, noise)
+    hidden = _share_of_noise(of_noise, rms_gradient(as_measured)) >= _MOST_NOISE
+    widths = {}
+    for name in steps[0]:
+        share = _PEAK_UNCERTAINTY if name == PEAK else _CORRECTION_UNCERTAINTY
+        width = share * np.sqrt(sum(step[name] ** 2 for step in steps))
+        widths[name] = (np.full_like(width, np.inf) if hidden else width,) * 2
+    return half_widths(solved, widths)
+
+
+def _finite_change(solved: xr.Dataset, other: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return `log_change`; a place that is closed in the other result differs by as much as its height."""
+    changes = log_change(solved, other)
+    return {name: np.where(np.isneginf(change), -1.0, change) for name, change in changes.items()}
+
+
+def _share_of_noise(of_noise: float, measured: float) -> float:
+    """Return the share of noise in the mean square gradient, from the rms gradients of noise and map."""
+    return min((of_noise / measured) ** 2, 1.0) if measured else 1.0
+
+
 def _noise_shift(
     window: xr.DataArray,
     contact: Mapping[str, Any],
     solved: xr.Dataset,
     noise: float,
-    s_filter: float | None,
     *,
     margin: float = _NOISE_MARGIN,
 ) -> xr.Dataset:
     """Return the one-sided uncertainty towards the results without noise."""
-    noisy, of_noise = with_noise(window, noise, s_filter=s_filter)
+    noisy, of_noise = with_noise(window, noise)
     measured, more = rms_gradient(window), rms_gradient(noisy)
-    share = min((of_noise / measured) ** 2, 1.0) if measured else 1.0
+    share = _share_of_noise(of_noise, measured)
     changes = log_change(solved, _solve_again(noisy, contact, solved))
     if share >= _MOST_NOISE:
         back = math.inf
@@ -302,40 +308,3 @@ def _noise_shift(
     with np.errstate(invalid="ignore"):
         without = {name: np.where(change == 0, 0.0, -change * back) for name, change in changes.items()}
     return one_sided(solved, without, margin)
-
-
-def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Return what is known of the instrument: from the settings, the table of surfaces, the file.
-
-    Parameters
-    ----------
-    levelled : DataArray (y, x), m
-        whose attributes `instrument_{name}` hold what the table says of this map, and whose attribute
-        `instrument` (JSON) what the file says; of the latter the numerical aperture counts, that of a comment
-        (`NA: 0.60`) too.
-    settings : mapping or None
-        section `instrument`, over which the table prevails; the file comes last.
-
-    Returns
-    -------
-    dict
-        the keys of the section that are known.
-
-    Examples
-    --------
-    >>> from roughcontact.references.synthetic import rough_reference_surface
-    >>> height = rough_reference_surface(64).assign_attrs(instrument_noise=1e-9)
-    >>> stated_instrument(height, {"noise": 2e-9, "tip_radius": None})
-    {'noise': 1e-09}
-    """
-    known = dict(settings or {})
-    of_file = numerical_aperture(json.loads(levelled.attrs.get("instrument", "{}") or "{}"))
-    optics = ("numerical_aperture", "resolution", "tip_radius")
-    known |= {
-        str(key).removeprefix(_STATED): value
-        for key, value in levelled.attrs.items()
-        if str(key).startswith(_STATED)
-    }
-    if of_file and not any(known.get(key) for key in optics):
-        known["numerical_aperture"] = of_file
-    return {key: value for key, value in known.items() if value is not None}

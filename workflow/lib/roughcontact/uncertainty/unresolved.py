@@ -36,7 +36,7 @@ from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.uncertainty.answers import quantities_in
 from roughcontact.uncertainty.instrument import one_sided
 from roughcontact.uncertainty.scaling import AREA, PEAK, PRESSURE, effort
-from roughcontact.uncertainty.transfer import eroded, reliability_length, restored, shortest_transmitted
+from roughcontact.window.transfer import reliability_length, shortest_transmitted, undone
 
 _CHOSEN_BAND = 2.0  # shortest wave that is kept, over two pixels, from which on it defines the result
 _MARGIN = 1.3  # on the growth of the gradient over the next octave
@@ -255,6 +255,7 @@ def waves_not_resolved(
     solved: xr.Dataset,
     settings: Mapping[str, Mapping[str, Any]],
     instrument: Mapping[str, Any],
+    true_shapes: Mapping[str, xr.DataArray] | None = None,
 ) -> xr.Dataset:
     """Return the uncertainty due to waves that a map does not resolve, by its trend or a finer spectrum.
 
@@ -271,6 +272,8 @@ def waves_not_resolved(
         these define what is measured, and nothing is added for shorter ones.
     instrument : mapping
         what is known of it; `finer_spectrum` is a path or a map (y, x; m).
+    true_shapes : mapping, optional
+        `undone` of the window, if that is known.
 
     Returns
     -------
@@ -281,12 +284,12 @@ def waves_not_resolved(
     band = [settings.get("level", {}).get("s_filter"), settings.get("window", {}).get("shortest_wavelength")]
     if max(each or 0.0 for each in band) >= _CHOSEN_BAND * shortest:
         return xr.Dataset(dict.fromkeys(quantities_in(solved), ("load", np.zeros(solved.sizes["load"]))))
-    resolved, reference = shortest_transmitted(instrument), None
-    if resolved > shortest:
-        reference = restored(window, instrument, noise=instrument.get("noise") or 0.0)
+    true_shapes = undone(window, instrument) if true_shapes is None else true_shapes
+    resolved = shortest_transmitted(instrument)
+    reference = true_shapes.get("lens") if resolved > shortest else None
     if tip_radius := instrument.get("tip_radius"):
         resolved = max(resolved, reliability_length(window, tip_radius))
-        reference = eroded(window, tip_radius)
+        reference = true_shapes["tip"]
     growth = expected_growth(
         curve, resolved=resolved, reference=None if reference is None else rms_gradient(reference)
     )

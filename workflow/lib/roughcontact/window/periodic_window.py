@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -20,6 +21,7 @@ from roughcontact.window.band import limit_band
 from roughcontact.window.rectangle import largest_rectangle
 from roughcontact.window.search import Candidate, search_window
 from roughcontact.window.sides import band_points, friendly_sides, used_points
+from roughcontact.window.transfer import corrected
 
 _BLENDING_METHODS = ("smooth-cross-fade", "cross-fade")  # need a band in addition to the window
 
@@ -37,6 +39,7 @@ def periodic_window(
     shortest_wavelength: float | None = None,
     longest_wavelength: float | None = None,
     reliable_band: bool = False,
+    correct_for: Mapping[str, Any] | None = None,
 ) -> xr.DataArray:
     """Cut out a rectangle without missing points and make it periodic.
 
@@ -60,6 +63,9 @@ def periodic_window(
         waves outside this band are removed from the window; None sets no limit.
     reliable_band : bool
         whether waves that the map does not resolve reliably are removed; see `roughcontact.window.band`.
+    correct_for : mapping, optional
+        noise and transfer of an instrument that the window is corrected for, before waves are removed:
+        `roughcontact.window.transfer.corrected`. Its attributes then have `corrected_for`, in words.
 
     Returns
     -------
@@ -107,7 +113,7 @@ def periodic_window(
         raise SettingsError(f"window.min_share = {min_share!r}: give a share from 0 to 1")
     values = check_map(levelled)
     waves = {"shortest": shortest_wavelength, "longest": longest_wavelength, "reliable": reliable_band}
-    unchanged = _already_periodic(levelled, values, waves)
+    unchanged = _already_periodic(levelled, values, waves, correct_for)
     if unchanged is not None:
         return unchanged
 
@@ -141,6 +147,7 @@ def periodic_window(
         coords | {"filled": (("y", "x"), flags)},
         levelled.attrs,
         waves=waves,
+        correct_for=correct_for,
         method=method,
         change=change,
         gradient_before=interior_rms_gradient(before),
@@ -219,7 +226,9 @@ def _scores(
     return json.dumps(rows)
 
 
-def _already_periodic(levelled: xr.DataArray, values: np.ndarray, waves: Mapping) -> xr.DataArray | None:
+def _already_periodic(
+    levelled: xr.DataArray, values: np.ndarray, waves: Mapping, correct_for: Mapping[str, Any] | None
+) -> xr.DataArray | None:
     """Return the map as a window if it is periodic, with or without its form; otherwise None."""
     attrs = dict(levelled.attrs)
     removed = json.loads(attrs.get("form_removed", "{}"))
@@ -241,6 +250,7 @@ def _already_periodic(levelled: xr.DataArray, values: np.ndarray, waves: Mapping
         coords,
         attrs,
         waves=waves,
+        correct_for=correct_for,
         method="none",
         change=0.0,
         gradient_before=None,
@@ -256,6 +266,7 @@ def _record(
     attrs: Mapping,
     *,
     waves: Mapping,
+    correct_for: Mapping[str, Any] | None,
     method: str,
     change: float,
     gradient_before: float | None,
@@ -266,7 +277,9 @@ def _record(
     """Return the band-limited window with a record of all changes in its attributes."""
     periodic = xr.DataArray(values, dims=("y", "x"), coords=coords, name="height", attrs=attrs)
     whole_gradient, rms = rms_gradient(periodic), float(np.std(values))
-    window = limit_band(periodic, **waves)
+    window = limit_band(corrected(periodic, correct_for) if correct_for else periodic, **waves)
+    if correct_for:
+        window.attrs["rms_gradient_uncorrected"] = whole_gradient
     window.attrs |= instrument_traces(periodic)
     window.attrs |= summit_that_stands_out(window, images=2 if method == "mirror" else 1)
     window.attrs |= {

@@ -8,14 +8,16 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import scipy
 import xarray as xr
 
 from roughcontact.fourier import wavenumbers
+from roughcontact.levelling.record import s_filter_of
 from roughcontact.maps import spacing
+from roughcontact.quantities import quantity
 from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.window.band import LIGHT_WAVELENGTH
 
+CORRECTED = ("noise", "resolution", "numerical_aperture")  # what a map can be corrected for
 LEAST_TRANSFER = 0.2  # waves of which less is transmitted are hidden in noise and are not restored further
 _NOISE_SEED = 0
 _FINEST_SCALE, _COARSEST_SCALE = 1, 64  # points; distances at which curvatures are compared with a tip
@@ -91,7 +93,9 @@ def shortest_transmitted(instrument: Mapping[str, Any]) -> float:
     return float(1 / frequency[np.flatnonzero(transfer(frequency, instrument) >= LEAST_TRANSFER)[-1]])
 
 
-def restored(window: xr.DataArray, instrument: Mapping[str, Any], *, noise: float = 0.0) -> xr.DataArray:
+def restored(
+    window: xr.DataArray, instrument: Mapping[str, Any], *, noise: float = 0.0, equalise: bool = False
+) -> xr.DataArray:
     """Return a periodic map with the known transfer of its instrument undone as far as it carries signal.
 
     Waves are divided by what is transmitted of them, by no less than a fifth, where the power of their ring
@@ -106,10 +110,19 @@ def restored(window: xr.DataArray, instrument: Mapping[str, Any], *, noise: floa
         as of `transfer`.
     noise : float, m
         rms of the measurement noise.
+    equalise : bool
+        whether the stated noise is taken off as well: with the power P of a ring, of which N is noise, and
+        the transfer T, waves are multiplied by sqrt((P - N)/P)/T, so that the spectrum, and with it the rms
+        gradient, is that expected of the true map (power spectrum equalisation [1]_).
 
     Returns
     -------
     DataArray (y, x), m
+
+    References
+    ----------
+    .. [1] Cannon (1976), Blind deconvolution of spatially invariant image blurs with phase, IEEE Trans.
+       Acoust. Speech Signal Process. 24, 58.
 
     Examples
     --------
@@ -124,30 +137,92 @@ def restored(window: xr.DataArray, instrument: Mapping[str, Any], *, noise: floa
     share = transfer(frequency, instrument)
     spectrum = np.fft.rfft2(values)
     power = np.abs(spectrum) ** 2
-    floor = values.size * noise**2  # of white noise, at each frequency
+    of_noise = values.size * (noise * transfer(frequency, {"resolution": s_filter_of(window.attrs)})) ** 2
+    floor = of_noise  # at each frequency
     hidden = share < 0.01
     if hidden.any():
-        floor = max(floor, float(np.median(power[hidden])))
+        floor = np.maximum(floor, float(np.median(power[hidden])))
     rings = np.rint(frequency / frequency.max() * max(values.shape)).astype(int)
-    mean = np.bincount(rings.ravel(), power.ravel()) / np.maximum(np.bincount(rings.ravel()), 1)
-    carries_signal = mean[rings] >= 2 * floor
-    gain = np.where(carries_signal & ~hidden, 1 / np.maximum(share, LEAST_TRANSFER), 1.0)
+    mean = (np.bincount(rings.ravel(), power.ravel()) / np.maximum(np.bincount(rings.ravel()), 1))[rings]
+    gain = np.where((mean >= 2 * floor) & ~hidden, 1 / np.maximum(share, LEAST_TRANSFER), 1.0)
+    if equalise:
+        gain *= np.sqrt(np.maximum(1 - np.divide(of_noise, mean, out=np.ones_like(mean), where=mean > 0), 0))
+        gain[0, 0] = 1.0  # the mean height
     return window.copy(data=np.fft.irfft2(spectrum * gain, s=values.shape))
 
 
-def with_noise(
-    window: xr.DataArray, noise: float, *, s_filter: float | None = None
-) -> tuple[xr.DataArray, float]:
-    """Return a map with white noise added to it, and the rms gradient of that noise.
+def corrected(window: xr.DataArray, instrument: Mapping[str, Any]) -> xr.DataArray:
+    """Return a periodic map corrected for the noise and the transfer that are stated of its instrument.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+    instrument : mapping
+        as of `transfer`, and `noise` (m, rms).
+
+    Returns
+    -------
+    DataArray (y, x), m
+        as of `restored`, with the attribute `corrected_for`: causes and their sizes in words.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> window = rough_reference_surface(64)
+    >>> lens = {"numerical_aperture": 0.3, "noise": 1e-9, "tip_radius": None}
+    >>> corrected(window, lens).attrs["corrected_for"]
+    'noise of 1.00 nm, numerical aperture of 0.3'
+    """
+    known = {key: stated for key in CORRECTED if (stated := instrument.get(key))}
+    words = [
+        f"{key.replace('_', ' ')} of {f'{size:g}' if key == 'numerical_aperture' else quantity(size, 'm')}"
+        for key, size in known.items()
+    ]
+    found = restored(window, instrument, noise=instrument.get("noise") or 0.0, equalise=True)
+    return found.assign_attrs(corrected_for=", ".join(words))
+
+
+def undone(window: xr.DataArray, instrument: Mapping[str, Any]) -> dict[str, xr.DataArray]:
+    """Return maps without the effect of a lens, and of a tip, by that cause; a corrected map has no first.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+    instrument : mapping
+        as of `transfer`, `noise` (m, rms) and `tip_radius` (m).
+
+    Returns
+    -------
+    dict
+        "lens" -> `restored`, "tip" -> `eroded`, of what is stated.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> list(undone(rough_reference_surface(64), {"resolution": 0.1, "tip_radius": None}))
+    ['lens']
+    """
+    found = {}
+    if (instrument.get("numerical_aperture") or instrument.get("resolution")) and (
+        "corrected_for" not in window.attrs
+    ):
+        found["lens"] = restored(window, instrument, noise=instrument.get("noise") or 0.0)
+    if tip_radius := instrument.get("tip_radius"):
+        found["tip"] = eroded(window, tip_radius)
+    return found
+
+
+def with_noise(window: xr.DataArray, noise: float) -> tuple[xr.DataArray, float]:
+    """Return a map with white noise added to it, filtered as the map was, and the rms gradient of that noise.
 
     Parameters
     ----------
     window : DataArray (y, x), m
         periodic.
     noise : float, m
-        rms of the noise before the filter.
-    s_filter : float, m, optional
-        nesting index of the areal Gaussian filter that noise and map have gone through (ISO 16610-61).
+        rms of the noise, before the S-filter that the map has gone through.
 
     Returns
     -------
@@ -163,11 +238,9 @@ def with_noise(
     '0.10 1.00'
     """
     added = noise * np.random.default_rng(_NOISE_SEED).standard_normal(window.shape)
-    if s_filter:
+    if s_filter := s_filter_of(window.attrs):  # it transmits half at its nesting index (ISO 16610-61)
         frequency = wavenumbers(window.shape, spacing(window)) / (2 * np.pi)
-        share = transfer(
-            frequency, {"resolution": s_filter}
-        )  # that filter transmits half at its nesting index
+        share = transfer(frequency, {"resolution": s_filter})
         added = np.fft.irfft2(np.fft.rfft2(added) * share, s=added.shape)
     return window.copy(data=window.values + added), rms_gradient(window.copy(data=added))
 
@@ -201,6 +274,8 @@ def eroded(window: xr.DataArray, tip_radius: float) -> xr.DataArray:
     >>> bool(peak[0, 16] == 0 and peak[0, 20] < traced.values[0, 20])
     True
     """
+    from scipy.ndimage import grey_erosion
+
     reach = np.ptp(window.values)  # no part of the tip above this height touches anything
     radius = math.sqrt(max(2 * tip_radius * reach - reach**2, 0.0)) if reach < tip_radius else tip_radius
     halves = [
@@ -211,9 +286,7 @@ def eroded(window: xr.DataArray, tip_radius: float) -> xr.DataArray:
     square = y[:, None] ** 2 + x[None, :] ** 2
     inside = square <= tip_radius**2
     tip = np.where(inside, np.sqrt(np.maximum(tip_radius**2 - square, 0.0)) - tip_radius, 0.0)
-    return window.copy(
-        data=scipy.ndimage.grey_erosion(window.values, footprint=inside, structure=tip, mode="wrap")
-    )
+    return window.copy(data=grey_erosion(window.values, footprint=inside, structure=tip, mode="wrap"))
 
 
 def reliability_length(window: xr.DataArray, tip_radius: float) -> float:

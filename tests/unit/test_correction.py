@@ -1,0 +1,139 @@
+"""Maps that are corrected for their instrument: nearer to the truth, in the interval, and named."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import roughcontact as rc
+from roughcontact.configuration.resolve import resolve
+from roughcontact.configuration.stages import settings_of
+from roughcontact.errors import SettingsError
+from roughcontact.maps import height_map, spacing
+from roughcontact.report.facts import waves_in_words
+from roughcontact.results.collect import collect_statistics, summary_table
+from roughcontact.roughness.parameters import rms_gradient
+from roughcontact.validation.masters import master_surface
+from roughcontact.window.instrument import window_arguments
+from roughcontact.window.transfer import corrected, transfer, with_noise
+
+MODULUS = 1e9
+SHOWN = ("relative_contact_area", "mean_gap", "mean_contact_pressure", "max_pressure")
+
+
+def true_surface(kind: str, seed: int = 1) -> xr.DataArray:
+    """Return a periodic surface with pixels of 0.4 um."""
+    return height_map(1e-6 * master_surface(kind, 96, longest=0.4, seed=seed).values, 0.4e-6)
+
+
+def through(height: xr.DataArray, **lens: float) -> xr.DataArray:
+    """Return a periodic map as an instrument transmits it."""
+    frequency = [np.fft.fftfreq(n, d) for n, d in zip(height.shape, spacing(height), strict=True)]
+    share = transfer(np.hypot(frequency[0][:, None], frequency[1][None, :]), lens)
+    return height.copy(data=np.fft.ifft2(np.fft.fft2(height.values) * share).real)
+
+
+def evaluated(height: xr.DataArray, loads: list[float], **instrument: float | bool) -> xr.Dataset:
+    return rc.evaluate(
+        height,
+        contact={"contact_modulus": MODULUS, "mean_pressure": loads},
+        uncertainty={"sources": ["solver", "discretisation", "instrument", "unresolved"]},
+        instrument=instrument,
+    )
+
+
+@pytest.mark.parametrize("kind", ["random", "worn", "honed", "grainy"])
+@pytest.mark.parametrize(
+    ("numerical_aperture", "share_of_noise"), [(0.3, 0.0), (0.55, 0.01), (0.8, 0.01), (None, 0.1)]
+)
+def test_a_corrected_map_is_nearer_to_the_truth_which_is_in_its_interval(
+    kind, numerical_aperture, share_of_noise
+):
+    height = true_surface(kind)
+    loads = [share * MODULUS * rms_gradient(height) for share in (0.02, 0.2)]
+    truth = rc.contact_statistics(rc.solve_contact(height, contact_modulus=MODULUS, mean_pressure=loads))
+    known = {}
+    measured = height
+    if numerical_aperture:
+        known["numerical_aperture"] = numerical_aperture
+        measured = through(measured, **known)
+    if share_of_noise:
+        known["noise"] = share_of_noise * float(height.std())
+        measured, _ = with_noise(measured, known["noise"])
+    found = evaluated(measured, loads, correct=True, **known)
+    area = "relative_contact_area"
+    for name in SHOWN[:3]:
+        true = (np.array(loads) / truth[area] if "contact_p" in name else truth[name]).values
+        assert (true >= found[f"{name}_lower"]).all(), name
+        assert (np.nan_to_num(found[f"{name}_upper"], nan=np.inf) >= true).all(), name
+    own, before = (np.abs(np.log(found[name] / truth[area])).max() for name in (area, f"{area}_as_measured"))
+    assert own < before / 2
+    plain = evaluated(measured, loads, **known)
+    for name in SHOWN:
+        assert found[f"{name}_as_measured"].values == pytest.approx(plain[name].values, rel=3e-3)
+    instrument = found[f"{area}_components"].sel(source="instrument")
+    assert (instrument.sel(component=["down", "up"]) > 0).all()  # to both sides
+    assert (instrument.sel(component=["shift_down", "shift_up"]) == 0).all()
+
+
+def test_a_correction_restores_the_gradient_that_noise_hides():
+    height = true_surface("random", seed=2)
+    noise = 0.1 * float(height.std())
+    noisy, _ = with_noise(height, noise)
+    found = corrected(noisy, {"noise": noise})
+    assert rms_gradient(noisy) > 1.2 * rms_gradient(height)
+    assert rms_gradient(found) == pytest.approx(rms_gradient(height), rel=0.02)
+    assert float(found.mean()) == pytest.approx(float(noisy.mean()), abs=1e-12)
+
+
+def test_noise_that_is_all_of_the_gradient_leaves_no_upper_end():
+    height = true_surface("random")
+    smooth = through(height, resolution=8e-6)
+    noise = 0.5 * float(smooth.std())
+    noisy, _ = with_noise(smooth, noise)
+    found = evaluated(noisy, [0.1 * MODULUS * rms_gradient(smooth)], noise=noise, correct=True)
+    assert float(found["relative_contact_area_upper"][0]) == 1.0
+
+
+def test_a_correction_is_named_wherever_its_numbers_stand(tmp_path):
+    height = true_surface("random")
+    loads = [0.1 * MODULUS * rms_gradient(height)]
+    words = "noise of 2.00 nm, numerical aperture of 0.55"
+    found = evaluated(height, loads, noise=2e-9, numerical_aperture=0.55, correct=True)
+    assert found.attrs["corrected_for"] == words
+    assert json.loads(found.attrs["settings"])["instrument"]["correct"] is True
+    found.to_netcdf(tmp_path / "statistics.nc")
+    entry = {"surface": "one", "case": None, "statistics": tmp_path / "statistics.nc"}
+    assert summary_table(collect_statistics([entry]))["corrected_for"].tolist() == [words]
+    window = rc.periodic_window(height, correct_for={"noise": 2e-9, "numerical_aperture": 0.55})
+    assert waves_in_words(window).endswith(f", corrected for {words}")
+
+
+def test_the_window_follows_the_instrument_only_where_it_is_corrected():
+    contact = {"contact": {"contact_modulus": MODULUS}}
+    plain, asked = (
+        resolve(contact | {"instrument": {"noise": "2 nm", "correct": correct}})[""]
+        for correct in (False, True)
+    )
+    assert list(settings_of(plain, "window")) == ["level", "window"]
+    assert list(settings_of(asked, "window")) == ["level", "window", "instrument"]
+    assert list(settings_of(asked, "levelled")) == ["level"]
+    height = true_surface("random")
+    assert window_arguments(height, plain) == plain["window"]
+    assert window_arguments(height, asked)["correct_for"]["noise"] == pytest.approx(2e-9)
+
+
+@pytest.mark.parametrize(
+    ("instrument", "attrs", "words"),
+    [
+        ({"tip_radius": 2e-6}, {}, "a.sur has nothing to be corrected for; state instrument.noise"),
+        ({"noise": 1e-9}, {"counter_face": "b.sur"}, "a.sur is a pair of faces"),
+        ({"resolution": 1e-7}, {}, "instrument.resolution = 1e-07 m: finer than two pixels"),
+    ],
+)
+def test_a_correction_that_cannot_be_made_is_refused(instrument, attrs, words):
+    height = true_surface("random").assign_attrs(source_file="a.sur", **attrs)
+    settings = {"window": {}, "instrument": instrument | {"correct": True}}
+    with pytest.raises(SettingsError, match=words):
+        window_arguments(height, settings)

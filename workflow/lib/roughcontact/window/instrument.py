@@ -1,0 +1,131 @@
+"""What is stated of an instrument, and the arguments of the window where its map is corrected for it."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import xarray as xr
+
+from roughcontact.errors import SettingsError
+from roughcontact.maps import spacing
+from roughcontact.window.band import numerical_aperture
+from roughcontact.window.transfer import CORRECTED
+
+_STATED = "instrument_"  # beginning of the attributes of a map that hold what the table says
+
+
+def window_arguments(levelled: xr.DataArray, settings: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the keyword arguments of `periodic_window` from the settings.
+
+    Parameters
+    ----------
+    levelled : DataArray (y, x), m
+    settings : mapping
+        section `window`, and section `instrument`, whose `correct` asks for a correction.
+
+    Raises
+    ------
+    SettingsError
+        for a correction of a pair of faces, or where nothing is known to correct for, and as of
+        `check_instrument`.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> settings = {"window": {}, "instrument": {"correct": True, "resolution": 0.1}}
+    >>> window_arguments(rough_reference_surface(64), settings)
+    {'correct_for': {'resolution': 0.1}}
+    """
+    asked = settings.get("instrument", {})
+    if not asked.get("correct"):
+        return dict(settings["window"])
+    name, known = levelled.attrs.get("source_file") or "the map", stated_instrument(levelled, asked)
+    wrong = ""
+    if "counter_face" in levelled.attrs:
+        wrong = "is a pair of faces, each with an instrument of its own; leave it out for pairs"
+    elif not any(known.get(key) for key in CORRECTED):
+        wrong = (
+            "has nothing to be corrected for; state instrument.noise, .resolution or .numerical_aperture, or "
+            "leave it out"
+        )
+    if wrong:
+        raise SettingsError(f"instrument.correct = true: {name} {wrong}", keys=["instrument.correct"])
+    check_instrument(levelled, known)
+    return {**settings["window"], "correct_for": known}
+
+
+def check_instrument(window: xr.DataArray, instrument: Mapping[str, Any]) -> None:
+    """Refuse statements about an instrument that cannot be true of a map.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+    instrument : mapping
+        as of `instrument_uncertainty`.
+
+    Raises
+    ------
+    SettingsError
+        for negative values, a tip larger than the map, a resolution finer than two pixels, noise above the
+        rms height of the map.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> check_instrument(rough_reference_surface(64), {"tip_radius": 0.1})
+    """
+    length = max(n * step for n, step in zip(window.shape, spacing(window), strict=True) if n > 1)
+    pixel = max(step for n, step in zip(window.shape, spacing(window), strict=True) if n > 1)
+    rms_height = float(window.std())
+    for key, value in instrument.items():
+        if key != "finer_spectrum" and value is not None and not value >= 0:
+            raise SettingsError(f"instrument.{key} = {value:g}: give a number of 0 or more")
+    for key, refused, reason in (
+        ("tip_radius", lambda v: v > length, f"larger than the map ({length:.3g} m)"),
+        ("resolution", lambda v: 0 < v < 2 * pixel, f"finer than two pixels of the map ({2 * pixel:.3g} m)"),
+        ("noise", lambda v: v > rms_height, f"larger than the rms height of the map ({rms_height:.3g} m)"),
+    ):
+        value = instrument.get(key)
+        if value is not None and refused(value):
+            raise SettingsError(
+                f"instrument.{key} = {value:g} m: {reason}; give it in m or with its unit (2 um)",
+                keys=[f"instrument.{key}"],
+            )
+
+
+def stated_instrument(levelled: xr.DataArray, settings: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return what is known of the instrument: from the settings, the table of surfaces, the file.
+
+    Parameters
+    ----------
+    levelled : DataArray (y, x), m
+        whose attributes `instrument_{name}` hold what the table says of this map, and whose attribute
+        `instrument` (JSON) what the file says; of the latter the numerical aperture counts, that of a comment
+        (`NA: 0.60`) too.
+    settings : mapping or None
+        section `instrument`, over which the table prevails; the file comes last. `correct`, which states
+        nothing, is left out.
+
+    Returns
+    -------
+    dict
+        the keys of the section that are known.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> height = rough_reference_surface(64).assign_attrs(instrument_noise=1e-9)
+    >>> stated_instrument(height, {"noise": 2e-9, "tip_radius": None})
+    {'noise': 1e-09}
+    """
+    known = dict(settings or {})
+    of_file = numerical_aperture(json.loads(levelled.attrs.get("instrument", "{}") or "{}"))
+    optics = ("numerical_aperture", "resolution", "tip_radius")
+    known |= {
+        str(key).removeprefix(_STATED): value
+        for key, value in levelled.attrs.items()
+        if str(key).startswith(_STATED)
+    }
+    if of_file and not any(known.get(key) for key in optics):
+        known["numerical_aperture"] = of_file
+    return {key: value for key, value in known.items() if value is not None and key != "correct"}
