@@ -1,4 +1,4 @@
-"""Bound the error, solve, count, draw: window.nc to uncertainty.nc, contact.nc, statistics.nc, panel.*."""
+"""Solve, count, bound the error, draw: window.nc to contact.nc, uncertainty.nc, statistics.nc, panel.*."""
 
 from _job import FILES, check_sources, link, progress, save, snakemake
 from _preparing import prepare
@@ -16,24 +16,25 @@ if "statistics" in steps:
     window = read_dataset(FILES["window"])["height"]
     solver = pipeline.solver_arguments(window, settings["contact"], threads=snakemake.threads)
 
-if "uncertainty" in steps:
-    with opened_dataset(FILES["levelled"]) as levelled:  # read on demand, not beside the first solve
-        budget = pipeline.bound_error(levelled["height"], window, settings, solver)
-    save(budget, FILES["uncertainty"], of_step["uncertainty"], source=window.attrs)
-
+for_budget = None
 if "contact" in steps:
-    solver["progress"] = progress
+    shown = solver | {"progress": progress}
     path, own = FILES["contact"], of_step["contact"]
     if settings["contact"]["keep_fields"]:
         with written_load_by_load(path, solver["mean_pressure"], window) as file:
-            solution, counted = pipeline.solve_and_count(window, settings, solver, keep=file.keep)
+            solution, counted, for_budget = pipeline.solve_and_count(window, settings, shown, keep=file.keep)
             save(solution.assign(height=window), path, own, source=window.attrs, into=file)
     else:
-        solution, counted = pipeline.solve_and_count(window, settings, solver)
+        solution, counted, for_budget = pipeline.solve_and_count(window, settings, shown)
         save(solution, path, own, source=window.attrs)
 elif "statistics" in steps:
     with opened_dataset(FILES["contact"]) as contact:  # load by load: the maps are large
         counted = pipeline.counter(window, settings)(contact).load()
+
+if "uncertainty" in steps:
+    with opened_dataset(FILES["levelled"]) as levelled:  # read on demand, not beside the solution
+        budget = pipeline.bound_error(levelled["height"], window, settings, solver, for_budget)
+    save(budget, FILES["uncertainty"], of_step["uncertainty"], source=window.attrs)
 
 if "statistics" in steps:
     budget = read_dataset(FILES["uncertainty"])

@@ -23,7 +23,7 @@ from roughcontact.statistics.first_yield import with_first_yield
 from roughcontact.statistics.instrument_checks import instrument_kind
 from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.statistics.targets import wanted_loads
-from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, error_budget
+from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, budget_inputs, error_budget
 from roughcontact.variables import describe
 from roughcontact.window.instrument import window_arguments
 from roughcontact.window.periodic_window import periodic_window
@@ -95,14 +95,15 @@ def run_chain(
     }
     shown = solver | {"progress": progress}
     if fields is None:
-        _, counted = solve_and_count(window, settings, shown)
+        found = solve_and_count(window, settings, shown)
     else:
         with written_load_by_load(fields, solver["mean_pressure"], window) as file:
-            solution, counted = solve_and_count(window, settings, shown, keep=file.keep)
-            file.complete(solution.assign(height=window).assign_attrs(provenance(**origin, stage="contact")))
+            found = solve_and_count(window, settings, shown, keep=file.keep)
+            solution = found.solution.assign(height=window)
+            file.complete(solution.assign_attrs(provenance(**origin, stage="contact")))
     progress(loads, loads, "error budget")
-    budget = bound_error(levelled, window, settings, solver)
-    statistics = complete_statistics(counted, window, budget, settings, threads=threads)
+    budget = bound_error(levelled, window, settings, solver, found.for_budget)
+    statistics = complete_statistics(found.statistics, window, budget, settings, threads=threads)
     return Chain(levelled, window, statistics.assign_attrs(provenance(**origin, stage="statistics")))
 
 
@@ -138,23 +139,45 @@ def solver_arguments(window: xr.DataArray, contact: Mapping[str, Any], *, thread
 
 
 def bound_error(
-    levelled: xr.DataArray, window: xr.DataArray, settings: Settings, solver: Mapping[str, Any]
+    levelled: xr.DataArray,
+    window: xr.DataArray,
+    settings: Settings,
+    solver: Mapping[str, Any],
+    solved: xr.Dataset | None = None,
 ) -> xr.Dataset:
-    """Return the `error_budget` of a solution that has yet to be computed.
+    """Return the `error_budget` of a solution, which is computed again where `solved` is not given.
 
     Uses the levelled map, the window, the sections `level`, `window`, `contact`, `uncertainty`,
-    `instrument` of the settings, and the solver arguments of `solver_arguments`.
+    `instrument` of the settings, the solver arguments of `solver_arguments`, and `Solved.for_budget`.
     """
     stated = {key: settings["contact"][key] for key in MATERIAL_UNCERTAINTIES}
     verbs = {key: settings[key] for key in ("level", "instrument")}
     verbs["window"] = window_arguments(levelled, settings)
     verbs["contact"] = {**solver, **stated}
-    return error_budget(levelled, window, verbs, **settings["uncertainty"])
+    return error_budget(levelled, window, verbs, **settings["uncertainty"], solved=solved)
+
+
+class Solved(NamedTuple):
+    """What is kept of a solution.
+
+    Attributes
+    ----------
+    solution : Dataset
+        the numbers of the solver for each load, without fields.
+    statistics : Dataset
+        as of `contact_statistics`.
+    for_budget : Dataset or None
+        as of `budget_inputs`; None where the settings ask for no source of uncertainty.
+    """
+
+    solution: xr.Dataset
+    statistics: xr.Dataset
+    for_budget: xr.Dataset | None
 
 
 def solve_and_count(
     window: xr.DataArray, settings: Settings, solver: Mapping[str, Any], *, keep: Count | None = None
-) -> tuple[xr.Dataset, xr.Dataset]:
+) -> Solved:
     """Solve the contact load by load, and compute the statistics of each solution before the next one.
 
     Parameters
@@ -162,32 +185,33 @@ def solve_and_count(
     window : DataArray (y, x), m
         periodic.
     settings : mapping
-        the sections `contact` (only its `bodies` are used here) and `statistics`.
+        the sections `contact` (only its `bodies` are used here), `statistics` and `uncertainty`.
     solver : mapping
         from `solver_arguments`; `progress` may be added.
     keep : callable, optional
         receives the solution of each load, with its fields: `LoadByLoad.keep`.
-
-    Returns
-    -------
-    solution : Dataset
-        the numbers of the solver for each load, without fields.
-    statistics : Dataset
-        as of `contact_statistics`.
     """
-    count = counter(window, settings)
+    count, bounded = counter(window, settings), bool(settings["uncertainty"]["sources"])
     counted: dict[float, xr.Dataset] = {}
+    inputs: dict[float, xr.Dataset] = {}
 
     def take(piece: xr.Dataset) -> xr.Dataset:
         """Keep and count one load, and remove it from the solution."""
         if keep is not None:
             keep(piece)
-        counted[float(piece["mean_pressure"][0])] = count(piece)
+        load = float(piece["mean_pressure"][0])
+        counted[load] = count(piece)
+        if bounded:
+            inputs[load] = budget_inputs(piece, counted[load])
         return xr.Dataset()
 
     solution = solve_contact(window, **solver, reduce=take)
-    statistics = joined([counted[load] for load in map(float, solution["mean_pressure"])])
-    return solution[[*SOLUTION_COLUMNS, *({"hardness"} & {*solution})]], describe(statistics)
+    loads = list(map(float, solution["mean_pressure"]))
+    return Solved(
+        solution[[*SOLUTION_COLUMNS, *({"hardness"} & {*solution})]],
+        describe(joined([counted[load] for load in loads])),
+        joined([inputs[load] for load in loads]) if bounded else None,
+    )
 
 
 def counter(window: xr.DataArray, settings: Settings) -> Count:

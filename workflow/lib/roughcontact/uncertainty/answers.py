@@ -16,7 +16,9 @@ from roughcontact.sealing.percolation import half_way_levels, percolation_column
 from roughcontact.uncertainty.headline import QUANTITIES, fields_of, headline
 
 # names of `roughcontact.variables`
-ANSWERS = ("conductance_per_conductivity", "critical_constriction_x", "critical_constriction_y")
+CONSTRICTIONS = ("critical_constriction_x", "critical_constriction_y")
+ANSWERS = ("conductance_per_conductivity", *CONSTRICTIONS)
+Column = tuple[str, np.ndarray]  # dimension and values of a variable
 _TOLERANCE = 3e-2  # of the linear response: the relative error of the conductance is about its square
 _LOGARITHM_FLOOR = 1e-2  # of the window's result: the logarithm of smaller values is meaningless
 _GROWTH_UNCERTAINTY = 0.25  # relative uncertainty of the change expected from growing heights
@@ -47,6 +49,18 @@ def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
     >>> found["critical_constriction_x"].item(), found["critical_constriction_y"].item() > 0
     (0.0, True)
     """
+    return headline(contact).assign(answers_of(contact))
+
+
+def answers_of(contact: xr.Dataset, statistics: xr.Dataset | None = None) -> dict[str, Column]:
+    """Return the answers of each load, with their dimension, as of `headline_and_answers`.
+
+    They are taken from `contact_statistics` of the same solution where these are given.
+    """
+    if statistics is not None:
+        known = {name: statistics[name].values for name in ANSWERS}
+        known[ANSWERS[0]] = np.where(np.isfinite(known[ANSWERS[0]]), known[ANSWERS[0]], np.nan)
+        return {name: ("load", values) for name, values in known.items()}
     steps, influence, rows = spacing(contact["pressure"]), influence_of(contact), []
     layered = layers_of(contact) is not None
     for pressure, gap in fields_of(contact):
@@ -57,7 +71,7 @@ def headline_and_answers(contact: xr.Dataset) -> xr.Dataset:
         )
         narrowest = percolation_columns(np.where(touching, 0.0, gap))
         rows.append({ANSWERS[0]: 1 / compliance if compliance > 0 else np.nan, **narrowest})
-    return headline(contact).assign({name: ("load", [row[name] for row in rows]) for name in ANSWERS})
+    return {name: ("load", np.array([row[name] for row in rows])) for name in ANSWERS}
 
 
 def answers_present(found: xr.Dataset) -> list[str]:
@@ -128,7 +142,7 @@ def half_length_constrictions(contact: xr.Dataset) -> xr.Dataset:
     0.5
     """
     rows = [half_way_levels(np.where(pressure > 0, 0.0, gap)) for pressure, gap in fields_of(contact)]
-    return xr.Dataset({f"{name}_half_way": ("load", [row[name] for row in rows]) for name in ANSWERS[1:]})
+    return xr.Dataset({f"{name}_half_way": ("load", [row[name] for row in rows]) for name in CONSTRICTIONS})
 
 
 def constrictions_in_grooves(window: xr.DataArray) -> list[str]:
@@ -164,7 +178,7 @@ def constrictions_in_grooves(window: xr.DataArray) -> list[str]:
         return []
     depth = window.values.max() - window.values
     levels = half_way_levels(depth)
-    return [name for name in ANSWERS[1:] if np.mean(depth >= levels[name]) < _GROOVE_AREA_LIMIT]
+    return [name for name in CONSTRICTIONS if np.mean(depth >= levels[name]) < _GROOVE_AREA_LIMIT]
 
 
 def interval_from_subwindows(
@@ -268,13 +282,13 @@ def with_common_lower_end(
 
     Examples
     --------
-    >>> x, y = ANSWERS[1:]
+    >>> x, y = CONSTRICTIONS
     >>> solved = xr.Dataset({x: ("load", [3.0]), y: ("load", [1.0])})
     >>> found = with_common_lower_end({x: (np.ones(1), np.ones(1)), y: (np.ones(1), np.ones(1))}, solved)
     >>> found[x][0].item(), found[y][0].item()
     (3.0, 1.0)
     """
-    names = [name for name in ANSWERS[1:] if name in half_widths]
+    names = [name for name in CONSTRICTIONS if name in half_widths]
     if not names:
         return {}
     lowest = np.min([solved[name].values - half_widths[name][0] for name in names], axis=0)

@@ -12,8 +12,8 @@ from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError
 from roughcontact.uncertainty.answers import (
     ANSWERS,
+    answers_of,
     half_length_constrictions,
-    headline_and_answers,
     quantities_in,
 )
 from roughcontact.uncertainty.combination import SOURCES, combine
@@ -48,6 +48,7 @@ def error_budget(
     sources: Sequence[UncertaintySource] = SOURCES,
     windows: int = 9,
     extent: float = 3.0,
+    solved: xr.Dataset | None = None,
 ) -> xr.Dataset:
     """Return the uncertainty of the headline quantities and the answers, by source and combined.
 
@@ -76,6 +77,8 @@ def error_budget(
         maximum number of subwindows that are solved; 4 or more.
     extent : float
         length of the surface that the intervals are for, over that of the map; 1 or more.
+    solved : Dataset, optional
+        `budget_inputs` of the solution of the window; it is solved here where they are not given.
 
     Returns
     -------
@@ -129,7 +132,8 @@ def error_budget(
     rejected = rejected_load_share(levelled, window=settings["window"], contact=lenient)
     if not sources:
         return xr.Dataset({rejected.name: rejected}, coords=coordinates)
-    solved = solve_contact(window, **contact, reduce=_count)
+    if solved is None:
+        solved = solve_contact(window, **contact, reduce=budget_inputs)
     # a map that is its own window has no record of a periodisation
     chosen = window if "periodisation" in window.attrs else None
     found: dict[UncertaintySource, xr.Dataset] = {
@@ -185,16 +189,19 @@ def error_budget(
     if curve is not None:
         budget = budget.merge(curve.drop_vars("mean_pressure", errors="ignore"))
     budget = budget.merge(_as_measured(found.get("instrument", xr.Dataset())))
+    return _with_members(budget, found)
+
+
+def _with_members(budget: xr.Dataset, found: Mapping[UncertaintySource, xr.Dataset]) -> xr.Dataset:
+    """Return the budget with the results of the two ensembles' members, and what is said of them."""
     for source, ending in _ENSEMBLES.items():
-        if source in found:
-            names = {f"{name}_members": f"{name}_{ending}" for name in (*QUANTITIES, *ANSWERS)}
-            kept = found[source][list(names)].rename(names)
-            budget = budget.merge(kept.drop_vars("mean_pressure"))
-            budget.attrs |= {
-                f"{source}_{key}": found[source].attrs[key]
-                for key in ("reason", "flag")
-                if key in found[source].attrs
-            }
+        if source not in found:
+            continue
+        names = {f"{name}_members": f"{name}_{ending}" for name in (*QUANTITIES, *ANSWERS)}
+        kept = found[source][list(names)].rename(names)
+        budget = budget.merge(kept.drop_vars("mean_pressure"))
+        said = found[source].attrs
+        budget.attrs |= {f"{source}_{key}": said[key] for key in ("reason", "flag") if key in said}
     return budget
 
 
@@ -212,12 +219,40 @@ def _material_uncertainty(solved: xr.Dataset, material: Mapping[str, float | Non
     return xr.Dataset(dict.fromkeys(quantities_in(solved), ("load", nothing)))
 
 
-def _count(contact: xr.Dataset) -> xr.Dataset:
-    """Return quantities, resolution indicators and solver uncertainties of each load."""
-    open_by_solver = solver_uncertainty(contact)
-    counted = resolution_indicators(contact).merge(headline_and_answers(contact)[list(ANSWERS)])
-    return counted.merge(half_length_constrictions(contact)).merge(
-        open_by_solver.rename({name: _uncertainty(name) for name in QUANTITIES})
+def budget_inputs(contact: xr.Dataset, statistics: xr.Dataset | None = None) -> xr.Dataset:
+    """Return what the error budget takes from a solution, so that its fields need not be kept.
+
+    Parameters
+    ----------
+    contact : Dataset
+        as `solve_contact` returns it, with its fields.
+    statistics : Dataset, optional
+        `contact_statistics` of the same loads: numbers that they contain are not computed again.
+
+    Returns
+    -------
+    Dataset
+        dim load: `QUANTITIES` and `ANSWERS`, resolution indicators, constrictions of paths half as long as
+        the map, and `{quantity}_uncertainty` of the solver.
+
+    Examples
+    --------
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> height = rough_reference_surface(64)
+    >>> contact = solve_contact(height, contact_modulus=1.0, mean_pressure=[0.1])
+    >>> budget_inputs(contact)["relative_contact_area"].round(2).values
+    array([0.34])
+    """
+    energy = None if statistics is None else statistics["elastic_energy"].values
+    of_solver = solver_uncertainty(contact, energy=energy)
+    return (
+        resolution_indicators(contact)
+        .assign(answers_of(contact, statistics))
+        .merge(half_length_constrictions(contact))
+        .merge(of_solver.rename({name: _uncertainty(name) for name in QUANTITIES}))
+        .assign_coords(mean_pressure=contact["mean_pressure"].variable)
+        .assign(contact_modulus=contact["contact_modulus"].variable)
+        .assign_attrs(contact.attrs)
     )
 
 

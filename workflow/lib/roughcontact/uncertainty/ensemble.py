@@ -9,8 +9,9 @@ import xarray as xr
 
 from roughcontact.contact.solve import MOST_LOAD, solve_contact
 from roughcontact.maps import spacing
-from roughcontact.uncertainty.answers import quantities_in
+from roughcontact.uncertainty.answers import CONSTRICTIONS, quantities_in
 from roughcontact.uncertainty.headline import headline
+from roughcontact.uncertainty.representative_loads import interpolate_over_loads, representative_loads
 
 _OVERRIDDEN = ("tolerance", "fields", "reduce", "progress")  # arguments that a member sets itself
 
@@ -33,7 +34,12 @@ class Member(NamedTuple):
 
 
 def solve_member(
-    window: xr.DataArray, contact: Mapping[str, Any], *, tolerance: float, count: Count = headline
+    window: xr.DataArray,
+    contact: Mapping[str, Any],
+    *,
+    tolerance: float,
+    count: Count = headline,
+    result: xr.Dataset | None = None,
 ) -> Member:
     """Solve one window of an ensemble without keeping its fields.
 
@@ -48,6 +54,9 @@ def solve_member(
         relative tolerance of the pressure, unless `contact` has a wider one.
     count : callable
         function that computes the quantities of a solution: `headline` or `headline_and_answers`.
+    result : Dataset, optional
+        that of the main window at the same loads. Closely spaced loads are then not all solved
+        (`roughcontact.uncertainty.representative_loads`), and the others interpolated.
 
     Returns
     -------
@@ -68,12 +77,41 @@ def solve_member(
     """
     if np.max(contact["mean_pressure"]) > 0.5 * MOST_LOAD * contact["contact_modulus"] * _gradient(window):
         window = xr.zeros_like(window)
-    found = solve_contact(window, **solver_arguments(contact, tolerance=tolerance), reduce=count)
+    load = np.atleast_1d(np.asarray(contact["mean_pressure"], float))
+    solved = np.arange(load.size)
+    if result is not None:
+        solved = representative_loads(load, result["relative_contact_area"].values)
+    arguments = solver_arguments({**contact, "mean_pressure": load[solved]}, tolerance=tolerance)
+    found = solve_contact(window, **arguments, reduce=count)
     converged = found["converged"].values == 1
-    return Member(
-        {name: np.where(converged, found[name].values, np.nan) for name in quantities_in(found)},
-        float(found["operator_applications"].sum()) * window.size,
-    )
+    values = {name: np.where(converged, found[name].values, np.nan) for name in quantities_in(found)}
+    if result is not None:
+        values = at_all_loads(values, solved, result)
+    return Member(values, float(found["operator_applications"].sum()) * window.size)
+
+
+def at_all_loads(
+    values: Mapping[str, np.ndarray], solved: np.ndarray, result: xr.Dataset
+) -> dict[str, np.ndarray]:
+    """Return values or half-widths at all loads of a result from those at the loads `solved`.
+
+    Their ratio to the result is interpolated over the logarithm of the load; of constrictions, which may
+    vanish, the value itself.
+
+    Examples
+    --------
+    >>> load = {"mean_pressure": ("load", [1.0, 2.0, 4.0])}
+    >>> result = xr.Dataset({"mean_gap": ("load", [3.0, 2.0, 1.0])}, coords=load)
+    >>> at_all_loads({"mean_gap": np.array([0.3, 0.3])}, np.array([0, 2]), result)["mean_gap"]
+    array([0.3, 0.4, 0.3])
+    """
+    load = result["mean_pressure"].values
+    return {
+        name: interpolate_over_loads(
+            each, solved, load, np.ones(load.shape) if name in CONSTRICTIONS else result[name].values
+        )
+        for name, each in values.items()
+    }
 
 
 def _gradient(window: xr.DataArray) -> float:

@@ -30,7 +30,7 @@ import xarray as xr
 from roughcontact.errors import SettingsError
 from roughcontact.io.instrument_kinds import of_name
 from roughcontact.quantities import quantity
-from roughcontact.uncertainty.answers import ANSWERS, quantities_in
+from roughcontact.uncertainty.answers import ANSWERS, CONSTRICTIONS, quantities_in
 from roughcontact.uncertainty.combination import SOURCES
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.uncertainty.random_effects import random_effects, stand_off, student
@@ -39,7 +39,7 @@ from roughcontact.uncertainty.scaling import AREA, effort
 SHARED = ("discretisation", "processing", "instrument", "material", "unresolved")
 # the placements of two faces share their maps, and with them the places where these were measured
 SHARED_BY_PLACEMENTS = (*SHARED, "window")
-HEIGHTS = ANSWERS[1:]  # narrowest places: evaluated on their own scale
+HEIGHTS = CONSTRICTIONS  # narrowest places: evaluated on their own scale
 FEW = 3  # parts, or maps, below which there is a range instead of an interval
 SAME_LOAD = 1e-6  # relative
 _GRID = "the grid"  # `band_reason` where no setting limits the band

@@ -240,7 +240,8 @@ def _solve_again(
     window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset
 ) -> dict[str, np.ndarray]:
     """Return the results of a changed window."""
-    return solve_member(window, contact, tolerance=_TOLERANCE, count=counter_of(solved)).values
+    count = counter_of(solved)
+    return solve_member(window, contact, tolerance=_TOLERANCE, count=count, result=solved).values
 
 
 def _shift_to(changed: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset) -> xr.Dataset:

@@ -104,7 +104,9 @@ def magnification_curve(
         if not sides or min(sides) // 2**octave < _MIN_POINTS_PER_SIDE:
             break
         maps.append(without_shortest_waves(window, 2**octave))
-        levels.append(solve_member(maps[-1], contact, tolerance=_TOLERANCE, count=count).values)
+        levels.append(
+            solve_member(maps[-1], contact, tolerance=_TOLERANCE, count=count, result=solved).values
+        )
     wavelengths = [
         2 * max(s for n, s in zip(m.shape, spacing(m), strict=True) if n > 1 or not sides) for m in maps
     ]

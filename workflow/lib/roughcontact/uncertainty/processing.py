@@ -115,7 +115,7 @@ def processing_uncertainty(
         if other is None:
             members.append(Member(known, 0.0))
             continue
-        members.append(solve_member(other, contact, tolerance=_TOLERANCE, count=count))
+        members.append(solve_member(other, contact, tolerance=_TOLERANCE, count=count, result=solved))
         del other  # before the next one is made: memory may not hold two large maps
     groups = np.array([choice.group for choice in choices])
     on_coarse_grid = np.isin(groups, ("own", "form"))

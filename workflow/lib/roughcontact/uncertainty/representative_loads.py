@@ -56,7 +56,7 @@ def interpolate_over_loads(
         indices of the representative loads, from `representative_loads`.
     load : array (n,), Pa
     value : array (n,)
-        reference quantity at each load, positive.
+        reference quantity at each load; where it is not positive, 1 is taken.
 
     Returns
     -------
@@ -71,8 +71,8 @@ def interpolate_over_loads(
     array([0.1, 0.3, 0.6])
     """
     by_load = np.argsort(load[chosen])
-    order = chosen[by_load]
-    return value * np.interp(np.log(load), np.log(load[order]), found[by_load] / value[order])
+    order, base = chosen[by_load], np.where(value > 0, value, 1.0)
+    return base * np.interp(np.log(load), np.log(load[order]), found[by_load] / base[order])
 
 
 def maximum_of_neighbours(

@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 import xarray as xr
 
-from roughcontact.uncertainty.answers import ANSWERS, quantities_in
+from roughcontact.uncertainty.answers import ANSWERS, CONSTRICTIONS, quantities_in
 from roughcontact.uncertainty.headline import QUANTITIES
 
 AREA, GAP, PEAK, PRESSURE = QUANTITIES
@@ -120,7 +120,7 @@ def _sensitivities(slopes: dict[str, np.ndarray], source: str) -> dict[str, np.n
     """Return d ln Q/d ln(input), of the area that of its effort; the pressure in contact follows from it."""
     found = {}
     for name, slope in slopes.items():
-        like = GAP if name in ANSWERS[1:] else name
+        like = GAP if name in CONSTRICTIONS else name
         found[name] = _EXPLICIT_POWER.get((source, like), 0.0) + _POWER_IN_LOAD[source] * slope
     return found
 

@@ -53,16 +53,23 @@ from roughcontact.maps import spacing
 from roughcontact.quantities import number, percent
 from roughcontact.roughness.texture import texture_parameters
 from roughcontact.uncertainty.answers import (
+    CONSTRICTIONS,
     answers_present,
     constrictions_in_grooves,
     counter_of,
     interval_from_subwindows,
+    quantities_in,
     with_common_lower_end,
 )
-from roughcontact.uncertainty.ensemble import measured_slices, solve_member
+from roughcontact.uncertainty.ensemble import Member, at_all_loads, measured_slices, solve_member
 from roughcontact.uncertainty.growth import form_order, growth_exponent
 from roughcontact.uncertainty.headline import QUANTITIES
-from roughcontact.uncertainty.scaling import effort
+from roughcontact.uncertainty.representative_loads import (
+    interpolate_over_loads,
+    ratio,
+    representative_loads,
+)
+from roughcontact.uncertainty.scaling import CONDUCTANCE, effort
 from roughcontact.window.periodic_window import periodic_window
 
 _TOLERANCE = 1e-2  # of the pressure: 0.4 % of the area (rms), where subwindows differ by 5 % and more
@@ -73,6 +80,7 @@ _DEFAULT_EXTENT = 3.0
 _GAP_MARGIN = 1.25  # on the scatter of the mean gap: the largest of a few valleys decide it
 _MIN_EXPONENT = 0.25  # real surfaces scatter more than stationary ones, which have 0
 _GROWTH_MARGIN = 1.25  # factor on the increase of the mean gap expected from growing heights
+_CLOSE_LOADS = 2.0  # ratio of two loads between which the gap is interpolated, within 2 % of its growth
 _MIN_DEGREES_OF_FREEDOM = 2.0  # however strong the lay
 _LOGARITHM_FLOOR = 1e-2  # of the window's result: the logarithm of smaller gaps is meaningless
 _FEW_DEGREES_OF_FREEDOM = 2.5  # below this limit a lay leaves about three independent subwindows
@@ -119,7 +127,8 @@ def window_uncertainty(
         along `load`, for each of the four quantities the expanded uncertainty `{name}_down` and `{name}_up`
         below and above the result, `{name}` the larger of them; NaN where the window is too small to be
         divided. The same for the answers that `solved` contains, `{name}_up` infinite where nothing in the
-        map bounds them. Along (member, load) the unscaled results of the subwindows, `{name}_members`; along
+        map bounds them. Along (member, load) the unscaled results of the subwindows, `{name}_members`, NaN at
+        loads between closely spaced ones, where the relative half-widths are interpolated; along
         `member` their `member_offset_y`, `member_offset_x`, `member_length_y`, `member_length_x` (m, in the
         map, including the band that periodisation blends). Attributes: `extent`, `coverage_factor` (t),
         `degrees_of_freedom`, `growth` (factor on the heights), `map_share` (share of the map that the
@@ -160,30 +169,32 @@ def window_uncertainty(
     whole = measured_slices(levelled, chosen)
     parts = _subwindows(whole, spacing(levelled), int(number), window.get("shortest_wavelength") or 0.0)
     own = {**window, "placement": "largest", "min_share": 0.0}
-    count = counter_of(solved)
+    count, load = counter_of(solved), solved["mean_pressure"].values
+    # members differ by more than a result changes between closely spaced loads
+    some = representative_loads(load, solved["relative_contact_area"].values)
+    result, contact = solved.isel(load=some), {**contact, "mean_pressure": load[some]}
     members = []
     for part in parts:
         periodic = periodic_window(_relevelled(levelled.isel(part), form_order(levelled)), **own)
         members.append(solve_member(periodic, contact, tolerance=_TOLERANCE, count=count))
     extrapolation = _extrapolation(chosen, levelled.isel(whole), parts=len(parts), extent=extent)
-    values = {name: np.array([member.values[name] for member in members]) for name in QUANTITIES}
-    widths, work = _half_widths(values, solved, extrapolation), sum(member.work for member in members)
+    names = quantities_in(solved)
+    values = {name: np.array([member.values[name] for member in members]) for name in names}
+    widths, work = _half_widths(values, result, extrapolation), sum(member.work for member in members)
     grown: dict[str, np.ndarray] = {}
     if extrapolation.growth > 0 and len(parts) > 1:
-        higher = chosen.copy(data=chosen.values * math.exp(extrapolation.growth))
-        member = solve_member(higher, contact, tolerance=_TOLERANCE, count=count)
+        member = _solve_grown(chosen, contact, solved, math.exp(extrapolation.growth))
         grown, work = member.values, work + member.work
         down, up = widths["mean_gap"]
-        added = np.maximum(grown["mean_gap"] - solved["mean_gap"].values, 0.0)
+        added = np.maximum(grown["mean_gap"] - result["mean_gap"].values, 0.0)
         widths["mean_gap"] = down, np.hypot(up, _GROWTH_MARGIN * added)
     open_directions = constrictions_in_grooves(chosen) if answers_present(solved) else []
     for name in answers_present(solved):
-        of_parts = np.array([member.values[name] for member in members])
-        half_way = solved[f"{name}_half_way"].values if f"{name}_half_way" in solved else None
+        half_way = result[f"{name}_half_way"].values if f"{name}_half_way" in result else None
         down, up = interval_from_subwindows(
             name,
-            of_parts,
-            solved[name].values,
+            values[name],
+            result[name].values,
             factor=extrapolation.scatter,
             extent_factor=extrapolation.extent_factor,
             grown=grown.get(name),
@@ -191,22 +202,29 @@ def window_uncertainty(
         )
         if name in open_directions and half_way is not None:
             up = np.where(half_way > 0, np.inf, up)
-        widths[name], values[name] = (down, up), of_parts
+        widths[name] = down, up
     if extrapolation.dimensions == 2:  # no lay
-        widths |= with_common_lower_end(widths, solved)
-    result: dict[str, tuple] = {}
-    for name, (down, up) in widths.items():
-        result |= {
+        widths |= with_common_lower_end(widths, result)
+    below, above = (at_all_loads({n: w[side] for n, w in widths.items()}, some, solved) for side in (0, 1))
+    for name in (name for name in CONSTRICTIONS if name in widths):  # the share that may be closed
+        share = ratio(widths[name][0], result[name].values)
+        below[name] = solved[name].values * interpolate_over_loads(share, some, load, np.ones(load.shape))
+    found: dict[str, tuple] = {}
+    for name in names:
+        down, up = below[name], above[name]
+        of_members = np.full((len(parts), load.size), np.nan)
+        of_members[:, some] = values[name]
+        found |= {
             name: ("load", np.maximum(down, up)),
             f"{name}_down": ("load", down),
             f"{name}_up": ("load", up),
-            f"{name}_members": (("member", "load"), values[name]),
+            f"{name}_members": (("member", "load"), of_members),
         }
     covered = sum(math.prod(levelled.isel(part).shape) for part in parts) / levelled.size
     incomplete = any(np.isnan(member.values["mean_gap"]).any() for member in members)
     return xr.Dataset(
-        result | _subwindow_positions(levelled, parts),
-        coords={"mean_pressure": ("load", np.asarray(solved["mean_pressure"].values, float))},
+        found | _subwindow_positions(levelled, parts),
+        coords={"mean_pressure": ("load", load)},
         attrs={
             "extent": float(extent),
             "coverage_factor": extrapolation.factor,
@@ -219,6 +237,33 @@ def window_uncertainty(
             "work": work,
         },
     )
+
+
+def _solve_grown(
+    window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset, factor: float
+) -> Member:
+    """Return mean gap and answers of a window, its heights multiplied by a factor, at the loads of `contact`.
+
+    By the scaling law (`roughcontact.uncertainty.scaling`) they are those of the window itself at lower
+    loads. Between closely spaced loads of the result they are interpolated, linearly in the logarithm of the
+    load: of the gap, which is convex in it, that is no less than the solution.
+    """
+    count, wanted = counter_of(solved), np.asarray(contact["mean_pressure"], float)
+    if contact.get("hardness") is not None:  # it does not grow with the heights
+        higher = window.copy(data=window.values * factor)
+        return solve_member(higher, contact, tolerance=_TOLERANCE, count=count)
+    rising = np.sort(solved["mean_pressure"].values)
+    alone = rising[rising > _CLOSE_LOADS * np.r_[0.0, rising[:-1]]]
+    lower = {**contact, "mean_pressure": alone / factor}
+    member = solve_member(window, lower, tolerance=_TOLERANCE, count=count)
+    load = np.r_[alone / factor, solved["mean_pressure"].values]
+    order = np.argsort(load)
+    values = {}
+    for name in ("mean_gap", *answers_present(solved)):
+        curve = np.r_[member.values[name], solved[name].values][order]
+        at_lower = np.interp(np.log(wanted / factor), np.log(load[order]), curve)
+        values[name] = at_lower if name == CONDUCTANCE else factor * at_lower
+    return Member(values, member.work)
 
 
 class _Extrapolation(NamedTuple):
