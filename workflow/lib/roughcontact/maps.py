@@ -129,14 +129,9 @@ def refined(window: xr.DataArray, factor: int) -> xr.DataArray:
     for axis, points in enumerate(values.shape):
         if points == 1 or factor == 1:
             continue
-        spectrum = np.moveaxis(np.fft.fft(values, axis=axis), axis, 0)
-        padded = np.zeros((points * factor, *spectrum.shape[1:]), complex)
-        upper = (points + 1) // 2
-        padded[:upper] = spectrum[:upper]
-        padded[points * factor - (points - upper) :] = spectrum[upper:]
-        if points % 2 == 0:  # the Nyquist wave, at -points/2
-            padded[points * factor - points // 2] /= 2
-            padded[points // 2] = padded[points * factor - points // 2]
-        values = np.moveaxis(np.fft.ifft(padded, axis=0).real * factor, 0, axis)
+        spectrum = np.fft.rfft(values, axis=axis)
+        if points % 2 == 0:
+            np.moveaxis(spectrum, axis, 0)[-1] /= 2
+        values = np.fft.irfft(spectrum, points * factor, axis=axis) * factor
     steps = [step / factor if n > 1 else step for n, step in zip(window.shape, spacing(window), strict=True)]
     return height_map(values, steps)

@@ -8,6 +8,7 @@ millisecond and a few kilobytes.
 import html
 import json
 import math
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial, wraps
@@ -443,7 +444,10 @@ def data_uri(svg: str) -> str:
     >>> data_uri("<svg id='a'/>")
     "data:image/svg+xml,%3Csvg id='a'/%3E"
     """
-    return "data:image/svg+xml," + quote(svg, safe=" =:/+;,'()!*@?$~")
+    # character by character `quote` would take a fifth of the time of a page
+    return "data:image/svg+xml," + re.sub(
+        r"[^\w =:/+;,'()!*@?$~.-]+", lambda some: quote(some[0]), svg, flags=re.ASCII
+    )
 
 
 def _stroke(colour: str, width: float, dash: str) -> str:

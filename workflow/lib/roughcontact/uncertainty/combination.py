@@ -232,12 +232,12 @@ def _components(
         if f"{name}_bias" in dataset:
             parts["bias"][:, column] = dataset[f"{name}_bias"].values
         for side in ("down", "up"):
-            shift = dataset.get(f"{name}_shift_{side}")
-            if shift is not None:
-                parts[f"shift_{side}"][:, column] = shift.values
-            symmetric = dataset[name] if shift is None else xr.zeros_like(dataset[name])
-            width = dataset.get(f"{name}_{side}", symmetric)
-            parts[side][:, column] = width.values - parts["bias"][:, column]
+            shift, width = f"{name}_shift_{side}", f"{name}_{side}"
+            if shift in dataset:
+                parts[f"shift_{side}"][:, column] = dataset[shift].values
+            if width in dataset or shift not in dataset:
+                parts[side][:, column] = dataset[width if width in dataset else name].values
+            parts[side][:, column] -= parts["bias"][:, column]
     absent = np.isnan(parts["shown"])
     return {key: np.where(absent, 0.0, part) if key != "shown" else part for key, part in parts.items()}
 
