@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from roughcontact.contact.dataset import joined
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import SettingsError
 from roughcontact.levelling.level import level
@@ -13,7 +14,7 @@ from roughcontact.report.budget_plots import shown_budget
 from roughcontact.results.collect import summary_table
 from roughcontact.results.storage import read_dataset, write_dataset
 from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
-from roughcontact.uncertainty.budget import SOURCES, combine, error_budget
+from roughcontact.uncertainty.budget import SOURCES, budget_inputs, combine, error_budget
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.validation.coverage import measured_cases
 from roughcontact.window.periodic_window import periodic_window
@@ -191,3 +192,23 @@ def test_the_report_says_what_the_uncertainty_is_made_of(statistics):
 )
 def test_a_value_has_as_many_places_as_its_uncertainty(value, half_width, text):
     assert plus_minus(value, half_width) == text
+
+
+def test_a_solution_that_is_counted_is_not_solved_again(maps, budget):
+    """The budget from statistics is that of an own solution; the stiffness is more accurate in statistics."""
+    statistics, inputs = [], []
+
+    def count(contact):
+        statistics.append(contact_statistics(contact))
+        inputs.append(budget_inputs(contact, statistics[-1]))
+        return xr.Dataset()
+
+    solve_contact(maps[1], **CONTACT, reduce=count)
+    solved = joined(inputs[::-1])  # counted from the lower load up
+    found = error_budget(*maps, SETTINGS, solved=solved)
+    for name in QUANTITIES:
+        for end in ("lower", "upper"):
+            np.testing.assert_allclose(found[f"{name}_{end}"], budget[f"{name}_{end}"], rtol=1e-12)
+    for end in ("lower", "upper"):
+        name = f"conductance_per_conductivity_{end}"
+        np.testing.assert_allclose(found[name], budget[name], rtol=0.02)

@@ -338,3 +338,29 @@ def test_a_part_of_a_map_that_is_flat_up_to_rounding_is_flat():
     assert flat["relative_contact_area"].tolist() == [1, 1]
     assert flat["mean_gap"].tolist() == [0, 0]
     assert (rough["relative_contact_area"] < 1).all()
+
+
+def test_between_close_loads_the_relative_half_widths_are_interpolated():
+    levelled = crop(surface(512, longest=64.0), 128, 3)
+    few, more = contact(0.01, 0.04), contact(0.01, 0.02, 0.04)
+    _, at_ends = sampled(levelled, few)
+    solved, found = sampled(levelled, more)
+    for name in QUANTITIES:
+        members = found[f"{name}_members"].values
+        assert np.isnan(members[:, 1]).all()
+        np.testing.assert_allclose(members[:, [0, 2]], at_ends[f"{name}_members"], rtol=1e-2)
+        for side in ("down", "up"):
+            relative = (found[f"{name}_{side}"] / solved[name]).values
+            np.testing.assert_allclose(relative[1], relative[[0, 2]].mean(), rtol=1e-9)
+            # of the growth of the gap the solution at the lower load is another one
+            np.testing.assert_allclose(found[f"{name}_{side}"][[0, 2]], at_ends[f"{name}_{side}"], rtol=0.05)
+
+
+def test_the_growth_between_close_loads_is_that_of_the_solution():
+    levelled = crop(surface(512, longest=512.0), 128, 0)
+    problem = contact(0.1, 0.2)
+    solved, found = sampled(levelled, problem)
+    scatter = found["mean_gap_down"] / (1 - found["mean_gap_down"] / solved["mean_gap"])
+    growth = gap_of_higher(levelled, problem, found.attrs["growth"]) - solved["mean_gap"]
+    added = np.sqrt(found["mean_gap_up"] ** 2 - scatter**2) / 1.25
+    np.testing.assert_allclose(added, growth, rtol=0.02)

@@ -246,7 +246,7 @@ def _solve_grown(
 
     By the scaling law (`roughcontact.uncertainty.scaling`) they are those of the window itself at lower
     loads. Between closely spaced loads of the result they are interpolated, linearly in the logarithm of the
-    load: of the gap, which is convex in it, that is no less than the solution.
+    load.
     """
     count, wanted = counter_of(solved), np.asarray(contact["mean_pressure"], float)
     if contact.get("hardness") is not None:  # it does not grow with the heights
