@@ -79,6 +79,7 @@ def make_fields(shape, factors, precisions, cap):
     fields["outer_out"], fields["inner_out"], fields["other_out"] = (
         np.full(shape, np.nan, dtype) for dtype in (outer, inner, inner)
     )
+    fields["squares_y"], fields["squares_x"] = (rng.integers(0, 3, n).astype(inner) for n in shape)
     fields["coarse_gain"] = rng.random(coarse_shape).astype(inner)
     fields["weight"] = np.where(fields["share"] > 0, rng.random(shape), 0).astype(inner)
     fields["coarse_out"], fields["other_coarse_out"] = np.full((2, *coarse_shape), np.nan, inner)
@@ -130,6 +131,8 @@ CALLS = {
     "project": lambda k, f, factors, cap: k.project(
         f["start"], cap / 2, f["inner_out"], f["other_out"], factors, f["coarse_out"]
     ),
+    "inverse_root": lambda k, f, factors, cap: k.inverse_root(f["squares_y"], f["squares_x"], f["inner_out"]),
+    "product": lambda k, f, factors, cap: k.product(f["field"], f["passed"]),
     "rescale": lambda k, f, factors, cap: k.rescale(f["separation"], 0.7, cap),
     "project_residual": lambda k, f, factors, cap: k.project_residual(
         f["pressure"], f["separation"], OFFSET, cap, f["values"]
@@ -170,7 +173,7 @@ BOUNDED = [
 # kernels without a coarser grid
 ONE_GRID = [
     *("multiply", "divide", "measure", "slope_power", "extent", "restore_units", "make_dimensionless"),
-    *("rescale", "project_residual", "neighbours", "fill", "empty_neighbours"),
+    *("inverse_root", "product", "rescale", "project_residual", "neighbours", "fill", "empty_neighbours"),
 ]
 NESTED = ["refine"]  # grids of whole cells
 TWO_GRIDS = [name for name in CALLS if name not in ONE_GRID + NESTED]

@@ -234,7 +234,8 @@ def test_the_offset_where_no_point_is_free():
     ],
 )
 def test_scaling_to_a_load(pressure, load, cap, expected):
-    np.testing.assert_allclose(scale_to_load(np.array(pressure), load, cap=cap), expected, atol=1e-14)
+    scaled = scale_to_load(np.array([pressure]), load, cap=cap)
+    np.testing.assert_allclose(scaled, [expected], atol=1e-14)
 
 
 @pytest.mark.parametrize("cap", [0.3, 0.9])
@@ -306,8 +307,8 @@ def test_a_load_at_the_cap_is_refused():
 
 
 def test_a_norm_of_rounding_is_zero_and_not_a_root_of_less():
-    assert norm(np.array([1.0]), np.array([-1e-30])) == 0.0
-    assert norm(np.array([3.0, 4.0]), np.array([3.0, 4.0])) == pytest.approx(np.sqrt(12.5))
+    assert norm(np.array([[1.0]]), np.array([[-1e-30]])) == 0.0
+    assert norm(np.array([[3.0, 4.0]]), np.array([[3.0, 4.0]])) == pytest.approx(np.sqrt(12.5))
 
 
 # the safe step

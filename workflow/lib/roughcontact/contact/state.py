@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from roughcontact.kernels.array_api import mean
-from roughcontact.kernels.arrays import Array, count_of, in_precision, namespace, precision_of
+from roughcontact.kernels.arrays import Array, count_of, empty, in_precision, namespace, precision_of
+from roughcontact.kernels.choose import kernels_for
 
 
 @dataclass(frozen=True)
@@ -69,13 +70,14 @@ def scale_to_load(
     ValueError
         for a mean pressure that is not below the cap.
     """
-    xp = namespace(pressure)
-    positive = xp.clip(in_precision(pressure, precision or precision_of(pressure), copy=False), 0, None)
-    total = mean_pressure * count_of(pressure)
-    load = float(xp.sum(positive, dtype=xp.float64))
+    xp, total = namespace(pressure), mean_pressure * count_of(pressure)
     if cap == np.inf:
-        positive *= total / load
-        return positive
+        scaled = empty(pressure, precision or precision_of(pressure))
+        scaled[...] = pressure
+        kernels = kernels_for(scaled)
+        kernels.rescale(scaled, total / kernels.rescale(scaled, 1.0, np.inf), np.inf)
+        return scaled
+    positive = xp.clip(in_precision(pressure, precision or precision_of(pressure), copy=False), 0, None)
     if mean_pressure >= cap:
         raise ValueError(f"a mean pressure of {mean_pressure:g} cannot be carried below the cap {cap:g}")
     held = pressure >= cap
@@ -143,4 +145,4 @@ def norm(left: Array, right: Array) -> float:
 
 def mean_product(left: Array, right: Array) -> float:
     """Return the mean over the grid of left x right, summed in double precision."""
-    return mean(left * right)
+    return kernels_for(left).product(left, right) / count_of(left)

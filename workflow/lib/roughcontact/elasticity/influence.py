@@ -14,6 +14,8 @@ import numpy as np
 
 from roughcontact.choices import Influence
 from roughcontact.elasticity.layers import LayeredPair
+from roughcontact.kernels.choose import kernels_for
+from roughcontact.kernels.memory import store
 
 if TYPE_CHECKING:
     from scipy.interpolate import RectBivariateSpline
@@ -39,10 +41,9 @@ def sampled(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.
     >>> sampled(np.array([[0.0], [3.0]]), np.array([[4.0]]), (1.0, 1.0)).ravel().tolist()
     [0.5, 0.4]
     """
-    symbol = qy * qy + qx * qx
-    np.sqrt(symbol, out=symbol)
-    with np.errstate(divide="ignore"):
-        return np.divide(2, symbol, out=symbol)
+    symbol = store.empty((qy.size, qx.size), np.result_type(qy, qx))
+    kernels_for(symbol).inverse_root(qy[:, 0] ** 2, qx[0] ** 2, symbol)
+    return symbol
 
 
 def elements(qy: np.ndarray, qx: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:

@@ -58,6 +58,17 @@ def _power(xp: Any, spectrum: Array) -> Array:
     return xp.real(spectrum) ** 2 + xp.imag(spectrum) ** 2
 
 
+def inverse_root(along_y: Array, along_x: Array, out: Array) -> None:
+    """Write 2 / sqrt(y + x) to `out`: y of `along_y`, shape (ny,), for the row, x for the column.
+
+    It is infinite where the sum is zero, as the symbol 2/|q| of a half-space is.
+    """
+    xp = namespace(out)
+    square = along_y[:, None] + along_x
+    root = xp.sqrt(xp.where(square == 0, xp.ones_like(square), square))
+    out[...] = xp.where(square == 0, xp.full_like(square, float("inf")), 2 / root)
+
+
 def slope_power(spectrum: Array, weights: Array, along_y: Array, along_x: Array) -> float:
     """Return the weighted sum of |s|^2 (y + x) over the waves.
 
@@ -241,10 +252,16 @@ def project(field: Array, cap: float, taken: Array, free: Array, factors: Factor
     block_mean(free, factors, share)
 
 
-def rescale(field: Array, factor: float, cap: float) -> None:
-    """Project `field` in place onto [0, `cap`] and multiply it by `factor`."""
+def rescale(field: Array, factor: float, cap: float) -> float:
+    """Project `field` in place onto [0, `cap`] and multiply it by `factor`; return its sum."""
     xp = namespace(field)
     field[...] = xp.clip(field, 0, None if cap == float("inf") else cap) * factor
+    return _sum(xp, field)
+
+
+def product(left: Array, right: Array) -> float:
+    """Return the sum of `left` x `right` over the grid."""
+    return _sum(namespace(left), left * right)
 
 
 def project_residual(pressure: Array, separation: Array, offset: float, cap: float, values: Array) -> float:

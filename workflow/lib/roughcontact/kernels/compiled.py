@@ -27,6 +27,7 @@ _SOURCES = "c"  # folder beside this file; naming it here includes it in the dig
 _ARGUMENTS = {
     "multiply": ("cr", "q"),
     "divide": ("crr", "q"),
+    "inverse_root": ("rrr", "q"),
     "slope_power": ("cDDD", "q"),
     "extent": ("r", "q"),
     "make_dimensionless": ("oi", "ddq"),
@@ -37,6 +38,7 @@ _ARGUMENTS = {
     "redistribute": ("oiii", "dqqqq"),
     "project": ("oiii", "dqqqq"),
     "rescale": ("r", "ddq"),
+    "product": ("rr", "q"),
     "project_residual": ("ooi", "ddq"),
     "restore_units": ("rrb", "dddq"),
     "block_mean": ("rr", "qqqq"),
@@ -126,6 +128,11 @@ class Compiled:
         rows, nx = symbol.shape
         return self._run("divide", rows, 0, (spectrum, symbol, weights), nx)[0]
 
+    def inverse_root(self, along_y, along_x, out):
+        rows, nx = out.shape
+        # the threads are chosen by the size of the first array
+        run_pass("inverse_root", rows, 0, (along_y, along_x, out), nx, threads=self.threads)
+
     def slope_power(self, spectrum, weights, along_y, along_x):
         rows, nx = spectrum.shape
         return self._run("slope_power", rows, 0, (spectrum, weights, along_y, along_x), nx)[0]
@@ -167,7 +174,11 @@ class Compiled:
 
     def rescale(self, field, factor, cap):
         rows, nx = field.shape
-        self._run("rescale", rows, 0, (field,), factor, cap, nx)
+        return self._run("rescale", rows, 0, (field,), factor, cap, nx)[0]
+
+    def product(self, left, right):
+        rows, nx = left.shape
+        return self._run("product", rows, 0, (left, right), nx)[0]
 
     def project_residual(self, pressure, separation, offset, cap, values):
         rows, nx = values.shape

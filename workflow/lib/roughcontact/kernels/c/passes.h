@@ -112,6 +112,17 @@ PASS(divide, { REAL *spectrum; const REAL *symbol, *weights; int64_t nx; })
     found->sums[0] = energy;
 }
 
+PASS(inverse_root, { const REAL *along_y, *along_x; REAL *out; int64_t nx; })
+{
+    for (int64_t i = first; i < last; i++) {
+        const REAL *along_x = given->along_x, y = given->along_y[i];
+        REAL *out = given->out + i * given->nx;
+        VECTOR
+        for (int64_t j = 0; j < given->nx; j++)
+            out[j] = 2 / ROOT(y + along_x[j]);
+    }
+}
+
 PASS(slope_power, { const REAL *spectrum; const double *weights, *along_y, *along_x; int64_t nx; })
 {
     const double *weights = given->weights, *along_x = given->along_x;
@@ -192,12 +203,26 @@ PASS(extent, { const REAL *field; int64_t nx; })
 PASS(rescale, { REAL *field; double factor, cap; int64_t nx; })
 {
     const REAL factor = (REAL)given->factor, cap = (REAL)given->cap;
+    double total = 0;
     for (int64_t i = first; i < last; i++) {
         REAL *field = given->field + i * given->nx;
-        VECTOR
-        for (int64_t j = 0; j < given->nx; j++)
-            field[j] = HELD(field[j], cap) * factor;
+        SUM(total)
+        for (int64_t j = 0; j < given->nx; j++) {
+            const REAL value = HELD(field[j], cap) * factor;
+            field[j] = value;
+            total += value;
+        }
     }
+    found->sums[0] = total;
+}
+
+PASS(product, { const REAL *left, *right; int64_t nx; })
+{
+    double total = 0;
+    SUM(total)
+    for (int64_t j = first * given->nx; j < last * given->nx; j++)
+        total += given->left[j] * given->right[j];
+    found->sums[0] = total;
 }
 
 PASS(restore_units, { REAL *pressure, *gap; int8_t *contact; double offset, pressure_unit, gap_unit; int64_t nx; })

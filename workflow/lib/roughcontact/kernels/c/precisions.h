@@ -90,6 +90,7 @@ static const struct Entry JOIN(table, of, LEVEL)[] = {
 #define OF_ONE(pass) ENTRY(pass, f) ENTRY(pass, d)
 #define OF_TWO(pass) ENTRY(pass, ff) ENTRY(pass, df) ENTRY(pass, dd) ENTRY(pass, fd)
     OF_ONE(multiply) OF_ONE(divide) OF_ONE(slope_power) OF_ONE(extent) OF_ONE(rescale) OF_ONE(restore_units)
+    OF_ONE(inverse_root) OF_ONE(product)
     OF_ONE(block_mean) OF_ONE(active_share) OF_ONE(weigh) OF_ONE(weighted_mean) OF_ONE(mix) OF_ONE(neighbours)
     OF_ONE(fill) OF_ONE(fill_from) OF_ONE(empty_neighbours) OF_ONE(gather) OF_ONE(empty_from) OF_ONE(spread)
     OF_ONE(finish_restriction) OF_ONE(weigh_small) OF_ONE(prolong_small) OF_ONE(restrict_small)
