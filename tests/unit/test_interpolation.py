@@ -172,7 +172,7 @@ def test_small_grids_in_one_call_equal_those_one_by_one(monkeypatch):
     )
     found = []
     for cells in (0, 12 * 20, 24 * 40):
-        monkeypatch.setattr(compiled, "SMALL_GRID", cells)
+        monkeypatch.setitem(compiled.SMALL_GRID, "one thread", cells)
         interpolation, prolong = make(contact.shape, (1.0, 1.0), contact, Compiled(1))
         back = field.copy()
         interpolation.restrict(back, np.empty_like(back))

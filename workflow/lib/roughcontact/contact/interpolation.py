@@ -156,8 +156,6 @@ class Interpolation:
         kernels, xp, self.active = self.kernels, namespace(active), active
         if not share_known:
             kernels.active_share(active, self.factors, self.share)
-        if self._small is not None and self._small.first == 0:
-            self.grids[0].empty[...] = self.share
         # the share of contact in every cell comes into `work`, the mean weight of its parts into `empty`
         for number, grid in enumerate(self.grids):
             if self._small is not None and number == self._small.first:
@@ -212,7 +210,8 @@ class Interpolation:
             return
         if not means_known:
             kernels.block_mean(values, self.factors, self.means)
-        self.means *= self.grids[0].gain
+        if self._small is None or self._small.first:  # else they are weighed with the others
+            self.means *= self.grids[0].gain
         kernels.fill_from(values, self.active, self._prolonged(0), self.factors, self.weights, out)
         if self._spares:
             out[...] = self._smooth(values, self._gaps(), out, self.weights, SWEEPS, self._spares)

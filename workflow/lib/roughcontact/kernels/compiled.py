@@ -54,9 +54,9 @@ _ARGUMENTS = {
     "empty_from": ("rrrr", "dddqqqq"),
     "spread": ("rrr", "qqqq"),
     "finish_restriction": ("rrrr", "qqqq"),
-    "weigh_small": ("rrrrDr", "q"),
-    "prolong_small": ("rrrrrrDr", "qq"),
-    "restrict_small": ("rrrrrrDr", "qq"),
+    "weigh_small": ("rrrrDr", "qq"),
+    "prolong_small": ("rrrrrrDr", "qqq"),
+    "restrict_small": ("rrrrrrDr", "qqq"),
     "continue_square": ("rr", "qq"),
     "refine": ("rrrr", "dddddqqqq"),
     "rows_forward": ("rcr", "qq"),
@@ -66,7 +66,8 @@ _ARGUMENTS = {
 }
 _structs = {name: Struct("P" * len(arrays) + rest) for name, (arrays, rest) in _ARGUMENTS.items()}
 _pack = {name: struct.pack for name, struct in _structs.items()}
-SMALL_GRID = 64 * 64  # cells; coarser grids of a hierarchy are processed in one call
+# cells; coarser grids of a hierarchy are processed in one call, by one thread
+SMALL_GRID = {"one thread": 2**62, "several threads": 64 * 64}
 _Found = ctypes.c_double * 8  # six sums, the smallest and the largest value
 _view, _address = (ctypes.c_char * 0).from_buffer, ctypes.addressof
 
@@ -247,7 +248,8 @@ class Compiled:
 
     def small_grids(self, grids, stores, ends):
         cells = [end - start for start, end in pairwise(ends)]
-        first = sum(count > SMALL_GRID for count in cells)
+        limit = SMALL_GRID["one thread" if self.threads == 1 else "several threads"]
+        first = sum(count > limit for count in cells)
         return CompiledSmallGrids(grids, stores, ends, first) if first < len(grids) else None
 
     def refine(self, coarse, factors, heights, weights, stiffness, cap, out):
@@ -289,21 +291,21 @@ class CompiledSmallGrids:
         ]
         weights = np.array([grid.weights for grid in grids[first:]], dtype=stores[0].dtype)
         self._arrays = (*stores, np.array(table, dtype=np.int64), weights)
-        self._count, self._longest = len(table), max(row[1] for row in table)
+        self._counts, self._longest = (len(table), first == 0), max(row[1] for row in table)
         # the coarsest is weighed row by row
         rows = [*(row[2] for row in table[1:]), 1]
         self._scratch = max((height + 1) * row[1] for height, row in zip(rows, table, strict=True))
 
     def weigh(self):
-        run_pass("weigh_small", 1, self._scratch, self._arrays, self._count)
+        run_pass("weigh_small", 1, self._scratch, self._arrays, *self._counts)
 
     def prolong(self, sweeps, work, other):
         arrays = work, other, *self._arrays
-        run_pass("prolong_small", 1, 2 * self._longest + 2, arrays, self._count, sweeps)
+        run_pass("prolong_small", 1, 5 * self._longest + 2, arrays, *self._counts, sweeps)
 
     def restrict(self, sweeps, work, other):
         arrays = work, other, *self._arrays
-        run_pass("restrict_small", 1, 4 * self._longest + 2, arrays, self._count, sweeps)
+        run_pass("restrict_small", 1, 4 * self._longest + 2, arrays, *self._counts, sweeps)
 
 
 def run_pass(name, rows, scratch, arrays, *numbers, threads=1):

@@ -316,20 +316,33 @@ PASS(weigh, {
         const int64_t start = block * fy, rows = SMALLER(fy, given->ny - start);
         const REAL *parts = given->parts + start * nx, *share = given->share + start * nx;
         REAL *empty = given->empty + start * nx, *gain = given->gain + start * nx;
-        if (arrangement == ALONG_A_LINE)
-            for (int64_t j = 0; j < rows * nx; j++)
-                weights[j] = points * parts[j] / (1 + (points - 1) * parts[j]);
-        else
-            VECTOR
-            for (int64_t j = 0; j < rows * nx; j++) {
-                const REAL whole = ROOT(share[j]), apart = parts[j] * root, pieces = apart / (1 + apart - whole);
-                weights[j] = arrangement == SCATTERED ? pieces : ROOT(whole * pieces);
-            }
-        VECTOR
-        for (int64_t j = 0; j < rows * nx; j++) {
-            gain[j] = weights[j] / (parts[j] > 0 ? parts[j] : (REAL)1);
-            empty[j] = 1 - weights[j];
+        for (int64_t from = 0; from < rows * nx; from += 64) {
+            const int64_t to = SMALLER(from + 64, rows * nx);
+            int32_t partial = 0;
+            SUM(partial)
+            for (int64_t j = from; j < to; j++)
+                partial += (parts[j] > 0) & (parts[j] < 1);
+            if (arrangement == ALONG_A_LINE)
+                for (int64_t j = from; j < to; j++) {
+                    weights[j] = points * parts[j] / (1 + (points - 1) * parts[j]);
+                    gain[j] = weights[j] / (parts[j] > 0 ? parts[j] : (REAL)1);
+                }
+            else if (!partial) /* cells that are all or nothing stay so */
+                memcpy(gain + from, memcpy(weights + from, parts + from, (size_t)(to - from) * sizeof(REAL)),
+                       (size_t)(to - from) * sizeof(REAL));
+            else
+                VECTOR
+                for (int64_t j = from; j < to; j++) {
+                    const REAL whole = ROOT(share[j]), apart = parts[j] * root, below = 1 + apart - whole;
+                    const REAL own = parts[j] > 0 ? parts[j] : 1, inverse = 1 / (below * own);
+                    const REAL pieces = apart * own * inverse;
+                    weights[j] = arrangement == SCATTERED ? pieces : ROOT(whole * pieces);
+                    gain[j] = weights[j] * below * inverse;
+                }
         }
+        VECTOR
+        for (int64_t j = 0; j < rows * nx; j++)
+            empty[j] = 1 - weights[j];
         if (!given->next_share)
             continue;
         NAME(mean_of_rows)(weights, rows, nx, fx, part, columns, given->next_parts + block * cells);
@@ -528,12 +541,14 @@ PASS(finish_restriction, { REAL *field; const REAL *passed, *coarse, *active; in
 
 /* ---- the small grids of a hierarchy, all in one pass ---- */
 
-/* Fields of `count` grids, one grid after another; `table`: ny, nx, fy, fx, start and arrangement of each. */
+/* Fields of `count` grids, one grid after another; `table`: ny, nx, fy, fx, start and arrangement of each. `whole`:
+   whether the first of them is the first of the hierarchy, which weighs its cells by the share of contact and is given
+   means without their gain. */
 struct NAME(Small) {
     REAL *empty, *gain, *means, *work;
     const int64_t *table;
     const REAL *weights;
-    int64_t count;
+    int64_t count, whole;
 };
 
 /* One of them. */
@@ -568,7 +583,8 @@ PASS(weigh_small, { struct NAME(Small) small; })
     (void)first, (void)last;
     for (int64_t number = 0; number < given->small.count; number++) {
         const struct NAME(Grid) grid = NAME(grid)(&given->small, number);
-        struct NAME(weigh) weigh = {grid.empty, grid.work, grid.empty, grid.gain, NULL, NULL,
+        const REAL *parts = number || !given->small.whole ? grid.empty : grid.work;
+        struct NAME(weigh) weigh = {parts, grid.work, grid.empty, grid.gain, NULL, NULL,
                                     grid.ny, grid.nx, grid.fy * grid.fx, grid.arrangement, 1, 1};
         if (number + 1 < given->small.count) {
             const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
@@ -581,6 +597,51 @@ PASS(weigh_small, { struct NAME(Small) small; })
     }
 }
 
+/* Mix the means of a grid with those of the coarser one and overwrite them by the means of their neighbours. */
+static void NAME(mix_neighbours)(const struct NAME(Grid) *grid, const struct NAME(Grid) *coarse, REAL *scratch)
+{
+    const int64_t ny = grid->ny, nx = grid->nx, cells = NAME(cells_of)(nx, coarse->fx);
+    /* mixed: the first row, and a cyclic buffer of the previous, the current and the next one */
+    REAL *top = scratch, *mixed = top + nx, *row = mixed + 3 * nx;
+    for (int64_t i = -1; i <= ny; i++) {
+        const int64_t at = i < 0 ? ny - 1 : i;
+        REAL *next = mixed + (i + 1) % 3 * nx;
+        if (i < ny) {
+            const REAL *means = grid->means + at * nx, *empty = grid->empty + at * nx;
+            NAME(unfold)(coarse->means + at / coarse->fy * cells, nx, coarse->fx, 1, row);
+            VECTOR
+            for (int64_t j = 0; j < nx; j++)
+                next[j] = means[j] + empty[j] * row[j];
+        } else
+            memcpy(next, top, (size_t)nx * sizeof(REAL));
+        if (i == 0)
+            memcpy(top, next, (size_t)nx * sizeof(REAL));
+        if (i > 0)
+            NAME(around)(mixed + (i + 2) % 3 * nx, mixed + i % 3 * nx, next, &grid->weights, row,
+                         grid->means + (i - 1) * nx, nx);
+    }
+}
+
+/* Hand the neighbours' means of a grid to the empty cells of the next coarser one. */
+static void NAME(gather_neighbours)(const struct NAME(Grid) *grid, const struct NAME(Grid) *coarse, REAL *scratch)
+{
+    const int64_t ny = grid->ny, nx = grid->nx, cells = NAME(cells_of)(nx, coarse->fx);
+    REAL *columns = scratch, *row = columns + nx;
+    for (int64_t i = 0; i < ny; i++) {
+        const REAL *empty = grid->empty + i * nx;
+        REAL *work = grid->work + i * nx;
+        if (i % coarse->fy == 0)
+            memset(columns, 0, (size_t)nx * sizeof(REAL));
+        NAME(around)(grid->means + before(i, ny) * nx, grid->means + i * nx, grid->means + after(i, ny) * nx,
+                     &grid->weights, row, work, nx);
+        VECTOR
+        for (int64_t j = 0; j < nx; j++)
+            columns[j] += work[j] * empty[j];
+        if ((i + 1) % coarse->fy == 0 || i + 1 == ny)
+            NAME(fold)(columns, nx, coarse->fx, 1, coarse->means + i / coarse->fy * cells);
+    }
+}
+
 PASS(prolong_small, { REAL *one, *other; struct NAME(Small) small; int64_t sweeps; })
 {
     (void)first, (void)last;
@@ -588,6 +649,10 @@ PASS(prolong_small, { REAL *one, *other; struct NAME(Small) small; int64_t sweep
     for (int64_t number = 0; number < coarsest; number++) {
         const struct NAME(Grid) grid = NAME(grid)(&given->small, number);
         const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
+        if (!number && given->small.whole)
+            VECTOR
+            for (int64_t j = 0; j < grid.cells; j++)
+                grid.means[j] *= grid.gain[j];
         const struct NAME(weighted_mean) mean = {grid.means, coarse.gain, coarse.means,
                                                  grid.ny, grid.nx, coarse.fy, coarse.fx};
         NAME(work_weighted_mean)(&mean, 0, coarse.ny, scratch, found);
@@ -608,9 +673,8 @@ PASS(prolong_small, { REAL *one, *other; struct NAME(Small) small; int64_t sweep
             }
         } else {
             const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
-            const struct NAME(mix) mix = {grid.means, grid.empty, coarse.means, mixed,
-                                          grid.ny, grid.nx, coarse.fy, coarse.fx};
-            NAME(work_mix)(&mix, 0, coarse.ny, scratch, found);
+            NAME(mix_neighbours)(&grid, &coarse, scratch);
+            continue;
         }
         const struct NAME(neighbours) neighbours = {mixed, grid.means, grid.weights, grid.ny, grid.nx};
         NAME(work_neighbours)(&neighbours, 0, grid.ny, scratch, found);
@@ -623,14 +687,13 @@ PASS(restrict_small, { REAL *one, *other; struct NAME(Small) small; int64_t swee
     const int64_t coarsest = given->small.count - 1;
     for (int64_t number = 0; number <= coarsest; number++) {
         const struct NAME(Grid) grid = NAME(grid)(&given->small, number);
-        const struct NAME(neighbours) neighbours = {grid.means, grid.work, grid.weights, grid.ny, grid.nx};
-        NAME(work_neighbours)(&neighbours, 0, grid.ny, scratch, found);
         if (number < coarsest) {
             const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
-            const struct NAME(gather) gather = {grid.work, grid.empty, coarse.means, grid.ny, grid.nx, coarse.fy, coarse.fx};
-            NAME(work_gather)(&gather, 0, coarse.ny, scratch, found);
+            NAME(gather_neighbours)(&grid, &coarse, scratch);
             continue;
         }
+        const struct NAME(neighbours) neighbours = {grid.means, grid.work, grid.weights, grid.ny, grid.nx};
+        NAME(work_neighbours)(&neighbours, 0, grid.ny, scratch, found);
         REAL *passed = given->one;
         memcpy(passed, grid.work, (size_t)grid.cells * sizeof(REAL));
         for (int64_t sweep = 1; sweep < given->sweeps; sweep++) {
