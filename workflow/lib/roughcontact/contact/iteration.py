@@ -86,7 +86,7 @@ def solve_on_grid(
     Parameters
     ----------
     start : array (ny, nx)
-        pressure, nowhere negative; it is scaled to the load first.
+        pressure, nowhere negative; it is scaled to the load first, in place where its precision allows.
     finish : str
         precision of the last application; the first ones are in single, while the error is far above the
         rounding error of that.
@@ -237,7 +237,9 @@ class Iterate:
                 self.state = projected_gradient_step(self.grid, self.state, self.mean_pressure) or self.state
 
     def _state_in(self, precision: str, pressure: Array) -> State:
-        scaled = scale_to_load(pressure, self.mean_pressure, cap=self.grid.cap, precision=precision)
+        scaled = scale_to_load(
+            pressure, self.mean_pressure, cap=self.grid.cap, precision=precision, copy=False
+        )
         return self.grid.evaluate(scaled)[0]
 
 
@@ -247,9 +249,10 @@ def first_guess_on_grid(
     """Return a pressure (ny, nx) whose relative error is about `tolerance`, and the number of steps to it.
 
     For a first guess on a finer grid: the error after the last step is predicted, not measured. Where steps
-    gain less than half, `solve_on_grid` continues. The mean of `start` may differ from `mean_pressure`.
+    gain less than half, `solve_on_grid` continues. The mean of `start` may differ from `mean_pressure`; it
+    may be overwritten.
     """
-    pressure = scale_to_load(start, mean_pressure, cap=grid.cap, precision=SINGLE)
+    pressure = scale_to_load(start, mean_pressure, cap=grid.cap, precision=SINGLE, copy=False)
     bound_before = np.inf
     for step in range(GUESS_STEPS):
         state, _ = grid.evaluate(pressure)

@@ -57,9 +57,16 @@ def contact_mean(pressure: Array, separation: Array, *, cap: float) -> float:
 
 
 def scale_to_load(
-    pressure: Array, mean_pressure: float, *, cap: float = np.inf, precision: str | None = None
+    pressure: Array,
+    mean_pressure: float,
+    *,
+    cap: float = np.inf,
+    precision: str | None = None,
+    copy: bool = True,
 ) -> Array:
     """Return max(pressure, 0) x factor, at most `cap`, with the factor that gives the prescribed mean.
+
+    Without `copy` the pressure may be overwritten.
 
     Without a cap that is one multiplication. With one, points at the cap stay there, the others are scaled,
     and those that the factor takes beyond the cap are held in turn, which ends after finitely many passes. A
@@ -72,8 +79,10 @@ def scale_to_load(
     """
     xp, total = namespace(pressure), mean_pressure * count_of(pressure)
     if cap == np.inf:
-        scaled = empty(pressure, precision or precision_of(pressure))
-        scaled[...] = pressure
+        wanted, scaled = precision or precision_of(pressure), pressure
+        if copy or precision_of(pressure) != wanted:
+            scaled = empty(pressure, wanted)
+            scaled[...] = pressure
         kernels = kernels_for(scaled)
         kernels.rescale(scaled, total / kernels.rescale(scaled, 1.0, np.inf), np.inf)
         return scaled

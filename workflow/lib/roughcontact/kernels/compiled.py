@@ -59,7 +59,7 @@ _ARGUMENTS = {
     "restrict_small": ("rrrrrrDr", "qqq"),
     "continue_square": ("rr", "qq"),
     "refine": ("rrrr", "dddddqqqq"),
-    "rows_forward": ("rcr", "qq"),
+    "rows_forward": ("rcr", "dqq"),
     "rows_backward": ("rcr", "dqq"),
     "columns": ("cr", "qqq"),
     "run_around": ("rDD", "dqq"),

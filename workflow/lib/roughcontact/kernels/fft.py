@@ -33,9 +33,12 @@ class Plan:
         self.threads = threads_for(count_of(like), threads)
         self.scratch = empty(like, precision)
 
-    def forward(self, field: Array) -> Array:
-        """Return the spectrum in the layout of `numpy.fft.rfft2`; the next call may overwrite it."""
-        return namespace(field).fft.rfftn(field, axes=(0, 1))
+    def forward(self, field: Array, *, offset: float = 0.0) -> Array:
+        """Return the spectrum of `field` - `offset` in the layout of `numpy.fft.rfft2`.
+
+        The next call may overwrite it.
+        """
+        return namespace(field).fft.rfftn(field - offset, axes=(0, 1))
 
     def inverse(self, spectrum: Array, out: Array) -> None:
         """Write the inverse transform, with the factor 1/(ny nx), to `out`.
@@ -78,11 +81,11 @@ class ScipyPlan(PlanInPlace):
     def __init__(self, like: Array, precision: str, *, threads: int = 1, share: PlanInPlace | None = None):
         super().__init__(like, precision, threads=threads if like.size >= self.LARGE else 1, share=share)
 
-    def forward(self, field: Array) -> Array:
+    def forward(self, field: Array, *, offset: float = 0.0) -> Array:
         import scipy.fft
 
         for rows in self._blocks():
-            self.spectrum[rows] = scipy.fft.rfft(field[rows], axis=1, workers=self.threads)
+            self.spectrum[rows] = scipy.fft.rfft(field[rows] - offset, axis=1, workers=self.threads)
         return self._columns(scipy.fft.fft, self.spectrum)
 
     def inverse(self, spectrum: Array, out: Array) -> None:
@@ -106,10 +109,10 @@ class ScipyPlan(PlanInPlace):
 class CompiledPlan(PlanInPlace):
     """Transforms by the compiled kernels, with two rows or one column in each vector lane."""
 
-    def forward(self, field: Array) -> Array:
+    def forward(self, field: Array, *, offset: float = 0.0) -> Array:
         field = np.require(field, self.scratch.dtype, ["C", "A", "W"])
         (ny, nx), roots = self.shape, _roots(self.shape[1], field.dtype)
-        self._run("rows_forward", ny * field.itemsize, nx, (field, self.spectrum, roots), ny, nx)
+        self._run("rows_forward", ny * field.itemsize, nx, (field, self.spectrum, roots), offset, ny, nx)
         self._columns(self.spectrum, backward=False)
         return self.spectrum
 

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact import fourier
-from roughcontact.kernels.arrays import DOUBLE, empty
+from roughcontact.kernels.arrays import DOUBLE
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.fft import make_plan
 from roughcontact.kernels.waves import over_waves, wave_power
@@ -68,11 +68,11 @@ def rms_gradient(height: xr.DataArray, *, threads: int = 1) -> float:
     0.5
     """
     given = np.require(height.values, dtype=float, requirements=["C", "A", "W"])
-    values, kernels = empty(given, DOUBLE), kernels_for(given, threads=threads)
-    kernels.make_dimensionless(given, given.flat[0], 1.0, values)  # makes a flat map exactly zero
-    spectrum = make_plan(values, DOUBLE, threads=threads).forward(values)
+    # the first height is taken off, which makes a flat map exactly zero
+    spectrum = make_plan(given, DOUBLE, threads=threads).forward(given, offset=float(given.flat[0]))
     weights = fourier.halfplane_weights(height.shape)[0]
     qy, qx = fourier.wavevectors(height.shape, spacing(height))
+    kernels = kernels_for(given, threads=threads)
     return math.sqrt(kernels.slope_power(spectrum, weights, qy[:, 0] ** 2, qx[0] ** 2)) / height.size
 
 

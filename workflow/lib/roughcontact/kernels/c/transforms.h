@@ -158,9 +158,11 @@ static inline void NAME(part)(const REAL *in, V *re, V *im)
     }
 }
 
-PASS(rows_forward, { const REAL *field; REAL *spectrum; const REAL *roots; int64_t ny, nx; })
+/* The field counts less its `offset`. */
+PASS(rows_forward, { const REAL *field; REAL *spectrum; const REAL *roots; double offset; int64_t ny, nx; })
 {
     const int64_t ny = given->ny, nx = given->nx, waves = nx / 2 + 1;
+    const REAL offset = (REAL)given->offset;
     COMPLEX *from = NAME(buffer)(scratch), *to = from + nx;
     for (int64_t start = first * ROWS; start < SMALLER(last * ROWS, ny); start += IN_BLOCK) {
         const int64_t rows = SMALLER(IN_BLOCK, ny - start);
@@ -169,7 +171,7 @@ PASS(rows_forward, { const REAL *field; REAL *spectrum; const REAL *roots; int64
             for (int64_t i = 0; i < IN_BLOCK; i++) {
                 const REAL *row = given->field + (start + SMALLER(i, rows - 1)) * nx;
                 for (int64_t k = j; k < SMALLER(j + TILE, nx); k++)
-                    lanes[k * IN_BLOCK + i] = row[k];
+                    lanes[k * IN_BLOCK + i] = row[k] - offset;
             }
         const COMPLEX *z = NAME(transform)(from, to, nx, given->roots);
         for (int64_t j = 0; j < waves; j += TILE) {
