@@ -218,10 +218,11 @@ PASS(rescale, { REAL *field; double factor, cap; int64_t nx; })
 
 PASS(product, { const REAL *left, *right; int64_t nx; })
 {
+    const REAL *left = given->left, *right = given->right;
     double total = 0;
     SUM(total)
     for (int64_t j = first * given->nx; j < last * given->nx; j++)
-        total += given->left[j] * given->right[j];
+        total += left[j] * right[j];
     found->sums[0] = total;
 }
 
