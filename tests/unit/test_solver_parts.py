@@ -426,7 +426,8 @@ def test_the_contact_that_is_predicted_is_nearer_to_the_true_one():
     heights = rough(128)
     grid = Grid(heights, LENGTHS)
     (factors, coarse), *_ = nested_heights(heights.astype(np.float32), LENGTHS)
-    guess, _ = first_guess([grid, Grid(coarse, LENGTHS)], [factors], 0.05)
+    grids = [grid, Grid(coarse, LENGTHS)]
+    guess, _ = first_guess(grids, [factors], 0.05, grids[-1].halfspace.pressure(coarse))
     state, _ = grid.evaluate(guess)
     contact = solved(grid, 0.05).pressure > 0
     wrong = []
@@ -445,7 +446,8 @@ def test_a_first_guess_is_as_good_as_it_is_said_to_be():
     assert by_two == [(256, 128), (256, 64), (256, 32)]
     np.testing.assert_allclose(nested[0][1], heights.reshape(128, 2, 128, 2).mean((1, 3)), atol=1e-6)
     grids = [fine, *(Grid(coarse, LENGTHS) for _, coarse in nested)]
-    guess, steps = first_guess(grids, [factors for factors, _ in nested], 0.1)
+    fluctuation = grids[-1].halfspace.pressure(nested[-1][1])
+    guess, steps = first_guess(grids, [factors for factors, _ in nested], 0.1, fluctuation)
     exact = solved(fine, 0.1, 1e-8).pressure
     assert steps > 0
     assert guess.mean() == pytest.approx(0.1, rel=1e-5)

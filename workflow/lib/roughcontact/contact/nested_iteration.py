@@ -10,10 +10,12 @@ References
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from roughcontact.contact.coarsening import has_square_cells, pitches_of, whole_factors
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import first_guess_on_grid
-from roughcontact.kernels.arrays import SINGLE, Array, empty, in_precision, namespace
+from roughcontact.kernels.arrays import SINGLE, Array, empty, in_precision, like_array, to_numpy
 from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.protocol import Factors
 
@@ -43,15 +45,17 @@ def nested_heights(heights: Array, lengths: tuple[float, float]) -> list[tuple[F
     return nested
 
 
-def first_guess(grids: Sequence[Grid], factors: Sequence[Factors], load: float) -> tuple[Array, int]:
+def first_guess(
+    grids: Sequence[Grid], factors: Sequence[Factors], load: float, fluctuation: Array
+) -> tuple[Array, int]:
     """Return a first guess of the pressure on the finest grid, and the steps taken on the others.
 
     Each grid, the finest first in `grids`, starts from the refined pressure of the next coarser one, and is
-    solved to about `COARSE_TOLERANCE`. The `load` is the dimensionless mean pressure; the guess is in single
-    precision.
+    solved to about `COARSE_TOLERANCE`. The coarsest starts from the highest part of the pressure in full
+    contact, whose `fluctuation` on that grid is given, in single precision. The `load` is the dimensionless
+    mean pressure; the guess is in single precision.
     """
-    coarsest = grids[-1].heights_in(SINGLE)
-    pressure, steps = namespace(coarsest).full_like(coarsest, load), 0
+    pressure, steps = _highest_part(fluctuation, load), 0
     for number in range(len(grids) - 1, 0, -1):
         found, taken = first_guess_on_grid(grids[number], pressure, load, tolerance=COARSE_TOLERANCE)
         steps += taken
@@ -60,3 +64,13 @@ def first_guess(grids: Sequence[Grid], factors: Sequence[Factors], load: float) 
         pressure = empty(found, SINGLE, finer.shape)
         finer.refine(found, factors[number - 1], pressure)
     return pressure, steps
+
+
+def _highest_part(field: Array, mean: float) -> Array:
+    """Return what of a field lies above the level that leaves a prescribed mean, zero elsewhere."""
+    values = to_numpy(field).astype(float)  # single precision has no digits for a load on one point
+    falling = np.sort(values, axis=None)[::-1]
+    # the level where so many points lie above it; for the right number none of the others does
+    levels = (np.cumsum(falling) - mean * falling.size) / np.arange(1, falling.size + 1)
+    level = levels[max(np.count_nonzero(levels <= falling), 1) - 1]
+    return like_array(np.clip(values - level, 0, None).astype(SINGLE), field)

@@ -95,7 +95,8 @@ def sweep(
     del nested
     large = np.prod(finest.shape) > MAX_KEPT_POINTS
     # Full contact: p = mean + G^-1 H, wherever that is nowhere negative (Johnson 1985, section 13.2).
-    fluctuation, full_contact_from = _full_contact(grids, max(loads))
+    coarse_fluctuation = grids[-1].halfspace.pressure(grids[-1].heights_in(SINGLE))
+    fluctuation, full_contact_from = _full_contact(grids, max(loads), coarse_fluctuation)
     for number, load in enumerate(loads, start=1):
         work = 0.5 if number == 1 else 0.0  # the forward transform that gave the gradient
         if fluctuation is not None and load >= full_contact_from:
@@ -103,7 +104,7 @@ def sweep(
             state, _ = finest.evaluate(scale_to_load(pressure, load))
             bound, steps = bound_without_transform(finest, state), 0
         else:
-            guess, steps = first_guess(grids, factors, load)
+            guess, steps = first_guess(grids, factors, load, coarse_fluctuation)
             if large:
                 for grid in grids[1:]:
                     grid.release()
@@ -133,15 +134,18 @@ def sweep(
         yield found.pop()
 
 
-def _full_contact(grids: Sequence[Grid], load: float) -> tuple[Array | None, float]:
+def _full_contact(grids: Sequence[Grid], load: float, coarse: Array) -> tuple[Array | None, float]:
     """Return the fluctuation of the full-contact pressure and the load from which it is nowhere negative.
 
     None, and no such load, where even the largest `load` is far from that: the fluctuation on a coarser grid
-    shows it, because that on the finer ones is larger still. The same holds where the cap is exceeded.
+    shows it, because that on the finer ones is larger still; `coarse` is that on the coarsest. The same holds
+    where the cap is exceeded.
     """
-    xp = namespace(grids[0].heights_in(SINGLE))
+    xp = namespace(coarse)
     for grid in reversed(grids if load < LARGE_LOAD else grids[1:]):
-        if load < -0.99 * float(xp.min(grid.halfspace.pressure(grid.heights_in(SINGLE)))):
+        if grid is not grids[-1]:
+            coarse = grid.halfspace.pressure(grid.heights_in(SINGLE))
+        if load < -0.99 * float(xp.min(coarse)):
             return None, np.inf
     fluctuation = grids[0].halfspace.pressure(grids[0].heights_in(DOUBLE))
     least, most = float(xp.min(fluctuation)), float(xp.max(fluctuation))
