@@ -16,7 +16,7 @@ from roughcontact.contact.certificate import (
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import Iterate, first_guess_on_grid, solve_on_grid
 from roughcontact.contact.line_search import LineSearch, minimize_between
-from roughcontact.contact.nested_iteration import COARSE_TOLERANCE, first_guess, nested_heights
+from roughcontact.contact.nested_iteration import COARSE_TOLERANCE, _highest_part, first_guess, nested_heights
 from roughcontact.contact.problem import pose
 from roughcontact.contact.projected_gradient import project_to_load, projected_gradient_step
 from roughcontact.contact.state import contact_mean, norm, scale_below_cap, scale_to_load
@@ -435,6 +435,17 @@ def test_the_contact_that_is_predicted_is_nearer_to_the_true_one():
         grid.residual(state, precision=DOUBLE, predict=predict)
         wrong.append(np.count_nonzero((grid._workspace_in(DOUBLE).values != 0) != contact))
     assert wrong[1] < 0.75 * wrong[0]
+
+
+def test_the_coarsest_grid_starts_from_the_highest_part_of_a_pressure():
+    field = np.random.default_rng(0).standard_normal((16, 16)).astype(SINGLE)
+    for mean in (1e-12, 1e-3, 0.4, 50.0):  # one point, a few, most, all
+        part = _highest_part(field, mean)
+        assert part.mean(dtype=float) == pytest.approx(mean, rel=1e-5)
+        inside = part > 0
+        assert inside.any()
+        np.testing.assert_allclose(np.ptp((field - part)[inside]), 0, atol=1e-5)
+        assert field[~inside].max(initial=-np.inf) <= (field - part)[inside].min() + 1e-6
 
 
 def test_a_first_guess_is_as_good_as_it_is_said_to_be():

@@ -102,9 +102,9 @@ def test_every_transform_is_counted(monkeypatch):
     made = []
 
     def counting(transform):
-        def counted(self, *arguments):
+        def counted(self, *arguments, **options):
             made.append(np.prod(self.shape))
-            return transform(self, *arguments)
+            return transform(self, *arguments, **options)
 
         return counted
 

@@ -72,5 +72,5 @@ def _highest_part(field: Array, mean: float) -> Array:
     falling = np.sort(values, axis=None)[::-1]
     # the level where so many points lie above it; for the right number none of the others does
     levels = (np.cumsum(falling) - mean * falling.size) / np.arange(1, falling.size + 1)
-    level = levels[max(np.count_nonzero(levels <= falling), 1) - 1]
+    level = levels[max(int((levels <= falling).sum()), 1) - 1]
     return like_array(np.clip(values - level, 0, None).astype(SINGLE), field)

@@ -301,7 +301,7 @@ class CompiledSmallGrids:
 
     def prolong(self, sweeps, work, other):
         arrays = work, other, *self._arrays
-        run_pass("prolong_small", 1, 5 * self._longest + 2, arrays, *self._counts, sweeps)
+        run_pass("prolong_small", 1, 2 * self._longest + 2, arrays, *self._counts, sweeps)
 
     def restrict(self, sweeps, work, other):
         arrays = work, other, *self._arrays

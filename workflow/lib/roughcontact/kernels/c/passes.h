@@ -598,51 +598,6 @@ PASS(weigh_small, { struct NAME(Small) small; })
     }
 }
 
-/* Mix the means of a grid with those of the coarser one and overwrite them by the means of their neighbours. */
-static void NAME(mix_neighbours)(const struct NAME(Grid) *grid, const struct NAME(Grid) *coarse, REAL *scratch)
-{
-    const int64_t ny = grid->ny, nx = grid->nx, cells = NAME(cells_of)(nx, coarse->fx);
-    /* mixed: the first row, and a cyclic buffer of the previous, the current and the next one */
-    REAL *top = scratch, *mixed = top + nx, *row = mixed + 3 * nx;
-    for (int64_t i = -1; i <= ny; i++) {
-        const int64_t at = i < 0 ? ny - 1 : i;
-        REAL *next = mixed + (i + 1) % 3 * nx;
-        if (i < ny) {
-            const REAL *means = grid->means + at * nx, *empty = grid->empty + at * nx;
-            NAME(unfold)(coarse->means + at / coarse->fy * cells, nx, coarse->fx, 1, row);
-            VECTOR
-            for (int64_t j = 0; j < nx; j++)
-                next[j] = means[j] + empty[j] * row[j];
-        } else
-            memcpy(next, top, (size_t)nx * sizeof(REAL));
-        if (i == 0)
-            memcpy(top, next, (size_t)nx * sizeof(REAL));
-        if (i > 0)
-            NAME(around)(mixed + (i + 2) % 3 * nx, mixed + i % 3 * nx, next, &grid->weights, row,
-                         grid->means + (i - 1) * nx, nx);
-    }
-}
-
-/* Hand the neighbours' means of a grid to the empty cells of the next coarser one. */
-static void NAME(gather_neighbours)(const struct NAME(Grid) *grid, const struct NAME(Grid) *coarse, REAL *scratch)
-{
-    const int64_t ny = grid->ny, nx = grid->nx, cells = NAME(cells_of)(nx, coarse->fx);
-    REAL *columns = scratch, *row = columns + nx;
-    for (int64_t i = 0; i < ny; i++) {
-        const REAL *empty = grid->empty + i * nx;
-        REAL *work = grid->work + i * nx;
-        if (i % coarse->fy == 0)
-            memset(columns, 0, (size_t)nx * sizeof(REAL));
-        NAME(around)(grid->means + before(i, ny) * nx, grid->means + i * nx, grid->means + after(i, ny) * nx,
-                     &grid->weights, row, work, nx);
-        VECTOR
-        for (int64_t j = 0; j < nx; j++)
-            columns[j] += work[j] * empty[j];
-        if ((i + 1) % coarse->fy == 0 || i + 1 == ny)
-            NAME(fold)(columns, nx, coarse->fx, 1, coarse->means + i / coarse->fy * cells);
-    }
-}
-
 PASS(prolong_small, { REAL *one, *other; struct NAME(Small) small; int64_t sweeps; })
 {
     (void)first, (void)last;
@@ -674,8 +629,9 @@ PASS(prolong_small, { REAL *one, *other; struct NAME(Small) small; int64_t sweep
             }
         } else {
             const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
-            NAME(mix_neighbours)(&grid, &coarse, scratch);
-            continue;
+            const struct NAME(mix) mix = {grid.means, grid.empty, coarse.means, mixed,
+                                          grid.ny, grid.nx, coarse.fy, coarse.fx};
+            NAME(work_mix)(&mix, 0, coarse.ny, scratch, found);
         }
         const struct NAME(neighbours) neighbours = {mixed, grid.means, grid.weights, grid.ny, grid.nx};
         NAME(work_neighbours)(&neighbours, 0, grid.ny, scratch, found);
@@ -688,13 +644,14 @@ PASS(restrict_small, { REAL *one, *other; struct NAME(Small) small; int64_t swee
     const int64_t coarsest = given->small.count - 1;
     for (int64_t number = 0; number <= coarsest; number++) {
         const struct NAME(Grid) grid = NAME(grid)(&given->small, number);
-        if (number < coarsest) {
-            const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
-            NAME(gather_neighbours)(&grid, &coarse, scratch);
-            continue;
-        }
         const struct NAME(neighbours) neighbours = {grid.means, grid.work, grid.weights, grid.ny, grid.nx};
         NAME(work_neighbours)(&neighbours, 0, grid.ny, scratch, found);
+        if (number < coarsest) {
+            const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
+            const struct NAME(gather) gather = {grid.work, grid.empty, coarse.means, grid.ny, grid.nx, coarse.fy, coarse.fx};
+            NAME(work_gather)(&gather, 0, coarse.ny, scratch, found);
+            continue;
+        }
         REAL *passed = given->one;
         memcpy(passed, grid.work, (size_t)grid.cells * sizeof(REAL));
         for (int64_t sweep = 1; sweep < given->sweeps; sweep++) {
