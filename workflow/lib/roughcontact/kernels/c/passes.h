@@ -317,30 +317,20 @@ PASS(weigh, {
         const int64_t start = block * fy, rows = SMALLER(fy, given->ny - start);
         const REAL *parts = given->parts + start * nx, *share = given->share + start * nx;
         REAL *empty = given->empty + start * nx, *gain = given->gain + start * nx;
-        for (int64_t from = 0; from < rows * nx; from += 64) {
-            const int64_t to = SMALLER(from + 64, rows * nx);
-            int32_t partial = 0;
-            SUM(partial)
-            for (int64_t j = from; j < to; j++)
-                partial += (parts[j] > 0) & (parts[j] < 1);
-            if (arrangement == ALONG_A_LINE)
-                for (int64_t j = from; j < to; j++) {
-                    weights[j] = points * parts[j] / (1 + (points - 1) * parts[j]);
-                    gain[j] = weights[j] / (parts[j] > 0 ? parts[j] : (REAL)1);
-                }
-            else if (!partial) /* cells that are all or nothing stay so */
-                memcpy(gain + from, memcpy(weights + from, parts + from, (size_t)(to - from) * sizeof(REAL)),
-                       (size_t)(to - from) * sizeof(REAL));
-            else
-                VECTOR
-                for (int64_t j = from; j < to; j++) {
-                    const REAL whole = ROOT(share[j]), apart = parts[j] * root, below = 1 + apart - whole;
-                    const REAL own = parts[j] > 0 ? parts[j] : 1, inverse = 1 / (below * own);
-                    const REAL pieces = apart * own * inverse;
-                    weights[j] = arrangement == SCATTERED ? pieces : ROOT(whole * pieces);
-                    gain[j] = weights[j] * below * inverse;
-                }
-        }
+        if (arrangement == ALONG_A_LINE)
+            for (int64_t j = 0; j < rows * nx; j++) {
+                weights[j] = points * parts[j] / (1 + (points - 1) * parts[j]);
+                gain[j] = weights[j] / (parts[j] > 0 ? parts[j] : (REAL)1);
+            }
+        else
+            VECTOR
+            for (int64_t j = 0; j < rows * nx; j++) {
+                const REAL whole = ROOT(share[j]), apart = parts[j] * root, below = 1 + apart - whole;
+                const REAL own = parts[j] > 0 ? parts[j] : 1, inverse = 1 / (below * own);
+                const REAL pieces = apart * own * inverse;
+                weights[j] = arrangement == SCATTERED ? pieces : ROOT(whole * pieces);
+                gain[j] = weights[j] * below * inverse;
+            }
         VECTOR
         for (int64_t j = 0; j < rows * nx; j++)
             empty[j] = 1 - weights[j];
