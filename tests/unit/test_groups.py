@@ -444,3 +444,9 @@ def test_tables_and_dataset_of_several_groups():
         *("first", "second", "quantity", "mean_pressure_Pa"),
         *("ratio", "ratio_lower", "ratio_upper", "p_value", "outcome"),
     ]
+
+
+def test_no_difference_below_a_hundredth_of_a_percent_is_named():
+    once = group_of([1.0, 1.1, 0.9])
+    found = rc.compare_groups(once, once, paired=True)
+    assert set(found["outcome"].values.ravel()) == {"do not differ by more than 0.0100 %"}

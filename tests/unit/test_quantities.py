@@ -94,10 +94,22 @@ def test_plus_minus(value, half_width, text):
         (300.0, 291.7, 300.0 * (1 + 1e-15), "300.0 −8.3"),
         (np.inf, np.nan, np.nan, "∞"),
         (np.inf, 5.0, np.nan, "∞"),
+        (300.0, 299.996, 300.0, "300.00"),  # certain to more digits than are read
+        (18.4731234, 18.4731229, 18.4731239, "18.473"),
+        (300.0, 299.96, 300.04, "300.00 ± 0.04"),
+        (100.71, 100.0, 187.0, "100.7 −0.7 +86"),  # the wider end carries fewer digits
+        (12.3456789, 12.3456779, 15.3, "12.35 +3.0"),
+        (-0.04, -11.0, 11.0, "0 ± 11"),  # no −0
     ],
 )
 def test_with_interval(value, lower, upper, text):
     assert with_interval(value, lower, upper) == text
+
+
+def test_no_digit_is_shown_below_the_finest_half_width():
+    shown = [with_interval(*each, finest=0.1) for each in ((0.0, -2e-4, 3e-4), (18.4731, 18.413, 18.519))]
+    assert shown == ["0.00", "18.47 −0.06 +0.05"]
+    assert with_interval(5.0, 4.0, 6.0, finest=0.1) == with_interval(5.0, 4.0, 6.0)
 
 
 def test_percent_of_extremes():

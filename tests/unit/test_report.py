@@ -1246,7 +1246,7 @@ def test_differences_of_cases_reach_as_far_as_the_ends_of_both_intervals():
 
     table = case_table({"one": case(1e-6, 0.3, 0.01), "two": case(2e-6, 0.01, 0.4)})
     # up: 2 e^hypot(0.4, 0.3) = 3.297, down: 2 e^-hypot(0.01, 0.01) = 1.972
-    assert table["groups"][-1]["rows"][0][-1] == "(100.0 −2.8 +130) %"
+    assert table["groups"][-1]["rows"][0][-1] == "(100 −3 +130) %"
     assert table["differences"] == ["two against one"]
 
 
@@ -1285,7 +1285,7 @@ def test_cases_are_compared_at_the_loads_that_they_share_and_at_no_others():
     for table in (case_table(both), case_table(both, alike=False), case_medians([both])):
         areas = [[row[0], row[1][:4], row[-1][:3]] for row in table["groups"][0]["rows"]]
         assert areas == [["2.00 MPa", "2.00", "0 %"], ["5.00 MPa", "5.00", "0 %"]]
-        assert "apart" not in table
+        assert not table["apart"]
     # 5 MPa is a load of both, but all three are the same ones relative to E* g
     stiffer = case_table({"one": first, "two": case(5e6, 1e7, 2.5e7, modulus=5e9)})
     assert len(stiffer["groups"][0]["rows"]) == 3
@@ -1297,6 +1297,55 @@ def test_cases_are_compared_at_the_loads_that_they_share_and_at_no_others():
     )
     for table in (case_table(apart), case_medians([apart])):
         assert (table["groups"], table["apart"]) == ([], said)
+
+
+def load_case(*loads, gap=1e-6):
+    """Return statistics of a case at some mean pressures (MPa): its area grows with them."""
+    names = ("mean_contact_pressure", "max_pressure")
+    known = {"relative_contact_area": np.array(loads) / 100, "mean_gap": np.full(len(loads), gap)}
+    known |= {name: np.ones(len(loads)) for name in names} | {"mean_pressure": np.array(loads) * 1e6}
+    return xr.Dataset({name: ("load", values) for name, values in known.items()})
+
+
+def test_each_two_of_three_cases_are_compared_at_the_loads_that_these_two_share():
+    cases = {"one": load_case(1.0, 2.0), "two": load_case(2.0, 5.0, gap=2e-6), "three": load_case(1.0, 5.0)}
+    for table in (case_table(cases), case_medians([cases, cases])):
+        assert table["differences"] == ["two against one", "three against one", "three against two"]
+        gaps = [[cell.split(" (")[0] for cell in row] for row in table["groups"][-1]["rows"]]
+        narrow = "1.00 µm"
+        assert gaps == [
+            ["1.00 MPa", narrow, "–", narrow, "–", "0 %", "–"],
+            ["2.00 MPa", narrow, "2.00 µm", "–", "100 %", "–", "–"],
+            ["5.00 MPa", "–", "2.00 µm", narrow, "–", "–", "−50.0 %"],
+        ]
+        assert not table["apart"]
+    # a load that all share has one row; a pair without one is named, the others are compared
+    cases = {"one": load_case(1.0, 2.0), "two": load_case(2.0, 5.0), "three": load_case(5.0, 9.0)}
+    table = case_table(cases)
+    assert table["differences"] == ["two against one", "three against two"]
+    assert [row[0] for row in table["groups"][0]["rows"]] == ["2.00 MPa", "5.00 MPa"]
+    assert table["apart"].startswith(
+        "one and three have no load in common (one: 1.00 MPa to 2.00 MPa; three: 5.00 MPa to 9.00 MPa), so"
+    )
+    four = case_table(cases | {"four": load_case(1.0, 2.0, 5.0)})
+    assert four["differences"] == ["two against one", "four against one"]
+
+
+def test_a_difference_that_is_nearly_certain_has_no_more_digits_than_a_hundredth_of_a_percent():
+    def case(area, half):
+        ends = {"lower": -half, "upper": half}
+        return load_case(1.0).assign(
+            relative_contact_area=("load", [area]),
+            **{f"relative_contact_area_{end}": ("load", [area + way]) for end, way in ends.items()},
+        )
+
+    # of independent errors: 1.11 hypot(0.111 %, 0.1 %) = 0.166 %; of some 15 % as a factor, up and down
+    for half, shown in ((1e-9, "11.11 %"), (1e-4, "(11.11 ± 0.17) %"), (0.01, "(11 −15 +18) %")):
+        table = case_table({"one": case(0.09, half), "two": case(0.1, half)})
+        assert table["groups"][0]["rows"][0][-1] == shown
+    # −0 is written 0
+    table = case_table({"one": case(0.1, 0.02), "two": case(0.09999, 0.02)})
+    assert table["groups"][0]["rows"][0][-1].startswith("(0 ")
 
 
 def test_the_page_says_that_cases_share_no_load(tmp_path):

@@ -5,8 +5,9 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
+from roughcontact.quantities import Unit
 from roughcontact.report.glance import Cell
-from roughcontact.report.groups import HEADINGS, comparison_rows, group_pictures, group_rows
+from roughcontact.report.groups import HEADINGS, _comparison, comparison_rows, group_pictures, group_rows
 from roughcontact.uncertainty.differences import compare_all
 from roughcontact.uncertainty.group_tables import NamedGroup
 
@@ -96,3 +97,18 @@ def test_a_number_that_is_not_positive_leaves_no_answer_at_its_load(gaps):
     maps = [each.assign(mean_gap=("load", gaps)) for each in maps]
     found = rc.group_statistics([each[["mean_gap", "contact_modulus"]] for each in maps])
     assert np.isfinite(found["mean_gap"].values).tolist() == [value > 0 for value in gaps]
+
+
+@pytest.mark.parametrize(
+    ("ratio", "shown"),
+    [
+        ((0.8263, 0.641, 1.0742), ("0.83", "0.64 to 1.07")),
+        ((1.00001, 1.00000999, 1.00001001), ("1.0000", "1.0000 to 1.0000")),
+        ((1.5, np.nan, np.nan), ("1.50", "–")),
+        ((12.3, 4.56, 40.2), ("12.3", "4.6 to 40.2")),
+    ],
+)
+def test_a_ratio_and_its_ends_have_the_digits_that_the_interval_carries(ratio, shown):
+    found = xr.Dataset(dict(zip(("ratio", "ratio_lower", "ratio_upper"), ratio, strict=True)))
+    found = found.assign(mean_pressure=1e6, outcome="differ")
+    assert tuple(_comparison(found, "area", Unit(1e-6, "MPa"))[2:4]) == shown

@@ -1,11 +1,14 @@
 """Numbers as people read them: SI prefixes, few digits, no long exponents."""
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 _ROUNDING = 1e-12
 _AS_FAR = 0.1  # largest relative difference of the two half-widths that are written as ±
+_UNEVEN = 0.1  # the wider of two half-widths carries one digit less than the narrower at most
+_FINEST = 1e-3  # of a value: half-width of which two digits are shown, of narrower ones less
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # units that take a prefix; composed ones are given in powers of ten
 _PREFIXED = ("m", "Pa", "J", "W", "S", "l")
@@ -225,26 +228,25 @@ def plus_minus(value: float, half_width: float) -> str:
     """
     if not (math.isfinite(half_width) and half_width > 0):
         return number(value)
-    places = 1 - math.floor(math.log10(float(f"{half_width:.1e}")))
-    if not -6 <= places <= 8:
-        return f"{number(value)} ± {number(half_width, digits=2)}"
-    shown = (f"{round(x, places):.{max(places, 0)}f}".replace("-", "−") for x in (value, half_width))
-    return " ± ".join(shown)
+    return _with_ends(value, {" ± ": half_width}, half_width)
 
 
 NO_UPPER_END = 9.0  # times the value: an upper end so far above it is not known from the map
 
 
-def with_interval(value: float, lower: float, upper: float) -> str:
+def with_interval(value: float, lower: float, upper: float, *, finest: float = 0.0) -> str:
     """Return a value with its interval: ± where it is about symmetric, else − and +.
 
-    An end equal to the value, up to rounding, is left out, since nothing is certain to ± 0. An unknown upper
-    end beside a known lower one reads "or more", and so does one beyond ten times the value: it says nothing.
+    The value has the digits that its interval carries, five at most; an end equal to the value at these
+    digits is left out, since nothing is certain to ± 0. An unknown upper end beside a known lower one reads
+    "or more", and so does one beyond ten times the value: it says nothing.
 
     Parameters
     ----------
     value, lower, upper : float
         in the same unit; an interval that is not around the value is left out.
+    finest : float
+        half-width of which two digits are shown at the finest.
 
     Returns
     -------
@@ -254,25 +256,48 @@ def with_interval(value: float, lower: float, upper: float) -> str:
     --------
     >>> with_interval(0.412, 0.321, 0.502), with_interval(0.412, 0.321, 0.744)
     ('0.412 ± 0.091', '0.412 −0.091 +0.33')
-    >>> with_interval(300.0, 240.0, 300.0 + 1e-13)
-    '300 −60'
+    >>> with_interval(300.0, 240.0, 300.0 + 1e-13), with_interval(300.0, 299.9999, 300.0)
+    ('300 −60', '300.00')
     >>> with_interval(1.7, 1.2, math.nan)
     '1.70 −0.50 or more'
     """
     down = 0.0 if math.isclose(lower, value, rel_tol=_ROUNDING) else value - lower
     up = 0.0 if math.isclose(upper, value, rel_tol=_ROUNDING) else upper - value
     if math.isfinite(down) and (math.isnan(up) or up > NO_UPPER_END * value > 0):
-        return f"{with_interval(value, lower, value)} or more"
+        return f"{with_interval(value, lower, value, finest=finest)} or more"
     wider, narrower = max(down, up), min(down, up)
-    if not math.isfinite(wider) or narrower < 0 or narrower >= (1 - _AS_FAR) * wider:
-        return plus_minus(value, wider)
-    shown = plus_minus(value, narrower if narrower > 0 else wider).partition(" ± ")[0]
-    ends = [
-        f"{sign}{number(float(f'{half_width:.1e}'), digits=2)}"
-        for sign, half_width in zip("−+", (down, up), strict=True)
-        if half_width > 0
+    if not math.isfinite(wider) or wider <= 0:
+        return number(value)
+    if narrower < 0 or narrower >= (1 - _AS_FAR) * wider:
+        return _with_ends(value, {" ± ": wider}, max(wider, finest))
+    carried = max(narrower or wider, _UNEVEN * wider, finest)
+    return _with_ends(value, {" −": down, " +": up}, carried)
+
+
+def _with_ends(value: float, ends: Mapping[str, float], carried: float) -> str:
+    """Return a value and its half-widths, by their signs, to the places of two digits of one `carried`."""
+    places = _places(max(carried, _FINEST * abs(value)))
+    if not -6 <= places <= 8:
+        return number(value) + "".join(
+            f"{sign}{number(half, digits=2)}" for sign, half in ends.items() if half > 0
+        )
+    texts = [_fixed(value, places)]
+    texts += [
+        f"{sign}{_fixed(half, min(places, _places(half)))}"
+        for sign, half in ends.items()
+        if round(half, places) > 0
     ]
-    return " ".join([shown, *ends])
+    return "".join(texts)
+
+
+def _places(half_width: float) -> int:
+    """Return the decimal places of two digits of a positive number."""
+    return 1 - math.floor(math.log10(float(f"{half_width:.1e}")))
+
+
+def _fixed(value: float, places: int) -> str:
+    """Return a number rounded to decimal places, which may be negative; there is no -0."""
+    return f"{round(value, places) + 0.0:.{max(places, 0)}f}".replace("-", "−")
 
 
 def percent(share: float) -> str:

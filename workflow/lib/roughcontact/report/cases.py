@@ -1,14 +1,14 @@
 """The cases of a study side by side: of one surface load by load, of many by medians and spread."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import Unit, number, quantity, with_interval
 from roughcontact.report.units import middle_of, unit_of
-from roughcontact.uncertainty.differences import case_differences, shared_loads
+from roughcontact.uncertainty.differences import case_differences, case_pairs, shared_loads
 
 # quantity, its name, its unit (a share is given in percent)
 _COMPARED = (
@@ -21,25 +21,36 @@ _PERCENT = Unit(1.0, "%")  # of numbers in percent
 _SPREAD = (0.1, 0.9)  # quantiles over the surfaces
 
 _DUST = 1e-9  # percent: a difference that small is rounding
+_FINEST = 0.1  # percent: half-width of a difference of which two digits are shown; one of 0.01 % is none
 
-Group = dict[str, Any]
 Ways = tuple[float, float]  # half-widths of an interval, down and up
+Cases = Mapping[str, xr.Dataset]  # of a surface
+Load = tuple[xr.Dataset, int]  # statistics, and the place of a load among theirs
+Row = dict[str, int]  # case -> place of a load among its own
+
+
+class _Shared(NamedTuple):
+    """The loads that the cases of a surface share."""
+
+    rows: list[Row]
+    places: dict[tuple[str, str], list[tuple[int, int]]]  # of each pair of cases
+    changes: dict[tuple[str, str], xr.Dataset]  # of `case_differences` at these
 
 
 def case_table(cases: Mapping[str, xr.Dataset], *, alike: bool = False) -> dict[str, Any] | None:
-    """Return the numbers of one surface under several cases, with their differences from the first.
+    """Return the numbers of one surface under several cases, with their differences.
 
-    `cases` maps names to statistics of the surface, loads rising. Loads are compared in order where all cases
-    ask for the same ones (`alike`), and are as many; else those that all share (`shared_loads`). The ± of a
-    difference leaves out what both cases share (`case_differences`).
+    `cases` maps names to statistics of the surface, loads rising. The two cases of each pair (`case_pairs`)
+    are compared at the loads that they share (`shared_loads`), in order where all cases ask for the same ones
+    (`alike`) and both are as many. The ± of a difference leaves out what both share (`case_differences`).
 
     Returns
     -------
     dict or None
         `cases`, their names; `differences`, those of the columns beside them; `groups`, for each quantity its
         `title` and `rows` of cells: mean pressure (in E* g, or that of each case, where the cases differ in
-        it), the value under each, the difference of each other one in percent; `apart`, a sentence instead,
-        where they share no load. None for a single case.
+        it), the value under each case, the differences in percent; `apart`, a sentence on the pairs that
+        share no load; `surfaces`, how many are compared. None for a single case.
 
     Examples
     --------
@@ -52,123 +63,150 @@ def case_table(cases: Mapping[str, xr.Dataset], *, alike: bool = False) -> dict[
     >>> case_table({"soft": one, "hard": one * 2})["apart"][:55]
     'The cases have no load in common (soft: 1.00 MPa; hard:'
     """
-    if len(cases) < 2:
-        return None
-    solved, cases = cases, _at_shared_loads(cases, alike=alike)
-    first = next(iter(cases.values()))
-    if not (loads := first.sizes["load"]):
-        return _table(list(cases), []) | {"apart": _apart(solved)}
-    names_of_loads = [_load([[data] for data in cases.values()], load) for load in range(loads)]
-    changes = [case_differences(first, other) for other in list(cases.values())[1:]]
-    groups = []
-    for name, title, unit in _COMPARED:
-        rows = []
-        for load in range(loads):
-            values = [float(data[name][load]) for data in cases.values()]
-            ways = [_ways(data, name, load) for data in cases.values()]
-            rows.append(
-                [
-                    names_of_loads[load],
-                    *(_shown(*pair, unit_of(first, unit)) for pair in zip(values, ways, strict=True)),
-                    *(
-                        _difference(values[0], value, _ends(change, name, load))
-                        for value, change in zip(values[1:], changes, strict=True)
-                    ),
-                ]
-            )
-        groups.append({"title": title, "rows": rows})
-    return _table(list(cases), groups)
+    return _table([cases], alike=alike, many=False) if len(cases) > 1 else None
 
 
 def case_medians(
     surfaces: Sequence[Mapping[str, xr.Dataset]], *, alike: bool = False
 ) -> dict[str, Any] | None:
-    """Return medians over many surfaces under each case, and those of the differences from the first case.
+    """Return medians over many surfaces under each case, and those of the differences between cases.
 
-    Each of `surfaces` maps names of cases to statistics, loads rising; those that lack a case are left out.
-    The result is as of `case_table`, each cell with the 10th and 90th percentile, a difference also with the
-    number of surfaces for which it exceeds its ±, where that is known; `surfaces` is the number of surfaces
-    compared. None where there is a single case, or no surface under all of them.
+    Each of `surfaces` maps names of cases to statistics, loads rising; those that lack a case are left out,
+    and those whose cases share other loads than those of the first. The result is as of `case_table`, each
+    cell with the 10th and 90th percentile, a difference also with the number of surfaces for which it exceeds
+    its ±, where that is known. None where there is a single case, or no surface under all of them.
     """
     names = list(dict.fromkeys(name for surface in surfaces for name in surface))
-    complete = [surface for surface in surfaces if len(surface) == len(names)]
-    if len(names) < 2 or not complete:
-        return None
-    solved, complete = complete, [_at_shared_loads(surface, alike=alike) for surface in complete]
-    complete = [surface for surface in complete if surface[names[0]].sizes["load"]]
-    if not complete:
-        return _table(names, []) | {"apart": _apart(solved[0])}
-    loads = min(data.sizes["load"] for surface in complete for data in surface.values())
-    by_case = [[surface[name] for surface in complete] for name in names]
-    names_of_loads = [_load(by_case, load) for load in range(loads)]
-    middle = middle_of(by_case[0])
-    changed = {
-        name: [case_differences(surface[names[0]], surface[name]) for surface in complete]
-        for name in names[1:]
-    }
+    complete = [{name: one[name] for name in names} for one in surfaces if len(one) == len(names)]
+    return _table(complete, alike=alike, many=True) if len(names) > 1 and complete else None
+
+
+def _table(surfaces: Sequence[Cases], *, alike: bool, many: bool) -> dict[str, Any]:
+    """Return the table of the cases of one surface, or of the medians of `many`."""
+    found = [_shared(surface, alike=alike) for surface in surfaces]
+    first = next((one for one in found if one.rows), found[0])
+    kept = [
+        (cases, one.changes) for cases, one in zip(surfaces, found, strict=True) if one.rows == first.rows
+    ]
+    compared = [cases for cases, _ in kept]
+    names, pairs = list(compared[0]), [pair for pair, places in first.places.items() if places]
+    middle = middle_of([cases[names[0]] for cases in compared])
     groups = []
-    for quantity_name, title, unit in _COMPARED:
-        values = np.array(
-            [[surface[name][quantity_name].values[:loads] for name in names] for surface in complete], float
-        )
-        with np.errstate(divide="ignore", invalid="ignore"):
-            changes = 100 * (values[:, 1:] / values[:, :1] - 1)
-        rows = [
-            [
-                names_of_loads[load],
-                *(_quantiles(column, unit_of(middle, unit)) for column in values[:, :, load].T),
-                *(
-                    _quantiles(np.where(np.abs(column) < _DUST, 0.0, column), _PERCENT)
-                    + _clear(changed[name], quantity_name, load)
-                    for name, column in zip(names[1:], changes[:, :, load].T, strict=True)
-                ),
-            ]
-            for load in range(loads)
-        ]
+    for name, title, kind in _COMPARED if first.rows else ():
+        unit, rows = unit_of(middle, kind), []
+        for row in first.rows:
+            under = {case: [(cases[case], place) for cases in compared] for case, place in row.items()}
+            cells = [_value(under[case], name, unit, many=many) if case in row else "–" for case in names]
+            for one, two in pairs:
+                at = row.get(one, -1), row.get(two, -1)
+                if at not in first.places[one, two]:
+                    cells.append("–")
+                    continue
+                place = first.places[one, two].index(at)
+                ends = [_ends(changes[one, two], name, place) for _, changes in kept]
+                cells.append(_change(under[one], under[two], name, ends, many=many))
+            rows.append([_load(compared, row), *cells])
         groups.append({"title": title, "rows": rows})
-    return _table(names, groups) | {"surfaces": len(complete)}
-
-
-def _table(names: list[str], groups: list[Group]) -> dict[str, Any]:
-    """Return a table of cases: their names, those of the differences from the first, and what it holds."""
+    apart = [pair for pair, places in first.places.items() if not places]
     return {
         "cases": names,
-        "differences": [f"{name} against {names[0]}" for name in names[1:]],
+        "differences": [f"{two} against {one}" for one, two in pairs],
         "groups": groups,
+        "apart": _apart(compared[0], apart, alone=not pairs) if apart else "",
+        "surfaces": len(compared),
     }
 
 
-def _at_shared_loads(cases: Mapping[str, xr.Dataset], *, alike: bool) -> dict[str, xr.Dataset]:
-    """Return the cases at the loads that are compared."""
-    if alike and len({data.sizes["load"] for data in cases.values()}) == 1:
-        return dict(cases)
-    places = shared_loads(list(cases.values()))
-    return {name: data.isel(load=own) for (name, data), own in zip(cases.items(), places, strict=True)}
+def _shared(cases: Cases, *, alike: bool) -> _Shared:
+    """Return the loads at which the cases of a surface are compared, and the changes there."""
+    rows: list[Row] = []
+    shared, changes = {}, {}
+    for pair in case_pairs(list(cases)):
+        one, two = both = [cases[name] for name in pair]
+        in_order = alike and one.sizes["load"] == two.sizes["load"]
+        places = [np.arange(one.sizes["load"])] * 2 if in_order else shared_loads(both)
+        changes[pair] = case_differences(
+            *(data.isel(load=own) for data, own in zip(both, places, strict=True))
+        )
+        shared[pair] = [(int(own), int(other)) for own, other in zip(*places, strict=True)]
+        for at in shared[pair]:
+            wanted = dict(zip(pair, at, strict=True))
+            fits = (
+                row for row in rows if wanted.items() & row.items() and {**row, **wanted} == {**wanted, **row}
+            )
+            row = next(fits, None)
+            if row is None:
+                rows.append(wanted)
+            else:
+                row |= wanted
+    rows.sort(key=lambda row: min(float(cases[name]["mean_pressure"].values[at]) for name, at in row.items()))
+    return _Shared(rows, shared, changes)
 
 
-def _apart(cases: Mapping[str, xr.Dataset]) -> str:
-    """Return what is said of cases that share no load."""
+def _apart(cases: Cases, pairs: Sequence[tuple[str, str]], *, alone: bool) -> str:
+    """Return what is said of pairs of cases that share no load, of all pairs where they are `alone`."""
     spans = []
-    for name, data in cases.items():
-        ends = (quantity(float(data["mean_pressure"][end]), "Pa") for end in (0, -1))
+    for name in dict.fromkeys(name for pair in pairs for name in pair):
+        ends = (quantity(float(cases[name]["mean_pressure"][end]), "Pa") for end in (0, -1))
         spans.append(f"{name}: {' to '.join(dict.fromkeys(ends))}")
+    who = "The cases" if alone else ", ".join(" and ".join(pair) for pair in pairs)
     return (
-        f"The cases have no load in common ({'; '.join(spans)}), so that their numbers cannot be compared: "
+        f"{who} have no load in common ({'; '.join(spans)}), so that their numbers cannot be compared: "
         "give them the same contact.mean_pressure, relative_pressure or target."
     )
 
 
-def _load(cases: Sequence[Sequence[xr.Dataset]], load: int) -> str:
-    """Return the load that all surfaces share under all cases, else the median pressure of each case."""
-    pressures = np.array([[float(data["mean_pressure"][load]) for data in case] for case in cases])
+def _load(surfaces: Sequence[Cases], row: Row) -> str:
+    """Return the load that all surfaces share under the cases of a row, else the median pressure of each."""
+
+    def of_all(name: str) -> np.ndarray:
+        return np.array(
+            [[float(cases[case][name].values[at]) for cases in surfaces] for case, at in row.items()]
+        )
+
+    pressures, show = of_all("mean_pressure"), unit_of(surfaces[0][next(iter(row))], "Pa").text
     if np.allclose(pressures, pressures[0, 0], rtol=1e-6):
-        return unit_of(cases[0][0], "Pa").text(float(pressures[0, 0]))
-    if all("relative_pressure" in data for case in cases for data in case):
-        relative = np.array([[float(data["relative_pressure"][load]) for data in case] for case in cases])
+        return show(float(pressures[0, 0]))
+    if all("relative_pressure" in cases[case] for cases in surfaces for case in row):
+        relative = of_all("relative_pressure")
         if np.allclose(relative, relative[0, 0], rtol=1e-6):
             return f"{number(float(relative[0, 0]))} E* g"
-    show = unit_of(cases[0][0], "Pa").text
     return " / ".join(show(float(median)) for median in np.median(pressures, axis=1))
+
+
+def _value(loads: Sequence[Load], name: str, unit: Unit, *, many: bool) -> str:
+    """Return a number of a surface at a load, with its interval; of `many` their median."""
+    values = np.array([float(data[name].values[at]) for data, at in loads])
+    if many:
+        return _quantiles(values, unit)
+    down, up = (way * unit.factor for way in _ways(loads[0][0], name, loads[0][1]))
+    return _in_brackets(float(values[0]) * unit.factor, down, up, unit.shown)
+
+
+def _change(
+    loads: Sequence[Load],
+    others: Sequence[Load],
+    name: str,
+    ends: Sequence[tuple[float, float]],
+    *,
+    many: bool,
+) -> str:
+    """Return the difference of a surface under two cases in percent, with its interval; of `many` the median.
+
+    With the median stands of how many surfaces the difference is larger than its interval.
+    """
+    first, other = (np.array([float(data[name].values[at]) for data, at in each]) for each in (loads, others))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        change, low, high = (100 * (ratio - 1) for ratio in (other / first, *np.transpose(ends)))
+    change, low, high = (np.where(np.abs(each) < _DUST, 0.0, each) for each in (change, low, high))
+    if many:
+        known = np.isfinite(low) & np.isfinite(high)
+        clear = known & ((low > 0) | (high < 0))
+        beyond = f"; beyond ± {clear.sum()} of {known.sum()}" if known.any() else ""
+        return _quantiles(change, _PERCENT) + beyond
+    if not first[0] > 0:
+        return "–"
+    return _in_brackets(change[0], change[0] - low[0], high[0] - change[0], "%", finest=_FINEST)
 
 
 def _ways(data: xr.Dataset, name: str, load: int) -> Ways:
@@ -182,27 +220,10 @@ def _ways(data: xr.Dataset, name: str, load: int) -> Ways:
     return half, half
 
 
-def _shown(value: float, ways: Ways, unit: Unit) -> str:
-    """Return a number with its interval."""
-    down, up = ways
-    return _in_brackets(value * unit.factor, down * unit.factor, up * unit.factor, unit.shown)
-
-
-def _in_brackets(value: float, down: float, up: float, unit: str) -> str:
+def _in_brackets(value: float, down: float, up: float, unit: str, *, finest: float = 0.0) -> str:
     """Return a number with its interval, in brackets where there is one, before its unit."""
-    text = with_interval(value, value - down, value + up)
+    text = with_interval(value, value - down, value + up, finest=finest)
     return f"({text}) {unit}" if " " in text else f"{text} {unit}"
-
-
-def _difference(first: float, other: float, ends: tuple[float, float]) -> str:
-    """Return the difference from the first case in percent, with its interval."""
-    if not first > 0:
-        return "–"
-    change, *sides = (
-        0.0 if abs(percent) < _DUST else percent
-        for percent in (100 * (ratio - 1) for ratio in (other / first, *ends))
-    )
-    return _in_brackets(change, change - sides[0], sides[1] - change, "%")
 
 
 def _ends(found: xr.Dataset, name: str, load: int) -> tuple[float, float]:
@@ -212,14 +233,6 @@ def _ends(found: xr.Dataset, name: str, load: int) -> tuple[float, float]:
     row = list(found["quantity"].values).index(name)
     low, high = (float(found[f"ratio_{end}"].values[row, load]) for end in ("lower", "upper"))
     return low, high
-
-
-def _clear(found: Sequence[xr.Dataset], name: str, load: int) -> str:
-    """Return the number of surfaces whose difference between two cases is larger than its interval."""
-    ends = np.array([_ends(one, name, load) for one in found])
-    known = np.isfinite(ends).all(axis=1)
-    clear = known & ((ends[:, 0] > 1) | (ends[:, 1] < 1))
-    return f"; beyond ± {clear.sum()} of {known.sum()}" if known.any() else ""
 
 
 def _quantiles(values: np.ndarray, unit: Unit) -> str:

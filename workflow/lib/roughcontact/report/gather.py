@@ -21,7 +21,7 @@ from roughcontact.results.collect import (
 )
 from roughcontact.results.storage import provenance, write_dataset, write_table
 from roughcontact.uncertainty.combination import uncertainty_table
-from roughcontact.uncertainty.differences import compare_all, compare_maps
+from roughcontact.uncertainty.differences import case_pairs, compare_all, compare_maps
 from roughcontact.uncertainty.group_tables import NamedGroup, comparisons_table, groups_table, joined_groups
 from roughcontact.uncertainty.groups import group_statistics, needed_for_groups
 
@@ -153,7 +153,7 @@ def group_answers(
 def comparisons(
     answers: Sequence[NamedGroup], repeats: Mapping[str, str] | None = None
 ) -> tuple[dict[tuple[str, str], xr.Dataset], list[str]]:
-    """Return the comparisons of every two groups under a case, and of the cases of a group with its first.
+    """Return the comparisons of every two groups under a case, and of the cases (`case_pairs`) of a group.
 
     Groups of the same places (`repeats`, as of `write_results`) are compared place by place. With them comes
     a sentence for each that cannot be made. The placements of a pair are compared under two cases alone: of
@@ -166,9 +166,9 @@ def comparisons(
         compared, reasons = compare_all(own, repeats=repeats)
         found, left_out = found | compared, left_out + reasons
     for name in dict.fromkeys(one.name for one in answers):
-        first, *others = own = {one.label: one.answer for one in answers if one.name == name}
-        if others and own[first].sizes["map"] > 1:
-            compared, reasons = compare_all(own, cases=[(first, other) for other in others])
+        own = {one.label: one.answer for one in answers if one.name == name}
+        if len(own) > 1 and next(iter(own.values())).sizes["map"] > 1:
+            compared, reasons = compare_all(own, cases=case_pairs(list(own)))
             found, left_out = found | compared, left_out + reasons
     return found, left_out
 

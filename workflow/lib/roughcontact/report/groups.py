@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import Unit, number, percent, several
+from roughcontact.quantities import Unit, number, percent, several, with_interval
 from roughcontact.report.glance import Cell, glance_units, interval_cell, shown_loads
 from roughcontact.report.load_plots import group_curves, group_values
 from roughcontact.report.tables import TITLES
@@ -29,6 +29,7 @@ HEADINGS = (
 _AREA = "relative_contact_area"
 _OTHERS = ("mean_contact_pressure", "mean_gap", "max_pressure", "conductance_per_conductivity")
 _COMPARED = (_AREA, "mean_contact_pressure", "mean_gap", "max_pressure")
+_FINEST = 1e-3  # of a ratio: half-width of which two digits are shown
 
 Row = dict[str, Any]
 
@@ -168,6 +169,9 @@ def _scatter(load: xr.Dataset) -> Cell:
 def _comparison(found: xr.Dataset, words: str, pressure: Unit) -> list[str]:
     """Return the cells of a comparison: quantity, load, ratio, its interval, outcome."""
     ratio, low, high = (float(found[key]) for key in ("ratio", "ratio_lower", "ratio_upper"))
-    ends = "–" if np.isnan(low) or np.isnan(high) else f"{number(low)} to {number(high)}"
-    load = pressure.text(float(found["mean_pressure"]))
-    return [words, load, "–" if np.isnan(ratio) else number(ratio), ends, str(found["outcome"].item())]
+    shown, ends = number(ratio), "–"
+    if np.isfinite([low, high]).all():
+        shown = with_interval(ratio, low, high, finest=_FINEST).split(" ")[0]
+        places = len(shown.partition(".")[2])
+        ends = " to ".join(f"{end:.{places}f}" for end in (low, high))
+    return [words, pressure.text(float(found["mean_pressure"])), shown, ends, str(found["outcome"].item())]

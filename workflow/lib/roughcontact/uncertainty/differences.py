@@ -47,6 +47,8 @@ from roughcontact.uncertainty.random_effects import (
 RELEVANT = 0.1  # relative difference that matters, unless another one is stated
 DIFFER = "differ"
 _MOST = 500  # maps: more are not asked for
+_LEAST = 1e-4  # relative difference: no smaller one is named
+_ALL_CASES = 3  # up to so many, every two are compared
 
 
 def compare_groups(
@@ -139,6 +141,20 @@ def compare_all(
         except SettingsError as error:
             left_out.append(str(error))
     return dict(zip(found, _judged(list(found.values()), relevant), strict=True)), left_out
+
+
+def case_pairs(names: Sequence[str]) -> list[tuple[str, str]]:
+    """Return the pairs of cases that are compared: every two of up to three, of more each with the first.
+
+    Examples
+    --------
+    >>> case_pairs(["a", "b", "c"])
+    [('a', 'b'), ('a', 'c'), ('b', 'c')]
+    >>> case_pairs(["a", "b", "c", "d"])
+    [('a', 'b'), ('a', 'c'), ('a', 'd')]
+    """
+    pairs = list(combinations(names, 2))
+    return pairs if len(names) <= _ALL_CASES else pairs[: len(names) - 1]
 
 
 def shared_loads(datasets: Sequence[xr.Dataset]) -> list[np.ndarray]:
@@ -363,7 +379,7 @@ def _outcomes(found: _Compared, p_values: np.ndarray, relevant: float) -> np.nda
         elif p_values[place] < SIGNIFICANCE and not low <= 1 <= high:
             words[place] = DIFFER
         elif (most := max(1 - low, high - 1)) <= relevant:
-            words[place] = f"do not differ by more than {percent(most)}"
+            words[place] = f"do not differ by more than {percent(max(most, _LEAST))}"
         else:
             words[place] = f"cannot tell: {_more(found, place, relevant)}"
     return words
