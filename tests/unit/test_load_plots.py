@@ -107,6 +107,18 @@ def test_surfaces_side_by_side():
         assert_bars(bars, load / 1e6, 90 * area, 120 * area)
 
 
+def test_an_interval_down_to_nothing_does_not_squeeze_what_is_drawn():
+    nothing = np.full(LOADS.size, 1e-12)
+    series = [("ground", LOADS / 1e9, AREAS)]
+    alone = numbers().assign(relative_contact_area_lower=("load", nothing))
+    for chart in (
+        load_plots.compare_areas(series, ends=[(nothing, AREAS)]),
+        load_plots.area_against_load(alone, None),
+    ):
+        drawn = read_chart(chart, log="xy")
+        assert 100 * AREAS.min() / drawn.y_ends[0] == near(20, 0.5)
+
+
 def test_surfaces_side_by_side_relative_to_their_gradients():
     drawn = read_chart(load_plots.compare_areas([("ground", LOADS / 1e9, AREAS)]), log="xy")
     assert "relative pressure p′ = p̄ / (E* g)" in drawn.texts
@@ -125,11 +137,13 @@ def test_every_surface_of_many_has_a_mark_of_its_own():
 
 def test_surfaces_are_colours_and_cases_are_line_styles():
     names = [(surface, case) for case in range(2) for surface in range(2)]
-    series = [(f"{surface} · {case}", LOADS, AREAS) for surface, case in names]
+    series = [(f"{surface} · {('first', 'second')[case]}", LOADS, AREAS) for surface, case in names]
     drawn = read_chart(load_plots.compare_areas(series, kinds=names, pressure=Unit(1e-6, "MPa")), log="xy")
     seen = [(line.colour, line.style) for line in drawn.lines]
     assert seen == [(COLOURS[surface], "6 3" if case else "") for surface, case in names]
-    assert [drawn.legend[name][0] for name, *_ in series] == [colour for colour, _ in seen]
+    assert [drawn.legend[str(surface)][0] for surface in range(2)] == [colour for colour, _ in seen[:2]]
+    assert [drawn.legend[case][1] for case in ("first", "second")] == ["#444444", "none"]  # filled, and not
+    assert len(drawn.legend) == 4  # each surface and each case once
     assert seen == [tuple(load_plots.sample_of(*name).values()) for name in names]
 
 

@@ -35,6 +35,7 @@ from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.report import map_plots
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.cases import case_medians, case_table
+from roughcontact.report.glance import shown_loads
 from roughcontact.report.page import write_report
 from roughcontact.report.panel import write_panel
 from roughcontact.report.summary import read_summary, write_summary
@@ -858,7 +859,7 @@ def test_nothing_is_cut_off_and_maps_can_be_read(page, tmp_path, shown):
     assert len(set(words)) == 3
     for (seen, chosen, shown_pair), load in zip(said["slid"], (2, 1, 0), strict=True):
         assert seen == [True] * 3 if shown == "print" else [place == load for place in range(3)]
-        assert chosen == shown_pair
+        assert chosen == f"{shown_pair.partition(':')[0]} ({load + 1} of 3)"
     assert said["here"] == ["sparse"]
     numbers = read_dataset(page.parent / "all" / "holes" / "statistics.nc").sortby("mean_pressure")
     found = re.fullmatch(
@@ -1371,11 +1372,91 @@ def test_loads_have_a_row_of_their_own_on_a_phone(tmp_path):
     probe = """<script>addEventListener("load", () => {
       const inside = document.querySelector("iframe").contentDocument;
       const width = part => inside.querySelector(part).getBoundingClientRect().width;
+      const ends = part => inside.querySelector(part).getBoundingClientRect().right;
       const said = [width(".cases td") / width(".cases tbody tr"), width(".loads input") / width(".loads")];
+      said.push(ends(".loads input") / ends(".loads"));
       document.body.setAttribute("data-said", encodeURIComponent(JSON.stringify(said)));
     });</script>"""
     frame = f'<iframe style="width:400px;height:900px;border:0" srcdoc="{html.escape(text)}"></iframe>'
-    assert said_by(f"<!DOCTYPE html><body>{frame}{probe}</body>", tmp_path) == pytest.approx([1, 1], abs=0.03)
+    assert said_by(f"<!DOCTYPE html><body>{frame}{probe}</body>", tmp_path) == pytest.approx(
+        [1, 1, 1], abs=0.001
+    )
+
+
+SLIDER_PROBE = """
+<script>
+addEventListener("load", () => {
+  const slider = document.querySelector(".each-load input");
+  const charts = [...document.querySelectorAll(".against-load img")];
+  const said = { start: +slider.value, last: +slider.max, loads: [] };
+  for (let load = 0; load <= slider.max; load++) {
+    slider.value = load;
+    slider.dispatchEvent(new Event("input"));
+    const lines = charts.map(image => {
+      const [on, at] = [image, image.parentNode.querySelector("i")].map(part => part.getBoundingClientRect());
+      return [(at.left - on.left) / on.width, (at.top - on.top) / on.height, at.height / on.height];
+    });
+    const drawn = [...document.querySelectorAll(".pair")].filter(pair => pair.checkVisibility());
+    const captions = drawn.map(pair => pair.querySelector("p").textContent);
+    said.loads.push([slider.closest("label").textContent, captions, lines]);
+  }
+  document.querySelector(".pair:not(.off) button")?.click();
+  const large = document.querySelector("dialog .loads input");
+  said.large = large && [+large.value, +large.max];
+  document.body.setAttribute("data-said", encodeURIComponent(JSON.stringify(said)));
+});
+</script>
+"""
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+@pytest.mark.parametrize("keep_fields", [True, False])
+def test_the_slider_goes_through_all_loads_that_were_solved(tmp_path, keep_fields):
+    loads = [1e5, 2e5, 1e6, 4e6, 1e7, 5e7]
+    runs = [run_surface(tmp_path, "one", rough(), loads=loads, keep_fields=keep_fields)]
+    text = assemble(tmp_path, runs).read_text(encoding="utf-8")
+    said = said_by(text.replace("<head>", "<head>" + SLIDER_PROBE), tmp_path)
+    numbers = read_dataset(runs[0][1]["statistics"])
+    drawn = shown_loads(numbers["relative_contact_area"].values) if keep_fields else []
+    assert 1 < len(drawn) < len(loads) or not keep_fields
+    assert said["last"] == len(loads) - 1
+    assert said["start"] in drawn or not keep_fields
+    assert said["large"] == ([drawn[-1], len(loads) - 1] if keep_fields else None)
+    for place, (label, captions, lines) in enumerate(said["loads"]):
+        one = numbers.isel(load=place)
+        words = label.replace("\N{NO-BREAK SPACE}", " ")
+        assert f"p̄ = {number(loads[place] / 1e6)} MPa ({place + 1} of 6)" in words
+        assert f"contact area A/A₀ {percent(float(one['relative_contact_area']))}" in words
+        assert f"largest pressure {number(float(one['max_pressure']) / 1e6)} MPa" in words
+        assert ("not drawn" in words) == (place not in drawn)
+        if keep_fields:
+            nearest = min(drawn, key=lambda shown: abs(np.log(loads[shown] / loads[place])))
+            assert [caption.partition(":")[0] for caption in captions] == [
+                f"p̄ = {number(loads[nearest] / 1e6)} MPa"
+            ]
+        # the line is where the chart has this load: its axis ends at 1.5 times the highest
+        share = np.log(1.5 * loads[place] / loads[0]) / np.log(2.25 * loads[-1] / loads[0])
+        for (at, top, height), (left, above, width, tall, whole) in zip(
+            lines, axes_of_charts(text), strict=True
+        ):
+            assert at == pytest.approx((left + share * width) / 430, abs=0.005)
+            assert (top, height) == pytest.approx((above / whole, tall / whole), abs=0.01)
+
+
+def axes_of_charts(text):
+    """Return (left, top, width, height) of the axes of the charts against load, and the whole height."""
+    part = text.partition("against-load")[2]
+    found = []
+    for source in re.findall(r'<img src="data:image/svg\+xml,([^"]*)"', part)[:3]:
+        svg = unquote(html.unescape(source))
+        found.append(
+            (
+                *json.loads(re.search(r'"area": (\[[^]]*\])', svg)[1]),
+                float(re.search(r'viewBox="0 0 430 ([\d.]+)"', svg)[1]),
+            )
+        )
+    return found
 
 
 @pytest.mark.parametrize("surfaces", [1, 12])
@@ -1406,6 +1487,14 @@ def test_medians_of_many_surfaces_and_where_most_of_them_lie():
     assert table["surfaces"] == 11
     areas = table["groups"][0]["rows"][0]
     assert areas == ["1.00 MPa", "5.00 % (1.00 to 9.00)", "10.0 % (2.00 to 18.0)", "100 % (100 to 100)"]
+
+
+def test_medians_of_differences_end_at_a_hundredth_of_a_percent():
+    surfaces = [
+        {"one": load_case(1.0), "two": load_case(1.0, gap=1e-6 * (1 + k))} for k in (-3e-7, 2e-5, 0.1)
+    ]
+    row = case_medians(surfaces)["groups"][-1]["rows"][0]
+    assert row[-1] == "0.00 % (0.00 to 8.00)"
 
 
 def test_of_many_surfaces_it_is_counted_how_many_differ_by_more_than_their_interval():

@@ -176,7 +176,7 @@ def height_unit(rms_height: float) -> Unit:
     return Unit(1e6, "µm")
 
 
-def number(value: float, *, digits: int = 3) -> str:
+def number(value: float, *, digits: int = 3, places: int | None = None) -> str:
     """Return a number with so many significant digits, in powers of ten only where it would be long.
 
     Parameters
@@ -184,6 +184,8 @@ def number(value: float, *, digits: int = 3) -> str:
     value : float
     digits : int
         significant digits; those before the decimal point are never rounded away.
+    places : int or None
+        decimal places at most, where fewer digits remain.
 
     Returns
     -------
@@ -194,6 +196,8 @@ def number(value: float, *, digits: int = 3) -> str:
     --------
     >>> number(0.04567), number(12345.6), number(3.2e-7), number(1e-4, digits=1)
     ('0.0457', '12346', '3.20×10⁻⁷', '1×10⁻⁴')
+    >>> number(0.04567, places=2), number(45.67, places=2)
+    ('0.05', '45.7')
     """
     if math.isnan(value):
         return "–"
@@ -203,6 +207,8 @@ def number(value: float, *, digits: int = 3) -> str:
         return "0"
     mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
     power = int(exponent)
+    if places is not None and digits - 1 - power > places:
+        return _fixed(value, places)
     if -3 <= power < 6:
         return f"{value:.{max(digits - 1 - power, 0)}f}".replace("-", "−")
     return f"{mantissa.replace('-', '−')}×10{str(power).translate(_SUPERSCRIPT)}"

@@ -134,9 +134,7 @@ def _solved(
             show(0, None, "writing")
             saving.save(output, Path(folder), chain, source=path, height=height, settings=dict(settings))
     levelled, window, statistics = chain
-    outcome = checks.surface_checks(
-        statistics, height=height.attrs, levelled=levelled.attrs, window=window.attrs, points=window.size
-    )
+    outcome = checks.window_checks(statistics, window)
     result = {
         "file": str(path),
         "source_sha256": height.attrs["source_sha256"],

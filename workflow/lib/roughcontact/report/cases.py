@@ -203,7 +203,7 @@ def _change(
         known = np.isfinite(low) & np.isfinite(high)
         clear = known & ((low > 0) | (high < 0))
         beyond = f"; beyond ± {clear.sum()} of {known.sum()}" if known.any() else ""
-        return _quantiles(change, _PERCENT) + beyond
+        return _quantiles(change, _PERCENT, places=2) + beyond
     if not first[0] > 0:
         return "–"
     return _in_brackets(change[0], change[0] - low[0], high[0] - change[0], "%", finest=_FINEST)
@@ -235,10 +235,12 @@ def _ends(found: xr.Dataset, name: str, load: int) -> tuple[float, float]:
     return low, high
 
 
-def _quantiles(values: np.ndarray, unit: Unit) -> str:
-    """Return the median of some numbers, and the range of most of them."""
+def _quantiles(values: np.ndarray, unit: Unit, *, places: int | None = None) -> str:
+    """Return the median of some numbers, and the range of most of them, `places` as of `number`."""
     known = values[np.isfinite(values)] * unit.factor
     if not known.size:
         return "–"
-    low, middle, high = (number(float(end)) for end in np.quantile(known, [_SPREAD[0], 0.5, _SPREAD[1]]))
+    low, middle, high = (
+        number(float(end), places=places) for end in np.quantile(known, [_SPREAD[0], 0.5, _SPREAD[1]])
+    )
     return f"{middle} {unit.shown} ({low} to {high})"

@@ -221,10 +221,12 @@ class Chart:
         label: str = "",
         joined: float = 0.0,
         dash: str = "",
+        listed: bool = True,
     ) -> None:
         """Draw marks at points, each one of `MARKERS`, filled or as an outline.
 
-        `joined` is the width (pixels) of a line through the marks, with its `dash`; none for 0.
+        `joined` is the width (pixels) of a line through the marks, with its `dash`; none for 0. `listed`:
+        whether the label stands in the legend, too, and not only beside values that are read.
         """
         if joined:
             self.line(x, y, colour=colour, width=joined, dash=dash, read=False)
@@ -234,9 +236,23 @@ class Chart:
         glyphs = [glyph(*place) for place in zip(left, top, strict=True) if np.isfinite(place).all()]
         if glyphs:
             self._drawn.append(f'<g data-of="{html.escape(label)}">{"".join(glyphs)}</g>')
-        stroke = _stroke(colour, joined, dash)
-        through = f'<path d="M{{0:g}} {{1:g}}h26" {stroke}/>' if joined else ""
-        self._list(label, lambda at, up: through.format(at, up) + glyph(at + 13, up))
+        if listed:
+            self.key(label, colour=colour, marker=marker, filled=filled, width=joined, dash=dash)
+
+    def key(
+        self,
+        label: str,
+        *,
+        colour: str,
+        marker: str = "",
+        filled: bool = True,
+        width: float = 1.0,
+        dash: str = "",
+    ) -> None:
+        """List a line, with a mark in its middle or without, in the legend."""
+        through = f'<path d="M{{0:g}} {{1:g}}h26" {_stroke(colour, width, dash)}/>' if width else ""
+        mark = partial(_mark, marker=marker, colour=colour, filled=filled)
+        self._list(label, lambda at, up: through.format(at, up) + (mark(at + 13, up) if marker else ""))
 
     def bars(self, x: np.ndarray, lower: np.ndarray, upper: np.ndarray, *, colour: str) -> None:
         """Draw error bars, which may be asymmetric; one that leaves the axes ends at their edge.

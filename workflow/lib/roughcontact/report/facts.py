@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.contact.dataset import layers_of
 from roughcontact.io.metadata import labelled
 from roughcontact.levelling.record import removed_and_filled
 from roughcontact.maps import side_lengths, spacing
@@ -60,7 +59,6 @@ def surface_facts(
         ("Gap closes", _closing(numbers)),
         ("Adhesion", adhesion_in_words(numbers)),
         ("Contact modulus E*", quantity(float(numbers["contact_modulus"]), "Pa")),
-        ("Layers", _layers(numbers)),
         ("Hardness", _of_softer_body(numbers, "hardness")),
         ("First yield at p̄", _of_softer_body(numbers, "first_yield_pressure")),
     ]
@@ -216,26 +214,6 @@ def _has_lay(numbers: xr.Dataset) -> bool:
 def _lay(numbers: xr.Dataset) -> str:
     """Return the direction of the lay, across that of the strongest waves."""
     return f"{(float(numbers['Std']) + 90) % 180:.0f}°"
-
-
-def _layers(numbers: xr.Dataset) -> str:
-    """Return the layers of the bodies from the surface inwards, nothing for half-spaces."""
-    if (pair := layers_of(numbers)) is None:
-        return ""
-    texts = []
-    for place, body in enumerate(pair.bodies, start=1):
-        if not body.layers:
-            continue
-        stack = [
-            f"{quantity(thickness, 'm')} of {quantity(material.youngs_modulus, 'Pa')} "
-            f"(ν {material.poissons_ratio:g})"
-            for thickness, material in body.layers
-        ]
-        base = "a rigid base"
-        if body.base is not None:
-            base = f"{quantity(body.base.youngs_modulus, 'Pa')} (ν {body.base.poissons_ratio:g})"
-        texts.append(f"body {place}: {' on '.join([*stack, base])}")
-    return "; ".join(texts)
 
 
 def _of_softer_body(numbers: xr.Dataset, name: str) -> str:

@@ -24,6 +24,7 @@ from roughcontact.statistics import theory
 
 _AREA = "relative_contact_area"
 _DASHES = ("", DASHED, DOTTED, DASH_DOTTED)  # of cases
+_SHOWN_BELOW = 0.1  # of the least area: an interval that ends below is drawn as far as the axis reaches
 _RELATIVE = "relative pressure p′ = p̄ / (E* g)"
 
 
@@ -50,7 +51,7 @@ def area_against_load(statistics: xr.Dataset, window: xr.DataArray | None) -> Ch
     relative = statistics["relative_pressure"].values
     chart = _area_chart(
         load,
-        np.concatenate([corrected, ends[0], theory.persson_area(relative)]),
+        np.concatenate([corrected, _near(ends[0], corrected), theory.persson_area(relative)]),
         label=f"mean pressure p̄ ({shown})",
         top=_relative_axis(statistics),
     )
@@ -86,7 +87,8 @@ def compare_areas(
 
     `series` has a (label, loads, relative contact areas) for each surface under each case, `ends` the (lower,
     upper) of each area, or nothing, `kinds` the places of (surface, case) of each, by default all of one
-    case: surfaces are colours, cases are line styles. Loads are mean pressures (Pa), shown in the unit
+    case: surfaces are colours, cases are line styles, and the legend has both parts of the labels, "surface ·
+    case". Loads are mean pressures (Pa), shown in the unit
     `pressure`, or without it relative pressures: then the theories that hold for all surfaces are drawn, too.
 
     Examples
@@ -97,15 +99,20 @@ def compare_areas(
     """
     loads = np.concatenate([load for _, load, _ in series])
     areas = np.concatenate([*(area for _, _, area in series), *(low for low, _ in ends)])
+    drawn = np.concatenate([area for _, _, area in series])
     factor = pressure.factor if pressure else 1.0
     label = f"mean pressure p̄ ({pressure.shown})" if pressure else _RELATIVE
-    chart = _area_chart(loads * factor, areas, size=(560.0, 430.0), label=label)
+    chart = _area_chart(loads * factor, _near(areas, drawn), size=(560.0, 430.0), label=label)
     if pressure is None:
         _theory_lines(chart, loads)
+    several = len({case for _, case in kinds}) > 1
+    surfaces: dict[str, tuple[str, str]] = {}
+    cases: dict[str, int] = {}
     for index, (name, load, area) in enumerate(series):
         order = np.argsort(load)
         surface, case = kinds[index] if kinds else (index, 0)
-        colour, marker = _style(surface)
+        colour, marker = surfaces[name.partition(" · ")[0]] = _style(surface)
+        cases[name.partition(" · ")[2]] = case
         if ends:
             chart.bars(load * factor, *(100 * end for end in ends[index]), colour=colour)
         chart.marks(
@@ -117,7 +124,12 @@ def compare_areas(
             joined=1.0,
             dash=_DASHES[case % len(_DASHES)],
             label=name,
+            listed=not several,
         )
+    for name, (colour, marker) in surfaces.items() if several else ():
+        chart.key(name, colour=colour, marker=marker)
+    for name, case in cases.items() if several else ():
+        chart.key(name, colour=GREY, marker="o", filled=not case, dash=_DASHES[case % len(_DASHES)])
     return chart.source("below")
 
 
@@ -245,6 +257,11 @@ def _area_chart(
         size=size,
         title=title,
     )
+
+
+def _near(ends: np.ndarray, areas: np.ndarray) -> np.ndarray:
+    """Return lower ends of areas as far as an axis shows them, down to a tenth of the least area."""
+    return np.maximum(ends, _SHOWN_BELOW * np.min(areas[areas > 0], initial=1.0))
 
 
 def _load_axis(statistics: xr.Dataset, name: str, label: str, factor: float) -> Axis:

@@ -15,7 +15,7 @@ from roughcontact.report import captions, facts, load_plots, map_plots, tables, 
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
 from roughcontact.report.files import beside
-from roughcontact.report.glance import by_weight, shown_loads
+from roughcontact.report.glance import HEADINGS, by_weight, glance_rows, shown_loads
 from roughcontact.report.stack import stack_of_layers
 from roughcontact.report.summary import write_summary
 from roughcontact.report.template import template
@@ -104,6 +104,8 @@ def write_panel(
         scores=tables.score_table(solved),
         profile=1 in solved.shape,
         fields=fields,
+        drawn=shown,
+        loads=json.dumps(_each_load(numbers, shown if fields else []), ensure_ascii=False),
         waves=_waves(solved, numbers) if rough else [],
         charts=_charts(numbers, solved, shown) if rough else [],
         budget=shown_budget(numbers, shown),
@@ -212,6 +214,29 @@ def _fields(
             fields.append((f"p̄ = {mean}: {area} of the pixels touch", *pictures))
             del pressure, gap  # before the next ones are read
     return fields
+
+
+def _each_load(numbers: xr.Dataset, drawn: Sequence[int]) -> list[tuple[str, str, int, float]]:
+    """Return for each load its name, its answers in words, the place of the maps, and its value in a chart.
+
+    The maps are those of the load itself or, as the words say, of the nearest of those that are `drawn`.
+    """
+    pressure, loads = unit_of(numbers, "Pa"), numbers["mean_pressure"].values
+    found = []
+    for place, (_, *cells) in enumerate(glance_rows(numbers, places=range(loads.size))):
+        words = [
+            f"{title} {cell.text}{' ' if cell.more[:1] in '±−+' else ', '}{cell.more}".rstrip(", ")
+            + (f" ({checks.VERDICTS[cell.outcome]})" if cell.outcome else "")
+            for title, cell in zip(HEADINGS[1:], cells, strict=True)
+        ]
+        nearest = int(np.argmin(np.abs(np.log(loads[list(drawn)] / loads[place])))) if drawn else 0
+        if place not in drawn:
+            words.append(
+                "maps of this load are not drawn" + ("; below those of the nearest load" if drawn else "")
+            )
+        name = f"p̄ = {pressure.text(float(loads[place]))} ({place + 1} of {loads.size})"
+        found.append((name, "; ".join(words), nearest, float(f"{loads[place] * pressure.factor:.6g}")))
+    return found
 
 
 def _waves(window: xr.DataArray, numbers: xr.Dataset) -> list[tuple[str, str, str]]:

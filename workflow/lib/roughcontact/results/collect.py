@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from operator import itemgetter
 from pathlib import Path
 from typing import Any, TypedDict
@@ -125,9 +126,15 @@ def collect_statistics(entries: Sequence[Entry]) -> xr.Dataset:
             first = next(arrays for arrays in datasets.values() if name in arrays)
             collected = collected.assign_coords({name: first[name].values.astype(kind)})
     collected.attrs["source_sha256"] = json.dumps(checksums, sort_keys=True)
-    collected.attrs |= _judgements(attributes)
-    bands = _of_files(attributes, lambda attrs: {key: attrs[key] for key in _BANDS if key in attrs})
-    collected.attrs |= {"bands": bands, "choices": _of_files(attributes, itemgetter("choices"))}
+    picked: dict[str, Callable[[Mapping[str, Any]], Any]] = {
+        "verdicts": lambda attrs: json.loads(attrs["verdicts"]),
+        "reasons": lambda attrs: json.loads(attrs["reasons"]),
+        "bands": lambda attrs: {key: attrs[key] for key in _BANDS if key in attrs},
+        "choices": itemgetter("choices"),
+    }
+    for name, pick in picked.items():
+        with suppress(KeyError):  # of files without verdicts
+            collected.attrs[name] = _of_files(attributes, pick)
     if cases == [None]:
         return collected.isel(case=0)
     return collected.assign_coords(_labels("case", cases))
@@ -141,22 +148,8 @@ def _of_files(
     return json.dumps(
         {case: {surface: pick(attrs) for surface, attrs in of.items()} for case, of in attributes.items()},
         default=float,
+        ensure_ascii=False,
     )
-
-
-def _judgements(attributes: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> dict[str, str]:
-    """Return as JSON the verdicts and reasons of all files, by case and surface, where all have them."""
-    return {
-        name: json.dumps(
-            {
-                case: {surface: json.loads(attrs[name]) for surface, attrs in of_case.items()}
-                for case, of_case in attributes.items()
-            },
-            ensure_ascii=False,
-        )
-        for name in ("verdicts", "reasons")
-        if all(name in attrs for of_case in attributes.values() for attrs in of_case.values())
-    }
 
 
 def _labels(dim: str, names: Sequence[str | None]) -> dict[str, Any]:

@@ -93,6 +93,7 @@ __all__ = [
     "reasons",
     "surface_checks",
     "verdict",
+    "window_checks",
     "with_verdicts",
 ]
 
@@ -198,8 +199,20 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
     return flags
 
 
-def _checks_of(statistics: xr.Dataset, window: xr.DataArray) -> list[Check]:
-    """Return the checks of a window, which carries the attributes of the maps it comes from."""
+def window_checks(statistics: xr.Dataset, window: xr.DataArray) -> list[Check]:
+    """Return the checks (`surface_checks`) of a window that has the attributes of the maps it comes from.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        as `contact_statistics` returns it.
+    window : DataArray (y, x), m
+        the map that was solved, with the attributes that reading, levelling and windowing left.
+
+    Returns
+    -------
+    list of Check
+    """
     attrs = window.attrs
     return surface_checks(statistics, height=attrs, levelled=attrs, window=attrs, points=window.size)
 
@@ -224,8 +237,8 @@ def with_verdicts(statistics: xr.Dataset, window: xr.DataArray) -> xr.Dataset:
         check that did not pass.
     """
     loads = range(statistics.sizes["load"])
-    by_load = [_checks_of(statistics.isel(load=[load]), window) for load in loads]
-    together = _checks_of(statistics, window)
+    by_load = [window_checks(statistics.isel(load=[load]), window) for load in loads]
+    together = window_checks(statistics, window)
     grades = list(VERDICTS)
     in_words = [[VERDICTS[verdict(found)], [reason(check) for check in reasons(found)]] for found in by_load]
 
