@@ -1383,6 +1383,31 @@ def test_loads_have_a_row_of_their_own_on_a_phone(tmp_path):
     )
 
 
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium installed")
+def test_a_number_and_its_interval_stand_apart_on_a_phone(study, page, tmp_path):
+    both = '<span class="more">± 1</span><span class="mark">review</span></td>'  # without a ± there
+    index = study.read_text(encoding="utf-8").replace("</td>", both)
+    said = [
+        said_by(
+            "<!DOCTYPE html><body>"
+            f'<iframe style="width:400px;height:900px;border:0" srcdoc="{html.escape(text)}"></iframe>'
+            """<script>addEventListener("load", () => {
+              const inside = document.querySelector("iframe").contentDocument;
+              const styles = [...inside.querySelectorAll("td .more, td .mark")].map(part => {
+                const before = getComputedStyle(part, "::before").content;
+                return [getComputedStyle(part).display, before.slice(0, 3)];
+              });
+              document.body.setAttribute("data-said", encodeURIComponent(JSON.stringify(styles)));
+            });</script></body>""",
+            tmp_path,
+        )
+        for text in (index, page.read_text(encoding="utf-8"))
+    ]
+    assert all(said)
+    assert {tuple(style) for styles in said for style in styles} == {("inline", '" ·')}
+
+
 SLIDER_PROBE = """
 <script>
 addEventListener("load", () => {
