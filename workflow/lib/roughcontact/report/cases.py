@@ -23,7 +23,6 @@ _SPREAD = (0.1, 0.9)  # quantiles over the surfaces
 _DUST = 1e-9  # percent: a difference that small is rounding
 _FINEST = 0.1  # percent: half-width of a difference of which two digits are shown; one of 0.01 % is none
 
-Ways = tuple[float, float]  # half-widths of an interval, down and up
 Cases = Mapping[str, xr.Dataset]  # of a surface
 Load = tuple[xr.Dataset, int]  # statistics, and the place of a load among theirs
 Row = dict[str, int]  # case -> place of a load among its own
@@ -85,10 +84,9 @@ def _table(surfaces: Sequence[Cases], *, alike: bool, many: bool) -> dict[str, A
     """Return the table of the cases of one surface, or of the medians of `many`."""
     found = [_shared(surface, alike=alike) for surface in surfaces]
     first = next((one for one in found if one.rows), found[0])
-    kept = [
-        (cases, one.changes) for cases, one in zip(surfaces, found, strict=True) if one.rows == first.rows
-    ]
-    compared = [cases for cases, _ in kept]
+    # those that share the same loads
+    kept = [place for place, one in enumerate(found) if one[:2] == first[:2]]
+    compared = [surfaces[place] for place in kept]
     names, pairs = list(compared[0]), [pair for pair, places in first.places.items() if places]
     middle = middle_of([cases[names[0]] for cases in compared])
     groups = []
@@ -103,7 +101,7 @@ def _table(surfaces: Sequence[Cases], *, alike: bool, many: bool) -> dict[str, A
                     cells.append("–")
                     continue
                 place = first.places[one, two].index(at)
-                ends = [_ends(changes[one, two], name, place) for _, changes in kept]
+                ends = [_ends(found[of].changes[one, two], name, place) for of in kept]
                 cells.append(_change(under[one], under[two], name, ends, many=many))
             rows.append([_load(compared, row), *cells])
         groups.append({"title": title, "rows": rows})
@@ -131,14 +129,10 @@ def _shared(cases: Cases, *, alike: bool) -> _Shared:
         shared[pair] = [(int(own), int(other)) for own, other in zip(*places, strict=True)]
         for at in shared[pair]:
             wanted = dict(zip(pair, at, strict=True))
-            fits = (
-                row for row in rows if wanted.items() & row.items() and {**row, **wanted} == {**wanted, **row}
-            )
-            row = next(fits, None)
-            if row is None:
-                rows.append(wanted)
-            else:
-                row |= wanted
+            also = (row for row in rows if row.items() & wanted.items() and row | wanted == wanted | row)
+            if not (row := next(also, {})):
+                rows.append(row)
+            row |= wanted
     rows.sort(key=lambda row: min(float(cases[name]["mean_pressure"].values[at]) for name, at in row.items()))
     return _Shared(rows, shared, changes)
 
@@ -179,8 +173,12 @@ def _value(loads: Sequence[Load], name: str, unit: Unit, *, many: bool) -> str:
     values = np.array([float(data[name].values[at]) for data, at in loads])
     if many:
         return _quantiles(values, unit)
-    down, up = (way * unit.factor for way in _ways(loads[0][0], name, loads[0][1]))
-    return _in_brackets(float(values[0]) * unit.factor, down, up, unit.shown)
+    data, at = loads[0]
+    ends = (
+        float(data[key].values[at]) if (key := f"{name}_{end}") in data else np.nan
+        for end in ("lower", "upper")
+    )
+    return _in_brackets(unit.interval(values[0], *ends), unit.shown)
 
 
 def _change(
@@ -206,23 +204,11 @@ def _change(
         return _quantiles(change, _PERCENT, places=2) + beyond
     if not first[0] > 0:
         return "–"
-    return _in_brackets(change[0], change[0] - low[0], high[0] - change[0], "%", finest=_FINEST)
+    return _in_brackets(with_interval(change[0], low[0], high[0], finest=_FINEST), "%")
 
 
-def _ways(data: xr.Dataset, name: str, load: int) -> Ways:
-    """Return the two half-widths of the interval of a number, down and up; NaN where there is none."""
-    if f"{name}_lower" in data:
-        value = float(data[name][load])
-        return value - float(data[f"{name}_lower"][load]), float(data[f"{name}_upper"][load]) - value
-    if f"{name}_uncertainty" not in data:
-        return np.nan, np.nan
-    half = float(data[f"{name}_uncertainty"].sel(source="combined")[load])
-    return half, half
-
-
-def _in_brackets(value: float, down: float, up: float, unit: str, *, finest: float = 0.0) -> str:
-    """Return a number with its interval, in brackets where there is one, before its unit."""
-    text = with_interval(value, value - down, value + up, finest=finest)
+def _in_brackets(text: str, unit: str) -> str:
+    """Return a number before its unit, in brackets where its interval stands beside it."""
     return f"({text}) {unit}" if " " in text else f"{text} {unit}"
 
 
