@@ -16,6 +16,9 @@ in the same way, some with faults.
 each, and counts the intervals without an upper end, which hold the truth where it is not below the lower one.
 `--whole` counts the verdicts on every map that is read without being told anything, steel on PEEK, at contact
 areas that a user would choose.
+
+The truth has the pixels of the map: what shorter waves would change is in the intervals, not in the error.
+Shares and widths are therefore given for the intervals without the source *unresolved* as well.
 """
 
 import argparse
@@ -89,8 +92,21 @@ def measure(height, loads, truth) -> dict:
     for name in QUANTITIES:
         columns = {"result": "", "lower": "_lower", "upper": "_upper", "verdict": "_verdict"}
         found = {key: judged[name + ending].values.tolist() for key, ending in columns.items()}
-        row[name] = {"truth": truth[name]} | found
+        row[name] = {"truth": truth[name]} | found | resolved_ends(judged, name)
     return row
+
+
+def resolved_ends(statistics, name: str) -> dict:
+    """Return the ends (load) of an interval without the source of waves that are not resolved."""
+    value = statistics[name]
+    parts = statistics[f"{name}_components"].drop_sel(source=["unresolved", "combined"]).fillna(np.inf)
+    down, up, bias, less, more = (parts.sel(component=each, drop=True) for each in parts["component"].values)
+    share = 1 / value.where(value > 0)
+    lower = (value - np.sqrt((down**2).sum("source"))) * (1 - less * share).clip(min=0).prod("source")
+    upper = (value + bias.sum("source") + np.sqrt((up**2).sum("source"))) * (1 + more * share).prod("source")
+    most = 1.0 if name == "relative_contact_area" else np.inf
+    ends = {"resolved_lower": lower.clip(min=0), "resolved_upper": upper.clip(max=most)}
+    return {end: values.values.tolist() for end, values in ends.items()}
 
 
 def truth_of(statistics) -> dict:
@@ -186,9 +202,13 @@ def answers(seeds: list[int]) -> dict[str, pd.DataFrame]:
     return {"answers": pages.text(table, dict.fromkeys(table.columns[2:], ".0f"))}
 
 
-def results_of(found: list[dict]) -> pd.DataFrame:
-    """Return one row for each result of all parts that were not refused: part, quantity and load."""
-    keys = ("truth", "result", "lower", "upper", "verdict")
+def results_of(found: list[dict], which: str = "") -> pd.DataFrame:
+    """Return one row for each result of all parts that were not refused: part, quantity and load.
+
+    `which` is "resolved_" for the intervals of `resolved_ends`.
+    """
+    names = ("truth", "result", "lower", "upper", "verdict")
+    keys = ("truth", "result", f"{which}lower", f"{which}upper", "verdict")
     rows = [
         {
             "group": each["group"],
@@ -197,7 +217,7 @@ def results_of(found: list[dict]) -> pd.DataFrame:
             "part": (number, place),
         }
         | {"quantity": shown, "load": load}
-        | dict(zip(keys, values, strict=True))
+        | dict(zip(names, values, strict=True))
         for number, each in enumerate(found)
         for place, part in enumerate(each["parts"])
         if "refused" not in part
@@ -272,6 +292,7 @@ def tables(found: list[dict]) -> dict[str, pd.DataFrame]:
     }
     return {
         "surfaces": pages.text(by_surface, decimals),
+        "resolved": pages.text(of_resolved_waves(found), dict.fromkeys(SHOWN.values(), ".1f")),
         "loads": pages.text(
             by_load[["group", "quantity", *map(str, LOADS)]], dict.fromkeys(map(str, LOADS), ".0f")
         ),
@@ -281,6 +302,17 @@ def tables(found: list[dict]) -> dict[str, pd.DataFrame]:
         ),
         "verdicts": pages.text(pd.DataFrame(verdicts), dict.fromkeys(["use (%)", *JUDGED], ".1f")),
     }
+
+
+def of_resolved_waves(found: list[dict]) -> pd.DataFrame:
+    """Return by group the shares inside and the median widths of the intervals without waves not resolved."""
+    rows = []
+    for group, of_group in results_of(found, "resolved_").groupby("group", sort=False):
+        surfaces = pd.DataFrame([counted(some) for _, some in of_group.groupby("surface", sort=False)])
+        inside = {key: f"{share:.0f}" for key, share in counted(of_group).items() if "inside" in key}
+        widths = surfaces.filter(like=" width").median()
+        rows.append({"group": group} | inside | {n.removesuffix(" width"): w for n, w in widths.items()})
+    return pd.DataFrame(rows)
 
 
 def whole_map(path: Path) -> list[dict]:

@@ -17,7 +17,7 @@ def part(inside, *, verdict=0):
     """Return a row whose truth, 1.1, is inside an interval of the result, 1, at the first loads."""
     upper = [1.2] * inside + [1.05] * (3 - inside)
     of_each = {"truth": [1.1] * 3, "result": [1.0] * 3, "lower": [0.8] * 3, "upper": upper}
-    of_each["verdict"] = [verdict] * 3
+    of_each |= {"resolved_lower": [1.05] * 3, "resolved_upper": [1.15] * 3, "verdict": [verdict] * 3}
     return {"reasons": []} | dict.fromkeys(QUANTITIES, of_each)
 
 
@@ -57,6 +57,8 @@ def test_tables_name_surfaces_and_all_of_each_group():
     ]
     assert rows.loc[("small", "all"), "gap inside (%)"] == "67"
     assert tables["loads"].loc[4].tolist() == ["small", "area", "100", "100", "0"]
+    resolved = tables["resolved"].set_index("group").loc["small"]
+    assert resolved[["gap inside (%)", "gap"]].tolist() == ["100", "0.5"]
     verdicts = tables["verdicts"].set_index(["group", "quantity"])
     assert verdicts.loc[("small", "all")].tolist() == ["100.0", "66.7", "0.0"]
 
@@ -92,6 +94,9 @@ def test_a_part_is_measured_with_its_interval():
     for name in QUANTITIES:
         assert (np.array(row[name]["lower"]) < row[name]["result"]).all()
         assert (np.array(row[name]["upper"]) > row[name]["result"]).all()
+        assert (np.array(row[name]["resolved_lower"]) >= row[name]["lower"]).all()
+        upper = np.nan_to_num(row[name]["upper"], nan=np.inf)
+        assert (np.array(row[name]["resolved_upper"]) <= upper * (1 + 1e-12)).all()
     empty = height.copy()
     empty[:, ::2] = np.nan
     assert "missing" in intervals.measure(empty, [0.002], truth)["refused"]

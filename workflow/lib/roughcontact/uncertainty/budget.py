@@ -19,7 +19,7 @@ from roughcontact.uncertainty.answers import (
 from roughcontact.uncertainty.combination import SOURCES, combine
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, resolution_indicators
 from roughcontact.uncertainty.headline import QUANTITIES
-from roughcontact.uncertainty.instrument import instrument_uncertainty
+from roughcontact.uncertainty.instrument import added_up, instrument_uncertainty
 from roughcontact.uncertainty.magnification import magnification_curve
 from roughcontact.uncertainty.processing import processing_uncertainty
 from roughcontact.uncertainty.rejected import rejected_load_share
@@ -83,14 +83,11 @@ def error_budget(
     Returns
     -------
     Dataset
-        dims (load, source): `{quantity}_uncertainty`, the half-width of the 95 % interval in the unit of the
-        quantity (the larger one of both sides), `source` being the seven and `combined`; NaN for a source
-        that was not requested or that this map does not allow, and the components that `combine` makes it of.
-        Along `load` the ends of the combined interval, `{quantity}_lower` and `{quantity}_upper`, and of that
-        of this map in the band of its waves, `{quantity}_map_lower` and `{quantity}_map_upper`.
-        `{quantity}_as_measured` (load): of a map that was corrected, the result without the correction.
-        `{quantity}_at_cutoff` (load, cutoff): the magnification curve; `{quantity}_sensitivity` (load,
-        input). Along (member, load) and (choice, load) the results of the members of the two ensembles,
+        of `combine`: half-widths, their components, the ends of both intervals; a source that was not
+        requested or that this map does not allow is NaN. `{quantity}_as_measured` (load): of a map that was
+        corrected, the result without the correction. `{quantity}_at_cutoff` (load, cutoff): the magnification
+        curve; `{quantity}_sensitivity` (load, input). Along (member, load) and (choice, load) the results of
+        the members of the two ensembles,
         `{quantity}_parts` and `{quantity}_choices`. For any sources: `rejected_load_share` (load), from
         `roughcontact.uncertainty.rejected`. Attributes: `window_reason` and `processing_reason` describe the
         two ensembles, `window_flag` and `processing_flag` their deficiencies.
@@ -125,7 +122,8 @@ def error_budget(
             "level(height, ...), or leave the source 'processing' out"
         )
     contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
-    material = {key: settings["contact"].get(name) for name, key in MATERIAL_UNCERTAINTIES.items()}
+    stated = settings["contact"]
+    material = {key: stated[name] for name, key in MATERIAL_UNCERTAINTIES.items() if stated.get(name)}
     coordinates = {"mean_pressure": ("load", np.asarray(contact["mean_pressure"], float))}
     # a load that does not converge gives NaN instead of ending the job
     lenient = {**contact, "on_failure": "flag"}
@@ -175,7 +173,8 @@ def error_budget(
             true_shapes=true_shapes,
         )
     if "material" in sources:
-        found["material"] = _material_uncertainty(solved, material)
+        parts = [scaling_uncertainty(solved, material)] if material else []
+        found["material"] = added_up(parts, quantities_in(solved), solved)
     curve = magnification_curve(window, contact=lenient, solved=solved) if "unresolved" in sources else None
     if curve is not None:
         found["unresolved"] = waves_not_resolved(window, curve, solved, settings, instrument, true_shapes)
@@ -208,15 +207,6 @@ def _with_members(budget: xr.Dataset, found: Mapping[UncertaintySource, xr.Datas
 def _as_measured(instrument: xr.Dataset) -> xr.Dataset:
     """Return the results of a corrected map without the correction, where there is one."""
     return instrument[[name for name in instrument if str(name).endswith("_as_measured")]]
-
-
-def _material_uncertainty(solved: xr.Dataset, material: Mapping[str, float | None]) -> xr.Dataset:
-    """Return the uncertainty due to modulus and load; NaN where neither is stated."""
-    inputs = {key: value for key, value in material.items() if value}
-    if inputs:
-        return scaling_uncertainty(solved, inputs)
-    nothing = np.full(solved.sizes["load"], np.nan)
-    return xr.Dataset(dict.fromkeys(quantities_in(solved), ("load", nothing)))
 
 
 def budget_inputs(contact: xr.Dataset, statistics: xr.Dataset | None = None) -> xr.Dataset:

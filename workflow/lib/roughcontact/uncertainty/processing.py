@@ -205,10 +205,11 @@ def _choices(
     forms are compared with it; otherwise its result is known.
     """
     with_forms = chosen.attrs["periodisation"] != "none"
-    yield _Choice("own", "as chosen"), periodic_window(_coarsened(levelled), **window) if with_forms else None
+    coarse = {**window, "correct_for": None}  # forms are long waves, and block means have other noise
+    yield _Choice("own", "as chosen"), periodic_window(_coarsened(levelled), **coarse) if with_forms else None
     if with_forms:
         for name, other in _other_forms(levelled, level):
-            yield _Choice("form", name), periodic_window(other, **window)
+            yield _Choice("form", name), periodic_window(other, **coarse)
         for method in _UNBIASED_METHODS:
             if method != chosen.attrs["periodisation"]:
                 made = _Choice("periodisation", f"made periodic by {method}")
