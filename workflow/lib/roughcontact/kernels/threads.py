@@ -2,7 +2,7 @@
 
 import os
 
-MIN_POINTS = 2**15  # of a grid for several threads: for fewer points distributing the work costs more
+MIN_POINTS = 2**16  # of a grid for several threads: for fewer points distributing the work costs more
 _here = {"forked": False}
 
 
