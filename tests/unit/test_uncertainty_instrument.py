@@ -21,7 +21,7 @@ from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.uncertainty.instrument import instrument_uncertainty
 from roughcontact.uncertainty.magnification import magnification_curve, without_shortest_waves
 from roughcontact.uncertainty.repeats import noise_of_repeats
-from roughcontact.uncertainty.scaling import log_sensitivities, scaling_uncertainty
+from roughcontact.uncertainty.scaling import half_widths, log_sensitivities, scaling_uncertainty
 from roughcontact.uncertainty.unresolved import (
     expected_growth,
     growth_by_finer_spectrum,
@@ -62,6 +62,16 @@ def rescaled(window: xr.DataArray, pressures: list[float], source: str, factor: 
     if source == "amplification_xy":
         window = window.assign_coords({d: factor * window[d] for d in "xy"})
     return results(window, pressures, modulus)
+
+
+def test_what_does_not_change_has_no_width():
+    areas = np.array([0.0, 0.338264647474, 0.123926477441, 0.0499704211396, 1.0])
+    solved = xr.Dataset({"relative_contact_area": ("load", areas), "mean_pressure": ("load", np.ones(5))})
+    none, some = np.zeros(5), np.full(5, 0.1)
+    found = half_widths(solved, {"relative_contact_area": (none, some)})
+    assert np.all(found["relative_contact_area_down"] == 0)
+    assert np.all(found["relative_contact_area_up"][1:4] > 0)
+    assert np.all(found["relative_contact_area_up"][[0, 4]] == 0)
 
 
 @pytest.mark.parametrize(

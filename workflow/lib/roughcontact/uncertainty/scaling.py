@@ -248,7 +248,11 @@ def half_widths(
         if name == AREA:
             x = effort(value)
             low, high = (scipy.special.erf(x * np.exp(change)) for change in (-down, up))
-            widths[name] = value - low, np.maximum(high - value, 0.0)
+            # where nothing changes, erf and erfinv leave a rounding error of either sign
+            widths[name] = (
+                np.where(np.equal(down, 0), 0.0, np.maximum(value - low, 0.0)),
+                np.where(np.equal(up, 0), 0.0, np.maximum(high - value, 0.0)),
+            )
             widths[PRESSURE] = _pressure_half_widths(solved, *widths[name], relative_load)
         else:
             with np.errstate(over="ignore"):
