@@ -66,9 +66,7 @@ def rescaled(window: xr.DataArray, pressures: list[float], source: str, factor: 
 
 def test_what_does_not_change_has_no_width():
     areas = np.array([0.0, 0.338264647474, 0.123926477441, 0.0499704211396, 1.0])
-    solved = xr.Dataset(
-        {name: ("load", areas) for name in ("relative_contact_area", "mean_contact_pressure")}
-    )
+    solved = xr.Dataset({"relative_contact_area": ("load", areas), "mean_contact_pressure": ("load", areas)})
     none, some = np.zeros(5), np.full(5, 0.1)
     found = half_widths(solved, {"relative_contact_area": (none, some)})
     assert np.all(found["relative_contact_area_down"] == 0)
