@@ -208,8 +208,8 @@ def contact_statistics(
     columns |= theory_columns(
         mean_pressure, height, contact_modulus=modulus, rms_gradient=gradient, summits=surface.summits
     )
-    if "relative_pressure" in contact:  # the gradient of the solution is summed in another order
-        columns["relative_pressure"] = contact["relative_pressure"].values
+    # that of the solution, whose gradient is summed in another order
+    columns |= {name: contact[name].values for name in ("relative_pressure",) if name in contact}
     if layers is not None:  # the theories are those of half-spaces
         columns |= {name: np.full(mean_pressure.shape, np.nan) for name in columns if name in THEORIES}
     # a number of the map, repeated for each load beside the other measures of reliability
