@@ -15,7 +15,9 @@ from roughcontact.report.stack import stack_of_layers
 
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
 COATED = STEEL | {"layers": [{"thickness": 2e-6, "youngs_modulus": 1.8e11, "poissons_ratio": 0.2}]}
-SHEET = {"base": "rigid", "youngs_modulus": None, "layers": [{"thickness": 1e-3, "youngs_modulus": 6e6}]}
+RUBBER = {"thickness": 1e-3, "youngs_modulus": 6e6, "poissons_ratio": 0.5}
+SHEET = {"base": "rigid", "youngs_modulus": None, "layers": [RUBBER]}
+COATED_STEEL = "2.00 µm of 180 GPa (ν 0.20) over 210 GPa (ν 0.30)"
 CLOSING, PLANNED = "contact area 10.0 % and the load at which the gap closes", "loads planned for each map"
 
 
@@ -32,7 +34,7 @@ CLOSING, PLANNED = "contact area 10.0 % and the load at which the gap closes", "
         ),
         (
             {"bodies": [COATED, SHEET], "mean_pressure": None},
-            "2.00 µm of 180 GPa over 210 GPa (ν 0.30) on 1.00 mm of 6.00 MPa over a rigid base; " + PLANNED,
+            f"{COATED_STEEL} on 1.00 mm of 6.00 MPa (ν 0.50) over a rigid base; {PLANNED}",
         ),
     ],
 )

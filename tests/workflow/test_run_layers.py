@@ -72,7 +72,7 @@ def test_layers_go_from_the_settings_to_the_report(tmp_path, checkout):
     directly = solve_contact(window, bodies=bodies, mean_pressure=5e4)
     xr.testing.assert_allclose(contact["pressure"], directly["pressure"], rtol=1e-4)
     page = project.path("results/report.html").read_text()
-    assert "20.0 µm of 3.00 MPa (ν 0.5) on a rigid base" in page
+    assert "20.0 µm of 3.00 MPa (ν 0.50) over a rigid base on 210 GPa (ν 0.30)" in page
     assert "Not judged with layers" in page
     collected = read_dataset(project.path("results/statistics.nc"))
     together = collected["material_von_mises_stress"].sel(case="coated").values.ravel()

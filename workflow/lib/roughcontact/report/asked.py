@@ -118,7 +118,8 @@ def _body(body: Mapping[str, Any]) -> str:
         known = [f"ν {number(body['poissons_ratio'], digits=2)}"]
     known += [f"{text} {quantity(body[key], 'Pa')}" for key, text in _OF_BODY if body.get(key)]
     layers = [
-        f"{quantity(layer['thickness'], 'm')} of {quantity(layer['youngs_modulus'], 'Pa')}"
+        f"{quantity(layer['thickness'], 'm')} of {quantity(layer['youngs_modulus'], 'Pa')} "
+        f"(ν {number(layer['poissons_ratio'], digits=2)})"
         for layer in body.get("layers") or []
     ]
     if name := body.get("name"):
