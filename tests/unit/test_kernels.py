@@ -80,7 +80,6 @@ def make_fields(shape, factors, precisions, cap):
         np.full(shape, np.nan, dtype) for dtype in (outer, inner, inner)
     )
     fields["squares_y"], fields["squares_x"] = (rng.integers(0, 3, n).astype(inner) for n in shape)
-    fields["coarse_gain"] = rng.random(coarse_shape).astype(inner)
     fields["weight"] = np.where(fields["share"] > 0, rng.random(shape), 0).astype(inner)
     fields["coarse_out"], fields["other_coarse_out"] = np.full((2, *coarse_shape), np.nan, inner)
     return fields
@@ -117,7 +116,6 @@ CALLS = {
     "masked_residual": lambda k, f, factors, cap: k.masked_residual(
         f["pressure"], f["separation"], OFFSET, cap, f["inner_out"], factors, *outs(f)
     ),
-    "active_share": lambda k, f, factors, cap: k.active_share(f["active"], factors, f["coarse_out"]),
     "advance": lambda k, f, factors, cap: k.advance(
         *(f["pressure"], f["correction"], f["passed"], f["coarse"], factors),
         *(0.2, 0.87, cap, f["outer_out"], f["active"], f["coarse_out"]),
@@ -141,9 +139,6 @@ CALLS = {
     "weigh": lambda k, f, factors, cap: weigh(k, f, factors, Arrangement.UNKNOWN),
     "weigh scattered": lambda k, f, factors, cap: weigh(k, f, factors, Arrangement.SCATTERED),
     "weigh along a line": lambda k, f, factors, cap: weigh(k, f, factors, Arrangement.ALONG_A_LINE),
-    "weighted_mean": lambda k, f, factors, cap: k.weighted_mean(
-        f["field"], factors, f["coarse_gain"], f["coarse_out"]
-    ),
     "mix": lambda k, f, factors, cap: k.mix(f["values"], f["share"], f["coarse"], factors, f["inner_out"]),
     "neighbours": lambda k, f, factors, cap: k.neighbours(f["field"], WEIGHTS, f["inner_out"]),
     "fill": lambda k, f, factors, cap: k.fill(f["values"], f["share"], f["field"], WEIGHTS, f["inner_out"]),
@@ -410,7 +405,7 @@ def test_sums_and_means_are_transposes(engine, shape, factors):
     engine.empty_neighbours(f["field"], f["share"], WEIGHTS, passed)
     assert np.vdot(filled, f["field"]) == pytest.approx(np.vdot(f["values"], passed), rel=1e-12)
     means, spread = np.empty_like(f["coarse"]), np.zeros(shape)
-    engine.weighted_mean(f["gain"] * f["field"], factors, np.ones_like(means), means)
+    engine.block_mean(f["gain"] * f["field"], factors, means)
     engine.spread(spread, f["gain"], f["coarse"], factors)
     assert np.vdot(means, f["coarse"]) == pytest.approx(np.vdot(f["field"], spread), rel=1e-12)
 

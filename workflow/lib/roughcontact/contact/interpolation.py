@@ -155,7 +155,7 @@ class Interpolation:
         """
         kernels, xp, self.active = self.kernels, namespace(active), active
         if not share_known:
-            kernels.active_share(active, self.factors, self.share)
+            kernels.block_mean(xp.astype(active != 0, active.dtype), self.factors, self.share)
         # the share of contact in every cell comes into `work`, the mean weight of its parts into `empty`
         for number, grid in enumerate(self.grids):
             if self._small is not None and number == self._small.first:
@@ -247,7 +247,8 @@ class Interpolation:
             mixed = self._sweep(grid.means, grid.empty, grid.weights)
         else:
             coarser, mixed = self.grids[number + 1], grid.work
-            kernels.weighted_mean(grid.means, coarser.factors, coarser.gain, coarser.means)
+            kernels.block_mean(grid.means, coarser.factors, coarser.means)
+            coarser.means *= coarser.gain
             kernels.mix(grid.means, grid.empty, self._prolonged(number + 1), coarser.factors, mixed)
             if grid.spares:
                 mixed = self._smooth(grid.means, grid.empty, mixed, grid.weights, SWEEPS, grid.spares)

@@ -151,7 +151,7 @@ def masked_residual(
     active = active_set(pressure, gap, cap)
     values[...] = xp.astype(xp.where(active, gap, xp.zeros_like(gap)), values.dtype)
     values[...] = xp.where(active & (values == 0), xp.full_like(values, CLOSED), values)
-    active_share(values, factors, share)
+    block_mean(xp.astype(values != 0, share.dtype), factors, share)
     block_mean(values, factors, means)
 
 
@@ -183,7 +183,7 @@ def predict_active(
     predicted = pressure - stiffness * (residual - mean_around)
     active = (values != 0) & ((predicted > 0) | (pressure >= cap))
     values[...] = xp.where(active, values, xp.zeros_like(values))
-    active_share(values, factors, share)
+    block_mean(xp.astype(values != 0, share.dtype), factors, share)
     block_mean(values, factors, means)
 
 
@@ -309,12 +309,6 @@ def block_mean(field: Array, factors: Factors, out: Array) -> None:
     out[...] = xp.mean(xp.reshape(field, (ny, fy, nx, fx)), axis=(1, 3))
 
 
-def active_share(active: Array, factors: Factors, out: Array) -> None:
-    """Write the share of points where `active` is not zero, over blocks of `factors` cells, to `out`."""
-    xp = namespace(active)
-    block_mean(xp.astype(active != 0, out.dtype), factors, out)
-
-
 def weigh(
     parts: Array,
     share: Array,
@@ -348,12 +342,6 @@ def weigh(
     empty[...] = 1 - weight
     block_mean(weight, next_factors, next_parts)
     block_mean(share, next_factors, next_share)
-
-
-def weighted_mean(field: Array, factors: Factors, gain: Array, out: Array) -> None:
-    """Write `gain` x the means of `field` over blocks of `factors` cells to `out`."""
-    block_mean(field, factors, out)
-    out *= gain
 
 
 def mix(values: Array, empty: Array, coarse: Array, factors: Factors, out: Array) -> None:

@@ -42,9 +42,7 @@ _ARGUMENTS = {
     "project_residual": ("ooi", "ddq"),
     "restore_units": ("rrb", "dddq"),
     "block_mean": ("rr", "qqqq"),
-    "active_share": ("rr", "qqqq"),
     "weigh": ("rrrrrr", "qqqqqq"),
-    "weighted_mean": ("rrr", "qqqq"),
     "mix": ("rrrr", "qqqq"),
     "neighbours": ("rr", "dddqq"),
     "fill": ("rrrr", "dddqq"),
@@ -195,18 +193,10 @@ class Compiled:
         ny, nx = field.shape
         self._run("block_mean", len(out), nx, (field, out), ny, nx, *factors)
 
-    def active_share(self, active, factors, out):
-        ny, nx = active.shape
-        self._run("active_share", len(out), nx, (active, out), ny, nx, *factors)
-
     def weigh(self, parts, share, factors, arrangement, empty, gain, next_factors, next_parts, next_share):
         (ny, nx), (fy, fx) = share.shape, factors
         arrays, scratch = (parts, share, empty, gain, next_parts, next_share), (next_factors[0] + 1) * nx
         self._run("weigh", len(next_share), scratch, arrays, ny, nx, fy * fx, arrangement, *next_factors)
-
-    def weighted_mean(self, field, factors, gain, out):
-        ny, nx = field.shape
-        self._run("weighted_mean", len(out), nx, (field, gain, out), ny, nx, *factors)
 
     def mix(self, values, empty, coarse, factors, out):
         ny, nx = out.shape

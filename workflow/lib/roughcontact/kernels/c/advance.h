@@ -1,5 +1,7 @@
 /* The step: STATE, INNER and OUT are the precisions of the old pressure, the correction and the new pressure. */
 
+#define INNER REAL_OF(LETTER)
+
 PASS(advance, {
     const STATE *pressure;
     INNER *correction;
@@ -42,3 +44,9 @@ PASS(advance, {
         INNER_NAME(mean_of_rows)(given->values + start * nx, rows, nx, fx, part, row, given->share + block * cells);
     }
 }
+
+#undef INNER
+#undef TYPES
+#undef STATE
+#undef OUT
+#undef LETTER

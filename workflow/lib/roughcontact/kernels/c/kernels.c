@@ -33,6 +33,15 @@ enum { UNKNOWN, SCATTERED, ALONG_A_LINE }; /* `Arrangement` of protocol.py */
 
 #define JOIN_(a, b, c) a##_##b##_##c
 #define JOIN(a, b, c) JOIN_(a, b, c)
+#define REAL_f float
+#define REAL_d double
+#define REAL_OF_(letter) REAL_##letter
+#define REAL_OF(letter) REAL_OF_(letter)
+
+/* Call a function on groups of `factor` points: a compile-time factor allows vectorisation. */
+#define BY_FACTOR(name, in, n, factor, share, out) \
+    ((factor) == 1 ? NAME(name)(in, n, 1, share, out) : (factor) == 2 ? NAME(name)(in, n, 2, share, out) \
+                                                      : NAME(name)(in, n, factor, share, out))
 
 /* The arguments of a pass, and the head of its function. */
 #define PASS(name, ...) \
@@ -46,9 +55,17 @@ enum { UNKNOWN, SCATTERED, ALONG_A_LINE }; /* `Arrangement` of protocol.py */
     static void NAME(work_##name)(const struct NAME(name) *given, int64_t first, int64_t last, void *scratch, \
                                   struct Found *found)
 
-struct Weights {
-    double across_y, across_x, diagonal;
-};
+/* Lines of the transforms: one in each lane of a vector. A "row" of their passes is a block of 128 bytes of rows of the
+   field (two lines per lane of the widest vectors), or of 64 bytes of its columns (one line per lane). */
+#define V NAME(Vector)
+#define COMPLEX struct NAME(Complex)
+#define LANES ((int64_t)(LANE_BYTES / sizeof(REAL)))
+#define IN_BLOCK (2 * LANES) /* lines transformed at a time */
+#define ROWS ((int64_t)(128 / sizeof(REAL)))
+#define COLUMNS ((int64_t)(64 / sizeof(REAL)))
+#define TILE ((int64_t)(64 / sizeof(REAL))) /* entries of a line moved at a time */
+
+struct Weights { double across_y, across_x, diagonal; };
 
 struct Entry {
     const char *name;
@@ -57,40 +74,17 @@ struct Entry {
 };
 
 /* Clip to the range from 0 to the cap; NaN stays NaN. */
-#define HELD(value, cap) _Generic((value), float: held_f, double: held_d)(value, cap)
+#define HELD(value, cap) SMALLER(cap, LARGER(0, value))
 #define ROOT(value) _Generic((value), float: sqrtf, double: sqrt)(value)
-
-static inline float held_f(float value, float cap)
-{
-    const float lifted = LARGER(0, value);
-    return SMALLER(cap, lifted);
-}
-
-static inline double held_d(double value, double cap)
-{
-    const double lifted = LARGER(0, value);
-    return SMALLER(cap, lifted);
-}
 
 static inline int64_t before(int64_t i, int64_t n) { return i > 0 ? i - 1 : n - 1; }
 static inline int64_t after(int64_t i, int64_t n) { return i < n - 1 ? i + 1 : 0; }
-
-/* Wrap an index into the period. */
-static inline int64_t wrap(int64_t i, int64_t n)
-{
-    while (i < 0)
-        i += n;
-    while (i >= n)
-        i -= n;
-    return i;
-}
+static inline int64_t wrap(int64_t i, int64_t n) { return (i % n + n) % n; } /* an index, into the period */
 
 /* Connected regions of a periodic map, as a union-find forest of runs (uninterrupted pieces of a row). `parent` of a
    run is the number of its parent plus 1, or for a root minus the number of runs in its tree. `copies` is the periodic
    image of the map, along y and x, in which a run lies relative to its parent. */
-struct Copy {
-    int32_t y, x;
-};
+struct Copy { int32_t y, x; };
 
 struct Regions {
     int64_t *parent;
@@ -98,9 +92,7 @@ struct Regions {
     double *around; /* whether a region percolates through the period along y, and along x */
 };
 
-struct Run {
-    int64_t start, end;
-};
+struct Run { int64_t start, end; };
 
 struct Row {
     struct Run *runs;
@@ -170,43 +162,30 @@ static void join_rows(const struct Regions *regions, const struct Row *row, cons
 #define LEVEL plain
 #define LANE_BYTES 16
 #include "precisions.h"
-#undef LANE_BYTES
-#undef LEVEL
 
 /* The same for processors with wider vectors. */
 #if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
 #define WIDE
 #include <cpuid.h>
 #ifdef __clang__
-#pragma clang attribute push(__attribute__((target("avx2,fma,bmi,bmi2"))), apply_to = function)
+#define BEGIN_TARGET(features) DO_PRAGMA(clang attribute push(__attribute__((target(features))), apply_to = function))
+#define END_TARGET DO_PRAGMA(clang attribute pop)
 #else
-#pragma GCC push_options
-#pragma GCC target("avx2,fma,bmi,bmi2")
+#define BEGIN_TARGET(features) DO_PRAGMA(GCC push_options) DO_PRAGMA(GCC target(features))
+#define END_TARGET DO_PRAGMA(GCC pop_options)
 #endif
+
+BEGIN_TARGET("avx2,fma,bmi,bmi2")
 #define LEVEL wide
 #define LANE_BYTES 32
 #include "precisions.h"
-#undef LANE_BYTES
-#undef LEVEL
-#ifdef __clang__
-#pragma clang attribute pop
-#pragma clang attribute push(__attribute__((target("avx2,fma,bmi,bmi2,avx512f,avx512vl,avx512dq,avx512bw"))), \
-                             apply_to = function)
-#else
-#pragma GCC pop_options
-#pragma GCC push_options
-#pragma GCC target("avx2,fma,bmi,bmi2,avx512f,avx512vl,avx512dq,avx512bw")
-#endif
+END_TARGET
+
+BEGIN_TARGET("avx2,fma,bmi,bmi2,avx512f,avx512vl,avx512dq,avx512bw")
 #define LEVEL widest
 #define LANE_BYTES 64
 #include "precisions.h"
-#undef LANE_BYTES
-#undef LEVEL
-#ifdef __clang__
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
+END_TARGET
 
 /* Return 2 for AVX-512, 1 for AVX2 and FMA, else 0, if the operating system saves their registers. */
 static int vectors(void)

@@ -1,5 +1,7 @@
 /* Passes over fields of two precisions: OUTER is that of the state, INNER that of the correction. */
 
+#define INNER REAL_OF(LETTER)
+
 PASS(make_dimensionless, { const OUTER *heights; INNER *out; double reference, scale; int64_t nx; })
 {
     const OUTER reference = (OUTER)given->reference, scale = (OUTER)given->scale;
@@ -192,3 +194,8 @@ PASS(project_residual, {
     }
     found->sums[0] = total;
 }
+
+#undef INNER
+#undef TYPES
+#undef OUTER
+#undef LETTER

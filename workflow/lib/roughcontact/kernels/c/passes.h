@@ -3,6 +3,8 @@
    `array_api.py` defines what they compute. Every pass processes the rows from `first` to `last`; passes between a
    fine and a coarse grid count the rows of the coarse one. `scratch` is work memory of the thread. */
 
+#define REAL REAL_OF(TYPES)
+
 /* ---- rows ---- */
 
 /* Return the number of cells of `factor` points in a row of `n` points; the last cell may have fewer points. */
@@ -28,12 +30,7 @@ static inline void NAME(fold_by)(const REAL *columns, int64_t n, int64_t factor,
 
 static void NAME(fold)(const REAL *columns, int64_t n, int64_t factor, REAL share, REAL *out)
 {
-    /* a compile-time factor allows vectorisation */
-    switch (factor) {
-    case 1: NAME(fold_by)(columns, n, 1, share, out); return;
-    case 2: NAME(fold_by)(columns, n, 2, share, out); return;
-    default: NAME(fold_by)(columns, n, factor, share, out);
-    }
+    BY_FACTOR(fold_by, columns, n, factor, share, out);
 }
 
 /* Write every value of `coarse`, times `share`, `factor` times to `out`, up to `n` values. */
@@ -49,11 +46,7 @@ static inline void NAME(unfold_by)(const REAL *coarse, int64_t n, int64_t factor
 
 static void NAME(unfold)(const REAL *coarse, int64_t n, int64_t factor, REAL share, REAL *out)
 {
-    switch (factor) {
-    case 1: NAME(unfold_by)(coarse, n, 1, share, out); return;
-    case 2: NAME(unfold_by)(coarse, n, 2, share, out); return;
-    default: NAME(unfold_by)(coarse, n, factor, share, out);
-    }
+    BY_FACTOR(unfold_by, coarse, n, factor, share, out);
 }
 
 /* Write the weighted means of the eight neighbours of the row `here` to `result`; `row`: work memory, nx + 2. */
@@ -260,16 +253,12 @@ PASS(restore_units, { REAL *pressure, *gap; int8_t *contact; double offset, pres
 static void NAME(mean_of_rows)(const REAL *field, int64_t rows, int64_t nx, int64_t fx, REAL share, REAL *columns,
                                REAL *out)
 {
-    if (rows > 1) {
+    memcpy(columns, field, (size_t)nx * sizeof(REAL));
+    for (int64_t k = 1; k < rows; k++)
         VECTOR
         for (int64_t j = 0; j < nx; j++)
-            columns[j] = field[j] + field[nx + j];
-        for (int64_t k = 2; k < rows; k++)
-            VECTOR
-            for (int64_t j = 0; j < nx; j++)
-                columns[j] += field[k * nx + j];
-    }
-    NAME(fold)(rows > 1 ? columns : field, nx, fx, share, out);
+            columns[j] += field[k * nx + j];
+    NAME(fold)(columns, nx, fx, share, out);
 }
 
 /* The same for the share of points where the field is not zero. */
@@ -290,14 +279,6 @@ PASS(block_mean, { const REAL *field; REAL *out; int64_t ny, nx, fy, fx; })
     for (int64_t i = first; i < last; i++)
         NAME(mean_of_rows)(given->field + i * fy * nx, SMALLER(fy, given->ny - i * fy), nx, given->fx,
                            (REAL)1 / (REAL)(fy * given->fx), scratch, given->out + i * cells);
-}
-
-PASS(active_share, { const REAL *active; REAL *out; int64_t ny, nx, fy, fx; })
-{
-    const int64_t nx = given->nx, fy = given->fy, cells = NAME(cells_of)(nx, given->fx);
-    for (int64_t i = first; i < last; i++)
-        NAME(share_of_rows)(given->active + i * fy * nx, SMALLER(fy, given->ny - i * fy), nx, given->fx,
-                            (REAL)1 / (REAL)(fy * given->fx), scratch, given->out + i * cells);
 }
 
 /* `weigh` of array_api.py for cells of `points` parts each; the arrangement is passed as an integer. Without
@@ -338,20 +319,6 @@ PASS(weigh, {
             continue;
         NAME(mean_of_rows)(weights, rows, nx, fx, part, columns, given->next_parts + block * cells);
         NAME(mean_of_rows)(share, rows, nx, fx, part, columns, given->next_share + block * cells);
-    }
-}
-
-PASS(weighted_mean, { const REAL *field, *gain; REAL *out; int64_t ny, nx, fy, fx; })
-{
-    const int64_t cells = NAME(cells_of)(given->nx, given->fx);
-    const struct NAME(block_mean) mean = {given->field, given->out, given->ny, given->nx, given->fy, given->fx};
-    for (int64_t i = first; i < last; i++) {
-        REAL *out = given->out + i * cells;
-        const REAL *gain = given->gain + i * cells;
-        NAME(work_block_mean)(&mean, i, i + 1, scratch, found);
-        VECTOR
-        for (int64_t j = 0; j < cells; j++)
-            out[j] *= gain[j];
     }
 }
 
@@ -427,17 +394,16 @@ PASS(fill_from, {
 PASS(empty_neighbours, { const REAL *field, *empty; REAL *out; struct Weights weights; int64_t ny, nx; })
 {
     const int64_t ny = given->ny, nx = given->nx;
-    REAL *gaps = scratch, *row = gaps + 3 * nx;
-    for (int64_t i = first - 1; i <= last; i++) {
-        const int64_t at = i < 0 ? ny - 1 : i == ny ? 0 : i;
-        const REAL *field = given->field + at * nx, *empty = given->empty + at * nx;
-        REAL *next = gaps + (i + 1) % 3 * nx;
-        VECTOR
-        for (int64_t j = 0; j < nx; j++)
-            next[j] = field[j] * empty[j];
-        if (i > first)
-            NAME(around)(gaps + (i + 2) % 3 * nx, gaps + i % 3 * nx, next, &given->weights, row,
-                         given->out + (i - 1) * nx, nx);
+    REAL *gaps = scratch, *row = gaps + 3 * nx; /* of the previous, the current and the next row */
+    for (int64_t i = first; i < last; i++) {
+        for (int64_t k = 0; k < 3; k++) {
+            const int64_t start = wrap(i + k - 1, ny) * nx;
+            const REAL *field = given->field + start, *empty = given->empty + start;
+            VECTOR
+            for (int64_t j = 0; j < nx; j++)
+                gaps[k * nx + j] = field[j] * empty[j];
+        }
+        NAME(around)(gaps, gaps + nx, gaps + 2 * nx, &given->weights, row, given->out + i * nx, nx);
     }
 }
 
@@ -592,16 +558,16 @@ PASS(prolong_small, { REAL *one, *other; struct NAME(Small) small; int64_t sweep
 {
     (void)first, (void)last;
     const int64_t coarsest = given->small.count - 1;
-    for (int64_t number = 0; number < coarsest; number++) {
+    for (int64_t number = 0; number <= coarsest; number++) {
         const struct NAME(Grid) grid = NAME(grid)(&given->small, number);
+        VECTOR
+        for (int64_t j = 0; j < (number || given->small.whole ? grid.cells : 0); j++)
+            grid.means[j] *= grid.gain[j];
+        if (number == coarsest)
+            break;
         const struct NAME(Grid) coarse = NAME(grid)(&given->small, number + 1);
-        if (!number && given->small.whole)
-            VECTOR
-            for (int64_t j = 0; j < grid.cells; j++)
-                grid.means[j] *= grid.gain[j];
-        const struct NAME(weighted_mean) mean = {grid.means, coarse.gain, coarse.means,
-                                                 grid.ny, grid.nx, coarse.fy, coarse.fx};
-        NAME(work_weighted_mean)(&mean, 0, coarse.ny, scratch, found);
+        const struct NAME(block_mean) mean = {grid.means, coarse.means, grid.ny, grid.nx, coarse.fy, coarse.fx};
+        NAME(work_block_mean)(&mean, 0, coarse.ny, scratch, found);
     }
     for (int64_t number = coarsest; number >= 0; number--) {
         const struct NAME(Grid) grid = NAME(grid)(&given->small, number);

@@ -98,20 +98,11 @@ static void *work(void *number)
     return NULL;
 }
 
-static void start_threads(int64_t threads)
-{
-    while (started < threads - 1) {
-        pthread_t thread;
-        if (pthread_create(&thread, NULL, work, (void *)(intptr_t)(started + 1)))
-            return; /* the other threads run its shares */
-        pthread_detach(thread);
-        started++;
-    }
-}
-
 static void do_together(struct Job *given, int64_t threads)
 {
-    start_threads(threads);
+    pthread_t next; /* where a thread cannot be started the others run its shares */
+    for (; started < threads - 1 && !pthread_create(&next, NULL, work, (void *)(intptr_t)(started + 1)); started++)
+        pthread_detach(next);
     job = given;
     atomic_store(&pending, given->shares);
     atomic_store(&offer, OFFER(NUMBER(atomic_load(&offer)) + 1, threads, given->shares));

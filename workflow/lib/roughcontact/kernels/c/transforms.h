@@ -7,14 +7,8 @@
    [1] Van Loan (1992), Computational Frameworks for the Fast Fourier Transform, section 1.7. */
 
 typedef REAL NAME(Vector) __attribute__((vector_size(LANE_BYTES)));
-#define V NAME(Vector)
-#define LANES ((int64_t)(LANE_BYTES / sizeof(REAL)))
-#define COMPLEX struct NAME(Complex)
 
-COMPLEX
-{
-    V re, im;
-};
+COMPLEX { V re, im; };
 
 static inline COMPLEX NAME(plus)(COMPLEX a, COMPLEX b) { return (COMPLEX){a.re + b.re, a.im + b.im}; }
 static inline COMPLEX NAME(minus)(COMPLEX a, COMPLEX b) { return (COMPLEX){a.re - b.re, a.im - b.im}; }
@@ -129,13 +123,6 @@ static inline COMPLEX *NAME(buffer)(void *scratch)
 {
     return (COMPLEX *)(((uintptr_t)scratch + LANE_BYTES - 1) / LANE_BYTES * LANE_BYTES);
 }
-
-/* A "row" of these passes is a block of 128 bytes of rows of the field (two lines per lane of the widest vectors), or
-   of 64 bytes of its columns (one line per lane). */
-#define IN_BLOCK (2 * LANES) /* lines transformed at a time */
-#define ROWS ((int64_t)(128 / sizeof(REAL)))
-#define COLUMNS ((int64_t)(64 / sizeof(REAL)))
-#define TILE ((int64_t)(64 / sizeof(REAL))) /* entries of a line moved at a time */
 
 /* Put real and imaginary parts of the lanes into pairs, and back. */
 static inline void NAME(pair)(const V *re, const V *im, REAL *out)
@@ -259,10 +246,5 @@ PASS(columns, { REAL *spectrum; const REAL *roots; int64_t ny, waves, backward; 
     }
 }
 
-#undef TILE
-#undef COLUMNS
-#undef ROWS
-#undef IN_BLOCK
-#undef COMPLEX
-#undef LANES
-#undef V
+#undef REAL
+#undef TYPES
