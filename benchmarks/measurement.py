@@ -313,6 +313,7 @@ def measure(
             "of_cause": of_cause(found, quantity, at),
             "true": truth[quantity][at],
             "flags": "; ".join(flags[at]),
+            "verdict": int(found[f"{quantity}_verdict"][at]),
         }
         for at, load in enumerate(LOADS)
         for quantity, shown in SHOWN.items()

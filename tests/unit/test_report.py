@@ -205,6 +205,17 @@ def test_numbers_of_the_page_are_those_of_the_file(page):
     ]
 
 
+def test_rows_of_numbers_have_the_colour_of_the_verdict_on_their_load(page, tmp_path):
+    files = {stage: page.parent / "all" / "holes" / f"{stage}.nc" for stage in STAGES}
+    judged = read_dataset(files["statistics"]).load().sortby("mean_pressure")
+    files["statistics"] = tmp_path / "statistics.nc"
+    write_dataset(judged.assign(verdict=("load", [0, 2, 1])), files["statistics"])
+    write_panel(tmp_path / "panel.html", surface="holes", case=None, settings=SETTINGS, **files)
+    table = (tmp_path / "panel.html").read_text("utf-8").partition("<caption>Contact</caption>")[2]
+    body = table.partition("<tbody>")[2].partition("</tbody>")[0]
+    assert re.findall(r"<tr([^>]*)>", body) == ["", ' class="failed"', ' class="look"']
+
+
 def test_the_overview_has_the_weightiest_reason_and_counts_the_others(page):
     text = html.unescape(page.read_text(encoding="utf-8"))
     verdicts = re.findall(r'<a href="#surface-\w+">\w+</a> <span class="badge \w+">([^<]*)<', text)

@@ -15,7 +15,7 @@ from roughcontact.report import captions, facts, load_plots, map_plots, tables, 
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.colours import POINTS
 from roughcontact.report.files import beside
-from roughcontact.report.glance import HEADINGS, by_weight, glance_rows, shown_loads
+from roughcontact.report.glance import HEADINGS, by_weight, glance_rows, outcome_of, shown_loads
 from roughcontact.report.stack import stack_of_layers
 from roughcontact.report.summary import write_summary
 from roughcontact.report.template import template
@@ -110,6 +110,7 @@ def write_panel(
         charts=_charts(numbers, solved, shown) if rough else [],
         budget=shown_budget(numbers, shown),
         tables=tables.number_tables(numbers, checks.load_flags(numbers, solved.size)),
+        outcomes=[outcome_of(numbers, place) for place in range(numbers.sizes["load"])],
         material=tables.material_table(numbers, shown),
         crosscheck=tables.crosscheck_table(crosscheck, numbers, order) if crosscheck else None,
         files=beside(
