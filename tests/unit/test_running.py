@@ -121,6 +121,16 @@ def test_init_refuses_materials_that_a_run_would_refuse(folder, capsys, options,
     assert not (folder / "config").exists()
 
 
+def test_init_takes_all_files_of_a_folder(folder, capsys):
+    (folder / "measured").mkdir()
+    for name in ("two.txt", "one.txt", ".hidden"):
+        (folder / "measured" / name).write_text("1 2")
+    assert main(["init", "measured"]) == 0
+    assert "2 surfaces" in capsys.readouterr().out
+    rows = (folder / "config/surfaces.tsv").read_text().splitlines()[-2:]
+    assert rows == [f"{name}\tmeasured{os.sep}{name}.txt" for name in ("one", "two")]
+
+
 def test_init_names_a_file_that_is_not_there(folder, capsys):
     assert main(["init", "nowhere.x3p"]) == 2
     assert "nowhere.x3p: no such file" in capsys.readouterr().err

@@ -124,7 +124,7 @@ def _parser(*, verb: str) -> argparse.ArgumentParser:
         add_settings(solve)
 
     init = verbs.add_parser("init", help="write settings and a table of surfaces, to change and to run")
-    init.add_argument("files", nargs="*", metavar="FILE", help="measured height maps, for the table")
+    init.add_argument("files", nargs="*", metavar="FILE", help="measured height maps, or folders of them")
     init.set_defaults(run=_init)
     if verb == "init":
         from roughcontact.command_line.options import add_body
@@ -259,17 +259,18 @@ def _solve(options: argparse.Namespace) -> int:
 def _init(options: argparse.Namespace) -> int:
     """Write settings and table, and print the next steps."""
     from roughcontact.command_line.options import bodies_of, in_options
-    from roughcontact.command_line.running import write_project
+    from roughcontact.command_line.running import files_in, write_project
 
+    files = files_in(options.files)
     contact = {"bodies": bodies_of(options.body)} if options.body else {}
     contact |= {"mean_pressure": options.mean_pressure} if options.mean_pressure else {}
     try:
-        settings, table = write_project(options.files, contact=contact)
+        settings, table = write_project(files, contact=contact)
     except SettingsError as error:
         raise SettingsError(in_options(error)) from error
     if not options.body:
         print(f"{settings}: state your materials and loads under `contact` (or here, with --body twice)")
-    print(f"{table}: {len(options.files) or 'no'} surface{'s' * (len(options.files) != 1)}, a row each")
+    print(f"{table}: {len(files) or 'no'} surface{'s' * (len(files) != 1)}, a row each")
     print("then: roughcontact run")
     return 0
 

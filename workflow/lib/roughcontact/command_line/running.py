@@ -113,6 +113,19 @@ def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | N
     return list(_FILES)
 
 
+def files_in(paths: Sequence[str]) -> list[str]:
+    """Return the given files, and in the place of a folder the files in it, hidden ones left out, by name."""
+    return [
+        str(file)
+        for path in paths
+        for file in (
+            sorted(each for each in Path(path).iterdir() if each.is_file() and not each.name.startswith("."))
+            if Path(path).is_dir()
+            else [path]
+        )
+    ]
+
+
 def surface_names(files: Sequence[str | Path]) -> list[str]:
     """Return a different admitted name of a surface for each file.
 
