@@ -987,7 +987,7 @@ def test_a_surface_is_printed_on_two_pages_and_what_is_unfolded_on_more(page, tm
 
 def test_a_quantity_has_one_unit_in_the_part_of_a_surface_and_in_the_table_of_all(tmp_path):
     """A polished surface is in nm, rough ones are in µm, and the table of all three is in µm."""
-    maps = {"ground": rough(1), "lapped": rough(2), "polished": rough(3) * 1e-2}
+    maps = {"ground": rough(1), "lapped": rough(2), "polished": rough(3) * 5e-2}
     page = assemble(tmp_path, [run_surface(tmp_path, name, height) for name, height in maps.items()])
     text = unquote(page.read_text(encoding="utf-8"))
     heights = r"(?:mean gap ū|gap u|gap|height|narrowest place along [xy])"

@@ -26,6 +26,7 @@ HEADINGS = (
     "conductance",
 )
 
+_ALIKE = 100.0  # ratio of rms heights up to which one unit does for all
 # the units of the numbers in the table, as `unit_of` knows them
 _UNITS = {
     "mean_pressure": "Pa",
@@ -122,17 +123,25 @@ def loads_to_compare(results: Sequence[xr.Dataset], area: float = 0.1) -> list[i
 def glance_units(results: Sequence[xr.Dataset]) -> list[dict[str, Unit]]:
     """Return for each surface the units in the table by name of the variable.
 
-    Lengths have the same for all surfaces, pressures that of the material.
+    Lengths have the same for all surfaces unless the largest rms height is more than `_ALIKE` times the
+    smallest, else that of the surface, as pressures have that of the material.
 
     Examples
     --------
-    >>> units, *_ = glance_units([xr.Dataset({"rms_height": rms}) for rms in (1e-8, 1e-6, 2e-6)])
+    >>> units, *_ = glance_units([xr.Dataset({"rms_height": rms}) for rms in (1.1e-8, 1e-6)])
     >>> units["mean_gap"] == units["critical_constriction_x"] == (1e6, "µm")
     True
+    >>> units, *_ = glance_units([xr.Dataset({"rms_height": rms}) for rms in (4e-9, 24e-6)])
+    >>> units["mean_gap"].shown
+    'nm'
     """
-    of_all = middle_of(results)
+    rms = [value for one in results if (value := float(one.get("rms_height", 0.0))) > 0]
+    of_all = middle_of(results) if not rms or max(rms) <= _ALIKE * min(rms) else None
     return [
-        {name: unit_of(one if unit == "Pa" else of_all, unit) for name, unit in _UNITS.items()}
+        {
+            name: unit_of(one if unit == "Pa" or of_all is None else of_all, unit)
+            for name, unit in _UNITS.items()
+        }
         for one in results
     ]
 
