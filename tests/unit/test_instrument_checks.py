@@ -113,7 +113,7 @@ def test_the_sentence_of_a_smoothed_map():
     assert sentence.startswith(
         "Nothing was measured below a wavelength of 4.0 µm (4.0 pixels): the spectrum ends"
     )
-    assert "Contact areas are then too large and pressures too small" in sentence
+    assert "Contact areas are then too large, pressures and gaps too small" in sentence
     assert "instrument.resolution" in sentence
     assert "level.s_filter" in sentence
 

@@ -44,6 +44,20 @@ def test_what_the_interval_includes_is_a_note():
     assert checks.verdict([check]) == checks.PASSED
 
 
+@pytest.mark.parametrize(
+    ("exponent", "share", "stated", "outcome"),
+    [
+        (-1.0, 0.6, {}, checks.LOOK),
+        (-1.0, 0.4, {}, checks.NOTE),
+        (-1.8, 0.6, {}, checks.NOTE),  # as waves of a rough surface may end
+        (-1.0, 0.6, {"instrument_noise": 2e-9}, checks.NOTE),
+    ],
+)
+def test_noise_is_a_note_unless_it_is_a_guess_and_most_of_the_gradient(exponent, share, stated, outcome):
+    white = {"top_exponent": exponent, "noise_floor": 2e-9, "noise_gradient_share": share}
+    assert found(0.2, white | stated, budget=["instrument"])["Noise"].outcome == outcome
+
+
 def test_waves_beyond_the_lens_ask_for_a_look():
     lens = {
         "band_shortest": 2e-6,

@@ -48,7 +48,6 @@ from roughcontact.variables import describe
 # what a check puts in doubt, where that is not every answer
 _SHORT_WAVES = ("relative_contact_area", "mean_contact_pressure", "yield", "max_pressure", "conductance")
 _CONCERNS = {
-    "Smoothed": _SHORT_WAVES,
     "Noise": _SHORT_WAVES,
     "Isolated peak": ("mean_gap", "sealing", "yield", "max_pressure"),
     "Sample": ("mean_gap", "sealing"),
@@ -145,14 +144,14 @@ def surface_checks(
         map_checks.reading(height, levelled),
     ]
     return [
-        _noted(check._replace(answers=_CONCERNS.get(check.name, check.answers)), statistics)
+        _noted(check._replace(answers=_CONCERNS.get(check.name, check.answers)), statistics, window)
         for check in found
     ]
 
 
-def _noted(check: Check, statistics: xr.Dataset) -> Check:
+def _noted(check: Check, statistics: xr.Dataset, window: Attributes) -> Check:
     """Return a warning as a note where the interval includes what it says, or the settings ask for it."""
-    if check.outcome != LOOK:
+    if check.outcome != LOOK or (check.name == "Noise" and instrument_checks.is_mostly_noise(window)):
         return check
     if check.name == "Plasticity" and "hardness" in statistics:
         return check._replace(outcome=NOTE)
