@@ -114,7 +114,17 @@ def write_project(files: Sequence[str | Path], *, contact: Mapping[str, Any] | N
 
 
 def files_in(paths: Sequence[str]) -> list[str]:
-    """Return the given files, and in the place of a folder the files in it, hidden ones left out, by name."""
+    """Return the given files, and in the place of a folder those in it, by name.
+
+    Parameters
+    ----------
+    paths : sequence of str
+        files and folders; hidden files of a folder are left out.
+
+    Returns
+    -------
+    list of str
+    """
     return [
         str(file)
         for path in paths
