@@ -214,7 +214,7 @@ def suspected_noise(window: Attributes) -> float:
 def is_mostly_noise(window: Attributes) -> bool:
     """Return whether a noise that nobody has stated is likely to make up most of the mean square gradient.
 
-    The interval then rests on a guess: of maps with noise of 10 % of Sq it missed one area in six.
+    The interval then rests on a guess: of maps with noise of 10 % of Sq it missed one area in four.
 
     Examples
     --------
