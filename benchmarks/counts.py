@@ -21,7 +21,8 @@ TOLERANCES = (1e-4, 1e-8)
 TRUTH = 1e-12
 RESOLVED = 0.05  # largest bound of the reference over that of the solution
 HARDNESS = (1.05, 2.0, 10.0)  # over the mean pressure
-SEEDS_OF_HARD_ONES = 3
+SEEDS = 3  # of made and hard maps
+MADE_SIZES = (128, 256, 512)
 MEMORY_LOAD = 0.03
 ASPHER_TOLERANCE = 4e-6  # its own, which meets a true error of about 1e-4
 LARGEST_IN_MEMORY = {"ASPHER": 4096}  # points per side; it takes minutes above
@@ -55,11 +56,29 @@ def hard(study):
 def of_hard(name: str) -> dict:
     """Return the solves of a hard map, all seeds together."""
     solves = []
-    for seed in range(SEEDS_OF_HARD_ONES):
+    for seed in range(SEEDS):
         window = cases.hard_surfaces(seed)[name]
         for relative, load in loads_of(window):
             solves += [found | {"load": relative, "seed": seed} for found in certified(window, load)]
     return {"name": name, "solves": solves}
+
+
+def made(study):
+    """Yield the jobs of made maps of a few hundred points per side: pairs."""
+    for size in MADE_SIZES:
+        yield f"{size}", partial(of_made, size)
+
+
+def of_made(size: int) -> dict:
+    """Return the solves of made maps of a size at all loads, all seeds together."""
+    solves = []
+    for seed in range(SEEDS):
+        window = height_map(cases.surface(size, seed), 1 / size)
+        for relative, load in loads_of(window):
+            for tolerance in TOLERANCES:
+                found = pairs(solved(window, load, tolerance=tolerance, fields=False))
+                solves.append(found | {"load": relative, "seed": seed, "tolerance": tolerance})
+    return {"name": f"{size}²", "solves": solves}
 
 
 def growth(study):

@@ -29,7 +29,8 @@ BLOCKS = {
     "window": ROOT / "docs/explanation/surface.md",
     "damage": ROOT / "docs/explanation/reliability.md",
 } | dict.fromkeys(
-    ("pixels", "answers", "coverage", "measurement", "groups"), ROOT / "docs/explanation/uncertainty.md"
+    ("pixels", "answers", "coverage", "measurement", "unstated", "groups"),
+    ROOT / "docs/explanation/uncertainty.md",
 )
 
 

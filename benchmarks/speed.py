@@ -1,6 +1,7 @@
 """Measure the solver on made and measured maps, alone and against others.
 
     python benchmarks/speed.py FOLDER ... --write
+    python benchmarks/speed.py FOLDER ... --held-out --write      # maps that played no part in any choice
 
 FOLDER holds measured maps, files of instruments of any kind; those that cannot be read, or are too small, are
 left out. Without folders, made maps alone are measured. Records are kept in `benchmarks/work` one by one, and
@@ -20,6 +21,7 @@ from functools import cache
 from pathlib import Path
 
 import cases
+import certificate
 import clocks
 import counts
 import numpy as np
@@ -37,7 +39,10 @@ SCRIPTS = {
     "ASPHER": HERE / "rival_aspher.py",
     "Tamaas": HERE / "rival_tamaas.py",
 }
-COUNTS = {"maps": counts.maps, "hard": counts.hard, "growth": counts.growth, "memory": counts.memory}
+COUNTS = {
+    part.__name__: part for part in (counts.maps, counts.made, counts.hard, counts.growth, counts.memory)
+}
+COUNTS |= {"random": certificate.random, "dense": certificate.dense}
 TIMES = {"starts": clocks.starts, "pair": clocks.pair, "sweep": clocks.sweep, "race": race.race}
 PARTS = COUNTS | {"rungs": race.rungs, "agreement": race.agreement} | TIMES
 GROUPS = {"counts": [*COUNTS, "rungs"], "times": list(TIMES)}
@@ -187,8 +192,13 @@ def parse(arguments=None) -> argparse.Namespace:
     add("--growth-sizes", type=int, nargs="*", default=[512, 1024, 2048, 4096], help="points per side")
     add("--memory-sizes", type=int, nargs="*", default=[1024, 2048, 4096], help="points per side")
     add("--work", type=Path, default=HERE / "work", help="where records and converged solutions are kept")
+    add("--held-out", action="store_true", help="pairs and race of these maps alone, in tables of their own")
     add("--write", action="store_true", help="write tables and pages; else print")
-    return parser.parse_args(arguments)
+    chosen = parser.parse_args(arguments)
+    if chosen.held_out:
+        chosen.work, chosen.seeds = chosen.work / "held_out", []
+        chosen.only = ["maps", "rungs", "race"] if chosen.only == list(GROUPS) else chosen.only
+    return chosen
 
 
 def main() -> None:
@@ -205,7 +215,9 @@ def main() -> None:
         for part in dict.fromkeys(part for name in options.only for part in GROUPS.get(name, [name])):
             study.measure(part, again=options.again)
     tables = speed_tables.tables(study.results)
-    if options.write:
+    if options.write and options.held_out:
+        pages.publish("speed_held_out", tables, {"maps": len(study.results["maps"])})
+    elif options.write:
         pages.publish("speed", tables, speed_tables.about(study.results))
     else:
         pages.show(tables)

@@ -83,6 +83,8 @@ def solves_of(records: list[dict]) -> pd.DataFrame:
     """Return all solves of some maps, and whether their bound is below the true error for certain."""
     solves = pd.DataFrame([{"map": one["name"]} | solve for one in records for solve in one["solves"]])
     solves["error bound"] = solves["tolerance"].map(BOUNDS)
+    if "resolved" not in solves:
+        return solves
     solves["below"] = solves["resolved"].eq(True) & (
         solves["bound"] < solves["true_error"] - solves["reference_error"]
     )
@@ -90,12 +92,16 @@ def solves_of(records: list[dict]) -> pd.DataFrame:
 
 
 def spread(groups) -> pd.DataFrame:
-    """Return median, 90 % quantile and largest of the pairs of some groups of solves."""
+    """Return mean, median, 90 % quantile and largest of the pairs of some groups of solves."""
     pairs = groups["pairs"]
-    return pd.DataFrame({"median": pairs.median(), "90 %": pairs.quantile(0.9), "largest": pairs.max()})
+    return pd.DataFrame(
+        {"mean": pairs.mean(), "median": pairs.median(), "90 %": pairs.quantile(0.9), "largest": pairs.max()}
+    )
 
 
-ONE_DECIMAL = dict.fromkeys(("median", "90 %", "largest", "1e-4", "1e-8", "pairs", "solve / pair"), ".1f")
+ONE_DECIMAL = dict.fromkeys(
+    ("mean", "median", "90 %", "largest", "1e-4", "1e-8", "pairs", "solve / pair"), ".1f"
+)
 
 
 def maps(records: list[dict]) -> dict[str, pd.DataFrame]:
@@ -135,6 +141,24 @@ def maps(records: list[dict]) -> dict[str, pd.DataFrame]:
             bounds.reset_index(names="tolerance"), dict.fromkeys(("least", "median", "largest"), ".3f")
         ),
     }
+
+
+def certificate(records: list[dict]) -> dict[str, pd.DataFrame]:
+    """Return the bound over the true error of random maps; the ratio where the reference resolves it."""
+    solves = pd.DataFrame([solve for one in records for solve in one["solves"]])
+    below = solves["bound"] < solves["true_error"] - solves["reference_error"]
+    ratio = solves["ratio"][solves["resolved"]]
+    row = {"solves": len(solves), "least": ratio.min(), "median": ratio.median(), "largest": ratio.max()}
+    row |= {"bound below error": below.sum()}
+    name = records[0]["name"]
+    return {name: text(pd.DataFrame([row]), dict.fromkeys(("least", "median", "largest"), ".3f"))}
+
+
+def made(records: list[dict]) -> dict[str, pd.DataFrame]:
+    """Return the pairs of made maps by size."""
+    solves = solves_of(records)
+    table = spread(pd.concat([solves, solves.assign(map="all")]).groupby(["error bound", "map"], sort=False))
+    return {"made": text(table.reset_index(), ONE_DECIMAL)}
 
 
 def hard(records: list[dict]) -> dict[str, pd.DataFrame]:
@@ -202,4 +226,7 @@ def agreement(records: list[dict]) -> dict[str, pd.DataFrame]:
     return {"agreement": text(table.reset_index(), dict.fromkeys(table, ".0e"))}
 
 
-PARTS = {part.__name__: part for part in (race, agreement, maps, hard, growth, starts, pair, sweep, memory)}
+PARTS = {
+    part.__name__: part for part in (race, agreement, maps, made, hard, growth, starts, pair, sweep, memory)
+}
+PARTS |= dict.fromkeys(("random", "dense"), certificate)
