@@ -1,5 +1,6 @@
 """The table at a glance: the main answers for each surface at two or three loads, with their intervals."""
 
+import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
@@ -26,6 +27,7 @@ HEADINGS = (
     "conductance",
 )
 
+_LINE = 150  # letters of a reason; a line of a wide page has some 170
 _ALIKE = 100.0  # ratio of rms heights up to which one unit does for all
 # the units of the numbers in the table, as `unit_of` knows them
 _UNITS = {
@@ -218,6 +220,26 @@ def by_weight(doubts: Iterable[Check]) -> list[Check]:
         return check.outcome != FAILED, known
 
     return sorted(doubts, key=weight)
+
+
+def one_line(reason: str) -> str:
+    """Return a reason for one line of the table: if it is too long, its first clause and what to do.
+
+    Examples
+    --------
+    >>> one_line("Units: did you mean 93 kPa?")
+    'Units: did you mean 93 kPa?'
+    >>> one_line(f"Noise: It is {'very ' * 40}high: much of it is guessed. Repeat the measurement")[-41:]
+    'very very very very very very very very …'
+    >>> one_line(f"Noise: It is high: {'or so ' * 40}. Repeat the measurement")
+    'Noise: It is high. Repeat the measurement'
+    """
+    if len(reason) <= _LINE:
+        return reason
+    name, _, sentences = reason.partition(": ")
+    first, *others = sentences.split(". ")
+    text = ". ".join([first.partition(": ")[0], *others[-1:]])
+    return textwrap.shorten(f"{name}: {text}", _LINE, placeholder=" …")
 
 
 def _known(numbers: xr.Dataset, name: str) -> bool:

@@ -17,7 +17,14 @@ from roughcontact.report.asked import asked_alike, asked_in_words, measured_in_w
 from roughcontact.report.captions import comparison_caption
 from roughcontact.report.cases import case_medians, case_table
 from roughcontact.report.files import from_page
-from roughcontact.report.glance import HEADINGS, Cell, glance_rows, glance_units, loads_to_compare
+from roughcontact.report.glance import (
+    HEADINGS,
+    Cell,
+    glance_rows,
+    glance_units,
+    loads_to_compare,
+    one_line,
+)
 from roughcontact.report.groups import HEADINGS as GROUP_HEADINGS
 from roughcontact.report.groups import comparison_rows, group_pictures, group_rows
 from roughcontact.report.load_plots import compare_areas, sample_of, spread_of_areas
@@ -218,7 +225,7 @@ def _glance(summary: Summary, numbers: xr.Dataset, units: Mapping[str, Unit]) ->
     return {
         "glance": glance_rows(numbers, units),
         "loads": numbers.sizes["load"],
-        "reason": next(iter(reasons), ""),
+        "reason": one_line(next(iter(reasons), "")),
         "others": max(len(reasons) - 1, 0),
     }
 

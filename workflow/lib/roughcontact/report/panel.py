@@ -137,7 +137,6 @@ def write_panel(
             "surface": surface,
             "verdict": verdict,
             "reasons": [checks.reason(check) for check in doubts],
-            "not_judged": [check.name for check in not_judged],
             "measured": date,
             "waves": facts.waves_in_words(solved),
         },

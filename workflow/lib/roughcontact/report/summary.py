@@ -16,7 +16,6 @@ class Summary(TypedDict):
     surface: str
     verdict: str  # a key of `checks.VERDICTS`
     reasons: list[str]  # a sentence for each check that did not pass, the most important first
-    not_judged: list[str]  # names of the checks that could not be made
     measured: str  # date of the measurement, ISO 8601; empty where the file states none
     waves: str  # for which the numbers hold, in words
 

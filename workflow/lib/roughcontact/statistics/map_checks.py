@@ -325,6 +325,7 @@ def reading(height: Attributes, levelled: Attributes) -> Check:
     facts = set(json.loads(height.get("ingest_facts", "[]")))
     text = " ".join(f"{warning[0].upper()}{warning[1:].rstrip('.')}." for warning in warnings)
     if levelled.get("outlier_threshold"):  # the check of the outliers judges them
-        text = text.replace(SPIKES_ADVICE, "isolated ones were searched for and removed")
+        *before, last = text.split(f"; {SPIKES_ADVICE}")
+        text = "".join(before) + f"; isolated ones were searched for and removed{last}" if before else text
         facts.update(warning for warning in warnings if SPIKES_ADVICE in warning)
     return Check("Reading the file", NOTE if facts.issuperset(warnings) else LOOK, text)
