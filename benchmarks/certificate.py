@@ -72,8 +72,8 @@ def dense_solve(generator: np.random.Generator) -> dict:
     heights = generator.standard_normal(shape)
     if generator.random() < 0.5:
         heights = heights.cumsum(0).cumsum(1)
-    window = height_map(heights, tuple(10.0 ** generator.uniform(-1, 1, 2)))
-    pressure = dense_pressure(window, generator.uniform(0.05, 2) * np.ptp(heights))
+    window = height_map(heights / 100, tuple(10.0 ** generator.uniform(-1, 1, 2)))
+    pressure = dense_pressure(window, generator.uniform(0.05, 2) * np.ptp(window.values))
     solution = counts.solved(window, pressure.mean(), tolerance=10.0 ** generator.uniform(-7, -1))
     exact = xr.Dataset({"pressure": (("y", "x"), pressure), "error_bound": DENSE_ERROR})
     return counts.pairs(solution) | counts.compare(solution, exact, spacing(window))

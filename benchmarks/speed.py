@@ -216,7 +216,8 @@ def main() -> None:
             study.measure(part, again=options.again)
     tables = speed_tables.tables(study.results)
     if options.write and options.held_out:
-        pages.publish("speed_held_out", tables, {"maps": len(study.results["maps"])})
+        kept = {name: tables[name] for name in ("pairs", "bounds", "race", "ratios") if name in tables}
+        pages.publish("speed_held_out", kept, {"maps": len(study.results["maps"])})
     elif options.write:
         pages.publish("speed", tables, speed_tables.about(study.results))
     else:

@@ -38,19 +38,25 @@ def test_all_that_is_imported_when_a_script_starts_is_covered(script):
     assert loaded <= dependencies._closure(script)
 
 
+def forget():
+    """Look at the files anew, as every run does."""
+    for known in (dependencies._imported, dependencies._folders, dependencies._modules):
+        known.cache_clear()
+
+
 @pytest.fixture
 def package(tmp_path, monkeypatch):
     """Return a copy of the package and its scripts that may be edited."""
     shutil.copytree(ROOT / "workflow", tmp_path / "workflow", ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(dependencies, "PACKAGE", tmp_path / "workflow/lib/roughcontact")
-    dependencies._imported.cache_clear()
+    forget()
     yield tmp_path / "workflow"
-    dependencies._imported.cache_clear()
+    forget()
 
 
 def digests(workflow):
     """Return the checksum of every script."""
-    dependencies._imported.cache_clear()
+    forget()
     return {path.stem: dependencies.source_digest(path) for path in (workflow / "scripts").glob("[a-z]*.py")}
 
 

@@ -3,6 +3,7 @@
 import json
 
 import cases
+import certificate
 import numpy as np
 import pytest
 import race
@@ -159,7 +160,12 @@ def kept_records():
     records = {
         "race": race,
         "maps": maps,
+        "made": [
+            {"name": "128²", "solves": [{"tolerance": 1e-4, "pairs": 6.5}]},
+            {"name": "256²", "solves": [{"tolerance": 1e-4, "pairs": 8.5}]},
+        ],
         "hard": [{"name": "primes", "solves": solves(1.0)}],
+        "dense": [{"name": "dense", "solves": solves(1.0)}],
         "growth": [
             {"kind": kind, "size": size, "load": load, "pairs": [size / 64, 11.0]}
             for kind in ("made", "measured")
@@ -184,10 +190,12 @@ def test_the_tables_have_the_numbers_of_the_records():
         "2,synthetic,1,512,0.03,5,40,,8.0,",
     ]
     assert '1,ASPHER,all,3,6.0,4.0,"synthetic, 512², seed 0",0.03' in found["ratios"]
-    assert "1e-4,all,9.8,13.0,13.0" in found["pairs"]
-    assert "1e-8,0.3,16.5,20.9,22.0" in found["pairs"]
+    assert "1e-4,all,9.8,9.8,13.0,13.0" in found["pairs"]
+    assert "1e-8,0.3,16.5,16.5,20.9,22.0" in found["pairs"]
     assert found["hardest"][1] == "b.sur,4 × 5,0.003,13.0,22.0"
-    assert found["settings"][1:] == ["single precision,9.0,9.0,9.0,2,2"]
+    assert found["settings"][1:] == ["single precision,9.0,9.0,9.0,9.0,2,2"]
+    assert found["made"][1::2] == ["1e-4,128²,6.5,6.5,6.5,6.5", "1e-4,all,7.5,7.5,8.3,8.5"]
+    assert found["dense"][1] == "10,1.020,1.020,1.020,0"
     assert found["bounds"][1] == "1e-4,8,1.020,1.020,1.020,0"
     assert found["hard"][1] == "primes,6.5,11.0,1,0"
     assert found["growth"][3] == "synthetic,0.03,1e-4,8.0,16.0,2.00"
@@ -207,8 +215,24 @@ def test_this_solver_alone_has_no_ratios():
 
 def test_a_bound_below_the_true_error_is_counted():
     results = kept_records()
-    results["hard"][0]["solves"][0]["true_error"] = 1.03e-5
-    assert speed_tables.tables(results)["hard"]["bound below error"].tolist() == ["1"]
+    for part in ("hard", "dense"):
+        results[part][0]["solves"][0]["true_error"] = 1.03e-5
+        assert speed_tables.tables(results)[part]["bound below error"].tolist() == ["1"]
+
+
+def test_the_dense_solution_is_that_of_a_wave():
+    """Westergaard (1939): full contact from p̄ = π E* h/λ on, the pressure follows the wave."""
+    wave = height_map(0.01 * np.cos(2 * np.pi * np.arange(32) / 32)[None], 1 / 32)
+    pressure = certificate.dense_pressure(wave, 1.0)
+    assert pressure.mean() > np.pi * 0.01
+    assert pressure - pressure.mean() == pytest.approx(np.pi * wave.values, abs=1e-10)
+
+
+@pytest.mark.parametrize("solve", [certificate.random_solve, certificate.dense_solve])
+def test_a_random_solve_is_held_against_its_reference(solve):
+    found = solve(np.random.default_rng(3))
+    assert found["converged"]
+    assert 0 < found["true_error"] <= found["bound"] + found["reference_error"]
 
 
 def test_a_busy_machine_is_told():

@@ -94,3 +94,15 @@ def test_what_the_user_asked_for_and_which_channel_was_chosen_are_notes():
     ):
         said = height | {"ingest_warnings": json.dumps(warnings)}
         assert map_checks.reading(said, {"outlier_threshold": threshold}).outcome == outcome
+
+
+def test_removed_spikes_are_told_once():
+    found = [
+        f"{count} points lie far {where} all others; {SPIKES_ADVICE}"
+        for count, where in ((3, "above"), (1, "below"))
+    ]
+    check = map_checks.reading({"ingest_warnings": json.dumps(found)}, {"outlier_threshold": 6.0})
+    assert check.sentence == (
+        "3 points lie far above all others. 1 points lie far below all others; "
+        "isolated ones were searched for and removed."
+    )

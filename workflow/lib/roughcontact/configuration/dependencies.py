@@ -76,28 +76,42 @@ def _named(text: str, beside: Path) -> list[Path]:
 
     A folder is named by a string where its modules are found at run time, so that all of them are imported.
     """
-    parts = text.split(".")
-    if not all(part.isidentifier() for part in parts):
+    first, *rest = text.split(".")
+    if not rest:
+        return (
+            [file for file in (beside / text).glob("*.*") if file.suffix != ".py"]
+            if text in _folders(beside)
+            else []
+        )
+    if first != PACKAGE.name or not all(part.isidentifier() for part in rest):
         return []
-    if len(parts) == 1:
-        return [file for file in (beside / text).glob("*.*") if file.suffix != ".py"]
-    folder = PACKAGE.joinpath(*parts[1:])
-    if parts[0] != PACKAGE.name or not (folder / "__init__.py").is_file():
-        return []
-    return [*_files(text, beside), *folder.glob("*.py")]
+    folder = PACKAGE.joinpath(*rest)
+    return [*_modules(text), *folder.glob("*.py")] if (folder / "__init__.py").is_file() else []
 
 
-def _files(name: str, beside: Path) -> list[Path]:
+@cache
+def _folders(beside: Path) -> set[str]:
+    """Return the names of the folders in a folder."""
+    return {path.name for path in beside.iterdir() if path.is_dir()}
+
+
+def _files(name: str, beside: Path) -> tuple[Path, ...]:
     """Return the source files of this project that importing the module `name` runs."""
-    first, *rest = name.split(".")
-    if first != PACKAGE.name:
-        path = beside / f"{first}.py"
-        return [path] if first.startswith("_") and path.is_file() else []
+    first = name.partition(".")[0]
+    if first == PACKAGE.name:
+        return _modules(name)
+    path = beside / f"{first}.py"
+    return (path,) if first.startswith("_") and path.is_file() else ()
+
+
+@cache
+def _modules(name: str) -> tuple[Path, ...]:
+    """Return the files of a module of the package, and of the packages that hold it."""
     folder, files = PACKAGE, [PACKAGE / "__init__.py"]
-    for part in rest:
+    for part in name.split(".")[1:]:
         if (module := folder / f"{part}.py").is_file():
             files.append(module)
         folder = folder / part
         if (folder / "__init__.py").is_file():
             files.append(folder / "__init__.py")
-    return files
+    return tuple(files)

@@ -395,7 +395,7 @@ def _more(found: _Compared, place: tuple[int, ...], relevant: float) -> str:
         ratio, upper = (float(found.table[key].values[place]) for key in ("ratio", "ratio_upper"))
         return f"errors that they do not share are up to {percent(upper / ratio - 1)}"
     if found.shared[place] >= target:
-        return f"errors that all maps share are more than {percent(relevant)}, so that more maps would not"
+        return f"all maps share errors of more than {percent(relevant)}; more maps would not help"
     needed = maps_needed(float(found.spread[place]), target, paired=found.paired)
     more = max(needed - found.parts, 1)
     count = f"more than {_MOST}" if more > _MOST else str(more)
