@@ -52,17 +52,16 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
     """
     if "source" not in numbers.dims:
         return None
-    area = numbers["relative_contact_area"]
-    budget = numbers["relative_contact_area_uncertainty"]
-    shown = [area, *(numbers[f"relative_contact_area_{end}"] for end in ("lower", "upper"))]
-    present = present_sources(numbers)
+    present, pressure = present_sources(numbers), unit_of(numbers, "Pa")
+    budget = numbers["relative_contact_area_uncertainty"].sel(source=present).values.T
+    shown = [100 * numbers[f"relative_contact_area{end}"].values for end in ("", "_lower", "_upper")]
     rows = []
-    for index in range(numbers.sizes["load"]):
-        parts = {s: float(budget.sel(source=s)[index]) for s in present}
+    for index, load in enumerate(numbers["mean_pressure"].values):
+        parts = dict(zip(present, budget[:, index].tolist(), strict=True))
         rows.append(
             [
-                unit_of(numbers, "Pa").text(float(numbers["mean_pressure"][index])),
-                with_interval(*(100 * float(of[index]) for of in shown)),
+                pressure.text(float(load)),
+                with_interval(*(float(of[index]) for of in shown)),
                 *(_part(100 * part, source) for source, part in parts.items()),
                 _largest(parts),
             ]
@@ -165,15 +164,14 @@ def _note_on_open_ends(numbers: xr.Dataset) -> list[str]:
 
 def _component_table(numbers: xr.Dataset) -> dict[str, Any]:
     """Return the components of every interval (`uncertainty_table`) as text: `header` and `rows`."""
-    rows = []
-    for _, row in uncertainty_table(numbers).iterrows():
-        name = str(row["quantity"])
-        if name not in _SHOWN:
-            continue
-        unit, combined = unit_of(numbers, UNITS[name]), row["source"] == COMBINED
+    rows, table = [], uncertainty_table(numbers)
+    pressure, units = unit_of(numbers, "Pa"), {name: unit_of(numbers, UNITS[name]) for name in _SHOWN}
+    for row in table[table["quantity"].isin(_SHOWN)].to_dict("records"):
+        name, combined = str(row["quantity"]), row["source"] == COMBINED
+        unit = units[name]
         rows.append(
             [
-                f"{TITLES[name]} at {unit_of(numbers, 'Pa').text(float(row['mean_pressure_Pa']))}",
+                f"{TITLES[name]} at {pressure.text(float(row['mean_pressure_Pa']))}",
                 _WORDS[str(row["source"])],
                 "–" if combined else str(row["evaluation_type"]),
                 _both_sides(row, "standard_uncertainty", unit),

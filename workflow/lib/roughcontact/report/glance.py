@@ -2,7 +2,7 @@
 
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,7 @@ from roughcontact.report.tables import is_profile
 from roughcontact.report.units import middle_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 from roughcontact.statistics.outcome import FAILED, VERDICTS, Check
-from roughcontact.variables import ANSWERS
+from roughcontact.variables import ANSWERS, Numbers, values_at_load
 
 AREAS = (0.01, 0.1, 0.3)  # the loads with contact areas nearest to these are shown
 NOT_JUDGED = "not judged"
@@ -159,22 +159,21 @@ def glance_rows(
     """
     units = glance_units([numbers])[0] if units is None else units
     places = shown_loads(numbers["relative_contact_area"].values) if places is None else places
+    plain = {str(name): variable.values for name, variable in numbers.variables.items()}
     return [
         [
-            interval_cell(numbers, "mean_pressure", units, place)._replace(
-                outcome=outcome_of(numbers, place)
-            ),
+            interval_cell(plain, "mean_pressure", units, place)._replace(outcome=outcome_of(plain, place)),
             *_judged(
                 [
-                    interval_cell(numbers, "relative_contact_area", units, place),
-                    interval_cell(numbers, "mean_contact_pressure", units, place),
-                    interval_cell(numbers, "mean_gap", units, place),
-                    _seals(numbers, units, place),
-                    _yields(numbers.isel(load=place)),
-                    _largest(numbers, units, place),
-                    _conducts(numbers, units, place),
+                    interval_cell(plain, "relative_contact_area", units, place),
+                    interval_cell(plain, "mean_contact_pressure", units, place),
+                    interval_cell(plain, "mean_gap", units, place),
+                    _seals(plain, units, place),
+                    _yields(values_at_load(numbers, place)),
+                    _largest(plain, units, place),
+                    _conducts(plain, units, place),
                 ],
-                numbers,
+                plain,
                 place,
             ),
         ]
@@ -182,7 +181,7 @@ def glance_rows(
     ]
 
 
-def _judged(cells: Sequence[Cell], numbers: xr.Dataset, place: int) -> list[Cell]:
+def _judged(cells: Sequence[Cell], numbers: Numbers, place: int) -> list[Cell]:
     """Return the cells of a load with their verdicts, where they are known; what is not judged has none."""
     return [
         cell._replace(outcome=outcome_of(numbers, place, answer)) if cell.text != NOT_JUDGED else cell
@@ -190,7 +189,7 @@ def _judged(cells: Sequence[Cell], numbers: xr.Dataset, place: int) -> list[Cell
     ]
 
 
-def outcome_of(numbers: xr.Dataset, place: int, answer: str = "") -> str:
+def outcome_of(numbers: Numbers, place: int, answer: str = "") -> str:
     """Return the verdict on a load, or on an answer at it, a key of `VERDICTS`; empty for *use* or unknown.
 
     Examples
@@ -242,12 +241,12 @@ def one_line(reason: str) -> str:
     return textwrap.shorten(f"{name}: {text}", _LINE, placeholder=" …")
 
 
-def _known(numbers: xr.Dataset, name: str) -> bool:
+def _known(numbers: Numbers, name: str) -> bool:
     """Return whether a number is present, at one load at least."""
-    return name in numbers and bool(np.isfinite(numbers[name].values.astype(float)).any())
+    return name in numbers and bool(np.isfinite(np.asarray(numbers[name], float)).any())
 
 
-def interval_cell(numbers: xr.Dataset, name: str, units: Mapping[str, Unit], place: int) -> Cell:
+def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], place: int) -> Cell:
     """Return a number of a load and its interval."""
     factor, shown = units[name]
     value = float(numbers[name][place]) * factor
@@ -258,7 +257,7 @@ def interval_cell(numbers: xr.Dataset, name: str, units: Mapping[str, Unit], pla
     return Cell(f"{text} {shown}", " ".join(interval))
 
 
-def _seals(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell:
+def _seals(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
     """Return whether the gap is closed to a fluid, else leak rate and narrowest place."""
     if not _known(numbers, "gap_percolates_x"):
         return Cell(NOT_JUDGED)
@@ -280,7 +279,7 @@ def _seals(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell:
     return Cell(answer + doubt, "; ".join(more))
 
 
-def _in_doubt(numbers: xr.Dataset, axis: str, place: int) -> bool:
+def _in_doubt(numbers: Numbers, axis: str, place: int) -> bool:
     """Return whether the interval of the narrowest place has both an open and a closed gap in it.
 
     One without an upper end has an open one.
@@ -293,7 +292,7 @@ def _in_doubt(numbers: xr.Dataset, axis: str, place: int) -> bool:
     return lower <= 0 and (upper > 0 or np.isnan(upper))
 
 
-def _unbroken(numbers: xr.Dataset, name: str, units: Mapping[str, Unit], place: int) -> str:
+def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], place: int) -> str:
     """Return a number of a load with its interval before its unit, joined by a no-break space."""
     text, interval, _ = interval_cell(numbers, name, units, place)
     value, _, unit = text.partition(" ")
@@ -301,7 +300,7 @@ def _unbroken(numbers: xr.Dataset, name: str, units: Mapping[str, Unit], place: 
     return f"{known}\N{NO-BREAK SPACE}{unit}{more}"
 
 
-def _yields(load: xr.Dataset) -> Cell:
+def _yields(load: Mapping[str, Any]) -> Cell:
     """Return whether a body yields at a load, at its surface or below."""
     below = float(load.get("volume_above_yield", np.nan)) > 0  # infinite where all of the body yields
     if _known(load, "hardness"):
@@ -317,12 +316,12 @@ def _yields(load: xr.Dataset) -> Cell:
         return Cell("yes", "below the surface") if below else Cell("no", "yield stress nowhere reached")
     if rubber_like(load):
         return Cell(NOT_JUDGED, "rubber-like")
-    flags = yield_flags(load.drop_vars("hardness", errors="ignore"))
+    flags = yield_flags({name: value for name, value in load.items() if name != "hardness"})
     would = {"metals flow": "; metals would", "beyond hardness": "; any material would"}
     return Cell(NOT_JUDGED, "no hardness stated" + would.get(" ".join(flags), ""))
 
 
-def _largest(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell:
+def _largest(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
     """Return the largest pressure of a load; a pressure that is limited has no interval of its own."""
     capped = _known(numbers, "hardness") and float(numbers["max_pressure"][place]) >= float(
         numbers["hardness"]
@@ -333,7 +332,7 @@ def _largest(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell
     return interval_cell(numbers, "max_pressure", units, place)
 
 
-def _conducts(numbers: xr.Dataset, units: Mapping[str, Unit], place: int) -> Cell:
+def _conducts(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
     """Return the conductance of heat or of current, or that by conductivity."""
     for name, words in (
         ("thermal_conductance", "heat"),

@@ -12,7 +12,7 @@ from roughcontact.quantities import number, percent, quantity
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import read_dataset
 from roughcontact.statistics.contact_checks import rubber_like
-from roughcontact.variables import VARIABLES
+from roughcontact.variables import VARIABLES, Numbers
 from roughcontact.window.score import WEIGHTS
 
 # the tables of numbers: title, and for each column variable, short name, unit (a share is given in percent);
@@ -137,7 +137,7 @@ def _of_layers(numbers: xr.Dataset) -> list[tuple[str, str, str, int]]:
     ]
 
 
-def is_profile(numbers: xr.Dataset) -> bool:
+def is_profile(numbers: Numbers) -> bool:
     """Return whether a surface is a profile: its window has a length along one axis alone."""
     return any(np.isnan(float(numbers.get(f"window_length_{axis}", 0.0))) for axis in "xy")
 

@@ -193,7 +193,7 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
         for name in map(str, statistics.variables)
         # verdicts stand there in words
         if not name.endswith(("_name", "_estimate", "verdict"))
-        and not _NOT_IN_TABLE & set(statistics[name].dims)
+        and not _NOT_IN_TABLE & set(statistics.variables[name].dims)
     ]
     names.sort(key=lambda name: _LEADING.index(name) if name in _LEADING else len(_LEADING))
     order = [dim for dim in ("case", "surface", "load") if dim in statistics.dims]
@@ -234,8 +234,8 @@ def _with_columns_of_the_budget(statistics: xr.Dataset) -> xr.Dataset:
     if "source" not in statistics.dims:
         return statistics
     columns = {
-        name: variable.sel(source="combined", drop=True)
-        for name, variable in statistics.data_vars.items()
+        name: statistics[name].sel(source="combined", drop=True)
+        for name, variable in statistics.variables.items()
         if "source" in variable.dims and str(name).endswith("_uncertainty")
     }
     area = statistics["relative_contact_area_uncertainty"]

@@ -43,7 +43,7 @@ from roughcontact.statistics.outcome import (
     reasons,
     verdict,
 )
-from roughcontact.variables import describe
+from roughcontact.variables import describe, values_at_load
 
 # what a check puts in doubt, where that is not every answer
 _SHORT_WAVES = ("relative_contact_area", "mean_contact_pressure", "yield", "max_pressure", "conductance")
@@ -178,7 +178,7 @@ def load_flags(statistics: xr.Dataset, points: int) -> list[list[str]]:
     """
     flags = []
     for index in range(statistics.sizes["load"]):
-        load = statistics.isel(load=index)
+        load = values_at_load(statistics, index)
         share = float(load["relative_contact_area_pixels"])
         words = []
         if not load["converged"]:

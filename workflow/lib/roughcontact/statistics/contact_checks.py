@@ -3,6 +3,8 @@
 `statistics` is always as `contact_statistics` returns it.
 """
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
@@ -10,6 +12,7 @@ from roughcontact import materials
 from roughcontact.contact.dataset import layers_of
 from roughcontact.quantities import number, percent, pressure_unit, quantity
 from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, PASSED, Check
+from roughcontact.variables import Numbers
 
 CONTACT_POINTS = 100  # fewer contact points are too few for statistics
 LAYER_PIXELS = 4  # thickness from which the contact of a pixel is that of a half-space
@@ -62,18 +65,19 @@ def contact_points(statistics: xr.Dataset, points: int) -> Check:
     return Check("Points in contact", PASSED, f"At least {counts.min()} points in contact at every load.")
 
 
-def overcount(statistics: xr.Dataset) -> xr.DataArray:
+def overcount(statistics: Numbers) -> np.ndarray:
     """Return the relative excess of the counted pixels over the corrected area; infinite where that is zero.
 
     Examples
     --------
     >>> import xarray as xr
     >>> areas = {"relative_contact_area_pixels": ("load", [0.11]), "relative_contact_area": ("load", [0.1])}
-    >>> overcount(xr.Dataset(areas)).round(3).values
+    >>> overcount(xr.Dataset(areas)).round(3)
     array([0.1])
     """
-    counted, corrected = (statistics[f"relative_contact_area{kind}"] for kind in ("_pixels", ""))
-    return (counted / corrected.where(corrected > 0) - 1).fillna(np.inf)
+    counted, corrected = (np.asarray(statistics[f"relative_contact_area{kind}"]) for kind in ("_pixels", ""))
+    touching = corrected > 0
+    return np.where(touching, counted / np.where(touching, corrected, 1.0) - 1, np.inf)
 
 
 def resolution(statistics: xr.Dataset) -> Check:
@@ -81,7 +85,7 @@ def resolution(statistics: xr.Dataset) -> Check:
     resolution = float(statistics["points_per_shortest_wavelength"][0])
     if np.isnan(resolution):
         return Check("Resolution", PASSED, "The map is flat: there is no wave to resolve.")
-    over = overcount(statistics).values
+    over = overcount(statistics)
     coarse = int((over > OVERCOUNT).sum())
     waves = f"The shortest wave of the map has {number(resolution, digits=2)} points"
     if coarse:
@@ -188,7 +192,7 @@ def _without_hardness(statistics: xr.Dataset) -> Check:
     return Check("Plasticity", NOT_MADE, f"{not_stated}: {figures}; metals flow at {limits}. {state}")
 
 
-def rubber_like(statistics: xr.Dataset) -> bool:
+def rubber_like(statistics: Numbers) -> bool:
     """Return whether the contact modulus is that of a solid which does not flow as metals do.
 
     Examples
@@ -200,7 +204,7 @@ def rubber_like(statistics: xr.Dataset) -> bool:
     return float(statistics["contact_modulus"]) < materials.RUBBER
 
 
-def beyond_metals(statistics: xr.Dataset) -> xr.DataArray:
+def beyond_metals(statistics: Numbers) -> Any:
     """Return for each load whether metals would flow: in the mean, or even hardened ones at the peak.
 
     False for rubber-like solids.
@@ -218,7 +222,7 @@ def beyond_metals(statistics: xr.Dataset) -> xr.DataArray:
     return ((mean > soft * modulus) | (largest > hard * modulus)) & (not rubber_like(statistics))
 
 
-def yield_flags(load: xr.Dataset) -> list[str]:
+def yield_flags(load: Numbers) -> list[str]:
     """Return the warnings of one load about the strength of the material.
 
     "points flow" where some carry the hardness; without a hardness "metals flow" or "beyond hardness", the
