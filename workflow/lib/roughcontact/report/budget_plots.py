@@ -107,9 +107,10 @@ def _largest(parts: Mapping[str, float]) -> str:
 
 def present_sources(numbers: xr.Dataset) -> list[str]:
     """Return the sources of the ± of a surface, in the order of the report, without those not judged."""
-    budget = numbers["relative_contact_area_uncertainty"]
-    in_use = [s for s in _WORDS if s in budget["source"].values[:-1]]  # the last one is combined
-    return [s for s in in_use if np.isfinite(budget.sel(source=s)).any()]
+    half_widths = numbers["relative_contact_area_uncertainty"].transpose("source", "load").values
+    known = np.isfinite(half_widths).any(axis=1)[:-1]  # the last one is combined
+    judged = numbers["source"].values[:-1][known]
+    return [source for source in _WORDS if source in judged]
 
 
 def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
@@ -122,7 +123,7 @@ def budget_against_load(numbers: xr.Dataset, name: str) -> Chart:
     factor, unit = unit_of(numbers, "Pa")
     value, budget = np.abs(numbers[name].values), numbers[f"{name}_uncertainty"]
     down, up = value - numbers[f"{name}_lower"].values, numbers[f"{name}_upper"].values - value
-    parts = [budget.sel(source=source).values for source in present]
+    parts = list(budget.sel(source=present).transpose("source", "load").values)
     shares = np.array([_in_percent(part, value) for part in (*parts, down, up)])
     highest = np.max(shares, initial=100.0, where=np.isfinite(shares))
     chart = Chart(

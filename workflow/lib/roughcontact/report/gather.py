@@ -222,7 +222,8 @@ def budget_table(statistics: xr.Dataset) -> pd.DataFrame:
     dims = [dim for dim in ("case", "surface") if dim in statistics.dims]
     for place in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
         one = statistics.isel(dict(zip(dims, place, strict=True)))
-        table = uncertainty_table(one.isel(load=np.isfinite(one["mean_pressure"].values)))
+        known = np.isfinite(one["mean_pressure"].values)  # the others are padding
+        table = uncertainty_table(one if known.all() else one.isel(load=known))
         for number, dim in enumerate(dims):
             table.insert(number, dim, one[dim].item())
         tables.append(table)

@@ -243,7 +243,7 @@ def _comparisons(series: Mapping[tuple[str, str | None], xr.Dataset], *, many: b
     has the same.
     """
     rough = {
-        key: data.sortby("mean_pressure")
+        key: data if (np.diff(data["mean_pressure"]) >= 0).all() else data.sortby("mean_pressure")
         for key, data in series.items()
         if np.isfinite(data["relative_pressure"]).all()
     }

@@ -5,6 +5,7 @@ has the units of that surface; a table of several surfaces has those of the one 
 """
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -39,16 +40,18 @@ def unit_of(numbers: xr.Dataset | Mapping[str, float], unit: str) -> Unit:
     """
     if unit in _FIXED:
         return _FIXED[unit]
-    pressure = pressure_unit(float(numbers.get("contact_modulus", np.nan)))
+    # the variables without their coordinates are found in a hundredth of the time
+    plain: Mapping[Any, Any] = numbers.variables if isinstance(numbers, xr.Dataset) else numbers
+    pressure = pressure_unit(float(plain.get("contact_modulus", np.nan)))
     if unit == "Pa":
         return pressure
     if unit == "Pa m-1":
         return Unit(pressure.factor * 1e-6, f"{pressure.shown}/µm")
     if unit == "m along":
         # a profile has a length alone
-        return length_unit(np.nanmax([float(numbers.get(f"window_length_{axis}", 0.0)) for axis in "xy"]))
+        return length_unit(np.nanmax([float(plain.get(f"window_length_{axis}", 0.0)) for axis in "xy"]))
     if unit == "m":
-        return height_unit(float(numbers.get("rms_height", np.nan)))
+        return height_unit(float(plain.get("rms_height", np.nan)))
     raise ValueError(f"no unit of the report is known for {unit}")
 
 

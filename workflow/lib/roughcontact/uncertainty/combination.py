@@ -154,18 +154,19 @@ def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
 
 def _rows(budget: xr.Dataset, name: str) -> dict[str, np.ndarray]:
     """Return the columns of the table of one quantity: load by load its sources, and them combined."""
-    shape = budget[f"{name}_uncertainty"].shape
+    values = {key: variable.values for key, variable in budget.variables.items()}
+    shape = values[f"{name}_uncertainty"].shape
     load, value, lower, upper = (
-        np.broadcast_to(budget[key].values[:, None], shape)
+        np.broadcast_to(values[key][:, None], shape)
         for key in ("mean_pressure", *(f"{name}_{end}" for end in ("estimate", "lower", "upper")))
     )
     freedom, factor = (
-        np.broadcast_to(budget[key].values, shape).copy() for key in ("degrees_of_freedom", "coverage_factor")
+        np.broadcast_to(values[key], shape).copy() for key in ("degrees_of_freedom", "coverage_factor")
     )
-    down, up, bias, shift_down, shift_up = np.moveaxis(budget[f"{name}_components"].values, 2, 0)
-    combined = np.broadcast_to(budget["source"].values == COMBINED, shape)
+    down, up, bias, shift_down, shift_up = np.moveaxis(values[f"{name}_components"], 2, 0)
+    combined = np.broadcast_to(values["source"] == COMBINED, shape)
     unbounded = ~combined & (np.isnan(up) | np.isnan(shift_up))
-    known = combined | unbounded | ~np.isnan(budget[f"{name}_uncertainty"].values)
+    known = combined | unbounded | ~np.isnan(values[f"{name}_uncertainty"])
     below, above = down / factor, np.where(unbounded, np.inf, up / factor)
     lower_parts, upper_parts = (np.where(known & ~combined, part, 0.0) for part in (below, above))
     below[:, -1], above[:, -1] = (np.sqrt(np.sum(part**2, axis=1)) for part in (lower_parts, upper_parts))
@@ -173,7 +174,7 @@ def _rows(budget: xr.Dataset, name: str) -> dict[str, np.ndarray]:
     columns = {
         "quantity": np.full(shape, name, dtype=object),
         "mean_pressure_Pa": load,
-        "source": np.broadcast_to(budget["source"].values.astype(object), shape),
+        "source": np.broadcast_to(values["source"].astype(object), shape),
         "evaluation_type": np.broadcast_to(np.array([*_TYPES, np.nan], dtype=object), shape),
         "value": value,
         "standard_uncertainty_lower": below,
