@@ -46,12 +46,15 @@ def missing_points(statistics: xr.Dataset, height: Attributes, levelled: Attribu
     measured = (
         f"{percent(missing)} of the points were not measured" if missing else "Every point was measured"
     )
+    points = f"{measured}; {rejected} were rejected as outliers; {percent(filled)} were filled in"
+    if outcome == PASSED:
+        text = f"{points}, and at most {percent(in_contact)} of the contact lies on them."
+        return Check("Missing points", outcome, text)
     text = (
-        f"{measured}; {rejected} were rejected as outliers; {percent(filled)} were filled in, and at most "
-        f"{percent(in_contact)} of the contact lies on them."
+        f"Up to {percent(in_contact)} of the contact lies on points that were filled in: "
+        f"{points[0].lower()}{points[1:]}. The contact there is that of the filling, not of the surface. "
+        "Measure these places again."
     )
-    if outcome != PASSED:
-        text += " The contact there is that of the filling, not of the surface. Measure these places again."
     return Check("Missing points", outcome, text)
 
 
