@@ -5,6 +5,7 @@ is that of `counts.compare`, by a solution to 1e-12 or by that of a quadratic pr
 squares of SciPy), which knows nothing of this solver.
 """
 
+from collections.abc import Callable
 from functools import partial
 
 import counts
@@ -13,11 +14,10 @@ import xarray as xr
 from scipy.optimize import nnls
 
 from roughcontact.contact.loads import plan_loads
-from roughcontact.fourier import wavenumbers
 from roughcontact.maps import height_map, spacing
 from roughcontact.references.synthetic import self_affine_surface
 
-JOBS = 10
+JOBS = 10  # each keeps its records, so that a long measurement can be stopped
 RANDOM, DENSE = 100, 24  # solves of each job: 1 000 and 240
 DENSE_ERROR = 1e-10  # of the least squares, relative
 HURST = (0.2, 1.0)
@@ -26,13 +26,19 @@ HURST = (0.2, 1.0)
 def random(study):
     """Yield the jobs of random maps, loads, tolerances and hardness, against solutions to 1e-12."""
     for job in range(JOBS):
-        yield str(job), partial(of_random, job)
+        yield str(job), partial(of_job, "random", random_solve, RANDOM, seed=[1, job])
 
 
-def of_random(job: int) -> dict:
+def dense(study):
+    """Yield the jobs of small maps that a dense solver solves too."""
+    for job in range(JOBS):
+        yield str(job), partial(of_job, "dense", dense_solve, DENSE, seed=[2, job])
+
+
+def of_job(name: str, solve: Callable, number: int, *, seed: list[int]) -> dict:
     """Return the solves of a job."""
-    generator = np.random.default_rng([1, job])
-    return {"name": "random", "solves": [random_solve(generator) for _ in range(RANDOM)]}
+    generator = np.random.default_rng(seed)
+    return {"name": name, "solves": [solve(generator) for _ in range(number)]}
 
 
 def random_solve(generator: np.random.Generator) -> dict:
@@ -54,18 +60,6 @@ def random_solve(generator: np.random.Generator) -> dict:
     return counts.pairs(solution) | counts.compare(solution, exact, spacing(window))
 
 
-def dense(study):
-    """Yield the jobs of small maps that a dense solver solves too."""
-    for job in range(JOBS):
-        yield str(job), partial(of_dense, job)
-
-
-def of_dense(job: int) -> dict:
-    """Return the solves of a job."""
-    generator = np.random.default_rng([2, job])
-    return {"name": "dense", "solves": [dense_solve(generator) for _ in range(DENSE)]}
-
-
 def dense_solve(generator: np.random.Generator) -> dict:
     """Return bound and true error of one solve, at the load of a dense solution of some indentation."""
     shape = tuple(int(n) for n in generator.integers(2, 15, 2))
@@ -82,15 +76,17 @@ def dense_solve(generator: np.random.Generator) -> dict:
 def dense_pressure(window, indentation: float) -> np.ndarray:
     """Return the pressure (ny, nx) at an indentation of the highest point: min |R p - R^-1 (h + d)|, p >= 0.
 
-    R R is the matrix of 2/|q|, and of 1 for the mean: this is the quadratic program of the contact, whose
-    load is the mean of its solution.
+    With G = R R this is the quadratic program of the contact, whose load is the mean of its solution.
     """
-    shape = window.shape
-    q = wavenumbers(shape, spacing(window))
-    root = np.sqrt(np.divide(2, q, out=np.ones_like(q), where=q > 0))
-    waves = np.fft.rfft2(np.eye(window.size).reshape(-1, *shape))
-    matrix, inverse = (
-        np.fft.irfft2(waves * factor, s=shape).reshape(window.size, -1) for factor in (root, 1 / root)
-    )
+    root, inverse = dense_root(window.shape, spacing(window))
     target = inverse @ (window.values - window.values.max() + indentation).ravel()
-    return nnls(matrix, target, maxiter=100 * window.size)[0].reshape(shape)
+    return nnls(root, target, maxiter=100 * window.size)[0].reshape(window.shape)
+
+
+def dense_root(shape: tuple[int, int], steps: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the symmetric root of the matrix of G(q) = 2/|q|, with 1 for the mean, and its inverse."""
+    qy, qx = (2 * np.pi * np.fft.fftfreq(n, step) for n, step in zip(shape, steps, strict=True))
+    q = np.hypot(qy[:, None], qx)
+    root = np.sqrt(np.divide(2, q, out=np.ones_like(q), where=q > 0))
+    waves = np.fft.fft2(np.eye(q.size).reshape(-1, *shape))
+    return tuple(np.fft.ifft2(waves * factor).real.reshape(q.size, -1) for factor in (root, 1 / root))

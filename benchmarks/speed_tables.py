@@ -80,15 +80,16 @@ def _mean_ratios(ratios: pd.DataFrame) -> pd.DataFrame:
 
 
 def solves_of(records: list[dict]) -> pd.DataFrame:
-    """Return all solves of some maps, and whether their bound is below the true error for certain."""
+    """Return all solves of some maps."""
     solves = pd.DataFrame([{"map": one["name"]} | solve for one in records for solve in one["solves"]])
-    solves["error bound"] = solves["tolerance"].map(BOUNDS)
-    if "resolved" not in solves:
-        return solves
-    solves["below"] = solves["resolved"].eq(True) & (
-        solves["bound"] < solves["true_error"] - solves["reference_error"]
-    )
-    return solves
+    return solves.assign(**{"error bound": solves["tolerance"].map(BOUNDS)})
+
+
+def held_solves(records: list[dict]) -> pd.DataFrame:
+    """Return all solves of some maps, and whether their bound is below the true error for certain."""
+    solves = solves_of(records)
+    below = solves["bound"] < solves["true_error"] - solves["reference_error"]
+    return solves.assign(below=solves["resolved"].eq(True) & below)
 
 
 def spread(groups) -> pd.DataFrame:
@@ -106,7 +107,7 @@ ONE_DECIMAL = dict.fromkeys(
 
 def maps(records: list[dict]) -> dict[str, pd.DataFrame]:
     """Return pairs by load, the maps with most, pairs of other settings, and bounds over true errors."""
-    solves = solves_of(records)
+    solves = held_solves(records)
     default = solves[solves["way"] == "default"].rename(columns={"load": "p′"})
     pairs = spread(
         pd.concat([default, default.assign(**{"p′": "all"})]).groupby(["error bound", "p′"], sort=False)
@@ -163,7 +164,7 @@ def made(records: list[dict]) -> dict[str, pd.DataFrame]:
 
 def hard(records: list[dict]) -> dict[str, pd.DataFrame]:
     """Return the largest numbers of pairs on difficult maps."""
-    solves = solves_of(records)
+    solves = held_solves(records)
     default = solves[solves["way"] == "default"]
     table = (
         default.groupby(["map", "error bound"], sort=False)["pairs"].max().unstack()[list(BOUNDS.values())]

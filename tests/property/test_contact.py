@@ -1,39 +1,14 @@
 """The solver on maps nobody chose, against a dense solver of quadratic programs that knows nothing of it."""
 
+import certificate
 import numpy as np
 import xarray as xr
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from scipy.optimize import nnls
 
 import roughcontact as rc
 from roughcontact.contact.loads import plan_loads
-
-
-def dense_root(shape, lengths):
-    """Return the symmetric root of the matrix of G(q) = 2/|q|, with 1 for the mean, and its inverse."""
-    (ny, nx), (ly, lx) = shape, lengths
-    qy, qx = 2 * np.pi * np.fft.fftfreq(ny, ly / ny), 2 * np.pi * np.fft.fftfreq(nx, lx / nx)
-    q = np.hypot(qy[:, None], qx[None, :])
-    symbol = np.where(q > 0, 2 / np.where(q > 0, q, 1), 1.0)
-    size = ny * nx
-    waves = np.fft.fft2(np.eye(size).reshape(size, ny, nx))
-    root = np.fft.ifft2(waves * np.sqrt(symbol)).real.reshape(size, size)
-    inverse = np.fft.ifft2(waves / np.sqrt(symbol)).real.reshape(size, size)
-    return root, inverse
-
-
-def dense_contact(heights, lengths, indentation):
-    """Return the pressure for a given indentation of the highest point: min |R p - R^-1 (h + shift)|, p >= 0.
-
-    With G = R R that is the quadratic program of the contact (the load is then its mean).
-    """
-    root, inverse = dense_root(heights.shape, lengths)
-    target = inverse @ (heights - heights.max() + indentation).ravel()
-    pressure, _ = nnls(root, target, maxiter=100 * heights.size)
-    return pressure.reshape(heights.shape), root
-
 
 shapes = st.tuples(st.integers(1, 12), st.integers(1, 12)).filter(lambda shape: shape[0] * shape[1] > 1)
 
@@ -57,14 +32,14 @@ def test_random_maps_equal_a_dense_solution(map_and_pitch, depth):
     heights, pitch = map_and_pitch
     assume(np.ptp(heights) > 1e-3)
     shape = heights.shape
-    lengths = tuple(n * d for n, d in zip(shape, pitch, strict=True))
-    exact, root = dense_contact(heights, lengths, depth * np.ptp(heights))
-    assume(exact.mean() > 1e-6)
     window = xr.DataArray(
         heights,
         dims=("y", "x"),
         coords={axis: (np.arange(n) + 0.5) * d for axis, n, d in zip("yx", shape, pitch, strict=True)},
     )
+    exact = certificate.dense_pressure(window, depth * np.ptp(heights))
+    assume(exact.mean() > 1e-6)
+    root, _ = certificate.dense_root(shape, pitch)
     contact = rc.solve_contact(window, contact_modulus=1.0, mean_pressure=exact.mean(), tolerance=1e-8)
     pressure = contact["pressure"].values[0]
     assert pressure.min() >= 0

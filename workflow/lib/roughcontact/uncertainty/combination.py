@@ -146,15 +146,15 @@ def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
     >>> table["source"].unique().tolist()
     ['solver', 'combined']
     """
-    tables = [_rows(budget, name) for name in (*QUANTITIES, *ANSWERS) if f"{name}_uncertainty" in budget]
+    plain = {str(name): variable.values for name, variable in budget.variables.items()}
+    tables = [_rows(plain, name) for name in (*QUANTITIES, *ANSWERS) if f"{name}_uncertainty" in plain]
     if not tables:
         return pd.DataFrame(columns=["quantity", "mean_pressure_Pa", "source"])
     return pd.DataFrame({key: np.concatenate([table[key] for table in tables]) for key in tables[0]})
 
 
-def _rows(budget: xr.Dataset, name: str) -> dict[str, np.ndarray]:
+def _rows(values: Mapping[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
     """Return the columns of the table of one quantity: load by load its sources, and them combined."""
-    values = {key: variable.values for key, variable in budget.variables.items()}
     shape = values[f"{name}_uncertainty"].shape
     load, value, lower, upper = (
         np.broadcast_to(values[key][:, None], shape)
@@ -188,7 +188,7 @@ def _rows(budget: xr.Dataset, name: str) -> dict[str, np.ndarray]:
         "lower": np.where(combined, lower, np.nan),
         "upper": np.where(combined, upper, np.nan),
     }
-    return {key: values[known] for key, values in columns.items()}
+    return {key: column[known] for key, column in columns.items()}
 
 
 def _effective(lower: np.ndarray, upper: np.ndarray, freedom: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
