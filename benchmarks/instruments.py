@@ -17,6 +17,11 @@ def with_noise(height: xr.DataArray, rms: float, seed: int) -> xr.DataArray:
     return height.copy(data=height.values + noise)
 
 
+def rounded(height: xr.DataArray, step: float) -> xr.DataArray:
+    """Return the map as an instrument with a digitisation step (m) stores it."""
+    return height.copy(data=np.rint(height.values / step) * step)
+
+
 def through_lens(height: xr.DataArray, numerical_aperture: float, wavelength: float) -> xr.DataArray:
     """Return the map as an ideal microscope with incoherent light of a `wavelength` (m) transmits it.
 

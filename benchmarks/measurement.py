@@ -164,6 +164,11 @@ def traced(tip_radius: float, height: xr.DataArray, seed: int) -> Measurement:
     return Measurement(instruments.traced_by(height, tip_radius), {"tip_radius": tip_radius})
 
 
+def rounded(share: float, height: xr.DataArray, seed: int) -> Measurement:
+    """Return a map with heights rounded to a share of Sq, which the map itself tells."""
+    return Measurement(instruments.rounded(height, share * float(height.std())))
+
+
 def wrongly_scaled(bound: float, height: xr.DataArray, seed: int) -> Measurement:
     """Return a map whose heights are too large by a share of at most `bound`."""
     factor = 1 + bound * np.random.default_rng(seed).uniform(-1, 1)
@@ -212,6 +217,10 @@ SPOILERS = {
     **{
         f"tip {radius:g} nm": Spoiler("tip", PROBED, partial(traced, radius * 1e-9))
         for radius in (10, 20, 50)
+    },
+    **{
+        f"steps of {share:.0%} of Sq": Spoiler("steps", ANY, partial(rounded, share))
+        for share in (0.03, 0.1, 0.2, 0.4)
     },
     "heights ± 1 %": Spoiler("scale", ANY, partial(wrongly_scaled, 0.01)),
     "E* ± 5 %": Spoiler("modulus", ANY, partial(wrong_modulus, 0.05)),
@@ -453,7 +462,10 @@ def main() -> None:
     made, known = (HELD_OUT_MADE, HELD_OUT) if options.held_out else (MADE, MEASURED)
     names = [*made, *(name for name in known if name in files)]
     names = [name for name in names if name in QUICK or not options.quick]
-    errors = [error for error in options.only if not (options.unstated and "finer" in error)]
+    silent = ("finer", "steps")  # nothing is stated of the instrument
+    errors = [
+        error for error in options.only if not (options.unstated and any(word in error for word in silent))
+    ]
     options.work.mkdir(parents=True, exist_ok=True)
     with ProcessPoolExecutor(options.processes) as pool:
         jobs = []

@@ -55,6 +55,10 @@ def test_an_error_is_of_the_size_that_is_stated(spoiler, truth):
         assert abs(float(case.height[0, 0] / truth[0, 0]) - 1) <= stated["amplification_z"]
     elif case.modulus_uncertainty:
         assert 0 < abs(case.modulus / measurement.MODULUS - 1) <= case.modulus_uncertainty
+    elif spoiler.startswith("steps"):
+        levels = np.unique(case.height) / (float(spoiler.split()[2].rstrip("%")) / 100 * float(truth.std()))
+        assert np.allclose(levels, np.rint(levels), atol=1e-9)
+        assert 0 < abs(change).max() <= np.diff(np.unique(case.height)).min() / 2 * 1.0001
     elif spoiler == "none":
         assert case.height.identical(truth)
     else:

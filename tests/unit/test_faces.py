@@ -191,6 +191,17 @@ def test_missing_and_filled_points_of_either_face_count():
     assert not np.isnan(together).any()
 
 
+def test_the_steps_of_both_faces_add_up():
+    faces = [cut(rough(seed), slice(60), slice(50)) for seed in (1, 2)]
+    rounded = [
+        each.copy(data=np.rint(each.values / step) * step)
+        for each, step in zip(faces, (2e-7, 3e-7), strict=True)
+    ]
+    together = composite(*(level(each) for each in rounded))
+    assert together.attrs["quantisation_step"] == pytest.approx(5e-7)
+    assert "quantisation_step" not in composite(*rounded).attrs
+
+
 def test_profiles_shift_along_their_length():
     face, other = (cut(rough(seed, (1, 400)), slice(1), slice(300)) for seed in (1, 2))
     together = composite(face, other, shift=(0, 30e-6))

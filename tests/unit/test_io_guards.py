@@ -16,6 +16,9 @@ from roughcontact.io import guards, instrument_kinds
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.plausibility import quantisation_step, roughness_off_plane, suspicions
 from roughcontact.io.read import read_height_map
+from roughcontact.levelling.level import level
+from roughcontact.maps import height_map
+from roughcontact.statistics.instrument_checks import quantisation
 
 
 def saved(tmp_path, data, name="map.x3p"):
@@ -176,7 +179,9 @@ def test_sentinels_and_spikes():
 def test_saturation_and_quantisation():
     assert "exactly the highest height" in words(np.minimum(rough(), 1.5e-6))
     assert "exactly the lowest height" in words(np.maximum(rough(), -1.5e-6))
-    assert "different heights occur" in words(np.round(rough() / 2e-7) * 2e-7)
+    steps = np.round(rough() / 2e-7)
+    assert "different heights occur" not in words(2e-7 * steps)  # they have a step, which is judged later
+    assert "different heights occur, at odd distances" in words(2e-6 * np.exp(steps / 5))
 
 
 def test_lost_lines():
@@ -285,10 +290,10 @@ def test_quantisation_step_is_found(dtype):
 
 def test_quantisation_is_compared_with_the_roughness_and_not_with_the_tilt():
     tilt = 1e-3 * np.arange(64) * 1e-4
-    coarse = np.round((rough() * 1e-2 + tilt) / 2e-9) * 2e-9
-    assert "the heights are multiples of 2.00 nm, 2" in words(coarse)
-    fine = np.round((rough() * 1e-2 + tilt) / 2e-10) * 2e-10
-    assert "multiples" not in words(fine)
+    height = height_map(np.round((rough() * 1e-2 + tilt) / 2e-9) * 2e-9, 1e-6)
+    check = quantisation(level(height).attrs)
+    assert check.outcome == "look"
+    assert check.sentence.startswith("The heights are multiples of 2.0 nm, 2")
 
 
 def test_a_plateau_between_the_extremes():

@@ -43,7 +43,7 @@ VERDICTS = {
     # particles on a smooth surface
     "spot_1-1000nm.ibw": ("review", {"Outliers"}),
     "bcrf-1.bcrf": ("review", set()),  # 3000 points far off all others
-    "plu-1.plu": ("review", {"Reading the file"}),  # steps of 4 nm on a roughness of 18 nm
+    "plu-1.plu": ("review", {"Quantisation"}),  # steps of 4 nm on a roughness of 18 nm; no ± is asked for
     "x3p-2.x3p": ("use", set()),  # pixels that are not square are noted
 }
 

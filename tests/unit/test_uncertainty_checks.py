@@ -58,6 +58,21 @@ def test_noise_is_a_note_unless_it_is_a_guess_and_most_of_the_gradient(exponent,
     assert found(0.2, white | stated, budget=["instrument"])["Noise"].outcome == outcome
 
 
+@pytest.mark.parametrize(
+    ("step", "budget", "outcome"),
+    [
+        (0.0, [], checks.PASSED),
+        (2e-9, [], checks.PASSED),
+        (2.1e-9, [], checks.LOOK),
+        (4e-8, ["instrument"], checks.NOTE),
+        (4.1e-8, ["instrument"], checks.LOOK),  # beyond what the interval was held against
+    ],
+)
+def test_steps_of_the_heights_are_a_note_where_the_interval_holds(step, budget, outcome):
+    heights = {"quantisation_step": step, "Sq": 1e-7}
+    assert found(0.2, heights, budget=budget)["Quantisation"].outcome == outcome
+
+
 def test_waves_beyond_the_lens_ask_for_a_look():
     lens = {
         "band_shortest": 2e-6,

@@ -28,7 +28,14 @@ from roughcontact.uncertainty.unresolved import (
     unresolved_uncertainty,
 )
 from roughcontact.window.instrument import check_instrument, stated_instrument
-from roughcontact.window.transfer import eroded, reliability_length, restored, transfer, with_noise
+from roughcontact.window.transfer import (
+    eroded,
+    reliability_length,
+    restored,
+    transfer,
+    unrounded,
+    with_noise,
+)
 
 MODULUS = 1e9
 LENS = {"numerical_aperture": 0.3, "wavelength": 0.55e-6}
@@ -120,6 +127,27 @@ def test_the_interval_of_a_blurred_map_reaches_the_sharp_one(surface):
         assert (truth[name] >= seen[name] - found[f"{name}_shift_down"] * 1.001).all(), name
         assert (truth[name] <= seen[name] + found[f"{name}_shift_up"] * 1.001).all(), name
     assert (found["relative_contact_area_shift_up"] == 0).all()
+
+
+def test_the_interval_of_rounded_heights_reaches_the_true_ones(surface):
+    step = 0.1 * float(surface.std())
+    rounded = surface.copy(data=np.rint(surface.values / step) * step)
+    rounded.attrs |= {"quantisation_step": step, "Sq": float(surface.std())}
+    smooth = unrounded(rounded, step)
+    assert float(abs(smooth - rounded).max()) <= step / 2 * (1 + 1e-9)
+    assert rms_gradient(smooth) < rms_gradient(surface) < rms_gradient(rounded)
+    pressures = loads(surface, 0.02, 0.1)
+    truth, seen = results(surface, pressures), results(rounded, pressures)
+    problem = {"contact_modulus": MODULUS, "mean_pressure": pressures}
+    found = instrument_uncertainty(rounded, contact=problem, solved=seen, instrument={})
+    assert (truth["relative_contact_area"] > 1.02 * seen["relative_contact_area"]).all()
+    for name in QUANTITIES:
+        assert (truth[name] >= seen[name] - found[f"{name}_shift_down"] * 1.001).all(), name
+        assert (truth[name] <= seen[name] + found[f"{name}_shift_up"] * 1.001).all(), name
+    assert (found["relative_contact_area_shift_down"] == 0).all()
+    fine = rounded.assign_attrs(quantisation_step=0.2 * step)  # 2 % of the rms height: nothing is done
+    unknown = instrument_uncertainty(fine, contact=problem, solved=seen, instrument={})
+    assert np.isnan(unknown["relative_contact_area"]).all()
 
 
 def test_restoring_stops_at_the_noise(surface):

@@ -163,6 +163,7 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
         for fact in json.loads(face.height.attrs.get("ingest_facts", "[]"))
     ]
     shifted = max((one, other), key=lambda attrs: attrs.get("row_jitter", 0.0))
+    steps = [attrs["quantisation_step"] for attrs in (one, other) if "quantisation_step" in attrs]
     coarser = max((lower, upper), key=lambda face: reliable_wavelength(face.height)[0])
     return one | {
         "units": "m",
@@ -178,4 +179,6 @@ def _attributes(lower: Face, upper: Face, filled: np.ndarray) -> dict:
         "filled_points": int(filled.sum()),
         "filled_share": float(filled.mean()),
         "largest_hole": max(attrs.get("largest_hole", 0) for attrs in (one, other)),
+        # each face lies within half of its step
+        **({"quantisation_step": sum(steps)} if steps else {}),
     }

@@ -9,7 +9,6 @@ from roughcontact.quantities import number, percent, quantity
 
 _SAMPLE = 2**18  # quantiles and distinct values are estimated from about this many points
 _FLATTEST = 1e-8  # rms gradient below that of polished optics
-_COARSE = 0.1  # quantisation step over rms height above which it affects the contact
 _PLATEAU = 0.005  # share of the points at one height
 _FEW_LEVELS = 64
 _MOST = (0.005, 0.995)  # quantiles that enclose nearly all heights
@@ -210,21 +209,14 @@ def _extremes(measured: np.ndarray, low: float, high: float) -> list[str]:
 
 
 def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -> list[str]:
-    """Suspect few levels, plateaus, and coarsely quantised heights."""
+    """Suspect few levels that are no multiples of a step, and plateaus; of a step the statistics judge."""
     if measured.size < 100:
         return []
     levels, counts = np.unique(_sample(measured), return_counts=True)
     if levels.size < _FEW_LEVELS:
-        return [f"only {levels.size} different heights occur: the height is coarsely quantised"]
+        regular = quantisation_step(height) is not None
+        return [] if regular else [f"only {levels.size} different heights occur, at odd distances"]
     found = []
-    step = quantisation_step(height)
-    roughness, _ = roughness_off_plane(height, 1.0, 1.0)
-    if step is not None and step > _COARSE * roughness:
-        found.append(
-            f"the heights are multiples of {quantity(step, 'm')}, {percent(step / roughness)} of the rms "
-            f"height off the mean plane ({quantity(roughness, 'm')}): contact at low loads follows these "
-            "steps, not the surface"
-        )
     for value, name in ((low, "lowest"), (high, "highest")):
         count = np.count_nonzero(measured == value)
         share = count / measured.size

@@ -9,6 +9,7 @@ from roughcontact.checking import check_choice, check_map
 from roughcontact.choices import Fill, LevelForm, LineAlignment
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.io.instrument_kinds import PROBE, STYLUS, of_name
+from roughcontact.io.plausibility import quantisation_step
 from roughcontact.levelling.curved import fit_curved_form
 from roughcontact.levelling.filling import fill_harmonic, find_holes
 from roughcontact.levelling.filters import gaussian_mean_surface
@@ -76,7 +77,8 @@ def level(
         `line_alignment_by` (default, user), `row_jitter` (rms shift of the rows over `Sq` without it) and
         `row_jitter_evidence` (none, doubtful, clear), `line_shift_rms` (m), `filters_removed` (JSON),
         `filled_points`, `filled_share`, `largest_hole` (points), `fill_method`, `repeated_heights` (1 for
-        quantised heights, more after a median filter), the height parameters of the measured points (`Sa`,
+        quantised heights, more after a median filter), `quantisation_step` (m, of which all heights as
+        measured are multiples; 0 where they are not), the height parameters of the measured points (`Sa`,
         `Sq`, `Ssk`, `Sku`, `Sp`, `Sv`, `Sz`, `Sdq`; m and 1), and the coordinates
         `filled(y, x)`, for aligned lines `line_offset(y)` (m, subtracted from each row), and for rejected
         points `rejected_height(y, x)` (m, levelled height of the rejected points; NaN elsewhere).
@@ -164,6 +166,7 @@ def level(
         "largest_hole": int(sizes.max(initial=0)),
         "fill_method": fill,
         "repeated_heights": repeated_heights(height.values),
+        "quantisation_step": quantisation_step(height.values) or 0.0,
     }
     coords = {"y": height["y"], "x": height["x"], "filled": (("y", "x"), filled)}
     if done != "none":

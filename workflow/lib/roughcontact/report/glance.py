@@ -59,6 +59,7 @@ _WEIGHT = (
     "Points in contact",
     "Smoothed",
     "Noise",
+    "Quantisation",
     "Resolution",
     "Scan lines",
     "Form",

@@ -62,6 +62,7 @@ _IN_THE_INTERVAL = {
     "Longest wave": "window",
     "Band": "instrument",
     "Noise": "instrument",
+    "Quantisation": "instrument",
 }
 
 __all__ = [
@@ -125,6 +126,7 @@ def surface_checks(
         *contact_checks.layers(statistics, points),
         instrument_checks.smoothed(window),
         instrument_checks.noise(statistics, window),
+        instrument_checks.quantisation(window),
         instrument_checks.isolated_peak(statistics, window),
         map_checks.missing_points(statistics, height, levelled),
         map_checks.outliers(statistics, levelled),
@@ -151,7 +153,8 @@ def surface_checks(
 
 def _noted(check: Check, statistics: xr.Dataset, window: Attributes) -> Check:
     """Return a warning as a note where the interval includes what it says, or the settings ask for it."""
-    if check.outcome != LOOK or (check.name == "Noise" and instrument_checks.is_mostly_noise(window)):
+    beyond = {"Noise": instrument_checks.is_mostly_noise, "Quantisation": instrument_checks.is_too_coarse}
+    if check.outcome != LOOK or (check.name in beyond and beyond[check.name](window)):
         return check
     if check.name == "Plasticity" and "hardness" in statistics:
         return check._replace(outcome=NOTE)

@@ -37,6 +37,9 @@ WHITE = -2.0
 # beyond both a noise that was not stated counts as the largest part of the gradient
 NEARLY_WHITE, MOST_OF_THE_GRADIENT = -1.5, 0.5
 NOISE_SHARE = 0.2  # share of the mean square gradient that makes areas 11 % too small
+# Quantisation step over rms height. Above the first it is in the instrument's uncertainty, which holds up to
+# the second (`benchmarks/measurement.py`); areas are 1 % too small at 0.03, 8 % at 0.1, a quarter at 0.4.
+COARSE_STEP, TOO_COARSE_STEP = 0.02, 0.4
 # Noise between neighbouring pixels below which nothing measures: averaging interferometers reach 0.05 nm,
 # the quietest probe microscopes 5 pm
 QUIETEST, QUIETEST_PROBE = 5e-11, 5e-12
@@ -246,6 +249,58 @@ def _judged_noise(text: str, share: float, way_out: str) -> Check:
     return Check(
         "Noise", LOOK, f"{text}. Areas would be too small {small}, and pressures too large.{way_out}"
     )
+
+
+def coarse_step(window: Attributes) -> float:
+    """Return the step (m) to which the heights were rounded if it is above 2 % of the rms height, else 0.
+
+    Examples
+    --------
+    >>> [coarse_step({"quantisation_step": step, "Sq": 1e-7}) for step in (0.0, 1e-9, 1e-8)]
+    [0.0, 0.0, 1e-08]
+    """
+    step = float(window.get("quantisation_step", 0.0))
+    return step if step > COARSE_STEP * float(window.get("Sq", np.inf)) else 0.0
+
+
+def is_too_coarse(window: Attributes) -> bool:
+    """Return whether the heights have steps beyond those for which the interval is known to hold.
+
+    Examples
+    --------
+    >>> [is_too_coarse({"quantisation_step": step, "Sq": 1e-7}) for step in (2e-8, 5e-8)]
+    [False, True]
+    """
+    return coarse_step(window) > TOO_COARSE_STEP * float(window.get("Sq", np.inf))
+
+
+def quantisation(window: Attributes) -> Check:
+    """Check that the heights are not rounded to steps that make up the roughness.
+
+    The step is the digitisation step in z of ISO 25178-600.
+
+    Examples
+    --------
+    >>> quantisation({"quantisation_step": 1e-9, "Sq": 1e-7}).sentence
+    'The heights are multiples of 1.0 nm, 1.00 % of the rms height.'
+    >>> quantisation({"quantisation_step": 2e-8, "Sq": 1e-7}).outcome
+    'look'
+    """
+    if "quantisation_step" not in window:
+        return Check("Quantisation", NOT_MADE, "Not made: the map was not levelled.")
+    step = float(window["quantisation_step"])
+    if not step:
+        return Check("Quantisation", PASSED, "The heights are not rounded to steps.")
+    text = f"The heights are multiples of {quantity(step, 'm', digits=2)}"
+    rms_height = float(window["Sq"])
+    text += f", {percent(step / rms_height)} of the rms height" if rms_height else ""
+    if not coarse_step(window):
+        return Check("Quantisation", PASSED, f"{text}.")
+    text += (
+        ": steps between them add to the gradient, so that areas are too small, and pressures and gaps too "
+        "large. Export the heights with more digits, or measure with a smaller range of heights."
+    )
+    return Check("Quantisation", LOOK, text)
 
 
 def height_unit(height: Attributes, window: Attributes) -> Check:

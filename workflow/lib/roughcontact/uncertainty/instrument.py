@@ -14,8 +14,10 @@ The result is that of the map as measured; the interval reaches to where the tru
   undone (`window.transfer.restored`).
 * A tip rounds peaks. The window is solved once more as the eroded map (`window.transfer.eroded`), which
   undoes it where the tip touched.
+* Heights that were rounded to a step (`quantised`) lie within half of it of the true ones. The window is
+  solved once more as the smoothest such map (`window.transfer.unrounded`).
 
-The last three are one-sided: each shifts the end of the interval on its side (JCGM 100:2008, F.2.4.5). A map
+The last four are one-sided: each shifts the end of the interval on its side (JCGM 100:2008, F.2.4.5). A map
 that was corrected for noise and lens (`window.transfer.corrected`) has a two-sided part instead: the window
 as measured is solved once more, and a share of the change is the uncertainty of the correction.
 """
@@ -28,18 +30,18 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.roughness.parameters import rms_gradient
-from roughcontact.statistics.instrument_checks import suspected_noise
+from roughcontact.statistics.instrument_checks import coarse_step, suspected_noise
 from roughcontact.uncertainty.answers import counter_of, quantities_in
 from roughcontact.uncertainty.ensemble import solve_member
 from roughcontact.uncertainty.scaling import AREA, PEAK, PRESSURE, effort, half_widths, scaling_uncertainty
 from roughcontact.window.instrument import check_instrument
-from roughcontact.window.transfer import restored, undone, with_noise
+from roughcontact.window.transfer import restored, undone, unrounded, with_noise
 
 _TOLERANCE = 1e-3  # of the pressure
 _NOISE_MARGIN = 1.0  # of the shift by noise: half of it is added, half is its uncertainty
 # of what a correction changes, in the logarithm; of the single highest point noise hides more
 _CORRECTION_UNCERTAINTY, _PEAK_UNCERTAINTY = 0.5, 1.0
-_RESTORING_UNCERTAINTY = 0.25  # of the shift by a lens or a tip
+_RESTORING_UNCERTAINTY = 0.25  # of the shift by a lens, a tip, or rounding
 _MOST_NOISE = 0.95  # of g^2; a map with more noise says nothing of its surface
 _AMPLIFICATIONS = ("amplification_z", "amplification_xy")
 
@@ -76,8 +78,8 @@ def instrument_uncertainty(
     Dataset
         along `load`, `{name}`, `{name}_down`, `{name}_up`: half-widths; `{name}_shift_down`,
         `{name}_shift_up`: one-sided shifts of the ends, infinite where noise hides the surface. NaN where
-        nothing is stated and no noise suspected (`suspected_noise`). Of a corrected map also
-        `{name}_as_measured`, the result without the correction.
+        nothing is stated, no noise suspected (`suspected_noise`) and the heights have no `coarse_step`. Of a
+        corrected map also `{name}_as_measured`, the result without the correction.
 
     Raises
     ------
@@ -113,6 +115,8 @@ def instrument_uncertainty(
         parts.append(_noise_shift(window, contact, solved, suspected, margin=0.0))
     changed = undone(window, stated) if true_shapes is None else true_shapes
     parts += [_shift_to(each, contact, solved) for each in changed.values()]
+    if step := coarse_step(window.attrs):
+        parts.append(_rounding_shift(window, contact, solved, step))
     return added_up(parts, quantities_in(solved), solved).assign(
         {f"{name}_as_measured": ("load", values) for name, values in before.items()}
     )
@@ -247,6 +251,18 @@ def _solve_again(
 def _shift_to(changed: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset) -> xr.Dataset:
     """Return the one-sided uncertainty towards the results of a corrected window."""
     changes = log_change(solved, _solve_again(changed, contact, solved))
+    return one_sided(solved, changes, _RESTORING_UNCERTAINTY)
+
+
+def _rounding_shift(
+    window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset, step: float
+) -> xr.Dataset:
+    """Return the one-sided uncertainty towards the results without rounding to a `step` (m).
+
+    The highest point stays a kink of the smoothest map; its pressure falls at least as the gradient does.
+    """
+    changes = log_change(solved, _solve_again(unrounded(window, step), contact, solved))
+    changes[PEAK] = np.minimum(changes[PEAK], -changes[AREA])
     return one_sided(solved, changes, _RESTORING_UNCERTAINTY)
 
 

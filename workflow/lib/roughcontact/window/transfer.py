@@ -21,6 +21,8 @@ CORRECTED = ("noise", "resolution", "numerical_aperture")  # what a map can be c
 LEAST_TRANSFER = 0.2  # waves of which less is transmitted are hidden in noise and are not restored further
 _NOISE_SEED = 0
 _FINEST_SCALE, _COARSEST_SCALE = 1, 64  # points; distances at which curvatures are compared with a tip
+_BINOMIAL = np.array([1, 4, 6, 4, 1]) / 16
+_SMOOTHINGS = 5  # twenty change the rms gradient by less than 1 %
 _MAX_TIP_POINTS = 24  # half-width of the part of a tip that can touch two places of a map at once
 
 
@@ -287,6 +289,48 @@ def eroded(window: xr.DataArray, tip_radius: float) -> xr.DataArray:
     inside = square <= tip_radius**2
     tip = np.where(inside, np.sqrt(np.maximum(tip_radius**2 - square, 0.0)) - tip_radius, 0.0)
     return window.copy(data=grey_erosion(window.values, footprint=inside, structure=tip, mode="wrap"))
+
+
+def unrounded(window: xr.DataArray, step: float) -> xr.DataArray:
+    """Return the smoothest map whose heights lie within half a step of those of the map.
+
+    Heights that were rounded to a step lie that near to the true ones. The map is smoothed and taken back to
+    within half a step, in turns (projections onto convex sets [1]_): terraces become slopes.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+    step : float, m
+
+    Returns
+    -------
+    DataArray (y, x), m
+
+    References
+    ----------
+    .. [1] Youla and Webb (1982), Image restoration by the method of convex projections, IEEE Trans. Med.
+       Imaging 1, 81.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> window = rough_reference_surface(64)
+    >>> step = 0.2 * float(window.std())
+    >>> rounded = np.round(window / step) * step
+    >>> [f"{rms_gradient(each):.2f}" for each in (rounded, window, unrounded(rounded, step))]
+    ['0.60', '0.56', '0.51']
+    """
+    from scipy.ndimage import convolve1d
+
+    low, high = window.values - step / 2, window.values + step / 2
+    smooth = window.values
+    for _ in range(_SMOOTHINGS):
+        for axis in (0, 1):
+            smooth = convolve1d(smooth, _BINOMIAL, axis=axis, mode="wrap")
+        smooth = np.clip(smooth, low, high)
+    return window.copy(data=smooth)
 
 
 def reliability_length(window: xr.DataArray, tip_radius: float) -> float:
