@@ -35,13 +35,14 @@ from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.report import map_plots
 from roughcontact.report.budget_plots import shown_budget
 from roughcontact.report.cases import case_medians, case_table
+from roughcontact.report.gather import write_results
 from roughcontact.report.glance import one_line, shown_loads
 from roughcontact.report.page import write_report
 from roughcontact.report.panel import write_panel
 from roughcontact.report.summary import read_summary, write_summary
 from roughcontact.report.template import template
-from roughcontact.results.collect import collect_statistics, summary_table, with_failures
-from roughcontact.results.storage import provenance, read_dataset, table_text, write_dataset, write_table
+from roughcontact.results.collect import collect_statistics, summary_table
+from roughcontact.results.storage import provenance, read_dataset, table_text, write_dataset
 from roughcontact.statistics import checks, map_checks
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.uncertainty.combination import uncertainty_table
@@ -80,12 +81,16 @@ def run_surface(folder, name, height, *, case=None, loads=None, keep_fields=True
 def assemble(folder, runs, title="Trial", **more):
     """Collect the statistics and write the page; return its path."""
     panels, entries = zip(*runs, strict=True)
-    write_dataset(collect_statistics(list(entries)), folder / "statistics.nc")
+    statistics = collect_statistics(list(entries))
+    table = table_text(summary_table(statistics))
+    write_dataset(statistics, folder / "statistics.nc")
+    (folder / "summary.csv").write_text(table, encoding="utf-8")
     page = folder / "report.html"
     write_report(
         page,
         panels=list(panels),
-        statistics=folder / "statistics.nc",
+        statistics=statistics,
+        summary=table,
         title=title,
         **{"settings": SETTINGS} | more,
     )
@@ -151,14 +156,24 @@ def test_page_is_self_contained_and_complete(page):
 
 @pytest.mark.parametrize("failures", [[], [{"surface": "bad", "case": None, "reason": "bad.txt: =empty"}]])
 def test_the_table_inside_the_page_is_that_beside_it(page, tmp_path, failures):
-    statistics = page.parent / "statistics.nc"
-    panels = [page.parent / "all" / name / "panel.html" for name in SURFACES]
-    written = tmp_path / "report.html"
-    write_report(written, panels=panels, statistics=statistics, title="", settings={}, failures=failures)
-    link = re.search(r'href="data:text/csv;charset=utf-8;base64,([^"]*)"', written.read_text("utf-8"))[1]
-    summary = summary_table(read_dataset(statistics))
-    write_table(with_failures(summary, failures), tmp_path / "summary.csv")
-    assert base64.b64decode(html.unescape(link)) == (tmp_path / "summary.csv").read_bytes()
+    finished = [
+        {
+            "surface": name,
+            "case": None,
+            **{
+                key: page.parent / "all" / name / f"{key}.{ending}"
+                for key, ending in (("statistics", "nc"), ("panel", "html"))
+            },
+        }
+        for name in SURFACES
+    ]
+    settings = {"settings": SETTINGS, "settings_of_statistics": {}, "groups": {}}
+    write_results(tmp_path, finished=finished, title="", failures=failures, **settings)
+    written = (tmp_path / "report.html").read_text("utf-8")
+    link = re.search(r'href="data:text/csv;charset=utf-8;base64,([^"]*)"', written)[1]
+    summary = (tmp_path / "summary.csv").read_text("utf-8")
+    assert base64.b64decode(html.unescape(link)).decode() == summary
+    assert ("=empty" in summary) == bool(failures)
 
 
 def test_panels_are_small(page):
@@ -176,7 +191,8 @@ def test_page_is_the_same_a_second_time(page, tmp_path):
     write_report(
         tmp_path / "report.html",
         panels=panels,
-        statistics=page.parent / "statistics.nc",
+        statistics=read_dataset(page.parent / "statistics.nc"),
+        summary=(page.parent / "summary.csv").read_text("utf-8"),
         title="Four <surfaces>",
         settings=SETTINGS,
         folder=page.parent,
@@ -250,8 +266,8 @@ def test_a_reason_ends_with_one_mark(page, tmp_path, reason):
     write_summary({**known, "reasons": [reason]}, panel)
     written = tmp_path / "report.html"
     entry = {"surface": "holes", "case": None, "statistics": page.parent / "all" / "holes" / "statistics.nc"}
-    write_dataset(collect_statistics([entry]), tmp_path / "statistics.nc")
-    write_report(written, panels=[panel], statistics=tmp_path / "statistics.nc", title="", settings={})
+    collected = collect_statistics([entry])
+    write_report(written, panels=[panel], statistics=collected, summary="", title="", settings={})
     mark = "" if reason[-1] in "?…" else "."
     assert f'<span class="why">{reason}{mark}</span>' in written.read_text(encoding="utf-8")
 
@@ -305,7 +321,8 @@ def test_a_panel_without_its_summary_is_refused(page, tmp_path, beside):
         write_report(
             tmp_path / "r.html",
             panels=[wrong],
-            statistics=page.parent / "statistics.nc",
+            statistics=read_dataset(page.parent / "statistics.nc"),
+            summary="",
             title="x",
             settings={},
         )
@@ -337,7 +354,7 @@ def outcomes(statistics, *, height=(), levelled=(), window=(), points=96 * 96):
 def test_a_good_surface_passes_every_check(good):
     sharp = {"spectrum_exponent": -3.0, "rounded_peaks": 0.0, "pixel_roughness": 1e-9, "pixel_pitch": 1e-6}
     sharp |= {"top_exponent": -3.0, "noise_floor": 1e-9, "noise_gradient_share": 0.1}
-    sharp |= {"summit_over_next": 1.1, "summit_chance": 0.5}
+    sharp |= {"summit_over_next": 1.1, "summit_chance": 0.5, "quantisation_step": 0.0}
     optical = {"instrument": '{"kind": "optical profiler"}'}
     found, verdict = outcomes(good, height=optical, window=sharp | {"reliable_reason": "the lens"})
     assert {check.outcome for check in found.values()} == {checks.PASSED}
@@ -389,6 +406,8 @@ def test_each_check_can_ask_for_a_look(good):
             "top_exponent": 0.0,
             "noise_floor": 1e-9,
             "noise_gradient_share": 0.5,
+            "quantisation_step": 1e-8,
+            "Sq": 1e-7,
             "pixel_roughness": 1e-12,
             "pixel_pitch": 2e-3,
             "summit_over_next": 3.0,

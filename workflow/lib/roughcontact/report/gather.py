@@ -19,8 +19,8 @@ from roughcontact.results.collect import (
     summary_table,
     with_failures,
 )
-from roughcontact.results.storage import provenance, write_dataset, write_table
-from roughcontact.uncertainty.combination import uncertainty_table
+from roughcontact.results.storage import provenance, table_text, write_dataset, write_table, write_text
+from roughcontact.uncertainty.combination import is_of_budget, uncertainty_table
 from roughcontact.uncertainty.differences import case_pairs, compare_all, compare_maps
 from roughcontact.uncertainty.group_tables import NamedGroup, comparisons_table, groups_table, joined_groups
 from roughcontact.uncertainty.groups import group_statistics, needed_for_groups
@@ -81,7 +81,8 @@ def write_results(
         attrs["failed"] = json.dumps(list(failures), sort_keys=True)
     write_dataset(statistics.assign_attrs(attrs), folder / "statistics.nc")
     summary = summary_table(statistics)
-    write_table(with_failures(summary, failures), folder / "summary.csv")
+    text = table_text(with_failures(summary, failures))
+    write_text(text, folder / "summary.csv")
     write_table(budget_table(statistics), folder / "uncertainty.csv")
     members = {
         member: name
@@ -108,7 +109,8 @@ def write_results(
     write_report(
         folder / "report.html",
         panels=[entry["panel"] for entry in finished],
-        statistics=folder / "statistics.nc",
+        statistics=statistics,
+        summary=text,
         title=title,
         settings=settings,
         changed=changed,
@@ -220,8 +222,9 @@ def budget_table(statistics: xr.Dataset) -> pd.DataFrame:
     """Return the components of every interval of the surfaces (and cases) of `collect_statistics`."""
     tables = []
     dims = [dim for dim in ("case", "surface") if dim in statistics.dims]
+    of_budget = statistics[[name for name in statistics.variables if is_of_budget(str(name))]]
     for place in np.ndindex(*(statistics.sizes[dim] for dim in dims)):
-        one = statistics.isel(dict(zip(dims, place, strict=True)))
+        one = of_budget.isel(dict(zip(dims, place, strict=True)))
         known = np.isfinite(one["mean_pressure"].values)  # the others are padding
         table = uncertainty_table(one if known.all() else one.isel(load=known))
         for number, dim in enumerate(dims):

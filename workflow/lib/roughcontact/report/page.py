@@ -31,8 +31,8 @@ from roughcontact.report.load_plots import compare_areas, sample_of, spread_of_a
 from roughcontact.report.summary import Summary, read_summary
 from roughcontact.report.template import template
 from roughcontact.report.units import unit_of
-from roughcontact.results.collect import Failure, summary_table, with_failures
-from roughcontact.results.storage import read_dataset, table_text, write_text
+from roughcontact.results.collect import Failure
+from roughcontact.results.storage import write_text
 from roughcontact.statistics import checks
 from roughcontact.uncertainty.group_tables import NamedGroup
 
@@ -53,7 +53,8 @@ def write_report(
     path: str | Path,
     *,
     panels: Sequence[str | Path],
-    statistics: str | Path,
+    statistics: xr.Dataset,
+    summary: str,
     title: str,
     settings: dict,
     changed: Mapping[str, Sequence[str]] | None = None,
@@ -74,8 +75,10 @@ def write_report(
         where to write.
     panels : sequence of paths
         of `write_panel`, in the order of the page, each with its summary beside it.
-    statistics : path
-        the file of `collect_statistics`.
+    statistics : Dataset
+        of `collect_statistics`.
+    summary : str
+        the text of `summary.csv`, which the page offers as a download.
     title : str
         of the page.
     settings : dict
@@ -100,8 +103,7 @@ def write_report(
     """
     many = len(panels) + len(failures) > ONE_PAGE
     folder = Path(path).parent if folder is None else Path(folder)
-    collected = read_dataset(statistics)
-    series = _series(collected)
+    series = _series(statistics)
     by_surface: dict[str, dict[str, xr.Dataset]] = {}
     for (surface, case), data in series.items():
         by_surface.setdefault(surface, {})[case or ""] = data
@@ -146,7 +148,7 @@ def write_report(
         rows=rows,
         headings=_HEADINGS,
         asked=HEADINGS,
-        download=None if many else _as_download(collected, failures),
+        download=None if many else _as_download(summary),
         words=checks.VERDICTS,
         counts={outcome: sum(row["verdict"] == outcome for row in rows) for outcome in checks.VERDICTS},
         many=many,
@@ -230,9 +232,8 @@ def _glance(summary: Summary, numbers: xr.Dataset, units: Mapping[str, Unit]) ->
     }
 
 
-def _as_download(collected: xr.Dataset, failures: Sequence[Failure]) -> str:
-    """Return summary.csv as a data URI, so that the page offers it as a download without another file."""
-    text = table_text(with_failures(summary_table(collected), failures))
+def _as_download(text: str) -> str:
+    """Return a table as a data URI, so that the page offers it as a download without another file."""
     return "data:text/csv;charset=utf-8;base64," + base64.b64encode(text.encode()).decode()
 
 
@@ -322,11 +323,11 @@ def _series(statistics: xr.Dataset) -> dict[tuple[str, str | None], xr.Dataset]:
     for place, case in enumerate(cases):
         of_case = statistics if case is None else statistics.isel(case=place)
         for index, surface in enumerate(statistics["surface_name"].values):
-            one = of_case.isel(surface=index)
-            one = one.isel(load=np.isfinite(one["mean_pressure"].values))
-            if one.sizes["load"]:
-                order = np.argsort(one["mean_pressure"].values)
-                series[str(surface), None if case is None else str(case)] = one.isel(load=order)
+            loads = of_case["mean_pressure"].values[index]
+            rising = np.argsort(loads)[: np.isfinite(loads).sum()]
+            if rising.size:
+                one = of_case.isel(surface=index, load=rising)
+                series[str(surface), None if case is None else str(case)] = one
     return series
 
 

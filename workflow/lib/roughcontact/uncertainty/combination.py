@@ -20,6 +20,14 @@ _TYPES = ["A" if source == "window" else "B" for source in SOURCES]
 _PARTS = ("down", "up", "bias", "shift_down", "shift_up")
 # sources of the interval of this map in the band of waves that it holds
 _OF_THE_MAP = tuple(source for source in SOURCES if source not in ("window", "unresolved"))
+_OF_THE_TABLE = {
+    *("mean_pressure", "degrees_of_freedom", "coverage_factor"),
+    *(
+        f"{name}_{ending}"
+        for name in (*QUANTITIES, *ANSWERS)
+        for ending in ("uncertainty", "components", "estimate", "lower", "upper")
+    ),
+}
 _COMMENT = (
     "half-widths of 95 % intervals, in the unit of the quantity; the larger one where an interval is "
     "asymmetric; combined: root of the sum of squares of the sources given (for the pressure in contact the "
@@ -112,6 +120,17 @@ def combine(
                 comment = {"comment": _ENDS[f"{ending}{end}"]}
                 columns[f"{name}_{ending}{end}"] = ("load", _bounded(values), comment)
     return xr.Dataset(columns, coords={"source": [*SOURCES, COMBINED], "component": list(_PARTS)})
+
+
+def is_of_budget(name: str) -> bool:
+    """Return whether `uncertainty_table` needs the variable.
+
+    Examples
+    --------
+    >>> is_of_budget("mean_gap_lower"), is_of_budget("mean_gap_parts")
+    (True, False)
+    """
+    return name in _OF_THE_TABLE
 
 
 def uncertainty_table(budget: xr.Dataset) -> pd.DataFrame:
