@@ -5,23 +5,23 @@ import pytest
 import xarray as xr
 
 import roughcontact as rc
-from roughcontact.quantities import Unit
 from roughcontact.report.glance import Cell
 from roughcontact.report.groups import HEADINGS, _comparison, comparison_rows, group_pictures, group_rows
 from roughcontact.uncertainty.differences import compare_all
 from roughcontact.uncertainty.group_tables import NamedGroup
 
 
-def named(name, factors, *, parts=None, placements=False):
+def named(name, factors, *, parts=None, placements=False, hardness=None):
     """Return a group of maps whose gaps differ by some factors."""
     loads = {"mean_pressure": ("load", [1e6, 4e6]), "contact_modulus": 1e9, "rms_height": 1e-6}
+    loads |= {"hardness": hardness} if hardness else {}
     maps = [
         xr.Dataset(
             {
                 "relative_contact_area": ("load", np.array([0.05, 0.2]) / factor),
                 "mean_gap": ("load", np.array([2e-6, 1e-6]) * factor),
                 "mean_contact_pressure": ("load", np.array([2e7, 2e7]) * factor),
-                "max_pressure": ("load", np.array([5e7, 6e7]) * factor),
+                "max_pressure": ("load", np.fmin(np.array([5e7, 6e7]) * factor, hardness or np.nan)),
                 **loads,
             }
         )
@@ -76,10 +76,32 @@ def test_placements_and_differences_in_words():
     assert left_out == []
     (rows,) = comparison_rows(compared, groups)
     assert (rows["first"], rows["second"]) == ("lapped", "ground")
-    quantity, load, ratio, ends, outcome = rows["rows"][-2]
-    assert (quantity, load, outcome) == ("largest pressure", "1.00 MPa", "differ")
-    low, high = (float(end) for end in ends.split(" to "))
-    assert low < float(ratio) < high
+    row = rows["rows"][-1]
+    assert (row["quantity"], rows["loads"][0], row["outcomes"]) == (
+        "largest pressure",
+        "1.00 MPa",
+        ["differ"],
+    )
+    low, high = (float(end) for end in row["cells"][0].more.split(" to "))
+    assert low < float(row["cells"][0].text) < high
+
+
+def test_pressures_at_the_hardness_have_no_interval_and_no_difference():
+    limited = [
+        named(name, gaps, hardness=5.4e7)
+        for name, gaps in (("lapped", (0.9, 1.0, 1.1)), ("ground", (1.9, 2.0, 2.1)))
+    ]
+    lapped, ground = group_rows(limited)
+    peak = HEADINGS.index("largest pressure")
+    assert [cells[peak].more == "the hardness" for cells in ground["rows"]] == [True, True]
+    assert [cells[peak].more == "the hardness" for cells in lapped["rows"]] == [False, True]
+    (rows,) = comparison_rows(compare_all({one.label: one.answer for one in limited})[0], limited)
+    assert rows["rows"][-1]["outcomes"][1] == "both the hardness"
+    assert rows["rows"][-1]["cells"][1] == Cell("–")
+    upper = limited[0].answer["max_pressure_next_upper"]
+    assert upper.values == pytest.approx([5.4e7, 5.4e7])  # of the first load the hardness ends the interval
+    apart = named("lapped", (0.9, 1.0, 1.1)).answer["max_pressure_next_upper"]
+    assert (apart > 6e7).all()
 
 
 def test_pictures_show_every_map():
@@ -104,11 +126,12 @@ def test_a_number_that_is_not_positive_leaves_no_answer_at_its_load(gaps):
     [
         ((0.8263, 0.641, 1.0742), ("0.83", "0.64 to 1.07")),
         ((1.00001, 1.00000999, 1.00001001), ("1.0000", "1.0000 to 1.0000")),
-        ((1.5, np.nan, np.nan), ("1.50", "–")),
+        ((1.5, np.nan, np.nan), ("1.50", "")),
         ((12.3, 4.56, 40.2), ("12.3", "4.6 to 40.2")),
     ],
 )
 def test_a_ratio_and_its_ends_have_the_digits_that_the_interval_carries(ratio, shown):
-    found = xr.Dataset(dict(zip(("ratio", "ratio_lower", "ratio_upper"), ratio, strict=True)))
-    found = found.assign(mean_pressure=1e6, outcome="differ")
-    assert tuple(_comparison(found, "area", Unit(1e-6, "MPa"))[2:4]) == shown
+    names = ("ratio", "ratio_lower", "ratio_upper")
+    found = xr.Dataset({name: ("load", [value]) for name, value in zip(names, ratio, strict=True)})
+    found = found.assign(outcome=("load", ["differ"]))
+    assert _comparison(found, "mean_gap", ())["cells"] == [Cell(*shown)]

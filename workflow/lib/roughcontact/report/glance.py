@@ -171,7 +171,7 @@ def glance_rows(
                     interval_cell(plain, "mean_gap", units, place),
                     _seals(plain, units, place),
                     _yields(values_at_load(numbers, place)),
-                    _largest(plain, units, place),
+                    largest_cell(plain, units, place),
                     _conducts(plain, units, place),
                 ],
                 plain,
@@ -322,15 +322,25 @@ def _yields(load: Mapping[str, Any]) -> Cell:
     return Cell(NOT_JUDGED, "no hardness stated" + would.get(" ".join(flags), ""))
 
 
-def _largest(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
+def largest_cell(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
     """Return the largest pressure of a load; a pressure that is limited has no interval of its own."""
-    capped = _known(numbers, "hardness") and float(numbers["max_pressure"][place]) >= float(
-        numbers["hardness"]
-    ) * (1 - 1e-9)
-    if capped:
+    if is_limited(numbers, place):
         largest = float(numbers["max_pressure"][place])
         return Cell(units["max_pressure"].text(largest), "the hardness")
     return interval_cell(numbers, "max_pressure", units, place)
+
+
+def is_limited(numbers: Numbers, place: int) -> bool:
+    """Return whether the largest pressure of a load is the hardness.
+
+    Examples
+    --------
+    >>> is_limited(xr.Dataset({"max_pressure": ("load", [2e8, 3e8]), "hardness": 3e8}), 1)
+    True
+    """
+    if not _known(numbers, "hardness"):
+        return False
+    return bool(float(numbers["max_pressure"][place]) >= float(numbers["hardness"]) * (1 - 1e-9))
 
 
 def _conducts(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:

@@ -8,7 +8,14 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import Unit, number, percent, several, with_interval
-from roughcontact.report.glance import Cell, glance_units, interval_cell, shown_loads
+from roughcontact.report.glance import (
+    Cell,
+    glance_units,
+    interval_cell,
+    is_limited,
+    largest_cell,
+    shown_loads,
+)
 from roughcontact.report.load_plots import group_curves, group_values
 from roughcontact.report.tables import TITLES
 from roughcontact.report.units import unit_of
@@ -27,8 +34,9 @@ HEADINGS = (
     "conductance",
 )
 _AREA = "relative_contact_area"
-_OTHERS = ("mean_contact_pressure", "mean_gap", "max_pressure", "conductance_per_conductivity")
-_COMPARED = (_AREA, "mean_contact_pressure", "mean_gap", "max_pressure")
+_PEAK = "max_pressure"
+_OTHERS = ("mean_contact_pressure", "mean_gap", _PEAK, "conductance_per_conductivity")
+_COMPARED = (_AREA, "mean_contact_pressure", "mean_gap", _PEAK)
 _FINEST = 1e-3  # of a ratio: half-width of which two digits are shown
 
 Row = dict[str, Any]
@@ -81,8 +89,9 @@ def comparison_rows(
     groups: Sequence[NamedGroup],
     maps: Mapping[str, xr.Dataset] | None = None,
 ) -> list[Row]:
-    """Return for each two groups `first`, `second` and `rows`: quantity, load, ratio, interval, outcome.
+    """Return for each two groups `first`, `second`, the `loads` in words, and `rows` of quantities.
 
+    A row has the `quantity`, `cells` of the ratio at each load with its interval, and the `outcomes` at them.
     `of_maps` says whether they are two maps, whose statistics are in `maps`, by name.
     """
     of_groups = {group.label: group.answer for group in groups}
@@ -95,14 +104,31 @@ def comparison_rows(
             answers[first]["mean_pressure"].values,
             answers[first][_AREA].values,
         )
-        cells = [
-            _comparison(found.sel(quantity=name).isel(load=place), TITLES[name], pressure)
-            for name in _COMPARED
-            if name in found["quantity"].values
-            for place in shown_loads(area)
+        shown = found.isel(load=shown_loads(area))
+        loads = shown["mean_pressure"].values
+        limited = [
+            all(_limited_at(answers[name], load) for name in (first, second)) for load in loads.tolist()
         ]
-        rows.append({"first": first, "second": second, "rows": cells, "of_maps": first not in of_groups})
+        rows.append(
+            {
+                "first": first,
+                "second": second,
+                "loads": [pressure.text(load) for load in loads.tolist()],
+                "rows": [
+                    _comparison(shown.sel(quantity=name), name, limited if name == _PEAK else ())
+                    for name in _COMPARED
+                    if name in found["quantity"].values
+                ],
+                "of_maps": first not in of_groups,
+            }
+        )
     return rows
+
+
+def _limited_at(answer: xr.Dataset, load: float) -> bool:
+    """Return whether the largest pressure of a group or map is the hardness, at the load (Pa) next to one."""
+    place = int(np.abs(answer["mean_pressure"].values - load).argmin())
+    return _PEAK in answer and is_limited(answer, place)
 
 
 def _composition(group: NamedGroup) -> str:
@@ -137,6 +163,8 @@ def _mean(answer: xr.Dataset, name: str, units: Mapping[str, Unit], place: int) 
     """Return the mean of a group with its ±; with the range of its maps where these are two."""
     if not np.isfinite(float(answer[name][place])):
         return Cell("–")
+    if name == _PEAK and is_limited(answer, place):
+        return largest_cell(answer, units, place)
     if is_range(answer):
         shown = units[name].text(float(answer[name][place]))
         return Cell(shown, f"range {_range(answer, name, '', units, place)}")
@@ -166,12 +194,24 @@ def _scatter(load: xr.Dataset) -> Cell:
     return Cell(", ".join(f"{words} {percent(value)}" for words, value in known.items()) or "–")
 
 
-def _comparison(found: xr.Dataset, words: str, pressure: Unit) -> list[str]:
-    """Return the cells of a comparison: quantity, load, ratio, its interval, outcome."""
-    ratio, low, high = (float(found[key]) for key in ("ratio", "ratio_lower", "ratio_upper"))
-    shown, ends = number(ratio), "–"
-    if np.isfinite([low, high]).all():
-        shown = with_interval(ratio, low, high, finest=_FINEST).split(" ")[0]
-        places = len(shown.partition(".")[2])
-        ends = " to ".join(f"{end:.{places}f}" for end in (low, high))
-    return [words, pressure.text(float(found["mean_pressure"])), shown, ends, str(found["outcome"].item())]
+def _comparison(shown: xr.Dataset, name: str, limited: Sequence[bool]) -> Row:
+    """Return the row of a quantity: its ratio at each load with the interval, and the outcomes.
+
+    `limited` says at which loads it is the hardness of both, so that nothing is compared.
+    """
+    cells, outcomes = [], []
+    for place, outcome in enumerate(shown["outcome"].values.tolist()):
+        if place < len(limited) and limited[place]:
+            cells.append(Cell("–"))
+            outcomes.append("both the hardness")
+            continue
+        ratio, low, high = (float(shown[key][place]) for key in ("ratio", "ratio_lower", "ratio_upper"))
+        text, ends = number(ratio), ""
+        if np.isfinite([low, high]).all():
+            text = with_interval(ratio, low, high, finest=_FINEST).split(" ")[0]
+            places = len(text.partition(".")[2])
+            ends = " to ".join(f"{end:.{places}f}" for end in (low, high))
+        cells.append(Cell(text, ends))
+        outcomes.append(str(outcome))
+    alike = len(set(outcomes)) == 1
+    return {"quantity": TITLES[name], "cells": cells, "outcomes": outcomes[:1] if alike else outcomes}

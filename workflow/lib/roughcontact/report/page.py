@@ -173,7 +173,6 @@ def write_report(
         group_pictures=group_pictures(groups) if groups else [],
         left_out=left_out,
         compared=comparison_rows(compared or {}, groups, known),
-        compared_headings=("quantity", "mean pressure p̄", "ratio", "interval", "outcome"),
         folded=bool(grouped) and by_surface.keys() <= grouped.keys(),
         **head,
         measured=measured_in_words({one["surface"]: one["measured"] for one in summaries}),

@@ -20,7 +20,7 @@ References
 """
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +34,7 @@ from roughcontact.uncertainty.answers import ANSWERS, CONSTRICTIONS, quantities_
 from roughcontact.uncertainty.combination import SOURCES
 from roughcontact.uncertainty.headline import QUANTITIES
 from roughcontact.uncertainty.random_effects import random_effects, stand_off, student
-from roughcontact.uncertainty.scaling import AREA, effort
+from roughcontact.uncertainty.scaling import AREA, PEAK, PRESSURE, effort
 
 SHARED = ("discretisation", "processing", "instrument", "material", "unresolved")
 # the placements of two faces share their maps, and with them the places where these were measured
@@ -48,6 +48,8 @@ _GRID = "the grid"  # `band_reason` where no setting limits the band
 _SAME_BAND = {"shortest": 1.1, "longest": 2.0}
 _ENDS = ("lower", "upper")
 _FURTHER = ("next_lower", "next_upper", "next_part_lower", "next_part_upper")
+# ends of intervals of pressures, which are at least the load and at most the hardness
+_LIMITED = {f"{name}_{end}" for name in (PRESSURE, PEAK) for end in (*_ENDS, *_FURTHER)}
 
 
 class Scaled(NamedTuple):
@@ -103,7 +105,7 @@ def needed_for_groups(names: Iterable[str]) -> list[str]:
     """
     ends = ("", "_lower", "_upper", "_components", "_parts", "_choices")
     of_each = {f"{name}{end}" for name in (*QUANTITIES, *ANSWERS) for end in ends}
-    wanted = {*of_each, "mean_pressure", "contact_modulus", "rms_height"}
+    wanted = {*of_each, "mean_pressure", "contact_modulus", "hardness", "rms_height"}
     return [name for name in names if name in wanted]
 
 
@@ -200,8 +202,12 @@ def group_statistics(
         off |= apart
         if placements and len(datasets) < FEW:
             columns |= _hull(name, datasets, loads)
+    hardness = float(datasets[0].get("hardness", np.nan))
+    columns |= _limited({name: columns[name] for name in columns if name in _LIMITED}, loads, hardness)
     columns["stands_off"] = (("map", "load"), off.astype(np.int8))
     columns["contact_modulus"] = ((), float(datasets[0].get("contact_modulus", np.nan)))
+    if np.isfinite(hardness):
+        columns["hardness"] = ((), hardness)
     if all("rms_height" in one for one in datasets):
         columns["rms_height"] = ((), float(np.median([float(one["rms_height"]) for one in datasets])))
     coordinates = {
@@ -254,6 +260,18 @@ def _of_several(
         columns |= {f"{key}{end}": values for end, values in zip(_ENDS, ends, strict=True)}
     columns |= {"between": effects.between, "within": effects.within}
     return _named(name, columns, scaled), stand_off(scaled.values)
+
+
+def _limited(ends: Mapping[str, tuple], loads: np.ndarray, hardness: float) -> dict[str, tuple]:
+    """Return ends of intervals of pressures within load and hardness; an unbounded one ends at the hardness.
+
+    The hardness is NaN where none is stated.
+    """
+    limited = {}
+    for name, (dim, values) in ends.items():
+        lower = ends[name.replace("upper", "lower")][1]  # NaN where there is no interval
+        limited[name] = (dim, np.fmin(np.maximum(values, loads), hardness) + 0 * lower)
+    return limited
 
 
 def _hull(name: str, datasets: Sequence[xr.Dataset], loads: np.ndarray) -> dict[str, tuple]:
@@ -391,13 +409,15 @@ def common_loads(words: str, names: Sequence[str], datasets: Sequence[xr.Dataset
 
 def _check_alike(words: str, names: Sequence[str], datasets: Sequence[xr.Dataset]) -> None:
     """Reject maps that do not answer the same question, in one sentence."""
-    moduli = [float(one.get("contact_modulus", np.nan)) for one in datasets]
-    for name, modulus in zip(names, moduli, strict=True):
-        if abs(modulus - moduli[0]) > SAME_LOAD * moduli[0]:
-            raise SettingsError(
-                f"{words}: {names[0]} was solved with E* = {quantity(moduli[0], 'Pa')} and {name} with "
-                f"{quantity(modulus, 'Pa')}; solve them with the same bodies, or put them into two groups"
-            )
+    for key, symbol in (("contact_modulus", "E*"), ("hardness", "H")):
+        known = [float(one.get(key, np.nan)) for one in datasets]
+        for name, value in zip(names, known, strict=True):
+            if not np.isclose(value, known[0], rtol=SAME_LOAD, equal_nan=True):
+                first, other = (quantity(each, "Pa") if each > 0 else "none" for each in (known[0], value))
+                raise SettingsError(
+                    f"{words}: {names[0]} was solved with {symbol} = {first} and {name} with {other}; solve "
+                    "them with the same bodies, or put them into two groups"
+                )
     for noun, most in _SAME_BAND.items():
         limits = {
             name: float(one.attrs[f"band_{noun}"])
