@@ -123,7 +123,7 @@ def test_the_leak_rate_of_a_seal_stands_beside_the_answer():
 def test_lengths_of_the_table_have_one_unit_and_pressures_that_of_the_material(maps):
     contacts = [
         rc.solve_contact(maps[2] * factor, contact_modulus=modulus, mean_pressure=[1e-4 * modulus])
-        for factor, modulus in ((1.0, 4e9), (1e-2, 4e9), (1.0, 4e6))
+        for factor, modulus in ((1.0, 4e9), (0.02, 4e9), (1.0, 4e6))
     ]
     results = [rc.contact_statistics(contact) for contact in contacts]
     rows = [glance_rows(*pair)[0] for pair in zip(results, glance_units(results), strict=True)]

@@ -139,7 +139,7 @@ def pressure_unit(contact_modulus: float) -> Unit:
     Returns
     -------
     Unit
-        MPa, below 100 MPa (rubber) kPa, below 100 kPa (gels) Pa.
+        MPa, below 10 MPa (soft rubber) kPa, below 100 kPa (gels) Pa.
 
     Examples
     --------
@@ -148,7 +148,7 @@ def pressure_unit(contact_modulus: float) -> Unit:
     """
     if contact_modulus < 1e5:
         return Unit(1.0, "Pa")
-    return Unit(1e-3, "kPa") if contact_modulus < 1e8 else Unit(1e-6, "MPa")
+    return Unit(1e-3, "kPa") if contact_modulus < 1e7 else Unit(1e-6, "MPa")
 
 
 def height_unit(rms_height: float) -> Unit:

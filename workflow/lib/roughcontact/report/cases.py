@@ -21,6 +21,7 @@ _PERCENT = Unit(1.0, "%")  # of numbers in percent
 _SPREAD = (0.1, 0.9)  # quantiles over the surfaces
 
 _DUST = 1e-9  # percent: a difference that small is rounding
+_MANIFOLD = 900.0  # percent: a larger difference is a factor
 _FINEST = 0.1  # percent: half-width of a difference of which two digits are shown; one of 0.01 % is none
 
 Cases = Mapping[str, xr.Dataset]  # of a surface
@@ -189,7 +190,9 @@ def _change(
     *,
     many: bool,
 ) -> str:
-    """Return the difference of a surface under two cases in percent, with its interval; of `many` the median.
+    """Return the difference of a surface under two cases with its interval; of `many` the median.
+
+    It is in percent, from tenfold on a factor for a single surface.
 
     With the median stands of how many surfaces the difference is larger than its interval.
     """
@@ -204,6 +207,9 @@ def _change(
         return _quantiles(change, _PERCENT, places=2) + beyond
     if not first[0] > 0:
         return "–"
+    if change[0] > _MANIFOLD:
+        times = (1 + float(each) / 100 for each in (change[0], low[0], high[0]))
+        return _in_brackets(with_interval(*times), "times as large")
     return _in_brackets(with_interval(change[0], low[0], high[0], finest=_FINEST), "%")
 
 
