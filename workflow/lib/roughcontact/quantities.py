@@ -166,10 +166,10 @@ def height_unit(rms_height: float) -> Unit:
 
     Examples
     --------
-    >>> height_unit(3e-8).shown, height_unit(1.2e-9).shown, height_unit(0.04).shown
+    >>> height_unit(3e-7).shown, height_unit(3e-8).shown, height_unit(0.04).shown
     ('µm', 'nm', 'mm')
     """
-    if 0 < rms_height < 2e-8:
+    if 0 < rms_height < 1e-7:
         return Unit(1e9, "nm")
     if rms_height >= 2e-3:
         return Unit(1e3, "mm") if rms_height < 2 else Unit(1.0, "m")
