@@ -341,7 +341,11 @@ class Clock:
         """Return the function from minutes of the plan to the seconds that a job takes here."""
         start, rise = slower * _START.get(kind, _START_OF_OTHERS), slower * _PER_MINUTE
         # least squares: times scatter by a quarter; usual values within a half (start) and all (rise)
-        ended = [(16 / max(took, 1.0) ** 2, minutes, took) for minutes, took in self.taken.get(kind, ())]
+        # by what was expected: weights of the times themselves would favour those that are short by chance
+        ended = [
+            (16 / max(slower * _usual(kind, minutes), 1.0) ** 2, minutes, took)
+            for minutes, took in self.taken.get(kind, ())
+        ]
         of_start, of_rise = 4 / start**2, 1 / rise**2
         ones, minutes = of_start + sum(w for w, *_ in ended), sum(w * m for w, m, _ in ended)
         squares = of_rise + sum(w * m * m for w, m, _ in ended)
