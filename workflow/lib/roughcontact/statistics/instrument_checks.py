@@ -47,7 +47,7 @@ _SQUARE = "mean square gradient"
 _PROBE_PIXEL = 1e-7  # a smaller pixel is that of a probe microscope, whatever the file says
 _CAMERA = (1e-6, 6e-5)  # pitch of camera pixels, binned ones included
 
-_MADE = "Not made: the map is periodic as it is, as no measured one is."
+_MADE = "Not made: the map is periodic as it is, as made ones are."
 
 
 def smoothed(window: Attributes) -> Check:
@@ -173,8 +173,6 @@ def noise(statistics: xr.Dataset, window: Attributes) -> Check:
     >>> noise(xr.Dataset(), flat).outcome, noise(xr.Dataset(), flat | {"top_exponent": -3.0}).outcome
     ('look', 'passed')
     """
-    if window.get("periodisation") == "none":
-        return Check("Noise", NOT_MADE, _MADE)
     if "noise_floor" not in window:
         return Check("Noise", NOT_MADE, "Not made: too few waves to judge the spectrum by.")
     share, stated = float(window["noise_gradient_share"]), float(window.get("instrument_noise", 0.0))
@@ -209,7 +207,7 @@ def suspected_noise(window: Attributes) -> float:
     >>> suspected_noise(flat), suspected_noise(flat | {"top_exponent": -3.0})
     (2e-09, 0.0)
     """
-    if window.get("periodisation") == "none" or not _ends_flat(window):
+    if not _ends_flat(window):
         return 0.0
     return float(window["noise_floor"]) if window["noise_gradient_share"] > NOISE_SHARE else 0.0
 
