@@ -98,8 +98,8 @@ def quantisation_step(height: np.ndarray) -> float | None:
     >>> round(1e9 * quantisation_step(5e-9 * counts), 3)
     5.0
     """
-    measured = height[np.isfinite(height)]
-    levels = np.unique(_sample(measured))
+    some = _sample(height.reshape(-1))  # large maps leave no room for a copy
+    levels = np.unique(some[np.isfinite(some)])
     if levels.size < 3:
         return None
     gaps = np.diff(levels)
