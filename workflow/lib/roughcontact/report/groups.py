@@ -115,7 +115,9 @@ def comparison_rows(
                 "second": second,
                 "loads": [pressure.text(load) for load in loads.tolist()],
                 "rows": [
-                    _comparison(shown.sel(quantity=name), name, limited if name == _PEAK else ())
+                    _comparison(
+                        shown.sel(quantity=name), name, limited if name == _PEAK else [False] * loads.size
+                    )
                     for name in _COMPARED
                     if name in found["quantity"].values
                 ],
@@ -200,8 +202,8 @@ def _comparison(shown: xr.Dataset, name: str, limited: Sequence[bool]) -> Row:
     `limited` says at which loads it is the hardness of both, so that nothing is compared.
     """
     cells, outcomes = [], []
-    for place, outcome in enumerate(shown["outcome"].values.tolist()):
-        if place < len(limited) and limited[place]:
+    for place, (outcome, same) in enumerate(zip(shown["outcome"].values.tolist(), limited, strict=True)):
+        if same:
             cells.append(Cell("–"))
             outcomes.append("both the hardness")
             continue

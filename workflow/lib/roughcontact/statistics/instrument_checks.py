@@ -38,7 +38,7 @@ WHITE = -2.0
 NEARLY_WHITE, MOST_OF_THE_GRADIENT = -1.5, 0.5
 NOISE_SHARE = 0.2  # share of the mean square gradient that makes areas 11 % too small
 # Quantisation step over rms height. Above the first it is in the instrument's uncertainty, which holds up to
-# the second (`benchmarks/measurement.py`); areas are 1 % too small at 0.03, 8 % at 0.1, a quarter at 0.4.
+# the second (`benchmarks/measurement.py`); areas are 1 % too small at 0.03, 7 % at 0.1, a quarter at 0.4.
 COARSE_STEP, TOO_COARSE_STEP = 0.02, 0.4
 # Noise between neighbouring pixels below which nothing measures: averaging interferometers reach 0.05 nm,
 # the quietest probe microscopes 5 pm

@@ -14,7 +14,7 @@ The result is that of the map as measured; the interval reaches to where the tru
   undone (`window.transfer.restored`).
 * A tip rounds peaks. The window is solved once more as the eroded map (`window.transfer.eroded`), which
   undoes it where the tip touched.
-* Heights that were rounded to a step (`quantised`) lie within half of it of the true ones. The window is
+* Heights that were rounded to a `coarse_step` lie within half of it of the true ones. The window is
   solved once more as the smoothest such map (`window.transfer.unrounded`).
 
 The last four are one-sided: each shifts the end of the interval on its side (JCGM 100:2008, F.2.4.5). A map
