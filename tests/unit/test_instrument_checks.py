@@ -11,7 +11,13 @@ import roughcontact as rc
 from roughcontact.maps import height_map
 from roughcontact.references.synthetic import self_affine_surface
 from roughcontact.roughness.summits import _chance
-from roughcontact.roughness.traces import instrument_traces, repeated_heights
+from roughcontact.roughness.traces import (
+    _derivatives,
+    _normal_curvatures,
+    _roundness,
+    instrument_traces,
+    repeated_heights,
+)
 from roughcontact.statistics import instrument_checks as checks
 
 SHARP = {"spectrum_exponent": -3.6, "spectrum_end": 4e-6, "rounded_peaks": 0.1, "sharpest_peak_radius": 2e-6}
@@ -60,6 +66,35 @@ def test_the_tip_of_a_stylus_is_found():
     assert "the tip of a stylus or probe" in checks.smoothed(window.attrs).sentence
     assert window.attrs["sharpest_peak_radius"] == pytest.approx(5e-6, rel=0.4)
     assert checks.smoothed(window.attrs | {"instrument_tip_radius": 5e-6}).outcome == "passed"
+
+
+def test_a_sphere_has_its_radius_on_steep_slopes_too():
+    ridge, radius = 2.0, 5.0  # slopes up to 1.6: its second derivative reaches eight times 1 / radius
+    y, x = np.meshgrid(*[np.linspace(-3, 3, 601)] * 2, indexing="ij")
+    slopes, bends = _derivatives(np.sqrt(radius**2 - x**2 - y**2) + ridge, (0.01, 0.01))
+    inside = (np.maximum(abs(x), abs(y)) < 2.99).ravel()  # differences reach round the map at its edges
+    curvatures = _normal_curvatures(slopes, bends)
+    assert np.count_nonzero(inside) > 1e5
+    for curvature, bend in zip(curvatures, bends, strict=True):
+        np.testing.assert_allclose(curvature[inside], -1 / radius, rtol=1e-3)
+        assert bend[inside].min() < -2 / radius
+
+
+def test_a_tip_on_steep_walls_is_found():
+    y, x = np.meshgrid(*[np.arange(200)] * 2, indexing="ij")
+    texture, radius = surface(200, shortest=6e-6), 10
+    walls = 50 * np.tanh(2 * np.sin(x / 9)) * np.tanh(2 * np.sin(y / 11)) + 3 * texture / np.ptp(texture)
+    across = np.arange(1 - radius, radius)
+    depth = radius**2 - across[:, None] ** 2 - across**2
+    traced = ndimage.grey_dilation(
+        walls, footprint=depth > 0, structure=np.sqrt(np.maximum(depth, 0)) - radius, mode="reflect"
+    )
+    sharp, blunt = (window_of(values * 1e-9, 1e-9) for values in (walls, traced))
+    assert "the tip of a stylus" not in checks.smoothed(sharp.attrs).sentence
+    assert "the tip of a stylus" in checks.smoothed(blunt.attrs).sentence
+    # the second derivative, which is large on the walls, would not tell
+    bends = _derivatives(blunt.values, (1e-9, 1e-9))[1]
+    assert np.mean([_roundness(bend) for bend in bends]) < checks.ROUNDED
 
 
 def test_a_median_filter_is_found():

@@ -18,8 +18,8 @@ _WAVES = 8  # in a band, fewer say little
 _ACROSS = 3
 _LOWEST = 0.19  # frequency from which on exponents are judged: below it a small map has few waves in a band
 _SAMPLE = 2**18  # quantiles are estimated from about so many points, medians from so many waves
-_TAIL, _FLANK = 0.001, 0.1  # quantiles of the curvature: its tails, and its body
-_TAIL_OVER_FLANK = 2.41  # their ratio for a normal distribution
+_TAIL, _SHOULDER = 0.001, 0.01  # quantiles of the curvature: its ends, and where these begin
+_TAIL_OVER_SHOULDER = 1.328  # their ratio for a normal distribution
 _HALF, _TOP = (0.5, 0.6), (0.85, 1.0)  # frequencies of the highest octave
 _SMALLEST = 0.001  # quantile of the steps between neighbours that is a quantum, where there is one
 _FEW_STEPS = 0.03  # of the median step between neighbours: steps up to it are counted beside those of zero
@@ -75,7 +75,8 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
     pitches = [d for n, d in zip(values.shape, steps, strict=True) if n > 1]
     floor, top = _floor(power, frequency)
     white = floor * values.size * sum((np.pi / d) ** 2 / 3 for d in pitches)
-    curvatures = _second_differences(values, steps)
+    slopes, bends = _derivatives(values, steps)
+    curvatures = _normal_curvatures(slopes, bends)
     return {
         "spectrum_exponent": float(exponents.min()) - profile,
         "spectrum_end": float(2 * max(pitches) / places[fall]),
@@ -84,7 +85,7 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
         "top_exponent": top - profile,
         "noise_floor": float(np.sqrt(floor * values.size)),
         "noise_gradient_share": white / gradient,
-        "pixel_roughness": _pixel_roughness(curvatures, pitches),
+        "pixel_roughness": _pixel_roughness(bends, pitches),
         "pixel_pitch": float(max(pitches)),
     }
 
@@ -177,30 +178,44 @@ def _floor(power: np.ndarray, frequency: np.ndarray) -> tuple[float, float]:
     return float(floor), float(np.log(floor / lower) / np.log(end / begin))
 
 
-def _second_differences(values: np.ndarray, steps: tuple[float, float]) -> list[np.ndarray]:
-    """Return the curvature of the map along each axis at some of its points."""
-    every = max(1, values.size // _SAMPLE)
-    found = []
+def _derivatives(values: np.ndarray, steps: tuple[float, float]) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return the first and second central differences along each axis at some points of the map."""
+    places = np.unravel_index(np.arange(0, values.size, max(1, values.size // _SAMPLE)), values.shape)
+    slopes, bends = [], []
     for axis, pitch in enumerate(steps):
         if values.shape[axis] > 1:
-            part = np.roll(values, 1, axis) + np.roll(values, -1, axis) - 2 * values
-            found.append(part.ravel()[::every] / pitch**2)
-    return found
+            before, after = (
+                values[tuple((at + by * (k == axis)) % values.shape[k] for k, at in enumerate(places))]
+                for by in (-1, 1)
+            )
+            slopes.append((after - before) / (2 * pitch))
+            bends.append((before + after - 2 * values[places]) / pitch**2)
+    return slopes, bends
+
+
+def _normal_curvatures(slopes: list[np.ndarray], bends: list[np.ndarray]) -> list[np.ndarray]:
+    """Return the curvature of the normal sections along each axis, of a sphere the same at all slopes.
+
+    A tip of radius R leaves no peak with a curvature below -1/R (Villarrubia 1997, J. Res. NIST 102, 425);
+    the second derivative does fall below it, on slopes.
+    """
+    length = np.sqrt(1 + sum(slope**2 for slope in slopes))
+    return [bend / (1 + slope**2) / length for slope, bend in zip(slopes, bends, strict=True)]
 
 
 def _roundness(curvature: np.ndarray) -> float:
     """Return how much blunter peaks are than valleys, in powers of two.
 
-    The sharpest valleys are compared with the sharpest peaks, and these with the flank of the distribution of
-    the curvatures. Both ratios grow where a tip has bounded the curvature of the peaks.
+    The sharpest valleys are compared with the sharpest peaks, and these with less sharp ones. Both ratios
+    grow where a tip has bounded the curvature of the peaks: many then have the curvature of the tip.
     """
-    peak, flank, valley = np.quantile(curvature, (_TAIL, _FLANK, 1 - _TAIL))
-    if not peak < flank < 0 < valley:
+    peak, shoulder, valley = np.quantile(curvature, (_TAIL, _SHOULDER, 1 - _TAIL))
+    if not peak < shoulder < 0 < valley:
         return 0.0
-    return float(np.log2(valley / -peak) + np.log2(_TAIL_OVER_FLANK * flank / peak))
+    return float(np.log2(valley / -peak) + np.log2(_TAIL_OVER_SHOULDER * shoulder / peak))
 
 
-def _pixel_roughness(curvatures: list[np.ndarray], pitches: list[float]) -> float:
-    """Return the rms height (m) of the white noise that has the second differences of a map."""
-    parts = [np.mean(part**2) * d**4 / 6 for part, d in zip(curvatures, pitches, strict=True)]
+def _pixel_roughness(bends: list[np.ndarray], pitches: list[float]) -> float:
+    """Return the rms height (m) of the white noise that has the second derivatives of a map."""
+    parts = [np.mean(part**2) * d**4 / 6 for part, d in zip(bends, pitches, strict=True)]
     return float(np.sqrt(min(parts)))
