@@ -75,8 +75,8 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
     pitches = [d for n, d in zip(values.shape, steps, strict=True) if n > 1]
     floor, top = _floor(power, frequency)
     white = floor * values.size * sum((np.pi / d) ** 2 / 3 for d in pitches)
-    slopes, bends = _derivatives(values, steps)
-    curvatures = _normal_curvatures(slopes, bends)
+    slopes, seconds = _derivatives(values, steps)
+    curvatures = _normal_curvatures(slopes, seconds)
     return {
         "spectrum_exponent": float(exponents.min()) - profile,
         "spectrum_end": float(2 * max(pitches) / places[fall]),
@@ -85,7 +85,7 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
         "top_exponent": top - profile,
         "noise_floor": float(np.sqrt(floor * values.size)),
         "noise_gradient_share": white / gradient,
-        "pixel_roughness": _pixel_roughness(bends, pitches),
+        "pixel_roughness": _pixel_roughness(seconds, pitches),
         "pixel_pitch": float(max(pitches)),
     }
 
@@ -179,9 +179,9 @@ def _floor(power: np.ndarray, frequency: np.ndarray) -> tuple[float, float]:
 
 
 def _derivatives(values: np.ndarray, steps: tuple[float, float]) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Return the first and second central differences along each axis at some points of the map."""
+    """Return first and second derivatives along each axis at some points of the map."""
     places = np.unravel_index(np.arange(0, values.size, max(1, values.size // _SAMPLE)), values.shape)
-    slopes, bends = [], []
+    slopes, seconds = [], []
     for axis, pitch in enumerate(steps):
         if values.shape[axis] > 1:
             before, after = (
@@ -189,18 +189,18 @@ def _derivatives(values: np.ndarray, steps: tuple[float, float]) -> tuple[list[n
                 for by in (-1, 1)
             )
             slopes.append((after - before) / (2 * pitch))
-            bends.append((before + after - 2 * values[places]) / pitch**2)
-    return slopes, bends
+            seconds.append((before + after - 2 * values[places]) / pitch**2)
+    return slopes, seconds
 
 
-def _normal_curvatures(slopes: list[np.ndarray], bends: list[np.ndarray]) -> list[np.ndarray]:
+def _normal_curvatures(slopes: list[np.ndarray], seconds: list[np.ndarray]) -> list[np.ndarray]:
     """Return the curvature of the normal sections along each axis, of a sphere the same at all slopes.
 
     A tip of radius R leaves no peak with a curvature below -1/R (Villarrubia 1997, J. Res. NIST 102, 425);
     the second derivative does fall below it, on slopes.
     """
     length = np.sqrt(1 + sum(slope**2 for slope in slopes))
-    return [bend / (1 + slope**2) / length for slope, bend in zip(slopes, bends, strict=True)]
+    return [second / (1 + slope**2) / length for slope, second in zip(slopes, seconds, strict=True)]
 
 
 def _roundness(curvature: np.ndarray) -> float:
@@ -215,7 +215,7 @@ def _roundness(curvature: np.ndarray) -> float:
     return float(np.log2(valley / -peak) + np.log2(_TAIL_OVER_SHOULDER * shoulder / peak))
 
 
-def _pixel_roughness(bends: list[np.ndarray], pitches: list[float]) -> float:
+def _pixel_roughness(seconds: list[np.ndarray], pitches: list[float]) -> float:
     """Return the rms height (m) of the white noise that has the second derivatives of a map."""
-    parts = [np.mean(part**2) * d**4 / 6 for part, d in zip(bends, pitches, strict=True)]
+    parts = [np.mean(part**2) * d**4 / 6 for part, d in zip(seconds, pitches, strict=True)]
     return float(np.sqrt(min(parts)))
