@@ -2,6 +2,7 @@
 
 import json
 
+import instruments
 import numpy as np
 import pytest
 import xarray as xr
@@ -21,7 +22,7 @@ from roughcontact.roughness.traces import (
 from roughcontact.statistics import instrument_checks as checks
 
 SHARP = {"spectrum_exponent": -3.6, "spectrum_end": 4e-6, "rounded_peaks": 0.1, "sharpest_peak_radius": 2e-6}
-SHARP |= {"pixel_pitch": 1e-6, "pixel_roughness": 1e-9}
+SHARP |= {"spectrum_bend": 0.1, "pixel_pitch": 1e-6, "pixel_roughness": 1e-9}
 FLAT = {"top_exponent": -1.0, "noise_floor": 2e-9, "noise_gradient_share": 0.15}
 
 
@@ -97,6 +98,32 @@ def test_a_tip_on_steep_walls_is_found():
     assert np.mean([_roundness(second) for second in seconds]) < checks.ROUNDED
 
 
+@pytest.mark.parametrize("hurst", [0.4, 0.8])
+def test_a_lens_that_resolves_little_more_than_the_pixels_is_found(hurst):
+    made = self_affine_surface((400, 400), 7e-7, hurst=hurst, shortest=1.4e-6, longest=7e-5, rms_height=1e-7)
+    lens = {"numerical_aperture": 0.3, "wavelength": 550e-9}
+    part = made.isel(y=slice(220), x=slice(220))
+    sharp, blurred = (
+        rc.periodic_window(rc.level(one)).attrs for one in (part, instruments.through_lens(part, **lens))
+    )
+    assert sharp["spectrum_bend"] == pytest.approx(0.3, abs=0.4)  # two standard errors above 0
+    assert checks.smoothed(sharp).outcome == "passed"
+    assert blurred["spectrum_exponent"] > checks.SPECTRUM_ENDS
+    assert "A lens that resolves little more than the pixels" in checks.smoothed(blurred).sentence
+    # half the wavelength over the aperture, as the settings make of it
+    known = checks.smoothed(blurred | {"instrument_resolution": 9.2e-7})
+    assert known[1:3] == ("passed", "The shortest waves are too low, as the settings say.")
+    # another lens, far sharper than the pixels, does not do this
+    assert checks.smoothed(blurred | {"instrument_resolution": 2e-7}).outcome == "look"
+
+
+def test_a_spectrum_of_few_strong_waves_does_not_tell_a_lens():
+    x = np.arange(200)[None, :]
+    lines = sum(np.cos(2 * np.pi * k * x / 10.3) / k**2 for k in (1, 2, 3))  # none in the last octave
+    window = window_of(1e-7 * lines + 1e-9 * surface(200) / surface(200).std())
+    assert window.attrs["spectrum_bend"] > checks.BENT
+
+
 def test_a_median_filter_is_found():
     window = window_of(ndimage.median_filter(surface(), 5))
     assert "a median filter does this" in checks.smoothed(window.attrs).sentence
@@ -116,7 +143,12 @@ def test_a_smoothed_profile_is_found():
 
 
 @pytest.mark.parametrize(
-    ("name", "limit"), [("spectrum_exponent", checks.SPECTRUM_ENDS), ("rounded_peaks", checks.ROUNDED)]
+    ("name", "limit"),
+    [
+        ("spectrum_exponent", checks.SPECTRUM_ENDS),
+        ("spectrum_bend", checks.BENT),
+        ("rounded_peaks", checks.ROUNDED),
+    ],
 )
 def test_smoothed_warns_just_beyond_its_limits(name, limit):
     step = 1e-6 if name == "rounded_peaks" else -1e-6

@@ -3,6 +3,9 @@
 Frequencies are counted in units of the Nyquist frequency of each axis: these traces belong to the pixels.
 """
 
+from itertools import pairwise
+from typing import NamedTuple
+
 import numpy as np
 import xarray as xr
 
@@ -17,6 +20,7 @@ _WAVES = 8  # in a band, fewer say little
 # bands over which an exponent is taken: less than an octave, so that noise hides little of a fall
 _ACROSS = 3
 _LOWEST = 0.19  # frequency from which on exponents are judged: below it a small map has few waves in a band
+_OCTAVES = (0.25, 0.5, 1.0)  # frequencies of the last two octaves
 _SAMPLE = 2**18  # quantiles are estimated from about so many points, medians from so many waves
 _TAIL, _SHOULDER = 0.001, 0.01  # quantiles of the curvature: its ends, and where these begin
 _TAIL_OVER_SHOULDER = 1.328  # their ratio for a normal distribution
@@ -26,6 +30,17 @@ _FEW_STEPS = 0.03  # of the median step between neighbours: steps up to it are c
 _QUANTA = 0.7  # scale of the exponential distribution of steps in units of their median: ln 2
 _COARSE = 0.4  # quantum over median step from which on most steps of zero are those of the quantisation
 _SAME = 1e-6  # of the median step: equal, but for rounding
+
+
+class _Bands(NamedTuple):
+    """Mean and median power in each band of frequency, and the relative standard error of the mean.
+
+    All are NaN in bands of too few waves.
+    """
+
+    mean: np.ndarray
+    median: np.ndarray
+    error: np.ndarray
 
 
 def instrument_traces(height: xr.DataArray) -> dict[str, float]:
@@ -43,6 +58,8 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
           less than an octave; for a profile, whose spectrum falls one power less, one is subtracted
         * `spectrum_end` (m): wavelength from which on it falls more steeply than `STEEPEST`, else where it is
           steepest
+        * `spectrum_bend`: change of the exponent from the last octave but one to the last one, of its 95 %
+          interval the upper end
         * `rounded_peaks`: how much blunter peaks are than valleys, in powers of two, 0 for normally
           distributed curvatures; `sharpest_peak_radius` (m): radius that 0.1 % of the points fall below
         * `top_exponent`: exponent of the spectrum over its highest octave, again as of an areal one
@@ -66,7 +83,7 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
     power, frequency = wave_power(values), _frequencies(values.shape)
     gradient = float((wavenumbers(values.shape, steps) ** 2 * halfplane_weights(values.shape) * power).sum())
     bands = _bands(power, frequency)
-    exponents, places = _exponents(*bands)
+    exponents, places = _exponents(bands)
     if exponents.size == 0 or gradient == 0:
         return {}
     profile = 1 in values.shape
@@ -80,6 +97,7 @@ def instrument_traces(height: xr.DataArray) -> dict[str, float]:
     return {
         "spectrum_exponent": float(exponents.min()) - profile,
         "spectrum_end": float(2 * max(pitches) / places[fall]),
+        "spectrum_bend": _bend(bands),
         "rounded_peaks": float(np.mean([_roundness(part) for part in curvatures])),
         "sharpest_peak_radius": float(-1 / np.mean([np.quantile(part, _TAIL) for part in curvatures])),
         "top_exponent": top - profile,
@@ -136,31 +154,53 @@ def _frequencies(shape: tuple[int, ...]) -> np.ndarray:
     return 2 * np.hypot(np.fft.fftfreq(ny)[:, None], np.fft.rfftfreq(nx)[None, :])
 
 
-def _bands(power: np.ndarray, frequency: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return mean and median power in each band of frequency, NaN in bands of too few waves."""
+def _bands(power: np.ndarray, frequency: np.ndarray) -> _Bands:
+    """Return what the waves of each band of frequency have."""
     band = np.digitize(frequency, _EDGES).ravel()
-    number = _EDGES.size + 1
-    count = np.bincount(band, minlength=number)
-    mean = np.bincount(band, weights=power.ravel(), minlength=number) / np.maximum(count, 1)
+    number, waves = _EDGES.size + 1, power.ravel()
+    count, total, squares = (
+        np.bincount(band, minlength=number, weights=weights) for weights in (None, waves, waves**2)
+    )
     every = max(1, power.size // _SAMPLE)
-    some, values = band[::every], power.ravel()[::every]
+    some, values = band[::every], waves[::every]
     median = np.array([np.median(values[some == k]) if (some == k).any() else np.nan for k in range(number)])
     enough = np.where(count >= _WAVES, 1.0, np.nan)
-    return (mean * enough)[1:-1], (median * enough)[1:-1]
+    mean = total / np.maximum(count, 1)
+    # a few strong waves, as of a texture, tell little of the others
+    error = np.sqrt(squares) / np.where(total > 0, total, np.nan)
+    return _Bands(*((part * enough)[1:-1] for part in (mean, median, error)))
 
 
-def _exponents(mean: np.ndarray, median: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _exponents(bands: _Bands) -> tuple[np.ndarray, np.ndarray]:
     """Return the exponents of the spectrum, and the frequencies they belong to.
 
     A periodic texture has peaks in the mean, and waves that a strong lay leaves empty pull the median down:
     the less steep of the two counts.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        falls = [np.log2(part[_ACROSS:] / part[:-_ACROSS]) / (_ACROSS / 4) for part in (mean, median)]
+        falls = [np.log2(part[_ACROSS:] / part[:-_ACROSS]) / (_ACROSS / 4) for part in bands[:2]]
     exponents = np.fmax(*falls)
     places = np.sqrt(_EDGES[1 + _ACROSS :] * _EDGES[: -1 - _ACROSS])
     judged = (places >= _LOWEST) & np.isfinite(exponents)
     return exponents[judged], places[judged]
+
+
+def _bend(bands: _Bands) -> float:
+    """Return by how much the exponent changes in the last octave, plus twice its standard error.
+
+    As in `_exponents` the less steep of mean and median counts. 0 where bands are empty.
+    """
+    centre = np.sqrt(_EDGES[1:] * _EDGES[:-1])
+    octaves = [(centre > low) & (centre < high) for low, high in pairwise(_OCTAVES)]
+    frequency = np.log2(centre[octaves[0]])
+    weight = (frequency - frequency.mean()) / frequency.var() / frequency.size  # of a regression line
+    with np.errstate(divide="ignore", invalid="ignore"):
+        changes = [
+            weight @ np.log2(power[octaves[1]]) - weight @ np.log2(power[octaves[0]]) for power in bands[:2]
+        ]
+    variance = sum(((weight * bands.error[octave] / np.log(2)) ** 2).sum() for octave in octaves)
+    bend = max(changes) + 2 * np.sqrt(variance)
+    return float(bend) if np.isfinite(bend) else 0.0
 
 
 def _floor(power: np.ndarray, frequency: np.ndarray) -> tuple[float, float]:

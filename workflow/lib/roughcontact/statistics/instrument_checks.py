@@ -23,6 +23,9 @@ from roughcontact.statistics.outcome import LOOK, NOT_MADE, PASSED, Check
 # Self-affine surfaces fall with an exponent of -2 to -4, those with a bounded curvature with -6; measured
 # maps that no filter touched reach -5.7. Filters, lenses and interpolation reach -8 to -20.
 SPECTRUM_ENDS = STEEPEST
+# Change of the exponent from the last octave but one to the last one. Measured maps reach -0.3; a lens that
+# makes areas 25 to 50 % too large, with no end before the pixel, gives -0.9 to -2.
+BENT = -0.75
 # Powers of two by which peaks are blunter than valleys. Measured maps mostly stay below 0.2, some of probe
 # microscopes reach 0.5, worn surfaces with deep scratches 0.3; a tip that changes the area by more than 5 %
 # mostly gives 0.8 to 3.
@@ -54,14 +57,14 @@ _MADE = "Not made: the map is periodic as it is, as made ones are."
 def smoothed(window: Attributes) -> Check:
     """Check that the map was measured down to its pixels.
 
-    Three traces are looked for: a spectrum that ends before the pixel (lens, Gaussian filter, interpolation),
-    peaks that are blunter than valleys (tip of a stylus), and repeated heights (median filter). What the
-    settings state or remove is no fault: the attributes `instrument_resolution` and `instrument_tip_radius`
-    (m), an S-filter, or a limit of the band.
+    Four traces are looked for: a spectrum that ends before the pixel (lens, Gaussian filter, interpolation),
+    one that bends down in its last octave (lens), peaks that are blunter than valleys (tip of a stylus), and
+    repeated heights (median filter). What the settings state or remove is no fault: the attributes
+    `instrument_resolution` and `instrument_tip_radius` (m), an S-filter, or a limit of the band.
 
     Examples
     --------
-    >>> sharp = {"spectrum_exponent": -3.6, "spectrum_end": 2e-6, "rounded_peaks": 0.0}
+    >>> sharp = {"spectrum_exponent": -3.6, "spectrum_end": 2e-6, "spectrum_bend": 0.1, "rounded_peaks": 0.0}
     >>> smoothed(sharp).sentence
     'The spectrum reaches down to the pixels: its steepest fall is q^−3.6.'
     >>> smoothed(sharp | {"spectrum_exponent": -11.0, "pixel_pitch": 5e-7}).outcome
@@ -71,38 +74,64 @@ def smoothed(window: Attributes) -> Check:
         return Check("Smoothed", NOT_MADE, _MADE)
     if "spectrum_exponent" not in window:
         return Check("Smoothed", NOT_MADE, "Not made: too few waves to judge the spectrum by.")
-    exponent = f"q^{number(window['spectrum_exponent'], digits=2)}"
-    found, known = [], []
-    if window["spectrum_exponent"] < SPECTRUM_ENDS:
-        end = window["spectrum_end"]
-        if end <= _removed_below(window):
-            known.append(f"Waves below {quantity(end, 'm', digits=2)} are missing, as the settings say")
-        else:
-            found.append(
-                f"Nothing was measured below a wavelength of {_in_pixels(end, window)}: the spectrum ends "
-                f"there, falling as {exponent}. A lens, a filter of the instrument's software or "
-                "interpolation does this; of surfaces only one without any shorter waves"
-            )
-    if window["rounded_peaks"] > ROUNDED:
-        radius = window["sharpest_peak_radius"]
-        if window.get("instrument_tip_radius", 0.0) > radius / 2:
-            known.append("Peaks are rounded, as the stated tip radius says")
-        else:
-            found.append(
-                f"Peaks are rounded, to radii of {quantity(radius, 'm', digits=2)} and more, and valleys are "
-                "sharp: the tip of a stylus or probe does this"
-            )
-    if window.get("repeated_heights", 0.0) > REPEATED:
-        found.append(
-            "Neighbouring points often have exactly the same height: a median filter does this, and leaves "
-            "little of waves below about five pixels"
-        )
+    traces = [_shape_of_spectrum(window), _blunt_peaks(window), _repeated_heights(window)]
+    found = [text for known, text in traces if text and not known]
     if found:
         return Check("Smoothed", LOOK, ". ".join([*found, _SMOOTHED_MEANS]))
-    if known:
-        return Check("Smoothed", PASSED, ". ".join(known) + ".")
-    text = f"The spectrum reaches down to the pixels: its steepest fall is {exponent}."
+    if stated := [text for _, text in traces if text]:
+        return Check("Smoothed", PASSED, ". ".join(stated) + ".")
+    text = f"The spectrum reaches down to the pixels: its steepest fall is {_exponent(window)}."
     return Check("Smoothed", PASSED, text)
+
+
+def _shape_of_spectrum(window: Attributes) -> tuple[bool, str]:
+    """Return whether the settings know why the spectrum ends or bends down, and a sentence if it does."""
+    end, limit = window["spectrum_end"], _removed_below(window)
+    if window["spectrum_exponent"] < SPECTRUM_ENDS:
+        if end <= limit:
+            return True, f"Waves below {quantity(end, 'm', digits=2)} are missing, as the settings say"
+        return False, (
+            f"Nothing was measured below a wavelength of {_in_pixels(end, window)}: the spectrum ends "
+            f"there, falling as {_exponent(window)}. A lens, a filter of the instrument's software or "
+            "interpolation does this; of surfaces only one without any shorter waves"
+        )
+    if window.get("spectrum_bend", 0.0) < BENT:
+        if window["pixel_pitch"] <= limit:
+            return True, "The shortest waves are too low, as the settings say"
+        return False, (
+            "The shortest waves are too low: in its last octave the spectrum falls more steeply than in the "
+            f"one before, its exponent by {number(-window['spectrum_bend'], digits=2)} or more. A lens that "
+            "resolves little more than the pixels does this"
+        )
+    return False, ""
+
+
+def _blunt_peaks(window: Attributes) -> tuple[bool, str]:
+    """Return whether the settings know why peaks are blunter than valleys, and a sentence if they are."""
+    if window["rounded_peaks"] <= ROUNDED:
+        return False, ""
+    radius = window["sharpest_peak_radius"]
+    if window.get("instrument_tip_radius", 0.0) > radius / 2:
+        return True, "Peaks are rounded, as the stated tip radius says"
+    return False, (
+        f"Peaks are rounded, to radii of {quantity(radius, 'm', digits=2)} and more, and valleys are "
+        "sharp: the tip of a stylus or probe does this"
+    )
+
+
+def _repeated_heights(window: Attributes) -> tuple[bool, str]:
+    """Return a sentence if heights are repeated, which no setting says."""
+    if window.get("repeated_heights", 0.0) <= REPEATED:
+        return False, ""
+    return False, (
+        "Neighbouring points often have exactly the same height: a median filter does this, and leaves "
+        "little of waves below about five pixels"
+    )
+
+
+def _exponent(window: Attributes) -> str:
+    """Return the steepest fall of the spectrum in words."""
+    return f"q^{number(window['spectrum_exponent'], digits=2)}"
 
 
 _SMOOTHED_MEANS = (
