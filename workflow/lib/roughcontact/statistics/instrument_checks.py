@@ -23,9 +23,9 @@ from roughcontact.statistics.outcome import LOOK, NOT_MADE, PASSED, Check
 # Self-affine surfaces fall with an exponent of -2 to -4, those with a bounded curvature with -6; measured
 # maps that no filter touched reach -5.7. Filters, lenses and interpolation reach -8 to -20.
 SPECTRUM_ENDS = STEEPEST
-# Change of the exponent from the last octave but one to the last one. Measured maps reach -0.3; a lens that
+# Change of the exponent from the last octave but one to the last one. Measured maps reach -0.9; a lens that
 # makes areas 25 to 50 % too large, with no end before the pixel, gives -0.9 to -2.
-BENT = -0.75
+BENT = -1.0
 # Powers of two by which peaks are blunter than valleys. Measured maps mostly stay below 0.2, some of probe
 # microscopes reach 0.5, worn surfaces with deep scratches 0.3; a tip that changes the area by more than 5 %
 # mostly gives 0.8 to 3.
