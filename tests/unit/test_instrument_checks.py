@@ -112,9 +112,28 @@ def test_a_lens_that_resolves_little_more_than_the_pixels_is_found(hurst):
     assert "A lens that resolves little more than the pixels" in checks.smoothed(blurred).sentence
     # half the wavelength over the aperture, as the settings make of it
     known = checks.smoothed(blurred | {"instrument_resolution": 9.2e-7})
-    assert known[1:3] == ("passed", "The shortest waves are too low, as the settings say.")
+    assert known[1:3] == ("passed", "The shortest waves are too low, as stated.")
     # another lens, far sharper than the pixels, does not do this
     assert checks.smoothed(blurred | {"instrument_resolution": 2e-7}).outcome == "look"
+
+
+@pytest.mark.parametrize("told", ["by nobody", "by the settings", "by the table", "by the file"])
+def test_a_lens_that_is_stated_is_no_fault(told):
+    made = self_affine_surface((150, 150), 3e-7, hurst=0.8, shortest=6e-7, longest=3e-5, rms_height=1e-7)
+    blurred = instruments.through_lens(made[:100, :100], numerical_aperture=0.3, wavelength=550e-9)
+    instrument = {"numerical_aperture": 0.3}
+    if told == "by the table":
+        blurred.attrs["instrument_numerical_aperture"] = 0.3
+    elif told == "by the file":
+        blurred.attrs["instrument"] = json.dumps(instrument)
+    found = rc.evaluate(
+        blurred,
+        contact={"contact_modulus": 1e9, "relative_pressure": 0.1},
+        uncertainty={"sources": ["solver"]},
+        instrument=instrument if told == "by the settings" else None,
+    )
+    reasons = [reason["check"] for reason in json.loads(found.attrs["reasons"])]
+    assert ("Smoothed" in reasons) == (told == "by nobody")
 
 
 def test_a_spectrum_of_few_strong_waves_does_not_tell_a_lens():
@@ -172,7 +191,7 @@ def test_repeated_heights_warn_just_beyond_the_limit():
 def test_what_the_settings_say_is_no_fault(known):
     ends = SHARP | {"spectrum_exponent": -12.0}
     assert checks.smoothed(ends).outcome == "look"
-    assert checks.smoothed(ends | known).sentence == "Waves below 4.0 µm are missing, as the settings say."
+    assert checks.smoothed(ends | known).sentence == "Waves below 4.0 µm are missing, as stated."
 
 
 def test_the_sentence_of_a_smoothed_map():

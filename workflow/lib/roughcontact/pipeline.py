@@ -25,7 +25,8 @@ from roughcontact.statistics.subsurface import with_subsurface_yield
 from roughcontact.statistics.targets import wanted_loads
 from roughcontact.uncertainty.budget import MATERIAL_UNCERTAINTIES, budget_inputs, error_budget
 from roughcontact.variables import describe
-from roughcontact.window.instrument import window_arguments
+from roughcontact.window.band import lateral_period_limit
+from roughcontact.window.instrument import stated_instrument, window_arguments
 from roughcontact.window.periodic_window import periodic_window
 
 _BAND = ("band_shortest", "band_longest", "band_reason", "corrected_for")
@@ -251,6 +252,9 @@ def complete_statistics(
     complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])
     stated = settings.get("instrument", {}).items()
     known: dict[str, Any] = {f"instrument_{key}": value for key, value in stated if isinstance(value, float)}
+    lens = stated_instrument(window, settings.get("instrument"))
+    if aperture := lens.get("numerical_aperture"):
+        known["lateral_period_limit"] = lateral_period_limit(aperture, lens.get("wavelength"))
     # what a group of maps has to have in common
     known |= {key: window.attrs[key] for key in _BAND if key in window.attrs}
     if all(settings["contact"].get(key) is None for key in ("mean_pressure", "relative_pressure")):

@@ -116,7 +116,8 @@ def surface_checks(
     -------
     list of Check
     """
-    stated = {key: value for key, value in statistics.attrs.items() if str(key).startswith("instrument_")}
+    told = ("instrument_", "lateral_period_limit")
+    stated = {key: value for key, value in statistics.attrs.items() if str(key).startswith(told)}
     window = {**stated, **window}  # the table of surfaces prevails over the settings
     found = [
         contact_checks.units(statistics),

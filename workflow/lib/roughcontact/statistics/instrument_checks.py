@@ -59,8 +59,9 @@ def smoothed(window: Attributes) -> Check:
 
     Four traces are looked for: a spectrum that ends before the pixel (lens, Gaussian filter, interpolation),
     one that bends down in its last octave (lens), peaks that are blunter than valleys (tip of a stylus), and
-    repeated heights (median filter). What the settings state or remove is no fault: the attributes
-    `instrument_resolution` and `instrument_tip_radius` (m), an S-filter, or a limit of the band.
+    repeated heights (median filter). What is stated or removed is no fault: the attributes
+    `lateral_period_limit` (of a lens), `instrument_resolution` and `instrument_tip_radius` (m), an S-filter,
+    or a limit of the band.
 
     Examples
     --------
@@ -89,7 +90,7 @@ def _shape_of_spectrum(window: Attributes) -> tuple[bool, str]:
     end, limit = window["spectrum_end"], _removed_below(window)
     if window["spectrum_exponent"] < SPECTRUM_ENDS:
         if end <= limit:
-            return True, f"Waves below {quantity(end, 'm', digits=2)} are missing, as the settings say"
+            return True, f"Waves below {quantity(end, 'm', digits=2)} are missing, as stated"
         return False, (
             f"Nothing was measured below a wavelength of {_in_pixels(end, window)}: the spectrum ends "
             f"there, falling as {_exponent(window)}. A lens, a filter of the instrument's software or "
@@ -97,7 +98,7 @@ def _shape_of_spectrum(window: Attributes) -> tuple[bool, str]:
         )
     if window.get("spectrum_bend", 0.0) < BENT:
         if window["pixel_pitch"] <= limit:
-            return True, "The shortest waves are too low, as the settings say"
+            return True, "The shortest waves are too low, as stated"
         return False, (
             "The shortest waves are too low: in its last octave the spectrum falls more steeply than in the "
             f"one before, its exponent by {number(-window['spectrum_bend'], digits=2)} or more. A lens that "
@@ -143,7 +144,7 @@ _SMOOTHED_MEANS = (
 
 def _removed_below(window: Attributes) -> float:
     """Return the wavelength below which the settings remove waves or say that none was measured."""
-    limits = [float(window.get("instrument_resolution", 0.0))]
+    limits = [float(window.get(name, 0.0)) for name in ("instrument_resolution", "lateral_period_limit")]
     if window.get("band_reason", "the grid") != "the grid":
         limits.append(float(window["band_shortest"]))
     # a Gaussian filter passes half at its nesting index; the fall that is found lies below it

@@ -23,14 +23,7 @@ def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
     """Return the shortest wavelength (m) that a map resolves reliably, and what limits it.
 
     It is two pixels (of the coarser pitch) or, if that is longer and the file states the numerical aperture
-    NA of the lens (attribute `instrument`, JSON), the wavelength at which the lens passes half of the
-    contrast, 1.24 L / NA for green light, L = 550 nm: the lateral period limit [1]_ of a diffraction-limited
-    lens in incoherent light [2]_.
-
-    References
-    ----------
-    .. [1] ISO 25178-600:2019, metrological characteristics for areal topography measuring methods.
-    .. [2] Goodman, J. W. (1968), Introduction to Fourier Optics, section 6-3.
+    of the lens (attribute `instrument`, JSON), its `lateral_period_limit` in green light.
 
     Examples
     --------
@@ -47,13 +40,33 @@ def reliable_wavelength(height: xr.DataArray) -> tuple[float, str]:
     known = [(2 * pitch, "two pixels")]
     aperture = numerical_aperture(json.loads(height.attrs.get("instrument", "{}")))
     if aperture:
-        known.append(
-            (
-                LIGHT_WAVELENGTH / (2 * aperture * _HALF_CONTRAST),
-                f"the lens (numerical aperture {aperture:g})",
-            )
-        )
+        known.append((lateral_period_limit(aperture), f"the lens (numerical aperture {aperture:g})"))
     return max(known)
+
+
+def lateral_period_limit(aperture: float, light: float | None = None) -> float:
+    """Return the wavelength (m) at which a lens passes half of the contrast [1]_.
+
+    It is 1.24 L / NA for a diffraction-limited lens in incoherent light of the wavelength L [2]_.
+
+    Parameters
+    ----------
+    aperture : float
+        numerical aperture.
+    light : float, m, optional
+        wavelength of the light, 550 nm unless known.
+
+    References
+    ----------
+    .. [1] ISO 25178-600:2019, metrological characteristics for areal topography measuring methods.
+    .. [2] Goodman, J. W. (1968), Introduction to Fourier Optics, section 6-3.
+
+    Examples
+    --------
+    >>> f"{lateral_period_limit(0.3):.3g}"
+    '2.27e-06'
+    """
+    return (light or LIGHT_WAVELENGTH) / (2 * aperture * _HALF_CONTRAST)
 
 
 def limit_band(
