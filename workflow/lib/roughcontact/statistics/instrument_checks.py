@@ -87,8 +87,9 @@ def smoothed(window: Attributes) -> Check:
 
 def _shape_of_spectrum(window: Attributes) -> tuple[bool, str]:
     """Return whether the settings know why the spectrum ends or bends down, and a sentence if it does."""
-    end, limit = window["spectrum_end"], _removed_below(window)
+    limit = _removed_below(window)
     if window["spectrum_exponent"] < SPECTRUM_ENDS:
+        end = window["spectrum_end"]
         if end <= limit:
             return True, f"Waves below {quantity(end, 'm', digits=2)} are missing, as stated"
         return False, (
