@@ -196,9 +196,7 @@ def test_what_the_settings_say_is_no_fault(known):
 
 def test_the_sentence_of_a_smoothed_map():
     sentence = checks.smoothed(SHARP | {"spectrum_exponent": -12.0}).sentence
-    assert sentence.startswith(
-        "Nothing was measured below a wavelength of 4.0 µm (4.0 pixels): the spectrum ends"
-    )
+    assert sentence.startswith("No waves were measured below 4.0 µm (4.0 pixels): the spectrum ends")
     assert "Contact areas are then too large, pressures and gaps too small" in sentence
     assert "instrument.resolution" in sentence
     assert "level.s_filter" in sentence

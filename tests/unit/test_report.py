@@ -365,7 +365,7 @@ def test_a_good_surface_passes_every_check(good):
 
 
 ADVICE = {
-    *("Average", "Check", "Compare", "Export", "Measure", "Remove", "See", "Treat", "Unless", "Use"),
+    *("Average", "Check", "Compare", "Export", "Measure", "Remove", "See", "State", "Treat", "Unless", "Use"),
 }
 
 

@@ -9,6 +9,7 @@ measured (`instrument` is what the file says of it, as JSON) and of the periodic
 
 import json
 import re
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -51,6 +52,12 @@ _SQUARE = "mean square gradient"
 _PROBE_PIXEL = 1e-7  # a smaller pixel is that of a probe microscope, whatever the file says
 _CAMERA = (1e-6, 6e-5)  # pitch of camera pixels, binned ones included
 
+_UNFILTERED = "export the map without filters"
+_RESOLVED = "state instrument.resolution or .numerical_aperture"
+_SMOOTHED_MEANS = (
+    "Contact areas are then too large, pressures and gaps too small, but not those of longer waves alone "
+    "(level.s_filter, coarser pixels)"
+)
 _MADE = "Not made: the map is periodic as it is, as made ones are."
 
 
@@ -75,72 +82,85 @@ def smoothed(window: Attributes) -> Check:
         return Check("Smoothed", NOT_MADE, _MADE)
     if "spectrum_exponent" not in window:
         return Check("Smoothed", NOT_MADE, "Not made: too few waves to judge the spectrum by.")
-    traces = [_shape_of_spectrum(window), _blunt_peaks(window), _repeated_heights(window)]
-    found = [text for known, text in traces if text and not known]
-    if found:
-        return Check("Smoothed", LOOK, ". ".join([*found, _SMOOTHED_MEANS]))
-    if stated := [text for _, text in traces if text]:
-        return Check("Smoothed", PASSED, ". ".join(stated) + ".")
+    traces = [
+        trace
+        for trace in (_shape_of_spectrum(window), _blunt_peaks(window), _repeated_heights(window))
+        if trace
+    ]
+    if found := [trace for trace in traces if trace.ways_out]:
+        ways_out = ", or ".join(dict.fromkeys(way for trace in found for way in trace.ways_out))
+        sentences = [
+            *(trace.sentence for trace in found),
+            _SMOOTHED_MEANS,
+            ways_out[0].upper() + ways_out[1:],
+        ]
+        return Check("Smoothed", LOOK, ". ".join(sentences) + ".")
+    if traces:
+        return Check("Smoothed", PASSED, ". ".join(trace.sentence for trace in traces) + ".")
     text = f"The spectrum reaches down to the pixels: its steepest fall is {_exponent(window)}."
     return Check("Smoothed", PASSED, text)
 
 
-def _shape_of_spectrum(window: Attributes) -> tuple[bool, str]:
-    """Return whether the settings know why the spectrum ends or bends down, and a sentence if it does."""
+class _Trace(NamedTuple):
+    """What an instrument left in a map, and what the user can do; nothing where it is stated."""
+
+    sentence: str
+    ways_out: tuple[str, ...] = ()
+
+
+def _shape_of_spectrum(window: Attributes) -> _Trace | None:
+    """Return the trace of a spectrum that ends or bends down before the pixels."""
     limit = _removed_below(window)
     if window["spectrum_exponent"] < SPECTRUM_ENDS:
         end = window["spectrum_end"]
         if end <= limit:
-            return True, f"Waves below {quantity(end, 'm', digits=2)} are missing, as stated"
-        return False, (
-            f"Nothing was measured below a wavelength of {_in_pixels(end, window)}: the spectrum ends "
+            return _Trace(f"Waves below {quantity(end, 'm', digits=2)} are missing, as stated")
+        return _Trace(
+            f"No waves were measured below {_in_pixels(end, window)}: the spectrum ends "
             f"there, falling as {_exponent(window)}. A lens, a filter of the instrument's software or "
-            "interpolation does this; of surfaces only one without any shorter waves"
+            "interpolation does this; of surfaces only one without any shorter waves",
+            (_UNFILTERED, _RESOLVED),
         )
     if window.get("spectrum_bend", 0.0) < BENT:
         if window["pixel_pitch"] <= limit:
-            return True, "The shortest waves are too low, as stated"
-        return False, (
+            return _Trace("The shortest waves are too low, as stated")
+        return _Trace(
             "The shortest waves are too low: in its last octave the spectrum falls more steeply than in the "
             f"one before, its exponent by {number(-window['spectrum_bend'], digits=2)} or more. A lens that "
-            "resolves little more than the pixels does this"
+            "resolves little more than the pixels does this",
+            ("state the lens (instrument.numerical_aperture or .resolution)",),
         )
-    return False, ""
+    return None
 
 
-def _blunt_peaks(window: Attributes) -> tuple[bool, str]:
-    """Return whether the settings know why peaks are blunter than valleys, and a sentence if they are."""
+def _blunt_peaks(window: Attributes) -> _Trace | None:
+    """Return the trace of a tip."""
     if window["rounded_peaks"] <= ROUNDED:
-        return False, ""
+        return None
     radius = window["sharpest_peak_radius"]
     if window.get("instrument_tip_radius", 0.0) > radius / 2:
-        return True, "Peaks are rounded, as the stated tip radius says"
-    return False, (
+        return _Trace("Peaks are rounded, as the stated tip radius says")
+    return _Trace(
         f"Peaks are rounded, to radii of {quantity(radius, 'm', digits=2)} and more, and valleys are "
-        "sharp: the tip of a stylus or probe does this"
+        "sharp: the tip of a stylus or probe does this",
+        ("state the tip (instrument.tip_radius)",),
     )
 
 
-def _repeated_heights(window: Attributes) -> tuple[bool, str]:
-    """Return a sentence if heights are repeated, which no setting says."""
+def _repeated_heights(window: Attributes) -> _Trace | None:
+    """Return the trace of a median filter, which no setting states."""
     if window.get("repeated_heights", 0.0) <= REPEATED:
-        return False, ""
-    return False, (
+        return None
+    return _Trace(
         "Neighbouring points often have exactly the same height: a median filter does this, and leaves "
-        "little of waves below about five pixels"
+        "little of waves below about five pixels",
+        (_UNFILTERED,),
     )
 
 
 def _exponent(window: Attributes) -> str:
     """Return the steepest fall of the spectrum in words."""
     return f"q^{number(window['spectrum_exponent'], digits=2)}"
-
-
-_SMOOTHED_MEANS = (
-    "Contact areas are then too large, pressures and gaps too small. Export the map without filters, state "
-    "what the instrument resolves (instrument.resolution, .numerical_aperture or .tip_radius), or limit the "
-    "question to longer waves with level.s_filter or coarser pixels."
-)
 
 
 def _removed_below(window: Attributes) -> float:
