@@ -250,11 +250,12 @@ def complete_statistics(
     """
     yielding = with_first_yield(counted, window, settings["contact"], threads=threads)
     complete = with_subsurface_yield(with_uncertainty(yielding, budget), settings["contact"]["bodies"])
-    stated = settings.get("instrument", {}).items()
-    known: dict[str, Any] = {f"instrument_{key}": value for key, value in stated if isinstance(value, float)}
-    lens = stated_instrument(window, settings.get("instrument"))
-    if aperture := lens.get("numerical_aperture"):
-        known["lateral_period_limit"] = lateral_period_limit(aperture, lens.get("wavelength"))
+    stated = stated_instrument(window, settings.get("instrument"))
+    known: dict[str, Any] = {
+        f"instrument_{key}": value for key, value in stated.items() if isinstance(value, float)
+    }
+    if aperture := stated.get("numerical_aperture"):
+        known["instrument_lateral_period_limit"] = lateral_period_limit(aperture, stated.get("wavelength"))
     # what a group of maps has to have in common
     known |= {key: window.attrs[key] for key in _BAND if key in window.attrs}
     if all(settings["contact"].get(key) is None for key in ("mean_pressure", "relative_pressure")):

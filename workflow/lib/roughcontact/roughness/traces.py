@@ -191,14 +191,12 @@ def _bend(bands: _Bands) -> float:
     As in `_exponents` the less steep of mean and median counts. 0 where bands are empty.
     """
     centre = np.sqrt(_EDGES[1:] * _EDGES[:-1])
-    octaves = [(centre > low) & (centre < high) for low, high in pairwise(_OCTAVES)]
-    frequency = np.log2(centre[octaves[0]])
+    before, last = ((centre > low) & (centre < high) for low, high in pairwise(_OCTAVES))
+    frequency = np.log2(centre[last])
     weight = (frequency - frequency.mean()) / frequency.var() / frequency.size  # of a regression line
     with np.errstate(divide="ignore", invalid="ignore"):
-        changes = [
-            weight @ np.log2(power[octaves[1]]) - weight @ np.log2(power[octaves[0]]) for power in bands[:2]
-        ]
-    variance = sum(((weight * bands.error[octave] / np.log(2)) ** 2).sum() for octave in octaves)
+        changes = [weight @ np.log2(power[last] / power[before]) for power in bands[:2]]
+    variance = sum(((weight * bands.error[octave] / np.log(2)) ** 2).sum() for octave in (before, last))
     bend = max(changes) + 2 * np.sqrt(variance)
     return float(bend) if np.isfinite(bend) else 0.0
 
@@ -220,16 +218,14 @@ def _floor(power: np.ndarray, frequency: np.ndarray) -> tuple[float, float]:
 
 def _derivatives(values: np.ndarray, steps: tuple[float, float]) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Return first and second derivatives along each axis at some points of the map."""
-    places = np.unravel_index(np.arange(0, values.size, max(1, values.size // _SAMPLE)), values.shape)
+    every = max(1, values.size // _SAMPLE)
+    here = values.ravel()[::every]
     slopes, seconds = [], []
     for axis, pitch in enumerate(steps):
         if values.shape[axis] > 1:
-            before, after = (
-                values[tuple((at + by * (k == axis)) % values.shape[k] for k, at in enumerate(places))]
-                for by in (-1, 1)
-            )
+            before, after = (np.roll(values, by, axis).ravel()[::every] for by in (1, -1))
             slopes.append((after - before) / (2 * pitch))
-            seconds.append((before + after - 2 * values[places]) / pitch**2)
+            seconds.append((before + after - 2 * here) / pitch**2)
     return slopes, seconds
 
 

@@ -116,8 +116,7 @@ def surface_checks(
     -------
     list of Check
     """
-    told = ("instrument_", "lateral_period_limit")
-    stated = {key: value for key, value in statistics.attrs.items() if str(key).startswith(told)}
+    stated = {key: value for key, value in statistics.attrs.items() if str(key).startswith("instrument_")}
     window = {**stated, **window}  # the table of surfaces prevails over the settings
     found = [
         contact_checks.units(statistics),

@@ -67,8 +67,8 @@ def smoothed(window: Attributes) -> Check:
     Four traces are looked for: a spectrum that ends before the pixel (lens, Gaussian filter, interpolation),
     one that bends down in its last octave (lens), peaks that are blunter than valleys (tip of a stylus), and
     repeated heights (median filter). What is stated or removed is no fault: the attributes
-    `lateral_period_limit` (of a lens), `instrument_resolution` and `instrument_tip_radius` (m), an S-filter,
-    or a limit of the band.
+    `instrument_lateral_period_limit` (of a lens), `instrument_resolution` and `instrument_tip_radius` (m), an
+    S-filter, or a limit of the band.
 
     Examples
     --------
@@ -82,11 +82,8 @@ def smoothed(window: Attributes) -> Check:
         return Check("Smoothed", NOT_MADE, _MADE)
     if "spectrum_exponent" not in window:
         return Check("Smoothed", NOT_MADE, "Not made: too few waves to judge the spectrum by.")
-    traces = [
-        trace
-        for trace in (_shape_of_spectrum(window), _blunt_peaks(window), _repeated_heights(window))
-        if trace
-    ]
+    looked_for = (_shape_of_spectrum(window), _blunt_peaks(window), _repeated_heights(window))
+    traces = [trace for trace in looked_for if trace]
     if found := [trace for trace in traces if trace.ways_out]:
         ways_out = ", or ".join(dict.fromkeys(way for trace in found for way in trace.ways_out))
         sentences = [
@@ -165,7 +162,8 @@ def _exponent(window: Attributes) -> str:
 
 def _removed_below(window: Attributes) -> float:
     """Return the wavelength below which the settings remove waves or say that none was measured."""
-    limits = [float(window.get(name, 0.0)) for name in ("instrument_resolution", "lateral_period_limit")]
+    stated = ("instrument_resolution", "instrument_lateral_period_limit")
+    limits = [float(window.get(name, 0.0)) for name in stated]
     if window.get("band_reason", "the grid") != "the grid":
         limits.append(float(window["band_shortest"]))
     # a Gaussian filter passes half at its nesting index; the fall that is found lies below it
