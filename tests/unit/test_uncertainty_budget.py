@@ -15,6 +15,7 @@ from roughcontact.results.collect import summary_table
 from roughcontact.results.storage import read_dataset, write_dataset
 from roughcontact.statistics.contact_statistics import contact_statistics, with_uncertainty
 from roughcontact.uncertainty.budget import SOURCES, budget_inputs, combine, error_budget
+from roughcontact.uncertainty.combination import uncertainty_table
 from roughcontact.uncertainty.headline import QUANTITIES, headline
 from roughcontact.validation.coverage import measured_cases
 from roughcontact.window.periodic_window import periodic_window
@@ -79,6 +80,29 @@ def test_an_interval_may_reach_farther_up_than_down():
     assert float(found["mean_gap_upper"][0]) == pytest.approx(20 + np.hypot(4, 8))
     assert float(found["mean_gap_uncertainty"].sel(source="combined")[0]) == pytest.approx(np.hypot(4, 8))
     assert float(found["mean_contact_pressure_lower"][0]) == 19.0
+
+
+@pytest.mark.parametrize("shape", [(1, 22), (20, 20)])
+def test_a_map_too_small_for_parts_has_an_open_interval(shape):
+    sides = [min(256, 256 * (n - 1) + 1) for n in shape]
+    height = synthetic.self_affine_surface(
+        sides, 1e-6, hurst=0.8, shortest=4e-6, longest=256e-6, rms_gradient=0.1
+    )
+    levelled = level(height.isel(y=slice(shape[0]), x=slice(shape[1])))
+    found = error_budget(levelled, periodic_window(levelled), SETTINGS)
+    assert "too small" in found.attrs["window_flag"]
+    for name, lowest, highest in [
+        ("relative_contact_area", 0.0, 1.0),
+        ("mean_gap", 0.0, np.nan),
+        ("max_pressure", found["mean_pressure"].values, np.nan),
+    ]:
+        np.testing.assert_array_equal(found[f"{name}_lower"], np.broadcast_to(lowest, 2))
+        np.testing.assert_array_equal(found[f"{name}_upper"], np.broadcast_to(highest, 2))
+        assert np.isnan(found[f"{name}_uncertainty"].sel(source="combined")).all()
+        # what is known of this map by itself
+        assert np.isfinite(found[f"{name}_map_lower"]).all()
+    table = uncertainty_table(found)
+    assert np.isinf(table[table["source"].isin(["window", "combined"])]["standard_uncertainty_lower"]).all()
 
 
 def test_the_result_lies_in_its_interval(maps, budget):
@@ -172,6 +196,7 @@ def test_the_report_says_what_the_uncertainty_is_made_of(statistics):
     assert len(shown["magnification"]) == 5  # and the conductance
     assert all(image.startswith("data:image/svg") for _, image in shown["images"])
     left_out = statistics.copy(deep=True)
+    del left_out.attrs["window_reason"]
     for name in QUANTITIES:
         left_out[f"{name}_uncertainty"].loc[{"source": "window"}] = np.nan
     assert "window" not in shown_budget(left_out)["header"]

@@ -68,7 +68,8 @@ def shown_budget(numbers: xr.Dataset, loads: Sequence[int] = ()) -> dict[str, An
         )
     words = (numbers.attrs.get(key) for key in ("window_flag", "window_reason", "processing_reason"))
     notes = [word for word in words if word]
-    absent = [_WORDS[s] for s in _WORDS if s not in (*present, "combined")]
+    tried = ["window"] if "window_reason" in numbers.attrs else []  # not known leaves the interval open
+    absent = [_WORDS[s] for s in _WORDS if s not in (*present, *tried, "combined")]
     if absent:
         notes.append(f"Not in the ±: {', '.join(absent)}.")
     notes += _note_on_open_ends(numbers)

@@ -53,11 +53,11 @@ def combine(
         upper = (Q + sum b_i + sqrt(sum U_i²)) prod (1 + s_i/Q)
 
     each with the values of its side; where Q = 0 the shifts are added. A source that is absent, or NaN at a
-    load, does not count. b_i is the amount by which the result is known to be too low ([1]_, F.2.4.5): only
-    the pressure in contact, a mean over whole pixels, has such a bias. Shifts are changes of known direction
-    and unknown extent: noise, lens, tip, waves that are not resolved. The interval is limited to physical
-    values: the area lies between 0 and 1, the pressure in contact is at least the load, and no pressure
-    exceeds the hardness.
+    load, does not count; only `window`, NaN where a map is too small for parts, leaves both ends open. b_i is
+    the amount by which the result is known to be too low ([1]_, F.2.4.5): only the pressure in contact, a
+    mean over whole pixels, has such a bias. Shifts are changes of known direction and unknown extent: noise,
+    lens, tip, waves that are not resolved. The interval is limited to physical values: the area lies between
+    0 and 1, the pressure in contact is at least the load, and no pressure exceeds the hardness.
 
     Parameters
     ----------
@@ -186,7 +186,8 @@ def _rows(values: Mapping[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
     combined = np.broadcast_to(values["source"] == COMBINED, shape)
     unbounded = ~combined & (np.isnan(up) | np.isnan(shift_up))
     known = combined | unbounded | ~np.isnan(values[f"{name}_uncertainty"])
-    below, above = down / factor, np.where(unbounded, np.inf, up / factor)
+    below = np.where(~combined & np.isnan(down), np.inf, down / factor)
+    above = np.where(unbounded, np.inf, up / factor)
     lower_parts, upper_parts = (np.where(known & ~combined, part, 0.0) for part in (below, above))
     below[:, -1], above[:, -1] = (np.sqrt(np.sum(part**2, axis=1)) for part in (lower_parts, upper_parts))
     freedom[:, -1], factor[:, -1] = _effective(lower_parts, upper_parts, freedom)
@@ -258,8 +259,13 @@ def _components(
             if width in dataset or shift not in dataset:
                 parts[side][:, column] = dataset[width if width in dataset else name].values
             parts[side][:, column] -= parts["bias"][:, column]
+            if source == "window":  # without parts of a map nothing bounds what other places would give
+                unknown = np.isnan(dataset[name].values)
+                parts[side][:, column] = np.where(unknown, np.inf, parts[side][:, column])
     absent = np.isnan(parts["shown"])
-    return {key: np.where(absent, 0.0, part) if key != "shown" else part for key, part in parts.items()}
+    for key in _PARTS:
+        parts[key] = np.where(absent & ~np.isinf(parts[key]), 0.0, parts[key])
+    return parts
 
 
 def _half_widths(
@@ -274,8 +280,10 @@ def _half_widths(
     with np.errstate(invalid="ignore"):
         reduction = 1 - np.prod(np.maximum(1 - below / scale, 0.0), axis=1)
         growth = np.prod(1 + above / scale, axis=1) - 1
-        down = down + np.where(positive, (value - down) * reduction, below.sum(axis=1))
-        up = up + np.where(positive, (value + up) * growth, above.sum(axis=1))
+        down = np.where(
+            np.isinf(down), down, down + np.where(positive, (value - down) * reduction, below.sum(axis=1))
+        )
+        up = np.where(np.isinf(up), up, up + np.where(positive, (value + up) * growth, above.sum(axis=1)))
     nothing = np.isnan(parts["shown"][:, columns]).all(axis=1)
     return np.where(nothing, np.nan, down), np.where(nothing, np.nan, up)
 
