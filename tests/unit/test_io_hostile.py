@@ -12,7 +12,6 @@ import xarray as xr
 from roughcontact.errors import InputFileError
 from roughcontact.io.inspection import inspect_file
 from roughcontact.io.read import read_height_map
-from roughcontact.results.storage import read_dataset, write_dataset
 
 HEIGHTS = 1e-7 * np.random.default_rng(0).standard_normal((16, 16))
 
@@ -51,24 +50,6 @@ def test_a_flipped_byte_in_hdf5_gives_a_map_or_an_error_of_ours(tmp_path, place)
     except InputFileError as error:
         said = str(error)
     assert str(path) in said
-
-
-def test_a_damaged_result_is_named_with_the_way_out(tmp_path):
-    path = tmp_path / "gap.nc"
-    write_dataset(xr.Dataset({"mean_gap": ("load", [2e-7])}), path)
-    data = path.read_bytes()
-    said = []
-    for place in range(0, len(data), max(1, len(data) // 60)):
-        damaged = bytearray(data)
-        damaged[place] ^= 0x55
-        path.write_bytes(bytes(damaged))
-        try:
-            read_dataset(path)
-        except InputFileError as error:
-            said.append(str(error))
-    assert len(said) > 3
-    assert all("gap.nc: not readable as netCDF" in message for message in said)
-    assert all(message.endswith("delete it and run again") for message in said)
 
 
 def test_coordinates_and_variables_too_long_are_never_read(tmp_path):

@@ -23,6 +23,8 @@ from roughcontact.configuration.resolve import resolve
 from roughcontact.configuration.surfaces import read_surfaces
 from roughcontact.configuration.yaml_text import check_yaml
 from roughcontact.errors import SettingsError
+from roughcontact.maps import height_map
+from roughcontact.results.storage import write_dataset
 
 CHECKOUT = Path(__file__).parents[2]
 BODIES = ("--body", "210GPa", "0.3", "--body", "4GPa", "0.4", "0.3GPa")
@@ -354,3 +356,23 @@ def test_a_configuration_of_aliases_is_looked_at_once(folder, capsys):
     (folder / "settings.yaml").write_text("\n".join(lines))
     assert main(["run", "--configfile", "settings.yaml"]) == 2
     assert "settings.yaml, line 1: mean_pressure occurs twice in the same group" in capsys.readouterr().err
+
+
+def test_no_run_begins_over_damaged_results(folder, capsys):
+    """It would leave them as they are, and end well."""
+    (folder / "map.npy").touch()
+    assert main(["init", "map.npy"]) == 0
+    paths = [folder / f"results/{name}" for name in ("a/contact.nc", "a/window.nc", "statistics.nc")]
+    for path in paths:
+        write_dataset(height_map(np.eye(16), 1e-6), path)
+    for path in paths[::2]:
+        content = bytearray(path.read_bytes())
+        content[len(content) // 2] ^= 1
+        path.write_bytes(content)
+    assert main(["run", "--cores", "1"]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.partition(": damaged")[0].rpartition("results/")[2] for line in lines] == [
+        "a/contact.nc",
+        "statistics.nc",
+    ]
+    assert all(line.endswith("; delete it (of a surface: its folder) and run again") for line in lines)

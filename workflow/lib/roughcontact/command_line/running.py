@@ -16,7 +16,8 @@ from typing import Any
 from roughcontact.command_line.hold import Hold, held, left_locked, remove_scripts
 from roughcontact.configuration.places import check_places, check_writable
 from roughcontact.configuration.yaml_text import check_yaml
-from roughcontact.errors import SettingsError
+from roughcontact.errors import InputFileError, SettingsError
+from roughcontact.io.seal import check_seal
 
 PACKAGE = Path(__file__).parents[1]
 _PROFILES = ("--profile", "--workflow-profile", "--executor", "-e")
@@ -177,6 +178,8 @@ def run_workflow(arguments: Sequence[str]) -> int:
     ------
     SettingsError
         where a run cannot begin: Snakemake, a configuration file or the right to write is missing.
+    InputFileError
+        for results that are not as they were written; a run would leave them as they are.
     """
     given = _understood(arguments)
     _check_start(given)
@@ -189,11 +192,11 @@ def run_workflow(arguments: Sequence[str]) -> int:
         command += ["--workflow-profile", "none"]
     unlocks, folder = "--unlock" in arguments, given.directory
     hold: AbstractContextManager[Hold]
-    if any(map(_SHOWS.fullmatch, arguments)) and "--report-after-run" not in arguments:
-        hold = nullcontext(Hold([], "", killed=left_locked(folder)))
-    else:
-        hold = held(folder, unlocks=unlocks)
+    shows = any(map(_SHOWS.fullmatch, arguments)) and "--report-after-run" not in arguments
+    hold = nullcontext(Hold([], "", killed=left_locked(folder))) if shows else held(folder, unlocks=unlocks)
     with hold as (files, run, killed):
+        if not (shows or unlocks):
+            _check_results(folder / "results")
         if killed and not unlocks:
             print("The last run in this folder was killed: it is continued.", file=sys.stderr, flush=True)
             if code := _wait([*command, "--unlock", *arguments, "--quiet"], folder, files=files):
@@ -239,6 +242,22 @@ def _check_start(given: argparse.Namespace) -> None:
         check_yaml(found[0])
     check_places(given.directory)
     check_writable(given.directory)
+
+
+def _check_results(folder: Path) -> None:
+    """Raise an error that names every result which is not as it was written: a run would let it stay."""
+    damaged = []
+    for path in sorted(path for path in folder.rglob("*.nc") if not path.is_symlink()):
+        try:
+            if not check_seal(path):
+                from roughcontact.results.storage import opened_dataset
+
+                with opened_dataset(path):
+                    pass
+        except InputFileError as error:
+            damaged.append(str(error))
+    if damaged:
+        raise InputFileError("\n".join(damaged))
 
 
 def _cache(folder: Path) -> dict[str, str]:

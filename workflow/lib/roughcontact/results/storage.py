@@ -18,8 +18,9 @@ import pandas as pd
 import xarray as xr
 
 from roughcontact import __version__
-from roughcontact.errors import InputFileError, OutputFileError
+from roughcontact.errors import InputFileError, OutputFileError, RoughContactError
 from roughcontact.io.guards import brief
+from roughcontact.io.seal import WAY_OUT, check_seal, seal
 from roughcontact.variables import describe
 
 if TYPE_CHECKING:
@@ -36,15 +37,12 @@ class Array(NamedTuple):
 
 
 _COMPRESSED_FROM = 4096  # elements; below that a compressed chunk costs more than it saves
-_CHECKED_FROM = (
-    256  # elements; the checksum needs a chunk, which in smaller arrays makes tables a quarter larger
-)
-_CHECKED: dict[str, Any] = {"fletcher32": True}  # a flipped bit becomes an error, not a number
-_COMPRESSION = _CHECKED | {"zlib": True, "complevel": 1, "shuffle": True}
+_COMPRESSION: dict[str, Any] = {"zlib": True, "complevel": 1, "shuffle": True}
 _PIECE = (1, 512, 1024)  # chunk of a map: loads are read one by one
 _AS_NOISE = ("gap",)  # nearly random digits: compression takes longer than the solution, and saves a sixth
 _CACHE = 2**20  # bytes of a variable that are kept in memory: less than a chunk
 _BYTES_OF_MAPS = 17  # at most, of a point under one load: pressure, gap and contact
+_SEALED = "CRC-32 in the last line of the file"  # the attribute `digest`: without that line the file is cut
 
 
 # packages that may affect a number, as far as they are installed; Snakemake started the jobs
@@ -151,8 +149,9 @@ def _commit() -> str:
 def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
     """Write a dataset as netCDF-4, to a temporary name first, so that no half file is ever seen.
 
-    Every variable gets its unit and description from `roughcontact.variables`. Arrays of 256 elements and
-    more carry checksums; those of 4096 and more are compressed (fastest zlib, byte shuffle), but for the gap.
+    Every variable gets its unit and description from `roughcontact.variables`. Arrays of 4096 elements and
+    more are compressed (fastest zlib, byte shuffle), but for the gap. The last line of the file is a checksum
+    of all before it, which every function that reads results compares.
 
     Parameters
     ----------
@@ -184,7 +183,7 @@ def write_dataset(dataset: xr.Dataset | xr.DataArray, path: str | Path) -> None:
 
 
 def _write(dataset: xr.Dataset, path: Path, *, mode: Literal["w", "a"] = "w") -> None:
-    """Write a described dataset to a file, or beside what it holds."""
+    """Write a described dataset to a file, or beside what it holds, and the checksum of all of it."""
     encoding: dict[Hashable, dict[str, Any]] = {}
     for name, variable in dataset.variables.items():
         encoding[name] = {"_FillValue": None}
@@ -194,15 +193,14 @@ def _write(dataset: xr.Dataset, path: Path, *, mode: Literal["w", "a"] = "w") ->
             continue
         if variable.size >= _COMPRESSED_FROM:
             encoding[name] |= _packed(str(name), variable)
-        elif variable.size >= _CHECKED_FROM:
-            encoding[name] |= _CHECKED
     with _uncached():
-        dataset.to_netcdf(path, engine="netcdf4", mode=mode, encoding=encoding)
+        dataset.assign_attrs(digest=_SEALED).to_netcdf(path, engine="netcdf4", mode=mode, encoding=encoding)
+    seal(path)
 
 
 def _packed(name: str, variable: xr.Variable | xr.DataArray) -> dict[str, Any]:
     """Return the encoding of a large variable; maps of loads in chunks of one load."""
-    packed = _CHECKED if name in _AS_NOISE else _COMPRESSION
+    packed = {} if name in _AS_NOISE else _COMPRESSION
     if variable.dims[1:] != ("y", "x"):
         return packed
     return packed | {"chunksizes": tuple(map(min, _PIECE, variable.shape))}
@@ -344,10 +342,11 @@ def opened_dataset(path: str | Path) -> Iterator[xr.Dataset]:
     InputFileError
         where the file is missing, damaged or no netCDF file, also if that shows only within the block.
     """
-    with _readable(path):
+    with _readable(path) as sealed:
         with _uncached():
             dataset = xr.open_dataset(path, engine="netcdf4")
         with dataset:
+            _take_digest(dataset.attrs, path, sealed)
             yield dataset
 
 
@@ -368,15 +367,24 @@ def _uncached() -> Iterator[None]:
 
 
 @contextmanager
-def _readable(path: str | Path) -> Iterator[None]:
-    """Raise an `InputFileError` with the way out for a result file that cannot be read."""
+def _readable(path: str | Path) -> Iterator[int]:
+    """Yield the bytes of the seal of a result file; raise an `InputFileError` where it cannot be read."""
     try:
-        yield
-    except InputFileError:
+        yield check_seal(path)
+    except RoughContactError:
         raise
     except Exception as error:  # the libraries raise errors of many types on what is damaged
         why = brief(error)
-        raise InputFileError(f"{path}: not readable as netCDF ({why}); delete it and run again") from error
+        raise InputFileError(f"{path}: not readable as netCDF ({why}); {WAY_OUT}") from error
+
+
+def _take_digest(attrs: dict[str, Any], path: str | Path, sealed: int) -> None:
+    """Remove the attribute that a file has of its seal; raise an `InputFileError` where there is no seal."""
+    if attrs.pop("digest", None) and not sealed:
+        raise InputFileError(
+            f"{path}: states a {_SEALED}, which is not there: cut off, or changed by another program; "
+            f"{WAY_OUT}, or, if it is to be read as it is, remove its attribute `digest`"
+        )
 
 
 def read_arrays(path: str | Path) -> tuple[dict[str, Array], dict[str, Any]]:
@@ -397,10 +405,12 @@ def read_arrays(path: str | Path) -> tuple[dict[str, Array], dict[str, Any]]:
     """
     from netCDF4 import Dataset
 
-    with _readable(path), Dataset(path) as file:
+    with _readable(path) as sealed, Dataset(path) as file:
         file.set_auto_maskandscale(False)
         arrays = {name: Array(found.dimensions, found[...]) for name, found in file.variables.items()}
-        return arrays, {name: file.getncattr(name) for name in file.ncattrs()}
+        attrs = {name: file.getncattr(name) for name in file.ncattrs()}
+        _take_digest(attrs, path, sealed)
+        return arrays, attrs
 
 
 def write_table(frame: pd.DataFrame, path: str | Path) -> None:

@@ -29,6 +29,7 @@ from roughcontact.io.guards import MAX_POINTS, brief, check_points
 from roughcontact.io.interface import Reader, RecognisedBy, head_of
 from roughcontact.io.lengths import compare_size
 from roughcontact.io.metadata import instrument_metadata
+from roughcontact.io.seal import check_seal
 from roughcontact.io.units import is_length, same_length
 
 _SCIPY = (b"CDF\x01", b"CDF\x02")  # read without the netCDF library
@@ -53,8 +54,9 @@ def read(path: Path) -> MeasuredFile:
     named height, heights or z come first.
     """
     head = head_of(path)
+    sealed = check_seal(path)
     needed = classic.check_header(path) if head.startswith(classic.MARKS) else hdf5.stated_size(path)
-    stale, notes = ("", []) if needed is None else compare_size(path, needed)
+    stale, notes = ("", []) if needed is None else compare_size(path, needed + sealed)
     arrays = hdf5.datasets(path) if head.startswith(hdf5.MARK) else {}
     engine = "scipy" if head.startswith(_SCIPY) else "netcdf4"
     too_long = {} if engine == "scipy" else _oversized_variables(path)
