@@ -27,7 +27,6 @@ BLOCKS = {
     "peers": ROOT / "README.md",
     "aims": RESULTS / "speed.md",
     "window": ROOT / "docs/explanation/surface.md",
-    "damage": ROOT / "docs/explanation/reliability.md",
 } | dict.fromkeys(
     ("pixels", "answers", "coverage", "measurement", "unstated", "groups"),
     ROOT / "docs/explanation/uncertainty.md",

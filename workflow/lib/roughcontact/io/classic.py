@@ -32,7 +32,7 @@ def check_header(path: Path) -> int | None:
     """Refuse a file with one of `MARKS` whose header contradicts itself or counts more than the file holds.
 
     Checked are the lists, the axes of the variables, their stated sizes against their axes, and that they lie
-    in the file, behind the header and one behind the other.
+    in the file.
 
     Returns
     -------
@@ -134,15 +134,9 @@ class _Header:
                 self.refuse(f"a variable of {each.length} bytes is said to have {each.stated}")
         alone = sum(each.recorded for each in placed) == 1
         step = sum(each.length + (0 if alone else -each.length % 4) for each in placed if each.recorded)
-        end = self.stream.tell()
-        for each in sorted(placed, key=lambda each: (each.begin, each.length)):
-            if not each.length or (each.recorded and not records):
-                continue
-            if each.begin % 4 or each.begin < end:
-                self.refuse("its variables overlap")
-            end = each.begin + each.length
-            if end + (step * (records - 1) if each.recorded else 0) > self.size:
-                self.refuse("numbers lie behind the end of the file")
-        if records and step:
-            end += step * (records - 1)
-        return min(end + -end % 4, max(self.size, end))
+        stored = [each for each in placed if records or not each.recorded]
+        lasts = (each.begin + each.length + (step * (records - 1) if each.recorded else 0) for each in stored)
+        end = max([self.stream.tell(), *lasts])
+        if end > self.size:
+            self.refuse("numbers lie behind the end of the file")
+        return min(end + -end % 4, self.size)

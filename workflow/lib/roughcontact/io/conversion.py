@@ -13,8 +13,6 @@ from roughcontact.checking import check_choice
 from roughcontact.choices import Checksum, FirstRow
 from roughcontact.errors import HeightMapError, InputFileError
 from roughcontact.io.channels import Channel, MeasuredFile, choose_channel
-from roughcontact.io.continuity import runs_apart
-from roughcontact.io.odd_numbers import odd_numbers
 from roughcontact.io.request import Request
 from roughcontact.io.resampling import on_even_grid
 from roughcontact.io.scale import decide_scale
@@ -85,19 +83,16 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
     notes = file.warnings + channel.notes + _checksum_notes(file, request, path)
     if channel.no_height:
         notes.append(f"channel {channel.name!r} is read as heights on request ({channel.no_height})")
-    channel, doubts = _settled(channel, request, path)
-    notes += doubts
+    channel, settled = _settled(channel, request, path)
     channel, request, done = on_even_grid(channel, request, path)
     scale = decide_scale(channel, request, path)
     with np.errstate(over="ignore"):  # infinite heights are refused below
-        values = channel.read()
-        heights = _checked(values * scale.height_factor, path)
-    doubts = [] if done else odd_numbers(values) + runs_apart(values)
+        heights = _checked(channel.read() * scale.height_factor, path)
     first_row, assumed, turned = _first_row(file, channel, request, path)
     if first_row == "top":
         heights = np.ascontiguousarray(heights[::-1])
     facts = [*done, *scale.notes, *turned]
-    notes += [*facts, *doubts]
+    notes += [*settled, *facts]
     return Converted(channel, choice, heights, scale.dx, scale.dy, notes, facts, first_row, assumed)
 
 

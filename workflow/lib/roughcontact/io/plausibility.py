@@ -3,7 +3,6 @@
 import numpy as np
 
 from roughcontact.checking import STEEPEST
-from roughcontact.io.continuity import points_apart, steps_apart
 from roughcontact.io.instrument_kinds import ANY, Kind
 from roughcontact.quantities import number, percent, quantity
 
@@ -42,8 +41,6 @@ def suspicions(height: np.ndarray, dx: float, dy: float, *, kind: Kind = ANY) ->
         ]
     found += _slopes(height, dx, dy)
     found += spikes
-    found += steps_apart(height) if not spikes else []
-    found += points_apart(height)
     found += _levels(height, measured, low, high)
     found += _lines(height)
     found += _noise(height)

@@ -27,7 +27,6 @@ from roughcontact.io.channels import (
 )
 from roughcontact.io.guards import brief, check_line_ends, check_memory, check_points
 from roughcontact.io.instruments import containers
-from roughcontact.io.instruments.extremes import beyond_stated
 from roughcontact.io.instruments.formats import Format, Header
 from roughcontact.io.instruments.sizes import stated_size
 from roughcontact.io.interface import head_of
@@ -200,8 +199,6 @@ def _channel(info: Any, file_format: Format, path: Path) -> Channel:
         heights[not_measured] = np.nan
     dx, dy = _steps(topography, file_format, header)
     notes = file_format.sign_notes(header)
-    if height_unit is not None and not no_height:
-        notes += beyond_stated(file_format.name, header, heights, height_unit)
     return Channel(info.channel_id, heights.shape, lambda: heights, dx=dx, dy=dy, notes=notes, **attributes)
 
 
