@@ -127,7 +127,7 @@ def test_precisions_take_turns(shape, first, transforms):
 
 @pytest.mark.parametrize(("shape", "lengths"), CELLS)
 def test_stiffness_for_estimates_of_rounding(shape, lengths):
-    """The mean and the largest of |q|/2 over the half plane of the real transform."""
+    """The mean and the largest of |q|/2, and of 2/|q|, over the half plane of the real transform."""
     (ny, nx), (ly, lx) = shape, lengths
     stiffness = [
         math.pi * math.hypot(min(ky, ny - ky) / ly, kx / lx) for ky in range(ny) for kx in range(nx // 2 + 1)
@@ -135,6 +135,9 @@ def test_stiffness_for_estimates_of_rounding(shape, lengths):
     halfspace = HalfSpace(shape, lengths)
     assert halfspace.mean_stiffness == pytest.approx(np.mean(stiffness), rel=1e-6)
     assert halfspace.largest_stiffness == pytest.approx(max(stiffness), rel=1e-6)
+    compliance = [0, *(1 / value for value in stiffness[1:])]
+    assert halfspace.mean_compliance == pytest.approx(np.mean(compliance), rel=1e-6)
+    assert halfspace.largest_compliance == pytest.approx(max(compliance), rel=1e-6)
 
 
 def alternating(term, count=40):

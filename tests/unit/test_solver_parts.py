@@ -23,7 +23,7 @@ from roughcontact.contact.state import contact_mean, norm, scale_below_cap, scal
 from roughcontact.contact.sweep import sweep
 from roughcontact.kernels.arrays import DOUBLE, SINGLE, empty, namespace
 from roughcontact.maps import height_map
-from roughcontact.references.synthetic import self_affine_surface
+from roughcontact.references.synthetic import rough_reference_surface, self_affine_surface
 
 LENGTHS = (1.0, 1.0)
 EPS = {SINGLE: 2.0**-23, DOUBLE: 2.0**-52}
@@ -131,20 +131,39 @@ def test_a_uniform_pressure_is_right_where_it_leaves_no_residual_and_unknown_els
 
 
 @pytest.mark.parametrize("precision", [SINGLE, DOUBLE])
-def test_the_floor_is_the_norm_of_white_noise_of_the_size_of_rounding(precision):
-    grid = Grid(rough(), LENGTHS)
-    state, _ = grid.evaluate(scale_to_load(rough().astype(precision), 0.2))
+@pytest.mark.parametrize("cap", [np.inf, 0.5])
+def test_the_floor_is_the_norm_of_white_noise_of_the_size_of_rounding(precision, cap):
+    """That of separation and pressure, and the largest norm of what the unit rounds."""
+    grid = Grid(rough(), LENGTHS, cap=cap)
+    state, _ = grid.evaluate(scale_to_load(rough().astype(precision), 0.2, cap=cap))
     stiffness = symbol(grid.shape)[:, : grid.shape[1] // 2 + 1]
-    stiffness[0, 0] = 0
-    white = EPS[precision] * np.sqrt(np.log2(state.pressure.size)) * state.size
-    expected = white * np.sqrt(stiffness.mean()) / state.norm
-    assert rounding_floor(grid.halfspace, state) == pytest.approx(expected, rel=1e-3)
-    assert rounding_floor(grid.halfspace, state, SINGLE) == pytest.approx(
-        expected * EPS[SINGLE] / EPS[precision], rel=1e-3
-    )
+    stiffness[0, 0] = np.inf
+    compliance, stiffness = 1 / stiffness, np.where(np.isinf(stiffness), 0, stiffness)
+    free = np.mean((state.pressure > 0) & (state.pressure < cap)) if cap < np.inf else 1
+    pressure = np.sqrt(np.mean(state.pressure.astype(float) ** 2))
+    transforms = state.size * np.sqrt(stiffness.mean()) + pressure * np.sqrt(compliance.mean())
+    by_unit = pressure * np.sqrt(compliance.max() / free)
+    expected = (np.sqrt(np.log2(state.pressure.size)) * transforms + by_unit) / state.norm
+    for given, eps in ((None, EPS[precision]), (SINGLE, EPS[SINGLE])):
+        assert rounding_floor(grid.halfspace, state, given) == pytest.approx(eps * expected, rel=1e-3)
     noise = np.random.default_rng(0).standard_normal((64, *grid.shape))
-    ratio = np.sqrt(np.mean([energy_norm(field, inverse=True) ** 2 for field in noise]) / stiffness.mean())
-    assert ratio == pytest.approx(1, rel=0.05)
+    for inverse, values in ((True, stiffness), (False, compliance)):
+        norms = [energy_norm(field - field.mean(), inverse=inverse) ** 2 for field in noise]
+        assert np.sqrt(np.mean(norms) / values.mean()) == pytest.approx(1, rel=0.05)
+
+
+def test_a_result_is_in_the_precision_asked_for_even_where_the_steps_need_more():
+    """Else a file in single precision would round it again, after its bound."""
+    problem = pose(rough_reference_surface(64), precision=SINGLE, threads=1)
+    single, exact = (
+        next(sweep(problem, [1e-7], tolerance=tolerance, precision=precision, threads=1))
+        for precision, tolerance in ((SINGLE, 1e-4), (DOUBLE, 1e-10))
+    )
+    pressure, separation = single.state.pressure, single.state.separation
+    assert pressure.dtype == separation.dtype == np.float32
+    assert exact.floor < single.floor < 1e-4  # the steps were in double precision
+    error = energy_norm(pressure - exact.state.pressure) / energy_norm(pressure)
+    assert error <= single.error_bound + exact.error_bound <= 1.1e-4
 
 
 # states and the line between two of them

@@ -60,11 +60,14 @@ def relative_bound(halfspace: HalfSpace, state: State, residual_norm: float) -> 
 
 
 def rounding_floor(halfspace: HalfSpace, state: State, precision: str | None = None) -> float:
-    """Return the relative error, in the energy norm, that the rounding of one application can hide.
+    """Return the relative error, in the energy norm, that rounding can hide. The precision is the state's.
 
-    The error of a Fourier transform is white, of relative size eps sqrt(log2 n) [1]_; a white field of
-    standard deviation s has ||.||_{G^-1} = s sqrt(mean |q| / 2). The precision is that of the state by
-    default.
+    The error of a Fourier transform is white, of relative size eps sqrt(log2 n) [1]_. That of the transform
+    of the pressure, whose mean counts although q = 0 is left out, is an error of the pressure: a white field
+    of standard deviation s has ||.||_G = s sqrt(mean 2/|q|). That of the transform back is an error of the
+    separation, where such a field has ||.||_{G^-1} = s sqrt(mean |q|/2). In partial contact this one is
+    nearly all of the floor. In full contact and at the hardness, where the pressure is nearly uniform and
+    ||p||_G far less than its root mean square, the others are: that one, and `rounding_by_unit`.
 
     References
     ----------
@@ -73,7 +76,21 @@ def rounding_floor(halfspace: HalfSpace, state: State, precision: str | None = N
     """
     if state.norm == 0:
         return 0.0
-    deviation = (
-        _EPS[precision or precision_of(state.separation)] * sqrt(log2(count_of(state.pressure))) * state.size
-    )
-    return deviation * sqrt(halfspace.mean_stiffness) / state.norm
+    precision = precision or precision_of(state.separation)
+    of_pressure = state.pressure_size * sqrt(halfspace.mean_compliance)
+    of_separation = state.size * sqrt(halfspace.mean_stiffness)
+    of_transforms = sqrt(log2(count_of(state.pressure))) * (of_pressure + of_separation) / state.norm
+    return _EPS[precision] * of_transforms + rounding_by_unit(halfspace, state, precision)
+
+
+def rounding_by_unit(halfspace: HalfSpace, state: State, precision: str) -> float:
+    """Return the relative error, in the energy norm, by which a result in a precision may miss its state.
+
+    When the pressure gets its unit, after the certificate, each value is rounded by eps/2, as the unit is.
+    On a regular map all points of a kind are rounded alike, so that no more is known of the sum e than
+    ||e||_G <= sqrt(max 2/|q|) eps ||p||, with the root mean square ||p||. A hardness is rounded, too: what
+    the points at it bear more or less, the k free ones of n make up for, each by up to eps mean(p) n/k; the
+    root mean square of that over the grid is sqrt(n/k) times as much.
+    """
+    of_values = state.pressure_size * sqrt(halfspace.largest_compliance / state.free_share)
+    return _EPS[precision] * of_values / state.norm

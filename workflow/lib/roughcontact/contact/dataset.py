@@ -54,13 +54,12 @@ def as_dataset(
     # in place: the dimensionless fields are not used again
     pressure, gap = (to_numpy(field) for field in (state.pressure, state.separation))
     contact = empty(pressure, "int8")
+    at_hardness = None if hardness is None else pressure >= pressure.dtype.type(hardness / pressure_unit)
     least_gap, total = kernels_for(pressure, threads=threads).restore_units(
         pressure, gap, state.offset, pressure_unit, height_unit, contact
     )
     yielded = 0.0
-    if hardness is not None:
-        kind = pressure.dtype.type
-        at_hardness = pressure >= kind(hardness * (1 - 8 * float(np.finfo(kind).eps)))
+    if at_hardness is not None:
         pressure[at_hardness], gap[at_hardness] = hardness, 0.0
         yielded, least_gap = float(at_hardness.mean()), float(gap.min())
     per_load = {

@@ -161,6 +161,7 @@ class Grid:
             offset=total / count if count else contact_mean(pressure, separation, cap=self.cap),
             norm=float(np.sqrt(max(work, 0) / size)),
             size=float(np.sqrt(square / size)) + self._height_size,
+            free_share=1.0 if self.cap == np.inf else max(count, 1) / size,
         )
         return state, LineSearch(slope / size, slope_after / size)
 

@@ -4,6 +4,7 @@ All fields are dimensionless and have the shape (ny, nx).
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -26,6 +27,8 @@ class State:
         ||p||_G.
     size : float
         scale of rounding: the root mean square of G p plus that of H.
+    free_share : float
+        share of the points that can make up for the rounding of the cap, {0 < p < cap}; 1 without a cap.
     """
 
     pressure: Array
@@ -33,11 +36,17 @@ class State:
     offset: float
     norm: float
     size: float
+    free_share: float = 1.0
 
     @property
     def gap(self) -> Array:
         """The separation less the offset."""
         return self.separation - self.offset
+
+    @cached_property
+    def pressure_size(self) -> float:
+        """The root mean square of the pressure."""
+        return norm(self.pressure, self.pressure)
 
 
 def contact_mean(pressure: Array, separation: Array, *, cap: float) -> float:

@@ -1,20 +1,20 @@
 """Solve one map for a rising sequence of loads, which share the computations independent of the load."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from roughcontact.choices import Influence
-from roughcontact.contact.certificate import bound_without_transform, rounding_floor
+from roughcontact.contact.certificate import bound_without_transform, rounding_by_unit, rounding_floor
 from roughcontact.contact.grid import Grid
 from roughcontact.contact.iteration import solve_on_grid
 from roughcontact.contact.nested_iteration import first_guess, nested_heights
 from roughcontact.contact.problem import Problem
 from roughcontact.contact.state import State, scale_to_load
 from roughcontact.elasticity.layers import LayeredPair
-from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, in_precision, namespace
+from roughcontact.kernels.arrays import DOUBLE, SINGLE, Array, in_precision, namespace, precision_of
 
 # Points of a map up to which the workspace is kept for the next load. For larger maps it is half of the
 # memory that counting takes, and allocating it again is a small part of the time.
@@ -118,6 +118,12 @@ def sweep(
             )
             state, bound, steps = solution.state, solution.error_bound, steps + solution.steps
             del solution
+        floor = rounding_floor(finest.halfspace, state)
+        if precision_of(state.pressure) != precision:  # only the steps needed more
+            by_unit = rounding_by_unit(finest.halfspace, state, precision)
+            bound, floor = bound + by_unit, floor + by_unit
+            fields = (in_precision(field, precision) for field in (state.pressure, state.separation))
+            state = replace(state, **dict(zip(("pressure", "separation"), fields, strict=True)))
         if large:
             for grid in grids:
                 grid.release()
@@ -127,7 +133,7 @@ def sweep(
                 error_bound=bound,
                 steps=steps,
                 applications=work + _applications(grids),
-                floor=rounding_floor(finest.halfspace, state),
+                floor=floor,
             )
         ]
         del state  # so that its memory is free for the use of the solution and for the next load
