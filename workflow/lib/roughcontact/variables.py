@@ -311,7 +311,7 @@ _OF_INTERVALS = {
     "as_measured": "{} without the correction for the instrument",
 }
 VARIABLES |= {
-    f"{name}_sensitivity": ("1", f"d ln Q/d ln input of the {words}")
+    f"{name}_sensitivity": ("1", f"d ln Q/d ln input of the {words}; NaN: not known")
     for name, (_, words) in _WITH_INTERVAL.items()
 }
 _OF_GROUPS = {

@@ -10,6 +10,7 @@ from roughcontact.checking import check_choice
 from roughcontact.choices import UncertaintySource
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError
+from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.uncertainty.answers import (
     ANSWERS,
     answers_of,
@@ -19,11 +20,11 @@ from roughcontact.uncertainty.answers import (
 from roughcontact.uncertainty.combination import SOURCES, combine
 from roughcontact.uncertainty.discretisation import discretisation_uncertainty, resolution_indicators
 from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.inputs import AMPLIFICATIONS, STIFFNESS, input_uncertainty
 from roughcontact.uncertainty.instrument import added_up, instrument_uncertainty
 from roughcontact.uncertainty.magnification import magnification_curve
 from roughcontact.uncertainty.processing import processing_uncertainty
 from roughcontact.uncertainty.rejected import rejected_load_share
-from roughcontact.uncertainty.scaling import log_sensitivities, scaling_uncertainty
 from roughcontact.uncertainty.solver import solver_uncertainty
 from roughcontact.uncertainty.unresolved import waves_not_resolved
 from roughcontact.uncertainty.window_sampling import window_uncertainty
@@ -123,7 +124,6 @@ def error_budget(
         )
     contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
     stated = settings["contact"]
-    material = {key: stated[name] for name, key in MATERIAL_UNCERTAINTIES.items() if stated.get(name)}
     coordinates = {"mean_pressure": ("load", np.asarray(contact["mean_pressure"], float))}
     # a load that does not converge gives NaN instead of ending the job
     lenient = {**contact, "on_failure": "flag"}
@@ -160,6 +160,10 @@ def error_budget(
             chosen=chosen,
         )
     instrument = stated_instrument(levelled, settings.get("instrument"))
+    scales = {key: instrument[key] for key in AMPLIFICATIONS if instrument.get(key)}
+    material = {key: stated[name] for name, key in MATERIAL_UNCERTAINTIES.items() if stated.get(name)}
+    propagated = (material if "material" in sources else {}) | (scales if "instrument" in sources else {})
+    inputs = input_uncertainty(window, contact=lenient, solved=solved, stated=propagated)
     true_shapes = undone(window, instrument) if {"instrument", "unresolved"} & {*sources} else {}
     if "instrument" in sources:
         uncorrected = {key: value for key, value in settings["window"].items() if key != "correct_for"}
@@ -169,11 +173,12 @@ def error_budget(
             contact=lenient,
             solved=solved,
             instrument=instrument,
+            scales=[inputs.sel(input=key, drop=True) for key in scales],
             as_measured=periodic_window(levelled, **uncorrected) if as_corrected else None,
             true_shapes=true_shapes,
         )
     if "material" in sources:
-        parts = [scaling_uncertainty(solved, material)] if material else []
+        parts = [inputs.sel(input=key, drop=True) for key in material]
         found["material"] = added_up(parts, quantities_in(solved), solved)
     curve = magnification_curve(window, contact=lenient, solved=solved) if "unresolved" in sources else None
     if curve is not None:
@@ -183,7 +188,7 @@ def error_budget(
         combine(found, solved, hardness=contact.get("hardness"))
         .assign_coords(coordinates)
         .assign({rejected.name: rejected})
-        .merge(log_sensitivities(solved))
+        .merge(inputs[[f"{name}_sensitivity" for name in quantities_in(solved)]])
     )
     if curve is not None:
         budget = budget.merge(curve.drop_vars("mean_pressure", errors="ignore"))
@@ -217,13 +222,13 @@ def budget_inputs(contact: xr.Dataset, statistics: xr.Dataset | None = None) -> 
     contact : Dataset
         as `solve_contact` returns it, with its fields.
     statistics : Dataset, optional
-        `contact_statistics` of the same loads: numbers that they contain are not computed again.
+        `contact_statistics` of the same loads, computed here where they are not given.
 
     Returns
     -------
     Dataset
         dim load: `QUANTITIES` and `ANSWERS`, resolution indicators, constrictions of paths half as long as
-        the map, and `{quantity}_uncertainty` of the solver.
+        the map, `loading_stiffness`, and `{quantity}_uncertainty` of the solver.
 
     Examples
     --------
@@ -233,14 +238,17 @@ def budget_inputs(contact: xr.Dataset, statistics: xr.Dataset | None = None) -> 
     >>> budget_inputs(contact)["relative_contact_area"].round(2).values
     array([0.34])
     """
-    energy = None if statistics is None else statistics["elastic_energy"].values
-    of_solver = solver_uncertainty(contact, energy=energy)
+    if statistics is None:
+        statistics = contact_statistics(contact, flow="never", stress="never")
+    loading = statistics[STIFFNESS if STIFFNESS in statistics else "contact_stiffness"]
+    of_solver = solver_uncertainty(contact, energy=statistics["elastic_energy"].values)
     return (
         resolution_indicators(contact)
         .assign(answers_of(contact, statistics))
         .merge(half_length_constrictions(contact))
         .merge(of_solver.rename({name: _uncertainty(name) for name in QUANTITIES}))
         .assign_coords(mean_pressure=contact["mean_pressure"].variable)
+        .assign({STIFFNESS: loading.variable})
         .assign(contact_modulus=contact["contact_modulus"].variable)
         .assign_attrs(contact.attrs)
     )

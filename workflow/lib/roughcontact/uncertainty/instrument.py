@@ -2,7 +2,7 @@
 
 The result is that of the map as measured; the interval reaches to where the truth may be.
 
-* Amplification (calibration of the scales) follows from the solved curve (`scaling`).
+* Amplification (calibration of the scales) is propagated with load and modulus (`inputs`).
 * Noise adds to the gradient: g^2 = g_true^2 + g_noise^2, so that the area comes out too small and pressure
   and gap too large. The window is solved once more with the same noise added; the exponent d ln Q/d ln g that
   follows from it takes the result back from g to g_true (simulation and extrapolation, Cook and Stefanski
@@ -23,7 +23,7 @@ as measured is solved once more, and a share of the change is the uncertainty of
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -33,7 +33,7 @@ from roughcontact.roughness.parameters import rms_gradient
 from roughcontact.statistics.instrument_checks import coarse_step, suspected_noise
 from roughcontact.uncertainty.answers import counter_of, quantities_in
 from roughcontact.uncertainty.ensemble import solve_member
-from roughcontact.uncertainty.scaling import AREA, PEAK, PRESSURE, effort, half_widths, scaling_uncertainty
+from roughcontact.uncertainty.scaling import AREA, PEAK, PRESSURE, effort, half_widths
 from roughcontact.window.instrument import check_instrument
 from roughcontact.window.transfer import restored, undone, unrounded, with_noise
 
@@ -43,7 +43,6 @@ _NOISE_MARGIN = 1.0  # of the shift by noise: half of it is added, half is its u
 _CORRECTION_UNCERTAINTY, _PEAK_UNCERTAINTY = 0.5, 1.0
 _RESTORING_UNCERTAINTY = 0.25  # of the shift by a lens, a tip, or rounding
 _MOST_NOISE = 0.95  # of g^2; a map with more noise says nothing of its surface
-_AMPLIFICATIONS = ("amplification_z", "amplification_xy")
 
 
 def instrument_uncertainty(
@@ -52,6 +51,7 @@ def instrument_uncertainty(
     contact: Mapping[str, Any],
     solved: xr.Dataset,
     instrument: Mapping[str, Any],
+    scales: Sequence[xr.Dataset] = (),
     as_measured: xr.DataArray | None = None,
     true_shapes: Mapping[str, xr.DataArray] | None = None,
 ) -> xr.Dataset:
@@ -67,7 +67,9 @@ def instrument_uncertainty(
         the result: `QUANTITIES` and answers along `load`.
     instrument : mapping
         what is stated of `noise` (m, rms), `resolution` (m), `numerical_aperture`, `wavelength` (m),
-        `tip_radius` (m), `amplification_z`, `amplification_xy` (relative, expanded).
+        `tip_radius` (m).
+    scales : sequence of Dataset
+        half-widths due to each amplification, as of `added_up`.
     as_measured : DataArray (y, x), m, optional
         the window before it was corrected, if it was.
     true_shapes : mapping, optional
@@ -103,8 +105,7 @@ def instrument_uncertainty(
     """
     check_instrument(window if as_measured is None else as_measured, instrument)
     stated = {key: value for key, value in instrument.items() if key != "finer_spectrum" and value}
-    scales = {key: stated[key] for key in _AMPLIFICATIONS if key in stated}
-    parts = [scaling_uncertainty(solved, scales)] if scales else []
+    parts = list(scales)
     before: dict[str, np.ndarray] = {}
     if as_measured is not None:
         before = _solve_again(as_measured, contact, solved)

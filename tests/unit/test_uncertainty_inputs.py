@@ -1,0 +1,171 @@
+"""Uncertainty and sensitivity due to load, modulus and scales, against solutions at their ends."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from roughcontact.contact.solve import solve_contact
+from roughcontact.errors import SettingsError
+from roughcontact.references.synthetic import self_affine_surface, westergaard_surface
+from roughcontact.uncertainty.answers import (
+    ANSWERS,
+    CONSTRICTIONS,
+    headline_and_answers,
+    quantities_in,
+)
+from roughcontact.uncertainty.budget import budget_inputs, error_budget
+from roughcontact.uncertainty.headline import QUANTITIES
+from roughcontact.uncertainty.inputs import input_uncertainty
+
+MODULUS, GRADIENT, THICKNESS = 1e9, 0.1, 3e-6
+INPUTS = ("mean_pressure", "contact_modulus", "amplification_z", "amplification_xy")
+PROBLEMS = ("elastic", "hardness", "layers")
+LOADS = {"one": [0.13], "many": [0.3, 0.05, 0.13]}  # over E* g; in any order
+
+
+@pytest.fixture(scope="module")
+def surface() -> xr.DataArray:
+    """Return a periodic self-affine surface with 8 points per shortest wave."""
+    return self_affine_surface(
+        (72, 72), 0.4e-6, hurst=0.8, shortest=3.2e-6, longest=14.4e-6, rms_gradient=GRADIENT, seed=3
+    )
+
+
+def problem(kind: str, loads: list[float], source: str = "", factor: float = 1.0) -> dict:
+    """Return the keyword arguments of `solve_contact`, with load or modulus `factor` times as large."""
+    scale = {source: factor}
+    modulus = scale.get("contact_modulus", 1.0) * MODULUS
+    found = {
+        "contact_modulus": modulus,
+        "mean_pressure": [scale.get("mean_pressure", 1.0) * each * MODULUS * GRADIENT for each in loads],
+        "tolerance": 1e-6,
+    }
+    if kind == "hardness":
+        found["hardness"] = 0.6 * MODULUS * GRADIENT
+    if kind == "layers":  # on a base four times as stiff; both incompressible
+        moduli = {"youngs_modulus": 0.75 * modulus, "poissons_ratio": 0.5}
+        stiff = {"youngs_modulus": 3 * modulus, "poissons_ratio": 0.5}
+        found["bodies"] = [stiff | {"layers": [moduli | {"thickness": THICKNESS}]}]
+    return found
+
+
+def solved_at(window: xr.DataArray, kind: str, loads: list[float], source: str, factor: float) -> xr.Dataset:
+    """Return the results with one input `factor` times as large."""
+    if source == "amplification_z":
+        window = factor * window
+    if source == "amplification_xy":
+        window = window.assign_coords({d: factor * window[d] for d in "xy"})
+    return solve_contact(window, **problem(kind, loads, source, factor), reduce=headline_and_answers)
+
+
+def budget_of(window: xr.DataArray, kind: str, loads: list[float], source: str, width: float) -> xr.Dataset:
+    """Return the error budget of one input with a stated uncertainty."""
+    contact, instrument = problem(kind, loads), {}
+    if source.startswith("amplification"):
+        instrument[source] = width
+    else:
+        contact[f"{source}_uncertainty"] = width
+    settings = {"level": {}, "window": {}, "contact": contact, "instrument": instrument}
+    return error_budget(window, window, settings, sources=["material", "instrument"])
+
+
+@pytest.mark.parametrize("loads", LOADS)
+@pytest.mark.parametrize("kind", PROBLEMS)
+@pytest.mark.parametrize("source", INPUTS)
+def test_the_half_widths_are_the_changes_to_both_ends(surface, source, kind, loads):
+    width = 0.05
+    found = budget_of(surface, kind, LOADS[loads], source, width)
+    base, lower, upper = (
+        solved_at(surface, kind, LOADS[loads], source, f) for f in (1.0, 1 - width, 1 + width)
+    )
+    other = {"material": "instrument", "instrument": "material"}
+    of = "instrument" if source.startswith("amplification") else "material"
+    assert found["relative_contact_area_uncertainty"].sel(source=other[of]).isnull().all()
+    for name in (*QUANTITIES, *ANSWERS):
+        if kind == "layers" and name == ANSWERS[0]:  # is not known of layers
+            continue
+        parts = found[f"{name}_components"].sel(source=of)
+        changes = np.stack([end[name] - base[name] for end in (lower, upper)])
+        whole = np.ptp(np.vstack([changes, 0 * changes[:1]]), axis=0)
+        share = 0.2 if name in CONSTRICTIONS else 0.05
+        rounding = 1e-9 * base[name].values.max()
+        expected = {"down": -changes.min(axis=0), "up": changes.max(axis=0)}
+        for side, change in expected.items():
+            off = np.abs(parts.sel(component=side).values - np.maximum(change, 0.0))
+            assert (off <= share * whole + rounding).all(), (name, side)
+
+
+@pytest.mark.parametrize("loads", LOADS)
+@pytest.mark.parametrize("kind", PROBLEMS)
+@pytest.mark.parametrize("stated", ["", "contact_modulus", "mean_pressure"])
+def test_published_sensitivities_are_slopes_or_unknown(surface, kind, loads, stated):
+    found = budget_of(surface, kind, LOADS[loads], stated or INPUTS[0], 0.04 if stated else 0)
+    assert list(found["input"].values) == list(INPUTS)
+    for source in INPUTS:
+        less, more = (solved_at(surface, kind, LOADS[loads], source, f) for f in (0.96, 1.04))
+        for name in (*QUANTITIES, *ANSWERS):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                true = np.log((more[name] / less[name]).values) / math.log(1.04 / 0.96)
+            slope = found[f"{name}_sensitivity"].sel(input=source).values
+            known = np.isfinite(slope)
+            assert slope[known] == pytest.approx(true[known], rel=0.05, abs=0.06), (source, name)
+            assert known.all() or source != stated or name not in QUANTITIES
+    gap = found["mean_gap_sensitivity"]
+    assert gap.sel(input="mean_pressure").notnull().all()  # -1/K
+    assert gap.sel(input="amplification_z").notnull().all() == (kind != "hardness")
+    assert gap.sel(input="amplification_xy").notnull().all() == (kind == "elastic")
+    others = found[[f"{name}_sensitivity" for name in QUANTITIES if name != "mean_gap"]].to_array()
+    if not stated:
+        assert others.isnull().all()  # no constant stands for a slope
+    elif kind != "hardness":  # p̄/(E* g) decides, so that one input leads to another
+        assert others.sel(input="amplification_z").notnull().all()
+
+
+def test_a_wave_has_the_slopes_of_westergaard():
+    """p̄/p* = sin²(π A/2) with p* = π E* D/λ: A depends on p̄ λ/(E* D)."""
+    wave = westergaard_surface((1, 16384), 1 / 16384, amplitude=0.01, wavelength=1.0)
+    ratio = np.array([0.1, 0.5])
+    contact = {"contact_modulus": 1.0, "mean_pressure": ratio * math.pi * 0.01, "tolerance": 1e-6}
+    solved = solve_contact(wave, **contact, reduce=budget_inputs)
+    found = input_uncertainty(wave, contact=contact, solved=solved, stated=dict.fromkeys(INPUTS, 0.1))
+
+    def area(load):
+        return 2 / np.pi * np.arcsin(np.sqrt(load))
+
+    slope = np.sqrt(ratio / (1 - ratio)) / (np.pi * area(ratio))
+    for source, power in zip(INPUTS, (1, -1, -1, 1), strict=True):
+        of_area = found.sel(input=source)
+        sensitivity = of_area["relative_contact_area_sensitivity"].values
+        assert sensitivity == pytest.approx(power * slope, rel=0.02), source
+        ends = np.sort([area(ratio * factor**power) for factor in (0.9, 1.1)], axis=0)
+        for side, end in zip(("down", "up"), ends, strict=True):
+            half_width = of_area[f"relative_contact_area_{side}"].values
+            assert half_width == pytest.approx(np.abs(end - area(ratio)), rel=0.02), (source, side)
+
+
+def test_a_load_that_may_exceed_the_hardness_reaches_full_contact(surface):
+    found = budget_of(surface, "hardness", [0.57], "mean_pressure", 0.1)
+    assert found["relative_contact_area_upper"].item() == pytest.approx(1.0, abs=1e-3)
+    assert found["mean_gap_lower"].item() == pytest.approx(0.0, abs=1e-3 * found["mean_gap_estimate"].item())
+    assert found["mean_contact_pressure_upper"].item() <= 0.6 * MODULUS * GRADIENT
+
+
+def test_an_end_that_cannot_be_solved_bounds_nothing(surface):
+    contact = problem("elastic", [0.1]) | {"on_failure": "flag"}
+    solved = solve_contact(surface, **contact, reduce=headline_and_answers)
+    beyond_rounding = contact | {"precision": "single", "tolerance": 1e-9}
+    found = input_uncertainty(
+        surface, contact=beyond_rounding, solved=solved, stated={"contact_modulus": 0.1}
+    ).sel(input="contact_modulus")
+    for name in quantities_in(solved):
+        assert np.isinf(found[f"{name}_down"]).all(), name
+        assert np.isinf(found[f"{name}_up"]).all(), name
+        assert found[f"{name}_sensitivity"].isnull().all(), name
+
+
+@pytest.mark.parametrize("width", [-0.1, 1.0])
+def test_an_impossible_uncertainty_is_refused(surface, width):
+    with pytest.raises(SettingsError, match=f"contact_modulus = {width:g}.*below 1"):
+        budget_of(surface, "elastic", [0.1], "contact_modulus", width)

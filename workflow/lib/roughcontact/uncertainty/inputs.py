@@ -1,0 +1,199 @@
+"""Uncertainty and sensitivity of the results to load, contact modulus and the scales of the map.
+
+A stated uncertainty U of an input is propagated by solving the contact at both ends, with the input 1 - U and
+1 + U times as large (JCGM 100:2008, 5.1.3, note 2): the changes of a result are its half-widths.
+
+The sensitivity d ln Q/d ln(input) of a stated input is the slope between these ends. Of another it is NaN,
+unless it follows without a further solution:
+
+* dū/dp̄ = -1/K of the gap, with the stiffness K of further loading;
+* while no point yields, heights a, lengths b, moduli c and loads d times as large give the solution at the
+  load p d b/(c a):
+
+      A(p) = A0,   u = a u0,   pressures = (c a/b) p0,   K/E* = kappa0/b,   gap height = a c0
+
+  (Persson 2001, J. Chem. Phys. 115, 3840, for the area; exact for an elastic half-space; of layers for all
+  but the lengths, beside which their thickness stays). A sensitivity is then the power of the input in the
+  result plus its power in the load times d ln Q/d ln p, so that one input leads to the others.
+"""
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.contact.solve import NEAR_HARDNESS
+from roughcontact.errors import SettingsError
+from roughcontact.uncertainty.answers import CONSTRICTIONS, counter_of, quantities_in
+from roughcontact.uncertainty.ensemble import solve_member
+from roughcontact.uncertainty.scaling import AREA, CONDUCTANCE, GAP, PEAK, PRESSURE
+
+STIFFNESS = "loading_stiffness"
+AMPLIFICATIONS = ("amplification_z", "amplification_xy")
+_LOAD, _MODULUS, _HEIGHTS, _LENGTHS = "mean_pressure", "contact_modulus", *AMPLIFICATIONS
+_POWER_IN_LOAD = {_LOAD: 1.0, _MODULUS: -1.0, _HEIGHTS: -1.0, _LENGTHS: 1.0}
+_EXPLICIT_POWER = {
+    **{(_HEIGHTS, name): 1.0 for name in (GAP, *CONSTRICTIONS)},
+    **{(source, name): 1.0 for source in (_MODULUS, _HEIGHTS) for name in (PEAK, PRESSURE)},
+    **{(_LENGTHS, name): -1.0 for name in (PEAK, PRESSURE, CONDUCTANCE)},
+}
+_TOLERANCE = 1e-4  # of the pressure, as of the result
+
+
+def input_uncertainty(
+    window: xr.DataArray, *, contact: Mapping[str, Any], solved: xr.Dataset, stated: Mapping[str, float]
+) -> xr.Dataset:
+    """Return what load, modulus and scales do to each result: half-widths where stated, and sensitivities.
+
+    Each stated input costs two solutions, others none.
+
+    Parameters
+    ----------
+    window : DataArray (y, x), m
+        periodic.
+    contact : dict
+        keyword arguments of `solve_contact`. With bodies `contact_modulus` stands for all their moduli.
+    solved : Dataset
+        the result: quantities along `load`, with `mean_pressure`, and `loading_stiffness` (Pa/m) if known.
+    stated : mapping
+        input -> expanded relative uncertainty (95 %), of `mean_pressure`, `contact_modulus`,
+        `amplification_z` and `amplification_xy`.
+
+    Returns
+    -------
+    Dataset
+        with dims (load, input): `{quantity}_down` and `{quantity}_up`, half-widths in the unit of the
+        quantity, NaN for an input that is not stated, infinite where an end could not be solved;
+        `{quantity}_sensitivity`, d ln Q/d ln(input), NaN where it is not known.
+
+    Raises
+    ------
+    SettingsError
+        for an uncertainty below 0, or of 1 or more.
+
+    References
+    ----------
+    JCGM 100:2008, Guide to the expression of uncertainty in measurement.
+
+    Examples
+    --------
+    >>> from roughcontact.contact.solve import solve_contact
+    >>> from roughcontact.references.synthetic import rough_reference_surface
+    >>> from roughcontact.uncertainty.headline import headline
+    >>> window, problem = rough_reference_surface(64), {"contact_modulus": 1.0, "mean_pressure": [0.1]}
+    >>> solved = solve_contact(window, **problem, reduce=headline)
+    >>> found = input_uncertainty(window, contact=problem, solved=solved, stated={"contact_modulus": 0.1})
+    >>> found["relative_contact_area_sensitivity"].sel(input="contact_modulus").round(1).item()
+    -0.8
+    """
+    names, values = quantities_in(solved), {name: solved[name].values for name in quantities_in(solved)}
+    similar = _follow_the_law(solved, contact)
+    slopes = {name: np.full(similar[_LOAD].shape, np.nan) for name in names} | _slope_of_the_gap(solved)
+    between = {}
+    for source, power in _POWER_IN_LOAD.items():
+        ends = _ends(source, stated.get(source), window, contact, solved)
+        for name in names:
+            between[source, name] = *_, secant = _between(values[name], ends, name)
+            slope = (secant - _EXPLICIT_POWER.get((source, name), 0.0)) / power
+            usable = similar[source] & np.isnan(slopes[name]) & np.isfinite(slope)
+            slopes[name] = np.where(usable, slope, slopes[name])
+    found: dict[str, list[np.ndarray]] = {}
+    for (source, name), (down, up, secant) in between.items():
+        law = _EXPLICIT_POWER.get((source, name), 0.0) + _POWER_IN_LOAD[source] * slopes[name]
+        slope = np.where(np.isfinite(secant), secant, np.where(similar[source], law, np.nan))
+        for ending, column in (("sensitivity", slope), ("down", down), ("up", up)):
+            found.setdefault(f"{name}_{ending}", []).append(column)
+    return xr.Dataset(
+        {name: (("load", "input"), np.stack(columns, axis=1)) for name, columns in found.items()},
+        coords={"input": list(_POWER_IN_LOAD)},
+    )
+
+
+def _follow_the_law(solved: xr.Dataset, contact: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Return at which loads a change of each input is one of the load and of units."""
+    elastic = solved[PEAK].values < (1 - NEAR_HARDNESS) * (contact.get("hardness") or math.inf)
+    layered = "bodies" in solved.attrs
+    return {
+        source: elastic | (source == _LOAD) if source != _LENGTHS or not layered else np.zeros_like(elastic)
+        for source in _POWER_IN_LOAD
+    }
+
+
+def _slope_of_the_gap(solved: xr.Dataset) -> dict[str, np.ndarray]:
+    """Return d ln ū/d ln p̄ = -p̄/(K ū), NaN for a closed gap; nothing where K is not known."""
+    if STIFFNESS not in solved:
+        return {}
+    load, gap = solved[_LOAD].values, solved[GAP].values
+    relative = np.divide(-load, gap, out=np.full(load.shape, np.nan), where=gap > 0)
+    return {GAP: relative / solved[STIFFNESS].values}
+
+
+class _End(NamedTuple):
+    """Results with an input at one end, and the logarithm of the input (load) over its stated value."""
+
+    change: np.ndarray
+    values: dict[str, np.ndarray]
+
+
+def _ends(
+    source: str, width: float | None, window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset
+) -> list[_End]:
+    """Return the results at both ends of an input; none where its uncertainty is not stated."""
+    if not width:
+        return []
+    if not 0 < width < 1:
+        raise SettingsError(
+            f"uncertainty of {source} = {width:g}: give a relative one, from 0 to below 1, such as 0.05"
+        )
+    return [_end(source, factor, window, contact, solved) for factor in (1 - width, 1 + width)]
+
+
+def _end(
+    source: str, factor: float, window: xr.DataArray, contact: Mapping[str, Any], solved: xr.Dataset
+) -> _End:
+    """Return the results with an input `factor` times as large."""
+    load, changed = solved[_LOAD].values, dict(contact)
+    change = np.full(load.shape, math.log(factor))
+    if source == _LOAD:
+        # a contact of which all yields carries no more
+        most = (1 - 2 * NEAR_HARDNESS) * (contact.get("hardness") or math.inf)
+        changed[_LOAD] = np.minimum(factor * load, most)
+        change = np.log(changed[_LOAD] / load)
+    elif source == _MODULUS:
+        changed[_MODULUS] = factor * float(solved[_MODULUS])
+        changed["bodies"] = _stiffer(json.loads(solved.attrs.get("bodies", "null")), factor)
+    elif source == _HEIGHTS:
+        window = window.copy(data=factor * window.values)
+    else:
+        window = window.assign_coords({axis: factor * window[axis] for axis in ("y", "x")})
+    tolerance = contact.get("tolerance", _TOLERANCE)
+    values = solve_member(window, changed, tolerance=tolerance, count=counter_of(solved)).values
+    if CONDUCTANCE in values:  # infinite, not unknown, in full contact
+        infinite = np.isnan(values[CONDUCTANCE]) & np.isfinite(values[AREA])
+        values[CONDUCTANCE] = np.where(infinite, np.inf, values[CONDUCTANCE])
+    return _End(change, values)
+
+
+def _stiffer(bodies: Any, factor: float) -> Any:
+    """Return bodies, their layers included, with Young's moduli `factor` times as large."""
+    if isinstance(bodies, list):
+        return [_stiffer(body, factor) for body in bodies]
+    if isinstance(bodies, dict):
+        return {k: factor * v if k == "youngs_modulus" else _stiffer(v, factor) for k, v in bodies.items()}
+    return bodies
+
+
+def _between(value: np.ndarray, ends: list[_End], name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return half-widths below and above a result, and the slope of its logarithm, from both ends."""
+    if not ends:
+        return (np.full(value.shape, np.nan),) * 3
+    (low, lower), (high, upper) = ((change, values[name]) for change, values in ends)
+    changes = np.stack([lower - value, upper - value, np.zeros(value.shape)])
+    # an end that could not be solved bounds nothing
+    unsolved = np.isnan(changes).any(axis=0) & ~np.isnan(value)
+    down, up = (np.where(unsolved, np.inf, side) for side in (-changes.min(axis=0), changes.max(axis=0)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return down, up, np.log(upper / lower) / (high - low)
