@@ -12,6 +12,7 @@ import psutil
 import pytest
 from kills import family, kill_at_random, session, words
 from study import ROOT, command, environment, write_study
+from terminations import end_at_random, load
 
 
 def test_a_killed_run_goes_on_and_leaves_the_same_bytes(tmp_path):
@@ -70,6 +71,62 @@ def test_nothing_goes_on_after_the_program_alone_was_ended(tmp_path, by, wrapper
 def deaf_to_interruptions():
     """Ignore SIGINT, as shells let programs do that they start in the background."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def test_a_termination_ends_jobs_whose_parent_has_gone(tmp_path):
+    """As that of a shell that was ended while it started its program."""
+    write_study(tmp_path, sides=(48,), cases=False)
+    with (tmp_path / "said.txt").open("w") as said:
+        run = subprocess.Popen(
+            command(tmp_path, "results/surface-1/levelled.nc"), env=environment(), stdout=said, stderr=said
+        )
+    while not (started := [each for each in family(run) if words(each).endswith(".prepare.py")]):
+        assert run.poll() is None, (tmp_path / "said.txt").read_text()
+        time.sleep(0.002)
+    orphan = subprocess.Popen(["sleep", "600"], env=started[0].environ())
+    try:
+        run.terminate()
+        assert run.wait(timeout=60) == 143
+        assert orphan.wait(timeout=1) == -signal.SIGTERM
+    finally:
+        orphan.kill()
+
+
+@pytest.mark.parametrize(("host", "ends"), [(socket.gethostname(), True), ("node-7", False)])
+def test_a_job_that_begins_after_its_run_has_ended_ends_as_well(tmp_path, host, ends):
+    """But one on another computer of a cluster goes on."""
+    (tmp_path / ".snakemake").mkdir()
+    (tmp_path / ".snakemake/running").touch()  # as a run leaves it that has ended in order
+    script = tmp_path / "job.py"
+    script.write_text(
+        "import sys, time, types\n"
+        f"sys.path.append({str(ROOT / 'workflow/scripts')!r})\n"
+        "snakemake = types.SimpleNamespace(rule='prepare', wildcards=[], log=['log'], resources={},\n"
+        "                                  input={}, output={})\n"
+        "import _job\n"
+        "print('at work', flush=True)\n"
+        "time.sleep(600)\n"
+    )
+    variables = environment(ROUGHCONTACT_RUN=f"{host} 1-1")
+    job = subprocess.Popen(
+        [sys.executable, script], cwd=tmp_path, env=variables, stdout=subprocess.PIPE, text=True
+    )
+    try:
+        job.stdout.readline()
+        if ends:
+            assert job.wait(timeout=30) == 1
+        else:
+            with pytest.raises(subprocess.TimeoutExpired):
+                job.wait(timeout=2)
+    finally:
+        job.kill()
+        job.communicate()
+
+
+@pytest.mark.slow
+def test_no_termination_on_a_busy_machine_leaves_a_process(tmp_path):
+    with load(2):
+        assert end_at_random(tmp_path, tries=4, seed=1) == []
 
 
 @pytest.mark.parametrize("started_by", ["roughcontact run", "snakemake"])

@@ -158,8 +158,10 @@ def _log_warning(
 
 def _end_with_the_run() -> None:
     """End this job as soon as the run that started it ends: by the file that `roughcontact run` holds."""
-    # unset if Snakemake was started by itself, or passes no variables on
-    own = os.environ.get("ROUGHCONTACT_RUN")
+    # unset if Snakemake was started by itself, or passes no variables on; on a cluster jobs outlive the run
+    own = os.environ.get("ROUGHCONTACT_RUN", "")
+    if not own.startswith(f"{socket.gethostname()} "):
+        return
     try:
         import fcntl
 
@@ -170,7 +172,7 @@ def _end_with_the_run() -> None:
     def run_at_work() -> bool:
         """Return whether the run that holds the file still runs, and is the one that started this job."""
         file.seek(0)
-        if own not in file.read().split()[1:]:  # the next run has started
+        if file.read().strip() != own:  # it has ended in order, or the next one has started
             return False
         try:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
@@ -184,8 +186,7 @@ def _end_with_the_run() -> None:
                 time.sleep(0.2)
             os._exit(1)
 
-    if own and file.read().split()[:1] == [socket.gethostname()]:  # on a cluster jobs outlive the run
-        threading.Thread(target=watch, daemon=True).start()
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def _hold_script() -> "TextIO | None":

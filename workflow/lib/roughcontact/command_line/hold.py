@@ -29,7 +29,7 @@ class Hold(NamedTuple):
     files : list of int
         file descriptors that Snakemake has to inherit.
     run : str
-        the name of the run; empty without a lock.
+        computer, process and time, as the locked file has them; empty without a lock.
     killed : bool
         whether the locks of Snakemake are those of a killed run.
     """
@@ -88,8 +88,8 @@ def held(folder: Path, *, unlocks: bool = False) -> Iterator[Hold]:
                 "there, which cannot be seen from here: wait for its end or, if it has been killed, take its "
                 "locks away with --unlock and run again"
             )
-        run = f"{os.getpid()}-{time.time_ns()}"
-        line = f"{socket.gethostname()} {run}\n".encode()
+        run = f"{socket.gethostname()} {os.getpid()}-{time.time_ns()}"
+        line = f"{run}\n".encode()
         # in place, then truncated: after a kill in between the computer's name is there
         with path.open("r+b", buffering=0) as content:
             content.write(line)

@@ -23,6 +23,7 @@ PACKAGE = Path(__file__).parents[1]
 _PROFILES = ("--profile", "--workflow-profile", "--executor", "-e")
 _CORES = ("--cores", "-c", "--jobs", "-j", *_PROFILES)
 _PR_SET_PDEATHSIG = 1  # of prctl(2)
+_RUN = "ROUGHCONTACT_RUN"  # tells the jobs of which run they are
 _LONGEST_STEM = 56  # letters of a name made of that of a file; a number may follow
 # with one of these the screen is Snakemake's own
 _SHOW = ("--logger", "--quiet", "-q", "--verbose", "--printshellcmds", "-p", "--debug-dag")
@@ -273,46 +274,65 @@ def _cache(folder: Path) -> dict[str, str]:
 def _wait(command: Sequence[str], folder: Path, *, files: Sequence[int] = (), run: str = "") -> int:
     """Run a command to its end, even after an interruption, which the command has received as well.
 
-    A termination has reached this process alone: it interrupts the command and its jobs. The exit status
+    A termination has reached this process alone: it interrupts the command and ends its jobs. The exit status
     is then that of a terminated program.
     """
-    variables = os.environ | _cache(folder) | {"ROUGHCONTACT_RUN": run}  # for its jobs
-    prepare = _end_with_this_process()
-    process = subprocess.Popen(command, env=variables, pass_fds=files, preexec_fn=prepare)  # noqa: PLW1509 - no threads
+    run = run or str(os.getpid())  # a folder without locks
+    variables = os.environ | _cache(folder) | {_RUN: run}  # for its jobs
+    process: subprocess.Popen | None = None
     terminated = False
 
-    def interrupt(*_: object) -> None:
+    def terminate(*_: object) -> None:
         nonlocal terminated
+        if process and not terminated:
+            threading.Thread(target=_interrupt, args=(process.pid, run)).start()
         terminated = True
-        _interrupt(process.pid)
 
     in_main_thread = threading.current_thread() is threading.main_thread()  # only there are signals handled
-    before = signal.signal(signal.SIGTERM, interrupt) if in_main_thread else None
+    before = signal.signal(signal.SIGTERM, terminate) if in_main_thread else None
     try:
+        prepare = _end_with_this_process()
+        process = subprocess.Popen(command, env=variables, pass_fds=files, preexec_fn=prepare)  # noqa: PLW1509 - no threads
+        if terminated:  # while it was started
+            _interrupt(process.pid, run)
         while True:
             try:
                 code = process.wait()
             except KeyboardInterrupt:
                 continue
+            while terminated and _end_jobs(run):
+                pass
             return 128 + signal.SIGTERM if terminated else code
     finally:
         if in_main_thread:
             signal.signal(signal.SIGTERM, before)
 
 
-def _interrupt(started: int) -> None:
+def _interrupt(started: int, run: str) -> None:
     """Interrupt Snakemake as Ctrl-C does, so that it cleans up, and end its jobs, which it would wait for."""
     import psutil  # comes with Snakemake
 
     # shells let what they start in the background ignore interruptions
     ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     with suppress(psutil.NoSuchProcess):
-        first = psutil.Process(started)
-        jobs = first.children(recursive=True)
-        first.send_signal(signal.SIGTERM if ignored else signal.SIGINT)
-        for job in jobs:
-            with suppress(psutil.NoSuchProcess):
-                job.terminate()
+        snakemake = psutil.Process(started)
+        snakemake.send_signal(signal.SIGTERM if ignored else signal.SIGINT)
+        while snakemake.is_running() and snakemake.status() != psutil.STATUS_ZOMBIE:
+            _end_jobs(run, besides=started)  # also those that it starts until it notices
+
+
+def _end_jobs(run: str, *, besides: int = 0) -> bool:
+    """End the processes of a run, also those whose parents have ended, and return whether there were any."""
+    import psutil
+
+    jobs = []
+    for process in psutil.process_iter():
+        with suppress(psutil.Error, OSError):
+            if process.pid != besides and process.environ().get(_RUN) == run:
+                process.terminate()
+                jobs.append(process)
+    psutil.wait_procs(jobs, timeout=0.2)
+    return bool(jobs)
 
 
 def _end_with_this_process() -> Callable[[], None] | None:
