@@ -1,5 +1,10 @@
 """The workflow, for `snakemake` in the checkout's own folder; all of it lies in workflow/Snakefile."""
 
+import sys
+
+# Snakemake puts this folder first on the path; what lies in it beside the maps is no code.
+sys.path[:] = [path for path in sys.path if path != str(workflow.current_basedir)]
+
 
 include: "workflow/Snakefile"
 

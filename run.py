@@ -10,13 +10,17 @@ build/wheels, and `python3 run.py lowest` runs the tests of package and workflow
 pyproject.toml allows, in .venv-lowest.
 """
 
+import sys
+
+if __name__ == "__main__" and not sys.flags.safe_path:
+    del sys.path[0]  # the folder of this file: what lies in it is no module, but perhaps has the name of one
+
 import hashlib
 import importlib.util
 import os
 import shutil
 import signal
 import subprocess
-import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
@@ -33,10 +37,12 @@ MAX_WORKERS = 4  # of the tests; each of them uses a few hundred megabytes
 def main(arguments):
     """Run the job named by the first argument, in an environment that is created if necessary."""
     check_python()
+    os.environ["PYTHONSAFEPATH"] = "1"  # of pip and the workflow: nothing in the working folder is code
     jobs = {"test": test, "lint": lint, "docs": docs, "lowest": lowest, "wheels": wheels}
     if arguments and arguments[0] in jobs:
         install("wheels" if arguments[0] == "wheels" else "dev")
         os.chdir(ROOT)
+        del os.environ["PYTHONSAFEPATH"]  # tests and benchmarks import what lies beside them
         return jobs[arguments[0]](*arguments[1:])
     install("")
     return work(*arguments)

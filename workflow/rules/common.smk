@@ -39,6 +39,8 @@ try:
     ):
         for file in filter(os.path.isfile, workflow.configfiles or [DEFAULT]):
             check_yaml(Path(file))
+        # no job, here or on a cluster, takes for code what lies in the working folder
+        os.environ.update(PYTHONSAFEPATH="1")
         ELSEWHERE = not (workflow.configfiles or os.path.isfile("config/config.yaml"))
         ORIGIN = ", ".join(map(str, workflow.configfiles or [DEFAULT]))
 except SettingsError as error:
@@ -80,7 +82,10 @@ STATED = json.dumps(
     },
     default=str,
 )
-WITH_PACKAGE = {"PYTHONPATH": os.pathsep.join([str(ROOT / "workflow/lib"), *sys.path])}
+WITH_PACKAGE = {
+    "PYTHONPATH": os.pathsep.join([str(ROOT / "workflow/lib"), *sys.path]),
+    "PYTHONSAFEPATH": "1",
+}
 
 
 wildcard_constraints:

@@ -279,6 +279,7 @@ def _wait(command: Sequence[str], folder: Path, *, files: Sequence[int] = (), ru
     """
     run = run or str(os.getpid())  # a folder without locks
     variables = os.environ | _cache(folder) | {_RUN: run}  # for its jobs
+    variables["PYTHONSAFEPATH"] = "1"  # nothing in the working folder is code, for this command and its jobs
     process: subprocess.Popen | None = None
     terminated = False
 
