@@ -6,8 +6,7 @@ Half of the times are random ones of the run, the others those at which a job is
     .venv/bin/python tests/faults/terminations.py --tries 5 --load 8
 
 The processes are looked for at the moment at which the program has ended, without a time in which they might
-notice it by themselves. Returns 1 where there was one, where a lock of Snakemake is left, or where the
-program went on after the signal.
+notice it by themselves. Returns 1 where there was one, or where the program went on after the signal.
 """
 
 import argparse
@@ -74,7 +73,6 @@ def end_at_random(folder: Path, tries: int, seed: int) -> list[str]:
             wrong.append(f"try {number}, after {after:.2f} s: still at work {LONGEST:g} s later")
         left = session(run)
         wrong += [f"try {number}, after {after:.2f} s: left {words(each)}" for each in left]
-        wrong += [f"try {number}: left {path.name}" for path in folder.glob(".snakemake/locks/*.lock")]
         for process in left:
             process.kill()
         run.wait()

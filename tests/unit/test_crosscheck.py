@@ -45,6 +45,12 @@ MAPS = {
     "map": synthetic.self_affine_surface(
         (20, 16), (2e-6, 1e-6), hurst=0.8, shortest=8e-6, longest=16e-6, rms_gradient=0.1, seed=1
     ),
+    "odd rows": synthetic.self_affine_surface(
+        (45, 36), (2e-6, 1e-6), hurst=0.8, shortest=6e-6, longest=24e-6, rms_gradient=0.1, seed=1
+    ),
+    "odd": synthetic.self_affine_surface(
+        (15, 21), 1e-6, hurst=0.8, shortest=5e-6, longest=15e-6, rms_gradient=0.1, seed=2
+    ),
     "row": synthetic.westergaard_surface((1, 32), 1e-6, amplitude=1e-6, wavelength=32e-6),
     "column": height_map(1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)[:, None], 1e-6),
 }

@@ -18,7 +18,8 @@ def tamaas(heights: np.ndarray, lengths: np.ndarray, loads: np.ndarray) -> Itera
     """Yield the pressure (ny, nx) at each load by Tamaas, to 1e-10 of its own error.
 
     The solver is that of Polonsky and Keer (1999), Wear 231, 206: conjugate gradients on the contact set.
-    `heights` are one period of the `lengths` (Ly, Lx), the loads mean pressures, E* = 1.
+    `heights` are one period of the `lengths` (Ly, Lx), the loads mean pressures, E* = 1. Of an odd number of
+    rows two periods are solved: Tamaas 2.9.0 has wrong wave numbers there (docs/maintainers.md).
 
     Raises
     ------
@@ -28,6 +29,9 @@ def tamaas(heights: np.ndarray, lengths: np.ndarray, loads: np.ndarray) -> Itera
     import tamaas as tm
 
     tm.set_log_level(tm.LogLevel.error)
+    rows = len(heights)
+    periods = 1 + rows % 2
+    heights, lengths = np.tile(heights, (periods, 1)), lengths * [periods, 1]
     for load in loads:
         model = tm.ModelFactory.createModel(tm.model_type.basic_2d, list(lengths), list(heights.shape))
         model.E, model.nu = 1.0, 0.0
@@ -35,7 +39,7 @@ def tamaas(heights: np.ndarray, lengths: np.ndarray, loads: np.ndarray) -> Itera
         solver.max_iter = 100_000
         if not solver.solve(load) <= 1e-10:
             raise SystemExit(f"Tamaas did not converge at the load {load:g}")
-        yield model.traction.copy()
+        yield model.traction[:rows].copy()
 
 
 def contactmechanics(
