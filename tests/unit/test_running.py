@@ -157,7 +157,7 @@ def test_a_run_holds_its_file_and_so_does_what_it_starts(folder):
     """The lock is gone when both are, however they end; a run that comes to its end leaves no name."""
     running = folder / ".snakemake/running"
     with held(folder) as (files, run, killed):
-        assert running.read_text() == f"{socket.gethostname()} {run}\n"
+        assert running.read_text() == f"{run}\n"
         assert not killed
         started = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE, pass_fds=files)
         (folder / ".snakemake/locks").mkdir()
