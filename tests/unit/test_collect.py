@@ -9,13 +9,16 @@ import pytest
 import xarray as xr
 
 from roughcontact.contact.solve import solve_contact
-from roughcontact.errors import InputFileError
+from roughcontact.errors import InputFileError, SettingsError
+from roughcontact.evaluation import evaluate
 from roughcontact.maps import height_map
+from roughcontact.references.synthetic import rough_reference_surface
 from roughcontact.results.collect import (
     _SUFFIX,
     collect_statistics,
     pairs_table,
     summary_table,
+    table,
     with_failures,
 )
 from roughcontact.results.selection import read_statistics
@@ -328,3 +331,32 @@ def test_a_seal_and_the_ends_of_its_leak_rate_stand_in_the_table(tmp_path):
     assert table["leak_rate_by_cube_per_m_s"].item() == pytest.approx(1e5 / (12 * 1e-3 * 1e-3))
     assert table["leak_rate_x_lower_m2_per_s"].item() == 0
     assert table["leak_rate_x_upper_m2_per_s"].item() > 0
+
+
+def test_a_table_has_the_columns_of_the_summary(tmp_path):
+    height = rough_reference_surface(64)
+    found = evaluate(height, contact={"contact_modulus": 1e9, "mean_pressure": [2e8, 4e7]})
+    write_dataset(found, tmp_path / "statistics.nc")
+    entries = [
+        {"surface": name, "case": case, "statistics": tmp_path / "statistics.nc"}
+        for case in ("soft", "hard")
+        for name in ("ground", "turned")
+    ]
+    for cases in (False, True):
+        run = collect_statistics(entries if cases else [{**e, "case": None} for e in entries[:2]])
+        whole = summary_table(run)
+        pd.testing.assert_frame_equal(table(run), whole)
+        at = {"surface": "turned"} | ({"case": "hard"} if cases else {})
+        rows = whole[(whole[list(at)] == list(at.values())).all(axis=1)].reset_index(drop=True)
+        assert len(rows) == 2
+        pd.testing.assert_frame_equal(table(run.sel(at)), rows)
+        numbers = rows.drop(columns=list(at))
+        pd.testing.assert_frame_equal(table(found), numbers)
+        pd.testing.assert_frame_equal(table(read_statistics(tmp_path / "statistics.nc")), numbers)
+    assert table(found)["mean_pressure_Pa"].tolist() == [2e8, 4e7]
+    assert set(table(found)["verdict"]) <= {"use", "review", "do not use"}
+    with pytest.raises(SettingsError, match="select rows of the table"):
+        table(found.isel(load=[1]))
+    # without verdicts the loads may be any
+    numbers = found.drop_attrs()[["mean_gap"]].isel(load=[1])
+    assert table(numbers)["mean_gap_m"].tolist() == [found["mean_gap"].values[1]]

@@ -1,6 +1,7 @@
 """True contact area and contact pressures of measured rough surfaces.
 
-The public verbs take and return labelled arrays (`xarray`), in SI units, and follow one another::
+The public verbs take labelled arrays (`xarray`) in the `units` that they state, SI where they state none, and
+numbers that may be text with a unit ("115 GPa"). They return SI units, and follow one another::
 
     height   = read_height_map(path)
     levelled = level(height, form="plane")
@@ -25,6 +26,7 @@ except PackageNotFoundError:  # used from a checkout that was not installed
 
 _HOME = {
     "read_height_map": "roughcontact.io.read",
+    "height_map": "roughcontact.maps",
     "inspect_file": "roughcontact.io.inspection",
     "level": "roughcontact.levelling.level",
     "composite": "roughcontact.faces.composite",
@@ -42,6 +44,7 @@ _HOME = {
     "with_interval": "roughcontact.quantities",
     "self_affine_surface": "roughcontact.references.synthetic",
     "workflow_file": "roughcontact.command_line.running",
+    "table": "roughcontact.results.collect",
     "compare_statistics": "roughcontact.results.comparison",
     "read_dataset": "roughcontact.results.storage",
     "read_statistics": "roughcontact.results.selection",

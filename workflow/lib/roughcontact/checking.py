@@ -42,14 +42,12 @@ def check_labelled(height: object) -> "xr.DataArray":
     if not isinstance(height, xr.DataArray):
         raise HeightMapError(
             f"the map is of type {type(height).__name__}, its pixel size is unknown; label it by "
-            "roughcontact.maps.height_map(values, spacing)"
+            "roughcontact.height_map(values, spacing)"
         )
     name = height.attrs.get("source_file") or "the map"
     kind = getattr(height.dtype, "kind", None)  # of NumPy's types
     if kind not in ("f", "i", "u") and (kind or str(height.dtype).startswith(("bool", "complex"))):
-        raise HeightMapError(
-            f"{name} holds values of type {height.dtype}: heights are real numbers, in metres"
-        )
+        raise HeightMapError(f"{name} holds values of type {height.dtype}: heights are real numbers")
     if height.dims != ("y", "x"):
         raise HeightMapError(f"{name} has the dimensions {height.dims}: transpose it to ('y', 'x')")
     if height.size < 2:
@@ -61,7 +59,7 @@ def check_labelled(height: object) -> "xr.DataArray":
         if axis not in height.coords:
             raise HeightMapError(
                 f"{name} has no coordinate {axis!r}: its pixel size is unknown; label it by "
-                "roughcontact.maps.height_map(values, spacing)"
+                "roughcontact.height_map(values, spacing)"
             )
         if (positions := height.coords.variables[axis].dtype).kind not in "fiu":
             raise HeightMapError(
@@ -69,6 +67,26 @@ def check_labelled(height: object) -> "xr.DataArray":
                 "real numbers, in metres"
             )
     return height
+
+
+def check_solution(contact: object) -> None:
+    """Raise an error for something else than the solution of a contact with its maps.
+
+    Raises
+    ------
+    SettingsError
+        naming what is missing.
+    """
+    import xarray as xr
+
+    what = f"this is of type {type(contact).__name__}"
+    if isinstance(contact, xr.Dataset):
+        missing = (name for name in ("height", "pressure", "gap") if name not in contact)
+        what = " ".join(f"the dataset has no {name}" for name in [*missing][:1])
+    if what:
+        raise SettingsError(
+            f"{what}: give the solution of solve_contact, or contact.nc (contact.keep_fields: true)"
+        )
 
 
 def check_map(height: "xr.DataArray") -> "np.ndarray":
@@ -100,14 +118,18 @@ def check_map(height: "xr.DataArray") -> "np.ndarray":
     return values
 
 
-def warn_of_map(shape: tuple[int, ...], rms_gradient: float) -> None:
-    """Warn the caller's caller of a map that is unlike any measured surface. It changes no number.
+def warn_of_map(shape: tuple[int, ...], rms_gradient: float, *, stacklevel: int = 4) -> None:
+    """Warn the caller of a public function of a map that is unlike any measured surface.
+
+    It changes no number.
 
     Parameters
     ----------
     shape : tuple of int
         (ny, nx).
     rms_gradient : float
+    stacklevel : int
+        distance of the caller to warn; 4 of functions that convert their arguments (`in_si`).
 
     Warns
     -----
@@ -120,14 +142,14 @@ def warn_of_map(shape: tuple[int, ...], rms_gradient: float) -> None:
             f"the map has {ny} x {nx} points: that is no rough surface, and its contact is that of "
             f"{ny * nx} pixels; check how it was cut or read",
             HeightMapWarning,
-            stacklevel=3,
+            stacklevel=stacklevel,
         )
     if rms_gradient > STEEPEST:
         warnings.warn(
             f"the rms gradient of the map is {rms_gradient:.3g}, steeper than any measured surface: the "
             "units of heights and positions differ, or one of them is wrong",
             HeightMapWarning,
-            stacklevel=3,
+            stacklevel=stacklevel,
         )
 
 

@@ -2,16 +2,18 @@
 
 import warnings
 from collections.abc import Mapping
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
-from roughcontact.checking import warn_of_map
+from roughcontact.checking import check_labelled, warn_of_map
 from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import HeightMapWarning
 from roughcontact.io.read import read_height_map
 from roughcontact.pipeline import run_chain
+from roughcontact.si import labelled_in_si
 
 
 def evaluate(
@@ -30,7 +32,7 @@ def evaluate(
     Parameters
     ----------
     source : str, Path or DataArray (y, x), m
-        a measured file, or a height map as `read_height_map` returns it.
+        a measured file, or a height map as `read_height_map` or `height_map` returns it.
     level, window, contact, statistics, uncertainty, instrument : mapping, optional
         sections of the configuration, with numbers possibly as text with a unit ("115 GPa"); missing keys
         have their defaults. `contact` states the elasticity, as `contact_modulus` or `bodies`.
@@ -72,6 +74,8 @@ def evaluate(
     >>> int(found["verdict"].item()), found["verdict"].attrs["flag_meanings"]
     (2, 'use review do_not_use')
     """
+    if not isinstance(source, str | PathLike):
+        source = labelled_in_si(check_labelled(source))
     given = {
         "level": level,
         "window": window,
@@ -85,5 +89,5 @@ def evaluate(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", HeightMapWarning)  # of every solution; said once below
         found = run_chain(height, full, threads=threads)
-    warn_of_map(found.window.shape, float(found.statistics["rms_gradient"]))
+    warn_of_map(found.window.shape, float(found.statistics["rms_gradient"]), stacklevel=3)
     return found.statistics

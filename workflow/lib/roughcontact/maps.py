@@ -7,22 +7,32 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from roughcontact.errors import HeightMapError, SettingsError
+from roughcontact.si import quantity_in
+from roughcontact.units import carries_unit, unknown_unit, value_of
+
 
 def height_map(
     values: npt.ArrayLike,
-    spacing: float | Sequence[float],
+    spacing: float | str | Sequence[float | str],
     *,
+    unit: str = "m",
+    height_unit: str | None = None,
     channel: str = "height",
     instrument: Mapping[str, object] | None = None,
 ) -> xr.DataArray:
-    """Label an array of heights as a height map.
+    """Label an array of heights as a height map, in metres.
 
     Parameters
     ----------
-    values : array (ny, nx), m
-        heights, positive outwards; NaN where not measured.
-    spacing : float or (dy, dx), m
-        pitch of the points, which are the centres of cells.
+    values : array (ny, nx), or (nx,) of a profile
+        heights, positive outwards, row 0 at the smallest y; NaN or masked where not measured.
+    spacing : float or (dy, dx)
+        pitch of the points, which are the centres of cells; text may carry a unit of its own, ``"1.5 um"``.
+    unit : str
+        of the pitch, and of the heights unless `height_unit` is given.
+    height_unit : str, optional
+        of the heights.
     channel : str
         name of the heights.
     instrument : dict, optional
@@ -33,43 +43,67 @@ def height_map(
     DataArray (y, x), m
         the first cell centre lies at half a pitch.
 
+    Raises
+    ------
+    HeightMapError
+        for an array of another shape, or of other values than real numbers.
+    SettingsError
+        for an unknown unit, or a pitch that is no positive number.
+
     Examples
     --------
-    >>> height = height_map([[0.0, 1e-3, 2e-3]], (2.0, 1.0))
-    >>> height.dims, height.shape, height["x"].values.tolist(), height.attrs["units"]
-    (('y', 'x'), (1, 3), [0.5, 1.5, 2.5], 'm')
+    >>> height = height_map([[0.0, 40.0, 80.0]], 0.5, unit="um", height_unit="nm")
+    >>> height.dims, height.shape, height["x"].values, height.values, height.attrs["units"]
+    (('y', 'x'), (1, 3), array([2.50e-07, 7.50e-07, 1.25e-06]), array([[0.e+00, 4.e-08, 8.e-08]]), 'm')
     """
-    values = np.asarray(values, dtype=float)
-    dy, dx = pitches(spacing)
-    ny, nx = values.shape
-    missing = int(np.isnan(values).sum())
+    heights = np.atleast_2d(np.asarray(values))
+    if heights.ndim != 2 or not heights.size or heights.dtype.kind not in "fiu":
+        raise HeightMapError(
+            f"values of shape {heights.shape} and type {heights.dtype} are no map of real numbers (ny, nx)"
+        )
+    if np.ma.isMaskedArray(values):
+        heights = np.where(np.ma.getmaskarray(values), np.nan, heights)
+    lateral, vertical = (value_of(each, "m") for each in (unit, height_unit or unit))
+    if lateral is None or vertical is None:
+        raise SettingsError(unknown_unit(unit if lateral is None else height_unit, "m"))
+    dy, dx = (
+        step if carries_unit(given) else step * lateral
+        for given, step in zip(np.broadcast_to(np.asarray(spacing, object), 2), pitches(spacing), strict=True)
+    )
+    if not (0 < dy < np.inf and 0 < dx < np.inf):
+        raise SettingsError(f"spacing = {spacing!r}: give positive numbers", keys=["spacing"])
+    heights = heights.astype(float, copy=False)
+    heights = heights if vertical == 1 else heights * vertical  # a large map is not copied
+    ny, nx = heights.shape
+    missing = int(np.isnan(heights).sum())
     attrs = {
         "units": "m",
         "source_file": "",
         "source_sha256": "",
-        "source_format": "synthetic",
+        "source_format": "array",
         "channel": channel,
         "channels": json.dumps([channel]),
         "instrument": json.dumps(instrument or {}),
         "missing_points": missing,
-        "missing_share": missing / values.size,
+        "missing_share": missing / heights.size,
         "ingest_warnings": json.dumps([]),
     }
     y = xr.Variable("y", (np.arange(ny) + 0.5) * dy, {"units": "m"})
     x = xr.Variable("x", (np.arange(nx) + 0.5) * dx, {"units": "m"})
-    return xr.DataArray(values, dims=("y", "x"), coords={"y": y, "x": x}, name="height", attrs=attrs)
+    return xr.DataArray(heights, dims=("y", "x"), coords={"y": y, "x": x}, name="height", attrs=attrs)
 
 
-def pitches(spacing: float | Sequence[float]) -> tuple[float, float]:
-    """Return the pitches (dy, dx) of both axes, from one pitch for both or from two, in the same unit.
+def pitches(spacing: float | str | Sequence[float | str]) -> tuple[float, float]:
+    """Return the pitches (dy, dx) of both axes, from one for both or from two; text with a unit in m.
 
     Examples
     --------
     >>> pitches(2), pitches((3.0, 1.0))
     ((2.0, 2.0), (3.0, 1.0))
     """
-    dy, dx = np.broadcast_to(np.asarray(spacing, dtype=float), 2)
-    return float(dy), float(dx)
+    steps = np.broadcast_to(np.asarray(spacing, dtype=object), 2)
+    dy, dx = (float(quantity_in("m", "spacing", step)) for step in steps)
+    return dy, dx
 
 
 def spacing(height: xr.DataArray) -> tuple[float, float]:

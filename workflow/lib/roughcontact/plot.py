@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import xarray as xr
 
-from roughcontact.checking import check_choice
+from roughcontact.checking import check_choice, check_solution
 from roughcontact.errors import SettingsError
 from roughcontact.quantities import percent
 from roughcontact.report import budget_plots, load_plots, map_plots
@@ -115,11 +115,7 @@ def maps(
     'p̄ = 10.0 MPa: 5.74 % of the pixels touch'
     """
     check_choice("quantity", quantity, Map)
-    if missing := [name for name in ("height", "pressure", "gap") if name not in dataset]:
-        raise SettingsError(
-            f"the dataset has no {missing[0]}: give the solution of solve_contact, or contact.nc "
-            "(contact.keep_fields: true)"
-        )
+    check_solution(dataset)
     one = dataset.isel(load=load) if "load" in dataset.dims else dataset
     height, pressed, gap = one["height"], one["pressure"].values, one["gap"].values
     units = {"rms_height": float(height.std()), "contact_modulus": float(one.get("contact_modulus", np.nan))}

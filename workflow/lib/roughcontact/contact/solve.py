@@ -20,6 +20,7 @@ from roughcontact.elasticity.layers import LayeredPair, layered_pair
 from roughcontact.errors import ConvergenceError, RoughContactError, SettingsError
 from roughcontact.kernels.arrays import DOUBLE, SINGLE
 from roughcontact.materials import contact_modulus as modulus_of
+from roughcontact.si import in_si
 from roughcontact.variables import describe
 
 # Loads in units of E* g: below, the rounding of the heights hides the contact, whose relative deformation is
@@ -31,11 +32,12 @@ NEAR_HARDNESS = 1e-6  # relative distance from the hardness that a search in sin
 SOLVER_SETTINGS = ("tolerance", "hardness", "influence", "zero_frequency", "precision", "on_failure")
 
 
+@in_si
 def solve_contact(
     window: xr.DataArray,
     *,
-    contact_modulus: float | None = None,
-    mean_pressure: float | Sequence[float],
+    contact_modulus: float | str | None = None,
+    mean_pressure: float | str | Sequence[float | str],
     bodies: Sequence[Mapping[str, Any]] | None = None,
     tolerance: float = 1e-4,
     hardness: float | None = None,
@@ -57,11 +59,12 @@ def solve_contact(
     Parameters
     ----------
     window : DataArray (y, x), m
-        heights (any unit of length that the coordinates share), periodic, no NaN. A single row or column is a
-        profile, solved in one dimension. Heights in an array of another library that follows the Python array
-        API are solved by that library, on their device, as with `arrays`.
-    contact_modulus : float, Pa
-        E* (any unit of pressure that the loads share), unless `bodies` are given.
+        heights (without `units`: of any unit that the coordinates share), periodic, no NaN. A single row or
+        column is a profile, solved in one dimension. Heights in an array of another library that follows the
+        Python array API are solved by that library, on their device, as with `arrays`.
+    contact_modulus : float or str, Pa
+        E*, unless `bodies` are given; this and other numbers may be text with a unit, "115 GPa". Any unit of
+        pressure that the loads share, where the map has no `units`.
     mean_pressure : float or sequence of float, Pa
         one load or several, in any order; the dimension `load` keeps the order.
     bodies : sequence of one or two mappings, optional
@@ -237,7 +240,7 @@ def solve_contact(
 
 
 def _elasticity(
-    contact_modulus: float | None, bodies: Sequence[Mapping[str, Any]] | None
+    contact_modulus: float | str | None, bodies: Sequence[Mapping[str, Any]] | None
 ) -> tuple[float, LayeredPair | None]:
     """Return E* (Pa) of the surfaces, and the bodies where they have layers."""
     if bodies is None:

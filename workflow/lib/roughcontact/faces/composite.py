@@ -18,12 +18,14 @@ from roughcontact.faces.overlap import (
 from roughcontact.levelling.polynomial import fit_polynomial
 from roughcontact.levelling.rejected import with_rejected_marked
 from roughcontact.roughness.heights import height_parameters
+from roughcontact.si import in_si
 from roughcontact.window.band import reliable_wavelength
 
 # attributes taken from the face with the larger row jitter
 _ROW_ATTRIBUTES = ("row_jitter", "row_jitter_evidence", "line_alignment", "line_alignment_by")
 
 
+@in_si
 def composite(
     face: xr.DataArray,
     counter_face: xr.DataArray,

@@ -8,8 +8,10 @@ import xarray as xr
 from roughcontact.errors import SettingsError
 from roughcontact.faces.face import Face
 from roughcontact.faces.overlap import STEP_TOLERANCE, along_axes, check_pair, cosine_and_sine
+from roughcontact.si import in_si
 
 
+@in_si
 def relative_positions(
     face: xr.DataArray,
     counter_face: xr.DataArray,

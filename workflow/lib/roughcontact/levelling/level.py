@@ -20,10 +20,12 @@ from roughcontact.levelling.scan_lines import find_scars, line_offsets
 from roughcontact.maps import side_lengths, spacing
 from roughcontact.roughness.heights import height_parameters
 from roughcontact.roughness.traces import repeated_heights
+from roughcontact.si import in_si
 
 _MAX_SCALE_RATIO = 1e4  # pixel over nesting index, or nesting index over side: beyond it the unit is wrong
 
 
+@in_si
 def level(
     height: xr.DataArray,
     *,

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from roughcontact.errors import SettingsError
 from roughcontact.results.storage import Array, read_arrays
 from roughcontact.statistics.outcome import VERDICTS
 from roughcontact.variables import ANSWERS, VARIABLES
@@ -158,6 +159,48 @@ def _labels(dim: str, names: Sequence[str | None]) -> dict[str, Any]:
     return {dim: values, f"{dim}_name": values}
 
 
+def table(statistics: xr.Dataset) -> pd.DataFrame:
+    """Return statistics as a table: one row per load (of each surface and case), the columns of summary.csv.
+
+    Parameters
+    ----------
+    statistics : Dataset
+        of one surface, as `evaluate` or `contact_statistics` return them, or of a run.
+
+    Returns
+    -------
+    DataFrame
+        plain numbers, in columns named with their unit, ``mean_gap_m``; `surface` and `case` where there are
+        any.
+
+    Raises
+    ------
+    SettingsError
+        where loads were selected from statistics with verdicts.
+
+    Examples
+    --------
+    >>> gaps = xr.Dataset({"mean_gap": ("load", [3e-7, 2e-7])}, {"mean_pressure": ("load", [1e6, 2e6])})
+    >>> print(table(gaps).to_string(index=False))
+     mean_pressure_Pa   mean_gap_m
+            1000000.0 3.000000e-07
+            2000000.0 2.000000e-07
+    """
+    statistics = statistics.drop_indexes("mean_pressure", errors="ignore")
+    single = "surface" not in statistics.coords
+    if single:  # the attributes of a run are by case and surface
+        picked = {"verdicts": json.loads(statistics.attrs.get("verdicts", "null")), "bands": statistics.attrs}
+        nested = {key: json.dumps({"": {"": value}}, default=str) for key, value in picked.items() if value}
+        statistics = statistics.assign_coords(surface="").assign_attrs(nested)
+    for dim in ("surface", "case"):  # one of them may be selected
+        if dim in statistics.coords and dim not in statistics.dims:
+            names = [str(statistics[dim].item())]
+            statistics = statistics.drop_vars([dim, f"{dim}_name"], errors="ignore").expand_dims(dim)
+            statistics = statistics.assign_coords(_labels(dim, names))
+    frame = summary_table(statistics)
+    return frame.drop(columns="surface") if single else frame
+
+
 def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     """Return one row per (case,) surface and load of `collect_statistics`, every column named with its unit.
 
@@ -197,18 +240,22 @@ def summary_table(statistics: xr.Dataset) -> pd.DataFrame:
     ]
     names.sort(key=lambda name: _LEADING.index(name) if name in _LEADING else len(_LEADING))
     order = [dim for dim in ("case", "surface", "load") if dim in statistics.dims]
-    table = statistics[names].reset_coords().to_dataframe(dim_order=order).reset_index()
+    columns = statistics[names].reset_coords().to_dataframe(dim_order=order).reset_index()
     labels = [dim for dim in ("case", "surface") if f"{dim}_name" in statistics.coords]
-    frame = pd.DataFrame({dim: statistics[f"{dim}_name"].values[table[dim]] for dim in labels})
+    frame = pd.DataFrame({dim: statistics[f"{dim}_name"].values[columns[dim]] for dim in labels})
     units = {name: VARIABLES[name.partition("_from_")[0]][0] for name in names}
-    numbers = {name + _SUFFIX[unit]: table[name].to_numpy() for name, unit in units.items()}
+    numbers = {name + _SUFFIX[unit]: columns[name].to_numpy() for name, unit in units.items()}
     frame = pd.concat([frame, pd.DataFrame(numbers)], axis="columns")
-    real = np.isfinite(table["mean_pressure"].to_numpy())
+    real = np.isfinite(columns["mean_pressure"].to_numpy())
     frame = frame[real].reset_index(drop=True)
     if "verdicts" in statistics.attrs:
         verdicts = json.loads(statistics.attrs["verdicts"])
         cases = frame["case"] if "case" in frame else [""] * len(frame)
-        rows = zip(cases, frame["surface"], table["load"][real], strict=True)
+        rows = [*zip(cases, frame["surface"], columns["load"][real], strict=True)]
+        if len(rows) != sum(len(verdicts[case][surface]) for case, surface in {row[:2] for row in rows}):
+            raise SettingsError(
+                "the verdicts are of other loads: select rows of the table, not loads before it"
+            )
         found = [verdicts[case][surface][load] for case, surface, load in rows]
         known = [name for answer in ANSWERS if (name := f"{answer}_verdict") in statistics]
         words = np.array(list(VERDICTS.values()), object)

@@ -7,10 +7,12 @@ import xarray as xr
 
 from roughcontact.maps import spacing
 from roughcontact.roughness.bearing import bearing_parameters
+from roughcontact.si import in_si
 
 _ROWS_PER_BLOCK = 128
 
 
+@in_si
 def height_parameters(height: xr.DataArray) -> dict[str, float]:
     """Return the ISO 25178-2 height parameters, Sdq and Sdr of a levelled map, periodic or not.
 

@@ -16,6 +16,7 @@ from roughcontact.kernels.choose import kernels_for
 from roughcontact.kernels.fft import make_plan
 from roughcontact.kernels.waves import over_waves, wave_power
 from roughcontact.maps import spacing
+from roughcontact.si import in_si
 
 # At most this share of the mean square gradient lies beyond the cut-off of a spectrum, ...
 _SHARE_BEYOND_CUTOFF = 1e-2
@@ -24,6 +25,7 @@ _EDGE_DROP = 0.1
 _LINES_PER_BLOCK = 128
 
 
+@in_si
 def rms_height(height: xr.DataArray) -> float:
     """Return the root mean square height, sqrt(mean (h - mean h)^2): Sq of ISO 25178-2.
 
@@ -44,6 +46,7 @@ def rms_height(height: xr.DataArray) -> float:
     return float(np.std(_relative_to_first_point(height.values)))
 
 
+@in_si
 def rms_gradient(height: xr.DataArray, *, threads: int = 1) -> float:
     """Return the root mean square gradient g = sqrt(sum |q|^2 |h(q)|^2), spectral.
 
@@ -76,6 +79,7 @@ def rms_gradient(height: xr.DataArray, *, threads: int = 1) -> float:
     return math.sqrt(kernels.slope_power(spectrum, weights, qy[:, 0] ** 2, qx[0] ** 2)) / height.size
 
 
+@in_si
 def interior_rms_gradient(height: xr.DataArray) -> float:
     """Return the root mean square gradient of a map that is not periodic, spectral.
 
@@ -116,6 +120,7 @@ def interior_rms_gradient(height: xr.DataArray) -> float:
     return math.sqrt(total)
 
 
+@in_si
 def steepest_share(height: xr.DataArray, *, share: float = 0.01) -> float:
     """Return the contribution of the steepest points to the mean square gradient of a periodic map.
 
@@ -158,6 +163,7 @@ def steepest_share(height: xr.DataArray, *, share: float = 0.01) -> float:
     return float(steepest[-count:].sum() / total)
 
 
+@in_si
 def rms_curvature(height: xr.DataArray) -> float:
     """Return the root mean square of the mean curvature (h_xx + h_yy) / 2, spectral.
 
@@ -180,6 +186,7 @@ def rms_curvature(height: xr.DataArray) -> float:
     return math.sqrt(_moments(height, wave_power(height.values))[2]) / 2
 
 
+@in_si
 def spectral_moments(height: xr.DataArray) -> tuple[float, float, float]:
     """Return Nayak's moments: variances of height, slope and curvature of profiles [1]_, [2]_.
 
@@ -213,6 +220,7 @@ def spectral_moments(height: xr.DataArray) -> tuple[float, float, float]:
     return _profile_moments(height, *_moments(height, wave_power(height.values)))
 
 
+@in_si
 def nayak_parameter(height: xr.DataArray) -> float:
     """Return Nayak's bandwidth parameter m0 m4 / m2^2 [1]_.
 
@@ -242,6 +250,7 @@ def nayak_parameter(height: xr.DataArray) -> float:
     return _bandwidth(*spectral_moments(height))
 
 
+@in_si
 def shortest_wavelength(height: xr.DataArray) -> float:
     """Return the shortest wavelength of the map, from the cut-off of its spectrum.
 
@@ -271,6 +280,7 @@ def shortest_wavelength(height: xr.DataArray) -> float:
     return _cutoff_wavelength(height, wave_power(height.values), spacing(height))
 
 
+@in_si
 def points_per_shortest_wavelength(height: xr.DataArray) -> float:
     """Return the number of points per shortest wavelength of the map.
 
@@ -297,6 +307,7 @@ def points_per_shortest_wavelength(height: xr.DataArray) -> float:
     return _cutoff_wavelength(height, wave_power(height.values), (1.0, 1.0))
 
 
+@in_si
 def roughness_parameters(height: xr.DataArray, power: np.ndarray | None = None) -> dict[str, float]:
     """Return the roughness parameters of a periodic map for its statistics.
 

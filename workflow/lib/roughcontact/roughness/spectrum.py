@@ -8,8 +8,10 @@ import xarray as xr
 from roughcontact import fourier
 from roughcontact.kernels.waves import over_waves, wave_power
 from roughcontact.maps import spacing
+from roughcontact.si import in_si
 
 
+@in_si
 def areal_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the areal power spectrum of a periodic map, C(q) = A |h(q)|^2 [1]_.
 
@@ -51,6 +53,7 @@ def areal_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray, np.nda
     return qy, qx, power
 
 
+@in_si
 def isotropic_spectrum(height: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
     """Return the radially averaged power spectrum C(q): the mean of C over shells of |q|.
 
@@ -98,6 +101,7 @@ def _in_shells(shell: np.ndarray, values: np.ndarray, last: int) -> np.ndarray:
     return np.bincount(shell.ravel(), weights=values.ravel(), minlength=last + 1)[: last + 1]
 
 
+@in_si
 def angular_spectrum(
     height: xr.DataArray, power: np.ndarray | None = None, *, step: float = 0.5
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -9,12 +9,14 @@ from roughcontact import fourier
 from roughcontact.kernels.arrays import DOUBLE
 from roughcontact.kernels.fft import make_plan
 from roughcontact.maps import spacing
+from roughcontact.si import in_si
 
 _POINTS_PER_BLOCK = 2**16  # few enough to stay in the cache
 _SUMMIT, _SPIKE = (3, 15), (1, 9)  # points along each side: of the mean at the top, and around it
 _COMPARED = 40  # highest summits whose heights say how far the first may be above the second
 
 
+@in_si
 def summit_statistics(height: xr.DataArray) -> dict[str, float]:
     """Return the summit statistics of a periodic map (m) for the model of Greenwood and Williamson [1]_.
 
@@ -62,6 +64,7 @@ def summit_statistics(height: xr.DataArray) -> dict[str, float]:
     return result
 
 
+@in_si
 def summit_that_stands_out(height: xr.DataArray, *, images: int = 1) -> dict[str, float]:
     """Return the summit that stands farthest above its surroundings, and the chance of it.
 

@@ -11,6 +11,7 @@ from roughcontact.kernels.fft import make_plan
 from roughcontact.kernels.waves import wave_power
 from roughcontact.maps import spacing
 from roughcontact.roughness.spectrum import angular_spectrum
+from roughcontact.si import in_si
 
 DECAY = 0.2  # level of the autocorrelation that defines Sal and Str (ISO 25178-3)
 LAY = 0.5  # texture aspect ratio below which a surface has a lay
@@ -18,6 +19,7 @@ _RAYS = 360  # directions over half a turn
 _POINTS_PER_PIXEL = 4  # along a ray
 
 
+@in_si
 def autocorrelation(height: xr.DataArray, power: np.ndarray | None = None) -> np.ndarray:
     """Return the autocorrelation of a periodic map.
 
@@ -51,6 +53,7 @@ def autocorrelation(height: xr.DataArray, power: np.ndarray | None = None) -> np
     return np.fft.fftshift(correlation)
 
 
+@in_si
 def texture_parameters(height: xr.DataArray, power: np.ndarray | None = None) -> dict[str, float]:
     """Return the spatial parameters of ISO 25178-2 [1]_ of a periodic map.
 

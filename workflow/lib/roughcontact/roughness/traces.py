@@ -12,6 +12,7 @@ import xarray as xr
 from roughcontact.fourier import halfplane_weights, wavenumbers
 from roughcontact.kernels.waves import wave_power
 from roughcontact.maps import spacing
+from roughcontact.si import in_si
 
 # exponent of the areal spectrum beyond which it is taken to end: see `statistics.instrument_checks`
 STEEPEST = -7.0
@@ -43,6 +44,7 @@ class _Bands(NamedTuple):
     error: np.ndarray
 
 
+@in_si
 def instrument_traces(height: xr.DataArray) -> dict[str, float]:
     """Return what the waves and curvatures of a periodic map say of the instrument.
 

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.bodies import check_bodies, have_layers
-from roughcontact.checking import check_choice, warn_of_map
+from roughcontact.checking import check_choice, check_solution, warn_of_map
 from roughcontact.choices import Extra, Influence
 from roughcontact.connectivity import region_sizes
 from roughcontact.contact.dataset import influence_of, layers_of
@@ -23,6 +23,7 @@ from roughcontact.roughness.parameters import roughness_parameters
 from roughcontact.roughness.summits import summit_statistics
 from roughcontact.roughness.texture import texture_parameters
 from roughcontact.sealing.percolation import percolation_columns
+from roughcontact.si import in_si
 from roughcontact.statistics import theory
 from roughcontact.statistics.adhesion import adhesion_numbers
 from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers, carrying
@@ -80,6 +81,7 @@ THEORIES = ("area_persson", "area_xu", "area_bush_gibson_thomas", "area_greenwoo
 _BINS = {"pressure_density": "pressure", "gap_density": "gap", "patch_area_density": "patch"}
 
 
+@in_si
 def contact_statistics(
     contact: xr.Dataset,
     *,
@@ -131,7 +133,8 @@ def contact_statistics(
     Raises
     ------
     SettingsError
-        where a number of bins is no whole number of at least 1, or stresses are asked for without bodies.
+        where a number of bins is no whole number of at least 1, or stresses are asked for without bodies; for
+        anything else than a solution with its maps.
 
     Warns
     -----
@@ -157,8 +160,8 @@ def contact_statistics(
                 f"{name} = {bins!r} is no number of bins per factor of ten; give 1, 2, 3, ..."
             )
     check_choice("flow", flow, Extra)
-    layers = layers_of(contact)
-    body = _body_to_strain(stress, bodies)
+    check_solution(contact)
+    layers, body = layers_of(contact), _body_to_strain(stress, bodies)
     height, modulus = contact["height"], float(contact["contact_modulus"])
     steps = spacing(height)
     mean_pressure = np.asarray(contact["mean_pressure"].values, float)

@@ -9,6 +9,7 @@ import xarray as xr
 from roughcontact.bodies import have_layers
 from roughcontact.checking import check_positive
 from roughcontact.contact.solve import solve_contact
+from roughcontact.si import in_si
 
 _SOLVER_SETTINGS = ("tolerance", "influence", "precision")
 _CLOSE = 3e-3  # logarithm of largest pressure over hardness at which the search ends
@@ -17,6 +18,7 @@ _MOST_SOLVES = 40
 _SLOPES = (0.05, 1.0)
 
 
+@in_si
 def first_yield_pressure(
     window: xr.DataArray,
     *,

@@ -10,6 +10,7 @@ from roughcontact.checking import check_choice
 from roughcontact.choices import UncertaintySource
 from roughcontact.contact.solve import solve_contact
 from roughcontact.errors import HeightMapError
+from roughcontact.si import in_si
 from roughcontact.statistics.contact_statistics import contact_statistics
 from roughcontact.uncertainty.answers import (
     ANSWERS,
@@ -41,6 +42,7 @@ MATERIAL_UNCERTAINTIES = {
 }
 
 
+@in_si
 def error_budget(
     levelled: xr.DataArray,
     window: xr.DataArray,
@@ -124,7 +126,7 @@ def error_budget(
         )
     contact = {key: value for key, value in settings["contact"].items() if key not in MATERIAL_UNCERTAINTIES}
     stated = settings["contact"]
-    coordinates = {"mean_pressure": ("load", np.asarray(contact["mean_pressure"], float))}
+    coordinates = {"mean_pressure": ("load", np.atleast_1d(np.asarray(contact["mean_pressure"], float)))}
     # a load that does not converge gives NaN instead of ending the job
     lenient = {**contact, "on_failure": "flag"}
     rejected = rejected_load_share(levelled, window=settings["window"], contact=lenient)

@@ -16,6 +16,7 @@ from roughcontact.maps import spacing
 from roughcontact.roughness.parameters import interior_rms_gradient, rms_gradient, steepest_share
 from roughcontact.roughness.summits import summit_that_stands_out
 from roughcontact.roughness.traces import instrument_traces
+from roughcontact.si import in_si
 from roughcontact.window import periodisation
 from roughcontact.window.band import limit_band
 from roughcontact.window.rectangle import largest_rectangle
@@ -29,6 +30,7 @@ _BLENDING_METHODS = ("smooth-cross-fade", "cross-fade")  # need a band in additi
 _RECORDED_CANDIDATES = 6
 
 
+@in_si
 def periodic_window(
     levelled: xr.DataArray,
     *,

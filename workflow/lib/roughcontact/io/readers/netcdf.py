@@ -31,6 +31,7 @@ from roughcontact.io.lengths import compare_size
 from roughcontact.io.metadata import instrument_metadata
 from roughcontact.io.seal import check_seal
 from roughcontact.io.units import is_length, same_length
+from roughcontact.si import unit_of
 
 _SCIPY = (b"CDF\x01", b"CDF\x02")  # read without the netCDF library
 _MARKS = (*classic.MARKS, hdf5.MARK)
@@ -159,13 +160,13 @@ def _variable(dataset: Any, name: Any, path: Path, opener: Callable[[], Any]) ->
     ny, nx = variable.sizes[y] if y else 1, variable.sizes[x]
     if ny * nx > MAX_POINTS:
         return _oversized_channel(str(name), (ny, nx))
-    unit = _unit(variable)
+    unit = unit_of(variable.attrs)
     no_height = ""
     if variable.dtype.kind not in "iuf":
         no_height = f"values of type {variable.dtype}"
     elif unit is not None and not is_length(unit):
         no_height = f"values in {unit!r}, no length"
-    unit_x, unit_y = (_unit(dataset[axis]) if axis in dataset.coords else None for axis in (x, y))
+    unit_x, unit_y = (unit_of(dataset[axis].attrs) if axis in dataset.coords else None for axis in (x, y))
     if unit_x and unit_y and not same_length(unit_x, unit_y):
         raise InputFileError(f"{path}: the axes {x} and {y} have different units, {unit_x!r} and {unit_y!r}")
     attributes: dict[str, Any] = {
@@ -250,12 +251,6 @@ def _off_grid(
     if y is not None:
         y, x = np.meshgrid(y, x, indexing="ij")
     return scattered(name, x, y, values, error, **attributes)
-
-
-def _unit(variable: Any) -> str | None:
-    """Return the unit of a variable, or None if it has none."""
-    unit = variable.attrs.get("units", variable.attrs.get("unit"))
-    return None if unit is None or not str(unit).strip() else str(unit)
 
 
 def _axis(dataset: Any, name: str | None) -> tuple[float | None, float | None, bool]:

@@ -1,0 +1,160 @@
+"""Arguments of the public functions in SI: maps by their attribute `units`, numbers by the unit in the text.
+
+What carries no unit is in SI already.
+"""
+
+import warnings
+from collections.abc import Callable, Mapping
+from functools import wraps
+from inspect import signature
+from typing import Any, TypeVar, cast
+
+import numpy as np
+import xarray as xr
+
+from roughcontact.errors import HeightMapError, HeightMapWarning, SettingsError
+from roughcontact.units import in_base_unit, unknown_unit, value_of
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+_Labelled = TypeVar("_Labelled", xr.DataArray, xr.Dataset)
+
+# base unit -> arguments, and keys of mappings among them, that may be text with a unit
+_NAMES = {
+    "m": "s_filter l_filter shortest_wavelength longest_wavelength thickness shift seal.width "
+    "noise resolution wavelength tip_radius",
+    "Pa": "contact_modulus mean_pressure hardness youngs_modulus yield_stress seal.pressure_difference start",
+    "degree": "rotation rotations",
+    "J m-2": "work_of_adhesion",
+    "Pa s": "seal.viscosity",
+    "W m-1 K-1": "thermal_conductivity",
+    "Ohm m": "electrical_resistivity",
+}
+QUANTITIES = {name: base for base, names in _NAMES.items() for name in names.split()}
+# variables that have to be in a unit of this kind; None: the heights of a map
+_FIELDS: dict[Any, str] = {
+    None: "m",
+    "y": "m",
+    "x": "m",
+    "height": "m",
+    "gap": "m",
+    "pressure": "Pa",
+    "mean_pressure": "Pa",
+}
+
+
+def in_si(function: _Function) -> _Function:
+    """Return a public function whose arguments are brought into SI before it begins.
+
+    Examples
+    --------
+    >>> in_si(lambda hardness: hardness)(hardness="2 GPa")
+    2000000000.0
+    """
+    names = tuple(signature(function).parameters)
+
+    @wraps(function)
+    def converted(*args: Any, **options: Any) -> Any:
+        first = [_in_si(name, value) for name, value in zip(names, args, strict=False)]
+        rest = args[len(first) :]  # for the function to refuse
+        return function(*first, *rest, **{name: _in_si(name, value) for name, value in options.items()})
+
+    return cast("_Function", converted)
+
+
+def _in_si(name: str, value: Any) -> Any:
+    """Return the value of an argument in SI, or raise SettingsError for text with an unknown unit."""
+    if isinstance(value, xr.DataArray):
+        return labelled_in_si(value)
+    if isinstance(value, xr.Dataset):
+        return labelled_in_si(value)
+    if isinstance(value, Mapping):
+        inside = "seal." if name == "seal" else ""
+        return {key: _in_si(f"{inside}{key}", each) for key, each in value.items()}
+    if type(value) in (list, tuple):
+        return type(value)(_in_si(name, each) for each in value)
+    return quantity_in(QUANTITIES[name], name, value) if name in QUANTITIES else value
+
+
+def quantity_in(base: str, name: str, value: Any) -> Any:
+    """Return the value of an argument, a number or text, as `in_base_unit`; of unknown units a SettingsError.
+
+    Examples
+    --------
+    >>> quantity_in("m", "spacing", "0.5 um")
+    5e-07
+    """
+    try:
+        return in_base_unit(value, base)
+    except ValueError as error:
+        raise SettingsError(f"{name} = {value!r}: {error}", keys=[name]) from None
+
+
+def labelled_in_si(labelled: _Labelled) -> _Labelled:
+    """Return a map, or a dataset of maps, with lengths in m and pressures in Pa, by the attributes `units`.
+
+    Raises
+    ------
+    HeightMapError
+        for heights or positions in another unit than one of length.
+
+    Warns
+    -----
+    HeightMapWarning
+        where some of heights and positions are in a unit other than m, and others have none.
+
+    Examples
+    --------
+    >>> row = xr.DataArray([[1.0, 2.0]], {"y": [0.0], "x": ("x", [0.0, 5.0], {"units": "um"})}, ("y", "x"))
+    >>> found = labelled_in_si(row.assign_attrs(units="nm"))
+    >>> found.values, found["x"].values, found.attrs["units"]
+    (array([[1.e-09, 2.e-09]]), array([0.e+00, 5.e-06]), 'm')
+    """
+    own = {None: labelled.variable} if isinstance(labelled, xr.DataArray) else labelled.variables
+    changed: dict[Any, xr.Variable] = {}
+    bare = []
+    for name, variable in {**labelled.coords.variables, **own}.items():
+        unit, base = unit_of(variable.attrs), _FIELDS.get(name)
+        what = f"coordinate {name!r}" if name else "the heights"
+        if unit is None and base and variable.size > 1:
+            bare.append(what)
+        if unit is None or unit == base:
+            continue
+        base = base or ("m" if value_of(unit, "m") else "Pa")
+        factor = value_of(unit, base)
+        if factor is None and name in _FIELDS:
+            title = labelled.attrs.get("source_file") or "the map"
+            raise HeightMapError(f"{what} of {title}: {unknown_unit(unit, base)}")
+        if factor not in (None, 1.0):
+            attrs = {key: value for key, value in variable.attrs.items() if key != "unit"}
+            data = variable.data * np.float64(factor)
+            changed[name] = xr.Variable(variable.dims, data, attrs | {"units": base})
+    if not changed:
+        return labelled
+    if bare:
+        warnings.warn(
+            f"{' and '.join(bare)} of the map: no attribute units, taken in m, beside others that have one; "
+            "state it",
+            HeightMapWarning,
+            stacklevel=4,
+        )
+    result = labelled.assign_coords(
+        {name: changed.pop(name) for name in [*changed] if name in labelled.coords}
+    )
+    if isinstance(result, xr.Dataset):
+        return result.assign(changed)
+    if changed:
+        result = result.copy(data=changed[None].data)
+        result.attrs = changed[None].attrs
+    return result
+
+
+def unit_of(attrs: Mapping[Any, Any]) -> str | None:
+    """Return the unit that the attributes of a variable state, or None.
+
+    Examples
+    --------
+    >>> unit_of({"units": "um"}), unit_of({"units": " "})
+    ('um', None)
+    """
+    unit = attrs.get("units", attrs.get("unit"))
+    return None if unit is None else str(unit).strip() or None
