@@ -158,6 +158,27 @@ def test_erosion_undoes_the_tip_where_it_touched(surface):
     assert float(np.mean(np.isclose(back, surface, rtol=0, atol=1e-12))) > 0.1
 
 
+def test_erosion_takes_the_full_tip_however_many_pixels_it_has():
+    """A tip of 125 pixels, on a map that is rough enough to touch it far from its apex; by brute force."""
+    shape, step, radius = (60, 130), 0.4e-9, 50e-9
+    rng = np.random.default_rng(5)
+    waves = np.exp(-((np.hypot(*np.meshgrid(*map(np.fft.fftfreq, shape), indexing="ij")) / 0.02) ** 2))
+    values = np.fft.ifft2(np.fft.fft2(rng.standard_normal(shape)) * waves).real
+    values *= 12e-9 / values.std()
+    away = [np.minimum(np.arange(n), n - np.arange(n)) * step for n in shape]  # from the nearest copy
+    square = away[0][:, None] ** 2 + away[1] ** 2
+    tip = np.where(square < radius**2, radius - np.sqrt(np.maximum(radius**2 - square, 0.0)), np.inf)
+    places = list(np.ndindex(shape))
+    traced = np.max([values[at] - np.roll(tip, at, (0, 1)) for at in places], axis=0)
+    known = np.min([traced[at] + np.roll(tip, at, (0, 1)) for at in places], axis=0)
+    back = eroded(height_map(traced, step), radius).values
+    assert np.allclose(back, known, rtol=0, atol=1e-20)
+    assert (back >= values - 1e-20).all()
+    profile = eroded(height_map(traced[:1], step), radius).values[0]
+    alone = np.min([traced[0, k] + np.roll(tip[0], k) for k in range(shape[1])], axis=0)
+    assert np.allclose(profile, alone, rtol=0, atol=1e-20)
+
+
 def test_the_reliability_length_is_that_of_the_tips_cusps(surface):
     traced = surface.copy(data=grey_dilation(surface.values, structure=_tip(20e-6, 0.4e-6), mode="wrap"))
     assert reliability_length(traced, 20e-6) >= 1.6e-6

@@ -23,7 +23,7 @@ _NOISE_SEED = 0
 _FINEST_SCALE, _COARSEST_SCALE = 1, 64  # points; distances at which curvatures are compared with a tip
 _BINOMIAL = np.array([1, 4, 6, 4, 1]) / 16
 _SMOOTHINGS = 5  # twenty change the rms gradient by less than 1 %
-_MAX_TIP_POINTS = 24  # half-width of the part of a tip that can touch two places of a map at once
+_POINTS_PER_BLOCK = 2**16  # few enough to stay in the cache
 
 
 def transfer(frequency: np.ndarray, instrument: Mapping[str, Any]) -> np.ndarray:
@@ -276,19 +276,20 @@ def eroded(window: xr.DataArray, tip_radius: float) -> xr.DataArray:
     >>> bool(peak[0, 16] == 0 and peak[0, 20] < traced.values[0, 20])
     True
     """
-    from scipy.ndimage import grey_erosion
-
-    reach = np.ptp(window.values)  # no part of the tip above this height touches anything
+    values, steps = window.values, spacing(window)
+    reach = np.ptp(values)  # no part of the tip above this height touches anything
     radius = math.sqrt(max(2 * tip_radius * reach - reach**2, 0.0)) if reach < tip_radius else tip_radius
-    halves = [
-        min(int(radius / step), _MAX_TIP_POINTS, (n - 1) // 2)
-        for n, step in zip(window.shape, spacing(window), strict=True)
-    ]
-    y, x = (np.arange(-k, k + 1) * step for k, step in zip(halves, spacing(window), strict=True))
-    square = y[:, None] ** 2 + x[None, :] ** 2
-    inside = square <= tip_radius**2
-    tip = np.where(inside, np.sqrt(np.maximum(tip_radius**2 - square, 0.0)) - tip_radius, 0.0)
-    return window.copy(data=grey_erosion(window.values, footprint=inside, structure=tip, mode="wrap"))
+    halves = [min(int(radius / step), n // 2) for n, step in zip(values.shape, steps, strict=True)]
+    y, x = (np.arange(-k, k + 1) * step for k, step in zip(halves, steps, strict=True))
+    above = tip_radius - np.sqrt(np.maximum(tip_radius**2 - y[:, None] ** 2 - x**2, 0.0))
+    around, touched = np.pad(values, [(k, k) for k in halves], mode="wrap"), values.copy()
+    rows = max(1, _POINTS_PER_BLOCK // values.shape[1])
+    for start in range(0, len(values), rows):
+        own = touched[start : start + rows]
+        near = around[start : start + len(own) + 2 * halves[0]]
+        for i, j in np.argwhere((above < own.max() - near.min()) & (above < tip_radius)):
+            np.minimum(own, near[i : i + own.shape[0], j : j + own.shape[1]] + above[i, j], out=own)
+    return window.copy(data=touched)
 
 
 def unrounded(window: xr.DataArray, step: float) -> xr.DataArray:
