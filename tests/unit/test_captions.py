@@ -89,10 +89,16 @@ def test_surfaces_are_compared_at_the_highest_load_that_all_have():
     pascal = captions.comparison_caption(series, Unit(1e3, "mPa"))
     assert pascal.startswith("At p̄ = 2000 mPa, 20.0 % (a)")
     assert captions.comparison_caption(series[:1]) == ""
+    alike = [(f"a · {case}", *series[0][1:]) for case in ("soft", "hard")]
+    assert captions.comparison_caption(alike) == "At p′ = 4.00, 40.0 % of the area touch in all."
     beyond = ("d", np.array([2.5, 5.0]), np.array([0.1, 0.2]))  # a load of 2 was not solved
     assert captions.comparison_caption([*series, beyond]) == ""
 
 
 def test_bars_are_explained_where_there_are_any():
     assert captions.reading_of(numbers()) == ""
-    assert captions.reading_of(numbers(mean_gap_lower=[1e-6, 1e-6, 1e-7])) == "Bars: the ±."
+    gap = numbers(mean_gap_lower=[1e-6, 1e-6, 1e-7], mean_gap_upper=[2e-6, 2e-6, 2e-6])
+    assert captions.reading_of(gap) == captions.reading_of(gap, "max_pressure") == ""
+    assert captions.reading_of(gap, "mean_gap", "max_pressure") == "Bars: the ±."
+    gap["mean_gap_upper"][1] = np.nan
+    assert captions.reading_of(gap, "mean_gap") == "Bars: the ±; an arrow: nothing bounds it upwards."

@@ -43,6 +43,24 @@ def test_a_line_is_interrupted_where_values_are_missing():
     assert path.get("d").count("M") == 2
 
 
+def test_a_bar_without_an_upper_end_has_an_arrow_at_the_edge():
+    made = chart(x=Axis("x", 0.0, 4.0), y=Axis("y", 0.0, 2.0))
+    lower = np.array([0.5, 0.5, np.nan])
+    made.bars(np.array([1.0, 2.0, 3.0]), lower, np.array([1.0, np.nan, np.nan]), colour="#123456")
+    (path,) = [p for p in drawn(made).iter(f"{SVG}path") if p.get("stroke") == "#123456"]
+    bars = re.findall(r"M[-\d.]+ ([-\d.]+)V([-\d.]+)", path.get("d"))
+    assert [(float(low), float(high)) for low, high in bars] == [(112.5, 75.0), (112.5, 1.0)]
+    assert path.get("d").count("l4-7 4 7") == 1
+
+
+def test_a_band_without_an_upper_end_reaches_the_edge():
+    made = chart(x=Axis("x", 0.0, 4.0), y=Axis("y", 0.0, 2.0))
+    made.shade(np.array([1.0, 2.0]), np.array([0.5, 0.5]), np.array([1.0, np.nan]), colour="#123456")
+    (path,) = [p for p in drawn(made).iter(f"{SVG}path") if p.get("fill") == "#123456"]
+    heights = [float(y) for y in re.findall(r"[ML][-\d.]+ ([-\d.]+)", path.get("d"))]
+    assert (min(heights), max(heights)) == (0.0, 112.5)
+
+
 def test_a_long_line_keeps_its_extremes():
     values = np.zeros(40_000)
     values[12_345], values[23_456] = 2.0, -2.0

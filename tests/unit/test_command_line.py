@@ -16,7 +16,7 @@ from shared_data import DATA
 
 import roughcontact as rc
 from roughcontact.choices import UncertaintySource
-from roughcontact.command_line.describe import _cell
+from roughcontact.command_line.describe import _cell, _ends, _line
 from roughcontact.command_line.options import add_settings, chosen_settings, in_options
 from roughcontact.command_line.program import main
 from roughcontact.configuration.models import Contact, Level, Uncertainty, Window
@@ -180,6 +180,19 @@ def test_an_interval_above_nothing_has_a_unit_that_suits_it():
     load = {"mean_gap": 0.0, "mean_gap_lower": 0.0, "mean_gap_upper": 2.2e-8}
     assert _cell(load, "mean_gap", "m") == "0 +22 nm"
     assert _cell(load | {"mean_gap_upper": 0.0}, "mean_gap", "m") == "0 m"
+
+
+def test_an_interval_without_an_upper_end_does_not_look_exact():
+    load = {"max_pressure": 3.2e7, "max_pressure_lower": 1e6, "max_pressure_upper": np.nan}
+    assert _cell(load, "max_pressure", "Pa") == "32 (1.0 or more) MPa"
+    assert _cell(load | {"max_pressure_upper": 4e9}, "max_pressure", "Pa") == "32 (1.0 to 4000) MPa"
+    assert _ends(load, "max_pressure", "Pa") == "1.00 or more MPa"
+    assert _ends({"mean_gap_lower": 0.0, "mean_gap_upper": 2.2e-8}, "mean_gap", "m") == "0 to 22.0 nm"
+
+
+def test_a_long_label_stands_apart_from_its_text():
+    assert _line("serial number of scanner", "101-20-000") == "  serial number of scanner 101-20-000"
+    assert _line("format", "sdf") == "  format            sdf"
 
 
 def test_numbers_may_carry_their_unit(capsys, small):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import roughcontact as rc
 from roughcontact.configuration.resolve import resolve
@@ -9,7 +10,14 @@ from roughcontact.contact.response import linear_response
 from roughcontact.maps import height_map
 from roughcontact.references import closed_forms
 from roughcontact.references.synthetic import rough_reference_surface, westergaard_surface
-from roughcontact.statistics.conductance import conductance_columns
+from roughcontact.report.glance import Cell, _conducts, glance_units
+from roughcontact.report.tables import number_tables
+from roughcontact.statistics.conductance import (
+    conductance_columns,
+    over_holms_resistance,
+    with_resistances,
+)
+from roughcontact.statistics.contact_checks import mean_free_path
 from roughcontact.variables import describe
 
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
@@ -110,3 +118,79 @@ def test_a_flat_map_constricts_nothing():
     contact = rc.solve_contact(height_map(np.zeros((8, 8)), 1e-6), contact_modulus=1e9, mean_pressure=1e6)
     found = rc.contact_statistics(contact, bodies=[{"electrical_resistivity": 1e-7}] * 2)
     assert found["electrical_conductance"].item() == np.inf
+
+
+def one_spot(radius: float, resistivity: float, period: float = 1e-4) -> xr.Dataset:
+    """Return what the statistics say of a round spot in each period of both lengths, by Holm's ρ/(2a)."""
+    conductance = 2 * radius / resistivity / period**2
+    numbers = {
+        "electrical_conductance": conductance,
+        "conductance_per_conductivity": conductance * resistivity,
+        "relative_contact_area": np.pi * radius**2 / period**2,
+    }
+    return xr.Dataset({name: ("load", [value]) for name, value in numbers.items()})
+
+
+@pytest.mark.parametrize(
+    ("ratio", "wexler"),
+    # Holm's resistance falls to 9π²/128 = 0.69 of it at most (Wexler 1966), Sharvin's outgrows it
+    [(1e-6, 1.0), (0.01, 1.0 + 0.01 * 8 / (3 * np.pi)), (1.0, 0.79 + 0.849), (100.0, 0.66 + 84.9)],
+)
+def test_small_spots_add_sharvins_resistance_to_holms(ratio, wexler):
+    assert over_holms_resistance(ratio) == pytest.approx(wexler, rel=0.01)
+
+
+def test_the_mean_free_path_counts_for_spots_of_its_size():
+    copper = 1.7e-8
+    path = 7e-16 / copper  # 41 nm; measured and computed ones of copper: 39 nm
+    large, small = (mean_free_path(one_spot(radius, copper))[0] for radius in (100 * path, path))
+    assert (large.outcome, small.outcome) == ("passed", "look")
+    assert "a radius of 41 nm at the least" in small.sentence
+    assert "go 41 nm without a collision (Knudsen number 1.0): that adds up to 63.4 %" in small.sentence
+    # Sharvin: 4ρλ/(3πa²) over ρ/(2a)
+    sharvin = 4 * copper * path / (3 * np.pi * path**2) / (copper / (2 * path))
+    assert over_holms_resistance(1.0) - 1.83 / 2.33 == pytest.approx(sharvin)
+    assert mean_free_path(one_spot(path, copper).drop_vars("electrical_conductance")) == []
+    through_layers = one_spot(path, copper).assign(conductance_per_conductivity=("load", [np.nan]))
+    assert mean_free_path(through_layers) == []
+
+
+def test_resistances_are_those_of_the_conductances_with_their_ends():
+    numbers = one_spot(1e-6, 2e-8).assign_coords(mean_pressure=("load", [1e6]))
+    base = "conductance_per_conductivity"
+    ends = {f"{base}_lower": ("load", [0.0]), f"{base}_upper": 3 * numbers[base]}
+    columns = with_resistances({name: values.values for name, values in numbers.items()})
+    numbers = numbers.assign(electrical_resistance=("load", columns["electrical_resistance"]))
+    assert numbers["electrical_resistance"].item() * 1e8 == pytest.approx(2e-8 / (2 * 1e-6))
+    budget = xr.Dataset(ends, coords=numbers.coords)
+    found = rc.with_uncertainty(numbers, budget)
+    assert found["electrical_conductance_upper"].item() == pytest.approx(3 * 2 * 1e-6 / 2e-8 / 1e-8)
+    assert found["electrical_resistance_lower"].item() == pytest.approx(2e-8 / (2 * 1e-6) * 1e-8 / 3)
+    assert np.isnan(found["electrical_resistance_upper"].item())  # it may not conduct at all
+    unbounded = rc.with_uncertainty(numbers, budget.assign({f"{base}_upper": ("load", [np.nan])}))
+    assert unbounded["electrical_resistance_lower"].item() == 0
+    nothing = rc.with_uncertainty(numbers, budget.assign(dict.fromkeys(ends, ("load", [np.nan]))))
+    assert np.isnan(nothing["electrical_resistance_lower"].item())
+
+
+def test_what_has_no_interval_says_so_with_the_digits_of_the_area():
+    """Behind a film the conductance is of another problem than the stiffness: its ± is not known."""
+    area = "relative_contact_area"
+    numbers = xr.Dataset(
+        {
+            area: ("load", [0.933]),
+            f"{area}_lower": ("load", [0.153]),
+            f"{area}_upper": ("load", [1.0]),
+            "electrical_conductance": ("load", [945831e9]),
+            "electrical_resistance": ("load", [1 / 945831e9]),
+            "mean_pressure": ("load", [1e6]),
+        }
+    )
+    cell = _conducts(numbers, glance_units([numbers])[0], 0)
+    assert cell == Cell("946000 GS/m²", "no ±, current; 0.001057 µΩ mm²")
+    *_, table = number_tables(numbers, [[]])
+    titles = [title for title, *_ in table["header"]]
+    assert titles[1:] == ["electrical conductance, no ±", "specific contact resistance, no ±"]
+    assert table["rows"][0]["cells"][1:] == ["946000", "0.001057"]
+    without = numbers.drop_vars([f"{area}_lower", f"{area}_upper"])  # nothing has a ± there
+    assert "no ±" not in _conducts(without, glance_units([numbers])[0], 0).more

@@ -59,6 +59,13 @@ def test_an_end_that_is_not_known_reaches_the_edge():
     ax = plt.gca()
     assert low[0] < ax.get_ylim()[0] < low[1]
     assert high[1] < ax.get_ylim()[1] < high[2] < np.inf
+    open_end["relative_contact_area_upper"][2] = np.nan  # nothing bounds it: an arrow
+    ax = rc.plot.area(open_end)
+    assert bars(ax)[1][2] > ax.get_ylim()[1]
+    (arrow,) = [
+        one for one in ax.get_lines() if one.get_marker() == "^" and one.get_transform() != ax.transData
+    ]
+    assert arrow.get_xydata() == pytest.approx(np.array([[LOADS[2] / 1e6, 1.0]]))
 
 
 def test_maps_lie_upright_with_the_limits_of_the_report():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from roughcontact.quantities import number, percent, plus_minus, prefix, quantity, with_interval
+from roughcontact.quantities import number, percent, prefix, quantity, with_interval
 
 
 @pytest.mark.parametrize(
@@ -71,13 +71,12 @@ def test_number(value, digits, text):
         (-12.34, 1.2, "−12.3 ± 1.2"),
         (123456.0, 1234.0, "123500 ± 1200"),
         (1.0, np.nan, "1.00"),
-        (1.0, np.inf, "1.00"),
         (1.0, -0.1, "1.00"),
         (1e-9, 2e-12, "1.00×10⁻⁹ ± 2.0×10⁻¹²"),  # too small for places
     ],
 )
 def test_plus_minus(value, half_width, text):
-    assert plus_minus(value, half_width) == text
+    assert with_interval(value, value - half_width, value + half_width) == text
 
 
 @pytest.mark.parametrize(
@@ -93,7 +92,19 @@ def test_plus_minus(value, half_width, text):
         (238.3, 238.3, 238.3 * (1 + 1e-15), "238"),  # an end that rounding has moved
         (300.0, 291.7, 300.0 * (1 + 1e-15), "300.0 −8.3"),
         (np.inf, np.nan, np.nan, "∞"),
-        (np.inf, 5.0, np.nan, "∞"),
+        (np.inf, 5.0, np.nan, "∞ (5.0 or more)"),  # full contact: only the lower end is known
+        (1.7, 1.2, np.nan, "1.70 (1.20 or more)"),
+        (5.7, 4.4, np.inf, "5.7 (4.4 or more)"),
+        (0.0, 0.0, np.nan, "0 or more"),
+        (238.3, 238.3, np.nan, "238 or more"),
+        (5.0, np.nan, 8.0, "5.0 (8.0 or less)"),
+        (0.0028, 0.0, 0.3312, "0.0028 (0 to 0.33)"),  # beyond ten times the value: both ends in full
+        (18.0, 0.0803, 4883.0, "18 (0.080 to 4900)"),
+        (1.0, 0.0, 10.0, "1.0 −1.0 +9.0"),
+        (1.0, 0.0, 10.01, "1.0 (0 to 10.0)"),
+        (3.0, -60.0, 200.0, "3 (−60 to 200)"),
+        (3.4e-7, 2.9e-12, np.nan, "3.4×10⁻⁷ (2.9×10⁻¹² or more)"),
+        (44000.0, 0.0, 1.3e6, "44000 (0 to 1.3×10⁶)"),
         (300.0, 299.996, 300.0, "300.00"),  # certain to more digits than are read
         (18.4731234, 18.4731229, 18.4731239, "18.473"),
         (300.0, 299.96, 300.04, "300.00 ± 0.04"),
@@ -104,6 +115,22 @@ def test_plus_minus(value, half_width, text):
 )
 def test_with_interval(value, lower, upper, text):
     assert with_interval(value, lower, upper) == text
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "text"),
+    [
+        (5.2134, 8.1, "5.21 to 8.10"),
+        (300.0, 300.1, "300.00 to 300.10"),  # as many digits as tell the ends apart
+        (0.0803, 4883.0, "0.0803 to 4880"),
+        (1e-16, 4.0, "0 to 4.00"),  # rounding
+        (2.0, 2.0, "2.00 to 2.00"),
+        (4.4, np.nan, "4.40 or more"),
+        (np.nan, np.nan, "–"),
+    ],
+)
+def test_ends_of_an_interval(lower, upper, text):
+    assert with_interval(np.nan, lower, upper) == text
 
 
 def test_no_digit_is_shown_below_the_finest_half_width():

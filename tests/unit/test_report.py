@@ -1088,8 +1088,8 @@ def test_the_components_of_the_interval_and_the_results_by_the_shortest_wave():
         "unresolved waves",
         "all together",
     ]
-    lower, upper = (number(100 * float(table[end].iloc[-1])) for end in ("lower", "upper"))
-    assert rows[-1][-1] == f"{lower} % to {upper} %"
+    ends = (100 * float(table[end].iloc[-1]) for end in ("lower", "upper"))
+    assert rows[-1][-1] == f"{with_interval(np.nan, *ends)} %"
     window = table.query("source == 'window'").iloc[0]
     sides = (number(100 * window[f"standard_uncertainty_{side}"], digits=2) for side in ("lower", "upper"))
     assert rows[2][2:] == ["A", f"{' / '.join(sides)} %", "8.0", "2.31", "–"]

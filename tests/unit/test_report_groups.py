@@ -124,10 +124,12 @@ def test_a_number_that_is_not_positive_leaves_no_answer_at_its_load(gaps):
 @pytest.mark.parametrize(
     ("ratio", "shown"),
     [
-        ((0.8263, 0.641, 1.0742), ("0.83", "0.64 to 1.07")),
+        ((0.8263, 0.641, 1.0742), ("0.83", "0.641 to 1.07")),
         ((1.00001, 1.00000999, 1.00001001), ("1.0000", "1.0000 to 1.0000")),
         ((1.5, np.nan, np.nan), ("1.50", "")),
-        ((12.3, 4.56, 40.2), ("12.3", "4.6 to 40.2")),
+        ((12.3, 4.56, 40.2), ("12.3", "4.56 to 40.2")),
+        ((18.0, 0.0803, 4883.0), ("18", "0.0803 to 4880")),
+        ((18.0, 4.03, np.nan), ("18", "4.03 or more")),
     ],
 )
 def test_a_ratio_and_its_ends_have_the_digits_that_the_interval_carries(ratio, shown):

@@ -396,7 +396,7 @@ def test_a_seal_in_the_settings():
 
 
 def test_a_gap_closes_near_42_percent_of_contact():
-    """Isotropic self-affine surfaces: Dapp and Müser (2015) and others find 0.42; small maps scatter."""
+    """Isotropic self-affine surfaces: Dapp et al. (2012) find 0.42, Wang and Müser (2020) 0.415."""
     closing = []
     for seed in range(6):
         height = self_affine_surface(

@@ -208,7 +208,7 @@ def test_the_table_says_or_more_where_there_is_no_bound_and_doubts_a_closed_gap(
     numbers = xr.Dataset({name: ("load", values) for name, values in found.items()})
     leaks, seals = (_seals(numbers, *glance_units([numbers]), place) for place in (0, 1))
     assert leaks.text == "seals along y, leaks along x"
-    assert leaks.more.replace("\N{NO-BREAK SPACE}", " ") == "narrowest place 1.00 −0.20 µm or more (x)"
+    assert leaks.more.replace("\N{NO-BREAK SPACE}", " ") == "narrowest place 1.00 (0.80 or more) µm (x)"
     assert seals.text == "seals (in doubt)"
 
 

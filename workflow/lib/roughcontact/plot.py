@@ -278,13 +278,17 @@ def _marks(
 
 
 def _bars(ax: "Axes", chart: Chart, *, x: Any, lower: Any, upper: Any, colour: str) -> None:
-    """Draw error bars; one that leaves the axes ends beyond their edge."""
+    """Draw error bars; one that leaves the axes ends beyond their edge, without an upper end by an arrow."""
     axis: Axis = chart.y
     ends = (axis.low / 2, axis.high * 2) if axis.log else (2 * axis.low, 2 * axis.high)
-    low, high = (np.clip(end, *ends) for end in (lower, upper))
+    unbounded = np.isnan(upper) & np.isfinite(lower)
+    low, high = (np.clip(end, *ends) for end in (lower, np.where(unbounded, ends[1], upper)))
     ax.errorbar(
         x, high, yerr=[high - low, np.zeros_like(high)], fmt="none", ecolor=colour, elinewidth=1, capsize=2
     )
+    if unbounded.any():  # at the upper edge, whatever the other axis shows
+        style: Any = {"marker": "^", "markersize": 4, "linestyle": "", "color": colour, "clip_on": False}
+        ax.plot(x[unbounded], np.ones(unbounded.sum()), transform=ax.get_xaxis_transform(), **style)
 
 
 def _values(ax: "Axes", chart: Chart, *, values: Any, bar: Axis, colours: str, bad: str) -> None:

@@ -8,6 +8,7 @@ _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "
 _ROUNDING = 1e-12
 _AS_FAR = 0.1  # largest relative difference of the two half-widths that are written as ±
 _UNEVEN = 0.1  # the wider of two half-widths carries one digit less than the narrower at most
+_BY_ENDS = 9.0  # half-width upwards over the value from which on an interval is written by its ends
 _FINEST = 1e-3  # of a value: half-width of which two digits are shown, of narrower ones less
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # units that take a prefix; composed ones are given in powers of ten
@@ -214,43 +215,18 @@ def number(value: float, *, digits: int = 3, places: int | None = None) -> str:
     return f"{mantissa.replace('-', '−')}×10{str(power).translate(_SUPERSCRIPT)}"
 
 
-def plus_minus(value: float, half_width: float) -> str:
-    """Return a value with its uncertainty, two digits of the latter and as many places of the former.
-
-    Parameters
-    ----------
-    value : float
-    half_width : float
-        of the interval around it, in the same unit; left out where it is not a positive number.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> plus_minus(0.04132, 0.00213), plus_minus(5678.0, 123.0), plus_minus(2.5, 0.0)
-    ('0.0413 ± 0.0021', '5680 ± 120', '2.50')
-    """
-    if not (math.isfinite(half_width) and half_width > 0):
-        return number(value)
-    return _with_ends(value, {" ± ": half_width}, half_width)
-
-
-NO_UPPER_END = 9.0  # times the value: an upper end so far above it is not known from the map
-
-
 def with_interval(value: float, lower: float, upper: float, *, finest: float = 0.0) -> str:
-    """Return a value with its interval: ± where it is about symmetric, else − and +.
+    """Return a value with its interval: ± where it is about symmetric, else − and +, or by its ends.
 
     The value has the digits that its interval carries, five at most; an end equal to the value at these
-    digits is left out, since nothing is certain to ± 0. An unknown upper end beside a known lower one reads
-    "or more", and so does one beyond ten times the value: it says nothing.
+    digits is left out, since nothing is certain to ± 0. Ends stand in brackets where the interval reaches
+    beyond ten times the value, and where nothing bounds one of them: "or more", "or less".
 
     Parameters
     ----------
     value, lower, upper : float
-        in the same unit; an interval that is not around the value is left out.
+        in the same unit; an interval that is not around the value is left out, an end that is NaN or infinite
+        is unbounded. NaN as value gives the ends alone, "–" where there are none.
     finest : float
         half-width of which two digits are shown at the finest.
 
@@ -264,33 +240,64 @@ def with_interval(value: float, lower: float, upper: float, *, finest: float = 0
     ('0.412 ± 0.091', '0.412 −0.091 +0.33')
     >>> with_interval(300.0, 240.0, 300.0 + 1e-13), with_interval(300.0, 299.9999, 300.0)
     ('300 −60', '300.00')
-    >>> with_interval(1.7, 1.2, math.nan)
-    '1.70 −0.50 or more'
+    >>> with_interval(1.7, 1.2, math.nan), with_interval(0.0028, 0.0, 0.33)
+    ('1.70 (1.20 or more)', '0.0028 (0 to 0.33)')
     """
+    if math.isnan(value):
+        half = max((upper - lower) / 2, finest)
+        return _by_ends(*(_end(end, half, 3) for end in (lower, upper)))
     down = 0.0 if math.isclose(lower, value, rel_tol=_ROUNDING) else value - lower
     up = 0.0 if math.isclose(upper, value, rel_tol=_ROUNDING) else upper - value
-    if math.isfinite(down) and (math.isnan(up) or up > NO_UPPER_END * value > 0):
-        return f"{with_interval(value, lower, value, finest=finest)} or more"
     wider, narrower = max(down, up), min(down, up)
+    if math.isfinite(lower) != math.isfinite(upper) or up > _BY_ENDS * value > 0:
+        carried = max(down if math.isfinite(lower) else up, finest)
+        digits = 2 if _is_long(value) else 3
+        text = _with_half_widths(value, {}, carried) if 0 < carried < math.inf and digits > 2 else ""
+        ends = _by_ends(*(_end(end, max(abs(end - value), finest), 2) for end in (lower, upper)))
+        interval = ends.partition(" ")[2] if carried == 0 else f"({ends})"
+        return f"{text or number(value, digits=digits)} {interval}"
     if not math.isfinite(wider) or wider <= 0:
         return number(value)
     if narrower < 0 or narrower >= (1 - _AS_FAR) * wider:
-        return _with_ends(value, {" ± ": wider}, max(wider, finest))
+        return _with_half_widths(value, {" ± ": wider}, max(wider, finest))
     carried = max(narrower or wider, _UNEVEN * wider, finest)
-    return _with_ends(value, {" −": down, " +": up}, carried)
+    return _with_half_widths(value, {" −": down, " +": up}, carried)
 
 
-def _with_ends(value: float, ends: Mapping[str, float], carried: float) -> str:
+def _by_ends(low: str, high: str) -> str:
+    """Return an interval by the texts of its ends, empty for one that nothing bounds."""
+    if low and high:
+        return f"{low} to {high}"
+    return f"{low} or more" if low else f"{high} or less" if high else "–"
+
+
+def _end(end: float, half_width: float, digits: int) -> str:
+    """Return an end of an interval to two digits of its half-width, and to so many of its own at least."""
+    if not math.isfinite(end):
+        return ""
+    if abs(end) <= _ROUNDING * half_width < math.inf:
+        return "0"
+    if _is_long(end) or not 0 < half_width < math.inf:
+        return number(end, digits=digits)
+    return _fixed(end, max(_places(max(half_width, _FINEST * abs(end))), _places(abs(end)) + digits - 2))
+
+
+def _is_long(value: float) -> bool:
+    """Return whether a number would be long without a power of ten."""
+    return 0 < abs(value) < 1e-4 or 1e6 <= abs(value) < math.inf
+
+
+def _with_half_widths(value: float, sides: Mapping[str, float], carried: float) -> str:
     """Return a value and its half-widths, by their signs, to the places of two digits of one `carried`."""
     places = _places(max(carried, _FINEST * abs(value)))
     if not -6 <= places <= 8:
         return number(value) + "".join(
-            f"{sign}{number(half, digits=2)}" for sign, half in ends.items() if half > 0
+            f"{sign}{number(half, digits=2)}" for sign, half in sides.items() if half > 0
         )
     texts = [_fixed(value, places)]
     texts += [
         f"{sign}{_fixed(half, min(places, _places(half)))}"
-        for sign, half in ends.items()
+        for sign, half in sides.items()
         if round(half, places) > 0
     ]
     return "".join(texts)

@@ -79,6 +79,8 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
     "conductance_per_conductivity": ("m-1", "conductance of the contact over the mean conductivity, K/E*"),
     "thermal_conductance": ("W m-2 K-1", "thermal conductance of the contact per nominal area"),
     "electrical_conductance": ("S m-2", "electrical conductance of the contact per nominal area"),
+    "thermal_resistance": ("m2 K W-1", "thermal resistance of the contact times nominal area"),
+    "electrical_resistance": ("Ohm m2", "specific contact resistance: resistance times nominal area"),
     "gap_percolates_x": ("1", "1 where the gap is open from end to end along x, 0 where it is closed"),
     "gap_percolates_y": ("1", "1 where the gap is open from end to end along y, 0 where it is closed"),
     "critical_constriction_x": ("m", "largest height that a path through the gap along x keeps; 0: closed"),
@@ -156,14 +158,6 @@ VARIABLES: dict[str, tuple[str | None, str]] = {
         "m",
         "largest height that a way along y keeps which crosses half of the map",
     ),
-    "thermal_conductance_lower": ("W m-2 K-1", "lower end of the 95 % interval of the thermal conductance"),
-    "thermal_conductance_upper": ("W m-2 K-1", "upper end of the 95 % interval of the thermal conductance"),
-    "electrical_conductance_lower": ("S m-2", "lower end of the 95 % interval of the electrical conductance"),
-    "electrical_conductance_upper": ("S m-2", "upper end of the 95 % interval of the electrical conductance"),
-    "leak_rate_x_lower": ("m2 s-1", "lower end of the 95 % interval of the leak rate along x"),
-    "leak_rate_x_upper": ("m2 s-1", "upper end of the 95 % interval of the leak rate along x"),
-    "leak_rate_y_lower": ("m2 s-1", "lower end of the 95 % interval of the leak rate along y"),
-    "leak_rate_y_upper": ("m2 s-1", "upper end of the 95 % interval of the leak rate along y"),
     "switches": ("1", "switches between contact and non-contact along all rows and columns"),
     "beside_the_peak": ("Pa", "difference between the largest pressure and the mean of its neighbours"),
     "place_of_the_peak": ("1", "index of the largest pressure, counted row by row"),
@@ -309,6 +303,13 @@ _OF_INTERVALS = {
     "choices": "{} with other choices of processing",
     "at_cutoff": "{} of the waves that are kept, by the shortest of them",
     "as_measured": "{} without the correction for the instrument",
+}
+_FROM_OTHERS = ["leak_rate_x", "leak_rate_y"]  # whose interval follows from another one
+_FROM_OTHERS += [f"{of}_{kind}" for of in ("thermal", "electrical") for kind in ("conductance", "resistance")]
+VARIABLES |= {
+    f"{name}_{end}": (VARIABLES[name][0], _OF_INTERVALS[end].format(name.replace("_", " ")))
+    for name in _FROM_OTHERS
+    for end in ("lower", "upper")
 }
 VARIABLES |= {
     f"{name}_sensitivity": ("1", f"d ln Q/d ln input of the {words}; NaN: not known")

@@ -72,7 +72,7 @@ def _line(label: str, text: str) -> str:
     return textwrap.fill(
         text,
         _WIDTH,
-        initial_indent=f"  {label:<18}",
+        initial_indent=f"  {label:<17} ",
         subsequent_indent=" " * 20,
         break_long_words=False,
         break_on_hyphens=False,
@@ -195,10 +195,8 @@ def _ends(load: Mapping[str, Any], name: str, unit: str) -> str:
     low, high = (load.get(f"{name}_{end}", math.nan) for end in ("lower", "upper"))
     if math.isnan(low):
         return _cell(load, name, unit) if name in load else "–"
-    factor, shown = (100.0, "%") if unit == "%" else prefix(low, unit)
-    return (
-        f"{number(low * factor)} {'or more' if math.isnan(high) else f'to {number(high * factor)}'} {shown}"
-    )
+    factor, shown = (100.0, "%") if unit == "%" else prefix(low or high, unit)
+    return f"{with_interval(math.nan, low * factor, high * factor)} {shown}"
 
 
 def _lines_of_hardness(surface: Mapping[str, Any]) -> list[str]:
@@ -226,7 +224,7 @@ def _about(result: Mapping[str, Any]) -> list[str]:
 def _cell(load: Mapping[str, Any], name: str, unit: str) -> str:
     """Return a number of a load with its unit, and with its interval if it has one."""
     value, *ends = (load.get(f"{name}{end}", math.nan) for end in ("", "_lower", "_upper"))
-    if not ends[1] > ends[0]:
+    if ends[0] == ends[1] or math.isnan(ends[0]):
         return percent(value) if unit == "%" else quantity(value, unit, digits=4 if unit == "Pa" else 3)
     factor, shown = (100.0, "%") if unit == "%" else prefix(value or ends[1], unit)
     return f"{with_interval(value * factor, *(end * factor for end in ends))} {shown}"

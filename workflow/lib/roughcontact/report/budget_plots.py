@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import NO_UPPER_END, Unit, number, percent, prefix, with_interval
+from roughcontact.quantities import Unit, number, percent, prefix, with_interval
 from roughcontact.report.charts import COLOURS, MARKERS, Axis, Chart
 from roughcontact.report.tables import TITLES, UNITS
 from roughcontact.report.units import unit_of
@@ -152,13 +152,13 @@ def _note_on_open_ends(numbers: xr.Dataset) -> list[str]:
     """Return a sentence on upper ends that are not known."""
     unknown = []
     for name in _SHOWN:
-        upper = numbers[f"{name}_upper"].values
-        if (np.isnan(upper) | (upper > (1 + NO_UPPER_END) * numbers[name].values)).any():
+        lower, upper = (numbers[f"{name}_{end}"].values for end in ("lower", "upper"))
+        if (np.isfinite(lower) & np.isnan(upper)).any():
             unknown.append(TITLES[name])
     if not unknown:
         return []
     text = (
-        f"“Or more”: the upper end is not known from this map ({', '.join(unknown)}). Either shorter waves, "
+        f"“Or more”: nothing in this map bounds it upwards ({', '.join(unknown)}). Either shorter waves, "
         "which carry the largest pressure, are not resolved, or too few independent parts fit into the map."
     )
     return [text]
@@ -179,7 +179,9 @@ def _component_table(numbers: xr.Dataset) -> dict[str, Any]:
                 _both_sides(row, "standard_uncertainty", unit),
                 "∞" if np.isinf(row["degrees_of_freedom"]) else number(row["degrees_of_freedom"], digits=2),
                 number(row["coverage_factor"]),
-                _ends(row, unit) if combined else _both_sides(row, "one_sided", unit),
+                f"{unit.interval(np.nan, row['lower'], row['upper'])} {unit.shown}"
+                if combined
+                else _both_sides(row, "one_sided", unit),
             ]
         )
     header = [
@@ -199,14 +201,6 @@ def _both_sides(row: Any, name: str, unit: Unit) -> str:
     sides = [float(row[f"{name}_{side}"]) * unit.factor for side in ("lower", "upper")]
     texts = [number(side, digits=2) if np.isfinite(side) else "no bound" for side in sides]
     return f"{' / '.join(texts)} {unit.shown}" if any(sides) else "–"
-
-
-def _ends(row: Any, unit: Unit) -> str:
-    """Return the ends of an interval; the upper one may not be known."""
-    lower, upper = (float(row[end]) for end in ("lower", "upper"))
-    return f"{unit.number(lower)} {unit.shown} " + (
-        f"to {unit.text(upper)}" if np.isfinite(upper) else "or more"
-    )
 
 
 def _note_on_convergence(numbers: xr.Dataset) -> str:

@@ -9,9 +9,8 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import Unit, number, percent
+from roughcontact.report.glance import is_limited
 from roughcontact.report.units import unit_of
-
-_BARS = "Bars: the ±."
 
 
 def area_caption(numbers: xr.Dataset) -> str:
@@ -61,7 +60,7 @@ def pressure_caption(numbers: xr.Dataset) -> str:
     text = _from_to(numbers, [f"Mean pressure in contact {first}", last])
     peak = int(largest.argmax())
     load, words = (pressure(float(of[peak])) for of in (numbers["mean_pressure"].values, largest))
-    if _at_hardness(numbers, peak):
+    if is_limited(numbers, peak):
         return f"{text}; largest {words}, the hardness, from {load} on."
     return f"{text}; largest {words} at {load}."
 
@@ -77,7 +76,7 @@ def distribution_caption(numbers: xr.Dataset) -> str:
     """
     last = numbers.isel(load=-1)
     load = _load(last)
-    if _at_hardness(numbers, -1) and float(last["area_share_above_hardness"]) > 0:
+    if is_limited(numbers, -1) and float(last["area_share_above_hardness"]) > 0:
         share = percent(float(last["area_share_above_hardness"]))
         return f"At {load} {share} of the contact carry the hardness."
     scatter = float(last["pressure_std"]) / float(last["mean_contact_pressure"])
@@ -123,15 +122,13 @@ def open_caption(numbers: xr.Dataset) -> str:
     return f"At {load} {percent(apart)} of the area are apart, by {mean} on average."
 
 
-def reading_of(numbers: xr.Dataset) -> str:
-    """Return how the marks of a figure are to be read: the meaning of its bars, where there are any.
-
-    Examples
-    --------
-    >>> reading_of(xr.Dataset({"mean_gap_lower": 1e-6}))
-    'Bars: the ±.'
-    """
-    return _BARS if any(str(name).endswith("_lower") for name in numbers) else ""
+def reading_of(numbers: xr.Dataset, *names: str) -> str:
+    """Return how the bars of these quantities in a figure are to be read, where there are any."""
+    known = [name for name in names if f"{name}_lower" in numbers]
+    arrow = any(
+        (numbers[f"{name}_lower"].notnull() & numbers[f"{name}_upper"].isnull()).any() for name in known
+    )
+    return f"Bars: the ±{'; an arrow: nothing bounds it upwards' * arrow}." if known else ""
 
 
 def comparison_caption(
@@ -158,19 +155,13 @@ def comparison_caption(
     if highest < max(float(loads[0]) for _, loads, _ in series):
         return ""
     areas = [float(np.interp(highest, loads, areas)) for _, loads, areas in series]
-    least, most = (
-        f"{percent(areas[place])} ({series[place][0]})"
-        for place in (int(np.argmin(areas)), int(np.argmax(areas)))
-    )
     load = f"p̄ = {pressure.text(highest)}" if pressure else f"p′ = {number(highest)}"
+    places = int(np.argmin(areas)), int(np.argmax(areas))
+    shares = [percent(areas[place]) for place in places]
+    if shares[0] == shares[1]:
+        return f"At {load}, {shares[0]} of the area touch in all."
+    least, most = (f"{share} ({series[at][0]})" for share, at in zip(shares, places, strict=True))
     return f"At {load}, {least} to {most} of the area touch."
-
-
-def _at_hardness(numbers: xr.Dataset, place: int) -> bool:
-    """Return whether the largest pressure of a load is the hardness."""
-    if "hardness" not in numbers:
-        return False
-    return float(numbers["max_pressure"][place]) >= float(numbers["hardness"]) * (1 - 1e-9)
 
 
 def _load(numbers: xr.Dataset) -> str:

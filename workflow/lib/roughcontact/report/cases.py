@@ -214,8 +214,8 @@ def _change(
 
 
 def _in_brackets(text: str, unit: str) -> str:
-    """Return a number before its unit, in brackets where its interval stands beside it."""
-    return f"({text}) {unit}" if " " in text else f"{text} {unit}"
+    """Return a number before its unit, in brackets where half-widths stand beside it."""
+    return f"({text}) {unit}" if " " in text and not text.endswith(")") else f"{text} {unit}"
 
 
 def _ends(found: xr.Dataset, name: str, load: int) -> tuple[float, float]:

@@ -257,24 +257,28 @@ class Chart:
     def bars(self, x: np.ndarray, lower: np.ndarray, upper: np.ndarray, *, colour: str) -> None:
         """Draw error bars, which may be asymmetric; one that leaves the axes ends at their edge.
 
-        A bar with an unknown end is left out.
+        One without an upper end (NaN beside a known lower one) reaches the edge and has an arrow there.
         """
         self.note("bars", x=x, lower=lower, upper=upper, colour=colour)
         left, low = self._pixels(x, lower)
         high = self._pixels(x, upper)[1]
         height = self.area[3]
         low[np.isnan(low) & np.isfinite(lower)] = height + 9  # zero, or less, on a logarithmic axis
+        unbounded = np.isnan(upper) & np.isfinite(lower)
+        high[unbounded] = 1.0
         low, high = (np.clip(end, -9, height + 9) for end in (low, high))
         path = "".join(
-            f"M{a:.1f} {b:.1f}V{c:.1f}M{a - 3:.1f} {b:.1f}h6M{a - 3:.1f} {c:.1f}h6"
-            for a, b, c in zip(left, low, high, strict=True)
+            f"M{a:.1f} {b:.1f}V{c:.1f}M{a - 3:.1f} {b:.1f}h6"
+            + (f"M{a - 4:.1f} 8l4-7 4 7" if arrow else f"M{a - 3:.1f} {c:.1f}h6")
+            for a, b, c, arrow in zip(left, low, high, unbounded, strict=True)
             if np.isfinite([a, b, c]).all()
         )
         if path:
             self._drawn.append(f'<path d="{path}" fill="none" {_stroke(colour, 1.1, "")}/>')
 
     def shade(self, x: np.ndarray, lower: np.ndarray, upper: np.ndarray, *, colour: str) -> None:
-        """Fill the band between two lines, where both are known, below all that is drawn."""
+        """Fill the band between two lines below all that is drawn, to the edge where it has no upper end."""
+        upper = np.where(np.isnan(upper) & np.isfinite(lower), self.y.high, upper)
         known = np.isfinite([x, lower, upper]).all(axis=0)
         if known.sum() > 1:
             around = np.r_[x[known], x[known][::-1]], np.r_[lower[known], upper[known][::-1]]

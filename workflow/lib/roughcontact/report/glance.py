@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.quantities import Unit, number, percent, with_interval
-from roughcontact.report.tables import is_profile
+from roughcontact.report.tables import as_the_area, is_profile
 from roughcontact.report.units import middle_of, unit_of
 from roughcontact.statistics.contact_checks import rubber_like, yield_flags
 from roughcontact.statistics.outcome import FAILED, VERDICTS, Check
@@ -27,6 +27,7 @@ HEADINGS = (
     "conductance",
 )
 
+_NONE = "no ±"
 _LINE = 150  # letters of a reason; a line of a wide page has some 170
 _ALIKE = 100.0  # ratio of rms heights up to which one unit does for all
 # the units of the numbers in the table, as `unit_of` knows them
@@ -43,6 +44,8 @@ _UNITS = {
     "thermal_conductance": "W m-2 K-1",
     "electrical_conductance": "S m-2",
     "conductance_per_conductivity": "m-1",
+    "thermal_resistance": "m2 K W-1",
+    "electrical_resistance": "Ohm m2",
 }
 
 # checks by importance: errors of the map come before limits of the material
@@ -252,10 +255,12 @@ def interval_cell(numbers: Numbers, name: str, units: Mapping[str, Unit], place:
     factor, shown = units[name]
     value = float(numbers[name][place]) * factor
     if not _known(numbers, f"{name}_lower"):
+        if name.endswith(("_conductance", "_resistance")) and _known(numbers, "relative_contact_area_lower"):
+            return Cell(f"{as_the_area(numbers, name, units[name], place)} {shown}", _NONE)
         return Cell(f"{number(value)} {shown}")
     lower, upper = (float(numbers[f"{name}_{end}"][place]) * factor for end in ("lower", "upper"))
-    text, *interval = with_interval(value, lower, upper).split(" ")
-    return Cell(f"{text} {shown}", " ".join(interval))
+    text, _, interval = with_interval(value, lower, upper).partition(" ")
+    return Cell(f"{text} {shown}", interval.strip("()"))
 
 
 def _seals(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
@@ -295,10 +300,10 @@ def _in_doubt(numbers: Numbers, axis: str, place: int) -> bool:
 
 def _unbroken(numbers: Numbers, name: str, units: Mapping[str, Unit], place: int) -> str:
     """Return a number of a load with its interval before its unit, joined by a no-break space."""
-    text, interval, _ = interval_cell(numbers, name, units, place)
-    value, _, unit = text.partition(" ")
-    known, more, _ = " ".join(filter(None, (value, interval))).partition(" or more")
-    return f"{known}\N{NO-BREAK SPACE}{unit}{more}"
+    ends = (numbers.get(f"{name}_{end}") for end in ("lower", "upper"))
+    known = (np.nan if end is None else float(end[place]) for end in ends)
+    text = units[name].interval(float(numbers[name][place]), *known)
+    return f"{text}\N{NO-BREAK SPACE}{units[name].shown}"
 
 
 def _yields(load: Mapping[str, Any]) -> Cell:
@@ -352,5 +357,9 @@ def _conducts(numbers: Numbers, units: Mapping[str, Unit], place: int) -> Cell:
     ):
         if _known(numbers, name):
             text, interval, _ = interval_cell(numbers, name, units, place)
-            return Cell(text, f"{interval}, {words}" if interval else words)
+            more = [f"{interval}, {words}" if interval else words]
+            if (other := name.replace("conductance", "resistance")) in numbers:
+                cell = interval_cell(numbers, other, units, place)
+                more.append(cell.text if interval == _NONE else _unbroken(numbers, other, units, place))
+            return Cell(text, "; ".join(more))
     return Cell(NOT_JUDGED)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import Unit, number, percent, several, with_interval
+from roughcontact.quantities import Unit, percent, several, with_interval
 from roughcontact.report.glance import (
     Cell,
     glance_units,
@@ -177,11 +177,7 @@ def _range(answer: xr.Dataset, name: str, which: str, units: Mapping[str, Unit],
     """Return an interval by its ends."""
     factor, shown = units[name]
     low, high = (float(answer[f"{name}_{which}{end}"][place]) for end in ("lower", "upper"))
-    if np.isnan(low):
-        return "–"
-    if np.isnan(high):
-        return f"{number(low * factor)} {shown} or more"
-    return f"{number(low * factor)} to {number(high * factor)} {shown}"
+    return "–" if np.isnan(low) else f"{with_interval(np.nan, low * factor, high * factor)} {shown}"
 
 
 def _scatter(load: xr.Dataset) -> Cell:
@@ -208,12 +204,8 @@ def _comparison(shown: xr.Dataset, name: str, limited: Sequence[bool]) -> Row:
             outcomes.append("both the hardness")
             continue
         ratio, low, high = (float(shown[key][place]) for key in ("ratio", "ratio_lower", "ratio_upper"))
-        text, ends = number(ratio), ""
-        if np.isfinite([low, high]).all():
-            text = with_interval(ratio, low, high, finest=_FINEST).split(" ")[0]
-            places = len(text.partition(".")[2])
-            ends = " to ".join(f"{end:.{places}f}" for end in (low, high))
-        cells.append(Cell(text, ends))
+        text, *_ = with_interval(ratio, low, high, finest=_FINEST).split()
+        cells.append(Cell(text, with_interval(np.nan, low, high, finest=_FINEST).strip("–")))
         outcomes.append(str(outcome))
     alike = len(set(outcomes)) == 1
     return {"quantity": TITLES[name], "cells": cells, "outcomes": outcomes[:1] if alike else outcomes}

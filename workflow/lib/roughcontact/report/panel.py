@@ -255,21 +255,27 @@ def _charts(
     numbers: xr.Dataset, window: xr.DataArray, shown: Sequence[int]
 ) -> list[tuple[str, str, str, str]]:
     """Return (title, image, result, reading) of the charts of a window that is not flat."""
-    bars = captions.reading_of(numbers)
+    bars = partial(captions.reading_of, numbers)
+    of_gap = bars("mean_gap")
     charts = [
         (
             "Contact area against load",
             load_plots.area_against_load(numbers, window),
             captions.area_caption(numbers),
-            f"{bars} Lines: theories, for comparison.",
+            f"{bars('relative_contact_area')} Lines: theories, for comparison.",
         ),
         (
             "Pressure against load",
             load_plots.pressure_against_load(numbers),
             captions.pressure_caption(numbers),
-            bars,
+            bars("mean_contact_pressure", "max_pressure"),
         ),
-        ("Mean gap against load", load_plots.gap_against_load(numbers), captions.gap_caption(numbers), bars),
+        (
+            "Mean gap against load",
+            load_plots.gap_against_load(numbers),
+            captions.gap_caption(numbers),
+            of_gap,
+        ),
         (
             "Distribution of the contact pressure",
             load_plots.pressure_distribution(numbers, shown),

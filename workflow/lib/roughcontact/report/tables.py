@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from roughcontact.quantities import number, percent, quantity
+from roughcontact.quantities import Unit, number, percent, quantity, with_interval
 from roughcontact.report.units import unit_of
 from roughcontact.results.storage import read_dataset
 from roughcontact.statistics.contact_checks import rubber_like
@@ -17,6 +17,7 @@ from roughcontact.window.score import WEIGHTS
 
 # the tables of numbers: title, and for each column variable, short name, unit (a share is given in percent);
 # columns that the statistics lack are left out
+_AREA = "relative_contact_area"
 _LOAD = ("mean_pressure", "mean pressure p̄", "Pa")
 _GROUPS = {
     "Contact": (
@@ -46,7 +47,9 @@ _GROUPS = {
         ("elastic_energy", "elastic energy", "J m-2"),
         ("conductance_per_conductivity", "conductance by conductivity", "m-1"),
         ("thermal_conductance", "thermal conductance", "W m-2 K-1"),
+        ("thermal_resistance", "thermal resistance", "m2 K W-1"),
         ("electrical_conductance", "electrical conductance", "S m-2"),
+        ("electrical_resistance", "specific contact resistance", "Ohm m2"),
     ),
     "Sealing": (
         ("critical_constriction_x", "narrowest place along x", "m"),
@@ -153,9 +156,19 @@ def _column(
     if f"{name}_lower" in numbers:
         ends = (numbers[f"{name}_{end}"].values for end in ("lower", "upper"))
         return head, [own.interval(*each) for each in zip(values, *ends, strict=True)]
+    if name.endswith(("conductance", "_resistance")) and f"{_AREA}_lower" in numbers:
+        cells = [as_the_area(numbers, name, own, load) for load in range(values.size)]
+        return (f"{title}, no ±", *head[1:]), cells
     if name == "contact_clusters":  # a whole number
         return head, [f"{value:.0f}" for value in values]
     return head, [own.number(value) for value in values]
+
+
+def as_the_area(numbers: Numbers, name: str, unit: Unit, place: int) -> str:
+    """Return a number of a load that has no interval with the digits that the contact area carries."""
+    area, *ends = (float(numbers[f"{_AREA}{end}"][place]) for end in ("", "_lower", "_upper"))
+    value = float(numbers[name][place]) * unit.factor
+    return with_interval(value, *(value * end / area for end in ends)).split()[0]
 
 
 def material_table(numbers: xr.Dataset, shown: Sequence[int]) -> Table | None:

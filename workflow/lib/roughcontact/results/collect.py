@@ -26,6 +26,8 @@ _SUFFIX: dict[str | None, str] = {
     "J m-2": "_J_per_m2",
     "W m-2 K-1": "_W_per_m2_K",
     "S m-2": "_S_per_m2",
+    "m2 K W-1": "_m2_K_per_W",
+    "Ohm m2": "_Ohm_m2",
     "m2": "_m2",
     "m2 s-1": "_m2_per_s",
     "m-1 s-1": "_per_m_s",

@@ -51,6 +51,7 @@ _CONCERNS = {
     "Noise": _SHORT_WAVES,
     "Isolated peak": ("mean_gap", "sealing", "yield", "max_pressure"),
     "Sample": ("mean_gap", "sealing"),
+    "Mean free path": ("conductance",),
 }
 # warnings of what a source of the interval evaluates
 _IN_THE_INTERVAL = {
@@ -124,6 +125,7 @@ def surface_checks(
         contact_checks.contact_points(statistics, points),
         contact_checks.resolution(statistics),
         *contact_checks.layers(statistics, points),
+        *contact_checks.mean_free_path(statistics),
         instrument_checks.smoothed(window),
         instrument_checks.noise(statistics, window),
         instrument_checks.quantisation(window),

@@ -85,6 +85,27 @@ def conductors(bodies: Bodies | None) -> dict[str, ConductingPair]:
     return {name: pair for name, pair in found.items() if pair is not None}
 
 
+def over_holms_resistance(knudsen: npt.ArrayLike) -> np.ndarray:
+    """Return the resistance of a round spot over Holm's ρ/(2a), by its Knudsen number λ/a.
+
+    Electrons that cross it without a collision add that of Sharvin, 4 ρλ/(3π a²). Wexler (1966), Proc. Phys.
+    Soc. 89, 927; Nikolić and Allen (1999), Phys. Rev. B 60, 3963.
+    """
+    ratio = np.asarray(knudsen, float)
+    return (1 + 0.83 * ratio) / (1 + 1.33 * ratio) + 8 / (3 * np.pi) * ratio
+
+
+def with_resistances(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return columns with the resistance, times area, that belongs to each conductance per area."""
+    with np.errstate(divide="ignore"):
+        resistances = {
+            f"{kind}_resistance": 1 / columns[name]
+            for kind in ("thermal", "electrical")
+            if (name := f"{kind}_conductance") in columns
+        }
+    return {**columns, **resistances}
+
+
 def _of_both(bodies: Bodies | None, name: str) -> np.ndarray | None:
     """Return a property of the two bodies, None unless both state it."""
     values = [value for body in bodies or () if (value := body.get(name)) is not None]

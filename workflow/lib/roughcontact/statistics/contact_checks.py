@@ -11,11 +11,16 @@ import xarray as xr
 from roughcontact import materials
 from roughcontact.contact.dataset import layers_of
 from roughcontact.quantities import number, percent, pressure_unit, quantity
+from roughcontact.statistics.conductance import over_holms_resistance
 from roughcontact.statistics.outcome import FAILED, LOOK, NOT_MADE, PASSED, Check
 from roughcontact.variables import Numbers
 
 CONTACT_POINTS = 100  # fewer contact points are too few for statistics
 LAYER_PIXELS = 4  # thickness from which the contact of a pixel is that of a half-space
+_BALLISTIC = 0.1  # of the resistance, added by the mean free path: less hides in most intervals
+# Ohm m2, resistivity times mean free path of the electrons: 3e-16 to 9e-16 in metals of contacts (Gall 2016,
+# J. Appl. Phys. 119, 085101)
+_RESISTIVITY_TIMES_PATH = 7e-16
 _RUBBER = quantity(materials.RUBBER, "Pa", digits=1)
 OVERCOUNT = 0.2  # excess of the counted over the corrected area: patches are a few pixels across
 
@@ -333,6 +338,34 @@ def _loads(concerned: np.ndarray | xr.DataArray, statistics: xr.Dataset) -> str:
     if chosen.size == pressures.size:
         return "At every load"
     return f"At {chosen.size} of {pressures.size} loads, from {unit.text(float(chosen.min()))} on,"
+
+
+def mean_free_path(statistics: xr.Dataset) -> list[Check]:
+    """Check that the spots that conduct a current are larger than the mean free path of the electrons.
+
+    They count as round ones with the same ratio of Sharvin's resistance to that of the constriction. None of
+    a contact that conducts no current, or through layers.
+    """
+    if "electrical_conductance" not in statistics:
+        return []
+    names = ("electrical_conductance", "conductance_per_conductivity", "relative_contact_area")
+    conductance, of_constriction, area = (statistics[name].values for name in names)
+    ratio = 4 / 3 * _RESISTIVITY_TIMES_PATH * conductance * (1 / area - 1)
+    known = np.isfinite(ratio) & np.isfinite(of_constriction) & (ratio > 0)
+    if not known.any():
+        return []
+    knudsen = 3 * np.pi / 8 * float(ratio[known].max())
+    path = _RESISTIVITY_TIMES_PATH * float((conductance / of_constriction)[known].max())
+    more = float(over_holms_resistance(knudsen)) - 1
+    length, radius = (quantity(each, "m", digits=2) for each in (path, path / knudsen))
+    text = (
+        f"The spots conduct like round ones of a radius of {radius} at the least, electrons of a metal of "
+        f"this resistivity go {length} without a collision (Knudsen number {number(knudsen, digits=2)}): "
+        f"that adds up to {percent(more)} to the resistance"
+    )
+    if more < _BALLISTIC:
+        return [Check("Mean free path", PASSED, f"{text}.")]
+    return [Check("Mean free path", LOOK, f"{text}, which the ± leaves out. Take it into account.")]
 
 
 def load_range(statistics: xr.Dataset) -> Check:

@@ -27,7 +27,7 @@ from roughcontact.si import in_si
 from roughcontact.statistics import theory
 from roughcontact.statistics.adhesion import adhesion_numbers
 from roughcontact.statistics.bearing import HARDNESS_OVER_MODULUS, bearing_numbers, carrying
-from roughcontact.statistics.conductance import Bodies, conductance_columns, conductors
+from roughcontact.statistics.conductance import Bodies, conductance_columns, conductors, with_resistances
 from roughcontact.statistics.contact_geometry import contact_perimeter, relative_contact_area
 from roughcontact.statistics.densities import (
     GAP_DECADES,
@@ -199,8 +199,11 @@ def contact_statistics(
     ]
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     columns |= {name: contact[name].values for name in SOLVER_COLUMNS if name in contact}
-    columns |= conductance_columns(
-        columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies, layered=layers is not None
+    columns = with_resistances(
+        columns
+        | conductance_columns(
+            columns["contact_stiffness"], contact_modulus=modulus, bodies=bodies, layered=layers is not None
+        )
     )
     if seal is not None and with_flow:
         from roughcontact.sealing.flow import leak_columns
@@ -289,14 +292,20 @@ def with_uncertainty(statistics: xr.Dataset, budget: xr.Dataset) -> xr.Dataset:
 
 
 def _ends_in_other_units(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Return the ends of the intervals of the conductances: those of K/E* in other units."""
+    """Return the ends of the intervals of conductances and resistances: those of K/E* in other units."""
     base = "conductance_per_conductivity"
-    return {
-        f"{name}_{end}": statistics[name] / statistics[base] * statistics[f"{base}_{end}"]
-        for name in ("thermal_conductance", "electrical_conductance")
-        for end in ("lower", "upper")
-        if name in statistics and f"{base}_{end}" in statistics and statistics[base].notnull().all()
-    }
+    ends: dict[str, xr.DataArray] = {}
+    for kind in ("thermal", "electrical"):
+        if (name := f"{kind}_conductance") not in statistics or f"{base}_lower" not in statistics:
+            continue
+        if statistics[base].notnull().any():
+            unit = statistics[name] / statistics[base]
+            lower, upper = (unit * statistics[f"{base}_{end}"] for end in ("lower", "upper"))
+            ends |= {f"{name}_lower": lower, f"{name}_upper": upper}
+            # a conductance without an upper end leaves a resistance down to none
+            ends[f"{kind}_resistance_lower"] = (1 / upper).fillna(0.0).where(lower.notnull())
+            ends[f"{kind}_resistance_upper"] = (1 / lower).where(lower > 0)
+    return ends
 
 
 def _ends_of_the_leak(statistics: xr.Dataset) -> dict[str, xr.DataArray]:
