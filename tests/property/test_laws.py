@@ -80,6 +80,7 @@ LAWS = {
     **dict.fromkeys(["contact_stiffness", "loading_stiffness"], STIFFNESS),
     **dict.fromkeys(["conductance_per_conductivity", "thermal_conductance"], Law(0, -1, 0)),
     "electrical_conductance": Law(0, -1, 0),
+    **dict.fromkeys(["thermal_resistance", "electrical_resistance"], LENGTH),
     **dict.fromkeys(["elastic_energy", "conforming_energy", "effective_work_of_adhesion"], ENERGY),
     **dict.fromkeys(["leak_rate_x", "leak_rate_y"], Law(3, 0, 0)),  # the seal itself keeps its width
     "leak_rate_by_cube": NUMBER,
@@ -129,6 +130,7 @@ STATED |= {
     "conductance_per_conductivity": 1e-3,
 }
 STATED |= {"loading_stiffness": 1e-3, "thermal_conductance": 1e-3, "electrical_conductance": 1e-3}
+STATED |= {"thermal_resistance": 1e-3, "electrical_resistance": 1e-3}
 MODULUS = 1 / sum((1 - body["poissons_ratio"] ** 2) / body["youngs_modulus"] for body in BODIES)
 HARDNESS = 1.2e8  # Pa, which the largest pressure of the higher loads reaches
 SEAL = {"viscosity": 1e-3, "pressure_difference": 1e5, "width": 2e-3}
@@ -439,6 +441,8 @@ def test_ratios_are_those_of_the_numbers_that_they_name():
         "conductance_per_conductivity": found["contact_stiffness"] / modulus,
         "thermal_conductance": found["contact_stiffness"] / modulus * 2 * 2.0 * 4.0 / (2.0 + 4.0),
         "electrical_conductance": found["contact_stiffness"] / modulus * 2 / (1e-6 + 2e-6),
+        "thermal_resistance": 1 / found["thermal_conductance"],
+        "electrical_resistance": 1 / found["electrical_conductance"],
         "effective_work_of_adhesion": 0.05 - found["conforming_energy"],
         "leak_rate_x": found["flow_factor_xx"] * found["mean_gap"] ** 3 * 1e5 / (12 * 1e-3 * 2e-3),
         "leak_rate_y": found["flow_factor_yy"] * found["mean_gap"] ** 3 * 1e5 / (12 * 1e-3 * 2e-3),

@@ -513,13 +513,18 @@ def test_the_flow_is_solved_on_small_maps_and_for_seals(monkeypatch, flow, most,
     assert ("flow_factor_xx" in found) is there
 
 
+OF_CONDUCTANCE = {"lower": 1.0, "upper": 2.5}
+
+
 def test_an_interval_of_the_conductance_needs_that_of_the_stiffness():
     loads = {"mean_pressure": ("load", [1e6])}
     numbers = {"conductance_per_conductivity": ("load", [2e5]), "thermal_conductance": ("load", [6e6])}
     statistics = xr.Dataset(numbers, coords=loads)
     without = with_uncertainty(statistics, xr.Dataset(coords=loads))
     assert set(without.data_vars) == set(numbers)
-    end = {"conductance_per_conductivity_upper": ("load", [2.5e5])}
-    found = with_uncertainty(statistics, xr.Dataset(end, coords=loads))
-    assert set(found.data_vars) == {*numbers, *end, "thermal_conductance_upper"}
+    ends = {f"conductance_per_conductivity_{end}": ("load", [1e5 * x]) for end, x in OF_CONDUCTANCE.items()}
+    found = with_uncertainty(statistics, xr.Dataset(ends, coords=loads))
+    own = {f"thermal_{of}_{end}" for of in ("conductance", "resistance") for end in OF_CONDUCTANCE}
+    assert set(found.data_vars) == {*numbers, *ends, *own}
     assert found["thermal_conductance_upper"].item() == pytest.approx(7.5e6)
+    assert found["thermal_resistance_lower"].item() == pytest.approx(1 / 7.5e6)
