@@ -1,18 +1,22 @@
 """The limits of every setting, and the sentence for every way to miss them."""
 
 import math
-from typing import get_args
+import re
+from typing import get_args, get_origin
 
 import pytest
-from annotated_types import Ge, Gt, Le, Lt, MinLen
+from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
 
 from roughcontact.choices import SMALLEST_TOLERANCE
+from roughcontact.configuration.fields import section_of
 from roughcontact.configuration.models import Section, Settings
+from roughcontact.configuration.plausible import Range
 from roughcontact.configuration.resolve import resolve
 from roughcontact.errors import SettingsError
 
 SMALLEST = math.ulp(0.0)
-SMALLEST_PRESSURE = f"{SMALLEST} Pa"  # with its unit: meant as it stands
+# with its unit: meant as it stands
+SMALLEST_PRESSURE, SMALLEST_LENGTH = f"{SMALLEST} Pa", f"{SMALLEST} m"
 ABOVE_ONE, BELOW_ONE = math.nextafter(1, 2), math.nextafter(1, 0)
 STEEL = {"youngs_modulus": 2.1e11, "poissons_ratio": 0.3, "hardness": None}
 # what else may be said of a body, where it is said of both
@@ -25,20 +29,20 @@ ENDLESS = [math.inf, -math.inf, math.nan]
 
 # setting: what is just within its limits, what is just beyond
 LIMITS = {
-    "level.order": ([1], [0]),
+    "level.order": ([1, 12], [0, 13]),
     "level.outlier_threshold": ([SMALLEST, None], [0, -1]),
     "level.scar_threshold": ([SMALLEST, None], [0, -1]),
-    "level.s_filter": ([SMALLEST, None], [0, -1]),
-    "level.l_filter": ([SMALLEST, None], [0, -1]),
+    "level.s_filter": ([SMALLEST_LENGTH, None], [0, -1]),
+    "level.l_filter": ([SMALLEST_LENGTH, None], [0, -1]),
     "level.max_missing": ([0, 1], [-SMALLEST, ABOVE_ONE]),
-    "composite.shifts": ([1], [0]),
-    "composite.rotations": ([[0], [-400.0, 400.0]], [[]]),
+    "composite.shifts": ([1, 100], [0, 101]),
+    "composite.rotations": ([[0], [-400.0, 400.0], [1.0] * 360], [[], [1.0] * 361]),
     "composite.overlap": ([SMALLEST, 1], [0, ABOVE_ONE]),
-    "composite.seed": ([0], [-1]),
+    "composite.seed": ([0, 2**32 - 1], [-1, 2**32]),
     "window.width": ([SMALLEST, 0.5], [0, math.nextafter(0.5, 1)]),
     "window.min_share": ([0, 1], [-SMALLEST, ABOVE_ONE]),
-    "window.shortest_wavelength": ([SMALLEST, None], [0, -1]),
-    "window.longest_wavelength": ([SMALLEST, None], [0, -1]),
+    "window.shortest_wavelength": ([SMALLEST_LENGTH, None], [0, -1]),
+    "window.longest_wavelength": ([SMALLEST_LENGTH, None], [0, -1]),
     "contact.contact_modulus": ([SMALLEST_PRESSURE], [0, -1]),
     "contact.bodies": ([[STEEL | MORE] * 2], [[], [STEEL], [STEEL] * 3]),
     "contact.bodies.youngs_modulus": ([SMALLEST_PRESSURE], [0, -1]),
@@ -50,45 +54,45 @@ LIMITS = {
         [-1, math.nextafter(0.5, 1)],
     ),
     "contact.bodies.layers.yield_stress": ([SMALLEST_PRESSURE, None], [0, -1]),
-    "contact.bodies.layers.thermal_conductivity": ([SMALLEST], [0, -1]),
-    "contact.bodies.layers.electrical_resistivity": ([SMALLEST], [0, -1]),
+    "contact.bodies.layers.thermal_conductivity": ([f"{SMALLEST} W/(m K)"], [0, -1]),
+    "contact.bodies.layers.electrical_resistivity": ([f"{SMALLEST} Ohm m"], [0, -1]),
     "contact.bodies.hardness": ([SMALLEST_PRESSURE, None], [0, -1]),
     "contact.bodies.yield_stress": ([SMALLEST_PRESSURE, None], [0, -1]),
-    "contact.bodies.thermal_conductivity": ([SMALLEST], [0, -1]),
-    "contact.bodies.electrical_resistivity": ([SMALLEST], [0, -1]),
+    "contact.bodies.thermal_conductivity": ([f"{SMALLEST} W/(m K)"], [0, -1]),
+    "contact.bodies.electrical_resistivity": ([f"{SMALLEST} Ohm m"], [0, -1]),
     "contact.mean_pressure": (
         [SMALLEST_PRESSURE, [SMALLEST_PRESSURE], [1e5, 2e5, 3e5], None],
         [0, [], [0], [1e6, -1]],
     ),
     "contact.relative_pressure": ([SMALLEST, [SMALLEST], [1, 2, 3], None], [0, [], [0], [1, -1]]),
     "contact.target_area": ([[SMALLEST], [0.5, BELOW_ONE], None], [0, 1, [], [0.5, 1]]),
-    "contact.target_gap": ([[SMALLEST], [1e-7, 2e-7], None], [0, [], [1e-7, -1]]),
+    "contact.target_gap": ([[SMALLEST_LENGTH], [1e-7, 2e-7], None], [0, [], [1e-7, -1]]),
     "contact.target": ([["percolation"], None], [[], "yield"]),
     "contact.tolerance": (
         [SMALLEST_TOLERANCE, BELOW_ONE],
         [math.nextafter(SMALLEST_TOLERANCE, 0), 1],
     ),
     "contact.hardness": ([SMALLEST_PRESSURE, None], [0, -1]),
-    "statistics.pressure_bins": ([1], [0]),
-    "statistics.gap_bins": ([1], [0]),
-    "statistics.work_of_adhesion": ([SMALLEST, None], [0, -1]),
-    "statistics.seal.viscosity": ([SMALLEST], [0, -1]),
+    "statistics.pressure_bins": ([1, 1000], [0, 1001, 1e19]),
+    "statistics.gap_bins": ([1, 1000], [0, 1001]),
+    "statistics.work_of_adhesion": ([f"{SMALLEST} J/m2", None], [0, -1]),
+    "statistics.seal.viscosity": ([f"{SMALLEST} Pa s"], [0, -1]),
     "statistics.seal.pressure_difference": ([SMALLEST_PRESSURE], [0, -1]),
-    "statistics.seal.width": ([SMALLEST], [0, -1]),
-    "uncertainty.windows": ([4], [3]),
+    "statistics.seal.width": ([SMALLEST_LENGTH], [0, -1]),
+    "uncertainty.windows": ([4, 400], [3, 401]),
     "uncertainty.extent": ([1, 3.5], [BELOW_ONE, 0]),
     "uncertainty.sources": ([[], ["window"]], [["lens"], "window"]),
-    "instrument.noise": ([SMALLEST, None], [0, -1]),
-    "instrument.resolution": ([SMALLEST, None], [0, -1]),
+    "instrument.noise": ([SMALLEST_LENGTH, None], [0, -1]),
+    "instrument.resolution": ([SMALLEST_LENGTH, None], [0, -1]),
     "instrument.numerical_aperture": ([SMALLEST, 1.6, None], [0, math.nextafter(1.6, 2)]),
-    "instrument.wavelength": ([SMALLEST, None], [0, -1]),
-    "instrument.tip_radius": ([SMALLEST, None], [0, -1]),
+    "instrument.wavelength": ([SMALLEST_LENGTH, None], [0, -1]),
+    "instrument.tip_radius": ([SMALLEST_LENGTH, None], [0, -1]),
     "instrument.amplification_z": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
     "instrument.amplification_xy": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
     "instrument.finer_spectrum": (["patch.nid", None], [""]),
     "contact.contact_modulus_uncertainty": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
     "contact.mean_pressure_uncertainty": ([0, BELOW_ONE, None], [-SMALLEST, 1]),
-    "validation.finest_grid": ([256], [255]),
+    "validation.finest_grid": ([256, 16384], [255, 16385]),
     "surfaces": (["s"], [""]),
 }
 OTHERS = {
@@ -131,11 +135,12 @@ def configured(key, value):
     return config
 
 
-def in_pascals(value):
-    """Return a value, or each of a list, without the unit Pa."""
+def without_unit(value):
+    """Return a value in a base unit, or each of a list, without that unit."""
     if isinstance(value, list):
-        return [in_pascals(each) for each in value]
-    return float(value.removesuffix(" Pa")) if isinstance(value, str) and value.endswith(" Pa") else value
+        return [without_unit(each) for each in value]
+    written = isinstance(value, str) and value[:1].isdigit() and " " in value
+    return float(value.partition(" ")[0]) if written else value
 
 
 def said(config):
@@ -163,6 +168,80 @@ def limited(section=Settings, above=""):
             yield f"{above}{name}"
 
 
+def all_fields(section=Settings, above=""):
+    """Yield name, field, and all that type and field say of each setting, of sections below as well."""
+    for name, field in section.model_fields.items():
+        kinds, said = [field.annotation], list(field.metadata)
+        while kinds:
+            kind = kinds.pop()
+            said += [kind, *getattr(kind, "__metadata__", ())]
+            kinds += get_args(kind)
+            if isinstance(kind, type) and issubclass(kind, Section):
+                yield from all_fields(kind, f"{above}{name}.")
+        limits = [limit for each in said for limit in getattr(each, "metadata", [each])]
+        yield f"{above}{name}", field, said + limits
+
+
+def test_every_setting_with_a_unit_has_a_range_in_which_bare_numbers_are_plausible():
+    """A new key with a unit in its description, or a type with a unit, needs one."""
+    ranges = {
+        name: each.func
+        for name, _, said in all_fields()
+        for each in said
+        if isinstance(getattr(each, "func", None), Range)
+    }
+    assert len(ranges) >= 25
+    for name, field, _ in all_fields():
+        text = f"{field.description or ''},"
+        units = re.search(r"\b(Pa s|Pa|m|degrees|W m-1 K-1|Ohm m|J m-2)\b[,:;)]", text)
+        if units and not section_of(field) and "no unit" not in field.description:
+            assert name in ranges, name
+    for name, plausible in ranges.items():
+        for slip in (plausible.most * 1e6, plausible.least / 1e6 if plausible.least > 0 else -1e4):
+            if slip >= plausible.rigid:
+                continue
+            listed = name in ("contact.mean_pressure", "contact.target_gap", "composite.rotations")
+            (line, _) = said(configured(name, [slip] if listed else slip))
+            assert "write the unit behind it, even if the number is correct" in line
+            with_unit = f"{slip:.17e} {plausible.base}"
+            resolve(configured(name, [with_unit] if listed else with_unit))
+
+
+def test_every_count_and_every_list_has_an_upper_limit():
+    """But for words, which may be given once each, and bodies, of which there are two."""
+    counted = 0
+    for name, _, said in all_fields():
+        if int in said:
+            counted += 1
+            assert any(isinstance(each, Le | Lt) for each in said), name
+            assert any(isinstance(each, Ge | Gt) for each in said), name
+        if any(get_origin(each) is list for each in said):
+            counted += 1
+            assert any(isinstance(each, MaxLen) for each in said), name
+    assert counted >= 15
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "meant"),
+    [
+        ("contact.bodies.yield_stress", 400, "400 MPa"),
+        ("contact.bodies.layers.thickness", 2, "2.00 µm"),
+        ("contact.target_gap", [0.2], "200 nm"),
+        ("statistics.work_of_adhesion", 50, "0.0500 J m-2"),
+        ("instrument.noise", 2, "2.00 nm"),
+        ("instrument.tip_radius", "2", "2.00 µm"),
+        ("instrument.wavelength", 520, "520 nm"),
+        ("statistics.seal.pressure_difference", 1, "1.00 MPa"),
+    ],
+)
+def test_a_slip_of_unit_is_asked_for_with_what_was_meant(key, value, meant):
+    line, keys = said(configured(key, value))
+    number = value[0] if isinstance(value, list) else value
+    assert f" = {number!r}: " in line
+    assert meant in line.partition("?")[0]
+    assert keys == (".".join(key.split(".")[:2]),)
+
+
 def test_the_table_names_every_setting_that_has_a_limit():
     assert set(limited()) <= set(LIMITS)
     assert len(set(limited())) >= 20
@@ -175,7 +254,7 @@ def test_what_is_within_the_limits_is_kept(key):
         for part in key.split("."):
             found = found[-1][part] if isinstance(found, list) else found[part]
         loads = key.endswith("_pressure") and isinstance(value, float | str)
-        assert found == in_pascals([value] if loads else value)
+        assert found == without_unit([value] if loads else value)
 
 
 @pytest.mark.parametrize("key", LIMITS)
@@ -211,7 +290,8 @@ def test_a_count_is_a_whole_number(key):
     assert f"{key} = 5.5: must be a whole number" in said(configured(key, 5.5))[0]
     assert f"{key} = 'many': " in said(configured(key, "many"))[0]
     section, name = key.split(".")
-    assert resolve(configured(key, "300"))[""][section][name] == 300
+    least, most = LIMITS[key][0]
+    assert resolve(configured(key, str(most)))[""][section][name] == most > least
 
 
 @pytest.mark.parametrize(
@@ -243,7 +323,7 @@ def test_a_count_is_a_whole_number(key):
         ),
         (
             "contact.bodies",
-            [STEEL, {"youngs_modulus": 1.0}],
+            [STEEL, {"youngs_modulus": 1e9}],
             "contact.bodies[1].poissons_ratio: missing (Poisson's ratio, no unit)",
         ),
         (

@@ -286,7 +286,14 @@ def test_a_repeat_of_nothing_is_refused(table, other):
         read_surfaces(table("surface\tpath\trepeat_of", f"a\ta.npy\t{other}", "b\tb.npy\t"))
 
 
-@pytest.mark.parametrize("cell", ["-1 nm", "much"])
-def test_a_noise_that_is_no_length_is_refused(table, cell):
-    with pytest.raises(SettingsError, match=f"line 2, noise = '{cell}'"):
+@pytest.mark.parametrize(
+    ("cell", "rule"),
+    [
+        ("-1 nm", "must be greater than 0"),
+        ("much", "must be a finite number"),
+        ("2", "2.00 m is more than is plausible .*; did you mean 2.00 µm or 2.00 nm"),
+    ],
+)
+def test_a_noise_that_is_no_length_is_refused(table, cell, rule):
+    with pytest.raises(SettingsError, match=rf"line 2, noise = '{cell}': {rule}.*\(measurement noise"):
         read_surfaces(table("surface\tpath\tnoise", f"a\ta.npy\t{cell}"))

@@ -262,7 +262,7 @@ def evaluated() -> xr.Dataset:
             "contact_modulus_uncertainty": 0.05,
             "mean_pressure_uncertainty": 0.02,
         },
-        instrument={"noise": "1 mm", "amplification_z": 0.01, "tip_radius": 1e-2, "resolution": 0.05},
+        instrument={"noise": "1 mm", "amplification_z": 0.01, "tip_radius": "1 cm", "resolution": "5 cm"},
     )
 
 

@@ -20,6 +20,7 @@ LoadTarget = Literal["percolation", "first_yield"]
 # what rounding leaves of the error bound of the smallest maps; that of a larger one is higher, and the solver
 # says so where it meets it
 SMALLEST_TOLERANCE = 1e-15
+HIGHEST_ORDER = 12  # of a polynomial form: 91 terms; what is bent more often is waviness
 
 Extra = Literal["auto", "always", "never"]  # what is computed beside the contact
 

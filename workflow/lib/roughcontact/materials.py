@@ -45,7 +45,7 @@ class Doubt(NamedTuple):
     def question(self) -> str:
         """Return the doubt as the second half of a sentence."""
         likely = " or ".join(quantity(value, "Pa") for value in self.meant[:2])
-        return f"{self.reason}; did you mean {likely}?" if likely else self.reason
+        return f"{self.reason}; did you mean {likely}?" if likely else f"{self.reason}."
 
 
 def contact_modulus(bodies: Sequence[Mapping[str, Any]]) -> float:

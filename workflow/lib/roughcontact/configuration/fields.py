@@ -1,7 +1,6 @@
 """Properties of a setting, read from its model: the section below it, its choices, its description."""
 
 from collections.abc import Sequence
-from functools import partial
 from itertools import chain
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
@@ -9,6 +8,7 @@ from typing import Any, Literal, Union, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from roughcontact.configuration.models import Section, Settings
+from roughcontact.configuration.plausible import Range
 
 
 def section_of(field: FieldInfo) -> type[Section] | None:
@@ -52,7 +52,7 @@ def base_of(field: FieldInfo) -> str:
     """
     within = (getattr(kind, "__metadata__", ()) for kind in _parts(field.annotation))
     checks = [getattr(check, "func", None) for check in chain(field.metadata, *within)]
-    return next((str(check.keywords["base"]) for check in checks if isinstance(check, partial)), "")
+    return next((check.base for check in checks if isinstance(check, Range)), "")
 
 
 def fields_at(location: Sequence[str | int]) -> dict[str, FieldInfo]:

@@ -22,6 +22,7 @@ _RULES = {
     "less_than": "must be less than {lt:g}",
     "less_than_equal": "must not be greater than {le:g}",
     "too_short": "the list is empty, give at least one number or leave the key out",
+    "too_long": "a list of {actual_length}, more than the {max_length} that are taken",
     "list_type": "must be a list",
     "model_type": "must be a group of settings (indented lines `key: value`)",
     "dict_type": "must be a group of settings (indented lines `key: value`)",
@@ -89,7 +90,7 @@ def mistake(case: str, overrides: Mapping[str, Any], detail: ErrorDetails) -> Se
     >>> str(mistake("", {}, detail)).split(" (")[0]
     'level.s_filter = -1: must be greater than 0'
     """
-    return _named(case, overrides, detail["loc"], _reason(detail))
+    return _named(case, overrides, detail["loc"], reason(detail))
 
 
 def implausible(
@@ -118,8 +119,8 @@ def _named(
     return SettingsError(f"{key}{text}", keys=[setting])
 
 
-def _reason(detail: ErrorDetails) -> str:
-    """Return the part of a message after the key."""
+def reason(detail: ErrorDetails) -> str:
+    """Return the part of a message after the key: the value, the rule and the meaning of the setting."""
     location = detail["loc"]
     field = field_at(location)
     meaning = (field.description if field else None) or ""

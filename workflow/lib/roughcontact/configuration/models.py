@@ -5,7 +5,7 @@ each quantity has one name. `resolve` checks a configuration against these model
 mistakes, `generated` writes the default configuration and the JSON schema.
 """
 
-from functools import partial
+import math
 from types import NoneType
 from typing import Annotated, Any, Literal, get_args
 
@@ -13,6 +13,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from pydantic.json_schema import WithJsonSchema
 
 from roughcontact.choices import (
+    HIGHEST_ORDER,
     SMALLEST_TOLERANCE,
     Extra,
     Fill,
@@ -28,7 +29,9 @@ from roughcontact.choices import (
     WindowMethod,
     ZeroFrequency,
 )
-from roughcontact.units import carries_unit, in_base_unit
+from roughcontact.configuration.plausible import Range, bare_number
+from roughcontact.materials import HARDEST, LEAST_LOAD, RIGID, SOFTEST, STIFFEST
+from roughcontact.units import carries_unit
 
 
 def _not_boolean(value: Any) -> Any:
@@ -38,10 +41,15 @@ def _not_boolean(value: Any) -> Any:
     return value
 
 
-def _without_unit(value: Any) -> Any:
-    """Reject a pressure for a load relative to the modulus."""
+def _relative_load(value: Any) -> Any:
+    """Reject a pressure, with or without its unit, for a load relative to the modulus."""
     if carries_unit(value):
         raise ValueError("has no unit; a load with one is mean_pressure")
+    if _MOST_RELATIVE < bare_number(value) < math.inf:
+        raise ValueError(
+            "is in units of E* x rms gradient, in which contact is full from about 1 on; did you mean "
+            "mean_pressure?"
+        )
     return value
 
 
@@ -54,37 +62,61 @@ Number = Annotated[float, BeforeValidator(_not_boolean)]
 Count = Annotated[int, BeforeValidator(_not_boolean)]
 Positive = Annotated[Number, Field(gt=0)]
 RelativeUncertainty = Annotated[Number, Field(ge=0, lt=1)]
-# quantities with a dimension: a bare number in SI units, or a number with its unit
+_MOST_RELATIVE = 100.0  # load in units of E* g; any surface is in full contact long before
+_MOST_LOADS = 1000  # of a list: each is solved
+# quantities with a dimension: a bare number in SI units, in a plausible range, or a number with its unit
 _POSITIVE = {"type": "number", "exclusiveMinimum": 0}
 _WITH_UNIT = {"anyOf": [_POSITIVE, {"type": "string"}]}
-Length = Annotated[Positive, BeforeValidator(partial(in_base_unit, base="m")), WithJsonSchema(_WITH_UNIT)]
-Pressure = Annotated[Positive, BeforeValidator(partial(in_base_unit, base="Pa")), WithJsonSchema(_WITH_UNIT)]
-Conductivity = Annotated[
-    Positive, BeforeValidator(partial(in_base_unit, base="W m-1 K-1")), WithJsonSchema(_WITH_UNIT)
+_SCHEMA = WithJsonSchema(_WITH_UNIT)
+Length = Annotated[
+    Positive, BeforeValidator(Range("m", 1e-10, 0.1, above="longer than any map, layer or seal")), _SCHEMA
 ]
-Resistivity = Annotated[
-    Positive, BeforeValidator(partial(in_base_unit, base="Ohm m")), WithJsonSchema(_WITH_UNIT)
+Height = Annotated[Positive, BeforeValidator(Range("m", 1e-12, 1e-3)), _SCHEMA]  # also of tips, and pixels
+LightWavelength = Annotated[Positive, BeforeValidator(Range("m", 1e-8, 1e-4)), _SCHEMA]
+Modulus = Annotated[
+    Positive,
+    BeforeValidator(
+        Range("Pa", SOFTEST, STIFFEST, "softer than any gel", "stiffer than diamond", rigid=RIGID)
+    ),
+    _SCHEMA,
 ]
-Viscosity = Annotated[
-    Positive, BeforeValidator(partial(in_base_unit, base="Pa s")), WithJsonSchema(_WITH_UNIT)
+Strength = Annotated[
+    Positive,
+    BeforeValidator(Range("Pa", 1e5, HARDEST * STIFFEST, "softer than any foam", "harder than diamond")),
+    _SCHEMA,
 ]
-Work = Annotated[Positive, BeforeValidator(partial(in_base_unit, base="J m-2")), WithJsonSchema(_WITH_UNIT)]
+Pressure = Annotated[
+    Positive,
+    BeforeValidator(
+        Range("Pa", LEAST_LOAD, STIFFEST, "next to no load", "more than any contact bears", meant=(1e6, 1e3))
+    ),
+    _SCHEMA,
+]
+# aerogels to diamond; metals to conductive polymers; air to cold oil; liquids on polymers to clean metals
+Conductivity = Annotated[Positive, BeforeValidator(Range("W m-1 K-1", 1e-3, 1e4)), _SCHEMA]
+Resistivity = Annotated[Positive, BeforeValidator(Range("Ohm m", 1e-9, 0.1)), _SCHEMA]
+Viscosity = Annotated[Positive, BeforeValidator(Range("Pa s", 5e-6, 10)), _SCHEMA]
+Work = Annotated[Positive, BeforeValidator(Range("J m-2", 1e-5, 10)), _SCHEMA]
 Angle = Annotated[
     Number,
-    BeforeValidator(partial(in_base_unit, base="degree")),
+    BeforeValidator(Range("degree", -720, 720)),
     WithJsonSchema({"type": ["number", "string"]}),
 ]
-Shares = Annotated[list[Annotated[Number, Field(gt=0, lt=1)]], Field(min_length=1), BeforeValidator(_as_list)]
-Lengths = Annotated[list[Length], Field(min_length=1), BeforeValidator(_as_list)]
+Shares = Annotated[
+    list[Annotated[Number, Field(gt=0, lt=1)]],
+    Field(min_length=1, max_length=_MOST_LOADS),
+    BeforeValidator(_as_list),
+]
+Gaps = Annotated[list[Height], Field(min_length=1, max_length=_MOST_LOADS), BeforeValidator(_as_list)]
 RelativeLoads = Annotated[
-    list[Annotated[Positive, BeforeValidator(_without_unit)]],
-    Field(min_length=1),
+    list[Annotated[Positive, BeforeValidator(_relative_load)]],
+    Field(min_length=1, max_length=_MOST_LOADS),
     BeforeValidator(_as_list),
     WithJsonSchema({"anyOf": [_POSITIVE, {"type": "array", "minItems": 1, "items": _POSITIVE}]}),
 ]
 Loads = Annotated[
     list[Pressure],
-    Field(min_length=1),
+    Field(min_length=1, max_length=_MOST_LOADS),
     BeforeValidator(_as_list),
     WithJsonSchema({"anyOf": [*_WITH_UNIT["anyOf"], {"type": "array", "minItems": 1, "items": _WITH_UNIT}]}),
 ]
@@ -101,7 +133,10 @@ class Level(Section):
 
     form: LevelForm = Field(default="plane", description="form that is fitted to the map and subtracted")
     order: Count = Field(
-        default=2, ge=1, description="total order of the polynomial, x^i y^j with i + j <= order"
+        default=2,
+        ge=1,
+        le=HIGHEST_ORDER,
+        description="total order of the polynomial, x^i y^j with i + j <= order",
     )
     robust: bool = Field(
         default=False,
@@ -149,10 +184,13 @@ class Level(Section):
 class Composite(Section):
     """Relative positions of two measured faces that touch (column counter_face of the table)."""
 
-    shifts: Count = Field(default=5, ge=1, description="random shifts for each rotation; each is solved")
+    shifts: Count = Field(
+        default=5, ge=1, le=100, description="random shifts for each rotation; each is solved"
+    )
     rotations: list[Angle] = Field(
         default_factory=lambda: [0.0],
         min_length=1,
+        max_length=360,
         description="angles by which the counter-face is rotated on the face, degrees, from x towards y",
     )
     overlap: Number = Field(
@@ -161,7 +199,7 @@ class Composite(Section):
         le=1,
         description="minimum share of each side of the smaller map that the other one covers",
     )
-    seed: Count = Field(default=0, ge=0, description="of the random shifts")
+    seed: Count = Field(default=0, ge=0, lt=2**32, description="of the random shifts")
 
 
 class Window(Section):
@@ -216,11 +254,11 @@ class Layer(Section):
     """A bonded layer of a body: a coating, a sheet."""
 
     thickness: Length = Field(description="of the layer, m", examples=["2 um"])
-    youngs_modulus: Pressure = Field(description="Young's modulus of the layer, Pa", examples=["180 GPa"])
+    youngs_modulus: Modulus = Field(description="Young's modulus of the layer, Pa", examples=["180 GPa"])
     poissons_ratio: Number = Field(
         gt=-1, le=0.5, description="Poisson's ratio of the layer, no unit", examples=[0.2]
     )
-    yield_stress: Pressure | None = Field(
+    yield_stress: Strength | None = Field(
         default=None,
         description="of the layer in tension, Pa: as that of a body, which with layers is that of its base",
         examples=["4 GPa"],
@@ -241,7 +279,7 @@ class Body(Section):
     name: str | None = Field(
         default=None, max_length=64, description="of the material, for the report", examples=["steel"]
     )
-    youngs_modulus: Pressure | None = Field(description="Young's modulus E, Pa", examples=["210 GPa"])
+    youngs_modulus: Modulus | None = Field(description="Young's modulus E, Pa", examples=["210 GPa"])
     poissons_ratio: Annotated[Number, Field(gt=-1, le=0.5)] | None = Field(
         description="Poisson's ratio, no unit", examples=[0.3]
     )
@@ -252,16 +290,17 @@ class Body(Section):
     )
     layers: list[Layer] | None = Field(
         default=None,
+        max_length=50,
         description="bonded layers from the surface inwards, each with thickness (m), youngs_modulus (Pa), "
         "poissons_ratio and, if known, yield_stress (Pa)",
         examples=[[{"thickness": "2 um", "youngs_modulus": "180 GPa", "poissons_ratio": 0.2}]],
     )
-    hardness: Pressure | None = Field(
+    hardness: Strength | None = Field(
         default=None,
         description="largest pressure that its surface carries before it yields (indentation hardness), Pa",
         examples=["2 GPa"],
     )
-    yield_stress: Pressure | None = Field(
+    yield_stress: Strength | None = Field(
         default=None,
         description="in tension, Pa: the results then include the stresses below the surface and the load at "
         "which it yields there",
@@ -290,7 +329,7 @@ class Body(Section):
 class Contact(Section):
     """The contact problem: contact_modulus or bodies, mean_pressure or relative_pressure or neither."""
 
-    contact_modulus: Pressure | None = Field(
+    contact_modulus: Modulus | None = Field(
         default=None,
         description="plane-strain contact modulus E*, Pa, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; 115 GPa "
         "for steel on steel",
@@ -338,13 +377,20 @@ class Contact(Section):
         "one number or a list",
         examples=[[0.1]],
     )
-    target_gap: Lengths | None = Field(
+    target_gap: Gaps | None = Field(
         default=None,
         description="mean gap, m, whose load is found and solved, in addition to the given loads; one "
         "number or a list",
         examples=[["0.2 µm"]],
     )
-    target: Annotated[list[LoadTarget], Field(min_length=1), BeforeValidator(_as_list)] | None = Field(
+    target: (
+        Annotated[
+            list[LoadTarget],
+            Field(min_length=1, max_length=len(get_args(LoadTarget))),
+            BeforeValidator(_as_list),
+        ]
+        | None
+    ) = Field(
         default=None,
         description="further states whose load is found and solved: percolation, at which the gap closes "
         "along x and along y; first_yield, at which a body begins to yield (its yield_stress below the "
@@ -372,7 +418,7 @@ class Contact(Section):
         description="mean displacement in the approach: zero, nogi-kato (its mean over the q = 0 cell), "
         "lattice (one contact per window in free space); pressure and area do not depend on it",
     )
-    hardness: Pressure | None = Field(
+    hardness: Strength | None = Field(
         default=None,
         description="largest pressure that the softer body carries before it yields (indentation hardness), "
         "Pa: the upper limit of the pressure; not given here if bodies state theirs; none: elastic "
@@ -411,9 +457,11 @@ class Statistics(Section):
     """Statistics of the contact, and quantities derived from it; see docs/explanation/answers.md."""
 
     pressure_bins: Count = Field(
-        default=20, ge=1, description="bins of the pressure density, per factor of ten"
+        default=20, ge=1, le=1000, description="bins of the pressure density, per factor of ten"
     )
-    gap_bins: Count = Field(default=20, ge=1, description="bins of the gap density, per factor of ten")
+    gap_bins: Count = Field(
+        default=20, ge=1, le=1000, description="bins of the gap density, per factor of ten"
+    )
     flow: Extra = Field(
         default="auto",
         description="whether the flow of a fluid through the gap is solved; auto: for maps of up to 65536 "
@@ -443,11 +491,13 @@ class Uncertainty(Section):
 
     sources: list[UncertaintySource] = Field(
         default_factory=lambda: list(get_args(UncertaintySource)),
+        max_length=len(get_args(UncertaintySource)),
         description="list of the sources of the ±; the empty list [] omits the error budget",
     )
     windows: Count = Field(
         default=9,
         ge=4,
+        le=400,
         description="number of subwindows that are solved separately, for the source window",
     )
     extent: Annotated[Number, Field(ge=1)] = Field(
@@ -459,8 +509,8 @@ class Uncertainty(Section):
 class Instrument(Section):
     """What is known of the instrument, for the ±; columns of the table of surfaces prevail."""
 
-    noise: Length | None = Field(default=None, description="measurement noise N_M, rms, m", examples=["2 nm"])
-    resolution: Length | None = Field(
+    noise: Height | None = Field(default=None, description="measurement noise N_M, rms, m", examples=["2 nm"])
+    resolution: Height | None = Field(
         default=None,
         description="topographic spatial resolution W_R, m: the wavelength of which half is transmitted",
         examples=["1.5 um"],
@@ -468,10 +518,10 @@ class Instrument(Section):
     numerical_aperture: Annotated[Number, Field(gt=0, le=1.6)] | None = Field(
         default=None, description="of the lens, no unit", examples=[0.55]
     )
-    wavelength: Length | None = Field(
+    wavelength: LightWavelength | None = Field(
         default=None, description="of the light, m; null: 550 nm", examples=["520 nm"]
     )
-    tip_radius: Length | None = Field(
+    tip_radius: Height | None = Field(
         default=None, description="of a stylus or a probe, m", examples=["2 um"]
     )
     amplification_z: RelativeUncertainty | None = Field(
@@ -523,6 +573,7 @@ class Validation(Section):
     finest_grid: Count = Field(
         default=2048,
         ge=256,
+        le=16384,
         description="points along the finest grid, a power of 2 from 256 on; tolerances follow the grid",
     )
 

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from roughcontact.bodies import check_bodies, have_layers, sheet_on_rigid_base
 from roughcontact.configuration.messages import implausible, mistake, name_mistake
 from roughcontact.configuration.models import Settings
-from roughcontact.configuration.suspicious_units import suspicious_units
+from roughcontact.configuration.plausible import implausible_together
 from roughcontact.errors import SettingsError
 from roughcontact.materials import contact_modulus
 
@@ -79,16 +79,14 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
     try:
         settings = Settings.model_validate(merged).model_dump(mode="json", exclude={"cases"})
     except ValidationError as error:
-        found = error.errors()
-        mistakes += [mistake(name, overrides, detail) for detail in found]
-        return {}, mistakes + _unit_errors_in_valid_settings(
-            name, overrides, merged, [detail["loc"] for detail in found]
-        )
+        return {}, [*mistakes, *(mistake(name, overrides, detail) for detail in error.errors())]
     try:
         _check_layers(settings["contact"]["bodies"], where)
     except SettingsError as error:
         return settings, [*mistakes, error]
-    mistakes += [implausible(name, overrides, *found) for found in suspicious_units(merged, settings)]
+    if not mistakes:
+        together = implausible_together(merged, settings["contact"])
+        mistakes += [implausible(name, overrides, *doubtful) for doubtful in together]
     crosscheck = settings["crosscheck"]
     if crosscheck["code"] != "none" and not crosscheck["python"]:
         text = f"crosscheck.python: missing (path of the Python that has {crosscheck['code']})"
@@ -115,23 +113,6 @@ def _resolve_case(name: str, base: dict, overrides: dict) -> tuple[dict[str, Any
         text = f"{where}.target: first_yield needs the yield_stress of a body, or a hardness"
         mistakes.append(SettingsError(text, keys=["contact.target"]))
     return settings, mistakes
-
-
-def _unit_errors_in_valid_settings(
-    name: str, overrides: dict, merged: dict, locations: Sequence[Sequence[str | int]]
-) -> list[SettingsError]:
-    """Return the suspected unit errors in the settings that are otherwise valid."""
-    rest = deepcopy(merged)
-    for section, *keys in locations:
-        if keys and isinstance(rest.get(section), dict):
-            rest[section].pop(keys[0], None)
-        else:
-            rest.pop(section, None)
-    try:
-        settings = Settings.model_validate(rest).model_dump(mode="json", exclude={"cases"})
-    except ValidationError:  # the remaining settings are not valid by themselves
-        return []
-    return [implausible(name, overrides, *found) for found in suspicious_units(rest, settings)]
 
 
 def _mistakes_in_cases(cases: Any) -> list[str]:

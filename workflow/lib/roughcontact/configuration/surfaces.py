@@ -17,7 +17,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from roughcontact.configuration.messages import name_mistake, nearest
+from roughcontact.configuration.messages import name_mistake, nearest, reason
 from roughcontact.configuration.models import Instrument
 from roughcontact.errors import SettingsError
 from roughcontact.units import carries_unit, in_base_unit
@@ -376,8 +376,9 @@ def _instrument(row: Mapping[str, str], line: int) -> tuple[dict[str, float], li
         return Instrument.model_validate(cells).model_dump(include={*cells}), []
     except ValidationError as error:
         return {}, [
-            f"line {line}, {detail['loc'][0]} = {cells[str(detail['loc'][0])]!r}: {detail['msg']}"
+            f"line {line}, {key}{reason({**detail, 'loc': ('instrument', key), 'input': cells[str(key)]})}"
             for detail in error.errors()
+            for key in detail["loc"][:1]
         ]
 
 

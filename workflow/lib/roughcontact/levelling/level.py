@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from roughcontact.checking import check_choice, check_map
-from roughcontact.choices import Fill, LevelForm, LineAlignment
+from roughcontact.choices import HIGHEST_ORDER, Fill, LevelForm, LineAlignment
 from roughcontact.errors import HeightMapError, SettingsError
 from roughcontact.io.instrument_kinds import PROBE, STYLUS, of_name
 from roughcontact.io.plausibility import quantisation_step
@@ -23,6 +23,8 @@ from roughcontact.roughness.traces import repeated_heights
 from roughcontact.si import in_si
 
 _MAX_SCALE_RATIO = 1e4  # pixel over nesting index, or nesting index over side: beyond it the unit is wrong
+
+_POINTS_OF_A_TERM = 4  # at least, of a polynomial: with as many points as terms no height is left
 
 
 @in_si
@@ -49,7 +51,7 @@ def level(
     form : {"none", "mean", "plane", "polynomial", "sphere", "cylinder"}
         form to remove.
     order : int
-        total order of the polynomial, 1 or more: x^i y^j with i + j <= order.
+        total order of the polynomial, from 1 to 12: x^i y^j with i + j <= order.
     robust : bool
         whether the form is fitted robustly, without weight for deep valleys and high spikes (Tukey's
         biweight), rather than by least squares.
@@ -183,8 +185,8 @@ def _check_options(form: str, order: int, line_alignment: str, fill: str, max_mi
     check_choice("level.form", form, LevelForm)
     check_choice("level.line_alignment", line_alignment, LineAlignment)
     check_choice("level.fill", fill, Fill)
-    if form == "polynomial" and (order != int(order) or order < 1):
-        raise SettingsError(f"level.order = {order!r}: give a whole number of 1 or more")
+    if form == "polynomial" and (order != int(order) or not 1 <= order <= HIGHEST_ORDER):
+        raise SettingsError(f"level.order = {order!r}: give a whole number from 1 to {HIGHEST_ORDER}")
     if not 0 <= max_missing <= 1:
         raise SettingsError(f"level.max_missing = {max_missing!r}: give a share from 0 to 1")
 
@@ -269,6 +271,14 @@ def _fit(
 ) -> tuple[np.ndarray, dict[str, dict]]:
     """Return the form (ny, nx) and its record."""
     coordinates = height["y"].values, height["x"].values
+    if form == "polynomial":
+        (ny, nx), points = values.shape, int(np.isfinite(values).sum())
+        terms = sum(1 + min(order - j, nx - 1) for j in range(min(order, ny - 1) + 1))
+        if points < _POINTS_OF_A_TERM * terms:
+            raise SettingsError(
+                f"level.order = {order}: a polynomial of {terms} terms leaves next to nothing of {points} "
+                "measured points; lower the order"
+            )
     if form not in ("sphere", "cylinder"):
         order = {"mean": 0, "plane": 1}.get(form, order)
         return fit_polynomial(values, coordinates, order=order, robust=robust)

@@ -1,0 +1,132 @@
+"""Slips of unit: bare numbers beyond those of all materials, loads and maps, alone or beside one another.
+
+A bare number is in the base unit. A value with its unit is never questioned.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from roughcontact import materials
+from roughcontact.materials import Doubt
+from roughcontact.quantities import quantity
+from roughcontact.units import carries_unit, in_base_unit
+
+Location = tuple[str | int, ...]
+_WAY_OUT = "A bare number is in {unit}: write the unit behind it, even if the number is correct"
+
+
+@dataclass(frozen=True)
+class Range:
+    """The values of a quantity that are plausible as bare numbers; a validator of a field type.
+
+    Attributes
+    ----------
+    base : str
+        the base unit.
+    least, most : float
+        the ends of the range.
+    below, above : str
+        what a value beyond them is.
+    rigid : float
+        a value from which on it stands for something else, and is plausible again.
+    meant : tuple of float
+        factors by which a value below the range may have been meant, the most likely first.
+
+    Examples
+    --------
+    >>> length = Range("m", 1e-10, 0.1, above="longer than any map")
+    >>> length("2 m"), length(2e-6)
+    (2.0, 2e-06)
+    >>> try:
+    ...     length(0.8)
+    ... except ValueError as error:
+    ...     print(str(error).partition(" A bare")[0])
+    800 mm is longer than any map (100 mm); did you mean 800 µm or 800 nm?
+    """
+
+    base: str
+    least: float
+    most: float
+    below: str = "less than is plausible"
+    above: str = "more than is plausible"
+    rigid: float = math.inf
+    meant: tuple[float, ...] = (1e9, 1e6, 1e3)
+
+    def __call__(self, value: object) -> object:
+        """Return a value in the base unit; raise a ValueError with a question for an implausible number."""
+        number = abs(bare_number(value)) if self.least < 0 else bare_number(value)
+        if self.most < number < self.rigid:
+            reason, limit = self.above, self.most
+        elif 0 < number < self.least:
+            reason, limit = self.below, self.least
+        else:
+            return in_base_unit(value, self.base)
+        factors = self.meant if limit == self.least else (1e-3, 1e-6, 1e-9)
+        likely = [number * each for each in factors if max(self.least, 0) < number * each <= self.most]
+        asked = "; did you mean " + " or ".join(quantity(each, self.base) for each in likely[:2]) + "?"
+        raise ValueError(
+            f"{quantity(number, self.base)} is {reason} ({quantity(limit, self.base)})"
+            f"{asked if likely else '.'} {_WAY_OUT.format(unit=self.base)}"
+        )
+
+
+def bare_number(value: object) -> float:
+    """Return a number without a unit, NaN for anything else."""
+    try:
+        return math.nan if isinstance(value, bool) else float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        return math.nan
+
+
+def implausible_together(
+    given: Mapping[str, Any], contact: Mapping[str, Any]
+) -> Iterator[tuple[Location, Any, str]]:
+    """Yield location, value and question for each modulus, hardness and load that the others contradict.
+
+    `given` is the configuration as it was written, `contact` its section `contact` in SI units. A number is
+    not judged beside a modulus that is in doubt itself.
+
+    Examples
+    --------
+    >>> given = {"contact": {"contact_modulus": 115e9, "mean_pressure": 200}}
+    >>> contact = {"bodies": None, "contact_modulus": 115e9, "mean_pressure": [200.0], "hardness": None}
+    >>> [(location, value) for location, value, _ in implausible_together(given, contact)]
+    [(('contact', 'mean_pressure', 0), 200)]
+    """
+    loads, hardness = contact["mean_pressure"] or (), contact["hardness"]
+    doubts: list[tuple[Location, Doubt | None]] = []
+    for index, body in enumerate(contact["bodies"] or ()):
+        place: Location = ("bodies", index)
+        layers = [(layer, (*place, "layers", number)) for number, layer in enumerate(body["layers"] or ())]
+        for one, where in (*layers, *([(body, place)] if body["base"] is None else [])):
+            doubt = materials.doubt_of_body(one["youngs_modulus"], one["poissons_ratio"])
+            doubts.append(((*where, "youngs_modulus"), doubt))
+        if body["hardness"] is not None:
+            stiffness = materials.surface_of(body)["youngs_modulus"]
+            doubts.append(((*place, "hardness"), materials.doubt_of_hardness(body["hardness"], stiffness)))
+    if contact["bodies"]:
+        modulus = materials.contact_modulus(contact["bodies"])
+    else:
+        modulus = contact["contact_modulus"]
+        doubts.append((("contact_modulus",), materials.doubt_of_gel(modulus, [*loads, hardness or 0.0])))
+    if not any(doubt and not carries_unit(_at(given, ("contact", *where))) for where, doubt in doubts):
+        if hardness is not None:
+            doubts.append((("hardness",), materials.doubt_of_hardness(hardness, modulus)))
+        for index, load in enumerate(loads):
+            doubts.append((("mean_pressure", index), materials.doubt_of_load(load, modulus)))
+    for where, doubt in doubts:
+        location: Location = ("contact", *where)
+        if doubt and not carries_unit(written := _at(given, location)):
+            yield location, written, f"{doubt.question()} {_WAY_OUT.format(unit='Pa')}"
+
+
+def _at(given: Any, location: Location) -> Any:
+    """Return the value at a location, None where there is none; one load may stand for a list of one."""
+    for part in location:
+        if isinstance(part, int):
+            given = given[part] if isinstance(given, list | tuple) else given
+        else:
+            given = (given or {}).get(part)
+    return given
