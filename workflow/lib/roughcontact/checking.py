@@ -210,3 +210,24 @@ def check_positive(name: str, value: Any, *, unit: str) -> float:
             keys=[name],
         )
     return number
+
+
+def marker_values(stated: float | str | None, where: str = "missing_value") -> list[float]:
+    """Return the numbers that the user states for missing points, one or several between blanks.
+
+    Raises
+    ------
+    SettingsError
+        For a text that is no number.
+
+    Examples
+    --------
+    >>> marker_values("-9999 0"), marker_values(-25400), marker_values(None)
+    ([-9999.0, 0.0], [-25400.0], [])
+    """
+    try:
+        return [float(word) for word in str("" if stated is None else stated).split()]
+    except ValueError as error:
+        raise SettingsError(
+            f"{where} = {stated!r}: give numbers in the unit of the file's heights, separated by blanks"
+        ) from error

@@ -10,7 +10,7 @@ import xarray as xr
 
 from roughcontact.checking import check_labelled, warn_of_map
 from roughcontact.configuration.resolve import resolve
-from roughcontact.errors import HeightMapWarning
+from roughcontact.errors import HeightMapWarning, SettingsError
 from roughcontact.io.read import read_height_map
 from roughcontact.pipeline import run_chain
 from roughcontact.si import labelled_in_si
@@ -26,6 +26,7 @@ def evaluate(
     uncertainty: Mapping[str, Any] | None = None,
     instrument: Mapping[str, Any] | None = None,
     threads: int = 1,
+    **file: Any,
 ) -> xr.Dataset:
     """Read, level, window, solve and count one map, and return its statistics with their intervals.
 
@@ -38,6 +39,8 @@ def evaluate(
         have their defaults. `contact` states the elasticity, as `contact_modulus` or `bodies`.
     threads : int
         threads of the solver.
+    **file
+        what a file does not say, as for `read_height_map`: ``channel="Height"``, ``missing_value=-9999``.
 
     Returns
     -------
@@ -84,8 +87,10 @@ def evaluate(
         "uncertainty": uncertainty,
         "instrument": instrument,
     }
+    if file and isinstance(source, xr.DataArray):
+        raise SettingsError(f"{', '.join(file)}: of a file, the source is a map; read it with them")
     full = resolve({section: dict(values) for section, values in given.items() if values is not None})[""]
-    height = source if isinstance(source, xr.DataArray) else read_height_map(source)
+    height = source if isinstance(source, xr.DataArray) else read_height_map(source, **file)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", HeightMapWarning)  # of every solution; said once below
         found = run_chain(height, full, threads=threads)

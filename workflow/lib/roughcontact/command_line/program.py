@@ -32,6 +32,7 @@ _FILE_OPTIONS = {
     "resample": "linear: interpolate points on an uneven grid to an even one",
     "checksum": "ignore: read a file that differs from the checksum in it (X3P edited by hand)",
     "first-row": "top or bottom: position of the first row of the file in the picture of the surface",
+    "missing-value": "number that marks missing points, in the unit of the heights; several: '-9999 0'",
 }
 
 

@@ -1,8 +1,8 @@
 """The table of surfaces: the file of each surface, and information that is not in the file.
 
 A tab-separated text with a header; columns `surface` and `path`, optionally `channel`, `dx`, `dy`, `unit`,
-`height_unit`, `resample`, `checksum`, `first_row`; empty cells mean "as in the file". Lines that start with #
-are ignored.
+`height_unit`, `resample`, `checksum`, `first_row`, `missing_value`; empty cells mean "as in the file". Lines
+that start with # are ignored.
 
 A row that names a `counter_face` is a pair: two measured files that touch. Its files are read and levelled as
 `{surface}-face` and `{surface}-counter-face`; its members `{surface}-1`, `{surface}-2` ..., the relative
@@ -24,7 +24,7 @@ from roughcontact.units import carries_unit, in_base_unit
 
 REQUIRED = ("surface", "path")
 NUMBERS = ("dx", "dy")
-TEXTS = ("channel", "unit", "height_unit", "resample", "checksum", "first_row")
+TEXTS = ("channel", "unit", "height_unit", "resample", "checksum", "first_row", "missing_value")
 PAIR = "counter_face"
 PAIR_FIRST_ROW = "counter_face_first_row"
 INSTRUMENT = tuple(

@@ -4,15 +4,15 @@ Every resulting map is right-handed: x to the right, y upwards, the height towar
 the bottom line of the picture, whatever the order in the file.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from roughcontact.checking import check_choice
+from roughcontact.checking import check_choice, marker_values
 from roughcontact.choices import Checksum, FirstRow
 from roughcontact.errors import HeightMapError, InputFileError
-from roughcontact.io.channels import Channel, MeasuredFile, choose_channel
+from roughcontact.io.channels import Channel, MeasuredFile, Points, choose_channel
 from roughcontact.io.request import Request
 from roughcontact.io.resampling import on_even_grid
 from roughcontact.io.scale import decide_scale
@@ -84,6 +84,7 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
     if channel.no_height:
         notes.append(f"channel {channel.name!r} is read as heights on request ({channel.no_height})")
     channel, settled = _settled(channel, request, path)
+    channel, marked = _without_markers(channel, request, path)
     channel, request, done = on_even_grid(channel, request, path)
     scale = decide_scale(channel, request, path)
     with np.errstate(over="ignore"):  # infinite heights are refused below
@@ -91,9 +92,25 @@ def convert(file: MeasuredFile, request: Request, path: Path) -> Converted:
     first_row, assumed, turned = _first_row(file, channel, request, path)
     if first_row == "top":
         heights = np.ascontiguousarray(heights[::-1])
-    facts = [*done, *scale.notes, *turned]
+    facts = [*marked, *done, *scale.notes, *turned]
     notes += [*settled, *facts]
     return Converted(channel, choice, heights, scale.dx, scale.dy, notes, facts, first_row, assumed)
+
+
+def _without_markers(channel: Channel, request: Request, path: Path) -> tuple[Channel, list[str]]:
+    """Return a channel without the numbers that mark missing points by the user, and how often they occur."""
+    markers = marker_values(request.missing_value, f"{path}: missing_value")
+    if not markers:
+        return channel, []
+    points = channel.points
+    values = np.array(channel.read() if points is None else points.z, dtype=float)
+    marked = np.any([np.isclose(values, marker, rtol=1e-6, atol=0.0) for marker in markers], axis=0)
+    note = f"{marked.sum()} points are {request.missing_value} and taken as missing (missing_value)"
+    if points is not None:
+        x, y, z = (None if each is None else each[~marked] for each in points[:3])
+        return replace(channel, points=Points(x, y, z, points.uneven)), [note]
+    values[marked] = np.nan
+    return replace(channel, read=lambda: values), [note]
 
 
 def _first_row(

@@ -13,6 +13,7 @@ _FEW_LEVELS = 64
 _MOST = (0.005, 0.995)  # quantiles that enclose nearly all heights
 
 SIZE_ADVICE = "check the size of the map, or whether the file was cut"
+MARKER_ADVICE = "missing_value states it"
 SPIKES_ADVICE = "level.outlier_threshold finds isolated ones"  # for a map as measured
 
 
@@ -200,7 +201,7 @@ def _extremes(measured: np.ndarray, low: float, high: float) -> list[str]:
             found.append(
                 f"{points} far {side} all others ({worst}, where 99 % lie between "
                 f"{quantity(lower, 'm')} and {quantity(upper, 'm')}): spikes, dust, or a marker for missing "
-                f"points that was taken for a height; {SPIKES_ADVICE}"
+                f"points that was taken for a height ({MARKER_ADVICE}); {SPIKES_ADVICE}"
             )
     return found
 
@@ -220,7 +221,7 @@ def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -
         if count > 1 and share > _PLATEAU:  # one point is always at the extreme
             found.append(
                 f"{percent(share)} of the points have exactly the {name} height ({quantity(value, 'm')}): "
-                "the instrument was saturated there, or this marks missing points"
+                f"the instrument was saturated there, or this marks missing points ({MARKER_ADVICE})"
             )
     # a level inside the range that is far more frequent than its neighbours
     most = int(np.argmax(counts))
@@ -229,7 +230,7 @@ def _levels(height: np.ndarray, measured: np.ndarray, low: float, high: float) -
     if 0 < most < levels.size - 1 and share > _PLATEAU and counts[most] > 10 * max(int(beside.max()), 1):
         found.append(
             f"{percent(share)} of the points have exactly the height {quantity(levels[most], 'm')}, far more "
-            "than any other: a plateau that was filled in, or a marker for missing points"
+            f"than any other: a plateau that was filled in, or a marker for missing points ({MARKER_ADVICE})"
         )
     return found
 

@@ -36,6 +36,7 @@ def read_height_map(
     resample: str | None = None,
     checksum: str | None = None,
     first_row: str | None = None,
+    missing_value: float | str | None = None,
     instrument: Mapping[str, float] | None = None,
 ) -> "xr.DataArray":
     r"""Read a measured height map (or a profile) into metres.
@@ -63,6 +64,8 @@ def read_height_map(
     first_row : str, optional
         ``top`` or ``bottom``: position of the file's first row in the picture of the surface. For files that
         do not state it (NumPy, MATLAB, numbers without a header); it overrides the file, with a warning.
+    missing_value : float or str, optional
+        Number that marks missing points, in the unit of the file's heights; several as text, ``"-9999 0"``.
     instrument : mapping, optional
         What is known of the instrument beside the file, for the error budget: `noise`, `resolution`,
         `wavelength`, `tip_radius` (m), `numerical_aperture`, `amplification_z`, `amplification_xy`; kept as
@@ -107,7 +110,7 @@ def read_height_map(
     import xarray as xr
 
     path = Path(path)
-    request = Request(channel, dx, dy, unit, height_unit, resample, checksum, first_row)
+    request = Request(channel, dx, dy, unit, height_unit, resample, checksum, first_row, missing_value)
     with unchanged(path):
         file = open_file(path)
         converted = convert(file, request, path)

@@ -25,6 +25,7 @@ class Request:
     resample: str | None = None
     checksum: str | None = None
     first_row: str | None = None
+    missing_value: float | str | None = None
 
     def __post_init__(self) -> None:
         for field in fields(self):
