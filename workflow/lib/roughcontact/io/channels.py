@@ -110,6 +110,8 @@ class MeasuredFile:
         Which checksum or size that the file states differs from its content; empty where none does.
     first_row_assumed : bool
         Whether neither the file nor its format states `first_row`, so that it is only the usual convention.
+    question : str
+        What the file has several of, where the user has to name one; empty where the first will do.
     """
 
     format: str
@@ -119,6 +121,7 @@ class MeasuredFile:
     warnings: list[str] = field(default_factory=list)
     stale: str = ""
     first_row_assumed: bool = False
+    question: str = ""
 
     def rows_of(self, channel: Channel) -> tuple[str, bool]:
         """Return where row 0 of a channel lies, ``top`` or ``bottom``, and whether that is only assumed.
@@ -179,6 +182,11 @@ def choose_channel(
     """
     names = [channel.name for channel in file.channels]
     listing = ", ".join(repr(name) for name in names)
+    if wanted is None and file.question:
+        raise InputFileError(
+            f"{where}: {file.question}; name one with channel (table of surfaces or argument), of {listing}; or "
+            "all, in a row each, as repeats of one part of a group"
+        )
     if wanted is None:
         for channel in file.channels:
             if not channel.no_height or (unit_given and len(names) == 1):

@@ -107,8 +107,9 @@ def _without_markers(channel: Channel, request: Request, path: Path) -> tuple[Ch
     marked = np.any([np.isclose(values, marker, rtol=1e-6, atol=0.0) for marker in markers], axis=0)
     note = f"{marked.sum()} points are {request.missing_value} and taken as missing (missing_value)"
     if points is not None:
-        x, y, z = (None if each is None else each[~marked] for each in points[:3])
-        return replace(channel, points=Points(x, y, z, points.uneven)), [note]
+        y = None if points.y is None else points.y[~marked]
+        kept = Points(points.x[~marked], y, points.z[~marked], points.uneven)
+        return replace(channel, points=kept), [note]
     values[marked] = np.nan
     return replace(channel, read=lambda: values), [note]
 
@@ -149,15 +150,13 @@ def _settled(channel: Channel, request: Request, path: Path) -> tuple[Channel, l
         if channel.doubt:
             raise InputFileError(f"{path}: {channel.doubt}")
         return channel, []
-    if request.dx is not None and request.dy is not None and request.resample is None:
+    one_row = channel.otherwise.shape[0] == 1
+    if request.dx is not None and (one_row or request.dy is not None) and request.resample is None:
         ny, nx = channel.otherwise.shape
         taken = f"the numbers are read as a map of {ny} rows of {nx}, because dx and dy are given"
         return channel.otherwise, [taken]
     if channel.doubt:
-        raise InputFileError(
-            f"{path}: {channel.doubt}; if these are not points x, y, z but a map of "
-            f"{channel.otherwise.shape[1]} columns, give dx, dy and unit"
-        )
+        raise InputFileError(f"{path}: {channel.doubt}")
     return channel, []
 
 

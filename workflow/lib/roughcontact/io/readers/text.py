@@ -4,8 +4,10 @@ The first line of a matrix is the upper one, as in the files of instrument softw
 an assumption. Where positions are given, in a list of points or beside a matrix, y increases upwards.
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,28 +25,51 @@ from roughcontact.io.guards import check_memory
 from roughcontact.io.interface import Reader, RecognisedBy
 from roughcontact.io.markers import remove_marker_values
 from roughcontact.io.metadata import instrument_metadata
-from roughcontact.io.text.columns import Column, headed, unit_of_heights
-from roughcontact.io.text.doubts import counting, cut_number, refuse_lost_row, thousands
-from roughcontact.io.text.header import parse_header
+from roughcontact.io.text.axes import Axes, axes_of
+from roughcontact.io.text.columns import Column, headed, layout, of_a_map, unit_of_heights
+from roughcontact.io.text.doubts import cut_number, refuse_lost_row, thousands
+from roughcontact.io.text.header import Stated, Statement, contradiction, first_of, statements
 from roughcontact.io.text.lines import lines_of, looks_like_text
 from roughcontact.io.text.point_grid import points_on_grid
 from roughcontact.io.text.table import (
+    Rows,
     Table,
     counted,
     parse_table,
     separators,
     split_header,
+    split_tables,
     unquoted,
 )
+from roughcontact.io.text.traces import are_traces, question, runs, turn
 from roughcontact.io.units import is_length, metres, same_length
 from roughcontact.quantities import several
 
 _MEMORY_PER_BYTE = 12  # bytes of memory per byte of text: lines, their cells, numbers
 _SIZES = {"length_x", "length_y", "dx", "dy", "step", "nx", "ny"}  # header entries on the size of a map
+_MANY_PROFILES = 10  # columns; fewer beside a first one of positions may be profiles
 _MAX_NARROW_ROWS = 1000  # rows of two or three columns that may be a map
 _DEPTHS = ("depth", "tiefe", "profond", "profund")  # prefixes of headings that may be positive downwards
 # key of `roughcontact.io.metadata` -> key of the header
 _INSTRUMENT = {"name": "instrument", "serial": "serial", "lens": "lens", "acquisition_time": "date"}
+_SCALE_ADVICE = "correct the file, or give dx, dy and unit"
+
+
+class _Text(NamedTuple):
+    """One table of a text, its rows, and what the lines above them state."""
+
+    path: Path
+    rows: Rows
+    table: Table
+    counts: list[int]
+    delimiter: str | None
+    stated: Stated
+    said: dict[str, Any]
+    columns: list[Column] | None
+
+    def refuse(self, text: str) -> InputFileError:
+        """Return the error for this table, which names the file."""
+        return InputFileError(f"{self.path}: {text}")
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -61,111 +86,236 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path) -> MeasuredFile:
     """Open a text file and decide by its content whether it is a matrix, a list of points or a profile.
 
-    The channel has the steps and units of the header and the column names. A file that can be read in two
+    The channels have the steps and units of the headers and the column names. A file that can be read in two
     ways is refused.
     """
     size = path.stat().st_size
     check_memory(size * _MEMORY_PER_BYTE, f"{size} bytes of text", path)
     header, body = unquoted(*split_header(lines_of(path), path))
-    first = len(header) + 1
     delimiter, decimal_comma = separators(body, path)
     counts, rows = counted(body, delimiter)
-    table = parse_table(rows, delimiter, decimal_comma, path, first=first + len(body) - len(rows))
-    said = parse_header(header)
-    refuse_lost_row(header, table.values.shape[1], delimiter, decimal_comma, path)
+    first = len(header) + 1 + len(body) - len(rows)
+    texts: list[_Text] = []
+    files: list[MeasuredFile] = []
+    for table in split_tables(header, rows, first, delimiter, decimal_comma, path):
+        text, doubts = _parsed(table, [] if texts else counts, delimiter, decimal_comma, path)
+        texts.append(text)
+        files.append(_file(text))
+        files[-1].warnings += doubts
+    files[-1].warnings += cut_number(texts[-1].rows.texts, delimiter, path)
+    file = files[0] if len(files) == 1 else _together(texts, files, path)
+    said = texts[0].said
+    file.instrument = instrument_metadata({word: said.get(key) for word, key in _INSTRUMENT.items()})
+    return file
+
+
+def _parsed(
+    rows: Rows, counts: list[int], delimiter: str | None, decimal_comma: bool, path: Path
+) -> tuple[_Text, list[str]]:
+    """Return one table with its statements, and warnings about its numbers."""
+    table = parse_table(rows.texts, rows.lines, delimiter, decimal_comma, path)
+    sign = "," if decimal_comma else "." if any("." in line for line in rows.texts) else ""
+    stated = statements(rows.heading, first=rows.first, sign=sign)
+    refuse_lost_row(rows.heading, table.values.shape[1], delimiter, decimal_comma, path, rows.first)
     doubts = [
         f"{word!r} occurs in {several(count, 'cell')} of the table and is taken as missing: "
         "write NaN if the point is missing, or correct it"
         for word, count in table.spoken.items()
     ]
-    remove_marker_values(table.values, [float(said["missing"])] if said.get("missing") is not None else [])
-    doubts += thousands(header, rows, table.values, delimiter, decimal_comma, path)
-    doubts += cut_number(rows, delimiter, path)
-    file = _file(table, header, said, counts, delimiter, path)
-    file.warnings += doubts
-    file.instrument = instrument_metadata({word: said.get(key) for word, key in _INSTRUMENT.items()})
+    said = first_of(stated)
+    remove_marker_values(table.values, said.get("missing", []))
+    doubts += thousands(rows.heading, rows.texts, table.values, delimiter, decimal_comma, path)
+    span = np.ptp(table.values[np.isfinite(table.values)]) if np.isfinite(table.values).any() else 0.0
+    if abs(said.get("height_range", np.inf) - span) <= 0.01 * span:  # in the unit of the heights
+        said.setdefault("height_unit", said.get("height_range_unit"))
+    if unit := unit_of_heights(rows.heading):
+        if is_length(said.get("height_unit")) and not same_length(unit, said["height_unit"]):
+            raise InputFileError(
+                f"{path}: {stated['height_unit'][0]}, and a heading of the heights {unit!r}; correct one of them"
+            )
+        said.setdefault("height_unit", unit)
+    values = table.values
+    columns = headed(rows.heading, values.shape[1], delimiter)
+    if not {"length_x", "length_y", "nx", "ny"} & set(said):
+        kept = slice(table.empty_left, values.shape[1] - table.empty_right)
+        table = table._replace(values=values[:, kept])
+        columns = columns[kept] if columns else headed(rows.heading, table.values.shape[1], delimiter)
+    return _Text(path, rows, table, counts, delimiter, stated, said, columns), doubts
+
+
+def _together(texts: list[_Text], files: list[MeasuredFile], path: Path) -> MeasuredFile:
+    """Return the tables of one text as channels of one file.
+
+    Raises
+    ------
+    InputFileError
+        Where the headings do not show that each is a table of its own.
+    """
+    stated = [bool(text.stated or text.columns) for text in texts]
+    if not all(stated[1:]) and (stated[0] or not any(line.strip() for line in texts[0].rows.heading)):
+        number = texts[1 + stated[1:].index(False)].rows.start
+        raise InputFileError(f"{path}: {_second_table(number)}, or give each a heading of its own")
+    channels = []
+    for number, (text, file) in enumerate(zip(texts, files, strict=True), start=1):
+        title = text.said.get("channel") or _title(text) or f"table {number}"
+        for channel in file.channels:
+            channel.name = title if len(file.channels) == 1 else f"{title}, {channel.name}"
+            channel.notes = file.warnings + channel.notes
+            if file.first_row != files[0].first_row:
+                channel.first_row = file.first_row
+            channels.append(channel)
+    names = [channel.name for channel in channels]
+    for number, channel in enumerate(channels, start=1):
+        if names.count(channel.name) > 1:
+            channel.name = f"{channel.name} ({number})"
+    file = replace(files[0], channels=channels, warnings=[])
+    profiles = [channel for channel in channels if channel.shape[0] == 1 and not channel.no_height]
+    if file.question or len(profiles) > 1:
+        shown = "; ".join(
+            f"{text.rows.heading[text.rows.start - text.rows.first].strip()!r} at line {text.rows.start}"
+            for text in texts[1:4]
+            if text.rows.start < text.rows.lines[0]
+        )
+        file.question = f"{several(len(texts), 'table')} below one another ({shown})"
     return file
 
 
-def _file(
-    table: Table,
-    header: list[str],
-    said: dict[str, Any],
-    counts: list[int],
-    delimiter: str | None,
-    path: Path,
-) -> MeasuredFile:
+def _second_table(line: int) -> str:
+    """Return what to do where a second table begins at a line."""
+    return f"a second table begins at line {line}; leave one of them in the file"
+
+
+def _title(text: _Text) -> str:
+    """Return the first line above a table that is neither an entry of a header nor names its columns."""
+    width = text.table.values.shape[1]
+    for line in text.rows.heading:
+        title = line.strip("#%;! \t\r")
+        if title and not statements([line]) and not headed([line], width, text.delimiter):
+            return title[:60]
+    return ""
+
+
+def _file(text: _Text) -> MeasuredFile:
     """Return the file contents; header and headings decide on its kind, then the form of the columns."""
-    values = table.values
-    columns = headed(header, values.shape[1], delimiter)
-    if "height_unit" not in said and (unit := unit_of_heights(header)):
-        said = said | {"height_unit": unit}
-    if not {"length_x", "length_y", "nx", "ny"} & set(said):
-        kept = slice(table.empty_left, values.shape[1] - table.empty_right)
-        columns = columns and columns[kept]
-        values = values[:, kept]
-        columns = columns or headed(header, values.shape[1], delimiter)
-    if table.empty_corner and not table.empty_left and (axes := _axes_of_a_matrix(values)):
-        dy, dx = axes
-        rising = values[1:, 1:][:: -1 if dy < 0 else 1, :: -1 if dx < 0 else 1]
-        file = _matrix(rising, {"dx": abs(dx), "dy": abs(dy)} | said, path)
-        file.first_row, file.first_row_assumed = "bottom", False
-        return file
-    _refuse_cut_table(values.shape, said, counts, path)
-    if columns is not None:
-        chosen = _columns_by_name(columns)
-        if chosen is not None:
-            return _point_list(values, columns, chosen, said, path)
+    values, columns, said = text.table.values, text.columns, text.said
     rows, count = values.shape
+    _refuse_cut_table(values.shape, said, text.counts, text.path)
+    found = None
+    if columns is not None and any(column.name for column in columns):
+        if not (found := layout(columns)) and not of_a_map(columns):
+            names = ", ".join(repr(f"{name} ({unit})" if unit else name) for name, unit, _ in columns)
+            raise text.refuse(
+                f"nothing says which of the {count} columns {names} are positions and heights; name them x, y "
+                "and z, in the line above the table"
+            )
+    elif columns is not None and count in (2, 3):
+        found = layout(columns)
+    if found and not text.table.empty_corner:
+        return _lists(text, columns or [], found.positions, found.heights)
     if count == 1 and rows > 1 and not _SIZES & set(said):
-        return _one_column(values, columns, said, path)
-    if count not in (2, 3) or rows <= 2 or _is_stated_matrix(values, said):
-        _refuse_unnamed_points(values, said, path)
-        file = _matrix(values, said, path)
-        file.warnings += counting(values)
+        return _one_column(values, columns, said, text)
+    if count in (2, 3) and rows > 2 and not text.table.empty_corner and not _is_stated_matrix(values, said):
+        unnamed = columns or [Column("", None, "")] * count
+        return _lists(text, unnamed, [[*range(count - 1)]], [count - 1], named=False)
+    if text.rows.broken:
+        raise text.refuse(_second_table(text.rows.broken) + ", or write NaN where a row is missing")
+    _refuse_unnamed_points(values, said, text.path)
+    return _matrix_beside(text)
+
+
+def _matrix_beside(text: _Text) -> MeasuredFile:
+    """Return a matrix of heights without the positions in its first row and column."""
+    values, said = text.table.values, text.said
+    ny, nx = values.shape
+    axes = axes_of(values, corner=text.table.empty_corner and not text.table.empty_left)
+    if axes is None or (said.get("ny"), said.get("nx")) == (ny, nx):
+        if text.table.short:
+            raise text.refuse(f"line {text.rows.lines[0]} has {nx - 1} numbers where the others have {nx}")
+        file = _matrix(values, text)
+        file.warnings += [] if axes is None else [f"{axes.note.replace('is taken as', 'may be')}"]
         return file
-    columns = columns or [Column("", None, "")] * count
-    return _point_list(values, columns, list(range(count)), said, path, named=False)
+    file = _matrix(axes.values, text, axes.steps)
+    (channel,) = file.channels
+    file.warnings.append(axes.note)
+    if axes.turned:
+        file.first_row, file.first_row_assumed = "bottom", False
+    if channel.doubt:
+        return file
+    if wrong := _disagreeing(axes, text):
+        channel.doubt = f"{axes.note}, but {wrong}; {_SCALE_ADVICE}"
+    elif not axes.rows and nx < _MANY_PROFILES and not _SIZES & {*said}:
+        channel.doubt = (
+            f"the first of {nx} columns holds positions: of {several(nx - 1, 'profile')}, then name the columns "
+            "in a line above them (x, z1, ...), or of the rows of a map, then give dx, dy and unit"
+        )
+    if channel.doubt:
+        channel.otherwise = replace(channel, doubt="", dx=None, dy=None)
+    return file
 
 
-def _columns_by_name(columns: list[Column]) -> list[int] | None:
-    """Return the columns of positions and heights by their names, or None if the names are unknown."""
-    roles = [column.role for column in columns]
-    places = {role: roles.index(role) for role in ("x", "y", "z") if roles.count(role) == 1}
-    if len(places) == 3:
-        return [places["x"], places["y"], places["z"]]
-    data = [place for place, role in enumerate(roles) if role not in ("index", "valid")]
-    if len(data) == len(columns) or len(data) not in (2, 3):
-        if "x" in places and "z" in places and len(data) == 2:
-            return [places["x"], places["z"]]
-        return None
-    return data
+def _disagreeing(axes: Axes, text: _Text) -> str:
+    """Return the statement of the header that positions beside a matrix contradict; they have no unit."""
+    shape = axes.values.shape
+    for key, step in axes.steps.items():
+        position = Statement(step, "", 0.0, text.rows.lines[0], key)
+        words = {key, "step", f"length_{key[1]}"} & {*text.stated}
+        bare = {word: [text.stated[word][0]._replace(unit="")] for word in words}
+        if bare and contradiction(
+            {"d" + key[1]: [position]} | {w: s for w, s in bare.items() if w != key}, shape
+        ):
+            return str(next(iter(bare.values()))[0])
+        if key in bare and abs(bare[key][0].value / step - 1) > 0.01:
+            return str(text.stated[key][0])
+    return ""
 
 
-def _point_list(
-    values: np.ndarray,
+def _lists(
+    text: _Text,
     columns: list[Column],
-    chosen: list[int],
-    said: dict[str, Any],
-    path: Path,
+    positions: Sequence[list[int]],
+    heights: Sequence[int],
     *,
     named: bool = True,
 ) -> MeasuredFile:
-    """Return a list of points or a profile, from the selected columns."""
-    listed = values[:, chosen]
-    for place, column in enumerate(columns):
-        if column.role == "valid":
+    """Return lists of points or profiles: one for each column of heights, and each trace in it."""
+    values, said = text.table.values, text.said
+    valid = [place for place, column in enumerate(columns) if column.role == "valid"]
+    files, chosen = [], []
+    for places, height in zip(positions, heights, strict=True):
+        listed = values[:, [*places, height]]
+        for place in valid:
             listed[values[:, place] == 0, -1] = np.nan
-    listed = listed[~np.isnan(listed).all(axis=1)]
-    units = [columns[place].unit for place in chosen]
-    kind = _points if len(chosen) == 3 else _profile
-    file = kind(listed, units, said, path, None if named else values)
-    if (name := columns[chosen[-1]].name).lower().startswith(_DEPTHS):
-        file.channels[0].notes.append(
-            f"the heights are those of the column {name!r}, as they are; if it counts downwards, change "
-            "their sign"
-        )
-    return file
+        kept = ~np.isnan(listed).all(axis=1)
+        units = [columns[place].unit for place in (*places, height)]
+        lines = [line for line, keep in zip(text.rows.lines, kept, strict=True) if keep]
+        whole = None if named or text.rows.broken else values
+        file = (_points if len(places) == 2 else _profile)(listed[kept], units, lines, text, whole)
+        name = columns[height].name
+        for channel in file.channels:
+            if len(heights) > 1:
+                channel.name = (
+                    name if channel.name == said.get("channel", "height") else f"{name}, {channel.name}"
+                )
+            if name.lower().startswith(_DEPTHS):
+                channel.notes.append(
+                    f"the heights are those of the column {name!r}, as they are; if it counts downwards, change "
+                    "their sign"
+                )
+        files.append(file)
+        if not all(channel.no_height for channel in file.channels):
+            chosen.append((columns[height].role == "z", file))
+    file = files[0]
+    if len(files) == 1:
+        return file
+    by_name = [each for is_height, each in chosen if is_height]
+    file = next(iter(by_name or [each for _, each in chosen]), file)
+    ordered = [file, *(each for each in files if each is not file)]
+    everything = [channel for each in ordered for channel in each.channels]
+    asked = file.question
+    if len(by_name or chosen) > 1:
+        names = ", ".join(repr(columns[height].name) for height in heights)
+        asked = f"{several(len(heights), 'column')} that may be heights: {names}"
+    return replace(file, channels=everything, question=asked)
 
 
 def _is_stated_matrix(values: np.ndarray, said: dict[str, Any]) -> bool:
@@ -205,19 +355,6 @@ def _refuse_unnamed_points(values: np.ndarray, said: dict[str, Any], path: Path)
         )
 
 
-def _axes_of_a_matrix(values: np.ndarray) -> tuple[float, float] | None:
-    """Return the steps (dy, dx) of positions in the first row and column, negative where they fall.
-
-    None where these are no positions.
-    """
-    if min(values.shape) < 3:
-        return None
-    try:
-        return even_step(values[1:, 0], "y"), even_step(values[0, 1:], "x")
-    except UnevenPositionsError:
-        return None
-
-
 def _refuse_cut_table(shape: tuple[int, ...], said: dict[str, Any], counts: list[int], path: Path) -> None:
     """Refuse a table with fewer rows than the file states."""
     rows, columns = shape
@@ -238,12 +375,14 @@ def _refuse_cut_table(shape: tuple[int, ...], said: dict[str, Any], counts: list
 
 
 def _one_column(
-    values: np.ndarray, columns: list[Column] | None, said: dict[str, Any], path: Path
+    values: np.ndarray, columns: list[Column] | None, said: dict[str, Any], text: _Text
 ) -> MeasuredFile:
     """Return one height per line: a profile, or a map of one column if the user gives both steps."""
+    if text.rows.broken:
+        raise text.refuse(_second_table(text.rows.broken) + ", or write NaN where a height is missing")
     unit = said.get("height_unit", columns[0].unit if columns else said.get("unit"))
     heights, attributes = _heights(values.T, said, unit)
-    matrix = _matrix(values, said, path)
+    matrix = _matrix(values, text)
     channel = Channel(
         shape=heights.shape, read=lambda: heights, lateral_unit=said.get("lateral_unit"), **attributes
     )
@@ -251,9 +390,10 @@ def _one_column(
     return MeasuredFile("text matrix", [channel], first_row="top")
 
 
-def _matrix(table: np.ndarray, said: dict[str, Any], path: Path) -> MeasuredFile:
-    """Return a matrix of heights, with steps or size from the header."""
+def _matrix(table: np.ndarray, text: _Text, positions: dict[str, float] | None = None) -> MeasuredFile:
+    """Return a matrix of heights, with steps or size from the header, or by the positions beside it."""
     ny, nx = table.shape
+    said, path = text.said, text.path
     for word, found, name in (("nx", nx, "columns"), ("ny", ny, "rows")):
         if said.get(word) is not None and said[word] != found:
             raise InputFileError(
@@ -264,7 +404,9 @@ def _matrix(table: np.ndarray, said: dict[str, Any], path: Path) -> MeasuredFile
         raise InputFileError(
             f"{path}: the header gives a size along y, the file has one line; it was cut off"
         )
-    steps, lateral_unit = _steps(said, {"x": nx, "y": ny}, path)
+    wrong = contradiction(text.stated, table.shape)
+    steps, lateral_unit = ({}, None) if wrong else _steps(said, {"x": nx, "y": ny}, path)
+    steps = {axis: step for axis in "xy" if (step := (positions or {}).get("d" + axis))} | steps
     heights, attributes = _heights(table, said, said.get("height_unit", said.get("unit")))
     channel = Channel(
         shape=heights.shape,
@@ -274,7 +416,10 @@ def _matrix(table: np.ndarray, said: dict[str, Any], path: Path) -> MeasuredFile
         lateral_unit=lateral_unit,
         **attributes,
     )
-    if {"length_x", "length_y"} <= set(said) and not {"dx", "dy", "step", "nx", "ny"} & set(said):
+    if wrong:
+        channel.otherwise = replace(channel)
+        channel.doubt = f"{wrong}; {_SCALE_ADVICE}"
+    elif {"length_x", "length_y"} <= set(said) and not {"dx", "dy", "step", "nx", "ny"} & set(said):
         channel.size_rounding = tuple(
             said[f"length_{axis}_rounding"] / said[f"length_{axis}"] if said[f"length_{axis}"] else 0.0
             for axis in "xy"
@@ -284,23 +429,73 @@ def _matrix(table: np.ndarray, said: dict[str, Any], path: Path) -> MeasuredFile
 
 
 def _profile(
-    table: np.ndarray, units: list[str | None], said: dict[str, Any], path: Path, whole: np.ndarray | None
+    table: np.ndarray,
+    units: list[str | None],
+    lines: list[int],
+    text: _Text,
+    whole: np.ndarray | None,
 ) -> MeasuredFile:
-    """Return a profile from positions and heights in any order."""
-    x, z = table[np.argsort(table[:, 0], kind="stable")].T
-    _refuse_lost_lines((1, x.size), said, path)
-    lateral_unit, height_unit = _units(units, said, path)
+    """Return a profile from positions that rise or fall, or several, where they begin anew."""
+    if not np.isfinite(table[:, 0]).all():
+        place = lines[int(np.argmin(np.isfinite(table[:, 0])))]
+        raise text.refuse(f"the point in line {place} has no position")
+    pieces = runs(table[:, 0])
+    traces = len(pieces) > 1 and are_traces(table[:, 0], pieces)
+    if len(pieces) > 1 and not traces:
+        wrong = f"{turn(table[:, 0], pieces, lines)}: the heights are no profile over x"
+        matrix = None if whole is None else _as_matrix(whole, text.said)
+        if matrix is None:
+            raise text.refuse(f"{wrong}; cut it there, or correct the positions")
+        channel = Channel("height", (1, len(lines)), unreadable(wrong), otherwise=matrix)
+        channel.doubt = f"{wrong}, or a map of 2 columns, then give dx, dy and unit"
+        return MeasuredFile("text profile (x, z)", [channel], first_row="bottom")
+    channels = [_trace(table[piece], units, text, whole) for piece in (pieces if traces else pieces[:1])]
+    if not traces:
+        return MeasuredFile("text profile (x, z)", channels, first_row="bottom")
+    for number, channel in enumerate(channels, start=1):
+        channel.name, channel.otherwise = f"profile {number}", None
+    asked = question(table[:, 0], pieces, lines)
+    return MeasuredFile("text profiles (x, z)", channels, first_row="bottom", question=asked)
+
+
+def _trace(table: np.ndarray, units: list[str | None], text: _Text, whole: np.ndarray | None) -> Channel:
+    """Return one profile from positions that rise, or fall."""
+    said = text.said
+    x, z = table[:: -1 if table[0, 0] > table[-1, 0] else 1].T
+    _refuse_lost_lines((1, x.size), said, text.path)
+    (lateral_unit, height_unit), _ = _units(units, said, text.path)
     heights, attributes = _heights(z[None, :], said, height_unit)
     attributes["lateral_unit"] = lateral_unit
     try:
         step, notes = _even_step(x)
-        channel = Channel(
-            shape=heights.shape, read=lambda: heights, dx=step, first_x=float(x[0]), notes=notes, **attributes
-        )
     except UnevenPositionsError as error:
         channel = scattered(x=x, y=None, z=heights, error=error, **attributes)
         channel.otherwise = None if whole is None else _as_matrix(whole, said)
-    return MeasuredFile("text profile (x, z)", [channel], first_row="bottom")
+        return channel
+    notes += _unlike(text, {"dx": step}, lateral_unit, heights.shape)
+    return Channel(
+        shape=heights.shape, read=lambda: heights, dx=step, first_x=float(x[0]), notes=notes, **attributes
+    )
+
+
+def _unlike(
+    text: _Text, steps: dict[str, float | None], unit: str | None, shape: tuple[int, int]
+) -> list[str]:
+    """Return a warning where the header contradicts itself, or the positions of a list."""
+    line = text.rows.lines[0]
+    positions = {
+        key: [
+            Statement(
+                step, unit or "", 0.01 * step, line, f"the positions have {key} = {step:.6g} {unit or ''}"
+            )
+        ]
+        for key, step in steps.items()
+        if step
+    }
+    stated = {key: each for key, each in text.stated.items() if key not in positions}
+    again = {key: [*positions[key], *text.stated.get(key, [])] for key in positions}
+    wrong = contradiction(again | stated, shape)
+    return [f"{wrong}; the positions are used"] if wrong else []
 
 
 def _even_step(x: np.ndarray) -> tuple[float, list[str]]:
@@ -316,16 +511,22 @@ def _even_step(x: np.ndarray) -> tuple[float, list[str]]:
 
 
 def _points(
-    table: np.ndarray, units: list[str | None], said: dict[str, Any], path: Path, whole: np.ndarray | None
+    table: np.ndarray,
+    units: list[str | None],
+    lines: list[int],
+    text: _Text,
+    whole: np.ndarray | None,
 ) -> MeasuredFile:
     """Return a list of points on the regular grid that it forms, or as an irregular list."""
-    x, y, z = table.T
-    lateral_unit, height_unit = _units(units, said, path)
+    said, path = text.said, text.path
+    (lateral_unit, height_unit), factor = _units(units, said, path)
+    x, y, z = table[:, 0], table[:, 1] * factor, table[:, 2]
     z, attributes = _heights(z, said, height_unit)
     attributes["lateral_unit"] = lateral_unit
     try:
         if not np.isfinite(table[:, :2]).all():
             raise InputFileError(f"{path}: a point of the list has no position")
+        _refuse_repeated(x, y, lines, text)
         heights, steps, (first_x, first_y), notes = points_on_grid(x, y, z, path)
         _refuse_lost_lines(heights.shape, said, path)
         channel = Channel(
@@ -335,7 +536,7 @@ def _points(
             dy=steps["y"],
             first_x=first_x,
             first_y=first_y,
-            notes=notes,
+            notes=notes + _unlike(text, {"dx": steps["x"], "dy": steps["y"]}, lateral_unit, heights.shape),
             **attributes,
         )
     except UnevenPositionsError as error:
@@ -352,10 +553,22 @@ def _points(
             shape=matrix.shape,
             read=unreadable(str(error)),
             otherwise=matrix,
-            doubt=_without_path(error, path),
+            doubt=f"{_without_path(error, path)}; if these are not points x, y, z but a map of "
+            f"{matrix.shape[1]} columns, give dx, dy and unit",
             **attributes,
         )
     return MeasuredFile("text list of points (x, y, z)", [channel], first_row="bottom")
+
+
+def _refuse_repeated(x: np.ndarray, y: np.ndarray, lines: list[int], text: _Text) -> None:
+    """Refuse points with the position of one above."""
+    _, first = np.unique(x + 1j * y, return_index=True)
+    if first.size < x.size:
+        place = int(np.setdiff1d(np.arange(x.size), first)[0])
+        raise text.refuse(
+            f"several points of the list have the same position, the first is that in line {lines[place]}; "
+            "leave one map in the file"
+        )
 
 
 def _refuse_lost_lines(shape: tuple[int, ...], said: dict[str, Any], path: Path) -> None:
@@ -425,15 +638,21 @@ def _heights(
     }
 
 
-def _units(columns: list[str | None], said: dict[str, Any], path: Path) -> tuple[str | None, str | None]:
-    """Return lateral and height unit of a list with columns x (y) z."""
+def _units(
+    columns: list[str | None], said: dict[str, Any], path: Path
+) -> tuple[tuple[str | None, str | None], float]:
+    """Return lateral and height unit of a list with columns x (y) z, and the unit of y over that of x."""
     lateral = [unit for unit in columns[:-1] if unit]
+    factor = 1.0
     if len(set(lateral)) > 1 and not same_length(*lateral):
-        raise InputFileError(
-            f"{path}: the columns x and y have different units, {lateral[0]!r} and {lateral[1]!r}"
-        )
+        factor = metres(lateral[1], where=f"{path}: y") / metres(lateral[0], where=f"{path}: x")
     stated = said.get("lateral_unit", said.get("unit")), said.get("height_unit", said.get("unit"))
-    return lateral[0] if lateral else stated[0], columns[-1] or stated[1]
+    for found, key in ((lateral[0] if lateral else None, "lateral_unit"), (columns[-1], "height_unit")):
+        if found and said.get(key) and not same_length(found, said[key]):
+            raise InputFileError(
+                f"{path}: a column is in {found!r}, and the header says {said[key]!r}; correct one of them"
+            )
+    return (lateral[0] if lateral else stated[0], columns[-1] or stated[1]), factor
 
 
 READER = Reader(RecognisedBy.TEXT, recognises, read)

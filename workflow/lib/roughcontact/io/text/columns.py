@@ -4,38 +4,40 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from roughcontact.io.text.header import HEIGHT_WORDS, statements
 from roughcontact.io.units import is_length
 
 _MAX_LINE_LENGTH = 4096  # characters of a line of headings
 _MAX_DISTANCE = 20  # lines above the table that may contain headings
+_ENTRY = re.compile(r"[^\W\d]\s*[:=]\s*[-+.]?\d")  # a number behind a word: no heading
+_WIDE = 8  # columns; so many with one heading are the columns of a map
 
-# role of a column -> headings (lower case, letters only)
+# role of a column -> headings (lower case, letters and digits only)
 _ROLES = {
-    "index": ("index", "idx", "no", "nr", "number", "nummer", "numéro", "point", "punkt", "id", "n", "row"),
-    "valid": ("valid", "validity", "isvalid", "gültig", "flag"),
-    "x": (
-        *("x", "xpos", "xposition", "xcoordinate", "xaxis", "lateral", "lateralposition", "position", "pos"),
-        *("distance", "length", "scanlength", "scanposition", "traverse", "travel", "abscissa"),
-        *("abstand", "weg", "strecke", "länge", "messweg", "abszisse", "distanz", "longueur", "distancia"),
+    "index": (
+        "index idx no nr num number nummer numéro numero número point punkt punto id n row zeile ligne "
+        "line count counter zähler zaehler compteur contador contatore sample messpunkt datenpunkt номер "
+        "точка 番号 序号 번호"
     ),
-    "y": ("y", "ypos", "yposition", "ycoordinate", "yaxis"),
+    "valid": "valid validity isvalid gültig flag",
+    "x": (
+        "x xpos xposition xcoordinate xcoord xaxis xachse lateral lateralposition position pos distance "
+        "length scanlength scanposition traverse travel abscissa displacement encoder encoder1 axis1 "
+        "abstand weg strecke länge messweg verfahrweg abszisse distanz abscisse longueur déplacement "
+        "abscisa distancia longitud posición posicion desplazamiento ascissa distanza lunghezza posizione "
+        "corsa posição distância positie afstand pozycja położenie odległość poloha pozice vzdálenost "
+        "läge avstånd положение координата расстояние длина 位置 距離 距离 위치 거리"
+    ),
+    "y": "y ypos yposition ycoordinate ycoord yaxis yachse encoder2 axis2",
     "z": (
-        *("z", "zpos", "zposition", "zcoordinate", "zaxis", "height", "heights", "topography", "elevation"),
-        *(
-            "raw",
-            "rawprofile",
-            "profile",
-            "primary",
-            "roughness",
-            "waviness",
-            "leveled",
-            "levelled",
-            "zheight",
-        ),
-        *("höhe", "hoehe", "höhenwert", "profil", "hauteur", "altura", "altezza", "rohprofil"),
+        "z zpos zposition zcoordinate zcoord zaxis zachse zheight height heights topography elevation "
+        "altitude raw rawprofile rawdata profile primary roughness waviness leveled levelled höhenwert "
+        "profil rohprofil rauheit welligkeit profilo perfil rugosité rugosidad rugosità profiel профиль "
+        "プロファイル 轮廓 프로파일"
     ),
 }
-_ROLE = {name: role for role, names in _ROLES.items() for name in names}
+_ROLE = {name: role for role, names in _ROLES.items() for name in names.split()}
+_ROLE |= dict.fromkeys(HEIGHT_WORDS.split(", "), "z")
 
 
 class Column(NamedTuple):
@@ -48,6 +50,13 @@ class Column(NamedTuple):
     name: str
     unit: str | None
     role: str
+
+
+class Layout(NamedTuple):
+    """Which columns hold positions, and which may hold heights: one profile or list of points for each."""
+
+    positions: list[list[int]]
+    heights: list[int]
 
 
 def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Column] | None:
@@ -68,7 +77,7 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
     nearest = None
     for line in reversed(lines[-_MAX_DISTANCE:]):
         cells = _cells(line, count, delimiter)
-        if cells is None:
+        if cells is None or _ENTRY.search(line) or statements([line]):
             continue
         found = [_column(cell) for cell in cells]
         if not any(column.name for column in found):  # a line of units, below the names
@@ -83,6 +92,44 @@ def headed(lines: Sequence[str], count: int, delimiter: str | None) -> list[Colu
     if any(units):
         return [Column("", unit, "") for unit in units]
     return nearest
+
+
+def layout(columns: Sequence[Column]) -> Layout | None:
+    """Return which columns hold positions and heights; None where the headings do not say it.
+
+    Without names of positions, two or three columns are positions and heights unless one of the first is
+    named a height.
+
+    Examples
+    --------
+    >>> layout([Column("index", None, "index"), Column("Weg", "mm", "x"), Column("Profil 1", "nm", "z")])
+    Layout(positions=[[1]], heights=[2])
+    >>> layout([Column(name, "nm", name[0]) for name in ("x", "z1", "z2")])
+    Layout(positions=[[0], [0]], heights=[1, 2])
+    """
+    data = [place for place, column in enumerate(columns) if column.role not in ("index", "valid")]
+    x, y = ([place for place in data if columns[place].role == axis] for axis in "xy")
+    if len(x) == len(y) == 1 and len(data) == 2:  # "X (µm), y1"
+        return Layout([x], y)
+    if len(x) == 1 and len(y) <= 1:
+        heights = [place for place in data if place not in x + y]
+        return Layout([x + y] * len(heights), heights) if heights else None
+    if len(x) > 1 and x == data[::2] and not y and len(data) == 2 * len(x):  # a pair for each profile
+        return Layout([[place] for place in x], data[1::2])
+    unnamed = not x and not y and not any(columns[place].role for place in data[:-1])
+    return Layout([data[:-1]], data[-1:]) if unnamed and len(data) in (2, 3) else None
+
+
+def of_a_map(columns: Sequence[Column]) -> bool:
+    """Return whether headings are those of the columns of a map: many, and equal but for numbers.
+
+    Examples
+    --------
+    >>> of_a_map([Column(f"c{place}", None, "") for place in range(16)])
+    True
+    """
+    alike = {(re.sub(r"[\W\d_]", "", column.name), column.unit) for column in columns}
+    return len(alike) == 1 and len(columns) >= _WIDE
 
 
 def unit_of_heights(lines: Sequence[str]) -> str | None:
@@ -142,10 +189,15 @@ def _cells(line: str, count: int, delimiter: str | None) -> list[str] | None:
 def _column(cell: str) -> Column:
     """Return name, unit and role of a heading such as ``x (µm)``, ``X_[mm]``, ``z/nm``, ``Lateral um``."""
     name, unit = _name_and_unit(cell)
+    return Column(name, unit, _role(name))
+
+
+def _role(name: str) -> str:
+    """Return the role of a column by its name: with its numbers, without them, or by the first word."""
     words = re.split(r"[\s_]+", name.lower())
-    whole, first = ("".join(filter(str.isalpha, text)) for text in ("".join(words), words[0]))
-    role = "index" if name == "#" else _ROLE.get(whole, _ROLE.get(first, ""))
-    return Column(name, unit, role)
+    numbered = re.sub(r"[\W_]", "", "".join(words))
+    spellings = (numbered, *("".join(filter(str.isalpha, text)) for text in (numbered, words[0])))
+    return "index" if name == "#" else next((_ROLE[each] for each in spellings if each in _ROLE), "")
 
 
 def _name_and_unit(cell: str) -> tuple[str, str | None]:
@@ -158,7 +210,7 @@ def _name_and_unit(cell: str) -> tuple[str, str | None]:
         return f"{name} {after}".strip(" _"), inside.strip()
     if "/" in cell:
         name, _, unit = cell.rpartition("/")
-        if unit.strip() and " " not in unit.strip():
+        if is_length(unit.strip()) or (" " not in unit.strip() and _role(name) in ("x", "y", "z")):
             return name.strip(), unit.strip()
     words = re.split(r"[\s_,:]+", cell.strip())
     if len(words) > 1 and is_length(words[-1]):

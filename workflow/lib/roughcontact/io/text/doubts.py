@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from roughcontact.errors import InputFileError
-from roughcontact.io.text.header import parse_header
+from roughcontact.io.text.header import statements
 from roughcontact.io.text.table import COMMENT_SIGNS, pieces, word_in_row
 
 _LENGTHS = {"length_x", "length_y", "dx", "dy", "step"}  # entries of a header with a decimal sign
@@ -19,7 +19,7 @@ _MAX_ENDS = 50  # rows whose decimals are compared with those of the last one
 
 
 def refuse_lost_row(
-    header: list[str], width: int, delimiter: str | None, decimal_comma: bool, path: Path
+    header: list[str], width: int, delimiter: str | None, decimal_comma: bool, path: Path, first: int = 1
 ) -> None:
     """Refuse a table of `width` columns below a line that is one of its rows except for a word.
 
@@ -37,12 +37,12 @@ row of the map
         return
     line = header[number]
     word = word_in_row(line, width, delimiter, decimal_comma)
-    if word is None or re.search(r"[^\W\d]\s*[:=]", line) or parse_header([line]):
+    if word is None or re.search(r"[^\W\d]\s*[:=]", line) or statements([line]):
         return
     if width <= 3 and (line.strip()[0].isalpha() or line.strip()[0] in COMMENT_SIGNS):
         return
     raise InputFileError(
-        f"{path}: line {number + 1} has as many cells as the rows of the table below it, and {word[:40]!r} "
+        f"{path}: line {first + number} has as many cells as the rows of the table below it, and {word[:40]!r} "
         "in place of a number: correct it, write NaN for a missing point, or delete the line if it is no row "
         "of the map"
     )
@@ -82,7 +82,7 @@ def thousands(
     mark = re.escape(sign)
     decimal = re.compile(rf"(?<!\d)0+{mark}|(?<!\d){mark}\d|\d{{4}}|\d[eEdD][-+]?\d|\d{mark}\d{{0,2}}(?!\d)")
     body = body[: 1 + _MAX_CELLS // values.shape[1]]
-    lengths = (line for line in header if decimal.search(line) and _LENGTHS & set(parse_header([line])))
+    lengths = (line for line in header if decimal.search(line) and _LENGTHS & set(statements([line])))
     if any(map(decimal.search, body)) or any(lengths):
         return []
     grouped = re.compile(rf"[-+]?[1-9]\d{{0,2}}{mark}\d{{3}}")
@@ -168,25 +168,3 @@ def cut_number(rows: list[str], delimiter: str | None, path: Path) -> list[str]:
             "to be cut off; export the map again"
         )
     ]
-
-
-def counting(values: np.ndarray) -> list[str]:
-    """Return warnings where the first column or row of a matrix of heights counts from 0 or 1.
-
-    Examples
-    --------
-    >>> counting(np.array([[1, 0.5], [2, 0.7], [3, 0.1], [4, 0.2], [5, 0.9]]))[0][:67]
-    'the first column counts 1, 2, 3 ... and is read as heights: if it h'
-    """
-    found = []
-    for table, name, counted in ((values.T, "column", "row"), (values, "row", "column")):
-        if min(table.shape) < 2 or table.shape[1] < _MIN_COUNTED:
-            continue
-        first = table[0]
-        if first[0] in (0, 1) and np.all(np.diff(first) == 1) and not np.all(np.diff(table[1]) == 1):
-            count = ", ".join(f"{number:.0f}" for number in first[:3])
-            found.append(
-                f"the first {name} counts {count} ... and is read as heights: "
-                f"if it has {counted} numbers, delete it"
-            )
-    return found

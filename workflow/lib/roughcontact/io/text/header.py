@@ -1,234 +1,249 @@
-"""Metadata from the header of a text file: sizes, steps, numbers of points, units, instrument."""
+"""Statements in the header of a text file: sizes, steps, numbers of points, units, instrument.
 
+All of them are collected before any is used, so that those that contradict each other are named.
+"""
+
+import math
 import re
-from collections.abc import Iterable
-from itertools import islice, pairwise
-from typing import Any
+from collections.abc import Iterable, Iterator
+from itertools import chain, combinations, islice
+from typing import Any, NamedTuple
 
-from roughcontact.io.units import is_length
+from roughcontact.io.units import is_length, metres, same_length
 
 _MAX_LINE_LENGTH = 4096  # characters; longer lines contain no metadata
 _MAX_LINES = 100_000  # lines
 
-# entries of a header: meaning -> spellings (lower case, without _ and -)
+# also headings of columns
+HEIGHT_WORDS = (
+    "höhe, hoehe, hauteur, altezza, altura, alto, hoogte, höjd, výška, wysokość, magasság, yükseklik, "
+    "высота, 高さ, 高度, 높이"
+)
+# entries of a header: meaning -> spellings (lower case, without _ and -), also of localised programs
 _HEADER_WORDS = {
     "length_x": (
-        "width",
-        "x size",
-        "size x",
-        "xsize",
-        "x length",
-        "length x",
-        "scan width",
-        "x range",
-        "range x",
-        # as localised programs write it
-        *("breite", "largeur", "larghezza", "anchura", "ancho", "largura", "breedte", "bredd", "šířka"),
-        *("szerokość", "szélesség", "genişlik", "ширина", "幅", "宽度", "너비"),
+        "width, x size, size x, xsize, x length, length x, scan width, x range, range x, x amplitude, "
+        "breite, largeur, larghezza, anchura, ancho, largura, breedte, bredd, šířka, szerokość, "
+        "szélesség, genişlik, ширина, 幅, 宽度, 너비"
     ),
     "length_y": (
-        "height",
-        "y size",
-        "size y",
-        "ysize",
-        "y length",
-        "length y",
-        "scan height",
-        "y range",
-        "range y",
-        *("höhe", "hoehe", "hauteur", "altezza", "altura", "alto", "hoogte", "höjd", "výška"),
-        *("wysokość", "magasság", "yükseklik", "высота", "高さ", "高度", "높이"),
+        "height, y size, size y, ysize, y length, length y, scan height, y range, range y, y amplitude, "
+        + HEIGHT_WORDS
     ),
     "step": (
-        "pixel size",
-        "pixelsize",
-        "cell size",
-        "cellsize",
-        "spacing",
-        "step",
-        "resolution",
-        "xy calibration",
-        "xy kalibrierung",
+        "pixel size, pixelsize, cell size, cellsize, pixel pitch, pixel spacing, spacing, sampling "
+        "interval, xy calibration, xy kalibrierung, pixelgröße, pixelgrösse, pixelabstand, punktabstand, "
+        "taille de pixel, tamaño de píxel"
     ),
-    "size": ("size", "scan size", "image size", "field", "field size", "field of view", "measured area"),
-    "dx": (
-        "dx",
-        "x step",
-        "step x",
-        "xstep",
-        "pixel width",
-        "x spacing",
-        "spacing x",
-        "x increment",
-        "xscale",
-    ),
-    "dy": (
-        "dy",
-        "y step",
-        "step y",
-        "ystep",
-        "pixel height",
-        "y spacing",
-        "spacing y",
-        "y increment",
-        "yscale",
-    ),
-    "nx": (
-        "w",
-        "nx",
-        "columns",
-        "ncols",
-        "x pixels",
-        "xpixels",
-        "x points",
-        "samples",
-        "points per line",
-        "horizontal",
-    ),
-    "ny": ("h", "ny", "rows", "nrows", "y pixels", "ypixels", "y points", "lines", "vertical", "vertikal"),
+    # only per pixel: a resolution may be that of the lens, a step that of a motor
+    "per_pixel": "resolution, step, auflösung, schrittweite, résolution, pas, resolución",
+    "size": "size, scan size, image size, field, field size, field of view, measured area",
+    "dx": "dx, x step, step x, xstep, pixel width, x spacing, spacing x, x increment, xscale",
+    "dy": "dy, y step, step y, ystep, pixel height, y spacing, spacing y, y increment, yscale",
+    "nx": "w, nx, columns, ncols, x pixels, xpixels, x points, samples, points per line, horizontal",
+    "ny": "h, ny, rows, nrows, y pixels, ypixels, y points, lines, vertical, vertikal",
     "height_unit": (
-        *(
-            "value units",
-            "value unit",
-            "z unit",
-            "z units",
-            "zunit",
-            "height unit",
-            "height units",
-            "data unit",
-            "vertical unit",
-            "vertical units",
-        ),
-        *("unit z", "units z", "unit of z", "z einheit", "einheit z", "unité z", "unité des valeurs"),
-        *("exported image units", "image units", "image data unit", "heights in"),
-        *(
-            "werteinheit",
-            "werteinheiten",
-            "werteeinheit",
-            "werteeinheiten",
-            "werte einheiten",
-            "einheit der werte",
-            "einheiten der werte",
-        ),
+        "value units, value unit, z unit, z units, zunit, height unit, height units, data unit, vertical "
+        "unit, vertical units, unit z, units z, unit of z, z einheit, einheit z, unité z, unité des "
+        "valeurs, exported image units, image units, image data unit, heights in, 値の単位, werteinheit, "
+        "werteinheiten, werteeinheit, werteeinheiten, werte einheiten, einheit der werte, einheiten der "
+        "werte"
     ),
     "lateral_unit": (
-        "lateral unit",
-        "lateral units",
-        "xy unit",
-        "xy units",
-        "x unit",
-        "xunit",
-        "horizontal unit",
-        "horizontal units",
+        "lateral unit, lateral units, xy unit, xy units, x unit, xunit, horizontal unit, horizontal units"
     ),
-    "unit": ("unit", "units", "einheit", "einheiten", "unité", "unidad", "unità"),
-    "count": ("number of points", "points", "num points", "numpoints", "data points", "number of samples"),
-    "z_factor": ("bit2nm", "height conversion factor", "z factor", "zfactor"),
-    "missing": ("nodata value", "nodata", "missing value", "no data value"),
-    "channel": (
-        "channel",
-        "channel name",
-        "kanal",
-        "canal",
-        "canale",
-        "kanaal",
-        "kanał",
-        "канал",
-        "チャンネル",
-    ),
-    "instrument": ("instrument", "instrument name", "microscope", "device"),
-    "serial": ("serial", "serial number", "serial no", "instrument serial number"),
-    "lens": ("lens", "objective", "objective lens"),
-    "date": ("date", "date time", "acquisition date", "acquisition time", "measured"),
+    "unit": "unit, units, einheit, einheiten, unité, unidad, unità",
+    "height_range": "z amplitude",
+    "count": "number of points, points, num points, numpoints, data points, number of samples",
+    "z_factor": "bit2nm, height conversion factor, z factor, zfactor",
+    "missing": "nodata value, nodata, missing value, no data value",
+    "channel": "channel, channel name, kanal, canal, canale, kanaal, kanał, канал, チャンネル, チャネル",
+    "instrument": "instrument, instrument name, microscope, device",
+    "serial": "serial, serial number, serial no, instrument serial number",
+    "lens": "lens, objective, objective lens",
+    "date": "date, date time, acquisition date, acquisition time, measured",
 }
 # those with a text as value
-_WORDS = (
-    "channel",
-    "height_unit",
-    "lateral_unit",
-    "unit",
-    "instrument",
-    "serial",
-    "lens",
-    "date",
-)
+_WORDS = ("channel", "height_unit", "lateral_unit", "unit", "instrument", "serial", "lens", "date")
+_REPEATED = ("channel", "instrument", "serial", "lens", "date", "missing", "height_range", "count")
 _UNIT_IN_NAME = {"bit2nm": "nm"}  # keys that imply the unit of their value: counts to nanometres
-_BOTH = {"size": ("width", "height"), "step": ("dx", "dy")}  # entries that give two values in one line
-_MEANING = {word: meaning for meaning, words in _HEADER_WORDS.items() for word in words}
-_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_BOTH = {"size": ("length_x", "length_y"), "step": ("dx", "dy")}  # entries with two values in one line
+_PIXELS = {"length_x": "nx", "length_y": "ny"}  # a size in pixels is a number of them
+_MEANING = {word: meaning for meaning, words in _HEADER_WORDS.items() for word in words.split(", ")}
+_NUMBER = re.compile(r"[-+]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][-+]?\d+)?")
+_PER_PIXEL = re.compile(r"\s*(?:/|per)\s*(?:pixel|px|point|pt|sample)s?$", re.IGNORECASE)
+_WIDE_SIGNS = str.maketrans("：＝　", ":= ")  # of East Asian keyboards
+_LONGEST = 60  # characters of a line that a message shows
+_SLACK, _WIDEST_SLACK = 1e-3, 1e-2  # relative difference of agreeing lengths: without and with rounding
+_ODD_PIXEL = 10.0  # ratio of the sides of a pixel above which two different units of them are doubted
 
 
-def parse_header(lines: Iterable[str]) -> dict[str, Any]:
-    """Return the entries of the header that are understood.
+class Statement(NamedTuple):
+    """One entry of a header.
+
+    The value is a text or a number, NaN where a mark in it may be the decimal sign or separate thousands; the
+    unit is empty where there is none; `rounding` is half a unit of the last digit, 0 for a whole number.
+    """
+
+    value: Any
+    unit: str
+    rounding: float
+    line: int
+    text: str
+
+    def __str__(self) -> str:
+        return f"line {self.line} says {self.text!r}"
+
+
+Stated = dict[str, list[Statement]]
+
+
+def statements(lines: Iterable[str], *, first: int = 1, sign: str = "") -> Stated:
+    """Return the entries of a header that are understood, by their meaning, in the order of the lines.
 
     Every line is read once from its beginning to its end. Lines of more than 4096 characters, and those after
-    the first 100 000, are skipped.
+    the first 100 000, are skipped. `first` is the number of the first line in the file, `sign` the decimal
+    sign in its table, empty where that has whole numbers.
 
     Returns
     -------
     dict
-        The keys are `length_x`, `length_y`, `step`, `dx`, `dy`, `nx`, `ny`, `count`, `z_factor`, `missing`
-        (numbers), `height_unit`, `lateral_unit`, `unit`, `channel`, `instrument`, `serial`, `lens`, `date`
-        (texts); a key with ``_unit`` appended gives the unit of that value; with ``_rounding`` appended,
-        half a unit of the last digit of a length. Of repeated entries the first one counts.
+        The keys are `length_x`, `length_y`, `step`, `dx`, `dy`, `nx`, `ny`, `count`, `z_factor`, `missing`,
+        `height_range` (numbers), `height_unit`, `lateral_unit`, `unit`, `channel`, `instrument`, `serial`,
+        `lens`, `date` (texts).
 
     Examples
     --------
-    >>> said = parse_header(["# Width: 10,5 µm", "# Value units: nm", "rows=4 columns=5", "colour: red"])
-    >>> said["length_x"], said["length_x_unit"], said["length_x_rounding"]
-    (10.5, 'µm', 0.05)
-    >>> said["height_unit"], said["ny"], said["nx"]
-    ('nm', 4.0, 5.0)
-    >>> parse_header(['"XY calibration","692.3","nm/pixel"'])
-    {'step': 692.3, 'step_unit': 'nm'}
+    >>> stated = statements(["# Width: 10,5 µm", "dx=0.5 mm, dy=2 mm", "rows=4 columns=5", "colour: red"])
+    >>> stated["length_x"][0][:4], stated["dy"][0][:2], stated["nx"][0].value
+    ((10.5, 'µm', 0.05, 1), (2.0, 'mm'), 5.0)
+    >>> statements(['"XY calibration","692.3","nm/pixel"'])["step"][0][:2]
+    (692.3, 'nm')
+    >>> print(*statements(["Width: 1,234 µm"], sign=".")["length_x"])
+    line 1 says 'Width: 1,234 µm'
+    """
+    stated: Stated = {}
+    for number, line in enumerate(islice(lines, _MAX_LINES), start=first):
+        text = line.strip().lstrip("#%;!\\*/ \t").strip().translate(_WIDE_SIGNS)
+        if not text or len(line) > _MAX_LINE_LENGTH:
+            continue
+        for key, value in _entries(text):
+            for meaning, found in _statements_of(key, value, sign):
+                stated.setdefault(meaning, []).append(found._replace(line=number, text=text[:_LONGEST]))
+    return stated
+
+
+def first_of(stated: Stated) -> dict[str, Any]:
+    """Return the first statement of each meaning: its value, and with ``_unit`` appended its unit, and so on.
+
+    Of numbers that mark missing points all are returned.
     """
     said: dict[str, Any] = {}
-    for line in islice(lines, _MAX_LINES):
-        if len(line) > _MAX_LINE_LENGTH or not (plain := line.strip().lstrip("#%;!\\*/ \t").strip()):
-            continue
-        text = re.sub(r"(\d),(\d)", r"\1.\2", plain)
-        pairs = _pairs(text)
-        if len(pairs) > 1:  # "h=305 w=75"
-            for key, value in pairs:
-                _record_entry(said, key, "", value)
-        elif (end := min((text.find(sign) for sign in ":=\t" if sign in text), default=-1)) > 0:
-            key, unit = _key_and_unit(text[:end])
-            _record_entry(said, key, unit, text[end + 1 :].strip())
-        elif any(sign in plain for sign in ";,") and (entry := _row(plain)):
-            _record_entry(said, *entry)
-        elif len(words := text.split()) == 2:
-            _record_entry(said, words[0], "", words[1])
+    for meaning, (found, *_) in stated.items():
+        said[meaning] = found.value
+        if found.unit:
+            said[meaning + "_unit"] = found.unit
+        if meaning.startswith("length"):
+            said[meaning + "_rounding"] = found.rounding
+    if "missing" in stated:
+        said["missing"] = [found.value for found in stated["missing"]]
     return said
 
 
-def _pairs(text: str) -> list[tuple[str, str]]:
-    """Return the pairs of a line such as ``h=305 w=75``."""
-    parts = text.split("=")
-    pairs = []
-    for before, after in pairwise(parts):
-        keys, values = before.split(), after.split()
-        if keys and values:
-            pairs.append((keys[-1], values[0]))
-    return pairs
+def contradiction(stated: Stated, shape: tuple[int, int]) -> str:
+    """Return a sentence on statements that contradict each other or the table (ny, nx); empty where none do.
+
+    Repeated entries, sizes and steps times points, and units must agree; a size is counted from edge to edge
+    or from the first point to the last one.
+
+    Examples
+    --------
+    >>> contradiction(statements(["Pixel size: 0.5 µm", "Width: 13 µm"]), (9, 13))
+    "line 1 says 'Pixel size: 0.5 µm', line 2 says 'Width: 13 µm': they do not agree for 13 columns"
+    >>> contradiction(statements(["Pixel size: 0.5 µm", "Width: 6.5 µm"]), (9, 13))
+    ''
+    """
+    first = {meaning: repeated[0] for meaning, repeated in stated.items()}
+    return next(chain(_repeated(stated), _units_apart(first), _lengths_apart(stated, first, shape)), "")
 
 
-def _key_and_unit(key: str) -> tuple[str, str]:
-    """Return a key without its brackets, and the unit in these."""
-    name, opening, rest = key.replace("[", "(").partition("(")
-    unit = rest.replace("]", ")").partition(")")[0].strip() if opening else ""
-    return name, unit.removeprefix("->").strip()
+def _repeated(stated: Stated) -> Iterator[str]:
+    """Yield sentences on numbers with two meanings, and on repeated entries that differ."""
+    for meaning, (one, *others) in stated.items():
+        for each in (one, *others):
+            if isinstance(each.value, float) and math.isnan(each.value):
+                yield f"{each}: its mark may be the decimal sign or separate thousands"
+        if meaning not in _REPEATED:
+            yield from (
+                f"{one}, {each}: they do not agree" for each in others if not _equal(one, each, stated)
+            )
 
 
-def _row(text: str) -> tuple[str, str, str] | None:
-    """Return key, unit and value of a line of a table, as ``"Width";"640,5";"µm"``; None for other lines."""
-    cells = [cell.strip().strip('"').strip() for cell in text.split(";" if ";" in text else '","')]
-    if len(cells) == 1:
-        cells = [cell.strip().strip('"').strip() for cell in text.split(",")]
-    key, unit = _key_and_unit(cells[0])
-    if len(cells) < 2 or _meaning(key) is None:
-        return None
-    value = re.sub(r"(\d),(\d)", r"\1.\2", cells[1])
-    return key, unit or (cells[2] if len(cells) > 2 else ""), value
+def _units_apart(first: dict[str, Statement]) -> Iterator[str]:
+    """Yield sentences on lengths in another unit than the one that is stated for all of them."""
+    for meaning in ("length_x", "length_y", "dx", "dy", "step"):
+        one, other = first.get(meaning), first.get("lateral_unit")
+        if one and other and is_length(one.unit) and not same_length(one.unit, other.value):
+            yield f"{one}, {other}: their units do not agree"
+
+
+def _lengths_apart(stated: Stated, first: dict[str, Statement], shape: tuple[int, int]) -> Iterator[str]:
+    """Yield sentences on sizes and steps that differ, may be numbers of points, or have units far apart."""
+    used = []
+    for axis, count, name in (("x", shape[1], "columns"), ("y", shape[0], "rows")):
+        keys = [key for key in ("d" + axis, "step", "length_" + axis) if key in first]
+        lengths = [(first[key], count if key.startswith("length") else 1) for key in keys if count > 1]
+        for (one, points), (other, others) in combinations(lengths, 2):
+            if not _equal(one, other, stated, (points, others)):
+                yield f"{one}, {other}: they do not agree for {count} {name}"
+        used += lengths[:1]
+        bare = keys == ["length_" + axis] and not first[keys[0]].unit
+        if bare and first[keys[0]].value == count > 1 and not {"n" + axis, "lateral_unit"} & {*first}:
+            yield f"{first[keys[0]]}, and there are {count} {name}: a size without a unit, or their number"
+    if len(used) == 2 and all(is_length(length.unit) and length.value > 0 for length, _ in used):
+        x, y = (length.value / points for length, points in used)
+        units = metres(used[0][0].unit) / metres(used[1][0].unit)
+        if abs(math.log(units * x / y)) > max(math.log(_ODD_PIXEL), abs(math.log(x / y))):
+            yield f"{used[0][0]}, {used[1][0]}: their units make pixels of {units * x / y:.3g} : 1"
+
+
+def _equal(one: Statement, other: Statement, stated: Stated, points: tuple[int, int] = (1, 1)) -> bool:
+    """Return whether two statements agree: texts, or lengths of so many points."""
+    if isinstance(one.value, str):
+        return same_length(one.value, other.value)
+    general = next((stated[key][0].value for key in ("lateral_unit", "unit") if key in stated), "")
+    units = [each.unit or general for each in (one, other)]
+    factors = [metres(unit) for unit in units] if all(map(is_length, units)) else [1.0, 1.0]
+    slack = _SLACK + sum(min(each.rounding / abs(each.value or 1), _WIDEST_SLACK) for each in (one, other))
+    a, b = (each.value * factor / n for each, factor, n in zip((one, other), factors, points, strict=True))
+    return any(
+        abs(a * part - b) <= slack * max(abs(a), abs(b))
+        for part in (1, 1 - (points[0] != points[1]) / points[1])
+    )
+
+
+def _entries(text: str) -> Iterator[tuple[str, str]]:
+    """Yield the keys and values of a line: one, as ``Width: 5 mm``, or several, as ``h=305 w=75``."""
+    first, *parts = re.split(r"\s*[:=]\s*", text)
+    keys, values = [first], []
+    for part in parts[:-1] if all(map(_NUMBER.match, parts)) else ():  # a value, its unit, the next key
+        words = re.split(r"[\s;]+|,\s+", part)
+        known = (
+            start for start in range(1, len(words)) if _meaning(" ".join(words[start:]).partition("(")[0])
+        )
+        start = next(known, len(words) - 1)
+        values.append(" ".join(words[:start]))
+        keys.append(" ".join(words[start:]))
+    if values and all(key[:1].isalpha() for key in keys) and ("=" in text or _meaning(first)):
+        yield from zip(keys, [*values, parts[-1]], strict=True)
+    elif (end := min((text.find(sign) for sign in ":=\t" if sign in text), default=-1)) > 0:
+        yield text[:end], text[end + 1 :]
+    elif any(sign in text for sign in ";,"):  # a line of a table, as "Width";"640,5";"µm"
+        separator = next(sign for sign in (";", '","', ",") if sign in text)
+        key, *cells = (cell.strip().strip('"').strip() for cell in text.split(separator))
+        yield key, " ".join(cells[:2])
+    elif len(words := text.split()) == 2:
+        yield words[0], words[1]
 
 
 def _meaning(key: str) -> str | None:
@@ -236,42 +251,60 @@ def _meaning(key: str) -> str | None:
     return _MEANING.get(re.sub(r"[\s_-]+", " ", key).strip().strip('"').lower())
 
 
-def _record_entry(said: dict[str, Any], key: str, unit: str, value: str) -> None:
-    """Record the meaning of one header entry in `said`, unless it is unknown or already recorded."""
-    meaning, value = _meaning(key), value.strip().strip('"').strip()
-    if meaning is None or meaning in said:
+def _statements_of(key: str, value: str, sign: str) -> Iterator[tuple[str, Statement]]:
+    """Yield the meanings and statements of one entry; none where it is not understood."""
+    name, opening, rest = key.replace("[", "(").partition("(")
+    unit = rest.replace("]", ")").partition(")")[0].removeprefix("->").strip() if opening else ""
+    meaning, value = _meaning(name), value.strip().strip('"').strip()
+    if meaning is None:
         return
     if meaning in _WORDS:
         if value and (meaning != "unit" or is_length(value)):
-            said[meaning] = value
+            yield meaning, Statement(value, "", 0.0, 0, "")
         return
     both = re.split(r" x |(?<=\d)x(?=\d)", value.replace("×", "x").replace("*", "x"))
     if len(both) == 2 and meaning in _BOTH:
-        _record_pair(said, _BOTH[meaning], *both)
+        own = _NUMBER.sub("", both[1], count=1).strip()
+        if is_length(own):
+            for axis, part in zip(_BOTH[meaning], both, strict=True):
+                length = part if _NUMBER.sub("", part, count=1).strip() else f"{part} {own}"
+                yield from _statements_of(_HEADER_WORDS[axis].partition(",")[0], length, sign)
         return
-    match = re.match(rf"({_NUMBER})\s*(.*)$", value)
-    if match and meaning != "size":
-        said[meaning] = float(match[1])
-        if meaning.startswith("length"):
-            said[meaning + "_rounding"] = _half_last_digit(match[1])
-        unit = match[2].strip().strip("()[]") or unit or _UNIT_IN_NAME.get(key.strip().lower(), "")
-        unit = re.sub(r"\s*/\s*(pixel|px|point|pt|sample)s?$", "", unit, flags=re.IGNORECASE)
-        if unit:
-            said[meaning + "_unit"] = unit
+    match = _NUMBER.match(value)
+    if not match or meaning == "size":
+        return
+    number, rounding = _number(match[0].rstrip(".,"), sign)
+    after = value[match.end() :].strip().strip("()[]")
+    own = _PER_PIXEL.sub("", after) if _PER_PIXEL.search(after) else after.partition(" ")[0].strip("()[],;")
+    if meaning == "per_pixel":
+        if not _PER_PIXEL.search(after or unit):
+            return
+        meaning = "step"
+    own, unit = own or _PER_PIXEL.sub("", unit), _PER_PIXEL.sub("", unit)
+    own = own or _UNIT_IN_NAME.get(name.strip().lower(), "")
+    if meaning in _PIXELS and own.lower() in ("px", "pixel", "pixels", "points", "pts", "samples"):
+        meaning, own = _PIXELS[meaning], ""
+    yield meaning, Statement(number, own, rounding, 0, "")
+    if is_length(own) and is_length(unit) and not same_length(own, unit):  # both are named as they differ
+        yield meaning, Statement(number, unit, rounding, 0, "")
 
 
-def _record_pair(said: dict[str, Any], keys: tuple[str, str], along_x: str, along_y: str) -> None:
-    """Record lengths along x and y, as in ``20 µm x 18 µm``; without a unit, numbers of points."""
-    unit = re.sub(rf"^{_NUMBER}\s*", "", along_y.strip())
-    for key, value in zip(keys, (along_x, along_y), strict=True):
-        if is_length(unit):
-            _record_entry(said, key, unit, value)
+def _number(text: str, sign: str) -> tuple[float, float]:
+    """Return a number and half a unit of its last digit; NaN where a mark in it may have two meanings.
 
-
-def _half_last_digit(number: str) -> float:
-    """Return half a unit of the last digit of a number; 0 for a number without decimals."""
-    mantissa, _, exponent = number.lower().partition("e")
-    if "." not in mantissa:
-        return 0.0
-    decimals = len(mantissa.partition(".")[2])
-    return 0.5 * 10.0 ** max(min(int(exponent or 0) - decimals, 300), -300)
+    A mark of the other kind, or a repeated one, separates thousands; a single one before three digits does so
+    perhaps, unless it is the decimal sign of the table, or a point where that has whole numbers.
+    """
+    mantissa, _, exponent = text.lower().partition("e")
+    marks = [mark for mark in mantissa if mark in ".,"]
+    decimal = marks[-1] if marks and marks.count(marks[-1]) == 1 else ""
+    if decimal and len(marks) == 1 and decimal != (sign or "."):
+        if re.fullmatch(r"[-+]?[1-9]\d{0,2}[.,]\d{3}", mantissa):
+            return math.nan, 0.0
+    elif len(marks) > 1 and not re.fullmatch(r"[-+]?\d{1,3}([.,]\d{3})+([.,]\d*)?", mantissa):
+        return math.nan, 0.0
+    whole, _, decimals = mantissa.partition(decimal) if decimal else (mantissa, "", "")
+    digits = re.sub("[.,]", "", whole) + "." + decimals
+    power = max(min(int(exponent or 0), 400), -400)
+    rounding = 0.5 * 10.0 ** max(min(power - len(decimals), 300), -300) if decimals else 0.0
+    return float(f"{digits}e{power}"), rounding

@@ -14,6 +14,7 @@ import numpy as np
 from roughcontact.errors import InputFileError
 from roughcontact.io.guards import brief, check_points
 from roughcontact.io.text.columns import is_heading
+from roughcontact.io.text.header import statements
 from roughcontact.io.text.missing import is_missing, is_spoken, joined
 from roughcontact.quantities import several
 
@@ -25,6 +26,10 @@ _MAX_PREFIX = 2**16  # characters of a line that decide whether it contains numb
 _WIDE = 8  # columns; the headings of so many differ from one another
 _MAX_CELL = 64  # characters of a cell, on the average
 _WHITE = re.compile(r"\s")
+_PLAIN = re.compile(r'[-+\d.,;\s"eEdD]*\Z')  # of a row without words
+_BETWEEN = ' \t;,"\r\n\f'  # what may stand between cells
+_FEW_ROWS = 3  # that show what a first row with one cell less is
+_FEW_CELLS = 32  # at the beginning of a line, which tell a row with words from a heading
 
 
 class Table(NamedTuple):
@@ -40,6 +45,8 @@ class Table(NamedTuple):
         Whether the first cell of the first row is empty.
     spoken : dict
         Words that were taken as missing, with a meaning besides -> how often.
+    short : bool
+        Whether an empty cell was put before the first row, which had one less than all others.
     """
 
     values: np.ndarray
@@ -47,6 +54,33 @@ class Table(NamedTuple):
     empty_right: int = 0
     empty_corner: bool = False
     spoken: Mapping[str, int] = MappingProxyType({})
+    short: bool = False
+
+
+class Rows(NamedTuple):
+    """Rows of a table, with the lines above them and the numbers of lines.
+
+    Attributes
+    ----------
+    heading, first : list of str, int
+        Lines above the rows, and the number of the first of them.
+    texts, lines : list of str, list of int
+        The rows.
+    broken : int
+        Number of the first row behind an empty line between the rows; 0 where there is none.
+    """
+
+    heading: list[str]
+    first: int
+    texts: list[str]
+    lines: list[int]
+    broken: int = 0
+
+    @property
+    def start(self) -> int:
+        """Number of the first line that is not empty."""
+        filled = (number for number, line in enumerate(self.heading, self.first) if line.strip())
+        return next(filled, self.lines[0])
 
 
 def split_header(lines: list[str], path: Path) -> tuple[list[str], list[str]]:
@@ -134,11 +168,12 @@ def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
     >>> separators(["1,5;2,5"], Path("map.txt")), separators(["1.5, 2.5", "3.0, 4.0"], Path("map.txt"))
     ((';', True), (',', False))
     """
-    sample = [line.strip() for line in body[:50] if line.strip()]
+    sample = [line.strip() for line in body[:50] if is_row(line)]
     joined = "\n".join(sample)
     for sign in ";\t":
         if sign in joined:
-            return sign, any("," in line for line in body)
+            twice = all(line.count(sign) == 2 * line.count(2 * sign) > 0 for line in sample)
+            return 2 * sign if twice else sign, any(map(re.compile(r"\d,|,\d").search, body))
     if "," not in joined:
         return None, False
     words = [line.split() for line in sample]
@@ -152,12 +187,93 @@ def separators(body: list[str], path: Path) -> tuple[str | None, bool]:
     return ",", False
 
 
-def parse_table(
-    body: list[str], delimiter: str | None, decimal_comma: bool, path: Path, *, first: int = 1
-) -> Table:
-    """Return the numbers of a table; empty lines and comments are left out.
+def is_row(line: str) -> bool:
+    """Return whether a line among the rows of a table is one of them, perhaps with a word in it.
 
-    A `delimiter` of None stands for white space; `first` is the number of the first line in the file, for the
+    Examples
+    --------
+    >>> [is_row(line) for line in ("1.5;n/a", "0.5 hole", "Profile 2", "x (mm);z (µm)", "# 1 2 3", ";;")]
+    [True, True, False, False, False, False]
+    """
+    if not line.strip(_BETWEEN):
+        return False
+    if _PLAIN.match(line):
+        return True
+    if line.lstrip()[0] in COMMENT_SIGNS and not _starts_with_missing(line):
+        return False
+    cells = re.split(r'[;\t,\s"]+', joined(line[:_MAX_PREFIX]).strip(_BETWEEN), maxsplit=_FEW_CELLS)
+    known = [_is_number(cell) for cell in cells[:_FEW_CELLS]]
+    return 2 * sum(known) > len(known) or (known[0] and not is_missing(cells[0]))
+
+
+def _is_number(cell: str) -> bool:
+    """Return whether a cell is a number, or stands for a missing point."""
+    try:
+        _number(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def split_tables(
+    header: list[str], body: list[str], first: int, delimiter: str | None, decimal_comma: bool, path: Path
+) -> list[Rows]:
+    """Return the tables of a text, which end at a heading between rows.
+
+    Empty lines and comments between rows are no headings, and an empty line between all rows says nothing;
+    comments with entries are headings. `first` is the number of the first line of the body.
+
+    Raises
+    ------
+    InputFileError
+        For a line of words below the last row.
+
+    Examples
+    --------
+    >>> body = ["1 2", "3 4", "", "Phase", "5 6", "7 8"]
+    >>> [(table.heading, table.lines) for table in split_tables([], body, 1, None, False, Path("map.txt"))]
+    [([], [1, 2]), (['', 'Phase'], [5, 6])]
+    """
+    tables = [Rows(header, first - len(header), [], [])]
+    between: list[str] = []
+    width, alone = 0, True
+    for number, line in enumerate(body, start=first):
+        comment = line.lstrip()[:1] in ("#", "%")
+        ruled = not any(map(str.isalnum, line)) and any(text.strip() for text in between)
+        if (is_row(line) and not ruled) or (
+            comment and word_in_row(line, width, delimiter, decimal_comma) is not None
+        ):
+            width = width or len(line.strip().split(delimiter))
+            heads = [text for text in between if text.strip(_BETWEEN)]
+            if tables[-1].lines and any(_names_a_table(text) for text in heads):
+                tables.append(Rows(between, number - len(between), [], []))
+            elif tables[-1].lines and between and not tables[-1].broken:
+                tables[-1] = tables[-1]._replace(broken=number)
+            alone = alone and (bool(between) or not tables[-1].lines)
+            tables[-1].texts.append(line)
+            tables[-1].lines.append(number)
+            between = []
+        else:
+            between.append(line)
+    for number, line in enumerate(between, start=first + len(body) - len(between)):
+        if line.strip(_BETWEEN) and line.lstrip()[0] not in "#%":
+            raise InputFileError(f"{path}: line {number} is no row of numbers ({brief(ValueError(line))})")
+    if alone and len(tables) == 1 and len(tables[0].lines) > 2:
+        tables[0] = tables[0]._replace(broken=0)
+    return tables
+
+
+def _names_a_table(line: str) -> bool:
+    """Return whether a line between rows is more than a comment: words, or an entry of a header."""
+    return line.lstrip()[0] not in "#%" or bool(statements([line]))
+
+
+def parse_table(
+    rows: list[str], lines: list[int], delimiter: str | None, decimal_comma: bool, path: Path
+) -> Table:
+    """Return the numbers of a table.
+
+    A `delimiter` of None stands for white space; `lines` are the numbers of the rows in the file, for the
     messages.
 
     Raises
@@ -167,20 +283,20 @@ def parse_table(
 
     Examples
     --------
-    >>> table = parse_table(["1,5;BAD;;", "2,5;3;;", ";;;"], ";", True, Path("map.txt"))
+    >>> table = parse_table(["1,5;BAD;;", "2,5;3;;"], [1, 2], ";", True, Path("map.txt"))
     >>> table.values
     array([[1.5, nan, nan],
            [2.5, 3. , nan]])
     >>> table.empty_right
     1
     """
-    closed = _ends_with_delimiter(body, delimiter)
+    closed = _ends_with_delimiter(rows, delimiter)
     try:
-        return _parse(body, delimiter, decimal_comma, path, first, closed)
+        return _parse(rows, lines, delimiter, decimal_comma, path, closed)
     except _UnequalRowsError:
         if closed:
             raise
-        return _parse(body, delimiter, decimal_comma, path, first, closed=True)
+        return _parse(rows, lines, delimiter, decimal_comma, path, closed=True)
 
 
 class _UnequalRowsError(InputFileError):
@@ -200,13 +316,23 @@ def _ends_with_delimiter(body: list[str], delimiter: str | None) -> bool:
 
 
 def _parse(
-    body: list[str], delimiter: str | None, decimal_comma: bool, path: Path, first: int, closed: bool
+    rows: list[str],
+    lines: list[int],
+    delimiter: str | None,
+    decimal_comma: bool,
+    path: Path,
+    closed: bool,
 ) -> Table:
     """Return the numbers of a table, whose lines may end with a delimiter."""
     numbers, counts, spoken = array("d"), array("q"), Counter[str]()
     sides: tuple[int, int] | None = None
-    corner, empty_rows = False, 0
-    for number, text in _rows(body, delimiter, decimal_comma, first, closed):
+    corner = short = False
+    for number, line in zip(lines, rows, strict=True):
+        text = line.strip(" \r\f" if delimiter == "\t" else None)
+        if decimal_comma:
+            text = text.replace(",", ".")
+        if delimiter is not None and closed:
+            text = text.rstrip().removesuffix(delimiter)
         before = len(numbers)
         try:
             empty = _append(numbers, text, delimiter, spoken)
@@ -216,40 +342,18 @@ def _parse(
                 "in it, below lines of words, or export the map as X3P or SDF"
             ) from error
         counts.append(len(numbers) - before)
-        empty_rows = empty_rows + 1 if empty[0] == counts[-1] else 0
-        if not empty_rows:
-            sides = empty if sides is None else (min(sides[0], empty[0]), min(sides[1], empty[1]))
+        sides = empty if sides is None else (min(sides[0], empty[0]), min(sides[1], empty[1]))
         corner = corner or (len(counts) == 1 and empty[0] > 0)
-    if empty_rows and empty_rows < len(counts):
-        del numbers[len(numbers) - sum(counts[-empty_rows:]) :], counts[-empty_rows:]
-    _refuse_unequal_rows(counts, path)
+    if len(counts) > _FEW_ROWS and counts[0] + 1 == min(counts[1:]) == max(counts[1:]):
+        numbers.insert(0, np.nan)  # positions along x, without a cell in the corner
+        counts[0], corner, sides, short = counts[1], True, (0, 0), True
+    _refuse_unequal_rows(counts, lines, path)
     shape = len(counts), counts[0]
     check_points(shape, path)
-    return Table(np.array(numbers).reshape(shape), *(sides or (0, 0)), corner, spoken)
+    return Table(np.array(numbers).reshape(shape), *(sides or (0, 0)), corner, spoken, short)
 
 
-def _rows(
-    body: list[str], delimiter: str | None, decimal_comma: bool, first: int, closed: bool
-) -> Iterator[tuple[int, str]]:
-    """Yield the number and the text, with decimal points, of each line that is not empty and no comment."""
-    row = ""
-    for number, line in enumerate(body, start=first):
-        text = line.strip(" \r\f" if delimiter == "\t" else None)
-        if not text or text.isspace():
-            continue
-        if text.lstrip()[0] in "#%" and not _starts_with_missing(text):
-            width = len(row.split(delimiter))
-            if word_in_row(text, width, delimiter, decimal_comma) is None:
-                continue
-        if decimal_comma:
-            text = text.replace(",", ".")
-        if delimiter is not None and closed:
-            text = text.rstrip().removesuffix(delimiter)
-        row = text
-        yield number, text
-
-
-def _refuse_unequal_rows(counts: array, path: Path) -> None:
+def _refuse_unequal_rows(counts: array, lines: list[int], path: Path) -> None:
     """Refuse rows of different lengths."""
     widths = Counter(counts)
     if len(widths) > 1:
@@ -257,7 +361,9 @@ def _refuse_unequal_rows(counts: array, path: Path) -> None:
         bad = next(index for index, count in enumerate(counts) if count != width)
         cut = "; the last line is incomplete: the file was cut off" if bad == len(counts) - 1 else ""
         found = several(counts[bad], "number")
-        raise _UnequalRowsError(f"{path}: row {bad + 1} has {found} where the others have {width}{cut}")
+        raise _UnequalRowsError(
+            f"{path}: row {bad + 1} has {found} where the others have {width} (line {lines[bad]}){cut}"
+        )
 
 
 def word_in_row(line: str, width: int, delimiter: str | None, decimal_comma: bool) -> str | None:

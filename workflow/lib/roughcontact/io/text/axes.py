@@ -1,0 +1,104 @@
+"""Positions in the first row and column of a matrix, with or without a cell in the corner."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+_FEW = 6  # positions in a row or column alone; fewer are even by chance, unless they begin at 0
+_LEAST = 4
+_MANY = 12  # positions
+_CLOSE, _ROUNDED = (
+    0.02,
+    0.06,
+)  # of a step: largest deviation of few positions, and of many, which may be rounded
+_COMPARED = 50  # rows or columns that would be even as well if the first one were heights
+
+
+class Axes(NamedTuple):
+    """Positions beside heights.
+
+    Attributes
+    ----------
+    values : array
+        The heights alone, by rising positions.
+    steps : dict
+        `dx`, `dy`: steps of the positions; none of numbers that count.
+    note : str
+        What was taken for positions.
+    turned : bool
+        Whether the rows of `values` begin at the smallest y, by their positions.
+    rows, columns : int
+        Rows and columns that hold positions.
+    """
+
+    values: np.ndarray
+    steps: dict[str, float]
+    note: str
+    turned: bool
+    rows: int
+    columns: int
+
+
+def axes_of(values: np.ndarray, *, corner: bool = False) -> Axes | None:
+    """Return the heights of a table and the positions beside them, None where there are none.
+
+    Positions are a first row or column that is an even progression, as the others are not. With positions in
+    both, the cell that they share is none of the heights; `corner`: it is empty.
+
+    Examples
+    --------
+    >>> heights = np.random.default_rng(1).normal(size=(6, 5))
+    >>> found = axes_of(np.vstack([np.arange(5) / 2, heights]))
+    >>> found.steps, found.note
+    ({'dx': 0.5}, 'the first row (0, 0.5, 1 ...) is taken as positions along x')
+    >>> axes_of(heights) is None
+    True
+    """
+    if min(values.shape) < 3:
+        return None
+    inner = values[1:, 1:]
+    x, y = _progression(values[0, 1:], inner), _progression(values[1:, 0], inner.T)
+    if x is not None and y is not None and (corner or min(values.shape) > _LEAST):
+        rows = columns = 1
+    elif corner:
+        return None
+    else:
+        x, y = _progression(values[0], values[1:]), _progression(values[:, 0], values[:, 1:].T)
+        enough = [n >= _FEW or (n >= _LEAST and values[0, 0] == 0) for n in values.shape]
+        rows = int(x is not None and enough[1])
+        columns = int(not rows and y is not None and enough[0])
+        if not rows and not columns:
+            return None
+    steps, notes, heights = {}, [], values[rows:, columns:]
+    turned = False
+    for line, step, axis, used in ((values[0, columns:], x, "x", rows), (values[rows:, 0], y, "y", columns)):
+        if not used or step is None:
+            continue
+        counts = step == 1 and line[0] in (0, 1)
+        shown = ", ".join(f"{number:g}" for number in line[:3])
+        what = "numbers or positions, and left out" if counts else f"positions along {axis}"
+        notes.append(f"the first {'row' if axis == 'x' else 'column'} ({shown} ...) is taken as {what}")
+        if not counts:
+            steps["d" + axis] = abs(step)
+        if axis == "x":
+            heights = heights[:, :: -1 if step < 0 else 1]
+        elif not counts:
+            turned, heights = True, heights[:: -1 if step < 0 else 1]
+    return Axes(heights, steps, "; ".join(notes), turned, rows, columns)
+
+
+def _progression(line: np.ndarray, others: np.ndarray) -> float | None:
+    """Return the step of an even progression that most of the others are not, else None."""
+    step = _step(line) if np.isfinite(line).all() else None
+    even = [_step(other) is not None for other in others[:_COMPARED]]
+    return None if step is None or 2 * sum(even) > len(even) else step
+
+
+def _step(line: np.ndarray) -> float | None:
+    """Return the step of numbers that are even within their rounding, None for others; NaN is left out."""
+    places = np.flatnonzero(np.isfinite(line))
+    if places.size < 2 or line[places[0]] == line[places[-1]]:
+        return None
+    step = (line[places[-1]] - line[places[0]]) / (places[-1] - places[0])
+    off = np.max(np.abs(line[places] - line[places[0]] - step * (places - places[0])))
+    return float(step) if off <= (_CLOSE if places.size < _MANY else _ROUNDED) * abs(step) else None
