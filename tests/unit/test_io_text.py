@@ -144,8 +144,9 @@ def headed_points(heading):
 def test_two_spellings_of_one_unit(tmp_path):
     height = read_height_map(saved(tmp_path, headed_points("x (µm),y (micron),z (nm)")))
     np.testing.assert_allclose(height.values, HEIGHTS * 1e-9, rtol=1e-15)
-    with pytest.raises(InputFileError, match="columns x and y have different units, 'µm' and 'mm'"):
-        read_height_map(saved(tmp_path, headed_points("x (µm),y (mm),z (nm)")))
+    converted = read_height_map(saved(tmp_path, headed_points("x (µm),y (mm),z (nm)")))
+    np.testing.assert_allclose(converted.y, 1e3 * height.y, rtol=1e-12)
+    np.testing.assert_allclose(converted.x, height.x, rtol=1e-12)
 
 
 def test_a_column_of_depths_is_named(tmp_path):

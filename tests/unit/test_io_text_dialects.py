@@ -153,18 +153,18 @@ DIALECTS = {
     # numbers of rows and columns
     "row numbers from 1": (
         text_of([[str(number), *row] for number, row in enumerate(rows_of(), start=1)]),
-        np.column_stack([np.arange(1, 13), ROUGH]),
-        "the first column counts 1, 2, 3 ... and is read as heights: if it has row numbers, delete it",
+        ROUGH,
+        "the first column (1, 2, 3 ...) is taken as numbers or positions, and left out",
     ),
     "row numbers from 0": (
         text_of([[str(number), *row] for number, row in enumerate(rows_of())], " "),
-        np.column_stack([np.arange(12), ROUGH]),
-        "the first column counts 0, 1, 2 ...",
+        ROUGH,
+        "the first column (0, 1, 2 ...) is taken as numbers or positions, and left out",
     ),
     "column numbers from 0": (
         text_of([[*map(str, range(16))], *rows_of()]),
-        np.vstack([np.arange(16), ROUGH]),
-        "the first row counts 0, 1, 2 ... and is read as heights: if it has column numbers, delete it",
+        ROUGH,
+        "the first row (0, 1, 2 ...) is taken as numbers or positions, and left out",
     ),
     # numbers that mark missing points
     "not a number of SCPI": (marked("9.91E+37", CORNER, (5, 5)), without(CORNER, (5, 5)), ""),
@@ -176,7 +176,7 @@ DIALECTS = {
     "empty of MySQL": (marked(r"\N", CORNER, (5, 0)), without(CORNER, (5, 0)), ""),
     "error of Excel": (marked("#NAME?", CORNER, (5, 0)), without(CORNER, (5, 0)), ""),
 }
-DOUBTS = ("occurs in", "three digits", "counts", "is taken as missing")
+DOUBTS = ("occurs in", "three digits", "is taken as")
 
 
 @pytest.mark.parametrize("name", DIALECTS)
@@ -231,8 +231,8 @@ def test_a_length_of_the_header_shows_the_decimal_sign(tmp_path):
 
 def test_positions_that_count_are_no_row_numbers(tmp_path):
     profile = "".join(f"{place}\t{value:g}\n" for place, value in enumerate(ROUGH[0]))
-    assert "counts" not in warnings_of(read(tmp_path, profile, dx=None, dy=None))
-    assert "counts" not in warnings_of(
+    assert "is taken as" not in warnings_of(read(tmp_path, profile, dx=None, dy=None))
+    assert "is taken as" not in warnings_of(
         read(tmp_path, text_of(rows_of(np.add.outer(np.arange(9), np.arange(9)))))
     )
 

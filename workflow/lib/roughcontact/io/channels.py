@@ -184,8 +184,8 @@ def choose_channel(
     listing = ", ".join(repr(name) for name in names)
     if wanted is None and file.question:
         raise InputFileError(
-            f"{where}: {file.question}; name one with channel (table of surfaces or argument), of {listing}; or "
-            "all, in a row each, as repeats of one part of a group"
+            f"{where}: {file.question}; name one with channel (table of surfaces or argument), of {listing}; "
+            "or all, in a row each, as repeats of one part of a group"
         )
     if wanted is None:
         for channel in file.channels:

@@ -131,7 +131,7 @@ def _parsed(
     if unit := unit_of_heights(rows.heading):
         if is_length(said.get("height_unit")) and not same_length(unit, said["height_unit"]):
             raise InputFileError(
-                f"{path}: {stated['height_unit'][0]}, and a heading of the heights {unit!r}; correct one of them"
+                f"{path}: {stated['height_unit'][0]}, and a heading of the heights {unit!r}; correct one"
             )
         said.setdefault("height_unit", unit)
     values = table.values
@@ -205,8 +205,8 @@ def _file(text: _Text) -> MeasuredFile:
         if not (found := layout(columns)) and not of_a_map(columns):
             names = ", ".join(repr(f"{name} ({unit})" if unit else name) for name, unit, _ in columns)
             raise text.refuse(
-                f"nothing says which of the {count} columns {names} are positions and heights; name them x, y "
-                "and z, in the line above the table"
+                f"nothing says which of the {count} columns {names} are positions and heights; name them x, "
+                "y and z, in the line above the table"
             )
     elif columns is not None and count in (2, 3):
         found = layout(columns)
@@ -242,11 +242,11 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
     if channel.doubt:
         return file
     if wrong := _disagreeing(axes, text):
-        channel.doubt = f"{axes.note}, but {wrong}; {_SCALE_ADVICE}"
+        channel.doubt = f"{axes.note}: {wrong}; {_SCALE_ADVICE}"
     elif not axes.rows and nx < _MANY_PROFILES and not _SIZES & {*said}:
         channel.doubt = (
-            f"the first of {nx} columns holds positions: of {several(nx - 1, 'profile')}, then name the columns "
-            "in a line above them (x, z1, ...), or of the rows of a map, then give dx, dy and unit"
+            f"the first of {nx} columns holds positions: of {several(nx - 1, 'profile')}, then name the "
+            "columns in a line above them (x, z1, ...), or of the rows of a map, then give dx, dy and unit"
         )
     if channel.doubt:
         channel.otherwise = replace(channel, doubt="", dx=None, dy=None)
@@ -254,18 +254,15 @@ def _matrix_beside(text: _Text) -> MeasuredFile:
 
 
 def _disagreeing(axes: Axes, text: _Text) -> str:
-    """Return the statement of the header that positions beside a matrix contradict; they have no unit."""
-    shape = axes.values.shape
+    """Return what of the header the positions beside a matrix contradict; they have no unit."""
     for key, step in axes.steps.items():
-        position = Statement(step, "", 0.0, text.rows.lines[0], key)
-        words = {key, "step", f"length_{key[1]}"} & {*text.stated}
-        bare = {word: [text.stated[word][0]._replace(unit="")] for word in words}
-        if bare and contradiction(
-            {"d" + key[1]: [position]} | {w: s for w, s in bare.items() if w != key}, shape
-        ):
-            return str(next(iter(bare.values()))[0])
-        if key in bare and abs(bare[key][0].value / step - 1) > 0.01:
-            return str(text.stated[key][0])
+        one = {
+            word: text.stated[word][:1] for word in (key, "step", f"length_{key[1]}") if word in text.stated
+        }
+        bare = {word: [each._replace(unit="") for each in found] for word, found in one.items()}
+        position = Statement(step, "", 0.01 * step, text.rows.lines[0], f"{key} = {step:g} by positions")
+        if wrong := contradiction(bare | {key: [position, *bare.get(key, [])]}, axes.values.shape):
+            return wrong
     return ""
 
 
@@ -298,8 +295,8 @@ def _lists(
                 )
             if name.lower().startswith(_DEPTHS):
                 channel.notes.append(
-                    f"the heights are those of the column {name!r}, as they are; if it counts downwards, change "
-                    "their sign"
+                    f"the heights are those of the column {name!r}, as they are; if it counts downwards, "
+                    "change their sign"
                 )
         files.append(file)
         if not all(channel.no_height for channel in file.channels):

@@ -42,9 +42,9 @@ row of the map
     if width <= 3 and (line.strip()[0].isalpha() or line.strip()[0] in COMMENT_SIGNS):
         return
     raise InputFileError(
-        f"{path}: line {first + number} has as many cells as the rows of the table below it, and {word[:40]!r} "
-        "in place of a number: correct it, write NaN for a missing point, or delete the line if it is no row "
-        "of the map"
+        f"{path}: line {first + number} has as many cells as the rows of the table below it, and "
+        f"{word[:40]!r} in place of a number: correct it, write NaN for a missing point, or delete the line "
+        "if it is no row of the map"
     )
 
 
